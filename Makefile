@@ -1,0 +1,84 @@
+# Short names for the usual commands; the real build is CMake (CMakePresets.json).
+
+SHELL := /bin/bash
+.SHELLFLAGS := -o pipefail -c
+.DEFAULT_GOAL := help
+JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+PREFIX ?= /usr/local
+RUN_DIR := build/run/taylor_bar
+PYTHON = $(shell test -x build/venv/bin/python && echo build/venv/bin/python || echo python3)
+FORTRAN_SOURCES = $(shell find src -name '*.f90' -o -name '*.F90' | sort)
+
+# Containers run as root, and tests start more processes than there are cores.
+export OMPI_ALLOW_RUN_AS_ROOT := 1
+export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
+export OMPI_MCA_rmaps_base_oversubscribe := 1
+
+.PHONY: help setup setup-dev build run test debug test-debug bench lint format coverage doc install clean
+.PRECIOUS: build/%/.configured
+
+help: ## List the targets
+	@echo "make TARGET, where TARGET is one of"
+	@sed -n 's/^\([a-z][a-z-]*\):.*## /  \1	/p' $(MAKEFILE_LIST) | expand -t 14
+
+setup: ## Install what is missing (compiler, MPI, HDF5, muParser, CMake, Python packages)
+	@scripts/setup.sh
+
+setup-dev: # The tools of lint, format, coverage and doc
+	@scripts/setup.sh --dev
+
+build/%/.configured: CMakePresets.json
+	cmake --preset $*
+	@touch $@
+
+build: setup build/release/.configured ## Build build/release/sgmp
+	cmake --build build/release --parallel $(JOBS)
+
+run: build ## Run the Taylor bar, compare it with the experiment and draw it
+	rm -rf $(RUN_DIR)
+	mkdir -p $(RUN_DIR)
+	build/release/sgmp input/taylor_bar.inp --output $(RUN_DIR)
+	$(PYTHON) scripts/taylor_bar_report.py $(RUN_DIR)
+	@find $(RUN_DIR) -name '*.png' -printf 'picture: $(CURDIR)/%p\n' | sort
+
+test: build ## Build and run all tests
+	ctest --test-dir build/release --parallel $(JOBS) --output-on-failure --no-tests=error
+
+debug: setup build/debug/.configured ## Build build/debug/sgmp with all run-time checks
+	cmake --build build/debug --parallel $(JOBS)
+
+test-debug: debug ## Run all tests on the debug build
+	ctest --test-dir build/debug --parallel $(JOBS) --output-on-failure --no-tests=error
+
+bench: build ## Measure nanoseconds per particle and step
+	$(PYTHON) scripts/bench.py build/release/sgmp
+
+lint: setup-dev ## Check the sources against the house style
+	@$(PYTHON) scripts/lint.py --fortitude build/venv/bin/fortitude src
+
+# findent takes "module DIM(name)" of the dimension-generic sources for an array, hence the change and back.
+format: setup-dev ## Indent the sources in place
+	@for file in $(FORTRAN_SOURCES); do \
+	  sed -E 's/\bDIM\((\w+)\)/DIM_OPEN_\1_CLOSE_DIM/g' $$file | build/venv/bin/findent -i2 -k- -Rr \
+	    | sed -E 's/DIM_OPEN_(\w+)_CLOSE_DIM/DIM(\1)/g' > build/indented || exit 1; \
+	  cmp -s $$file build/indented || { cat build/indented > $$file; echo "indented $$file"; }; \
+	done; rm -f build/indented
+
+coverage: setup setup-dev build/coverage/.configured ## Measure the tests' line coverage
+	cmake --build build/coverage --parallel $(JOBS)
+	find build/coverage -name '*.gcda' -delete
+	ctest --test-dir build/coverage --parallel $(JOBS) --output-on-failure --no-tests=error
+	mkdir -p build/coverage/report
+	build/venv/bin/gcovr --root . --filter src/ --object-directory build/coverage --gcov-ignore-errors=all \
+	  --html-details build/coverage/report/index.html --print-summary --txt build/coverage/report/coverage.txt
+	@echo "report: $(CURDIR)/build/coverage/report/index.html"
+
+doc: setup setup-dev ## Write the pages of the programming interface
+	build/venv/bin/ford doc/api.md
+	@echo "pages: $(CURDIR)/build/doc/index.html"
+
+install: build ## Install below PREFIX (default /usr/local)
+	cmake --install build/release --prefix "$(PREFIX)"
+
+clean: ## Remove everything that was built, the Python environment included
+	rm -rf build

@@ -1,0 +1,282 @@
+#!/usr/bin/env python3
+"""Draw the particles of one dump, coloured by a field.
+
+    python3 scripts/render_particles.py taylor_bar.out --field plastic_strain
+    python3 scripts/render_particles.py taylor_bar.out --step 3 --field pressure --axis x --cut
+    python3 scripts/render_particles.py taylor_bar.out/particles_0000120.vtu -o picture.png
+
+Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, or a particles CSV.
+3D: side view along --axis as a shaded surface, hidden particles hidden; --cut removes the half that faces the viewer and
+shows the section. 2D: the plane. 1D: field over x. A dashed line is the undeformed outline, where it is known (first dump
+or initial positions). A field may be a component (stress_xx), a vector (its size) or a tensor (von Mises); without --field:
+plastic strain, else pressure, else speed. Needs numpy and matplotlib. Exit code 1 if an input is missing.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import ListedColormap, Normalize, TwoSlopeNorm
+
+from sgmp_io import PLASTIC_STRAIN, SgmpFileError, first_dump, label, plot_style, read_dump, read_units
+
+VIEWS = {"x": (1, 2, 0, 1.0), "y": (0, 2, 1, -1.0), "z": (0, 1, 2, 1.0)}  # horizontal, vertical, depth, towards the viewer
+LIGHT = np.array([-0.45, 0.55, 0.70]) / np.linalg.norm([-0.45, 0.55, 0.70])
+SEQUENTIAL = ListedColormap(plt.get_cmap("viridis")(np.linspace(0.1, 1.0, 256)))  # its dark end would hide the shading
+OUTLINE = dict(colors="0.35", linewidths=1.0, linestyles=[(0, (5, 3))])
+
+
+# ---------------------------------------------------------------- geometry
+
+def dimension_of(points):
+    """1, 2 or 3: coordinates that vary."""
+    return max(1, int(np.count_nonzero(np.ptp(points, axis=0) > 0)))
+
+
+def estimate_spacing(points, volume=None):
+    """Lattice constant: from the particles' volume, else the median distance to the nearest neighbour."""
+    dimension = dimension_of(points)
+    if volume is not None and dimension == 3:
+        return float(np.median(volume) ** (1 / 3))
+    sample = points[np.linspace(0, len(points) - 1, min(len(points), 100)).astype(int)]
+    nearest = []
+    for point in sample:
+        distance = np.sum((points - point) ** 2, axis=1)
+        distance = distance[distance > 0]
+        if len(distance):
+            nearest.append(np.sqrt(distance.min()))
+    if not nearest:
+        raise SgmpFileError("one particle only: nothing to draw")
+    return float(np.median(nearest))
+
+
+def initial_points(particles, source):
+    """Positions at the start, or None."""
+    if "initial_position" in particles.fields:
+        return particles.fields["initial_position"]
+    dump = first_dump(source)
+    return dump.points if dump is not None and dump.path != particles.path else None
+
+
+# ---------------------------------------------------------------- rasters
+
+class Canvas:
+    """Pixels over a rectangle of the view plane."""
+
+    def __init__(self, lower, upper, spacing, pixels_per_spacing):
+        longest = max(upper - lower)
+        self.size = max(spacing / pixels_per_spacing, longest / 2200)  # side of a pixel
+        self.lower = lower
+        self.shape = tuple(int(n) + 1 for n in np.ceil((upper - lower) / self.size))[::-1]
+        self.extent = (lower[0], lower[0] + self.shape[1] * self.size, lower[1], lower[1] + self.shape[0] * self.size)
+
+    def splat(self, plane, depth, values, radius, square):
+        """Depth and value of the foremost particle in every pixel (NaN: none); particles as balls or squares."""
+        order = np.argsort(depth, kind="stable")  # of several in one pixel the last one written, the foremost, stays
+        column, row = (np.floor((plane[order] - self.lower) / self.size).astype(int)).T
+        depth, values = depth[order], values[order]
+        front = np.full(self.shape, -np.inf)
+        colour = np.full(self.shape, np.nan)
+        reach = max(1, int(round(radius / self.size)))
+        for i in range(-reach, reach + 1):
+            for j in range(-reach, reach + 1):
+                bulge = 0.0
+                if not square:
+                    bulge = radius**2 - (i * self.size) ** 2 - (j * self.size) ** 2
+                    if bulge < 0:
+                        continue
+                    bulge = np.sqrt(bulge)
+                r, c = row + i, column + j
+                inside = (r >= 0) & (r < self.shape[0]) & (c >= 0) & (c < self.shape[1])
+                r, c, d, v = r[inside], c[inside], depth[inside] + bulge, values[inside]
+                wins = d > front[r, c]
+                front[r[wins], c[wins]] = d[wins]
+                colour[r[wins], c[wins]] = v[wins]
+        front[np.isinf(front)] = np.nan
+        return front, colour
+
+
+def close_gaps(filled, reach):
+    """Mask with gaps narrower than 2 reach + 1 pixels filled, outer edges unchanged: dilation, then erosion."""
+    closed = np.pad(filled, reach)
+    for grow in (np.logical_or, np.logical_and):
+        for axis in (0, 1):
+            result = closed.copy()
+            for shift in range(1, reach + 1):
+                for step in (-shift, shift):
+                    grow(result, np.roll(closed, step, axis), out=result)
+            closed = result
+    return closed[reach:-reach, reach:-reach] if reach else closed
+
+
+def smooth(image, width, keep=None):
+    """Gaussian blur that ignores empty (NaN) pixels; result in the pixels `keep` (default: those filled before)."""
+    filled = np.isfinite(image)
+    keep = filled if keep is None else keep
+    width = max(width, 0.4)
+    reach = int(np.ceil(3 * width))
+    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
+    kernel /= kernel.sum()
+    weight, total = filled.astype(float), np.where(filled, image, 0.0)
+    for axis in (0, 1):
+        pad = [(reach, reach) if a == axis else (0, 0) for a in (0, 1)]
+        n = image.shape[axis]
+        weight, total = (sum(k * np.take(padded, range(i, i + n), axis=axis) for i, k in enumerate(kernel))
+                         for padded in (np.pad(weight, pad), np.pad(total, pad)))
+    return np.where(keep & (weight > 1e-9), total / np.maximum(weight, 1e-9), np.nan)
+
+
+def shade(front, size):
+    """Brightness of the surface of a depth map, lit from the upper left."""
+    dy, dx = np.gradient(np.where(np.isfinite(front), front, np.nanmin(front)), size)
+    light = (-dx * LIGHT[0] - dy * LIGHT[1] + LIGHT[2]) / np.sqrt(dx**2 + dy**2 + 1)
+    return 0.62 + 0.52 * np.clip(light, 0, 1)
+
+
+# ---------------------------------------------------------------- drawing
+
+def choose_norm(values, limits=None):
+    """Colour scale: symmetric about zero for fields of both signs, else from the 0.2nd to the 99.8th percentile."""
+    values = values[np.isfinite(values)]
+    if values.size == 0:
+        raise SgmpFileError("the field is NaN everywhere")
+    if limits:
+        return Normalize(*limits), SEQUENTIAL
+    low, high = np.percentile(values, [0.2, 99.8])
+    if low < 0 < high and min(-low, high) > 0.05 * max(-low, high):
+        top = max(-low, high)
+        return TwoSlopeNorm(0.0, -top, top), "RdBu_r"
+    if high <= low:
+        low, high = low - 0.5, high + 0.5
+    if 0 <= low < 0.1 * high:
+        low = 0.0
+    return Normalize(low, high), SEQUENTIAL
+
+
+def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=None, limits=None, cmap=None):
+    """Draw a 2D or 3D cloud on `axis` in data units; returns a mappable for the colour bar."""
+    flat = dimension_of(points) == 2
+    across, up, along, sign = VIEWS["z" if flat and np.ptp(points[:, 2]) == 0 else view]
+    plane, depth = points[:, [across, up]], sign * points[:, along]
+    clouds = [plane] + ([outline[:, [across, up]]] if outline is not None else [])
+    margin = 1.5 * spacing
+    lower = np.min([cloud.min(axis=0) for cloud in clouds], axis=0) - margin
+    upper = np.max([cloud.max(axis=0) for cloud in clouds], axis=0) + margin
+    norm, standard = choose_norm(values, limits)
+    mappable = plt.cm.ScalarMappable(norm, plt.get_cmap(cmap or standard))
+    keep = np.ones(len(points), bool)
+    if cut and not flat:
+        keep = depth <= 0.5 * (depth.min() + depth.max())
+    canvas = Canvas(lower, upper, spacing, 12 if len(points) < 200000 else 6)
+    if flat:
+        _, colour = canvas.splat(plane, np.zeros(len(plane)), values, 0.55 * spacing, square=True)
+        solid = close_gaps(np.isfinite(colour), int(0.3 * spacing / canvas.size))
+        colour = np.where(np.isfinite(colour), colour, smooth(colour, 0.3 * spacing / canvas.size, solid))
+        image = mappable.to_rgba(colour)
+        image[~np.isfinite(colour), 3] = 0.0
+    else:
+        front, colour = canvas.splat(plane[keep], depth[keep], values[keep], 0.6 * spacing, square=False)
+        pixels = spacing / canvas.size
+        solid = close_gaps(np.isfinite(colour), int(round(0.8 * pixels)))
+        everywhere = np.ones_like(solid)  # depth beyond the edge too, so that its slope is right at the edge
+        image = mappable.to_rgba(smooth(colour, 0.4 * pixels, solid))
+        brightness = shade(smooth(front, 1.1 * pixels, everywhere), canvas.size)
+        image[..., :3] = np.clip(image[..., :3] * brightness[..., None], 0, 1)
+        image[~solid, 3] = 0.0
+    axis.imshow(image, origin="lower", extent=canvas.extent, interpolation="bilinear", zorder=2)
+    if outline is not None:
+        mask, _ = canvas.splat(clouds[1], np.zeros(len(outline)), np.ones(len(outline)), 0.5 * spacing, square=True)
+        x, y = (np.linspace(*canvas.extent[k:k + 2], n, endpoint=False) + canvas.size / 2
+                for k, n in ((0, canvas.shape[1]), (2, canvas.shape[0])))
+        filled = close_gaps(np.isfinite(mask), int(round(0.5 * spacing / canvas.size))).astype(float)
+        axis.contour(x, y, smooth(filled, 0.8), levels=[0.5], zorder=3, **OUTLINE)
+    axis.set(xlim=canvas.extent[:2], ylim=canvas.extent[2:], aspect="equal")
+    axis.grid(False)
+    return mappable
+
+
+def field_unit(name, units):
+    """Unit of a field by its name."""
+    for start, unit in (("stress", units["stress"]), ("pressure", units["stress"]), ("yield", units["stress"]),
+                        ("velocity", units["velocity"]), ("temperature", "K"), ("volume", units["length"] and units["length"] + "³"),
+                        ("density", units["mass"] and f"{units['mass']}/{units['length']}³"), ("mass", units["mass"])):
+        if name.startswith(start):
+            return unit
+    return ""
+
+
+def field_label(name, units):
+    """Words and unit of a field."""
+    words = {"stress": "von Mises stress", "velocity": "speed"}.get(name, name.replace("_", " "))
+    if name in PLASTIC_STRAIN:
+        words = "equivalent plastic strain"
+    return label(words, field_unit(name, units))
+
+
+def render(arguments):
+    particles = read_dump(arguments.source, arguments.step)
+    if len(particles.points) < 2:
+        raise SgmpFileError(f"{particles.path}: fewer than two particles")
+    folder = arguments.source if arguments.source.is_dir() else arguments.source.parent
+    units = read_units(folder)
+    name = arguments.field or particles.first_of(*PLASTIC_STRAIN, "pressure", "velocity")
+    if name is None:
+        raise SgmpFileError(f"{particles.path}: no field to colour by")
+    values = particles.column(name).astype(float)
+    title = arguments.title or folder.resolve().name.removesuffix(".out").replace("_", " ")
+    if particles.time is not None:
+        title += f"   t = {particles.time:.4g} {units['time']}".rstrip()
+    across, up = (VIEWS["z"] if dimension_of(particles.points) == 2 else VIEWS[arguments.axis])[:2]
+    with plt.rc_context(plot_style()):
+        if dimension_of(particles.points) == 1:
+            figure, axis = plt.subplots(figsize=(7, 4), layout="constrained")
+            order = np.argsort(particles.points[:, 0])
+            axis.plot(particles.points[order, 0], values[order], ".-", markersize=3, linewidth=0.8)
+            axis.set(xlabel=label("x", units["length"]), ylabel=field_label(name, units))
+        else:
+            initial = initial_points(particles, arguments.source)
+            spacing = estimate_spacing(particles.points if initial is None else initial, particles.fields.get("volume"))
+            outline = None if arguments.no_outline else initial
+            shown = particles.points if outline is None else np.vstack([particles.points, outline])
+            extent = np.ptp(shown[:, [across, up]], axis=0) + 3 * spacing
+            size = extent * min(7.5 / extent[0], 6.5 / extent[1])
+            figure, axis = plt.subplots(figsize=(size[0] + 1.9, max(size[1], 1.8) + 0.9), layout="constrained")
+            mappable = draw_particles(axis, particles.points, values, spacing, arguments.axis, arguments.cut, outline,
+                                      arguments.limits, arguments.cmap)
+            bar = figure.colorbar(mappable, ax=axis, shrink=0.9, pad=0.03, aspect=28)
+            bar.set_label(field_label(name, units))
+            bar.outline.set_visible(False)
+            axis.set(xlabel=label("xyz"[across], units["length"]), ylabel=label("xyz"[up], units["length"]))
+        axis.set_title(title, loc="left", fontweight="bold")
+        output = arguments.output or folder / f"{particles.path.stem}_{name}.png"
+        figure.savefig(output)
+        plt.close(figure)
+    return output
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file or particles CSV")
+    parser.add_argument("--field", help="field, component, vector or tensor to colour by")
+    parser.add_argument("--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)")
+    parser.add_argument("--axis", choices="xyz", default="y", help="3D: direction of view (default: y, that is x to the right, z up)")
+    parser.add_argument("--cut", action="store_true", help="3D: remove the half facing the viewer")
+    parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"), help="ends of the colour scale")
+    parser.add_argument("--cmap", help="matplotlib colour map")
+    parser.add_argument("--title", help="title (default: the folder's name)")
+    parser.add_argument("--no-outline", action="store_true", help="without the undeformed outline")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="picture (default: beside the data)")
+    arguments = parser.parse_args()
+    try:
+        print(render(arguments))
+    except (SgmpFileError, OSError, ValueError) as problem:
+        sys.exit(f"render_particles: {problem}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,282 @@
+"""Readers for what sgmp writes: history.csv, bodies.csv, particles_end.csv, .vtu, .pvd, summary.json.
+
+Needs numpy only. Every reader raises SgmpFileError with the file's name when something is missing or malformed.
+
+    from sgmp_io import read_history, read_vtu
+    history = read_history("taylor_bar.out")         # dict: column -> array
+    cloud = read_vtu("taylor_bar.out/particles_0000120.vtu")
+    cloud.points, cloud.time, cloud.fields["stress"]  # (n, 3), float, (n, 6)
+"""
+
+import csv
+import json
+import re
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Dict, List, Optional, Tuple
+
+import numpy as np
+
+
+class SgmpFileError(Exception):
+    """A file is missing, or not what its name says."""
+
+
+@dataclass
+class Particles:
+    """Particles at one time, from a .vtu file or particles_end.csv."""
+
+    path: Path
+    points: np.ndarray                                  # (n, 3)
+    fields: Dict[str, np.ndarray] = field(default_factory=dict)  # (n,) or (n, components)
+    components: Dict[str, List[str]] = field(default_factory=dict)
+    time: Optional[float] = None
+
+    def column(self, name: str) -> np.ndarray:
+        """One number per particle: a scalar field, `stress_xx`, `velocity_z`, or the size of a vector."""
+        if name in self.fields:
+            values = self.fields[name]
+            if values.ndim == 1:
+                return values
+            if values.shape[1] == 6:
+                return von_mises(values)
+            return np.linalg.norm(values, axis=1)
+        base, _, suffix = name.rpartition("_")
+        if suffix in self.components.get(base, []):
+            return self.fields[base][:, self.components[base].index(suffix)]
+        raise SgmpFileError(f"{self.path}: no field '{name}'; there are: {', '.join(self.names())}")
+
+    def names(self) -> List[str]:
+        """All names that `column` knows."""
+        names = list(self.fields)
+        for base, suffixes in self.components.items():
+            names += [f"{base}_{suffix}" for suffix in suffixes]
+        return names
+
+    def first_of(self, *names: str) -> Optional[str]:
+        """The first of these names that exists."""
+        known = set(self.names())
+        return next((name for name in names if name in known), None)
+
+
+PLASTIC_STRAIN = ("plastic_strain", "equivalent_plastic_strain", "epeff", "ep")
+
+
+def von_mises(stress: np.ndarray) -> np.ndarray:
+    """Equivalent stress of (n, 6) tensors in the order xx yy zz xy yz xz."""
+    xx, yy, zz, xy, yz, xz = stress.T
+    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * (xy**2 + yz**2 + xz**2))
+
+
+# ---------------------------------------------------------------- tables
+
+def read_table(path: Path) -> Dict[str, np.ndarray]:
+    """A CSV table with one header line and `#` comments as a dict of columns; a last line cut short is ignored."""
+    path = existing(path)
+    with open(path, newline="") as stream:
+        rows = [row for row in csv.reader(stream) if row and not row[0].lstrip().startswith("#")]
+    if not rows:
+        raise SgmpFileError(f"{path}: empty")
+    names, rows = [name.strip() for name in rows[0]], rows[1:]
+    if rows and len(rows[-1]) != len(names):
+        rows.pop()
+    try:
+        values = np.array([[float(word) for word in row] for row in rows]).reshape(len(rows), len(names))
+    except ValueError as problem:
+        raise SgmpFileError(f"{path}: not a table of {len(names)} columns of numbers: {problem}") from None
+    return dict(zip(names, values.T))
+
+
+def read_history(folder: Path) -> Dict[str, np.ndarray]:
+    """history.csv of an output folder (or the file itself)."""
+    folder = Path(folder)
+    return read_table(folder / "history.csv" if folder.is_dir() else folder)
+
+
+def read_particles_csv(path: Path) -> Particles:
+    """particles_end.csv of an output folder (or the file itself)."""
+    path = Path(path)
+    path = existing(path / "particles_end.csv" if path.is_dir() else path)
+    with open(path) as stream:
+        names = stream.readline().strip().split(",")
+    try:
+        values = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
+    except ValueError as problem:
+        raise SgmpFileError(f"{path}: {problem}") from None
+    columns = dict(zip(names, values.T))
+    try:
+        points = np.column_stack([columns.pop(axis) for axis in "xyz"])
+    except KeyError as missing:
+        raise SgmpFileError(f"{path}: no column {missing}") from None
+    particles = Particles(path, points)
+    for base, suffixes in (("initial_position", "x0 y0 z0"), ("velocity", "velocity_x velocity_y velocity_z"),
+                           ("stress", " ".join(f"stress_{c}" for c in ("xx", "yy", "zz", "xy", "yz", "xz")))):
+        group = suffixes.split()
+        if all(name in columns for name in group):
+            particles.fields[base] = np.column_stack([columns.pop(name) for name in group])
+            particles.components[base] = [name[len(base) + 1:] if base != "initial_position" else name[0] for name in group]
+    for name, column in columns.items():
+        particles.fields[name] = column.astype(int) if name in ("id", "body") else column
+    return particles
+
+
+def read_summary(folder: Path) -> dict:
+    """summary.json of an output folder (or the file itself)."""
+    path = Path(folder)
+    path = existing(path / "summary.json" if path.is_dir() else path)
+    try:
+        return json.loads(path.read_text())
+    except json.JSONDecodeError as problem:
+        raise SgmpFileError(f"{path}: {problem}") from None
+
+
+def lookup(summary: dict, *keys: str, default=None):
+    """The first of these dotted keys that is in a summary, else `default`."""
+    for key in keys:
+        value = summary
+        for part in key.split("."):
+            value = value.get(part) if isinstance(value, dict) else None
+        if value is not None:
+            return value
+    return default
+
+
+# ---------------------------------------------------------------- VTK
+
+VTK_TYPES = {"Float64": "f8", "Float32": "f4", "Int64": "i8", "Int32": "i4", "UInt64": "u8", "UInt32": "u4",
+             "UInt8": "u1", "Int8": "i1"}
+
+
+def read_vtu(path: Path) -> Particles:
+    """A .vtu file with appended raw data and UInt64 block sizes, as sgmp writes it."""
+    path = existing(path)
+    content = path.read_bytes()
+    start = re.search(rb'<AppendedData encoding="raw">\s*_', content)
+    if not start:
+        raise SgmpFileError(f"{path}: no appended raw data (is it a .vtu file written by sgmp?)")
+    try:
+        root = ElementTree.fromstring(content[:start.start()] + b"</VTKFile>")
+    except ElementTree.ParseError as problem:
+        raise SgmpFileError(f"{path}: {problem}") from None
+    if root.get("header_type") != "UInt64" or root.get("compressor"):
+        raise SgmpFileError(f"{path}: only uncompressed data with UInt64 headers can be read")
+    order = "<" if root.get("byte_order") == "LittleEndian" else ">"
+
+    def array(element) -> np.ndarray:
+        first = start.end() + int(element.get("offset"))
+        size = int(np.frombuffer(content, order + "u8", 1, first)[0])
+        kind = np.dtype(order + VTK_TYPES[element.get("type")])
+        if first + 8 + size > len(content):
+            raise SgmpFileError(f"{path}: cut short in array '{element.get('Name')}'")
+        values = np.frombuffer(content, kind, size // kind.itemsize, first + 8)
+        width = int(element.get("NumberOfComponents", "1"))
+        return values.reshape(-1, width) if width > 1 else values
+
+    particles = Particles(path, array(root.find(".//Points/DataArray")))
+    for element in root.iterfind(".//PointData/DataArray"):
+        name = element.get("Name")
+        particles.fields[name] = array(element)
+        names = [element.get(f"ComponentName{i}") for i in range(int(element.get("NumberOfComponents", "1")))]
+        if names[0]:
+            particles.components[name] = [c[len(name) + 1:] if c.startswith(name + "_") else c for c in names]
+    for element in root.iterfind(".//FieldData/DataArray"):
+        if element.get("Name") == "TimeValue":
+            particles.time = float(array(element)[0])
+    return particles
+
+
+def read_pvd(path: Path) -> List[Tuple[float, Path]]:
+    """Times and files of a .pvd collection."""
+    path = existing(path)
+    try:
+        root = ElementTree.parse(path).getroot()
+    except ElementTree.ParseError as problem:
+        raise SgmpFileError(f"{path}: {problem}") from None
+    return [(float(entry.get("timestep")), path.parent / entry.get("file")) for entry in root.iterfind(".//DataSet")]
+
+
+def read_dump(source: Path, step: str = "last") -> Particles:
+    """Particles of a .vtu or .csv file, or of dump `step` (number in the series, or 'last') of an output folder."""
+    source = existing(source)
+    if source.is_file():
+        return read_vtu(source) if source.suffix == ".vtu" else read_particles_csv(source)
+    series = source / "particles.pvd"
+    if not series.exists():
+        if step == "last" and (source / "particles_end.csv").exists():
+            return read_particles_csv(source)
+        raise SgmpFileError(f"{source}: neither particles.pvd nor particles_end.csv (add `output vtu` or `output csv at=end`)")
+    entries = read_pvd(series)
+    if not entries:
+        raise SgmpFileError(f"{series}: no dumps in it")
+    try:
+        time, path = entries[-1] if step == "last" else entries[int(step)]
+    except (ValueError, IndexError):
+        raise SgmpFileError(f"{series}: no dump '{step}'; give 'last' or 0 to {len(entries) - 1}") from None
+    particles = read_vtu(path)
+    particles.time = time
+    return particles
+
+
+def first_dump(source: Path) -> Optional[Particles]:
+    """The first dump of an output folder, if there is a series."""
+    source = Path(source)
+    folder = source if source.is_dir() else source.parent
+    try:
+        return read_vtu(read_pvd(folder / "particles.pvd")[0][1])
+    except (SgmpFileError, IndexError):
+        return None
+
+
+# ---------------------------------------------------------------- units
+
+KNOWN_UNITS = {  # (length, mass, time): (energy, stress, velocity, momentum)
+    ("m", "kg", "s"): ("J", "Pa", "m/s", "N s"),
+    ("mm", "g", "ms"): ("mJ", "MPa", "m/s", "mN s"),
+    ("mm", "kg", "ms"): ("J", "GPa", "m/s", "N s"),
+    ("cm", "g", "us"): ("100 kJ", "Mbar", "cm/us", "g cm/us"),
+}
+
+
+def read_units(folder: Path) -> Dict[str, str]:
+    """Unit labels of an output folder: length, mass, time, energy, stress, velocity, momentum ('' if not declared)."""
+    folder = Path(folder)
+    base = ("", "", "")
+    try:
+        units = read_summary(folder).get("units")
+        if isinstance(units, dict):
+            base = tuple(units.get(key) or "" for key in ("length", "mass", "time"))
+    except SgmpFileError:
+        pass
+    if not all(base) and (folder / "history.csv").exists():
+        with open(folder / "history.csv") as stream:
+            for line in (stream.readline(), stream.readline()):
+                found = re.search(r"length (\S+), mass (\S+), time (\S+?)(,|$)", line.strip())
+                if found:
+                    base = found.groups()[:3]
+    if not all(base):
+        return dict.fromkeys(("length", "mass", "time", "energy", "stress", "velocity", "momentum"), "")
+    length, mass, time = base
+    energy, stress, velocity, momentum = KNOWN_UNITS.get(
+        base, (f"{mass} {length}²/{time}²", f"{mass}/({length} {time}²)", f"{length}/{time}", f"{mass} {length}/{time}"))
+    return dict(length=length, mass=mass, time=time, energy=energy, stress=stress, velocity=velocity, momentum=momentum)
+
+
+def label(text: str, unit: str) -> str:
+    """An axis label with its unit, if there is one."""
+    return f"{text} ({unit})" if unit else text
+
+
+def plot_style() -> dict:
+    """Settings that all figures share."""
+    return {"font.size": 10, "axes.grid": True, "grid.alpha": 0.25, "axes.spines.top": False, "axes.spines.right": False,
+            "legend.frameon": False, "figure.dpi": 110, "savefig.dpi": 200, "lines.linewidth": 1.6,
+            "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True}
+
+
+def existing(path: Path) -> Path:
+    """The path, or an error that says it is missing."""
+    path = Path(path)
+    if not path.exists():
+        raise SgmpFileError(f"{path}: no such file or folder")
+    return path

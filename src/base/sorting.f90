@@ -1,0 +1,56 @@
+!> Stable sorting of integer keys.
+module sgmp_sorting
+  use sgmp_kinds, only: i8
+  implicit none
+  private
+  public :: sort_order
+
+  integer, parameter :: digit_bits = 11
+
+contains
+
+  !> Permutation that puts non-negative keys in ascending order, equal keys in their old order: a radix sort.
+  pure subroutine sort_order(keys, order)
+    integer(i8), intent(in) :: keys(:)
+    integer, intent(out) :: order(:) !! (size(keys)); keys(order) ascends
+    integer, allocatable :: other(:)
+    integer :: counts(0:2**digit_bits - 1), start, n, p, digit, shift
+    integer(i8) :: largest
+    do p = 1, size(keys)
+      order(p) = p
+    end do
+    if (size(keys) < 2) return
+    largest = maxval(keys)
+    allocate (other(size(keys)))
+    shift = 0
+    do while (shift < 63)
+      if (ishft(largest, -shift) == 0_i8) exit
+      counts = 0
+      do p = 1, size(keys)
+        digit = digit_of(keys(p), shift)
+        counts(digit) = counts(digit) + 1
+      end do
+      start = 1
+      do digit = 0, size(counts) - 1
+        n = counts(digit)
+        counts(digit) = start
+        start = start + n
+      end do
+      other = order
+      do p = 1, size(keys)
+        digit = digit_of(keys(other(p)), shift)
+        order(counts(digit)) = other(p)
+        counts(digit) = counts(digit) + 1
+      end do
+      shift = shift + digit_bits
+    end do
+  end subroutine sort_order
+
+  pure function digit_of(key, shift) result(digit)
+    integer(i8), intent(in) :: key
+    integer, intent(in) :: shift
+    integer :: digit
+    digit = int(ibits(key, shift, min(digit_bits, 64 - shift)))
+  end function digit_of
+
+end module sgmp_sorting

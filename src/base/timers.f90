@@ -1,0 +1,50 @@
+!> Wall-clock timers of the phases of a step.
+module sgmp_timers
+  use sgmp_kinds, only: dp, i8
+  implicit none
+  private
+  public :: timers_t, timers_start, timers_stop, wall_time, phase_names
+  public :: phase_kick, phase_drift, phase_grid, phase_rebin, phase_output, phase_count
+
+  integer, parameter :: phase_kick = 1   !! momentum sweep over the particles
+  integer, parameter :: phase_drift = 2  !! stress sweep over the particles
+  integer, parameter :: phase_grid = 3   !! nodes, walls
+  integer, parameter :: phase_rebin = 4  !! particles that change bins, new grid rows
+  integer, parameter :: phase_output = 5
+  integer, parameter :: phase_count = 5
+  character(16), parameter :: phase_names(phase_count) = &
+                              [character(16) :: 'momentum sweep', 'stress sweep', 'grid', 're-binning', 'output']
+
+  !> Seconds spent in each phase.
+  type :: timers_t
+    real(dp) :: seconds(phase_count) = 0.0_dp
+    real(dp) :: started = 0.0_dp
+  end type timers_t
+
+contains
+
+  !> Seconds since some fixed moment.
+  function wall_time() result(seconds)
+    real(dp) :: seconds
+    integer(i8) :: count, rate
+    call system_clock(count, rate)
+    seconds = real(count, dp)/real(rate, dp)
+  end function wall_time
+
+  !> Starts the clock.
+  subroutine timers_start(timers)
+    type(timers_t), intent(inout) :: timers
+    timers%started = wall_time()
+  end subroutine timers_start
+
+  !> Books the time since the start on a phase and starts again.
+  subroutine timers_stop(timers, phase)
+    type(timers_t), intent(inout) :: timers
+    integer, intent(in) :: phase
+    real(dp) :: now
+    now = wall_time()
+    timers%seconds(phase) = timers%seconds(phase) + now - timers%started
+    timers%started = now
+  end subroutine timers_stop
+
+end module sgmp_timers

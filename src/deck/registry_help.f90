@@ -1,0 +1,182 @@
+!> `sgmp help` and the reference of all cards, both written from the table.
+module sgmp_registry_help
+  use sgmp_deck_table, only: deck_table
+  use sgmp_errors, only: error_make, error_t, exit_usage
+  use sgmp_expression, only: expression_functions, expression_variables
+  use sgmp_registry, only: card_definition_t, key_definition_t, kind_name, registry_t
+  use sgmp_words, only: suggestion, word_lower
+  implicit none
+  private
+  public :: registry_write_help, registry_write_markdown
+
+contains
+
+  !> Writes the list of cards, or one card where a keyword is given.
+  subroutine registry_write_help(unit, keyword, error)
+    integer, intent(in) :: unit           !! formatted unit
+    character(*), intent(in) :: keyword   !! '' for the list
+    type(error_t), allocatable, intent(out) :: error
+    type(registry_t) :: registry
+    integer :: i
+    registry = deck_table()
+    if (keyword == '') then
+      write (unit, '(a)') 'Cards (sgmp help CARD shows its keys):', ''
+      do i = 1, size(registry%cards)
+        write (unit, '(2x, a, t16, a)') registry%cards(i)%name, &
+          first_sentence(registry%cards(i)%help)
+      end do
+      write (unit, '(2x, a, t16, a)') 'parameter', &
+        'parameter name = value: a number, or a word used as $name.'
+      write (unit, '(2x, a, t16, a)') 'include', 'include "file": another file''s cards.'
+      write (unit, '(a)') '', 'sgmp help --markdown writes the complete reference.'
+      return
+    end if
+    i = registry%find_card(word_lower(keyword))
+    if (i == 0) then
+      call error_make(error, exit_usage, "there is no card '"//keyword//"'", &
+                      suggestion(keyword, registry%card_names(), 'cards'))
+      return
+    end if
+    call write_card(unit, registry%cards(i))
+  end subroutine registry_write_help
+
+  subroutine write_card(unit, card)
+    integer, intent(in) :: unit
+    type(card_definition_t), intent(in) :: card
+    integer :: i
+    write (unit, '(a)') card%name//': '//card%help, ''
+    write (unit, '(a)') '  e.g. '//card%example, ''
+    do i = 1, size(card%keys)
+      write (unit, '(2x, a, t22, a)') card%keys(i)%name, card%keys(i)%help
+      write (unit, '(t24, a)') facts(card%keys(i))
+    end do
+    if (card%once) write (unit, '(/, a)') 'At most one such card.'
+  end subroutine write_card
+
+  !> Kind, unit, default and limits of a key in one line.
+  function facts(key) result(text)
+    type(key_definition_t), intent(in) :: key
+    character(:), allocatable :: text
+    text = kind_name(key%kind)
+    if (key%choices /= '') text = text//': '//key%choices
+    if (key%unit /= '') text = text//', '//key%unit
+    if (key%range /= '') text = text//' in '//key%range
+    if (key%default /= '') text = text//'; default '//key%default
+    if (key%required) text = text//'; required'
+    if (key%when /= '') text = text//'; only for '//key%when
+    if (key%slot > 0) text = text//'; may be written without the key'
+    if (key%source /= '') text = text//' ('//key%source//')'
+  end function facts
+
+  !> Writes the reference of all cards in Markdown.
+  subroutine registry_write_markdown(unit)
+    integer, intent(in) :: unit !! formatted unit
+    type(registry_t) :: registry
+    integer :: i
+    registry = deck_table()
+    call write_preface(unit)
+    do i = 1, size(registry%cards)
+      call write_section(unit, registry%cards(i))
+    end do
+  end subroutine registry_write_markdown
+
+  subroutine write_preface(unit)
+    integer, intent(in) :: unit
+    write (unit, '(a)') '# Deck reference', '', &
+      '<!-- written by `sgmp help --markdown`; do not edit -->', '', &
+      'A deck is a text file of cards, one per line: `keyword word … key=value key=value …`.', '', &
+      '* Upper and lower case are the same. `!` and `#` start a comment. `&` at the end of a '// &
+      'line', &
+      '  continues it. Text with blanks goes into quotes.', &
+      '* `include "file"` inserts another file; its path is relative to the file that includes '// &
+      'it.', &
+      '* `parameter name = value` defines a number, or a word. `--set name=value` replaces it.', &
+      '* A number may be a formula of numbers and parameters: `cell=h/2`, or in quotes with '// &
+      'blanks.', &
+      '  `^` and `**` are powers.', &
+      '* `$name` or `${name}` puts a parameter''s text in anywhere: `method $method`. A '// &
+      'formula that', &
+      '  contains x, y, z or t is kept as text when its value is in quotes, for use as `$name`.', &
+      '* A vector is `(a,b,c)`, `a,b,c`, or shorter: missing components are 0.', &
+      '* Formulas of fields may use the variables and constants', &
+      '  `'//expression_variables//'` and the functions', &
+      '  `'//expression_functions//'`.', ''
+  end subroutine write_preface
+
+  subroutine write_section(unit, card)
+    integer, intent(in) :: unit
+    type(card_definition_t), intent(in) :: card
+    integer :: i
+    write (unit, '(a)') '## '//card%name, '', card%help
+    if (card%once) write (unit, '(a)') 'At most one such card.'
+    write (unit, '(a)') '', '    '//card%example, '', &
+      '| key | value | unit | default | range | for | meaning |', &
+      '|---|---|---|---|---|---|---|'
+    do i = 1, size(card%keys)
+      associate (key => card%keys(i))
+        write (unit, '(a)') '| `'//key%name//'`'//slot_mark(key)//' | '//value_cell(key)//' | '// &
+          key%unit//' | '//default_cell(key)//' | '//range_cell(key)//' | '//key%when//' | '// &
+          escaped(key%help)//source_cell(key)//' |'
+      end associate
+    end do
+    write (unit, '(a)') ''
+  end subroutine write_section
+
+  function slot_mark(key) result(text)
+    type(key_definition_t), intent(in) :: key
+    character(:), allocatable :: text
+    text = ''
+    if (key%slot > 0) text = ' (word '//achar(iachar('0') + key%slot)//')'
+  end function slot_mark
+
+  function value_cell(key) result(text)
+    type(key_definition_t), intent(in) :: key
+    character(:), allocatable :: text
+    text = kind_name(key%kind)
+    if (key%choices /= '') text = key%choices
+  end function value_cell
+
+  function default_cell(key) result(text)
+    type(key_definition_t), intent(in) :: key
+    character(:), allocatable :: text
+    text = key%default
+    if (key%required) text = '*required*'
+  end function default_cell
+
+  function range_cell(key) result(text)
+    type(key_definition_t), intent(in) :: key
+    character(:), allocatable :: text
+    text = ''
+    if (key%range /= '') text = '`'//key%range//'`'
+  end function range_cell
+
+  function source_cell(key) result(text)
+    type(key_definition_t), intent(in) :: key
+    character(:), allocatable :: text
+    text = ''
+    if (key%source /= '') text = ' ('//key%source//')'
+  end function source_cell
+
+  !> Bars would end a table's cell.
+  function escaped(help) result(text)
+    character(*), intent(in) :: help
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, len(help)
+      if (help(i:i) == '|') text = text//'\'
+      text = text//help(i:i)
+    end do
+  end function escaped
+
+  !> Up to the first full stop that ends a sentence, or the first colon or semicolon.
+  function first_sentence(help) result(text)
+    character(*), intent(in) :: help
+    character(:), allocatable :: text
+    integer :: last
+    last = index(help//' ', '. ')
+    if (last == 0) last = len(help)
+    text = help(:min(last, len(help)))
+  end function first_sentence
+
+end module sgmp_registry_help

@@ -1,0 +1,229 @@
+!> The validated description of a simulation: what the deck says, and nothing about how it is
+!! solved.
+!!
+!! The deck reader fills a `scene_t`; the driver builds a model from it. All numbers are in the
+!! deck's own consistent
+!! units. Vectors always have three components; those beyond the dimension are ignored.
+module sgmp_scene
+  use sgmp_expression, only: expression_free, expression_t
+  use sgmp_kinds, only: dp
+  implicit none
+  private
+  public :: scene_t, scene_free, grid_card_t, method_card_t, time_card_t, material_card_t, &
+    body_card_t, shape_t, bodyforce_card_t, &
+            detonation_card_t, output_card_t, gauge_card_t, stop_card_t
+  public :: wall_free, wall_slip, wall_fixed
+  public :: method_mpm, method_gimp, method_cpgimp, method_sgmp, method_names
+  public :: update_usf, update_musl, update_usl, update_names
+  public :: material_elastic, material_neo_hookean, material_j2, material_johnson_cook, &
+    material_explosive, material_names
+  public :: hardening_perfect, hardening_linear, hardening_power, eos_none, eos_jwl, eos_gruneisen
+  public :: shape_block, shape_cylinder, shape_sphere, shape_ring, shape_cone, shape_ogive, &
+    shape_halfspace
+  public :: combine_union, combine_difference, combine_intersection, layout_lattice, layout_gauss, &
+    layout_file
+  public :: lost_error, lost_remove, lost_reflect, name_length
+
+  integer, parameter :: name_length = 32
+
+  integer, parameter :: wall_free = 0, wall_slip = 1, wall_fixed = 2
+  integer, parameter :: method_mpm = 1, method_gimp = 2, method_cpgimp = 3, method_sgmp = 4
+  character(8), parameter :: method_names(4) = [character(8) :: 'mpm', 'gimp', 'cpgimp', 'sgmp']
+  integer, parameter :: update_usf = 1, update_musl = 2, update_usl = 3
+  character(8), parameter :: update_names(3) = [character(8) :: 'usf', 'musl', 'usl']
+  integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
+    material_johnson_cook = 4, &
+                        material_explosive = 5
+  character(16), parameter :: material_names(5) = [character(16) :: 'elastic', 'neo_hookean', &
+    'j2', 'johnson_cook', 'explosive']
+  integer, parameter :: hardening_perfect = 1, hardening_linear = 2, hardening_power = 3
+  integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2
+  integer, parameter :: shape_block = 1, shape_cylinder = 2, shape_sphere = 3, shape_ring = 4, &
+    shape_cone = 5, shape_ogive = 6, &
+                        shape_halfspace = 7
+  integer, parameter :: combine_union = 1, combine_difference = 2, combine_intersection = 3
+  integer, parameter :: layout_lattice = 1, layout_gauss = 2, layout_file = 3
+  integer, parameter :: lost_error = 1, lost_remove = 2, lost_reflect = 3
+
+  !> Background grid: cubic cells of side `cell`; an open face follows the particles.
+  type :: grid_card_t
+    real(dp) :: cell = 0.0_dp                       !! cell side h (length)
+    real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp !! box corners (length); unused where open
+    logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given
+    integer :: wall(2, 3) = wall_free
+      !! (lower|upper, axis): wall_free, wall_slip, wall_fixed
+    integer :: lost = lost_error
+      !! what happens to a particle that leaves through a closed free face
+  end type grid_card_t
+
+  !> Discretisation and update scheme.
+  type :: method_card_t
+    integer :: kind = method_sgmp     !! one of method_*
+    integer :: update = update_musl   !! one of update_*
+    real(dp) :: flip = 1.0_dp         !! 1 pure FLIP (the paper), 0 pure PIC
+    real(dp) :: mass_cutoff = 1.0e-12_dp
+      !! nodes lighter than this times the largest particle mass are ignored
+    logical :: normalised = .false.   !! volume-normalised stress (sgmp only)
+  end type method_card_t
+
+  !> Time integration.
+  type :: time_card_t
+    real(dp) :: end = 0.0_dp       !! end time
+    real(dp) :: cfl = 0.5_dp       !! Courant number of Eq. 69
+    real(dp) :: dt = 0.0_dp        !! fixed step; 0: from the Courant number
+    real(dp) :: dt_min = 0.0_dp    !! abort below this; 0: 1e-6 of the first step
+    real(dp) :: growth = 1.05_dp   !! largest ratio of successive steps
+    integer :: steps = huge(1)     !! stop after so many steps
+  end type time_card_t
+
+  !> A material with its equation of state; unused entries are zero.
+  type :: material_card_t
+    character(name_length) :: name = ''
+    integer :: kind = material_elastic
+    real(dp) :: density = 0.0_dp                  !! initial density
+    real(dp) :: young = 0.0_dp, poisson = 0.0_dp
+    ! J2
+    integer :: hardening = hardening_perfect
+    real(dp) :: yield = 0.0_dp                    !! initial yield stress
+    real(dp) :: hardening_modulus = 0.0_dp
+      !! linear: d(sigma_y)/d(ep); power: factor B of sigma_y = yield + B ep^n
+    real(dp) :: hardening_exponent = 1.0_dp       !! n
+    ! Johnson-Cook (yield = A, hardening_modulus = B, hardening_exponent = n)
+    real(dp) :: rate_coefficient = 0.0_dp         !! C
+    real(dp) :: reference_rate = 1.0_dp           !! strain rate at which the rate factor is 1
+    real(dp) :: thermal_exponent = 1.0_dp         !! m
+    logical :: thermal = .false.
+      !! temperature carried and yield stress softened (complete model)
+    real(dp) :: room_temperature = 293.0_dp, melt_temperature = 0.0_dp, specific_heat = 0.0_dp, &
+      taylor_quinney = 0.9_dp
+    logical :: failure = .false.
+    real(dp) :: damage(5) = 0.0_dp                !! D1..D5
+    ! explosive
+    real(dp) :: detonation_speed = 0.0_dp         !! D
+    real(dp) :: burn_cells = 0.0_dp
+      !! ramp of the burn fraction in cells; 0: instantaneous
+    ! equation of state
+    integer :: eos = eos_none
+    real(dp) :: jwl_a = 0.0_dp, jwl_b = 0.0_dp, jwl_r1 = 0.0_dp, jwl_r2 = 0.0_dp, jwl_omega = 0.0_dp
+    real(dp) :: energy0 = 0.0_dp                  !! initial energy per initial volume
+    real(dp) :: c0 = 0.0_dp, s = 0.0_dp, gamma0 = 0.0_dp !! Mie-Grueneisen
+    ! bulk viscosity of Eq. (q = rho h^2 b1 tr^2 - b2 rho h c tr)
+    real(dp) :: viscosity_quadratic = 0.0_dp, viscosity_linear = 0.0_dp
+  end type material_card_t
+
+  !> One primitive of constructive solid geometry.
+  type :: shape_t
+    integer :: kind = shape_block
+    integer :: combine = combine_union
+    real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! block: corners
+    real(dp) :: centre(3) = 0.0_dp
+      !! sphere, ring, half-space point; base centre of cylinder, cone, ogive
+    real(dp) :: axis(3) = [0.0_dp, 0.0_dp, 1.0_dp]
+      !! unit axis of cylinder, ring, cone, ogive; outward normal of a half-space
+    real(dp) :: radius = 0.0_dp, radius2 = 0.0_dp     !! outer; inner (ring), top (cone)
+    real(dp) :: length = 0.0_dp                       !! along the axis (huge: infinite, as in 2D)
+  end type shape_t
+
+  !> A body: geometry, particle layout, material, initial velocity.
+  type :: body_card_t
+    character(name_length) :: name = ''
+    integer :: material = 0                       !! index into scene%materials
+    type(shape_t), allocatable :: shapes(:)       !! combined in order
+    integer :: layout = layout_lattice
+    real(dp) :: spacing = 0.0_dp                  !! lattice constant (length)
+    integer :: ppc = 2
+      !! points per cell and axis (gauss layout; lattice if no spacing is given)
+    real(dp) :: jitter = 0.0_dp                   !! random displacement in spacings, reproducible
+    real(dp) :: rotation = 0.0_dp
+      !! degrees about z through pivot: turns shapes and lattice
+    real(dp) :: pivot(3) = 0.0_dp
+    real(dp) :: lattice_origin(3) = huge(1.0_dp)
+      !! a corner of the lattice's cells; huge: derived from the first shape
+    character(:), allocatable :: file             !! particles from file: x y z volume [vx vy vz]
+    type(expression_t) :: velocity(3)             !! initial velocity, functions of x, y, z
+    real(dp) :: temperature = -1.0_dp
+      !! initial temperature; negative: the material's room temperature
+    character(:), allocatable :: location         !! file:line:column of the card, for messages
+    logical :: allow_overlap = .false.            !! may share space with other bodies at t = 0
+  end type body_card_t
+
+  !> Body force per unit mass on one body or all, functions of x,y,z (current), x0,y0,z0 (initial),
+  !! t.
+  type :: bodyforce_card_t
+    integer :: body = 0                           !! 0: all bodies
+    type(expression_t) :: force(3)
+  end type bodyforce_card_t
+
+  !> A point from which explosives are lit.
+  type :: detonation_card_t
+    real(dp) :: point(3) = 0.0_dp
+    real(dp) :: time = 0.0_dp
+    logical :: plane = .false.                    !! plane wave: distance measured along `normal`
+    real(dp) :: normal(3) = [1.0_dp, 0.0_dp, 0.0_dp]
+  end type detonation_card_t
+
+  !> What is written when.
+  type :: output_card_t
+    logical :: vtu = .false., tecplot = .false., csv_end = .false.
+    real(dp) :: every = 0.0_dp                    !! interval in time; 0: start and end only
+    character(name_length), allocatable :: fields(:) !! fields besides id, body, position, velocity
+    integer :: history_steps = 1                  !! history and bodies rows every so many steps
+    real(dp) :: history_every = 0.0_dp            !! or every so much time (0: by steps)
+  end type output_card_t
+
+  !> A history of fields at the particle nearest to a point at t = 0.
+  type :: gauge_card_t
+    character(name_length) :: name = ''
+    real(dp) :: point(3) = 0.0_dp
+  end type gauge_card_t
+
+  !> Conditions that end a run early.
+  type :: stop_card_t
+    real(dp) :: energy_growth = huge(1.0_dp)
+      !! abort (exit 4) when total energy exceeds this times its reference
+    real(dp) :: kinetic_below = 0.0_dp
+      !! finish when kinetic energy falls below this fraction of its maximum
+  end type stop_card_t
+
+  !> A whole simulation.
+  type :: scene_t
+    character(:), allocatable :: title
+    character(:), allocatable :: file             !! the deck's path as given
+    character(:), allocatable :: resolved         !! echo of the complete resolved deck
+    character(8) :: units(3) = ''                 !! length, mass, time; empty: not declared
+    integer :: dimension = 3
+    type(grid_card_t) :: grid
+    type(method_card_t) :: method
+    type(time_card_t) :: time
+    type(material_card_t), allocatable :: materials(:)
+    type(body_card_t), allocatable :: bodies(:)
+    real(dp) :: gravity(3) = 0.0_dp
+    type(bodyforce_card_t), allocatable :: bodyforces(:)
+    type(detonation_card_t), allocatable :: detonations(:)
+    type(output_card_t) :: output
+    type(gauge_card_t), allocatable :: gauges(:)
+    type(stop_card_t) :: stop
+    logical :: allow_overlap = .false.            !! bodies may overlap at t = 0
+  end type scene_t
+
+contains
+
+  !> Releases the expressions' parsers; plain copies of the scene become unusable.
+  subroutine scene_free(scene)
+    type(scene_t), intent(inout) :: scene
+    integer :: i, k
+    do k = 1, 3
+      if (allocated(scene%bodies)) then
+        do i = 1, size(scene%bodies)
+          call expression_free(scene%bodies(i)%velocity(k))
+        end do
+      end if
+      if (allocated(scene%bodyforces)) then
+        do i = 1, size(scene%bodyforces)
+          call expression_free(scene%bodyforces(i)%force(k))
+        end do
+      end if
+    end do
+  end subroutine scene_free
+
+end module sgmp_scene

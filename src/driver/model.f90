@@ -1,0 +1,40 @@
+!> Everything a simulation consists of while it runs; passed as an argument, never global.
+module sgmp_model
+  use sgmp_body, only: body_t
+  use sgmp_energy, only: ledger_t, step_sums_t
+  use sgmp_errors, only: error_t
+  use sgmp_field, only: field_t
+  use sgmp_kinds, only: dp, i4
+  use sgmp_mesh, only: mesh_t
+  use sgmp_plan, only: workspace_t
+  use sgmp_time_step, only: clock_t
+  use sgmp_timers, only: timers_t
+  implicit none
+  private
+  public :: model_t
+
+  !> State of a simulation.
+  type :: model_t
+    type(mesh_t) :: mesh
+    type(field_t), allocatable :: fields(:)          !! velocity fields
+    type(body_t), allocatable :: bodies(:)
+    type(workspace_t), allocatable :: workspaces(:, :) !! (threads, fields)
+    integer, allocatable :: slabs(:, :)              !! (threads + 1, fields) first plane of each thread's slab
+    integer :: threads = 1
+    integer :: update = 0                            !! one of update_*
+    real(dp) :: flip = 1.0_dp
+    real(dp) :: gravity(3) = 0.0_dp
+    real(dp) :: cutoff = 0.0_dp                      !! node mass below which a node is ignored
+    integer :: lost_policy = 1                       !! one of lost_*
+    integer :: lost = 0                              !! particles removed so far
+    integer :: moved = 0                             !! particles that changed bins in the last step
+    type(clock_t) :: clock
+    real(dp) :: fastest = 0.0_dp                     !! largest c + |v|
+    integer(i4) :: fastest_id = 0
+    type(ledger_t) :: ledger
+    type(step_sums_t) :: sums                        !! of the step at hand
+    type(timers_t) :: timers
+    type(error_t), allocatable :: failure            !! what stopped the run, if anything did
+  end type model_t
+
+end module sgmp_model

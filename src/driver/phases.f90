@@ -1,0 +1,399 @@
+!> The phases of a step over all fields and threads: who does which planes, in which order results are put together.
+module sgmp_phases
+  use sgmp_body, only: body_forced, body_place, body_t
+  use sgmp_errors, only: error_make, exit_numerical
+  use sgmp_field, only: field_build, field_t
+  use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_mesh, only: stencil_width
+  use sgmp_model, only: model_t
+  use sgmp_nodes_1d, only: nodes_remap_1d => nodes_remap, nodes_solve_1d => nodes_solve, nodes_velocity_1d => nodes_velocity
+  use sgmp_nodes_2d, only: nodes_remap_2d => nodes_remap, nodes_solve_2d => nodes_solve, nodes_velocity_2d => nodes_velocity
+  use sgmp_nodes_3d, only: nodes_remap_3d => nodes_remap, nodes_solve_3d => nodes_solve, nodes_sums, &
+                           nodes_velocity_3d => nodes_velocity, sum_external, sum_ignored, node_sum_aa => sum_mass_aa, &
+                           node_sum_av => sum_mass_av
+  use sgmp_particles, only: movers_append, movers_t, particles_rebin
+  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_momentum, sum_viscous, sweep_sums, workspace_t
+  use sgmp_rows, only: rows_t, rows_union
+  use sgmp_sweep_1d, only: sweep_add_movers_1d => sweep_add_movers, sweep_join_1d => sweep_join, sweep_slab_1d => sweep_slab
+  use sgmp_sweep_2d, only: sweep_add_movers_2d => sweep_add_movers, sweep_join_2d => sweep_join, sweep_slab_2d => sweep_slab
+  use sgmp_sweep_3d, only: sweep_add_movers_3d => sweep_add_movers, sweep_join_3d => sweep_join, sweep_slab_3d => sweep_slab
+  use sgmp_text, only: integer_text
+  use sgmp_walls, only: has_walls, walls_fold, walls_mirror
+  implicit none
+  private
+  public :: phase_layout, phase_sweep, phase_rebin_particles, phase_solve, phase_velocity, phase_remap
+
+contains
+
+  !> Lays out every field for the bins of its bodies and divides the planes among the threads.
+  subroutine phase_layout(model)
+    type(model_t), intent(inout) :: model
+    type(rows_t) :: bins, more
+    integer :: f, b
+    do f = 1, size(model%fields)
+      bins%n = 0
+      if (allocated(bins%key)) deallocate (bins%key, bins%first, bins%last)
+      allocate (bins%key(0), bins%first(0), bins%last(0))
+      do b = 1, size(model%bodies)
+        if (model%bodies(b)%field /= f) cycle
+        call rows_union(bins, model%bodies(b)%particles%bins, more)
+        bins = more
+      end do
+      call field_build(model%fields(f), bins)
+      do b = 1, size(model%bodies)
+        if (model%bodies(b)%field == f) call body_place(model%bodies(b), model%fields(f))
+      end do
+      call divide_planes(model, f)
+    end do
+  end subroutine phase_layout
+
+  !> Slabs of planes with about the same number of chunks each.
+  subroutine divide_planes(model, f)
+    type(model_t), intent(inout) :: model
+    integer, intent(in) :: f
+    integer(i8), allocatable :: load(:)
+    integer(i8) :: total, before
+    integer :: p, t, b, s, least, planes
+    planes = model%fields(f)%planes
+    allocate (load(planes), source=0_i8)
+    do b = 1, size(model%bodies)
+      if (model%bodies(b)%field /= f) cycle
+      associate (particles => model%bodies(b)%particles)
+        do p = 1, planes
+          do s = particles%plane_row(p), particles%plane_row(p + 1) - 1
+            load(p) = load(p) + sum(int((particles%size(particles%bin_start(s) + particles%bins%first(s): &
+                                                       particles%bin_start(s) + particles%bins%last(s)) + lanes - 1)/lanes, i8))
+          end do
+        end do
+      end associate
+    end do
+    least = stencil_width(model%fields(f)%kernel) - 1
+    total = sum(load)
+    model%slabs(:, f) = planes + 1
+    model%slabs(1, f) = 1
+    before = 0_i8
+    t = 1
+    do p = 1, planes
+      if (t < model%threads .and. before*model%threads >= total*t .and. p - model%slabs(t, f) >= least &
+          .and. planes - p + 1 >= least) then
+        t = t + 1
+        model%slabs(t, f) = p
+      end if
+      before = before + load(p)
+    end do
+  end subroutine divide_planes
+
+  !> One sweep over all particles.
+  subroutine phase_sweep(model, plan)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    integer :: f
+    model%fastest = merge(0.0_dp, model%fastest, plan%strain)
+    do f = 1, size(model%fields)
+      call sweep_field(model, plan, f)
+    end do
+  end subroutine phase_sweep
+
+  subroutine sweep_field(model, plan, f)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: f
+    real(dp), allocatable :: sums(:, :, :)
+    type(plan_t) :: own
+    integer :: t, b, p
+    own = plan
+    call choose_columns(own, model%fields(f))
+    allocate (sums(sweep_sums, model%fields(f)%planes, size(model%bodies)), source=0.0_dp)
+    !$omp parallel do schedule(static, 1) num_threads(model%threads) default(none) shared(model, own, f, sums) &
+    !$omp& private(t) if(model%threads > 1)
+    do t = 1, model%threads
+      call sweep_own_slab(model, own, f, t, sums)
+    end do
+    !$omp end parallel do
+    if (model%threads > 1) then
+      !$omp parallel do schedule(static, 1) num_threads(model%threads) default(none) shared(model, own, f) private(t)
+      do t = 1, model%threads
+        call join_own_slab(model, own, f, t)
+      end do
+      !$omp end parallel do
+    else
+      call join_own_slab(model, own, f, 1)
+    end if
+    do b = 1, size(model%bodies)
+      do p = 1, model%fields(f)%planes
+        call book(model, plan, sums(:, p, b))
+      end do
+    end do
+    call collect_findings(model, plan, f)
+  end subroutine sweep_field
+
+  !> Columns of the moments that a sweep fills.
+  pure subroutine choose_columns(plan, field)
+    type(plan_t), intent(inout) :: plan
+    type(field_t), intent(in) :: field
+    if (plan%mass) then
+      plan%first_column = 1
+    else if (plan%momentum) then
+      plan%first_column = 2
+    else
+      plan%first_column = 2 + field%ndim
+    end if
+    plan%last_column = merge(field%nmoment, 1 + field%ndim, plan%stress)
+  end subroutine choose_columns
+
+  subroutine sweep_own_slab(model, plan, f, t, sums)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: f, t
+    real(dp), intent(inout) :: sums(:, :, :)
+    integer :: p1, p2
+    p1 = model%slabs(t, f)
+    p2 = model%slabs(t + 1, f) - 1
+    select case (model%mesh%ndim)
+    case (1)
+      call sweep_slab_1d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, sums(:, p1:p2, :), model%workspaces(t, f))
+    case (2)
+      call sweep_slab_2d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, sums(:, p1:p2, :), model%workspaces(t, f))
+    case (3)
+      call sweep_slab_3d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, sums(:, p1:p2, :), model%workspaces(t, f))
+    end select
+  end subroutine sweep_own_slab
+
+  subroutine join_own_slab(model, plan, f, t)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: f, t
+    integer :: p1, p2
+    p1 = model%slabs(t, f)
+    p2 = model%slabs(t + 1, f) - 1
+    if (p2 < p1) return
+    if (t > 1) then
+      select case (model%mesh%ndim)
+      case (1)
+        call sweep_join_1d(model%fields(f), plan, p1, p2, model%workspaces(t, f), model%workspaces(t - 1, f))
+      case (2)
+        call sweep_join_2d(model%fields(f), plan, p1, p2, model%workspaces(t, f), model%workspaces(t - 1, f))
+      case (3)
+        call sweep_join_3d(model%fields(f), plan, p1, p2, model%workspaces(t, f), model%workspaces(t - 1, f))
+      end select
+    else
+      select case (model%mesh%ndim)
+      case (1)
+        call sweep_join_1d(model%fields(f), plan, p1, p2, model%workspaces(t, f))
+      case (2)
+        call sweep_join_2d(model%fields(f), plan, p1, p2, model%workspaces(t, f))
+      case (3)
+        call sweep_join_3d(model%fields(f), plan, p1, p2, model%workspaces(t, f))
+      end select
+    end if
+  end subroutine join_own_slab
+
+  !> Adds a plane's sums to those of the step.
+  pure subroutine book(model, plan, sums)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    real(dp), intent(in) :: sums(sweep_sums)
+    if (plan%kick) then
+      model%sums%kinetic = model%sums%kinetic + sums(sum_kinetic)
+      model%sums%particles_aa = model%sums%particles_aa + sums(sum_mass_aa)
+      model%sums%momentum = model%sums%momentum + sums(sum_momentum:sum_momentum + 2)
+    end if
+    model%sums%internal = model%sums%internal + sums(sum_internal)
+    model%sums%viscous = model%sums%viscous + sums(sum_viscous)
+  end subroutine book
+
+  !> Puts the threads' findings together: the fastest particle, and the first one out of its senses.
+  subroutine collect_findings(model, plan, f)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: f
+    integer :: t
+    if (.not. plan%strain) return
+    do t = 1, model%threads
+      associate (work => model%workspaces(t, f))
+        if (work%fastest > model%fastest) then
+          model%fastest = work%fastest
+          model%fastest_id = work%fastest_id
+        end if
+        if (work%bad_id > 0 .and. .not. allocated(model%failure)) then
+          call error_make(model%failure, exit_numerical, 'particle '//integer_text(work%bad_id)//' of body '// &
+                          trim(body_of(model%bodies, work%bad_id))//' is inside out or not a number after step '// &
+                          integer_text(model%clock%step + 1), &
+                          'reduce cfl, add bulk viscosity, or use a finer grid; see the last dump for where it is')
+        end if
+      end associate
+    end do
+  end subroutine collect_findings
+
+  !> Name of the body a particle belongs to.
+  pure function body_of(bodies, id) result(name)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: id
+    character(32) :: name
+    integer :: b
+    name = ''
+    do b = 1, size(bodies)
+      if (bodies(b)%first_id <= id) name = bodies(b)%name
+    end do
+  end function body_of
+
+  !> Moves particles to their new bins, follows them with the grid, and folds the moments at walls.
+  subroutine phase_rebin_particles(model, plan)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    type(movers_t), allocatable :: movers(:)
+    type(plan_t) :: own
+    integer :: b, t, f
+    logical :: new_bins, changed
+    changed = .false.
+    model%moved = 0
+    if (plan%drift) then
+      allocate (movers(size(model%bodies)))
+      do b = 1, size(model%bodies)
+        f = model%bodies(b)%field
+        movers(b) = model%workspaces(1, f)%movers(b)
+        do t = 2, model%threads
+          if (allocated(model%workspaces(t, f)%movers)) call movers_append(movers(b), model%workspaces(t, f)%movers(b))
+        end do
+        model%moved = model%moved + movers(b)%n
+        if (movers(b)%n == 0) cycle
+        call particles_rebin(model%bodies(b)%particles, movers(b), new_bins)
+        changed = changed .or. new_bins
+      end do
+      if (changed) call phase_layout(model)
+      do b = 1, size(model%bodies)
+        if (movers(b)%n == 0) cycle
+        own = plan
+        call choose_columns(own, model%fields(model%bodies(b)%field))
+        select case (model%mesh%ndim)
+        case (1)
+          call sweep_add_movers_1d(model%mesh, model%fields(model%bodies(b)%field), model%bodies(b), own, movers(b))
+        case (2)
+          call sweep_add_movers_2d(model%mesh, model%fields(model%bodies(b)%field), model%bodies(b), own, movers(b))
+        case (3)
+          call sweep_add_movers_3d(model%mesh, model%fields(model%bodies(b)%field), model%bodies(b), own, movers(b))
+        end select
+      end do
+    end if
+    call fold(model, plan)
+  end subroutine phase_rebin_particles
+
+  !> Folds what was just scattered behind walls.
+  subroutine fold(model, plan)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    type(plan_t) :: own
+    integer :: f, axis, p
+    do f = 1, size(model%fields)
+      own = plan
+      call choose_columns(own, model%fields(f))
+      do axis = 1, model%mesh%ndim
+        if (.not. has_walls(model%mesh, axis)) cycle
+        if (axis == model%mesh%ndim) then
+          call walls_fold(model%fields(f), model%mesh, axis, 1, model%fields(f)%planes, own%first_column, own%last_column)
+        else
+          !$omp parallel do num_threads(model%threads) default(none) shared(model, own, f, axis) private(p)
+          do p = 1, model%fields(f)%planes
+            call walls_fold(model%fields(f), model%mesh, axis, p, p, own%first_column, own%last_column)
+          end do
+          !$omp end parallel do
+        end if
+      end do
+    end do
+  end subroutine fold
+
+  !> Fills nodes behind walls with their mirror images.
+  subroutine mirror(model, f, columns)
+    type(model_t), intent(inout) :: model
+    integer, intent(in) :: f, columns(:)
+    integer :: axis, p
+    do axis = 1, model%mesh%ndim
+      if (.not. has_walls(model%mesh, axis)) cycle
+      if (axis == model%mesh%ndim) then
+        call walls_mirror(model%fields(f), model%mesh, axis, 1, model%fields(f)%planes, columns)
+      else
+        !$omp parallel do num_threads(model%threads) default(none) shared(model, f, axis, columns) private(p)
+        do p = 1, model%fields(f)%planes
+          call walls_mirror(model%fields(f), model%mesh, axis, p, p, columns)
+        end do
+        !$omp end parallel do
+      end if
+    end do
+  end subroutine mirror
+
+  !> Momentum equation at all nodes (Eqs. 33, 34).
+  subroutine phase_solve(model, dt)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt
+    real(dp), allocatable :: sums(:, :)
+    integer :: f, p
+    logical :: forced
+    do f = 1, size(model%fields)
+      allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)
+      forced = body_forced(model%bodies, f)
+      !$omp parallel do schedule(static) num_threads(model%threads) default(none) shared(model, f, dt, forced, sums) private(p)
+      do p = 1, model%fields(f)%planes
+        select case (model%mesh%ndim)
+        case (1)
+          call nodes_solve_1d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, forced, sums(:, p))
+        case (2)
+          call nodes_solve_2d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, forced, sums(:, p))
+        case (3)
+          call nodes_solve_3d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, forced, sums(:, p))
+        end select
+      end do
+      !$omp end parallel do
+      do p = 1, model%fields(f)%planes
+        model%sums%nodes_aa = model%sums%nodes_aa + sums(node_sum_aa, p)
+        model%sums%power_before = model%sums%power_before + sums(node_sum_av, p)
+        model%sums%external_power = model%sums%external_power + sums(sum_external, p)
+        model%sums%ignored_nodes = model%sums%ignored_nodes + sums(sum_ignored, p)
+      end do
+      deallocate (sums)
+      call mirror(model, f, [1, model%mesh%ndim + 1])
+    end do
+  end subroutine phase_solve
+
+  !> Nodal velocity before the stress update (USF).
+  subroutine phase_velocity(model)
+    type(model_t), intent(inout) :: model
+    integer :: f, p
+    do f = 1, size(model%fields)
+      !$omp parallel do schedule(static) num_threads(model%threads) default(none) shared(model, f) private(p)
+      do p = 1, model%fields(f)%planes
+        select case (model%mesh%ndim)
+        case (1)
+          call nodes_velocity_1d(model%fields(f), model%mesh, p, model%cutoff)
+        case (2)
+          call nodes_velocity_2d(model%fields(f), model%mesh, p, model%cutoff)
+        case (3)
+          call nodes_velocity_3d(model%fields(f), model%mesh, p, model%cutoff)
+        end select
+      end do
+      !$omp end parallel do
+      call mirror(model, f, [model%mesh%ndim + 1])
+    end do
+  end subroutine phase_velocity
+
+  !> Nodal velocity re-mapped from the updated particles (MUSL).
+  subroutine phase_remap(model)
+    type(model_t), intent(inout) :: model
+    integer :: f, p
+    do f = 1, size(model%fields)
+      !$omp parallel do schedule(static) num_threads(model%threads) default(none) shared(model, f) private(p)
+      do p = 1, model%fields(f)%planes
+        select case (model%mesh%ndim)
+        case (1)
+          call nodes_remap_1d(model%fields(f), model%mesh, p)
+        case (2)
+          call nodes_remap_2d(model%fields(f), model%mesh, p)
+        case (3)
+          call nodes_remap_3d(model%fields(f), model%mesh, p)
+        end select
+      end do
+      !$omp end parallel do
+      call mirror(model, f, [1])
+    end do
+  end subroutine phase_remap
+
+end module sgmp_phases

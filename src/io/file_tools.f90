@@ -1,0 +1,510 @@
+!> Files that cannot lose data unnoticed, numbers that survive a round trip, checksums that ignore
+!! order.
+!!
+!! Every text and binary file of the solver (HDF5 apart) is written through `output_file_t`. It
+!! rests on the standard C streams because the Fortran run-time library here reports success for
+!! WRITE, FLUSH and CLOSE on a full disk. The first failure is kept, later writes are skipped, and
+!! whoever flushes or closes gets it.
+module sgmp_file_tools
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int32_t, &
+    c_int8_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_size_t
+  use sgmp_errors, only: error_make, error_t, exit_io
+  use sgmp_kinds, only: dp, i4, i8
+  implicit none
+  private
+  public :: output_file_t, directory_make, file_exists, file_lines, file_remove, file_rename, &
+    io_error, line_t, is_terminal
+  public :: integer_text, real_text, real_text_short, row_text
+  public :: checksum_add, checksum_particles, checksum_text
+
+  character(1), parameter, public :: newline = achar(10)
+
+  !> One line of a text file, without its end-of-line mark.
+  type :: line_t
+    character(:), allocatable :: text
+  end type line_t
+
+  !> A file being written; bytes go out in the machine's own order.
+  type :: output_file_t
+    private
+    type(c_ptr) :: stream = c_null_ptr           !! C stream, null while closed
+    character(:), allocatable :: target          !! final path
+    character(:), allocatable :: path            !! path being written (differs while replacing)
+    type(error_t), allocatable :: failure        !! first failure not yet handed out
+  contains
+    procedure :: open => output_file_open
+    procedure, private :: put_text, put_real1, put_real2, put_int8, put_int32, put_int64
+    generic :: put => put_text, put_real1, put_real2, put_int8, put_int32, put_int64
+    procedure :: line => put_line
+    procedure :: flush => output_file_flush
+    procedure :: close => output_file_close
+    procedure :: is_open => output_file_is_open
+    procedure :: name => output_file_name
+  end type output_file_t
+
+  !> Decimal text of an integer of either kind.
+  interface integer_text
+    module procedure integer_text_i4, integer_text_i8
+  end interface integer_text
+
+  interface
+    function c_fopen(path, mode) result(stream) bind(c, name='fopen')
+      import :: c_char, c_ptr
+      character(kind=c_char), intent(in) :: path(*), mode(*)
+      type(c_ptr) :: stream
+    end function c_fopen
+    function c_fwrite(buffer, size, count, stream) result(written) bind(c, name='fwrite')
+      import :: c_ptr, c_size_t
+      type(c_ptr), value :: buffer, stream
+      integer(c_size_t), value :: size, count
+      integer(c_size_t) :: written
+    end function c_fwrite
+    function c_fflush(stream) result(status) bind(c, name='fflush')
+      import :: c_int, c_ptr
+      type(c_ptr), value :: stream
+      integer(c_int) :: status
+    end function c_fflush
+    function c_fclose(stream) result(status) bind(c, name='fclose')
+      import :: c_int, c_ptr
+      type(c_ptr), value :: stream
+      integer(c_int) :: status
+    end function c_fclose
+    function c_rename(old, new) result(status) bind(c, name='rename')
+      import :: c_char, c_int
+      character(kind=c_char), intent(in) :: old(*), new(*)
+      integer(c_int) :: status
+    end function c_rename
+    function c_remove(path) result(status) bind(c, name='remove')
+      import :: c_char, c_int
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int) :: status
+    end function c_remove
+    function c_mkdir(path, mode) result(status) bind(c, name='mkdir')
+      import :: c_char, c_int, c_int32_t
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int32_t), value :: mode
+      integer(c_int) :: status
+    end function c_mkdir
+    function c_isatty(descriptor) result(yes) bind(c, name='isatty')
+      import :: c_int
+      integer(c_int), value :: descriptor
+      integer(c_int) :: yes
+    end function c_isatty
+    function c_errno_location() result(location) bind(c, name='__errno_location')
+      import :: c_ptr
+      type(c_ptr) :: location
+    end function c_errno_location
+    function c_strerror(number) result(text) bind(c, name='strerror')
+      import :: c_int, c_ptr
+      integer(c_int), value :: number
+      type(c_ptr) :: text
+    end function c_strerror
+    function c_strlen(text) result(length) bind(c, name='strlen')
+      import :: c_ptr, c_size_t
+      type(c_ptr), value :: text
+      integer(c_size_t) :: length
+    end function c_strlen
+  end interface
+
+contains
+
+  ! ---------------------------------------------------------------- files
+
+  !> Opens a file for writing: `mode` is 'new' (default; truncates), 'append', or 'replace', which
+  !! writes `path.part` and renames it over `path` on a successful close, so that a reader never
+  !! finds half a file. A failure is kept for `flush` and `close`, and returned if `error` is given.
+  subroutine output_file_open(self, path, mode, error)
+    class(output_file_t), intent(inout) :: self
+    character(*), intent(in) :: path
+    character(*), intent(in), optional :: mode
+    type(error_t), allocatable, intent(out), optional :: error
+    character(:), allocatable :: how
+    how = 'new'
+    if (present(mode)) how = mode
+    if (c_associated(self%stream)) call self%close()
+    if (allocated(self%failure)) deallocate (self%failure)
+    self%target = trim(path)
+    self%path = self%target
+    if (how == 'replace') self%path = self%target//'.part'
+    self%stream = c_fopen(c_text(self%path), c_text(merge('a', 'w', how == 'append')//'b'))
+    if (.not. c_associated(self%stream)) call io_error(self%failure, 'open', self%path)
+    if (present(error)) call move_alloc(self%failure, error)
+  end subroutine output_file_open
+
+  !> Writes `text` and an end-of-line mark.
+  subroutine put_line(self, text)
+    class(output_file_t), intent(inout) :: self
+    character(*), intent(in) :: text
+    call self%put(text//newline)
+  end subroutine put_line
+
+  !> Writes characters as they are.
+  subroutine put_text(self, text)
+    class(output_file_t), intent(inout) :: self
+    character(*), intent(in) :: text
+    character(kind=c_char), target :: bytes(len(text))
+    if (len(text) == 0) return
+    bytes = transfer(text, [c_char_' '], len(text))
+    call put_bytes(self, c_loc(bytes), len(text, c_size_t))
+  end subroutine put_text
+
+  subroutine put_real1(self, values)
+    class(output_file_t), intent(inout) :: self
+    real(dp), intent(in), contiguous, target :: values(:)
+    if (size(values) > 0) call put_bytes(self, c_loc(values), 8*size(values, kind=c_size_t))
+  end subroutine put_real1
+
+  subroutine put_real2(self, values)
+    class(output_file_t), intent(inout) :: self
+    real(dp), intent(in), contiguous, target :: values(:, :)
+    if (size(values) > 0) call put_bytes(self, c_loc(values), 8*size(values, kind=c_size_t))
+  end subroutine put_real2
+
+  subroutine put_int8(self, values)
+    class(output_file_t), intent(inout) :: self
+    integer(c_int8_t), intent(in), contiguous, target :: values(:)
+    if (size(values) > 0) call put_bytes(self, c_loc(values), size(values, kind=c_size_t))
+  end subroutine put_int8
+
+  subroutine put_int32(self, values)
+    class(output_file_t), intent(inout) :: self
+    integer(i4), intent(in), contiguous, target :: values(:)
+    if (size(values) > 0) call put_bytes(self, c_loc(values), 4*size(values, kind=c_size_t))
+  end subroutine put_int32
+
+  subroutine put_int64(self, values)
+    class(output_file_t), intent(inout) :: self
+    integer(i8), intent(in), contiguous, target :: values(:)
+    if (size(values) > 0) call put_bytes(self, c_loc(values), 8*size(values, kind=c_size_t))
+  end subroutine put_int64
+
+  subroutine put_bytes(self, address, bytes)
+    class(output_file_t), intent(inout) :: self
+    type(c_ptr), intent(in) :: address
+    integer(c_size_t), intent(in) :: bytes
+    if (allocated(self%failure) .or. .not. c_associated(self%stream)) return
+    if (c_fwrite(address, 1_c_size_t, bytes, self%stream) /= bytes) then
+      call io_error(self%failure, 'write', self%path)
+    end if
+  end subroutine put_bytes
+
+  !> Hands everything written so far to the operating system; reports the first failure since
+  !! opening.
+  subroutine output_file_flush(self, error)
+    class(output_file_t), intent(inout) :: self
+    type(error_t), allocatable, intent(out) :: error
+    if (c_associated(self%stream) .and. .not. allocated(self%failure)) then
+      if (c_fflush(self%stream) /= 0) call io_error(self%failure, 'write', self%path)
+    end if
+    if (allocated(self%failure)) allocate (error, source=self%failure)
+  end subroutine output_file_flush
+
+  !> Closes the file (harmless if closed) and reports the first failure since opening; after a
+  !! failure a file being replaced keeps its old contents.
+  subroutine output_file_close(self, error)
+    class(output_file_t), intent(inout) :: self
+    type(error_t), allocatable, intent(out), optional :: error
+    integer(c_int) :: status
+    if (c_associated(self%stream)) then
+      status = c_fclose(self%stream)
+      if (status /= 0 .and. .not. allocated(self%failure)) then
+        call io_error(self%failure, 'write', self%path)
+      end if
+      self%stream = c_null_ptr
+      if (self%path /= self%target) then
+        if (allocated(self%failure)) then
+          status = c_remove(c_text(self%path))
+        else
+          call file_rename(self%path, self%target, self%failure)
+        end if
+      end if
+    end if
+    if (present(error)) call move_alloc(self%failure, error)
+  end subroutine output_file_close
+
+  !> Whether the file is open.
+  pure function output_file_is_open(self) result(open)
+    class(output_file_t), intent(in) :: self
+    logical :: open
+    open = c_associated(self%stream)
+  end function output_file_is_open
+
+  !> The path given to `open`.
+  pure function output_file_name(self) result(path)
+    class(output_file_t), intent(in) :: self
+    character(:), allocatable :: path
+    path = ''
+    if (allocated(self%target)) path = self%target
+  end function output_file_name
+
+  !> Reads a whole text file as lines (carriage returns before line ends dropped).
+  subroutine file_lines(path, lines, error)
+    character(*), intent(in) :: path
+    type(line_t), allocatable, intent(inout) :: lines(:) !! replaced; empty after an error
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: text
+    character(256) :: message
+    integer(i8) :: bytes, first, i
+    integer :: unit, status, n
+    if (allocated(lines)) deallocate (lines)
+    open (newunit=unit, file=path, access='stream', form='unformatted', status='old', &
+          action='read', iostat=status, iomsg=message)
+    if (status == 0) then
+      inquire (unit=unit, size=bytes)
+      allocate (character(max(bytes, 0_i8)) :: text)
+      read (unit, iostat=status, iomsg=message) text
+      close (unit)
+    end if
+    if (status /= 0) then
+      allocate (lines(0))
+      call io_error(error, 'read', path, trim(message))
+      return
+    end if
+    n = 0
+    do i = 1, len(text, i8)
+      if (text(i:i) == newline .or. i == len(text, i8)) n = n + 1
+    end do
+    allocate (lines(n))
+    first = 1
+    do n = 1, size(lines)
+      i = index(text(first:), newline, kind=i8)
+      if (i == 0) i = len(text, i8) - first + 2
+      lines(n)%text = text(first:first + i - 2)
+      if (len(lines(n)%text) > 0) then
+        if (lines(n)%text(len(lines(n)%text):) == achar(13)) then
+          lines(n)%text = lines(n)%text(:len(lines(n)%text) - 1)
+        end if
+      end if
+      first = first + i
+    end do
+  end subroutine file_lines
+
+  !> Whether a file or directory of this name exists.
+  function file_exists(path) result(exists)
+    character(*), intent(in) :: path
+    logical :: exists
+    inquire (file=path, exist=exists)
+  end function file_exists
+
+  !> Makes a directory and its missing parents; no error if it is there already.
+  subroutine directory_make(path, error)
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+    integer(c_int32_t), parameter :: mode = int(o'777', c_int32_t) ! narrowed by the user's umask
+    character(:), allocatable :: part, reason
+    integer :: i
+    do i = 1, len_trim(path)
+      if (path(i:i) /= '/' .and. i < len_trim(path)) cycle
+      part = path(:i)
+      if (part == '/') cycle
+      if (c_mkdir(c_text(part), mode) == 0) cycle
+      reason = system_message()
+      if (.not. file_exists(part//'/.')) then
+        call io_error(error, 'make directory', trim(path), reason)
+        return
+      end if
+    end do
+  end subroutine directory_make
+
+  !> Renames a file, replacing `new` in one step if it exists (same file system).
+  subroutine file_rename(old, new, error)
+    character(*), intent(in) :: old, new
+    type(error_t), allocatable, intent(out) :: error
+    if (c_rename(c_text(old), c_text(new)) /= 0) call io_error(error, 'rename to '//trim(new), old)
+  end subroutine file_rename
+
+  !> Removes a file or an empty directory.
+  subroutine file_remove(path, error)
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+    if (c_remove(c_text(path)) /= 0) call io_error(error, 'remove', path)
+  end subroutine file_remove
+
+  !> Whether standard output is a terminal.
+  function is_terminal() result(yes)
+    logical :: yes
+    yes = c_isatty(1_c_int) /= 0
+  end function is_terminal
+
+  !> Builds "cannot <action> 'path': reason"; the reason defaults to the system's for the last C
+  !! call.
+  subroutine io_error(error, action, path, reason)
+    type(error_t), allocatable, intent(out) :: error
+    character(*), intent(in) :: action, path
+    character(*), intent(in), optional :: reason
+    character(:), allocatable :: why
+    if (present(reason)) then
+      why = reason
+    else
+      why = system_message()
+    end if
+    call error_make(error, exit_io, "cannot "//action//" '"//trim(path)//"': "//why, &
+                    'check that the folder exists, may be written to, and has space left')
+  end subroutine io_error
+
+  !> The system's words for the last failure of a C call (C's errno as glibc and musl hold it).
+  function system_message() result(message)
+    character(:), allocatable :: message
+    integer(c_int), pointer :: number
+    character(kind=c_char), pointer :: letters(:)
+    type(c_ptr) :: text
+    integer :: i
+    call c_f_pointer(c_errno_location(), number)
+    text = c_strerror(number)
+    call c_f_pointer(text, letters, [int(c_strlen(text))])
+    allocate (character(size(letters)) :: message)
+    do i = 1, size(letters)
+      message(i:i) = letters(i)
+    end do
+  end function system_message
+
+  !> A Fortran string as C wants it.
+  pure function c_text(text) result(letters)
+    character(*), intent(in) :: text
+    character(kind=c_char), allocatable :: letters(:)
+    letters = transfer(trim(text)//c_null_char, [c_char_' '], len_trim(text) + 1)
+  end function c_text
+
+  ! ---------------------------------------------------------------- numbers
+
+  pure function integer_text_i4(value) result(text)
+    integer(i4), intent(in) :: value
+    character(:), allocatable :: text
+    text = integer_text_i8(int(value, i8))
+  end function integer_text_i4
+
+  pure function integer_text_i8(value) result(text)
+    integer(i8), intent(in) :: value
+    character(:), allocatable :: text
+    character(24) :: buffer
+    write (buffer, '(i0)') value
+    text = trim(buffer)
+  end function integer_text_i8
+
+  !> A real with 17 significant digits, which restores every bit when read back; NaN, Infinity as
+  !! words.
+  pure function real_text(value) result(text)
+    real(dp), intent(in) :: value
+    character(:), allocatable :: text
+    character(24) :: buffer
+    write (buffer, '(es24.16e3)') value
+    text = trim(adjustl(buffer))
+  end function real_text
+
+  !> The shortest decimal text that restores every bit when read back: 0.1, 25.4, 1.17E+11.
+  pure function real_text_short(value) result(text)
+    real(dp), intent(in) :: value
+    character(:), allocatable :: text
+    character(40) :: buffer, form
+    integer :: digits, exponent, mark
+    real(dp) :: again
+    if (.not. ieee_is_finite(value)) then
+      text = real_text(value)
+      return
+    end if
+    do digits = 1, 17
+      write (form, '("(es40.", i0, "e3)")') digits - 1
+      write (buffer, form) value
+      if (abs(value) > 0.1_dp*huge(value)) cycle ! rounded up it could overflow: take all digits
+      read (buffer, *) again
+      if (transfer(again, 0_i8) == transfer(value, 0_i8)) exit
+    end do
+    digits = min(digits, 17)
+    buffer = adjustl(buffer)
+    mark = index(buffer, 'E')
+    read (buffer(mark + 1:), *) exponent
+    if (exponent >= -4 .and. exponent <= 9) then
+      write (form, '("(f40.", i0, ")")') max(digits - 1 - exponent, 1)
+      write (buffer, form) value
+      text = trim(adjustl(buffer))
+    else
+      text = buffer(:mark - 1)
+      if (text(len(text):) == '.') text = text//'0'
+      text = text//'E'//merge('-', '+', exponent < 0)//integer_text(abs(exponent))
+    end if
+  end function real_text_short
+
+  !> Values in full precision with `separator` between them, no blanks besides it.
+  pure function row_text(values, separator) result(text)
+    real(dp), intent(in) :: values(:)
+    character(1), intent(in) :: separator
+    character(:), allocatable :: text
+    character(25*size(values)) :: buffer
+    integer :: i, n
+    write (buffer, '(*(es24.16e3, :, ","))') values
+    n = 0
+    do i = 1, len(buffer)
+      if (buffer(i:i) == ' ') cycle
+      n = n + 1
+      buffer(n:n) = merge(separator, buffer(i:i), buffer(i:i) == ',')
+    end do
+    text = buffer(:n)
+  end function row_text
+
+  ! ---------------------------------------------------------------- checksum
+
+  !> Order- and rank-independent checksum of the particle state: the sum modulo 2^64 over particles
+  !! of a 64-bit hash of the id and the bits of its values. Ranks combine theirs with
+  !! `checksum_add`. Equal sums mean, to within chance, equal bits; -0 differs from +0, and one NaN
+  !! from another.
+  pure function checksum_particles(ids, values) result(total)
+    integer(i4), intent(in) :: ids(:)      !! (n) unique ids
+    real(dp), intent(in) :: values(:, :)   !! (fields, n)
+    integer(i8) :: total
+    integer(i8) :: hash
+    integer :: k, p
+    total = 0
+    do p = 1, size(ids)
+      hash = mix(int(ids(p), i8))
+      do k = 1, size(values, 1)
+        hash = mix(ieor(hash, transfer(values(k, p), hash)))
+      end do
+      total = checksum_add(total, hash)
+    end do
+  end function checksum_particles
+
+  !> Sum modulo 2^64 without signed overflow.
+  elemental function checksum_add(a, b) result(total)
+    integer(i8), intent(in) :: a, b
+    integer(i8) :: total
+    integer(i8), parameter :: low = int(z'FFFFFFFF', i8)
+    integer(i8) :: lower, upper
+    lower = iand(a, low) + iand(b, low)
+    upper = ishft(a, -32) + ishft(b, -32) + ishft(lower, -32)
+    total = ior(ishft(upper, 32), iand(lower, low))
+  end function checksum_add
+
+  !> The checksum as 16 hexadecimal digits.
+  pure function checksum_text(checksum) result(text)
+    integer(i8), intent(in) :: checksum
+    character(16) :: text
+    write (text, '(z16.16)') checksum
+  end function checksum_text
+
+  !> Step and output function of the SplitMix64 generator (Steele, Lea & Flood 2014): bijective,
+  !! every input bit reaches every output bit; the step keeps zero from being a fixed point.
+  elemental function mix(key) result(hash)
+    integer(i8), intent(in) :: key
+    integer(i8) :: hash
+    hash = checksum_add(key, int(z'9E3779B97F4A7C15', i8))
+    hash = multiply(ieor(hash, ishft(hash, -30)), int(z'BF58476D1CE4E5B9', i8))
+    hash = multiply(ieor(hash, ishft(hash, -27)), int(z'94D049BB133111EB', i8))
+    hash = ieor(hash, ishft(hash, -31))
+  end function mix
+
+  !> Product modulo 2^64 from 32 x 16 bit products, none of which can overflow.
+  elemental function multiply(a, b) result(product)
+    integer(i8), intent(in) :: a, b
+    integer(i8) :: product
+    integer(i8) :: limb
+    integer :: j
+    product = 0
+    do j = 0, 3
+      limb = iand(ishft(b, -16*j), int(z'FFFF', i8))
+      product = checksum_add(product, ishft(iand(a, int(z'FFFFFFFF', i8))*limb, 16*j))
+      if (j < 2) product = checksum_add(product, ishft(ishft(a, -32)*limb, 32 + 16*j))
+    end do
+  end function multiply
+
+end module sgmp_file_tools

@@ -1,0 +1,67 @@
+!> Von Mises plasticity with isotropic hardening: perfect, linear, or power law (METHOD 5).
+module sgmp_material_j2
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_radial_return, only: hardening_power_term, radial_return_linear, radial_return_power
+  implicit none
+  private
+  public :: j2_t, j2_init, j2_yield_stress, j2_return
+  public :: j2_perfect, j2_linear, j2_power
+
+  integer, parameter :: j2_perfect = 1 !! sigma_y = yield
+  integer, parameter :: j2_linear = 2  !! sigma_y = yield + modulus ep
+  integer, parameter :: j2_power = 3   !! sigma_y = yield + modulus ep^exponent
+
+  !> Hardening law.
+  type :: j2_t
+    integer :: kind = j2_perfect      !! one of j2_*
+    real(dp) :: yield = 0.0_dp        !! initial yield stress (stress)
+    real(dp) :: modulus = 0.0_dp      !! hardening modulus, or factor of the power law (stress)
+    real(dp) :: exponent = 1.0_dp     !! exponent of the power law
+  end type j2_t
+
+contains
+
+  !> Hardening law from plain numbers; a power law of exponent 1 is treated as linear, and so exactly.
+  pure function j2_init(kind, yield, modulus, exponent) result(law)
+    integer, intent(in) :: kind      !! one of j2_*
+    real(dp), intent(in) :: yield    !! initial yield stress (stress)
+    real(dp), intent(in) :: modulus  !! hardening modulus (stress); ignored by j2_perfect
+    real(dp), intent(in) :: exponent !! > 0; ignored unless j2_power
+    type(j2_t) :: law
+    law%kind = kind
+    law%yield = yield
+    if (kind /= j2_perfect) law%modulus = modulus
+    if (kind == j2_power) law%exponent = exponent
+    if (kind == j2_power .and. abs(exponent - 1.0_dp) <= 0.0_dp) law%kind = j2_linear
+  end function j2_init
+
+  !> Yield stress at the equivalent plastic strain `ep` (stress).
+  pure function j2_yield_stress(law, ep) result(stress)
+    type(j2_t), intent(in) :: law !! hardening law
+    real(dp), intent(in) :: ep    !! equivalent plastic strain, >= 0
+    real(dp) :: stress
+    if (law%kind == j2_power) then
+      stress = law%yield + law%modulus*hardening_power_term(ep, law%exponent)
+    else
+      stress = law%yield + law%modulus*ep
+    end if
+  end function j2_yield_stress
+
+  !> Lane kernel: radial return of the trial deviator; closed form unless the law is a power.
+  pure subroutine j2_return(law, shear3, trial, ep, factor, dep)
+    type(j2_t), intent(in) :: law           !! hardening law
+    real(dp), intent(in) :: shear3          !! three times the shear modulus (stress)
+    real(dp), intent(in) :: trial(lanes)    !! von Mises norm of the trial deviator (stress)
+    real(dp), intent(inout) :: ep(lanes)    !! equivalent plastic strain, updated
+    real(dp), intent(out) :: factor(lanes)  !! scales the trial deviator
+    real(dp), intent(out) :: dep(lanes)     !! plastic strain increment
+    real(dp) :: softening(lanes)
+    softening = 1.0_dp
+    if (law%kind == j2_power) then
+      call radial_return_power(shear3, law%yield, law%modulus, law%exponent, softening, trial, ep, factor, dep)
+    else
+      call radial_return_linear(shear3, law%yield, law%modulus, softening, trial, ep, factor, dep)
+    end if
+  end subroutine j2_return
+
+end module sgmp_material_j2

@@ -1,0 +1,266 @@
+!> Johnson-Cook plasticity and failure (Johnson and Cook 1983, 1985; METHOD 5):
+!!
+!!     sigma_y = (A + B ep^n) (1 + C ln(rate*)) (1 - T*^m)                                                (J1)
+!!     T*      = (T - room)/(melt - room) clamped to [0, 1],  rate* = max(1, dep/(dt reference_rate))
+!!     dT      = taylor_quinney sigma_eq dep/(density specific_heat)                                      (J2)
+!!     dD      = dep/ep_f,  ep_f = (D1 + D2 exp(D3 s*)) (1 + D4 ln(rate*)) (1 + D5 T*)                     (J3)
+!!
+!! with s* = mean stress/equivalent stress, tension positive (D3 of a metal is negative). The return is implicit in the
+!! plastic strain and its rate; the temperature is that of the beginning of the step.
+module sgmp_material_jc
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_radial_return, only: hardening_power_term, radial_return_linear, radial_return_power, radial_return_rate
+  implicit none
+  private
+  public :: jc_t, jc_init, jc_set_thermal, jc_set_failure
+  public :: jc_yield_stress, jc_homologous_temperature, jc_softening, jc_rate_factor, jc_failure_strain
+  public :: jc_return, jc_return_simple
+
+  integer, parameter :: flow_linear = 1, flow_power = 2, flow_rate = 3
+
+  real(dp), parameter :: tiny_number = 1.0e-30_dp
+  real(dp), parameter :: least_failure_strain = 1.0e-6_dp !! floor of ep_f, which negative D1 could make negative
+  real(dp), parameter :: largest_triaxiality = 1.5_dp     !! (J3) was fitted up to here (Johnson and Cook 1985)
+  real(dp), parameter :: largest_power = 200.0_dp         !! bound of D3 s*
+
+  !> Constants of the law; made by jc_init, then jc_set_thermal and jc_set_failure where wanted.
+  type :: jc_t
+    integer :: flow = flow_linear             !! which return solves (J1); private to this module
+    real(dp) :: yield = 0.0_dp                !! A (stress)
+    real(dp) :: modulus = 0.0_dp              !! B (stress)
+    real(dp) :: exponent = 1.0_dp             !! n
+    real(dp) :: rate_coefficient = 0.0_dp     !! C
+    real(dp) :: reference_rate = 1.0_dp       !! (1/time)
+    logical :: thermal = .false.              !! temperature softens and plastic work heats
+    real(dp) :: thermal_exponent = 1.0_dp     !! m
+    real(dp) :: room = 0.0_dp                 !! (temperature)
+    real(dp) :: melt = 1.0_dp                 !! (temperature)
+    real(dp) :: heat_capacity = 1.0_dp        !! density times specific heat (energy/volume/temperature)
+    real(dp) :: taylor_quinney = 0.0_dp       !! fraction of the plastic work that heats
+    logical :: failure = .false.              !! damage accumulates
+    real(dp) :: damage(5) = 0.0_dp            !! D1..D5
+  end type jc_t
+
+contains
+
+  !> Law without temperature and failure, from plain numbers.
+  pure function jc_init(yield, modulus, exponent, rate_coefficient, reference_rate) result(law)
+    real(dp), intent(in) :: yield            !! A (stress)
+    real(dp), intent(in) :: modulus          !! B >= 0 (stress)
+    real(dp), intent(in) :: exponent         !! n > 0 unless B = 0
+    real(dp), intent(in) :: rate_coefficient !! C >= 0
+    real(dp), intent(in) :: reference_rate   !! > 0 unless C = 0 (1/time)
+    type(jc_t) :: law
+    law%yield = yield
+    law%modulus = modulus
+    if (modulus > 0.0_dp) law%exponent = exponent
+    law%rate_coefficient = rate_coefficient
+    if (reference_rate > 0.0_dp) law%reference_rate = reference_rate
+    if (rate_coefficient > 0.0_dp) then
+      law%flow = flow_rate
+    else if (abs(law%exponent - 1.0_dp) > 0.0_dp) then
+      law%flow = flow_power
+    else
+      law%flow = flow_linear
+    end if
+  end function jc_init
+
+  !> Adds thermal softening and adiabatic heating.
+  pure subroutine jc_set_thermal(law, exponent, room, melt, heat_capacity, taylor_quinney)
+    type(jc_t), intent(inout) :: law         !! law to extend
+    real(dp), intent(in) :: exponent         !! m > 0
+    real(dp), intent(in) :: room             !! temperature below which nothing softens
+    real(dp), intent(in) :: melt             !! temperature at which the yield stress vanishes, > room
+    real(dp), intent(in) :: heat_capacity    !! density times specific heat, > 0 (energy/volume/temperature)
+    real(dp), intent(in) :: taylor_quinney   !! fraction of the plastic work that heats
+    law%thermal = .true.
+    law%thermal_exponent = exponent
+    law%room = room
+    law%melt = melt
+    law%heat_capacity = heat_capacity
+    law%taylor_quinney = taylor_quinney
+  end subroutine jc_set_thermal
+
+  !> Adds failure.
+  pure subroutine jc_set_failure(law, damage)
+    type(jc_t), intent(inout) :: law      !! law to extend
+    real(dp), intent(in) :: damage(5)     !! D1..D5
+    law%failure = .true.
+    law%damage = damage
+  end subroutine jc_set_failure
+
+  !> Yield stress (J1) (stress).
+  pure function jc_yield_stress(law, ep, rate, temperature) result(stress)
+    type(jc_t), intent(in) :: law          !! constants
+    real(dp), intent(in) :: ep             !! equivalent plastic strain
+    real(dp), intent(in) :: rate           !! its rate (1/time)
+    real(dp), intent(in) :: temperature    !! ignored unless the law is thermal
+    real(dp) :: stress
+    stress = (law%yield + law%modulus*hardening_power_term(ep, law%exponent)) &
+             *jc_rate_factor(law%rate_coefficient, rate/law%reference_rate)
+    if (law%thermal) stress = stress*jc_softening(law, temperature)
+  end function jc_yield_stress
+
+  !> T* of (J1), in [0, 1].
+  pure function jc_homologous_temperature(law, temperature) result(t_star)
+    type(jc_t), intent(in) :: law       !! constants
+    real(dp), intent(in) :: temperature !! current temperature
+    real(dp) :: t_star
+    t_star = (temperature - law%room)/(law%melt - law%room)
+    t_star = merge(t_star, 0.0_dp, t_star > 0.0_dp)
+    t_star = merge(t_star, 1.0_dp, t_star < 1.0_dp)
+  end function jc_homologous_temperature
+
+  !> Thermal factor 1 - T*^m of (J1), in [0, 1].
+  pure function jc_softening(law, temperature) result(factor)
+    type(jc_t), intent(in) :: law       !! constants
+    real(dp), intent(in) :: temperature !! current temperature
+    real(dp) :: factor
+    factor = 1.0_dp - hardening_power(jc_homologous_temperature(law, temperature), law%thermal_exponent)
+  end function jc_softening
+
+  !> Rate factor 1 + coefficient ln(max(1, ratio)) of (J1) and (J3).
+  pure function jc_rate_factor(coefficient, ratio) result(factor)
+    real(dp), intent(in) :: coefficient !! C or D4
+    real(dp), intent(in) :: ratio       !! plastic strain rate over the reference rate
+    real(dp) :: factor
+    factor = 1.0_dp + coefficient*log(merge(ratio, 1.0_dp, ratio > 1.0_dp))
+  end function jc_rate_factor
+
+  !> Failure strain ep_f of (J3), not below 1e-6.
+  pure function jc_failure_strain(law, triaxiality, rate_ratio, temperature) result(strain)
+    type(jc_t), intent(in) :: law          !! constants
+    real(dp), intent(in) :: triaxiality    !! s*, tension positive; taken as 1.5 above 1.5
+    real(dp), intent(in) :: rate_ratio     !! plastic strain rate over the reference rate
+    real(dp), intent(in) :: temperature    !! current temperature
+    real(dp) :: strain
+    real(dp) :: power
+    power = law%damage(3)*merge(triaxiality, largest_triaxiality, triaxiality < largest_triaxiality)
+    power = merge(power, largest_power, power < largest_power)
+    strain = (law%damage(1) + law%damage(2)*exp(power))*jc_rate_factor(law%damage(4), rate_ratio) &
+             *(1.0_dp + law%damage(5)*jc_homologous_temperature(law, temperature))
+    strain = merge(strain, least_failure_strain, strain > least_failure_strain)
+  end function jc_failure_strain
+
+  !> base**exponent for base >= 0; as hardening_power_term, here to be inlined.
+  pure function hardening_power(base, exponent) result(power)
+    real(dp), intent(in) :: base, exponent
+    real(dp) :: power
+    power = exp(exponent*log(merge(base, tiny_number, base > tiny_number)))
+    power = merge(power, 0.0_dp, base > tiny_number)
+  end function hardening_power
+
+  !> Lane kernel, complete model: temperature where the law is thermal, damage where it fails.
+  !!
+  !! A lane fails when its damage reaches 1, where it then stays: factor and further dep are 0. The mean stress of a failed
+  !! lane is the caller's affair.
+  pure subroutine jc_return(law, shear3, dt, trial, mean, ep, temperature, damage, factor, dep)
+    type(jc_t), intent(in) :: law                !! constants
+    real(dp), intent(in) :: shear3               !! three times the shear modulus (stress)
+    real(dp), intent(in) :: dt                   !! time step, > 0
+    real(dp), intent(in) :: trial(lanes)         !! von Mises norm of the trial deviator (stress)
+    real(dp), intent(in) :: mean(lanes)          !! mean stress, tension positive
+    real(dp), intent(inout) :: ep(lanes)         !! equivalent plastic strain, updated
+    real(dp), intent(inout) :: temperature(lanes) !! updated by (J2)
+    real(dp), intent(inout) :: damage(lanes)     !! updated by (J3); 1: failed
+    real(dp), intent(out) :: factor(lanes)       !! scales the trial deviator
+    real(dp), intent(out) :: dep(lanes)          !! plastic strain increment
+    real(dp) :: softening(lanes), carried(lanes)
+    softening = 1.0_dp
+    carried = trial
+    if (law%thermal) call softening_lanes(law, temperature, softening)
+    if (law%failure) call carried_lanes(damage, trial, carried)
+    call flow_lanes(law, shear3, dt, softening, carried, ep, factor, dep)
+    if (law%failure) call damage_lanes(law, dt, carried, mean, temperature, dep, damage, factor)
+    if (law%thermal) call heat_lanes(law, carried, factor, dep, temperature)
+  end subroutine jc_return
+
+  !> Lane kernel, model without temperature and failure.
+  pure subroutine jc_return_simple(law, shear3, dt, trial, ep, factor, dep)
+    type(jc_t), intent(in) :: law           !! constants
+    real(dp), intent(in) :: shear3, dt      !! as in jc_return
+    real(dp), intent(in) :: trial(lanes)    !! as in jc_return
+    real(dp), intent(inout) :: ep(lanes)    !! as in jc_return
+    real(dp), intent(out) :: factor(lanes), dep(lanes) !! as in jc_return
+    real(dp) :: softening(lanes)
+    softening = 1.0_dp
+    call flow_lanes(law, shear3, dt, softening, trial, ep, factor, dep)
+  end subroutine jc_return_simple
+
+  !> The return that the law needs, and nothing dearer.
+  pure subroutine flow_lanes(law, shear3, dt, softening, trial, ep, factor, dep)
+    type(jc_t), intent(in) :: law
+    real(dp), intent(in) :: shear3, dt, softening(lanes), trial(lanes)
+    real(dp), intent(inout) :: ep(lanes)
+    real(dp), intent(out) :: factor(lanes), dep(lanes)
+    real(dp) :: dep_reference
+    select case (law%flow)
+    case (flow_linear)
+      call radial_return_linear(shear3, law%yield, law%modulus, softening, trial, ep, factor, dep)
+    case (flow_power)
+      call radial_return_power(shear3, law%yield, law%modulus, law%exponent, softening, trial, ep, factor, dep)
+    case default
+      dep_reference = dt*law%reference_rate
+      dep_reference = merge(dep_reference, tiny_number, dep_reference > tiny_number)
+      call radial_return_rate(shear3, law%yield, law%modulus, law%exponent, law%rate_coefficient, dep_reference, &
+                              softening, trial, ep, factor, dep)
+    end select
+  end subroutine flow_lanes
+
+  !> Thermal factor of each lane.
+  pure subroutine softening_lanes(law, temperature, softening)
+    type(jc_t), intent(in) :: law
+    real(dp), intent(in) :: temperature(lanes)
+    real(dp), intent(out) :: softening(lanes)
+    integer :: p
+    !$omp simd simdlen(8)
+    do p = 1, lanes
+      softening(p) = jc_softening(law, temperature(p))
+    end do
+  end subroutine softening_lanes
+
+  !> Trial stress that a lane can carry: none once it has failed.
+  pure subroutine carried_lanes(damage, trial, carried)
+    real(dp), intent(in) :: damage(lanes), trial(lanes)
+    real(dp), intent(out) :: carried(lanes)
+    integer :: p
+    !$omp simd simdlen(8)
+    do p = 1, lanes
+      carried(p) = merge(trial(p), 0.0_dp, damage(p) < 1.0_dp)
+    end do
+  end subroutine carried_lanes
+
+  !> Damage (J3) with the temperature of the beginning of the step; failed lanes lose their deviator.
+  pure subroutine damage_lanes(law, dt, trial, mean, temperature, dep, damage, factor)
+    type(jc_t), intent(in) :: law
+    real(dp), intent(in) :: dt, trial(lanes), mean(lanes), temperature(lanes), dep(lanes)
+    real(dp), intent(inout) :: damage(lanes), factor(lanes)
+    real(dp) :: equivalent, triaxiality, floor_stress
+    integer :: p
+    floor_stress = 1.0e-9_dp*(law%yield + law%modulus)
+    floor_stress = merge(floor_stress, 1.0_dp, floor_stress > 0.0_dp)
+    !$omp simd simdlen(8) private(equivalent, triaxiality)
+    do p = 1, lanes
+      equivalent = factor(p)*trial(p)
+      triaxiality = mean(p)/merge(equivalent, floor_stress, equivalent > floor_stress)
+      damage(p) = damage(p) + dep(p)/jc_failure_strain(law, triaxiality, dep(p)/(dt*law%reference_rate), temperature(p))
+      damage(p) = merge(damage(p), 1.0_dp, damage(p) < 1.0_dp)
+      factor(p) = merge(factor(p), 0.0_dp, damage(p) < 1.0_dp)
+    end do
+  end subroutine damage_lanes
+
+  !> Adiabatic heating (J2).
+  pure subroutine heat_lanes(law, trial, factor, dep, temperature)
+    type(jc_t), intent(in) :: law
+    real(dp), intent(in) :: trial(lanes), factor(lanes), dep(lanes)
+    real(dp), intent(inout) :: temperature(lanes)
+    real(dp) :: heating
+    integer :: p
+    heating = law%taylor_quinney/law%heat_capacity
+    !$omp simd simdlen(8)
+    do p = 1, lanes
+      temperature(p) = temperature(p) + heating*factor(p)*trial(p)*dep(p)
+    end do
+  end subroutine heat_lanes
+
+end module sgmp_material_jc

@@ -1,0 +1,42 @@
+!> Bulk viscosity that spreads shocks over a few cells (von Neumann and Richtmyer 1950, Landshoff 1955; METHOD 5).
+module sgmp_viscosity
+  use sgmp_kinds, only: dp, lanes
+  implicit none
+  private
+  public :: viscosity_t, viscosity_pressure, viscosity_lanes
+
+  !> Coefficients; the defaults are the customary ones.
+  type :: viscosity_t
+    real(dp) :: quadratic = 1.5_dp !! b1
+    real(dp) :: linear = 0.06_dp   !! b2
+  end type viscosity_t
+
+contains
+
+  !> Viscous pressure q = rho h^2 b1 tr^2 - b2 rho h c tr in compression (tr < 0), else 0; adds to the pressure (stress).
+  pure function viscosity_pressure(law, cell, density, sound_speed, trace) result(q)
+    type(viscosity_t), intent(in) :: law     !! coefficients
+    real(dp), intent(in) :: cell             !! cell side h (length)
+    real(dp), intent(in) :: density          !! current density (mass/volume)
+    real(dp), intent(in) :: sound_speed      !! current sound speed
+    real(dp), intent(in) :: trace            !! trace of the rate of deformation (1/time)
+    real(dp) :: q
+    real(dp) :: closing
+    closing = cell*merge(-trace, 0.0_dp, trace < 0.0_dp)
+    q = density*closing*(law%quadratic*closing + law%linear*sound_speed)
+  end function viscosity_pressure
+
+  !> Lane kernel of viscosity_pressure.
+  pure subroutine viscosity_lanes(law, cell, density, sound_speed, trace, q)
+    type(viscosity_t), intent(in) :: law                                       !! coefficients
+    real(dp), intent(in) :: cell                                               !! cell side h (length)
+    real(dp), intent(in) :: density(lanes), sound_speed(lanes), trace(lanes)   !! as in viscosity_pressure
+    real(dp), intent(out) :: q(lanes)                                          !! viscous pressure
+    integer :: p
+    !$omp simd simdlen(8)
+    do p = 1, lanes
+      q(p) = viscosity_pressure(law, cell, density(p), sound_speed(p), trace(p))
+    end do
+  end subroutine viscosity_lanes
+
+end module sgmp_viscosity

@@ -1,0 +1,132 @@
+! dimension-generic
+#include "dimension.inc"
+!> The auxiliary grid of SGMP: values at cell centres from the nodes around them (Eqs. 25, 26, 32, 33), as records that
+!! the particle sweeps read.
+!!
+!! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
+module DIM(sgmp_auxmesh)
+  use sgmp_field, only: field_t
+  use sgmp_kinds, only: dp
+  use sgmp_transfer_kinds, only: kernel_sgmp
+  implicit none
+  private
+  public :: auxmesh_fill
+
+  integer, parameter :: tile = 128
+#if NDIM == 1
+  real(dp), parameter :: row_sign(NROW, 3) = 1.0_dp
+#elif NDIM == 2
+  real(dp), parameter :: row_sign(NROW, 3) = reshape([1, 1, -1, 1, 0, 0], [NROW, 3])
+#else
+  real(dp), parameter :: row_sign(NROW, 3) = reshape([1, 1, 1, 1, -1, -1, 1, 1, -1, 1, -1, 1], [NROW, 3])
+#endif
+
+contains
+
+  !> Records of one plane: first the vectors whose node columns are listed, then the gradient of one vector.
+  pure subroutine auxmesh_fill(field, inverse_h, plane, vectors, gradient, stride, records)
+    type(field_t), intent(in) :: field
+    real(dp), intent(in) :: inverse_h
+    integer, intent(in) :: plane                 !! plane of the field
+    integer, intent(in) :: vectors(:)            !! first node column of each vector to interpolate
+    integer, intent(in) :: gradient              !! first node column of the vector to differentiate; 0: none
+    integer, intent(in) :: stride                !! components of a record
+    real(dp), intent(inout) :: records(stride, *) !! (stride, points of the plane)
+    integer :: s, first, n, q, v, a
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        q = 0
+        do v = 1, size(vectors)
+          do a = 0, NDIM - 1
+            q = q + 1
+            call fill_value(field, s, first, n, vectors(v) + a, stride, &
+                            records(q, field%neighbour(0, 0, s) + first - field%plane_start(plane) + 1))
+          end do
+        end do
+        if (gradient == 0) cycle
+        do a = 0, NDIM - 1
+          if (field%kernel == kernel_sgmp) then
+            call fill_gradient(field, inverse_h, s, first, n, gradient + a, stride, &
+                               records(q + 1, field%neighbour(0, 0, s) + first - field%plane_start(plane) + 1))
+            q = q + NDIM
+          else
+            q = q + 1
+            call fill_value(field, s, first, n, gradient + a, stride, &
+                            records(q, field%neighbour(0, 0, s) + first - field%plane_start(plane) + 1))
+          end if
+        end do
+      end do
+    end do
+  end subroutine auxmesh_fill
+
+  !> One component: mean of the 2^d nodes around each centre (SGMP), or the node itself.
+  pure subroutine fill_value(field, s, first, n, column, stride, records)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first, n, column, stride
+    real(dp), intent(inout) :: records(stride, n)
+    real(dp) :: t(0:tile)
+    integer :: i
+    if (field%kernel == kernel_sgmp) then
+      call combine(field, s, first, n, column, row_sign(:, 1), t)
+      do i = 1, n
+        records(1, i) = 0.5_dp**NDIM*(t(i - 1) + t(i))
+      end do
+    else
+      do i = 1, n
+        records(1, i) = field%node(field%neighbour(0, 0, s) + first + i - 1, column)
+      end do
+    end if
+  end subroutine fill_value
+
+  !> Derivatives of one component along all axes at each centre.
+  pure subroutine fill_gradient(field, inverse_h, s, first, n, column, stride, records)
+    type(field_t), intent(in) :: field
+    real(dp), intent(in) :: inverse_h
+    integer, intent(in) :: s, first, n, column, stride
+    real(dp), intent(inout) :: records(stride, n)
+    real(dp) :: t(0:tile), scale
+    integer :: i, b
+    scale = inverse_h*0.5_dp**(NDIM - 1)
+    call combine(field, s, first, n, column, row_sign(:, 1), t)
+    do i = 1, n
+      records(1, i) = scale*(t(i) - t(i - 1))
+    end do
+    do b = 2, NDIM
+      call combine(field, s, first, n, column, row_sign(:, b), t)
+      do i = 1, n
+        records(b, i) = scale*(t(i - 1) + t(i))
+      end do
+    end do
+  end subroutine fill_gradient
+
+  !> Signed sum of one nodal column over the rows of nodes around a row of centres; t(i - 1) is left of centre i.
+  pure subroutine combine(field, s, first, n, column, row_factor, t)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first, n, column
+    real(dp), intent(in) :: row_factor(NROW)
+    real(dp), intent(out) :: t(0:tile)
+    integer :: i, b(NROW)
+    b(1) = field%neighbour(0, 0, s)
+#if NDIM == 2
+    b(2) = field%neighbour(0, 1, s)
+#elif NDIM == 3
+    b(2) = field%neighbour(0, 1, s)
+    b(3) = field%neighbour(1, 0, s)
+    b(4) = field%neighbour(1, 1, s)
+#endif
+    b = b + first
+    !$omp simd
+    do i = 0, n
+#if NDIM == 1
+      t(i) = row_factor(1)*field%node(b(1) + i, column)
+#elif NDIM == 2
+      t(i) = row_factor(1)*field%node(b(1) + i, column) + row_factor(2)*field%node(b(2) + i, column)
+#else
+      t(i) = (row_factor(1)*field%node(b(1) + i, column) + row_factor(2)*field%node(b(2) + i, column)) &
+             + (row_factor(3)*field%node(b(3) + i, column) + row_factor(4)*field%node(b(4) + i, column))
+#endif
+    end do
+  end subroutine combine
+
+end module DIM(sgmp_auxmesh)

@@ -1,0 +1,204 @@
+!> One velocity field of the grid: which points are active, where they are stored, and what they carry.
+!!
+!! Only rows that particles touch are stored. `work` holds the points that are computed, `store` the same widened so that
+!! every stencil of a work point falls on stored (if need be empty) points; a point's record is base + i.
+module sgmp_field
+  use sgmp_kinds, only: dp, i8
+  use sgmp_mesh, only: mesh_t, stencil_width
+  use sgmp_rows, only: key_k, row_key, rows_contains, rows_dilate, rows_locate, rows_t
+  use sgmp_transfer_kinds, only: kernel_sgmp
+  implicit none
+  private
+  public :: field_t, field_init, field_build, field_base, field_bytes
+
+  !> Layout and grid values of a velocity field.
+  type :: field_t
+    integer :: kernel = kernel_sgmp                 !! one of kernel_*
+    integer :: ndim = 3
+    integer :: nmoment = 0                          !! columns of `moment`
+    integer :: points = 0                           !! stored points
+    type(rows_t) :: work, store
+    integer, allocatable :: base(:)                 !! record of i = 0 in each interval of `store`
+    integer, allocatable :: neighbour(:, :, :)      !! (-1:1, -2:1, work%n): base of row (j + dj, k + dk)
+    integer :: planes = 0                           !! stored planes, ascending in k
+    integer, allocatable :: plane_k(:)              !! (planes)
+    integer, allocatable :: plane_start(:)          !! (planes + 1): first record of each plane
+    integer, allocatable :: plane_work(:)           !! (planes + 1): first interval of `work` in each plane
+    integer :: largest_plane = 0                    !! records of the largest plane
+    !> (points, nmoment): mass, momentum, then sigma V at auxiliary nodes (SGMP) or force at nodes (MPM, GIMP),
+    !! then the external force where a body force acts.
+    real(dp), allocatable :: moment(:, :)
+    !> (points, 2 ndim + 1): acceleration (in MUSL later the re-mapped velocity), velocity, 1/mass (0: node ignored).
+    real(dp), allocatable :: node(:, :)
+  end type field_t
+
+contains
+
+  !> An empty field.
+  pure subroutine field_init(field, mesh, kernel, nflux, body_force)
+    type(field_t), intent(out) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: kernel        !! one of kernel_*
+    integer, intent(in) :: nflux         !! stress components that exert a force
+    logical, intent(in) :: body_force    !! columns for an external force
+    field%kernel = kernel
+    field%ndim = mesh%ndim
+    field%nmoment = 1 + mesh%ndim + merge(nflux, mesh%ndim, kernel == kernel_sgmp)
+    if (body_force) field%nmoment = field%nmoment + mesh%ndim
+    field%points = 0
+    allocate (field%moment(0, field%nmoment), field%node(0, 2*mesh%ndim + 1), field%plane_k(0))
+    allocate (field%plane_start(1), source=1)
+    allocate (field%plane_work(1), source=1)
+  end subroutine field_init
+
+  !> Lays the field out for a set of occupied bins; values that are already there move along.
+  pure subroutine field_build(field, bins)
+    type(field_t), intent(inout) :: field
+    type(rows_t), intent(in) :: bins     !! bins with particles of the field's bodies
+    type(field_t) :: new
+    type(rows_t) :: stencil
+    integer :: reach(3), one(3), w
+    w = stencil_width(field%kernel)
+    one = merge([1, 1, 1], [0, 0, 0], active_axes(field%ndim))
+    reach = (w - 1)*one
+    new%kernel = field%kernel
+    new%ndim = field%ndim
+    new%nmoment = field%nmoment
+    call rows_dilate(bins, [0, 0, 0], reach, stencil)
+    if (field%kernel == kernel_sgmp) then
+      call rows_dilate(stencil, [0, 0, 0], one, new%work)
+      call rows_dilate(new%work, -one, one, new%store)
+    else
+      new%work = stencil
+      call rows_dilate(new%work, [0, 0, -reach(3)], [0, 0, 0], new%store)
+    end if
+    call field_number(new)
+    call field_link(new)
+    allocate (new%moment(new%points, new%nmoment), new%node(new%points, 2*new%ndim + 1), source=0.0_dp)
+    call field_move(field, new)
+    call field_swap(new, field)
+  end subroutine field_build
+
+  !> Axes (i, j, k) that exist: in 2D the y axis is the k axis.
+  pure function active_axes(ndim) result(active)
+    integer, intent(in) :: ndim
+    logical :: active(3)
+    active = [.true., ndim == 3, ndim >= 2]
+  end function active_axes
+
+  !> Record of i = 0 in the stored interval that holds point i of row (j, k); `huge` if the point is not stored.
+  pure function field_base(field, j, k, i) result(base)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: j, k, i
+    integer :: base, s
+    s = rows_contains(field%store, row_key(j, k), i)
+    base = huge(1)
+    if (s > 0) base = field%base(s)
+  end function field_base
+
+  !> Bytes held by a field.
+  pure function field_bytes(field) result(bytes)
+    type(field_t), intent(in) :: field
+    integer(i8) :: bytes
+    bytes = 8_i8*(size(field%moment, kind=i8) + size(field%node, kind=i8)) + 4_i8*size(field%neighbour, kind=i8) &
+            + 16_i8*(size(field%work%key, kind=i8) + size(field%store%key, kind=i8))
+  end function field_bytes
+
+  !> Numbers the stored points, plane by plane.
+  pure subroutine field_number(field)
+    type(field_t), intent(inout) :: field
+    integer :: s, k, p, next
+    allocate (field%base(field%store%n), field%plane_k(field%store%n), field%plane_start(field%store%n + 1))
+    next = 1
+    p = 0
+    do s = 1, field%store%n
+      k = key_k(field%store%key(s))
+      if (p > 0) then
+        if (field%plane_k(p) /= k) p = -p
+      end if
+      if (p <= 0) then
+        p = 1 - p
+        field%plane_k(p) = k
+        field%plane_start(p) = next
+      end if
+      field%base(s) = next - field%store%first(s)
+      next = next + field%store%last(s) - field%store%first(s) + 1
+    end do
+    field%plane_start(p + 1) = next
+    field%planes = p
+    field%points = next - 1
+    field%plane_k = field%plane_k(:p)
+    field%plane_start = field%plane_start(:p + 1)
+    field%largest_plane = 0
+    if (p > 0) field%largest_plane = maxval(field%plane_start(2:) - field%plane_start(:p))
+  end subroutine field_number
+
+  !> Finds for every work interval the base of its own and its neighbouring rows, and the intervals of each plane.
+  pure subroutine field_link(field)
+    type(field_t), intent(inout) :: field
+    integer, allocatable :: host(:)
+    integer :: dj, dk, s, p
+    allocate (field%neighbour(-1:1, -2:1, field%work%n), source=huge(1)/2)
+    allocate (host(field%work%n))
+    do dk = -2, 1
+      do dj = -1, 1
+        call rows_locate(field%work, row_key(dj, dk), field%store, host)
+        do s = 1, field%work%n
+          if (host(s) > 0) field%neighbour(dj, dk, s) = field%base(host(s))
+        end do
+      end do
+    end do
+    allocate (field%plane_work(field%planes + 1))
+    s = 1
+    do p = 1, field%planes
+      do while (s <= field%work%n)
+        if (key_k(field%work%key(s)) >= field%plane_k(p)) exit
+        s = s + 1
+      end do
+      field%plane_work(p) = s
+    end do
+    field%plane_work(field%planes + 1) = field%work%n + 1
+  end subroutine field_link
+
+  !> Copies the values of points that stay.
+  pure subroutine field_move(old, new)
+    type(field_t), intent(in) :: old
+    type(field_t), intent(inout) :: new
+    integer :: s, t, a, b, shift
+    t = 1
+    do s = 1, new%work%n
+      do while (t <= old%work%n)
+        if (old%work%key(t) > new%work%key(s)) exit
+        if (old%work%key(t) == new%work%key(s) .and. old%work%last(t) >= new%work%first(s)) exit
+        t = t + 1
+      end do
+      do while (t <= old%work%n)
+        if (old%work%key(t) /= new%work%key(s) .or. old%work%first(t) > new%work%last(s)) exit
+        a = max(old%work%first(t), new%work%first(s))
+        b = min(old%work%last(t), new%work%last(s))
+        shift = old%neighbour(0, 0, t)
+        new%moment(new%neighbour(0, 0, s) + a:new%neighbour(0, 0, s) + b, :) = old%moment(shift + a:shift + b, :)
+        if (old%work%last(t) > new%work%last(s)) exit
+        t = t + 1
+      end do
+    end do
+  end subroutine field_move
+
+  !> Hands the new layout over without copying it.
+  pure subroutine field_swap(new, field)
+    type(field_t), intent(inout) :: new, field
+    field%points = new%points
+    field%planes = new%planes
+    field%largest_plane = new%largest_plane
+    field%work = new%work
+    field%store = new%store
+    call move_alloc(new%base, field%base)
+    call move_alloc(new%neighbour, field%neighbour)
+    call move_alloc(new%plane_k, field%plane_k)
+    call move_alloc(new%plane_start, field%plane_start)
+    call move_alloc(new%plane_work, field%plane_work)
+    call move_alloc(new%moment, field%moment)
+    call move_alloc(new%node, field%node)
+  end subroutine field_swap
+
+end module sgmp_field

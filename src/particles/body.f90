@@ -1,0 +1,73 @@
+!> A body: its particles, what they are made of, and the field they move in.
+module sgmp_body
+  use sgmp_constitutive, only: constitutive_t
+  use sgmp_expression, only: expression_t
+  use sgmp_field, only: field_base, field_t
+  use sgmp_kinds, only: dp, i4
+  use sgmp_mesh, only: stencil_width
+  use sgmp_particles, only: particles_t
+  use sgmp_rows, only: key_j, key_k
+  implicit none
+  private
+  public :: body_t, body_place, body_forced
+
+  !> One body of the model.
+  type :: body_t
+    character(32) :: name = ''
+    integer :: field = 1                       !! velocity field it moves in
+    integer(i4) :: first_id = 1                !! id of its first particle
+    type(particles_t) :: particles
+    type(constitutive_t) :: law
+    real(dp) :: half_size(3) = 0.25_dp         !! GIMP particle half-size (cells)
+    real(dp) :: spacing = 0.0_dp               !! particle spacing (length)
+    logical :: forced = .false.                !! a body force acts
+    type(expression_t) :: force(3)             !! force per unit mass
+  end type body_t
+
+contains
+
+  !> Whether any body of a field feels a body force.
+  pure function body_forced(bodies, field) result(forced)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: field
+    logical :: forced
+    integer :: b
+    forced = .false.
+    do b = 1, size(bodies)
+      if (bodies(b)%field == field .and. bodies(b)%forced) forced = .true.
+    end do
+  end function body_forced
+
+  !> Finds where the stencils of a body's bins lie in a field that has just been laid out.
+  pure subroutine body_place(body, field)
+    type(body_t), intent(inout) :: body
+    type(field_t), intent(in) :: field
+    integer :: s, p, width, lines, layers, line, layer, first
+    width = stencil_width(field%kernel)
+    lines = merge(width, 1, field%ndim == 3)
+    layers = merge(width, 1, field%ndim >= 2)
+    associate (particles => body%particles)
+      if (allocated(particles%place)) deallocate (particles%place, particles%plane_row)
+      allocate (particles%place(lines*layers, particles%bins%n), particles%plane_row(field%planes + 1))
+      do s = 1, particles%bins%n
+        first = particles%bins%first(s)
+        do line = 1, lines
+          do layer = 1, layers
+            particles%place((line - 1)*layers + layer, s) = &
+              field_base(field, key_j(particles%bins%key(s)) + line - 1, key_k(particles%bins%key(s)) + layer - 1, first)
+          end do
+        end do
+      end do
+      s = 1
+      do p = 1, field%planes
+        do while (s <= particles%bins%n)
+          if (key_k(particles%bins%key(s)) >= field%plane_k(p)) exit
+          s = s + 1
+        end do
+        particles%plane_row(p) = s
+      end do
+      particles%plane_row(field%planes + 1) = particles%bins%n + 1
+    end associate
+  end subroutine body_place
+
+end module sgmp_body

@@ -1,0 +1,308 @@
+! dimension-generic
+#include "dimension.inc"
+!> The grid's part of a step: momentum equation at the nodes (Eqs. 17-20, 33, 34) and the MUSL re-map.
+!!
+!! With SGMP a node gathers from the 2^d centres around it with fixed weights: 1/2 per axis, and +-1/h along the axis of
+!! a derivative. Rows are handled in tiles so that the partial sums of a tile stay in the first-level cache.
+module DIM(sgmp_nodes)
+  use sgmp_field, only: field_t
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
+  use sgmp_rows, only: key_j, key_k
+  use sgmp_transfer_kinds, only: kernel_sgmp
+  implicit none
+  private
+  public :: nodes_solve, nodes_velocity, nodes_remap, nodes_sums, sum_mass_aa, sum_mass_av, sum_external, sum_ignored
+
+  integer, parameter :: tile = 128
+  integer, parameter :: nodes_sums = 4     !! entries of a plane's sums
+  integer, parameter :: sum_mass_aa = 1    !! sum m_I |a_I|^2
+  integer, parameter :: sum_mass_av = 2    !! sum m_I a_I . v_I at the velocity before the kick
+  integer, parameter :: sum_external = 3   !! power of gravity and body forces at the mid-step velocity
+  integer, parameter :: sum_ignored = 4    !! nodes below the mass cut-off
+
+  !> Signs of the rows around a node for a sum and for the derivatives along y and z; rows ordered as in transfer.
+#if NDIM == 1
+  real(dp), parameter :: row_sign(NROW, 3) = 1.0_dp
+#elif NDIM == 2
+  real(dp), parameter :: row_sign(NROW, 3) = reshape([1, 1, -1, 1, 0, 0], [NROW, 3])
+#else
+  real(dp), parameter :: row_sign(NROW, 3) = reshape([1, 1, 1, 1, -1, -1, 1, 1, -1, 1, -1, 1], [NROW, 3])
+#endif
+  !> Column (after mass and momentum) of stress component (a, b).
+#if NDIM == 1
+  integer, parameter :: flux_column(1, 1) = 1
+#elif NDIM == 2
+  integer, parameter :: flux_column(2, 2) = reshape([1, 3, 3, 2], [2, 2])
+#else
+  integer, parameter :: flux_column(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
+#endif
+
+contains
+
+  !> Acceleration and trial velocity of the nodes of one plane (Eqs. 33, 34).
+  pure subroutine nodes_solve(field, mesh, plane, dt, gravity, cutoff, forced, sums)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane              !! plane of the field
+    real(dp), intent(in) :: dt                !! velocity step dt^k
+    real(dp), intent(in) :: gravity(3)
+    real(dp), intent(in) :: cutoff            !! nodes lighter than this are ignored
+    logical, intent(in) :: forced             !! the moments carry an external force
+    real(dp), intent(inout) :: sums(nodes_sums)
+    real(dp) :: m(tile), p(tile, NDIM), f(tile, NDIM), external(tile, NDIM)
+    integer :: s, first, n, idx
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        call node_moments(field, s, first, n, 1, 1 + NDIM, m, p)
+        call node_forces(field, mesh%inverse_h, s, first, n, f)
+        call external_forces(field, s, first, n, m, gravity, forced, external)
+        f(:n, :) = f(:n, :) + external(:n, :)
+        idx = field%neighbour(0, 0, s) + first
+        call solve_tile(n, size(field%node, 1), m, p, f, dt, cutoff, field%node(idx, 1))
+        call hold_walls(field, mesh, s, first, n, [1, NDIM + 1])
+        call book_energies(n, size(field%node, 1), m, external, dt, field%node(idx, 1), sums)
+      end do
+    end do
+  end subroutine nodes_solve
+
+  !> Nodal velocity from the projected momentum alone (USF).
+  pure subroutine nodes_velocity(field, mesh, plane, cutoff)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane
+    real(dp), intent(in) :: cutoff
+    real(dp) :: m(tile), p(tile, NDIM), f(tile, NDIM)
+    integer :: s, first, n
+    f = 0.0_dp
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        call node_moments(field, s, first, n, 1, 1 + NDIM, m, p)
+        call solve_tile(n, size(field%node, 1), m, p, f, 0.0_dp, cutoff, &
+                        field%node(field%neighbour(0, 0, s) + first, 1))
+        call hold_walls(field, mesh, s, first, n, [1, NDIM + 1])
+      end do
+    end do
+  end subroutine nodes_velocity
+
+  !> MUSL: velocity re-mapped from the updated particle momenta, in the place of the acceleration.
+  pure subroutine nodes_remap(field, mesh, plane)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane
+    real(dp) :: m(tile), p(tile, NDIM)
+    integer :: s, first, n, i, a, idx
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        call node_moments(field, s, first, n, 2, 1 + NDIM, m, p)
+        idx = field%neighbour(0, 0, s) + first - 1
+        do a = 1, NDIM
+          !$omp simd
+          do i = 1, n
+            field%node(idx + i, a) = p(i, a)*field%node(idx + i, 2*NDIM + 1)
+          end do
+        end do
+        call hold_walls(field, mesh, s, first, n, [1])
+      end do
+    end do
+  end subroutine nodes_remap
+
+  !> Sums of a tile for the energy ledger, over the nodes that take part.
+  pure subroutine book_energies(n, stride, m, external, dt, node, sums)
+    integer, intent(in) :: n, stride
+    real(dp), intent(in) :: m(tile), external(tile, NDIM), dt
+    real(dp), intent(in) :: node(stride, 2*NDIM + 1)
+    real(dp), intent(inout) :: sums(nodes_sums)
+    real(dp) :: aa, av, ev, active
+    integer :: i, a
+    do a = 1, NDIM
+      aa = 0.0_dp
+      av = 0.0_dp
+      ev = 0.0_dp
+      !$omp simd reduction(+:aa, av, ev) private(active)
+      do i = 1, n
+        active = merge(m(i), 0.0_dp, node(i, 2*NDIM + 1) > 0.0_dp)
+        aa = aa + active*node(i, a)**2
+        av = av + active*node(i, a)*(node(i, NDIM + a) - dt*node(i, a))
+        ev = ev + external(i, a)*(node(i, NDIM + a) - 0.5_dp*dt*node(i, a))
+      end do
+      sums(sum_mass_aa) = sums(sum_mass_aa) + aa
+      sums(sum_mass_av) = sums(sum_mass_av) + av
+      sums(sum_external) = sums(sum_external) + ev
+    end do
+    sums(sum_ignored) = sums(sum_ignored) + count(m(:n) > 0.0_dp .and. .not. node(:n, 2*NDIM + 1) > 0.0_dp)
+  end subroutine book_energies
+
+  !> Mass (if asked for) and momentum of a tile of nodes (Eqs. 17, 18; MPM Eqs. 9, 10).
+  pure subroutine node_moments(field, s, first, n, q1, q2, m, p)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first, n        !! work interval, first node, nodes
+    integer, intent(in) :: q1, q2             !! columns: from 1 with mass, from 2 without
+    real(dp), intent(inout) :: m(tile), p(tile, NDIM)
+    real(dp) :: t(0:tile), u(tile)
+    integer :: q, i
+    do q = q1, q2
+      if (field%kernel == kernel_sgmp) then
+        call combine(field, s, first, n, q, row_sign(:, 1), t)
+        do i = 1, n
+          u(i) = 0.5_dp**NDIM*(t(i - 1) + t(i))
+        end do
+      else
+        i = field%neighbour(0, 0, s) + first
+        u(:n) = field%moment(i:i + n - 1, q)
+      end if
+      if (q == 1) then
+        m(:n) = u(:n)
+      else
+        p(:n, q - 1) = u(:n)
+      end if
+    end do
+  end subroutine node_moments
+
+  !> Internal forces of a tile of nodes (Eq. 19; MPM Eq. 11).
+  pure subroutine node_forces(field, inverse_h, s, first, n, f)
+    type(field_t), intent(in) :: field
+    real(dp), intent(in) :: inverse_h
+    integer, intent(in) :: s, first, n
+    real(dp), intent(inout) :: f(tile, NDIM)
+    real(dp) :: t(0:tile), scale
+    integer :: a, b, i
+    if (field%kernel /= kernel_sgmp) then
+      i = field%neighbour(0, 0, s) + first
+      f(:n, :) = field%moment(i:i + n - 1, 2 + NDIM:1 + 2*NDIM)
+      return
+    end if
+    scale = inverse_h*0.5_dp**(NDIM - 1)
+    do a = 1, NDIM
+      call combine(field, s, first, n, 1 + NDIM + flux_column(a, 1), row_sign(:, 1), t)
+      do i = 1, n
+        f(i, a) = t(i) - t(i - 1)
+      end do
+      do b = 2, NDIM
+        call combine(field, s, first, n, 1 + NDIM + flux_column(a, b), row_sign(:, b), t)
+        do i = 1, n
+          f(i, a) = f(i, a) + (t(i) + t(i - 1))
+        end do
+      end do
+      f(:n, a) = scale*f(:n, a)
+    end do
+  end subroutine node_forces
+
+  !> Gravity on the nodes' mass, and the body forces that particles brought (Eq. 20; MPM Eq. 12).
+  pure subroutine external_forces(field, s, first, n, m, gravity, forced, f)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first, n
+    real(dp), intent(in) :: m(tile), gravity(3)
+    logical, intent(in) :: forced
+    real(dp), intent(inout) :: f(tile, NDIM)
+    real(dp) :: t(0:tile)
+    integer :: a, i
+    do a = 1, NDIM
+      f(:n, a) = m(:n)*gravity(a)
+      if (.not. forced) cycle
+      if (field%kernel == kernel_sgmp) then
+        call combine(field, s, first, n, 1 + NDIM + NFLUX + a, row_sign(:, 1), t)
+        do i = 1, n
+          f(i, a) = f(i, a) + 0.5_dp**NDIM*(t(i - 1) + t(i))
+        end do
+      else
+        i = field%neighbour(0, 0, s) + first
+        f(:n, a) = f(:n, a) + field%moment(i:i + n - 1, 1 + 2*NDIM + a)
+      end if
+    end do
+  end subroutine external_forces
+
+  !> Signed sum of one column over the rows of centres around a row of nodes; t(i) belongs to the centre right of node i.
+  pure subroutine combine(field, s, first, n, q, row_factor, t)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first, n, q
+    real(dp), intent(in) :: row_factor(NROW)
+    real(dp), intent(out) :: t(0:tile)
+    integer :: i, b(NROW)
+#if NDIM == 1
+    b(1) = field%neighbour(0, 0, s)
+#elif NDIM == 2
+    b(1) = field%neighbour(0, -1, s)
+    b(2) = field%neighbour(0, 0, s)
+#else
+    b(1) = field%neighbour(-1, -1, s)
+    b(2) = field%neighbour(-1, 0, s)
+    b(3) = field%neighbour(0, -1, s)
+    b(4) = field%neighbour(0, 0, s)
+#endif
+    b = b + first - 1
+    !$omp simd
+    do i = 0, n
+#if NDIM == 1
+      t(i) = row_factor(1)*field%moment(b(1) + i, q)
+#elif NDIM == 2
+      t(i) = row_factor(1)*field%moment(b(1) + i, q) + row_factor(2)*field%moment(b(2) + i, q)
+#else
+      t(i) = (row_factor(1)*field%moment(b(1) + i, q) + row_factor(2)*field%moment(b(2) + i, q)) &
+             + (row_factor(3)*field%moment(b(3) + i, q) + row_factor(4)*field%moment(b(4) + i, q))
+#endif
+    end do
+  end subroutine combine
+
+  !> a = f/m, v = p/m + dt a, 1/m; all zero where the mass is below the cut-off.
+  pure subroutine solve_tile(n, stride, m, p, f, dt, cutoff, node)
+    integer, intent(in) :: n, stride
+    real(dp), intent(in) :: m(tile), p(tile, NDIM), f(tile, NDIM), dt, cutoff
+    real(dp), intent(inout) :: node(stride, 2*NDIM + 1)
+    real(dp) :: inverse
+    integer :: i, a
+    !$omp simd private(inverse)
+    do i = 1, n
+      inverse = merge(1.0_dp/merge(m(i), 1.0_dp, m(i) > cutoff), 0.0_dp, m(i) > cutoff)
+      node(i, 2*NDIM + 1) = inverse
+    end do
+    do a = 1, NDIM
+      !$omp simd
+      do i = 1, n
+        node(i, a) = f(i, a)*node(i, 2*NDIM + 1)
+        node(i, NDIM + a) = p(i, a)*node(i, 2*NDIM + 1) + dt*node(i, a)
+      end do
+    end do
+  end subroutine solve_tile
+
+  !> Zeroes the components that vanish on walls, in the vectors that start at the given columns.
+  pure subroutine hold_walls(field, mesh, s, first, n, columns)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    integer, intent(in) :: columns(:)
+    integer :: c, a
+    do c = 1, size(columns)
+      do a = 1, NDIM
+        call hold_walls_axis(field, mesh, s, first, n, a, columns(c) + a - 1)
+      end do
+    end do
+  end subroutine hold_walls
+
+  !> Zeroes component `a`, stored in `column`, on the wall nodes of a tile where it vanishes.
+  pure subroutine hold_walls_axis(field, mesh, s, first, n, a, column)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n, a, column
+    integer :: axis, side, at, idx, here(3)
+    here = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
+    if (NDIM == 2) here(2) = here(3)
+    do axis = 1, NDIM
+      do side = 1, 2
+        if (mesh%wall(side, axis) == wall_free) cycle
+        if (axis /= a .and. mesh%wall(side, axis) /= wall_fixed) cycle
+        at = merge(mesh%lower(axis), mesh%upper(axis), side == 1)
+        idx = field%neighbour(0, 0, s)
+        if (axis == 1) then
+          if (at >= first .and. at < first + n) field%node(idx + at, column) = 0.0_dp
+        else if (here(axis) == at) then
+          field%node(idx + first:idx + first + n - 1, column) = 0.0_dp
+        end if
+      end do
+    end do
+  end subroutine hold_walls_axis
+
+end module DIM(sgmp_nodes)

@@ -1,0 +1,46 @@
+!> What a sweep over the particles does, and the buffers a thread needs for it.
+module sgmp_plan
+  use sgmp_kinds, only: dp, i4
+  use sgmp_particles, only: movers_t
+  implicit none
+  private
+  public :: plan_t, workspace_t
+  public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum
+
+  integer, parameter :: sweep_sums = 7     !! entries of a plane's sums
+  integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
+  integer, parameter :: sum_mass_aa = 2    !! sum m_p |a_p|^2
+  integer, parameter :: sum_internal = 3   !! growth of internal energy
+  integer, parameter :: sum_viscous = 4    !! bulk-viscous dissipation
+  integer, parameter :: sum_momentum = 5   !! first of sum m v (3 components)
+
+  !> One sweep: gather, advance, scatter.
+  type :: plan_t
+    logical :: kick = .false.              !! v += a dt_kick
+    logical :: drift = .false.             !! x += v_grid dt
+    logical :: strain = .false.            !! stress update over dt
+    logical :: mass = .false., momentum = .false., stress = .false. !! what is scattered
+    integer :: first_column = 1, last_column = 0 !! columns of the field's moments that the scatter fills
+    integer, allocatable :: vectors(:)     !! node columns gathered: acceleration and velocity as the sweep needs them
+    integer :: gradient = 0                !! node column of the vector whose gradient strains the particles
+    real(dp) :: dt_kick = 0.0_dp           !! velocity step
+    real(dp) :: dt = 0.0_dp                !! position and strain step
+    real(dp) :: time = 0.0_dp              !! at the end of the sweep
+    real(dp) :: flip = 1.0_dp              !! weight of FLIP against PIC
+  end type plan_t
+
+  !> Buffers and findings of one slab of planes.
+  type :: workspace_t
+    real(dp), allocatable :: records(:, :)       !! (components, points of a plane x stencil width) what particles read
+    integer, allocatable :: record_plane(:)      !! plane held by each slot of `records`
+    real(dp), allocatable :: planes(:, :, :, :)  !! (layers, columns, points, slots) sums before the planes are joined
+    real(dp), allocatable :: lead(:, :, :)       !! GIMP: the first plane's sums, kept for the joint with the slab below
+    integer, allocatable :: slot_plane(:)        !! plane held by each slot of `planes`
+    type(movers_t), allocatable :: movers(:)     !! (bodies) particles that left their bins
+    real(dp) :: fastest = 0.0_dp                 !! largest c + |v|
+    integer(i4) :: fastest_id = 0                !! its particle
+    integer(i4) :: bad_id = 0                    !! first particle with a senseless state, 0: none
+    real(dp) :: bad_jacobian = 0.0_dp
+  end type workspace_t
+
+end module sgmp_plan

@@ -1,0 +1,495 @@
+! dimension-generic
+#include "dimension.inc"
+!> Stress update of one chunk of particles: strain and rotation (Jaumann rate), constitutive law, volume, energy, flux.
+!!
+!! The law is chosen once per chunk; each stage is a loop over the lanes. Volume follows the determinant of the step's
+!! deformation gradient. Internal energy grows by V_old (1/2 (sigma_old + sigma_new) - q) : deps, which is exact for a
+!! linear stress path in one dimension; an equation of state takes its pressure work from the change of volume.
+module DIM(sgmp_stress_update)
+  use sgmp_burn, only: burn_fraction_lanes
+  use sgmp_constitutive, only: constitutive_t
+  use sgmp_eos, only: eos_energy_pressure, eos_sound_speed_lanes
+  use sgmp_eos_gruneisen, only: gruneisen_lanes
+  use sgmp_eos_jwl, only: jwl_lanes
+  use sgmp_kinds, only: dp, i4, lanes
+  use sgmp_material_j2, only: j2_return
+  use sgmp_material_jc, only: jc_return, jc_return_simple
+  use sgmp_scene, only: eos_gruneisen, eos_jwl, eos_none, material_elastic, material_explosive, material_j2, &
+                        material_johnson_cook, material_neo_hookean
+  use sgmp_viscosity, only: viscosity_lanes
+  implicit none
+  private
+  public :: stress_update, stress_flux, stress_sums, sum_internal, sum_viscous
+
+  integer, parameter :: stress_sums = 2  !! entries of `sums`
+  integer, parameter :: sum_internal = 1 !! growth of internal energy
+  integer, parameter :: sum_viscous = 2  !! part of it that the bulk viscosity dissipates
+
+  !> Stress component of each flux (and strain) component.
+#if NDIM == 1
+  integer, parameter :: stress_of(NFLUX) = [1]
+#elif NDIM == 2
+  integer, parameter :: stress_of(NFLUX) = [1, 2, 4]
+#else
+  integer, parameter :: stress_of(NFLUX) = [1, 2, 3, 4, 5, 6]
+#endif
+  !> Weight of a stored stress component in the inner product of stresses.
+  real(dp), parameter :: twice(6) = [1.0_dp, 1.0_dp, 1.0_dp, 2.0_dp, 2.0_dp, 2.0_dp]
+
+contains
+
+  !> Advances volume, stress and history by one step and returns the flux sigma V that the grid wants (Eq. 23).
+  subroutine stress_update(law, dt, time, mass, live, grad, nb, b, flux, speed2, jacobian, sums)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt                          !! strain step
+    real(dp), intent(in) :: time                        !! at the end of the step
+    real(dp), intent(in) :: mass(lanes), live(lanes)    !! live: 1 for particles, 0 for pads
+    real(dp), intent(in) :: grad(lanes, NGRAD)          !! velocity gradient, row by row
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)             !! volume, stress, history
+    real(dp), intent(out) :: flux(lanes, NFLUX)         !! (sigma - q I) V
+    real(dp), intent(out) :: speed2(lanes)              !! square of the sound speed
+    real(dp), intent(out) :: jacobian(lanes)            !! determinant of the step's deformation gradient
+    real(dp), intent(inout) :: sums(lanes, stress_sums)
+    real(dp) :: strain(lanes, NFLUX), trace(lanes), old_volume(lanes), work(lanes), q(lanes)
+    integer :: l
+    call kinematics(dt, grad, strain, trace, jacobian)
+    old_volume = b(:, 1)
+    if (.not. law%small_strain) then
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        b(l, 1) = b(l, 1)*jacobian(l)
+      end do
+    end if
+    if (law%slots%stretch > 0) call stretch(dt, grad, b(:, law%slots%stretch:))
+    select case (law%kind)
+    case (material_elastic)
+      call elastic(law, dt, mass, grad, strain, trace, b(1, 1), b(1, law%slots%stress), speed2, q, work)
+    case (material_neo_hookean)
+      call neo_hookean(law, dt, mass, grad, strain, trace, b(1, 1), b(1, law%slots%stress), &
+                       b(1, law%slots%deformation), speed2, q, work)
+    case (material_j2, material_johnson_cook)
+      call plastic(law, dt, mass, old_volume, grad, strain, trace, nb, b, speed2, q, work)
+    case (material_explosive)
+      call explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
+    end select
+    call stress_flux(law, b(1, 1), q, b(1, law%slots%stress), flux)
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      sums(l, sum_internal) = sums(l, sum_internal) + live(l)*(old_volume(l)*(work(l) - q(l)*trace(l)))
+      sums(l, sum_viscous) = sums(l, sum_viscous) - live(l)*(old_volume(l)*(q(l)*trace(l)))
+    end do
+  end subroutine stress_update
+
+  !> Flux (sigma - q I) V of a chunk.
+  pure subroutine stress_flux(law, volume, q, stress, flux)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: volume(lanes), q(lanes)
+    real(dp), intent(in) :: stress(lanes, NSTRESS)      !! or the mean stress alone, for explosives
+    real(dp), intent(out) :: flux(lanes, NFLUX)
+    integer :: l, c
+    if (law%slots%stresses == 1) then
+      do c = 1, NFLUX
+        do l = 1, lanes
+          flux(l, c) = 0.0_dp
+          if (c <= NDIM) flux(l, c) = volume(l)*(stress(l, 1) - q(l))
+        end do
+      end do
+      return
+    end if
+    do c = 1, NDIM
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        flux(l, c) = volume(l)*(stress(l, c) - q(l))
+      end do
+    end do
+    do c = NDIM + 1, NFLUX
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        flux(l, c) = volume(l)*stress(l, stress_of(c))
+      end do
+    end do
+  end subroutine stress_flux
+
+  !> Strain increment (shears as engineering strains), its trace, and det(I + L dt).
+  pure subroutine kinematics(dt, grad, strain, trace, jacobian)
+    real(dp), intent(in) :: dt, grad(lanes, NGRAD)
+    real(dp), intent(out) :: strain(lanes, NFLUX), trace(lanes), jacobian(lanes)
+    integer :: l
+#if NDIM == 1
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      strain(l, 1) = dt*grad(l, 1)
+      trace(l) = strain(l, 1)
+      jacobian(l) = 1.0_dp + trace(l)
+    end do
+#elif NDIM == 2
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      strain(l, 1) = dt*grad(l, 1)
+      strain(l, 2) = dt*grad(l, 4)
+      strain(l, 3) = dt*(grad(l, 2) + grad(l, 3))
+      trace(l) = strain(l, 1) + strain(l, 2)
+      jacobian(l) = (1.0_dp + strain(l, 1))*(1.0_dp + strain(l, 2)) - (dt*grad(l, 2))*(dt*grad(l, 3))
+    end do
+#else
+    real(dp) :: xx, yy, zz, xy, yx, xz, zx, yz, zy
+    !$omp simd simdlen(8) private(xx, yy, zz, xy, yx, xz, zx, yz, zy)
+    do l = 1, lanes
+      xx = dt*grad(l, 1)
+      xy = dt*grad(l, 2)
+      xz = dt*grad(l, 3)
+      yx = dt*grad(l, 4)
+      yy = dt*grad(l, 5)
+      yz = dt*grad(l, 6)
+      zx = dt*grad(l, 7)
+      zy = dt*grad(l, 8)
+      zz = dt*grad(l, 9)
+      strain(l, 1) = xx
+      strain(l, 2) = yy
+      strain(l, 3) = zz
+      strain(l, 4) = xy + yx
+      strain(l, 5) = yz + zy
+      strain(l, 6) = xz + zx
+      trace(l) = (xx + yy) + zz
+      jacobian(l) = (1.0_dp + xx)*((1.0_dp + yy)*(1.0_dp + zz) - yz*zy) &
+                    - xy*(yx*(1.0_dp + zz) - yz*zx) + xz*(yx*zy - (1.0_dp + yy)*zx)
+    end do
+#endif
+  end subroutine kinematics
+
+  !> Jaumann rotation of a stress by the step's spin.
+  pure subroutine rotate(dt, grad, s)
+    real(dp), intent(in) :: dt, grad(lanes, NGRAD)
+    real(dp), intent(inout) :: s(lanes, NSTRESS)
+    integer :: l
+#if NDIM == 1
+    l = merge(1, 0, dt*grad(1, 1) > 0.0_dp .and. s(1, 1) > 0.0_dp) ! no spin in one dimension
+#elif NDIM == 2
+    real(dp) :: w, t
+    !$omp simd simdlen(8) private(w, t)
+    do l = 1, lanes
+      w = 0.5_dp*dt*(grad(l, 2) - grad(l, 3))
+      t = 2.0_dp*w*s(l, 4)
+      s(l, 4) = s(l, 4) + w*(s(l, 2) - s(l, 1))
+      s(l, 1) = s(l, 1) + t
+      s(l, 2) = s(l, 2) - t
+    end do
+#else
+    real(dp) :: xy, yz, xz, s1, s2, s3, s4, s5, s6
+    !$omp simd simdlen(8) private(xy, yz, xz, s1, s2, s3, s4, s5, s6)
+    do l = 1, lanes
+      xy = 0.5_dp*dt*(grad(l, 2) - grad(l, 4))
+      yz = 0.5_dp*dt*(grad(l, 6) - grad(l, 8))
+      xz = 0.5_dp*dt*(grad(l, 3) - grad(l, 7))
+      s1 = s(l, 1)
+      s2 = s(l, 2)
+      s3 = s(l, 3)
+      s4 = s(l, 4)
+      s5 = s(l, 5)
+      s6 = s(l, 6)
+      s(l, 1) = s1 + 2.0_dp*(xy*s4 + xz*s6)
+      s(l, 2) = s2 + 2.0_dp*(yz*s5 - xy*s4)
+      s(l, 3) = s3 - 2.0_dp*(xz*s6 + yz*s5)
+      s(l, 4) = s4 + xy*(s2 - s1) + xz*s5 + yz*s6
+      s(l, 5) = s5 + yz*(s3 - s2) - xy*s6 - xz*s4
+      s(l, 6) = s6 + xz*(s3 - s1) + xy*s5 - yz*s4
+    end do
+#endif
+  end subroutine rotate
+
+  !> work += 1/2 stress : strain.
+  pure subroutine add_half_work(stress, strain, work)
+    real(dp), intent(in) :: stress(lanes, NSTRESS), strain(lanes, NFLUX)
+    real(dp), intent(inout) :: work(lanes)
+    integer :: l, c
+    do c = 1, NFLUX
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        work(l) = work(l) + 0.5_dp*stress(l, stress_of(c))*strain(l, c)
+      end do
+    end do
+  end subroutine add_half_work
+
+  !> stress += 2 G deviatoric-free part of the strain, plus `lame` times the trace on the diagonal.
+  pure subroutine add_hooke(shear, lame, trace, strain, stress)
+    real(dp), intent(in) :: shear, lame, trace(lanes), strain(lanes, NFLUX)
+    real(dp), intent(inout) :: stress(lanes, NSTRESS)
+    integer :: l, c
+    do c = 1, 3
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        stress(l, c) = stress(l, c) + lame*trace(l)
+      end do
+    end do
+    do c = 1, NDIM
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        stress(l, c) = stress(l, c) + 2.0_dp*shear*strain(l, c)
+      end do
+    end do
+    do c = NDIM + 1, NFLUX
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        stress(l, stress_of(c)) = stress(l, stress_of(c)) + shear*strain(l, c)
+      end do
+    end do
+  end subroutine add_hooke
+
+  !> Bulk viscosity of a chunk; none where the scene has none.
+  pure subroutine viscosity(law, dt, mass, volume, trace, speed2, q)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), volume(lanes), trace(lanes), speed2(lanes)
+    real(dp), intent(out) :: q(lanes)
+    real(dp) :: density(lanes), speed(lanes), rate(lanes)
+    integer :: l
+    q = 0.0_dp
+    if (.not. law%viscous .or. dt <= 0.0_dp) return
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      density(l) = mass(l)/volume(l)
+      speed(l) = sqrt(speed2(l))
+      rate(l) = trace(l)/dt
+    end do
+    call viscosity_lanes(law%viscosity, law%h, density, speed, rate, q)
+  end subroutine viscosity
+
+  !> Hooke's law in rate form.
+  pure subroutine elastic(law, dt, mass, grad, strain, trace, volume, stress, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), trace(lanes), volume(lanes)
+    real(dp), intent(inout) :: stress(lanes, NSTRESS)
+    real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
+    integer :: l
+    work = 0.0_dp
+    call add_half_work(stress, strain, work)
+    call rotate(dt, grad, stress)
+    call add_hooke(law%elastic%shear, law%elastic%lambda, trace, strain, stress)
+    call add_half_work(stress, strain, work)
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      speed2(l) = (law%elastic%lambda + 2.0_dp*law%elastic%shear)*volume(l)/mass(l)
+    end do
+    call viscosity(law, dt, mass, volume, trace, speed2, q)
+  end subroutine elastic
+
+  !> Compressible neo-Hookean: sigma = (mu (b - I) + lambda ln J I)/J with b = F F^T.
+  pure subroutine neo_hookean(law, dt, mass, grad, strain, trace, volume, stress, f, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), trace(lanes), volume(lanes)
+    real(dp), intent(inout) :: stress(lanes, NSTRESS), f(lanes, NDIM, NDIM) !! f(:, b, a) = F_ab
+    real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
+    real(dp) :: new(lanes, NDIM, NDIM), bij(lanes, NSTRESS), mu, lambda, j
+    integer :: l, a, b, c
+    integer, parameter :: row(6) = [1, 2, 3, 1, 2, 1], col(6) = [1, 2, 3, 2, 3, 3]
+    mu = law%elastic%shear
+    lambda = law%elastic%lambda
+    work = 0.0_dp
+    call add_half_work(stress, strain, work)
+    do a = 1, NDIM
+      do b = 1, NDIM
+        new(:, b, a) = f(:, b, a)
+        do c = 1, NDIM
+          do l = 1, lanes
+            new(l, b, a) = new(l, b, a) + dt*grad(l, (a - 1)*NDIM + c)*f(l, b, c)
+          end do
+        end do
+      end do
+    end do
+    f = new
+    bij = 0.0_dp
+    do c = 1, NSTRESS
+      if (row(c) > NDIM .or. col(c) > NDIM) then
+        bij(:, c) = merge(1.0_dp, 0.0_dp, row(c) == col(c))
+      else
+        do a = 1, NDIM
+          bij(:, c) = bij(:, c) + f(:, a, row(c))*f(:, a, col(c))
+        end do
+      end if
+    end do
+    do l = 1, lanes
+      j = volume(l)*law%density/mass(l)
+      do c = 1, NSTRESS
+        stress(l, c) = mu/j*bij(l, c)
+        if (c <= 3) stress(l, c) = stress(l, c) + (lambda*log(j) - mu)/j
+      end do
+      speed2(l) = (lambda*(1.0_dp - log(j)) + mu)*volume(l)/(j*mass(l)) &
+                  + mu*maxval(bij(l, 1:3))*volume(l)/(j*mass(l))
+    end do
+    call add_half_work(stress, strain, work)
+    call viscosity(law, dt, mass, volume, trace, speed2, q)
+  end subroutine neo_hookean
+
+  !> J2 and Johnson-Cook plasticity by radial return, with linear bulk response or an equation of state.
+  subroutine plastic(law, dt, mass, old_volume, grad, strain, trace, nb, b, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), trace(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
+    real(dp) :: deviator(lanes, NSTRESS), mean(lanes), norm(lanes), factor(lanes), increment(lanes), shear3, shear
+    real(dp) :: deviatoric_work(lanes), pressure_work(lanes)
+    integer :: l, c, s
+    s = law%slots%stress
+    shear = law%elastic%shear
+    shear3 = 3.0_dp*shear
+    call split(b(1, s), deviator, mean)
+    deviatoric_work = 0.0_dp
+    call add_half_work(deviator, strain, deviatoric_work)
+    call rotate(dt, grad, deviator)
+    call add_hooke(shear, -2.0_dp/3.0_dp*shear, trace, strain, deviator)
+    norm = 0.0_dp
+    do c = 1, NSTRESS
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        norm(l) = norm(l) + 1.5_dp*twice(c)*(deviator(l, c)*deviator(l, c))
+      end do
+    end do
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      norm(l) = sqrt(norm(l))
+    end do
+    call return_to_yield(law, shear3, dt, norm, mean, nb, b, factor, increment)
+    do c = 1, NSTRESS
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        deviator(l, c) = factor(l)*deviator(l, c)
+      end do
+    end do
+    call add_half_work(deviator, strain, deviatoric_work)
+    if (law%eos == eos_none) then
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        speed2(l) = (law%elastic%bulk + 4.0_dp/3.0_dp*shear)*b(l, 1)/mass(l)
+        work(l) = deviatoric_work(l) + (mean(l) + 0.5_dp*law%elastic%bulk*trace(l))*trace(l)
+        mean(l) = mean(l) + law%elastic%bulk*trace(l)
+      end do
+      call viscosity(law, dt, mass, b(1, 1), trace, speed2, q)
+    else
+      call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, deviatoric_work, 4.0_dp/3.0_dp*shear, &
+                             [(1.0_dp, l=1, lanes)], b(1, law%slots%energy), mean, speed2, q, pressure_work)
+      work = deviatoric_work + pressure_work
+    end if
+    do c = 1, NSTRESS
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        b(l, s + c - 1) = deviator(l, c) + merge(mean(l), 0.0_dp, c <= 3)
+      end do
+    end do
+  end subroutine plastic
+
+  !> Deviator and mean of a stress.
+  pure subroutine split(stress, deviator, mean)
+    real(dp), intent(in) :: stress(lanes, NSTRESS)
+    real(dp), intent(out) :: deviator(lanes, NSTRESS), mean(lanes)
+    integer :: l, c
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      mean(l) = (stress(l, 1) + stress(l, 2) + stress(l, 3))*(1.0_dp/3.0_dp)
+    end do
+    do c = 1, NSTRESS
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        deviator(l, c) = stress(l, c) - merge(mean(l), 0.0_dp, c <= 3)
+      end do
+    end do
+  end subroutine split
+
+  !> Radial return of the law at hand.
+  subroutine return_to_yield(law, shear3, dt, norm, mean, nb, b, factor, increment)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: shear3, dt, norm(lanes), mean(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: factor(lanes), increment(lanes)
+    real(dp) :: damage(lanes), temperature(lanes)
+    if (law%kind == material_j2) then
+      call j2_return(law%j2, shear3, norm, b(1, law%slots%plastic), factor, increment)
+    else if (law%thermal .or. law%failure) then
+      damage = 0.0_dp
+      temperature = law%jc%room
+      if (law%failure) damage = b(:, law%slots%damage)
+      if (law%thermal) temperature = b(:, law%slots%temperature)
+      call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, damage, factor, increment)
+      if (law%failure) b(:, law%slots%damage) = damage
+      if (law%thermal) b(:, law%slots%temperature) = temperature
+    else
+      call jc_return_simple(law%jc, shear3, dt, norm, b(1, law%slots%plastic), factor, increment)
+    end if
+  end subroutine return_to_yield
+
+  !> Detonation products: JWL pressure behind the burn front, none ahead of it.
+  subroutine explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, time, mass(lanes), old_volume(lanes), trace(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
+    real(dp) :: burnt(lanes), none(lanes)
+    none = 0.0_dp
+    call burn_fraction_lanes(time, b(1, law%slots%lighting), law%detonation_speed, law%h, law%burn_cells, burnt)
+    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, none, 0.0_dp, burnt, b(1, law%slots%energy), &
+                           b(1, law%slots%stress), speed2, q, work)
+  end subroutine explosive
+
+  !> Pressure and energy by an equation of state linear in the energy; `mean` is the mean stress -p.
+  subroutine equation_of_state(law, dt, mass, old_volume, volume, trace, deviatoric_work, stiffness, burnt, energy, mean, &
+                               speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), volume(lanes), trace(lanes)
+    real(dp), intent(in) :: deviatoric_work(lanes)      !! per current (old) volume
+    real(dp), intent(in) :: stiffness                   !! 4/3 G, of the shear part of the sound speed
+    real(dp), intent(in) :: burnt(lanes)                !! factor on the pressure
+    real(dp), intent(inout) :: energy(lanes), mean(lanes)
+    real(dp), intent(out) :: speed2(lanes), q(lanes)
+    real(dp), intent(out) :: work(lanes)                !! pressure work per old volume
+    real(dp) :: v_old(lanes), v(lanes), p_old(lanes), p(lanes), other(lanes)
+    real(dp) :: a0(lanes), b0(lanes), da(lanes), db(lanes), ones(lanes)
+    integer(i4) :: imaginary
+    integer :: l
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      v_old(l) = old_volume(l)*law%density/mass(l)
+      v(l) = volume(l)*law%density/mass(l)
+      p_old(l) = -mean(l)
+    end do
+    select case (law%eos)
+    case (eos_jwl)
+      call jwl_lanes(law%jwl, v, a0, b0, da, db)
+    case (eos_gruneisen)
+      call gruneisen_lanes(law%gruneisen, v, a0, b0, da, db)
+    end select
+    p = burnt*(a0 + b0*energy)
+    ones = 1.0_dp
+    imaginary = 0
+    call eos_sound_speed_lanes(law%density, law%slowest**2, v, p, energy, da, db, b0, ones, speed2, imaginary)
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      speed2(l) = merge(speed2(l), law%detonation_speed**2, burnt(l) > 0.0_dp) + stiffness*volume(l)/mass(l)
+    end do
+    call viscosity(law, dt, mass, volume, trace, speed2, q)
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      q(l) = merge(q(l), 0.0_dp, burnt(l) > 0.0_dp)
+      other(l) = v_old(l)*(deviatoric_work(l) - q(l)*trace(l))
+    end do
+    p = p_old
+    call eos_energy_pressure(v_old, v, other, burnt, a0, b0, energy, p)
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      work(l) = -0.5_dp*(p_old(l) + p(l))*(v(l) - v_old(l))/v_old(l)
+      mean(l) = -p(l)
+    end do
+  end subroutine equation_of_state
+
+  !> Diagonal of the deformation gradient, for cpGIMP's particle size.
+  pure subroutine stretch(dt, grad, diagonal)
+    real(dp), intent(in) :: dt, grad(lanes, NGRAD)
+    real(dp), intent(inout) :: diagonal(lanes, NDIM)
+    integer :: a
+    do a = 1, NDIM
+      diagonal(:, a) = diagonal(:, a)*(1.0_dp + dt*grad(:, (a - 1)*NDIM + a))
+    end do
+  end subroutine stretch
+
+end module DIM(sgmp_stress_update)

@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""Runs sgmp on broken decks: each must end with exit code 3 and say what is wrong and where.
+
+usage: run.py SGMP_EXECUTABLE
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+DECK_ERROR = 3
+
+# deck without .inp: what must be found in the output, {d} stands for its path; (options, …) may come first
+EXPECTED = {
+    "after_continuation": [r"{d}:7:10: error: text after the continuation"],
+    "bad_expression": [r"{d}:8:19: error: .*'yung'", r"did you mean 'young'"],
+    "bad_number": [r"{d}:4:12: error: .*'abc'", r"numbers are written like"],
+    "binary": [r"{d}:1:1: error: not a text file"],
+    "binary_tail": [r"{d}:6:1: error: not a text file"],
+    "box": [r"{d}:3:17: error: the box is not a whole number of cells", r"nearest cell=0\.333333333333"],
+    "continuation": [r"{d}:7:8: error: the file ends after a continuation"],
+    "dimension": [r"{d}:2:11: error: .* out of range", r"\[1,3\]"],
+    "duplicate_names": [r"{d}:7:10: error: there are two materials 'steel'", r"{d}:8:6: error: there are two bodies 'bar'"],
+    "empty": [r"{d}: error: the file has no cards"],
+    "explosive": [r"{d}:7:1: error: explosive 'tnt' has no JWL equation", r"eos tnt jwl"],
+    "garbage": [r"{d}:1:1: error: unknown card", r"{d}: error: the deck has no card 'grid'"],
+    "include_bad": [r"included\.inp:6:1: error: unknown card 'metod'", r"did you mean 'method'"],
+    "include_loop": [r"include_loop_2\.inp:1:9: error: .*include_loop\.inp' includes itself"],
+    "interval": [r"{d}:3:18: error: the interval '1:0' is empty"],
+    "missing_cards": [r"{d}: error: the deck has no card '%s'" % card for card in ("grid", "time", "body")],
+    "missing_include": [r"{d}:7:9: error: there is no file '.*nothing\.inp'"],
+    "missing_key": [r"{d}:5:1: error: card 'material' needs 'young'"],
+    "nan": [r"{d}:4:10: error: '1e999'", r"{d}:5:32: error: 'nan'", r"{d}:5:42: error: 'inf'"],
+    "negative_density": [r"{d}:5:32: error: 'density' = -7850 is out of range"],
+    "no_end": [r"{d}:4:1: error: the time has no end", r"add end="],
+    "no_material": [r"{d}:6:1: error: card 'body' needs 'material'"],
+    "no_particles": [r"{d}:6:1: .*body 'bar' has no particles"],
+    "not_constant": [r"{d}:3:11: error: .*depends on position or time"],
+    "not_yet": [r"{d}:7:1: error: unknown card 'contact'", r"{d}:8:1: error: unknown card 'checkpoint'",
+                r"{d}:9:1: error: unknown card 'rigid'"],
+    "only_comments": [r"{d}: error: the file has no cards"],
+    "open_wall": [r"{d}:7:9: error: a wall on y-, which is open", r"grid y=lower:open"],
+    "output_field": [r"{d}:7:26: error: 'stres'", r"did you mean 'stress'"],
+    "overlap": [r"{d}:[67]:1: .*overlap"],
+    "parameter_reserved": [r"{d}:7:11: error: 'x' already means something"],
+    "parameter_twice": [r"{d}:8:11: error: parameter 'h' is defined twice", r"{d}:7:11"],
+    "parenthesis": [r"{d}:7:9: error: unbalanced parentheses"],
+    "particle_file": [r"particles\.txt:3:1: .*not a particle"],
+    "poisson": [r"{d}:5:57: error: 'poisson' = 0\.5 is out of range", r"\(-1,0\.5\)"],
+    "quote": [r"{d}:7:7: error: the quote is not closed"],
+    "repeated_card": [r"{d}:7:1: error: card 'time' is given twice", r"{d}:4:1"],
+    "repeated_key": [r"{d}:3:16: error: 'cell' is given twice"],
+    "several": [r"{d}:3:11: error: 'cell'", r"{d}:5:32: error: 'density'", r"{d}:5:41: error: 'young'",
+                r"{d}:5:51: error: 'poisson'", r"{d}:7:1: error: unknown card 'wal'", r"{d}:8:15: error: unbalanced",
+                r"{d}:9:8: error: 'cvs'", r"{d}:10:10: error: there is no body 'rod'"],
+    "time_in_velocity": [r"{d}:7:17: error: the initial velocity cannot depend on t"],
+    "too_many_particles": [r"{d}:6:1: error: body 'bar' would have about 8e12 particles"],
+    "too_many_round": [r"{d}:6:1: .*too many particles"],
+    "unknown_card": [r"{d}:7:1: error: unknown card 'vellocity'", r"did you mean 'velocity'"],
+    "unknown_dollar": [r"{d}:7:8: error: there is no parameter 'metod'"],
+    "unknown_key": [r"{d}:3:6: error: unknown key 'cel' of card 'grid'", r"^  \| grid cel=0\.25 x=0:1$", r"^  \|      \^$",
+                    r"did you mean 'cell'"],
+    "unknown_material": [r"{d}:6:25: error: there is no material 'stel'", r"did you mean 'steel'"],
+    "vector": [r"{d}:7:9: error: .*more than three components"],
+    "whole_number": [r"{d}:6:51: error: 'ppc' = 1\.5 is not a whole number"],
+    "word_as_number": [r"{d}:4:11: error: .*is the word 'fine', not a number"],
+    "wrong_kind": [r"{d}:5:67: error: 'yield' means nothing for kind elastic"],
+}
+HELPERS = {"included", "include_loop_2"}  # included by others
+
+# further cases: name, deck, options, what must be found
+SETTINGS = [
+    ("unknown setting", "not_constant", ["--set", "hh=1"], [r"--set:1:1: error: the deck has no parameter 'hh'"]),
+    ("bad setting", "not_constant", ["--set", "hh"], [r"--set:1:1: error: a setting must be NAME=VALUE"]),
+]
+
+
+def run(executable, deck, options=()):
+    """Exit code and all output of a check; a crash has a negative code."""
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run([executable, deck, "--check", "--output", os.path.join(folder, "out"), *options],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60, check=False)
+    return done.returncode, done.stdout.decode("utf-8", "replace")
+
+
+def complaints(code, output, deck, patterns):
+    """What is not as it should be."""
+    found = []
+    if code != DECK_ERROR:
+        found.append(f"exit code {code}, expected {DECK_ERROR}")
+    if re.search(r"Backtrace|SIG[A-Z]{3,}|runtime error|terminate called", output):
+        found.append("it crashed")
+    for pattern in patterns:
+        if not re.search(pattern.replace("{d}", re.escape(deck)), output, re.MULTILINE):
+            found.append(f"not found: {pattern}")
+    return found
+
+
+def main():
+    if len(sys.argv) != 2:
+        print(__doc__.strip(), file=sys.stderr)
+        return 2
+    executable = os.path.abspath(sys.argv[1])
+    decks = {name[:-4] for name in os.listdir(HERE) if name.endswith(".inp")} - HELPERS
+    failures = 0
+    for name in sorted(decks ^ set(EXPECTED)):
+        failures += 1
+        print(f"FAIL {name}: a deck without expectation, or an expectation without deck")
+    cases = [(name, os.path.join(HERE, name + ".inp"), [], EXPECTED[name]) for name in sorted(decks & set(EXPECTED))]
+    cases += [(title, os.path.join(HERE, name + ".inp"), options, patterns)
+              for title, name, options, patterns in SETTINGS]
+    missing = os.path.join(HERE, "there_is_no_such.inp")
+    cases.append(("missing file", missing, [], [r"there is no file '.*there_is_no_such\.inp'"]))
+    cases.append(("directory", HERE, [], [r"is a directory"]))
+    for name, deck, options, patterns in cases:
+        code, output = run(executable, deck, options)
+        found = complaints(code, output, deck, patterns)
+        failures += bool(found)
+        for line in found:
+            print(f"FAIL {name}: {line}")
+        if found:
+            print("    " + output.replace("\n", "\n    "))
+    print(f"{len(cases)} broken decks, {failures} failures")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
