@@ -1,0 +1,316 @@
+!> From the validated description of a scene to a model ready for its first step.
+module sgmp_build_model
+  use sgmp_body, only: body_t
+  use sgmp_burn, only: burn_lighting_time, burn_source_t
+  use sgmp_constitutive, only: constitutive_t, slots_make
+  use sgmp_energy, only: ledger_open
+  use sgmp_eos_gruneisen, only: gruneisen_init
+  use sgmp_eos_jwl, only: jwl_init
+  use sgmp_errors, only: error_make, error_t, exit_deck
+  use sgmp_field, only: field_init
+  use sgmp_kinds, only: dp, i4, lanes
+  use sgmp_material_elastic, only: elastic_init
+  use sgmp_material_j2, only: j2_init, j2_linear, j2_perfect, j2_power
+  use sgmp_material_jc, only: jc_init, jc_set_failure, jc_set_thermal
+  use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t, stencil_shift
+  use sgmp_model, only: model_t
+  use sgmp_particles, only: particles_fill
+  use sgmp_phases, only: phase_layout
+  use sgmp_scene, only: body_card_t, eos_gruneisen, eos_jwl, eos_none, hardening_linear, hardening_perfect, hardening_power, &
+                        material_card_t, material_elastic, material_explosive, material_johnson_cook, &
+                        material_neo_hookean, material_j2, method_cpgimp, method_gimp, method_mpm, method_sgmp, scene_t
+  use sgmp_seeding, only: seeding_generate
+  use sgmp_step, only: step_start
+  use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
+  implicit none
+  private
+  public :: model_build
+
+contains
+
+  !> Builds bodies, fields and clock, and takes the first projection.
+  subroutine model_build(scene, threads, model, error)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: threads               !! OpenMP threads to use
+    type(model_t), intent(out) :: model
+    type(error_t), allocatable, intent(out) :: error
+    integer :: b, kernel
+    integer(i4) :: next_id
+    real(dp) :: heaviest
+    model%mesh = mesh_make(scene%dimension, scene%grid%cell, scene%grid%lower, scene%grid%upper, scene%grid%open, &
+                           scene%grid%wall)
+    model%threads = merge(1, threads, scene%dimension == 1)
+    model%update = scene%method%update
+    model%flip = scene%method%flip
+    model%gravity = scene%gravity
+    model%lost_policy = scene%grid%lost
+    kernel = kernel_of(scene%method%kind)
+    allocate (model%bodies(size(scene%bodies)))
+    next_id = 1
+    heaviest = 0.0_dp
+    do b = 1, size(scene%bodies)
+      call build_body(scene, b, model%mesh, kernel, next_id, model%bodies(b), error)
+      if (allocated(error)) return
+      next_id = next_id + model%bodies(b)%particles%count
+      associate (particles => model%bodies(b)%particles)
+        heaviest = max(heaviest, maxval(particles%a(:, particles%na, :particles%chunks), &
+                                        mask=particles%id(:, :particles%chunks) > 0))
+      end associate
+    end do
+    model%cutoff = scene%method%mass_cutoff*heaviest
+    call build_fields(model, kernel)
+    call build_clock(scene, model)
+    call step_start(model)
+    call open_ledger(scene, model)
+  end subroutine model_build
+
+  !> The transfer that a method uses.
+  pure function kernel_of(method) result(kernel)
+    integer, intent(in) :: method
+    integer :: kernel
+    select case (method)
+    case (method_mpm)
+      kernel = kernel_mpm
+    case (method_gimp, method_cpgimp)
+      kernel = kernel_gimp
+    case default
+      kernel = kernel_sgmp
+    end select
+  end function kernel_of
+
+  !> Stress components stored in each dimension.
+  pure function stress_count(ndim) result(n)
+    integer, intent(in) :: ndim
+    integer :: n
+    n = ndim + 2 + merge(1, 0, ndim == 3)
+  end function stress_count
+
+  subroutine build_body(scene, number, mesh, kernel, first_id, body, error)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: number, kernel
+    type(mesh_t), intent(in) :: mesh
+    integer(i4), intent(in) :: first_id
+    type(body_t), intent(out) :: body
+    type(error_t), allocatable, intent(out) :: error
+    real(dp), allocatable :: x(:, :), volume(:), v(:, :), file_velocity(:, :)
+    integer :: d
+    associate (card => scene%bodies(number), material => scene%materials(scene%bodies(number)%material))
+      call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, file_velocity)
+      if (allocated(error)) return
+      body%name = card%name
+      body%first_id = first_id
+      body%spacing = card%spacing
+      if (body%spacing <= 0.0_dp) body%spacing = scene%grid%cell/card%ppc
+      body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
+      call attach_force(scene, number, body)
+      call make_law(scene, material, mesh, needs_initial(body), body%law)
+      call initial_velocity(card, mesh%ndim, x, file_velocity, v)
+      do d = 1, mesh%ndim
+        x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
+      end do
+      call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, v, material%density*volume, volume, &
+                          first_history(card, material, body%law, mesh%ndim), first_id)
+      call fill_positions(scene, mesh, body)
+    end associate
+  end subroutine build_body
+
+  !> Body forces that act on a body; a card for the body itself comes before one for all.
+  subroutine attach_force(scene, number, body)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: number
+    type(body_t), intent(inout) :: body
+    integer :: f
+    do f = 1, size(scene%bodyforces)
+      if (scene%bodyforces(f)%body /= 0 .and. scene%bodyforces(f)%body /= number) cycle
+      if (body%forced .and. scene%bodyforces(f)%body == 0) cycle
+      body%forced = .true.
+      body%force = scene%bodyforces(f)%force
+    end do
+  end subroutine attach_force
+
+  !> Whether a body's force refers to the initial position, which must then be stored.
+  pure function needs_initial(body) result(yes)
+    type(body_t), intent(in) :: body
+    logical :: yes
+    yes = body%forced .and. any(body%force%uses_initial_position)
+  end function needs_initial
+
+  !> Constants and history columns of a body.
+  subroutine make_law(scene, card, mesh, initial, law)
+    type(scene_t), intent(in) :: scene
+    type(material_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: initial
+    type(constitutive_t), intent(out) :: law
+    integer :: n
+    logical :: plastic
+    n = mesh%ndim
+    law%kind = card%kind
+    law%eos = card%eos
+    law%density = card%density
+    law%h = mesh%h
+    law%small_strain = card%small_strain
+    law%detonation_speed = card%detonation_speed
+    law%burn_cells = card%burn_cells
+    law%viscous = card%viscosity_quadratic > 0.0_dp .or. card%viscosity_linear > 0.0_dp
+    law%viscosity%quadratic = card%viscosity_quadratic
+    law%viscosity%linear = card%viscosity_linear
+    if (card%kind /= material_explosive) law%elastic = elastic_init(card%density, card%young, card%poisson)
+    call set_plasticity(card, law)
+    select case (card%eos)
+    case (eos_jwl)
+      law%jwl = jwl_init(card%jwl_a, card%jwl_b, card%jwl_r1, card%jwl_r2, card%jwl_omega)
+      law%slowest = 1.0e-3_dp*card%detonation_speed
+    case (eos_gruneisen)
+      law%gruneisen = gruneisen_init(card%density, card%c0, card%s, card%gamma0)
+      law%slowest = 1.0e-3_dp*card%c0
+    end select
+    plastic = card%kind == material_j2 .or. card%kind == material_johnson_cook
+    law%slots = slots_make( &
+                stresses=merge(1, stress_count(n), card%kind == material_explosive), plastic=plastic, &
+                temperature=law%thermal, damage=law%failure, energy=card%eos /= eos_none, &
+                lighting=card%kind == material_explosive, &
+                deformation=merge(n*n, 0, card%kind == material_neo_hookean), &
+                stretch=merge(n, 0, scene%method%kind == method_cpgimp), initial=merge(n, 0, initial))
+  end subroutine make_law
+
+  !> J2 and Johnson-Cook constants.
+  subroutine set_plasticity(card, law)
+    type(material_card_t), intent(in) :: card
+    type(constitutive_t), intent(inout) :: law
+    select case (card%kind)
+    case (material_j2)
+      select case (card%hardening)
+      case (hardening_perfect)
+        law%j2 = j2_init(j2_perfect, card%yield, 0.0_dp, 1.0_dp)
+      case (hardening_linear)
+        law%j2 = j2_init(j2_linear, card%yield, card%hardening_modulus, 1.0_dp)
+      case (hardening_power)
+        law%j2 = j2_init(j2_power, card%yield, card%hardening_modulus, card%hardening_exponent)
+      end select
+    case (material_johnson_cook)
+      law%jc = jc_init(card%yield, card%hardening_modulus, card%hardening_exponent, card%rate_coefficient, card%reference_rate)
+      law%thermal = card%thermal
+      law%failure = card%failure
+      if (card%thermal) call jc_set_thermal(law%jc, card%thermal_exponent, card%room_temperature, card%melt_temperature, &
+                                            card%density*card%specific_heat, card%taylor_quinney)
+      if (card%failure) call jc_set_failure(law%jc, card%damage)
+    end select
+  end subroutine set_plasticity
+
+  !> First values of the history columns behind the volume.
+  pure function first_history(card, material, law, ndim) result(history)
+    type(body_card_t), intent(in) :: card
+    type(material_card_t), intent(in) :: material
+    type(constitutive_t), intent(in) :: law
+    integer, intent(in) :: ndim
+    real(dp) :: history(law%slots%total - 1)
+    integer :: d
+    history = 0.0_dp
+    if (law%slots%temperature > 0) history(law%slots%temperature - 1) = &
+      merge(card%temperature, material%room_temperature, card%temperature >= 0.0_dp)
+    if (law%slots%energy > 0) history(law%slots%energy - 1) = material%energy0
+    do d = 1, ndim
+      if (law%slots%deformation > 0) history(law%slots%deformation - 1 + (d - 1)*(ndim + 1)) = 1.0_dp
+      if (law%slots%stretch > 0) history(law%slots%stretch - 2 + d) = 1.0_dp
+    end do
+  end function first_history
+
+  !> Initial velocities: the card's functions of position, plus what a particle file gives.
+  subroutine initial_velocity(card, ndim, x, file_velocity, v)
+    type(body_card_t), intent(in) :: card
+    integer, intent(in) :: ndim
+    real(dp), intent(in) :: x(:, :)
+    real(dp), allocatable, intent(in) :: file_velocity(:, :)
+    real(dp), allocatable, intent(out) :: v(:, :)
+    integer :: p, d
+    allocate (v(ndim, size(x, 2)))
+    do d = 1, ndim
+      if (card%velocity(d)%is_constant) then
+        v(d, :) = card%velocity(d)%value
+      else
+        do p = 1, size(x, 2)
+          v(d, p) = card%velocity(d)%evaluate(x(:, p), x(:, p), 0.0_dp)
+        end do
+      end if
+      if (allocated(file_velocity)) v(d, :) = v(d, :) + file_velocity(d, :)
+    end do
+  end subroutine initial_velocity
+
+  !> History that depends on the initial position: lighting times, and the position itself where a force uses it.
+  subroutine fill_positions(scene, mesh, body)
+    type(scene_t), intent(in) :: scene
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    type(burn_source_t), allocatable :: sources(:)
+    integer :: c, l, d
+    real(dp) :: x(3)
+    if (body%law%slots%lighting == 0 .and. body%law%slots%initial == 0) return
+    allocate (sources(size(scene%detonations)))
+    do d = 1, size(sources)
+      sources(d) = burn_source_t(point=scene%detonations(d)%point, time=scene%detonations(d)%time, &
+                                 plane=scene%detonations(d)%plane, normal=scene%detonations(d)%normal)
+    end do
+    do c = 1, body%particles%chunks
+      do l = 1, lanes
+        if (body%particles%id(l, c) == 0) cycle
+        x = 0.0_dp
+        x(:mesh%ndim) = mesh_position(mesh%origin(:mesh%ndim), mesh%h, body%particles%a(l, :mesh%ndim, c))
+        if (body%law%slots%lighting > 0) body%particles%b(l, body%law%slots%lighting, c) = &
+          burn_lighting_time(sources, x, body%law%detonation_speed)
+        if (body%law%slots%initial > 0) body%particles%b(l, body%law%slots%initial:body%law%slots%initial + mesh%ndim - 1, c) = &
+          x(:mesh%ndim)
+      end do
+    end do
+  end subroutine fill_positions
+
+  !> Velocity fields and the threads' workspaces.
+  subroutine build_fields(model, kernel)
+    type(model_t), intent(inout) :: model
+    integer, intent(in) :: kernel
+    integer :: f
+    allocate (model%fields(1))
+    do f = 1, size(model%fields)
+      call field_init(model%fields(f), model%mesh, kernel, model%mesh%ndim*(model%mesh%ndim + 1)/2, any(model%bodies%forced))
+    end do
+    allocate (model%workspaces(model%threads, size(model%fields)), model%slabs(model%threads + 1, size(model%fields)))
+    call phase_layout(model)
+  end subroutine build_fields
+
+  !> The clock's settings.
+  subroutine build_clock(scene, model)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(inout) :: model
+    model%clock%cfl = scene%time%cfl
+    model%clock%fixed = scene%time%dt
+    model%clock%growth = scene%time%growth
+    model%clock%smallest = scene%time%dt_min
+  end subroutine build_clock
+
+  !> Energies of the initial state.
+  subroutine open_ledger(scene, model)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(inout) :: model
+    real(dp) :: kinetic, internal, momentum(3)
+    integer :: b, c, l, n
+    kinetic = 0.0_dp
+    internal = 0.0_dp
+    momentum = 0.0_dp
+    n = model%mesh%ndim
+    do b = 1, size(model%bodies)
+      associate (particles => model%bodies(b)%particles, slots => model%bodies(b)%law%slots)
+        do c = 1, particles%chunks
+          do l = 1, lanes
+            if (particles%id(l, c) == 0) cycle
+            kinetic = kinetic + 0.5_dp*particles%a(l, particles%na, c)*sum(particles%a(l, n + 1:2*n, c)**2)
+            momentum(:n) = momentum(:n) + particles%a(l, particles%na, c)*particles%a(l, n + 1:2*n, c)
+            if (slots%energy > 0) internal = internal + particles%b(l, slots%energy, c)*particles%b(l, 1, c)
+          end do
+        end do
+      end associate
+    end do
+    call ledger_open(model%ledger, kinetic, internal, momentum)
+    if (.not. allocated(scene%bodies)) return
+  end subroutine open_ledger
+
+end module sgmp_build_model
