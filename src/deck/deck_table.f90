@@ -9,8 +9,9 @@ module sgmp_deck_table
   !> Keys of the card `wall`: axis and side, in the order of `grid_card_t%wall` read by columns.
   character(2), parameter :: wall_faces(6) = ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']
   !> Particle fields that `output` can be asked for.
-  character(*), parameter :: field_names = 'stress pressure density volume mass plastic_strain '// &
-    'temperature damage energy burn initial_position strain_rate deformation sound_speed'
+  character(*), parameter :: field_names = &
+    'initial_position displacement stress pressure von_mises density volume mass '// &
+    'plastic_strain temperature damage energy'
   character(*), parameter :: round_shapes = 'cylinder ring cone ogive'
   character(*), parameter :: plastic = 'j2 johnson_cook'
   character(*), parameter :: jc = 'johnson_cook'

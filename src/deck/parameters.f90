@@ -14,6 +14,7 @@ module sgmp_parameters
   private
   public :: parameters_t, name_size
 
+  real(dp), parameter :: largest = 1.0e60_dp !! so that products of a few numbers do not overflow
   integer, parameter :: name_size = 32 !! longest name of a parameter
 
   !> One parameter: a number, or a word where `is_word`.
@@ -293,6 +294,13 @@ contains
       value = 0.0_dp
       call errors%add(position, "'"//text//"' depends on position or time", &
                       'a number is expected here')
+    end if
+    if (.not. failed .and. abs(value) > 0.0_dp .and. &
+        (abs(value) > largest .or. abs(value) < 1.0_dp/largest)) then
+      failed = .true.
+      call errors%add(position, "'"//text//"' = "//text_of(value)//' is beyond all measure', &
+                      'magnitudes lie between 1e-60 and 1e60, or are zero')
+      value = 0.0_dp
     end if
     call expression_free(expression)
   end subroutine number

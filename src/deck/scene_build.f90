@@ -37,7 +37,7 @@ contains
       case ('material')
         call add_material(cards(i), scene, errors)
       case ('grid')
-        call set_grid(cards(i), scene)
+        if (.not. cards(i)%failed) call set_grid(cards(i), scene)
       end select
     end do
     do i = 1, size(cards)

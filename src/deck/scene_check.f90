@@ -90,6 +90,7 @@ contains
     real(dp), parameter :: most_cells = 2.0e9_dp ! along one axis
     real(dp) :: length, cells
     integer :: i
+    if (scene%grid%cell <= 0.0_dp) return
     do i = 1, 3
       associate (value => card%values(card%at('xyz' (i:i))))
         if (i > scene%dimension .and. .not. all(value%open)) then

@@ -13,13 +13,13 @@ module sgmp_build_model
   use sgmp_material_j2, only: j2_init, j2_linear, j2_perfect, j2_power
   use sgmp_material_jc, only: jc_init, jc_set_failure, jc_set_thermal
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t, stencil_shift
-  use sgmp_model, only: model_t
+  use sgmp_model, only: body_sums_t, model_t
   use sgmp_particles, only: particles_fill
   use sgmp_phases, only: phase_layout
   use sgmp_scene, only: body_card_t, eos_gruneisen, eos_jwl, eos_none, hardening_linear, hardening_perfect, hardening_power, &
                         material_card_t, material_elastic, material_explosive, material_johnson_cook, &
                         material_neo_hookean, material_j2, method_cpgimp, method_gimp, method_mpm, method_sgmp, scene_t
-  use sgmp_seeding, only: seeding_generate
+  use sgmp_seeding, only: seeding_check_overlap, seeding_generate
   use sgmp_step, only: step_start
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
   implicit none
@@ -45,7 +45,7 @@ contains
     model%gravity = scene%gravity
     model%lost_policy = scene%grid%lost
     kernel = kernel_of(scene%method%kind)
-    allocate (model%bodies(size(scene%bodies)))
+    allocate (model%bodies(size(scene%bodies)), model%body_sums(size(scene%bodies)))
     next_id = 1
     heaviest = 0.0_dp
     do b = 1, size(scene%bodies)
@@ -61,7 +61,7 @@ contains
     call build_fields(model, kernel)
     call build_clock(scene, model)
     call step_start(model)
-    call open_ledger(scene, model)
+    call open_ledger(model)
   end subroutine model_build
 
   !> The transfer that a method uses.
@@ -96,6 +96,7 @@ contains
     integer :: d
     associate (card => scene%bodies(number), material => scene%materials(scene%bodies(number)%material))
       call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, file_velocity)
+      if (.not. allocated(error)) call seeding_check_overlap(scene%bodies, number, x, mesh%ndim, error)
       if (allocated(error)) return
       body%name = card%name
       body%first_id = first_id
@@ -287,30 +288,30 @@ contains
     model%clock%smallest = scene%time%dt_min
   end subroutine build_clock
 
-  !> Energies of the initial state.
-  subroutine open_ledger(scene, model)
-    type(scene_t), intent(in) :: scene
+  !> Energies and sums of the initial state.
+  subroutine open_ledger(model)
     type(model_t), intent(inout) :: model
-    real(dp) :: kinetic, internal, momentum(3)
     integer :: b, c, l, n
-    kinetic = 0.0_dp
-    internal = 0.0_dp
-    momentum = 0.0_dp
+    real(dp) :: m
     n = model%mesh%ndim
     do b = 1, size(model%bodies)
-      associate (particles => model%bodies(b)%particles, slots => model%bodies(b)%law%slots)
+      associate (particles => model%bodies(b)%particles, slots => model%bodies(b)%law%slots, sums => model%body_sums(b))
+        sums = body_sums_t()
         do c = 1, particles%chunks
           do l = 1, lanes
             if (particles%id(l, c) == 0) cycle
-            kinetic = kinetic + 0.5_dp*particles%a(l, particles%na, c)*sum(particles%a(l, n + 1:2*n, c)**2)
-            momentum(:n) = momentum(:n) + particles%a(l, particles%na, c)*particles%a(l, n + 1:2*n, c)
-            if (slots%energy > 0) internal = internal + particles%b(l, slots%energy, c)*particles%b(l, 1, c)
+            m = particles%a(l, particles%na, c)
+            sums%mass = sums%mass + m
+            sums%moment(:n) = sums%moment(:n) + m*particles%a(l, :n, c)
+            sums%momentum(:n) = sums%momentum(:n) + m*particles%a(l, n + 1:2*n, c)
+            sums%kinetic = sums%kinetic + 0.5_dp*m*sum(particles%a(l, n + 1:2*n, c)**2)
+            if (slots%energy > 0) sums%internal = sums%internal + particles%b(l, slots%energy, c)*particles%b(l, 1, c)
           end do
         end do
       end associate
     end do
-    call ledger_open(model%ledger, kinetic, internal, momentum)
-    if (.not. allocated(scene%bodies)) return
+    call ledger_open(model%ledger, sum(model%body_sums%kinetic), sum(model%body_sums%internal), &
+                     [(sum(model%body_sums%momentum(c)), c=1, 3)])
   end subroutine open_ledger
 
 end module sgmp_build_model

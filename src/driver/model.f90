@@ -11,7 +11,15 @@ module sgmp_model
   use sgmp_timers, only: timers_t
   implicit none
   private
-  public :: model_t
+  public :: model_t, body_sums_t
+
+  !> Sums over one body, kept up to date by the sweeps.
+  type :: body_sums_t
+    real(dp) :: mass = 0.0_dp
+    real(dp) :: moment(3) = 0.0_dp     !! sum m X, in cells from the grid origin
+    real(dp) :: momentum(3) = 0.0_dp
+    real(dp) :: kinetic = 0.0_dp, internal = 0.0_dp
+  end type body_sums_t
 
   !> State of a simulation.
   type :: model_t
@@ -33,6 +41,7 @@ module sgmp_model
     integer(i4) :: fastest_id = 0
     type(ledger_t) :: ledger
     type(step_sums_t) :: sums                        !! of the step at hand
+    type(body_sums_t), allocatable :: body_sums(:)   !! (bodies)
     type(timers_t) :: timers
     type(error_t), allocatable :: failure            !! what stopped the run, if anything did
   end type model_t

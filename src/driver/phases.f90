@@ -12,16 +12,20 @@ module sgmp_phases
                            nodes_velocity_3d => nodes_velocity, sum_external, sum_ignored, node_sum_aa => sum_mass_aa, &
                            node_sum_av => sum_mass_av
   use sgmp_particles, only: movers_append, movers_t, particles_rebin
-  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_momentum, sum_viscous, sweep_sums, workspace_t
+  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
+                       sum_viscous, sweep_sums
   use sgmp_rows, only: rows_t, rows_union
   use sgmp_sweep_1d, only: sweep_add_movers_1d => sweep_add_movers, sweep_join_1d => sweep_join, sweep_slab_1d => sweep_slab
   use sgmp_sweep_2d, only: sweep_add_movers_2d => sweep_add_movers, sweep_join_2d => sweep_join, sweep_slab_2d => sweep_slab
   use sgmp_sweep_3d, only: sweep_add_movers_3d => sweep_add_movers, sweep_join_3d => sweep_join, sweep_slab_3d => sweep_slab
-  use sgmp_text, only: integer_text
+  use sgmp_scene, only: lost_reflect, lost_remove
+  use sgmp_text, only: integer_text, real_text
   use sgmp_walls, only: has_walls, walls_fold, walls_mirror
   implicit none
   private
   public :: phase_layout, phase_sweep, phase_rebin_particles, phase_solve, phase_velocity, phase_remap
+
+  character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
 
 contains
 
@@ -120,9 +124,11 @@ contains
       call join_own_slab(model, own, f, 1)
     end if
     do b = 1, size(model%bodies)
-      do p = 1, model%fields(f)%planes
-        call book(model, plan, sums(:, p, b))
+      if (model%bodies(b)%field /= f) cycle
+      do p = 2, model%fields(f)%planes
+        sums(:, 1, b) = sums(:, 1, b) + sums(:, p, b)
       end do
+      call book(model, plan, b, sums(:, 1, b))
     end do
     call collect_findings(model, plan, f)
   end subroutine sweep_field
@@ -188,16 +194,21 @@ contains
     end if
   end subroutine join_own_slab
 
-  !> Adds a plane's sums to those of the step.
-  pure subroutine book(model, plan, sums)
+  !> Adds a body's sums to those of the step.
+  pure subroutine book(model, plan, b, sums)
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
+    integer, intent(in) :: b
     real(dp), intent(in) :: sums(sweep_sums)
     if (plan%kick) then
       model%sums%kinetic = model%sums%kinetic + sums(sum_kinetic)
       model%sums%particles_aa = model%sums%particles_aa + sums(sum_mass_aa)
       model%sums%momentum = model%sums%momentum + sums(sum_momentum:sum_momentum + 2)
+      model%body_sums(b)%kinetic = sums(sum_kinetic)
+      model%body_sums(b)%momentum = sums(sum_momentum:sum_momentum + 2)
     end if
+    if (plan%drift) model%body_sums(b)%moment = sums(sum_moment:sum_moment + 2)
+    model%body_sums(b)%internal = model%body_sums(b)%internal + sums(sum_internal)
     model%sums%internal = model%sums%internal + sums(sum_internal)
     model%sums%viscous = model%sums%viscous + sums(sum_viscous)
   end subroutine book
@@ -257,7 +268,9 @@ contains
         end do
         model%moved = model%moved + movers(b)%n
         if (movers(b)%n == 0) cycle
-        call particles_rebin(model%bodies(b)%particles, movers(b), new_bins)
+        call guard_grid(model, b, movers(b))
+        call particles_rebin(model%bodies(b)%particles, movers(b), model%mesh%lower - 0.5_dp, model%mesh%upper + 0.5_dp, new_bins)
+        model%lost = model%lost + count(movers(b)%gone)
         changed = changed .or. new_bins
       end do
       if (changed) call phase_layout(model)
@@ -277,6 +290,36 @@ contains
     end if
     call fold(model, plan)
   end subroutine phase_rebin_particles
+
+  !> Applies the deck's policy to movers that are leaving the grid: an error, reflection, or (later) removal.
+  subroutine guard_grid(model, b, movers)
+    type(model_t), intent(inout) :: model
+    integer, intent(in) :: b
+    type(movers_t), intent(in) :: movers
+    integer :: m, d
+    if (model%lost_policy == lost_remove) return
+    associate (mesh => model%mesh, particles => model%bodies(b)%particles)
+      do m = 1, movers%n
+        do d = 1, mesh%ndim
+          associate (x => particles%a(movers%lane(m), d, movers%chunk(m)), &
+                     v => particles%a(movers%lane(m), mesh%ndim + d, movers%chunk(m)))
+            if (x >= mesh%lower(d) .and. x <= mesh%upper(d)) cycle
+            if (model%lost_policy == lost_reflect) then
+              x = merge(2*mesh%lower(d), 2*mesh%upper(d), x < mesh%lower(d)) - x
+              v = -v
+            else if (.not. allocated(model%failure)) then
+              if (x >= mesh%lower(d) - 0.5_dp .and. x <= mesh%upper(d) + 0.5_dp) cycle
+              call error_make(model%failure, exit_numerical, 'particle '// &
+                              integer_text(particles%id(movers%lane(m), movers%chunk(m)))//' of body '// &
+                              trim(model%bodies(b)%name)//' left the grid along '//axis_names(d)//' at '// &
+                              real_text(mesh%origin(d) + mesh%h*x)//' in step '//integer_text(model%clock%step + 1), &
+                              'extend the grid, leave that face open, or choose `lost policy=remove` or `reflect`')
+            end if
+          end associate
+        end do
+      end do
+    end associate
+  end subroutine guard_grid
 
   !> Folds what was just scattered behind walls.
   subroutine fold(model, plan)

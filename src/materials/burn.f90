@@ -1,26 +1,28 @@
-!> Programmed burn of explosives: lighting times from detonation points, burn fraction as a ramp (METHOD 5).
+!> Programmed burn of explosives: lighting times from detonation points, burn fraction as a ramp
+!! (METHOD 5).
 module sgmp_burn
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
   public :: burn_source_t, burn_lighting_time, burn_fraction, burn_fraction_lanes, burn_never
 
-  real(dp), parameter :: burn_never = huge(1.0_dp) !! lighting time of what no source reaches
+  real(dp), parameter :: burn_never = huge(1.0_dp)  !! lighting time of what no source reaches
 
   !> A point, or a plane through a point, from which a detonation starts.
   type :: burn_source_t
     real(dp) :: point(3) = 0.0_dp                     !! (length)
     real(dp) :: time = 0.0_dp                         !! when it is lit
-    logical :: plane = .false.                        !! distance along `normal` instead of from the point
+    logical :: plane = .false.                        !! distance along `normal`, not from the point
     real(dp) :: normal(3) = [1.0_dp, 0.0_dp, 0.0_dp]  !! unit normal of the plane
   end type burn_source_t
 
 contains
 
-  !> Time at which the detonation front of the first source to do so arrives: min(time + distance/speed).
+  !> Time at which the detonation front of the first source to do so arrives: min(time +
+  !! distance/speed).
   pure function burn_lighting_time(sources, position, speed) result(time)
-    type(burn_source_t), intent(in) :: sources(:) !! (n) sources; none: burn_never
-    real(dp), intent(in) :: position(3)           !! initial position of the particle, unused components 0
+    type(burn_source_t), intent(in) :: sources(:)  !! (n) sources; none: burn_never
+    real(dp), intent(in) :: position(3)           !! initial position, unused components 0
     real(dp), intent(in) :: speed                 !! detonation speed D, > 0
     real(dp) :: time
     real(dp) :: arrival, distance
@@ -37,16 +39,18 @@ contains
     end do
   end function burn_lighting_time
 
-  !> Burn fraction: 0 before the front, 1 once it is `cells` cells past, linear between; cells = 0: a jump on arrival.
+  !> Burn fraction: 0 before the front, 1 once it is `cells` cells past, linear between; cells = 0:
+  !! a jump on arrival.
   pure function burn_fraction(time, lighting_time, speed, cell, cells) result(fraction)
     real(dp), intent(in) :: time          !! current time
-    real(dp), intent(in) :: lighting_time !! arrival of the front
+    real(dp), intent(in) :: lighting_time  !! arrival of the front
     real(dp), intent(in) :: speed         !! detonation speed D
     real(dp), intent(in) :: cell          !! cell side h, > 0
     real(dp), intent(in) :: cells         !! width of the ramp in cells, >= 0
     real(dp) :: fraction
     real(dp) :: elapsed, width
-    elapsed = merge(time - lighting_time, 0.0_dp, time > lighting_time) ! before the product: burn_never would overflow it
+    ! before the product, which burn_never would overflow
+    elapsed = merge(time - lighting_time, 0.0_dp, time > lighting_time)
     width = cells*cell
     fraction = elapsed*speed/merge(width, cell, width > 0.0_dp)
     fraction = merge(fraction, 1.0_dp, fraction < 1.0_dp)

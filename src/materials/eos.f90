@@ -9,23 +9,28 @@ module sgmp_eos
 
 contains
 
-  !> Energy after the step: E_new = E_old + work - (p_old + p_new)(v_new - v_old)/2, solved with p_new = f (a0 + b0 E_new).
+  !> Energy after the step: E_new = E_old + work - (p_old + p_new)(v_new - v_old)/2, solved with
+  !! p_new = f (a0 + b0 E_new).
   !!
-  !! Needs f b0 (v_new - v_old) > -2, which a step that changes the volume by less than its half satisfies.
+  !! Needs f b0 (v_new - v_old) > -2, which a step that changes the volume by less than its half
+  !! satisfies.
   pure function eos_energy(energy_old, pressure_old, work, dv, fraction, a0, b0) result(energy)
     real(dp), intent(in) :: energy_old   !! E before the step (energy/initial volume)
-    real(dp), intent(in) :: pressure_old !! p before the step (stress)
-    real(dp), intent(in) :: work         !! deviatoric and viscous work of the step (energy/initial volume)
+    real(dp), intent(in) :: pressure_old  !! p before the step (stress)
+    real(dp), intent(in) :: work         !! deviatoric and viscous work (energy/initial volume)
     real(dp), intent(in) :: dv           !! v_new - v_old
     real(dp), intent(in) :: fraction     !! burn fraction f after the step
     real(dp), intent(in) :: a0, b0       !! terms of the equation of state at v_new
     real(dp) :: energy
-    energy = (energy_old + work - 0.5_dp*dv*(pressure_old + fraction*a0))/(1.0_dp + 0.5_dp*dv*fraction*b0)
+    energy = energy_old + work - 0.5_dp*dv*(pressure_old + fraction*a0)
+    energy = energy/(1.0_dp + 0.5_dp*dv*fraction*b0)
   end function eos_energy
 
   !> Squared bulk sound speed -(v^2/rho0) dp/dv at constant entropy, where dE = -p dv:
-  !! c^2 = f (v^2/rho0) (p b0 - da - db E). Negative where the equation of state has lost hyperbolicity.
-  pure function eos_sound_speed_squared(density0, v, pressure, energy, da, db, b0, fraction) result(speed_squared)
+  !! c^2 = f (v^2/rho0) (p b0 - da - db E). Negative where the equation of state has lost
+  !! hyperbolicity.
+  pure function eos_sound_speed_squared(density0, v, pressure, energy, da, db, b0, fraction) &
+    result(speed_squared)
     real(dp), intent(in) :: density0    !! initial density (mass/volume)
     real(dp), intent(in) :: v           !! volume over initial volume
     real(dp), intent(in) :: pressure    !! p, burn fraction included (stress)
@@ -38,7 +43,7 @@ contains
 
   !> Lane kernel of eos_energy: energy and pressure after the step.
   pure subroutine eos_energy_pressure(v_old, v_new, work, fraction, a0, b0, energy, pressure)
-    real(dp), intent(in) :: v_old(lanes), v_new(lanes)      !! volume over initial volume before and after the step
+    real(dp), intent(in) :: v_old(lanes), v_new(lanes)      !! v before and after the step
     real(dp), intent(in) :: work(lanes), fraction(lanes)    !! as in eos_energy
     real(dp), intent(in) :: a0(lanes), b0(lanes)            !! terms at v_new
     real(dp), intent(inout) :: energy(lanes)                !! E, updated
@@ -46,23 +51,27 @@ contains
     integer :: p
     !$omp simd simdlen(8)
     do p = 1, lanes
-      energy(p) = eos_energy(energy(p), pressure(p), work(p), v_new(p) - v_old(p), fraction(p), a0(p), b0(p))
+      energy(p) = eos_energy(energy(p), pressure(p), work(p), v_new(p) - v_old(p), fraction(p), &
+                             a0(p), b0(p))
       pressure(p) = fraction(p)*(a0(p) + b0(p)*energy(p))
     end do
   end subroutine eos_energy_pressure
 
-  !> Lane kernel of eos_sound_speed_squared, floored; unburnt lanes (f = 0) get the floor and are not counted.
-  pure subroutine eos_sound_speed_lanes(density0, floor_squared, v, pressure, energy, da, db, b0, fraction, &
-                                        speed_squared, imaginary)
+  !> Lane kernel of eos_sound_speed_squared, floored; unburnt lanes (f = 0) get the floor and are
+  !! not counted.
+  pure subroutine eos_sound_speed_lanes(density0, floor_squared, v, pressure, energy, da, db, b0, &
+                                        fraction, speed_squared, imaginary)
     real(dp), intent(in) :: density0                           !! initial density, > 0
     real(dp), intent(in) :: floor_squared                      !! least value returned, > 0
-    real(dp), intent(in) :: v(lanes), pressure(lanes), energy(lanes), da(lanes), db(lanes), b0(lanes), fraction(lanes) !! as above
+    real(dp), dimension(lanes), intent(in) :: v, pressure, energy  !! as in the point function
+    real(dp), dimension(lanes), intent(in) :: da, db, b0, fraction  !! as in the point function
     real(dp), intent(out) :: speed_squared(lanes)              !! c^2, at least floor_squared
-    integer(i4), intent(inout) :: imaginary                    !! raised by the number of lanes whose c^2 was negative
+    integer(i4), intent(inout) :: imaginary  !! raised by the number of lanes with c^2 < 0
     integer :: p
     !$omp simd simdlen(8) reduction(+:imaginary)
     do p = 1, lanes
-      speed_squared(p) = eos_sound_speed_squared(density0, v(p), pressure(p), energy(p), da(p), db(p), b0(p), fraction(p))
+      speed_squared(p) = eos_sound_speed_squared(density0, v(p), pressure(p), energy(p), da(p), &
+                                                 db(p), b0(p), fraction(p))
       imaginary = imaginary + merge(1_i4, 0_i4, speed_squared(p) < 0.0_dp)
       speed_squared(p) = merge(speed_squared(p), floor_squared, speed_squared(p) > floor_squared)
     end do

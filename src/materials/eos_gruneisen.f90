@@ -1,30 +1,34 @@
-!> Mie-Grueneisen equation of state with a linear shock velocity Us = c0 + s up (METHOD 5), mu = 1/v - 1:
+!> Mie-Grueneisen equation of state with a linear shock velocity Us = c0 + s up (METHOD 5),
+!! mu = 1/v - 1:
 !!
-!!     compression  p = (C1 mu + C2 mu^2 + C3 mu^3) (1 - gamma0 (1 - v)/2) + gamma0 E                        (G1)
-!!     expansion    p = C1 mu + gamma0 E                                                                    (G2)
+!!     compression  p = (C1 mu + C2 mu^2 + C3 mu^3) (1 - gamma0 (1 - v)/2) + gamma0 E  (G1)
+!!     expansion    p = C1 mu + gamma0 E                                               (G2)
 !!     C1 = rho0 c0^2,  C2 = C1 (2 s - 1),  C3 = C1 (s - 1)(3 s - 1)
 !!
-!! with v = V/V0 and E the energy per initial volume. 1 - v = rho0 mu/rho, so that the bracket in (G1) is exactly what puts
-!! the Hugoniot E = p (1 - v)/2 on the cubic; the cubic is rho0 c0^2 eta/(1 - s eta)^2, eta = 1 - v, to O(mu^4).
+!! with v = V/V0 and E the energy per initial volume. 1 - v = rho0 mu/rho, so that the bracket in
+!! (G1) is exactly what puts the Hugoniot E = p (1 - v)/2 on the cubic; the cubic is
+!! rho0 c0^2 eta/(1 - s eta)^2, eta = 1 - v, up to an error of order mu^4.
 module sgmp_eos_gruneisen
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
-  public :: gruneisen_t, gruneisen_init, gruneisen_terms, gruneisen_lanes, gruneisen_hugoniot_pressure
+  public :: gruneisen_t, gruneisen_init, gruneisen_terms, gruneisen_lanes
+  public :: gruneisen_hugoniot_pressure
 
   !> Constants of (G1), (G2).
   type :: gruneisen_t
     real(dp) :: c1 = 0.0_dp     !! C1 (stress)
     real(dp) :: c2 = 0.0_dp     !! C2 (stress)
     real(dp) :: c3 = 0.0_dp     !! C3 (stress)
-    real(dp) :: gamma0 = 0.0_dp !! Grueneisen's parameter, gamma rho constant
+    real(dp) :: gamma0 = 0.0_dp  !! Grueneisen's parameter, gamma rho constant
   end type gruneisen_t
 
 contains
 
-  !> Constants from initial density, sound speed, slope of the shock velocity, and Grueneisen's parameter.
+  !> Constants from initial density, sound speed, slope of the shock velocity, and Grueneisen's
+  !! parameter.
   pure function gruneisen_init(density0, c0, s, gamma0) result(law)
-    real(dp), intent(in) :: density0 !! initial density (mass/volume)
+    real(dp), intent(in) :: density0  !! initial density (mass/volume)
     real(dp), intent(in) :: c0       !! bulk sound speed
     real(dp), intent(in) :: s        !! slope of Us(up)
     real(dp), intent(in) :: gamma0   !! Grueneisen's parameter
@@ -35,9 +39,10 @@ contains
     law%gamma0 = gamma0
   end function gruneisen_init
 
-  !> Terms of p = a0 + b0 E and their derivatives with respect to v; v <= 0 (an empty lane) is taken as 1.
+  !> Terms of p = a0 + b0 E and their derivatives with respect to v; v <= 0 (an empty lane) is taken
+  !! as 1.
   pure subroutine gruneisen_terms(law, v, a0, b0, da, db)
-    type(gruneisen_t), intent(in) :: law !! constants
+    type(gruneisen_t), intent(in) :: law  !! constants
     real(dp), intent(in) :: v            !! volume over initial volume
     real(dp), intent(out) :: a0          !! pressure at E = 0 (stress)
     real(dp), intent(out) :: b0          !! dp/dE
@@ -47,7 +52,7 @@ contains
     volume = merge(v, 1.0_dp, v > 0.0_dp)
     inverse = 1.0_dp/volume
     mu = inverse - 1.0_dp
-    dense = merge(1.0_dp, 0.0_dp, mu > 0.0_dp) ! switches off what only compression has
+    dense = merge(1.0_dp, 0.0_dp, mu > 0.0_dp)  ! switches off what only compression has
     cubic = mu*(law%c1 + dense*mu*(law%c2 + mu*law%c3))
     slope = law%c1 + dense*mu*(2.0_dp*law%c2 + 3.0_dp*mu*law%c3)
     half = 0.5_dp*dense*law%gamma0
@@ -72,7 +77,7 @@ contains
 
   !> Pressure on the Hugoniot from (v = 1, E = 0): E = p (1 - v)/2 (stress).
   pure function gruneisen_hugoniot_pressure(law, v) result(pressure)
-    type(gruneisen_t), intent(in) :: law !! constants
+    type(gruneisen_t), intent(in) :: law  !! constants
     real(dp), intent(in) :: v            !! volume over initial volume, < 1
     real(dp) :: pressure
     real(dp) :: a0, b0, da, db

@@ -1,8 +1,9 @@
 !> Jones-Wilkins-Lee equation of state of detonation products (METHOD 5, 8.3):
 !!
-!!     p = A (1 - w/(R1 v)) exp(-R1 v) + B (1 - w/(R2 v)) exp(-R2 v) + w E/v                                (W1)
+!!     p = A (1 - w/(R1 v)) exp(-R1 v) + B (1 - w/(R2 v)) exp(-R2 v) + w E/v           (W1)
 !!
-!! with v = V/V0 and E the energy per initial volume, in the form p = a0(v) + b0(v) E that sgmp_eos solves.
+!! with v = V/V0 and E the energy per initial volume, in the form p = a0(v) + b0(v) E that sgmp_eos
+!! solves.
 module sgmp_eos_jwl
   use sgmp_kinds, only: dp, lanes
   implicit none
@@ -15,14 +16,14 @@ module sgmp_eos_jwl
     real(dp) :: b = 0.0_dp     !! B (stress)
     real(dp) :: r1 = 0.0_dp    !! R1
     real(dp) :: r2 = 0.0_dp    !! R2
-    real(dp) :: omega = 0.0_dp !! w
+    real(dp) :: omega = 0.0_dp  !! w
   end type jwl_t
 
 contains
 
   !> Constants from plain numbers; r1, r2 > 0.
   pure function jwl_init(a, b, r1, r2, omega) result(law)
-    real(dp), intent(in) :: a, b, r1, r2, omega !! as in (W1)
+    real(dp), intent(in) :: a, b, r1, r2, omega  !! as in (W1)
     type(jwl_t) :: law
     law%a = a
     law%b = b
@@ -31,9 +32,10 @@ contains
     law%omega = omega
   end function jwl_init
 
-  !> Terms of p = a0 + b0 E and their derivatives with respect to v; v <= 0 (an empty lane) is taken as 1.
+  !> Terms of p = a0 + b0 E and their derivatives with respect to v; v <= 0 (an empty lane) is taken
+  !! as 1.
   pure subroutine jwl_terms(law, v, a0, b0, da, db)
-    type(jwl_t), intent(in) :: law !! constants
+    type(jwl_t), intent(in) :: law  !! constants
     real(dp), intent(in) :: v      !! volume over initial volume
     real(dp), intent(out) :: a0    !! pressure at E = 0 (stress)
     real(dp), intent(out) :: b0    !! dp/dE
@@ -73,7 +75,8 @@ contains
     pressure = (a0 + b0*energy0)/(1.0_dp - 0.5_dp*b0*(1.0_dp - v))
   end function jwl_hugoniot_pressure
 
-  !> Chapman-Jouguet state: where the isentrope touches the Rayleigh line, dp/dv|_s = -p/(1 - v); by bisection.
+  !> Chapman-Jouguet state: where the isentrope touches the Rayleigh line, dp/dv|_s = -p/(1 - v); by
+  !! bisection.
   pure subroutine jwl_chapman_jouguet(law, density0, energy0, v, pressure, speed, particle_speed)
     type(jwl_t), intent(in) :: law             !! constants
     real(dp), intent(in) :: density0           !! density of the unburnt explosive

@@ -7,9 +7,9 @@ module sgmp_material_elastic
 
   !> Elastic constants, all consistent with one another.
   type :: elastic_t
-    real(dp) :: density = 0.0_dp !! initial density (mass/volume)
+    real(dp) :: density = 0.0_dp  !! initial density (mass/volume)
     real(dp) :: young = 0.0_dp   !! Young's modulus E (stress)
-    real(dp) :: poisson = 0.0_dp !! Poisson's ratio nu
+    real(dp) :: poisson = 0.0_dp  !! Poisson's ratio nu
     real(dp) :: bulk = 0.0_dp    !! bulk modulus K = E/(3(1-2nu)) (stress)
     real(dp) :: shear = 0.0_dp   !! shear modulus G = E/(2(1+nu)) (stress)
     real(dp) :: lambda = 0.0_dp  !! Lame's first constant E nu/((1+nu)(1-2nu)) (stress)
@@ -19,9 +19,9 @@ contains
 
   !> Elastic constants from density, Young's modulus and Poisson's ratio; -1 < poisson < 1/2.
   pure function elastic_init(density, young, poisson) result(law)
-    real(dp), intent(in) :: density !! initial density (mass/volume)
+    real(dp), intent(in) :: density  !! initial density (mass/volume)
     real(dp), intent(in) :: young   !! Young's modulus (stress)
-    real(dp), intent(in) :: poisson !! Poisson's ratio
+    real(dp), intent(in) :: poisson  !! Poisson's ratio
     type(elastic_t) :: law
     law%density = density
     law%young = young
@@ -33,7 +33,7 @@ contains
 
   !> Modulus K + 4/3 G of plane longitudinal waves (stress).
   pure function elastic_p_wave_modulus(law) result(modulus)
-    type(elastic_t), intent(in) :: law !! elastic constants
+    type(elastic_t), intent(in) :: law  !! elastic constants
     real(dp) :: modulus
     modulus = law%bulk + (4.0_dp/3.0_dp)*law%shear
   end function elastic_p_wave_modulus

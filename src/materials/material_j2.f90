@@ -1,13 +1,14 @@
 !> Von Mises plasticity with isotropic hardening: perfect, linear, or power law (METHOD 5).
 module sgmp_material_j2
   use sgmp_kinds, only: dp, lanes
-  use sgmp_radial_return, only: hardening_power_term, radial_return_linear, radial_return_power
+  use sgmp_radial_return, only: hardening_power_term, hardening_t, radial_return_linear, &
+                                radial_return_power
   implicit none
   private
   public :: j2_t, j2_init, j2_yield_stress, j2_return
   public :: j2_perfect, j2_linear, j2_power
 
-  integer, parameter :: j2_perfect = 1 !! sigma_y = yield
+  integer, parameter :: j2_perfect = 1  !! sigma_y = yield
   integer, parameter :: j2_linear = 2  !! sigma_y = yield + modulus ep
   integer, parameter :: j2_power = 3   !! sigma_y = yield + modulus ep^exponent
 
@@ -21,12 +22,13 @@ module sgmp_material_j2
 
 contains
 
-  !> Hardening law from plain numbers; a power law of exponent 1 is treated as linear, and so exactly.
+  !> Hardening law from plain numbers; a power law of exponent 1 is treated as linear, and so
+  !! exactly.
   pure function j2_init(kind, yield, modulus, exponent) result(law)
     integer, intent(in) :: kind      !! one of j2_*
     real(dp), intent(in) :: yield    !! initial yield stress (stress)
     real(dp), intent(in) :: modulus  !! hardening modulus (stress); ignored by j2_perfect
-    real(dp), intent(in) :: exponent !! > 0; ignored unless j2_power
+    real(dp), intent(in) :: exponent  !! > 0; ignored unless j2_power
     type(j2_t) :: law
     law%kind = kind
     law%yield = yield
@@ -37,7 +39,7 @@ contains
 
   !> Yield stress at the equivalent plastic strain `ep` (stress).
   pure function j2_yield_stress(law, ep) result(stress)
-    type(j2_t), intent(in) :: law !! hardening law
+    type(j2_t), intent(in) :: law  !! hardening law
     real(dp), intent(in) :: ep    !! equivalent plastic strain, >= 0
     real(dp) :: stress
     if (law%kind == j2_power) then
@@ -55,12 +57,17 @@ contains
     real(dp), intent(inout) :: ep(lanes)    !! equivalent plastic strain, updated
     real(dp), intent(out) :: factor(lanes)  !! scales the trial deviator
     real(dp), intent(out) :: dep(lanes)     !! plastic strain increment
+    type(hardening_t) :: hardening
     real(dp) :: softening(lanes)
+    hardening%shear3 = shear3
+    hardening%yield = law%yield
+    hardening%modulus = law%modulus
+    hardening%exponent = law%exponent
     softening = 1.0_dp
     if (law%kind == j2_power) then
-      call radial_return_power(shear3, law%yield, law%modulus, law%exponent, softening, trial, ep, factor, dep)
+      call radial_return_power(hardening, softening, trial, ep, factor, dep)
     else
-      call radial_return_linear(shear3, law%yield, law%modulus, softening, trial, ep, factor, dep)
+      call radial_return_linear(hardening, softening, trial, ep, factor, dep)
     end if
   end subroutine j2_return
 

@@ -1,27 +1,32 @@
 !> Johnson-Cook plasticity and failure (Johnson and Cook 1983, 1985; METHOD 5):
 !!
-!!     sigma_y = (A + B ep^n) (1 + C ln(rate*)) (1 - T*^m)                                                (J1)
-!!     T*      = (T - room)/(melt - room) clamped to [0, 1],  rate* = max(1, dep/(dt reference_rate))
-!!     dT      = taylor_quinney sigma_eq dep/(density specific_heat)                                      (J2)
-!!     dD      = dep/ep_f,  ep_f = (D1 + D2 exp(D3 s*)) (1 + D4 ln(rate*)) (1 + D5 T*)                     (J3)
+!!     sigma_y = (A + B ep^n) (1 + C ln(rate*)) (1 - T*^m)                             (J1)
+!!     T*      = (T - room)/(melt - room) clamped to [0, 1]
+!!     rate*   = max(1, dep/(dt reference_rate))
+!!     dT      = taylor_quinney sigma_eq dep/(density specific_heat)                   (J2)
+!!     dD      = dep/ep_f,  ep_f = (D1 + D2 exp(D3 s*)) (1 + D4 ln(rate*)) (1 + D5 T*) (J3)
 !!
-!! with s* = mean stress/equivalent stress, tension positive (D3 of a metal is negative). The return is implicit in the
-!! plastic strain and its rate; the temperature is that of the beginning of the step.
+!! with s* = mean stress/equivalent stress, tension positive (D3 of a metal is negative). The return
+!! is implicit in the plastic strain and its rate; the temperature is that of the beginning of the
+!! step.
 module sgmp_material_jc
   use sgmp_kinds, only: dp, lanes
-  use sgmp_radial_return, only: hardening_power_term, radial_return_linear, radial_return_power, radial_return_rate
+  use sgmp_radial_return, only: hardening_power_term, hardening_t, radial_return_linear, &
+                                radial_return_power, radial_return_rate
   implicit none
   private
   public :: jc_t, jc_init, jc_set_thermal, jc_set_failure
-  public :: jc_yield_stress, jc_homologous_temperature, jc_softening, jc_rate_factor, jc_failure_strain
+  public :: jc_yield_stress, jc_homologous_temperature, jc_softening, jc_rate_factor
+  public :: jc_failure_strain
   public :: jc_return, jc_return_simple
 
   integer, parameter :: flow_linear = 1, flow_power = 2, flow_rate = 3
+  integer, parameter :: damage_constants = 5
 
   real(dp), parameter :: tiny_number = 1.0e-30_dp
-  real(dp), parameter :: least_failure_strain = 1.0e-6_dp !! floor of ep_f, which negative D1 could make negative
-  real(dp), parameter :: largest_triaxiality = 1.5_dp     !! (J3) was fitted up to here (Johnson and Cook 1985)
-  real(dp), parameter :: largest_power = 200.0_dp         !! bound of D3 s*
+  real(dp), parameter :: least_failure_strain = 1.0e-6_dp  !! floor of ep_f (D1 may be negative)
+  real(dp), parameter :: largest_triaxiality = 1.5_dp      !! (J3) was fitted up to here
+  real(dp), parameter :: largest_power = 200.0_dp          !! bound of D3 s*
 
   !> Constants of the law; made by jc_init, then jc_set_thermal and jc_set_failure where wanted.
   type :: jc_t
@@ -33,12 +38,12 @@ module sgmp_material_jc
     real(dp) :: reference_rate = 1.0_dp       !! (1/time)
     logical :: thermal = .false.              !! temperature softens and plastic work heats
     real(dp) :: thermal_exponent = 1.0_dp     !! m
-    real(dp) :: room = 0.0_dp                 !! (temperature)
-    real(dp) :: melt = 1.0_dp                 !! (temperature)
-    real(dp) :: heat_capacity = 1.0_dp        !! density times specific heat (energy/volume/temperature)
+    real(dp) :: room = 1.0e30_dp              !! (temperature); by default T* is always 0
+    real(dp) :: melt = 2.0e30_dp              !! (temperature)
+    real(dp) :: heat_capacity = 1.0_dp        !! density times specific heat
     real(dp) :: taylor_quinney = 0.0_dp       !! fraction of the plastic work that heats
     logical :: failure = .false.              !! damage accumulates
-    real(dp) :: damage(5) = 0.0_dp            !! D1..D5
+    real(dp) :: damage(damage_constants) = 0.0_dp  !! D1..D5
   end type jc_t
 
 contains
@@ -48,7 +53,7 @@ contains
     real(dp), intent(in) :: yield            !! A (stress)
     real(dp), intent(in) :: modulus          !! B >= 0 (stress)
     real(dp), intent(in) :: exponent         !! n > 0 unless B = 0
-    real(dp), intent(in) :: rate_coefficient !! C >= 0
+    real(dp), intent(in) :: rate_coefficient  !! C >= 0
     real(dp), intent(in) :: reference_rate   !! > 0 unless C = 0 (1/time)
     type(jc_t) :: law
     law%yield = yield
@@ -70,8 +75,8 @@ contains
     type(jc_t), intent(inout) :: law         !! law to extend
     real(dp), intent(in) :: exponent         !! m > 0
     real(dp), intent(in) :: room             !! temperature below which nothing softens
-    real(dp), intent(in) :: melt             !! temperature at which the yield stress vanishes, > room
-    real(dp), intent(in) :: heat_capacity    !! density times specific heat, > 0 (energy/volume/temperature)
+    real(dp), intent(in) :: melt             !! where the yield stress vanishes, > room
+    real(dp), intent(in) :: heat_capacity    !! density times specific heat, > 0
     real(dp), intent(in) :: taylor_quinney   !! fraction of the plastic work that heats
     law%thermal = .true.
     law%thermal_exponent = exponent
@@ -84,7 +89,7 @@ contains
   !> Adds failure.
   pure subroutine jc_set_failure(law, damage)
     type(jc_t), intent(inout) :: law      !! law to extend
-    real(dp), intent(in) :: damage(5)     !! D1..D5
+    real(dp), intent(in) :: damage(damage_constants)     !! D1..D5
     law%failure = .true.
     law%damage = damage
   end subroutine jc_set_failure
@@ -104,7 +109,7 @@ contains
   !> T* of (J1), in [0, 1].
   pure function jc_homologous_temperature(law, temperature) result(t_star)
     type(jc_t), intent(in) :: law       !! constants
-    real(dp), intent(in) :: temperature !! current temperature
+    real(dp), intent(in) :: temperature  !! current temperature
     real(dp) :: t_star
     t_star = (temperature - law%room)/(law%melt - law%room)
     t_star = merge(t_star, 0.0_dp, t_star > 0.0_dp)
@@ -114,14 +119,15 @@ contains
   !> Thermal factor 1 - T*^m of (J1), in [0, 1].
   pure function jc_softening(law, temperature) result(factor)
     type(jc_t), intent(in) :: law       !! constants
-    real(dp), intent(in) :: temperature !! current temperature
+    real(dp), intent(in) :: temperature  !! current temperature
     real(dp) :: factor
-    factor = 1.0_dp - hardening_power(jc_homologous_temperature(law, temperature), law%thermal_exponent)
+    factor = jc_homologous_temperature(law, temperature)
+    factor = 1.0_dp - hardening_power(factor, law%thermal_exponent)
   end function jc_softening
 
   !> Rate factor 1 + coefficient ln(max(1, ratio)) of (J1) and (J3).
   pure function jc_rate_factor(coefficient, ratio) result(factor)
-    real(dp), intent(in) :: coefficient !! C or D4
+    real(dp), intent(in) :: coefficient  !! C or D4
     real(dp), intent(in) :: ratio       !! plastic strain rate over the reference rate
     real(dp) :: factor
     factor = 1.0_dp + coefficient*log(merge(ratio, 1.0_dp, ratio > 1.0_dp))
@@ -152,8 +158,8 @@ contains
 
   !> Lane kernel, complete model: temperature where the law is thermal, damage where it fails.
   !!
-  !! A lane fails when its damage reaches 1, where it then stays: factor and further dep are 0. The mean stress of a failed
-  !! lane is the caller's affair.
+  !! A lane fails when its damage reaches 1, where it then stays: factor and further dep are 0. The
+  !! mean stress of a failed lane is the caller's affair.
   pure subroutine jc_return(law, shear3, dt, trial, mean, ep, temperature, damage, factor, dep)
     type(jc_t), intent(in) :: law                !! constants
     real(dp), intent(in) :: shear3               !! three times the shear modulus (stress)
@@ -161,7 +167,7 @@ contains
     real(dp), intent(in) :: trial(lanes)         !! von Mises norm of the trial deviator (stress)
     real(dp), intent(in) :: mean(lanes)          !! mean stress, tension positive
     real(dp), intent(inout) :: ep(lanes)         !! equivalent plastic strain, updated
-    real(dp), intent(inout) :: temperature(lanes) !! updated by (J2)
+    real(dp), intent(inout) :: temperature(lanes)  !! updated by (J2)
     real(dp), intent(inout) :: damage(lanes)     !! updated by (J3); 1: failed
     real(dp), intent(out) :: factor(lanes)       !! scales the trial deviator
     real(dp), intent(out) :: dep(lanes)          !! plastic strain increment
@@ -181,7 +187,7 @@ contains
     real(dp), intent(in) :: shear3, dt      !! as in jc_return
     real(dp), intent(in) :: trial(lanes)    !! as in jc_return
     real(dp), intent(inout) :: ep(lanes)    !! as in jc_return
-    real(dp), intent(out) :: factor(lanes), dep(lanes) !! as in jc_return
+    real(dp), intent(out) :: factor(lanes), dep(lanes)  !! as in jc_return
     real(dp) :: softening(lanes)
     softening = 1.0_dp
     call flow_lanes(law, shear3, dt, softening, trial, ep, factor, dep)
@@ -190,20 +196,24 @@ contains
   !> The return that the law needs, and nothing dearer.
   pure subroutine flow_lanes(law, shear3, dt, softening, trial, ep, factor, dep)
     type(jc_t), intent(in) :: law
-    real(dp), intent(in) :: shear3, dt, softening(lanes), trial(lanes)
-    real(dp), intent(inout) :: ep(lanes)
-    real(dp), intent(out) :: factor(lanes), dep(lanes)
-    real(dp) :: dep_reference
+    real(dp), intent(in) :: shear3, dt
+    real(dp), dimension(lanes), intent(in) :: softening, trial
+    real(dp), dimension(lanes), intent(inout) :: ep
+    real(dp), dimension(lanes), intent(out) :: factor, dep
+    type(hardening_t) :: hardening
+    hardening%shear3 = shear3
+    hardening%yield = law%yield
+    hardening%modulus = law%modulus
+    hardening%exponent = law%exponent
+    hardening%rate_coefficient = law%rate_coefficient
+    hardening%dep_reference = merge(dt*law%reference_rate, tiny_number, dt > 0.0_dp)
     select case (law%flow)
     case (flow_linear)
-      call radial_return_linear(shear3, law%yield, law%modulus, softening, trial, ep, factor, dep)
+      call radial_return_linear(hardening, softening, trial, ep, factor, dep)
     case (flow_power)
-      call radial_return_power(shear3, law%yield, law%modulus, law%exponent, softening, trial, ep, factor, dep)
+      call radial_return_power(hardening, softening, trial, ep, factor, dep)
     case default
-      dep_reference = dt*law%reference_rate
-      dep_reference = merge(dep_reference, tiny_number, dep_reference > tiny_number)
-      call radial_return_rate(shear3, law%yield, law%modulus, law%exponent, law%rate_coefficient, dep_reference, &
-                              softening, trial, ep, factor, dep)
+      call radial_return_rate(hardening, softening, trial, ep, factor, dep)
     end select
   end subroutine flow_lanes
 
@@ -230,20 +240,23 @@ contains
     end do
   end subroutine carried_lanes
 
-  !> Damage (J3) with the temperature of the beginning of the step; failed lanes lose their deviator.
+  !> Damage (J3) with the temperature of the beginning of the step; failed lanes lose their
+  !! deviator.
   pure subroutine damage_lanes(law, dt, trial, mean, temperature, dep, damage, factor)
     type(jc_t), intent(in) :: law
-    real(dp), intent(in) :: dt, trial(lanes), mean(lanes), temperature(lanes), dep(lanes)
-    real(dp), intent(inout) :: damage(lanes), factor(lanes)
-    real(dp) :: equivalent, triaxiality, floor_stress
+    real(dp), intent(in) :: dt
+    real(dp), dimension(lanes), intent(in) :: trial, mean, temperature, dep
+    real(dp), dimension(lanes), intent(inout) :: damage, factor
+    real(dp) :: equivalent, triaxiality, floor_stress, rate_ratio
     integer :: p
     floor_stress = 1.0e-9_dp*(law%yield + law%modulus)
     floor_stress = merge(floor_stress, 1.0_dp, floor_stress > 0.0_dp)
-    !$omp simd simdlen(8) private(equivalent, triaxiality)
+    !$omp simd simdlen(8) private(equivalent, triaxiality, rate_ratio)
     do p = 1, lanes
       equivalent = factor(p)*trial(p)
       triaxiality = mean(p)/merge(equivalent, floor_stress, equivalent > floor_stress)
-      damage(p) = damage(p) + dep(p)/jc_failure_strain(law, triaxiality, dep(p)/(dt*law%reference_rate), temperature(p))
+      rate_ratio = dep(p)/(dt*law%reference_rate)
+      damage(p) = damage(p) + dep(p)/jc_failure_strain(law, triaxiality, rate_ratio, temperature(p))
       damage(p) = merge(damage(p), 1.0_dp, damage(p) < 1.0_dp)
       factor(p) = merge(factor(p), 0.0_dp, damage(p) < 1.0_dp)
     end do
@@ -252,7 +265,7 @@ contains
   !> Adiabatic heating (J2).
   pure subroutine heat_lanes(law, trial, factor, dep, temperature)
     type(jc_t), intent(in) :: law
-    real(dp), intent(in) :: trial(lanes), factor(lanes), dep(lanes)
+    real(dp), dimension(lanes), intent(in) :: trial, factor, dep
     real(dp), intent(inout) :: temperature(lanes)
     real(dp) :: heating
     integer :: p

@@ -1,4 +1,5 @@
-!> Bulk viscosity that spreads shocks over a few cells (von Neumann and Richtmyer 1950, Landshoff 1955; METHOD 5).
+!> Bulk viscosity that spreads shocks over a few cells (von Neumann and Richtmyer 1950, Landshoff
+!! 1955; METHOD 5).
 module sgmp_viscosity
   use sgmp_kinds, only: dp, lanes
   implicit none
@@ -7,13 +8,14 @@ module sgmp_viscosity
 
   !> Coefficients; the defaults are the customary ones.
   type :: viscosity_t
-    real(dp) :: quadratic = 1.5_dp !! b1
+    real(dp) :: quadratic = 1.5_dp  !! b1
     real(dp) :: linear = 0.06_dp   !! b2
   end type viscosity_t
 
 contains
 
-  !> Viscous pressure q = rho h^2 b1 tr^2 - b2 rho h c tr in compression (tr < 0), else 0; adds to the pressure (stress).
+  !> Viscous pressure q = rho h^2 b1 tr^2 - b2 rho h c tr in compression (tr < 0), else 0; adds to
+  !! the pressure (stress).
   pure function viscosity_pressure(law, cell, density, sound_speed, trace) result(q)
     type(viscosity_t), intent(in) :: law     !! coefficients
     real(dp), intent(in) :: cell             !! cell side h (length)
@@ -29,8 +31,9 @@ contains
   !> Lane kernel of viscosity_pressure.
   pure subroutine viscosity_lanes(law, cell, density, sound_speed, trace, q)
     type(viscosity_t), intent(in) :: law                                       !! coefficients
-    real(dp), intent(in) :: cell                                               !! cell side h (length)
-    real(dp), intent(in) :: density(lanes), sound_speed(lanes), trace(lanes)   !! as in viscosity_pressure
+    real(dp), intent(in) :: cell  !! cell side h (length)
+    real(dp), dimension(lanes), intent(in) :: density, sound_speed  !! as in the point function
+    real(dp), dimension(lanes), intent(in) :: trace                 !! as in the point function
     real(dp), intent(out) :: q(lanes)                                          !! viscous pressure
     integer :: p
     !$omp simd simdlen(8)

@@ -42,7 +42,7 @@ contains
   end function key_j
 
   !> Number of points in the set.
-  pure function rows_points(rows) result(points)
+  elemental function rows_points(rows) result(points)
     type(rows_t), intent(in) :: rows
     integer(i8) :: points
     integer :: s

@@ -41,6 +41,7 @@ module sgmp_particles
     integer :: n = 0
     integer, allocatable :: chunk(:), lane(:), bin(:)
     integer(i4), allocatable :: id(:)               !! filled by particles_rebin, ascending
+    logical, allocatable :: gone(:)                 !! filled by particles_rebin: outside the grid, removed
     real(dp), allocatable :: record(:, :)           !! (na + nb, n) their state, in the order of id
     real(dp), allocatable :: values(:, :)           !! (values, n) what they give to the grid
   end type movers_t
@@ -332,17 +333,20 @@ contains
   end subroutine movers_reserve
 
   !> Moves particles to the bins of their new positions; bins stay ordered by id, so nothing depends on history.
-  pure subroutine particles_rebin(particles, movers, new_bins)
+  pure subroutine particles_rebin(particles, movers, lower, upper, new_bins)
     type(particles_t), intent(inout) :: particles
     type(movers_t), intent(inout) :: movers      !! in: chunk, lane, bin; out: id and record, ascending by id
+    real(dp), intent(in) :: lower(3), upper(3)   !! particles outside this box (cells) are removed
     logical, intent(out) :: new_bins             !! the set of bins has changed: the field's layout must follow
     integer, allocatable :: target(:), order(:)
     integer :: m, p, t
     logical :: missing
     call lift_movers(particles, movers)
-    allocate (target(movers%n))
+    allocate (target(movers%n), source=0)
+    call find_gone(particles, movers, lower, upper)
     missing = .false.
     do m = 1, movers%n
+      if (movers%gone(m)) cycle
       target(m) = particles_bin_of(particles, bin_coordinates(movers%record(:, m), particles%shift, particles%ndim))
       missing = missing .or. target(m) == 0
     end do
@@ -351,6 +355,7 @@ contains
       call close_bins(particles, movers%bin(:movers%n))
       call extend_bins(particles, movers)
       do m = 1, movers%n
+        if (movers%gone(m)) cycle
         target(m) = particles_bin_of(particles, bin_coordinates(movers%record(:, m), particles%shift, particles%ndim))
       end do
     else
@@ -365,10 +370,25 @@ contains
         if (target(order(t + 1)) /= target(order(p))) exit
         t = t + 1
       end do
-      call insert_arrivals(particles, target(order(p)), movers, order(p:t))
+      if (target(order(p)) > 0) call insert_arrivals(particles, target(order(p)), movers, order(p:t))
       p = t + 1
     end do
   end subroutine particles_rebin
+
+  !> Finds the movers that have left the grid.
+  pure subroutine find_gone(particles, movers, lower, upper)
+    type(particles_t), intent(inout) :: particles
+    type(movers_t), intent(inout) :: movers
+    real(dp), intent(in) :: lower(3), upper(3)
+    integer :: m, n
+    n = particles%ndim
+    if (allocated(movers%gone)) deallocate (movers%gone)
+    allocate (movers%gone(movers%n))
+    do m = 1, movers%n
+      movers%gone(m) = any(movers%record(:n, m) < lower(:n)) .or. any(movers%record(:n, m) > upper(:n))
+    end do
+    particles%count = particles%count - count(movers%gone)
+  end subroutine find_gone
 
   !> Copies the movers' state out and marks their lanes empty.
   pure subroutine lift_movers(particles, movers)
@@ -454,13 +474,14 @@ contains
     type(particles_t), intent(inout) :: particles
     type(movers_t), intent(in) :: movers
     type(rows_t) :: wanted, occupied, old
-    integer, allocatable :: old_start(:), old_first(:), old_size(:), order(:), i(:)
+    integer, allocatable :: old_start(:), old_first(:), old_size(:), order(:), i(:), stay(:)
     integer(i8), allocatable :: key(:)
     integer :: m, bin(3), s, number, n
-    allocate (order(movers%n), i(movers%n), key(movers%n))
-    call order_by_bin(particles, movers%record, order)
-    do m = 1, movers%n
-      bin = bin_coordinates(movers%record(:, order(m)), particles%shift, particles%ndim)
+    stay = pack([(m, m=1, movers%n)], .not. movers%gone)
+    allocate (order(size(stay)), i(size(stay)), key(size(stay)))
+    call order_by_bin(particles, movers%record(:particles%ndim, stay), order)
+    do m = 1, size(stay)
+      bin = bin_coordinates(movers%record(:, stay(order(m))), particles%shift, particles%ndim)
       key(m) = row_key(bin(2), bin(3))
       i(m) = bin(1)
     end do

@@ -12,7 +12,8 @@ module sgmp_seeding
                         shape_ogive, shape_ring, shape_sphere, shape_t
   implicit none
   private
-  public :: seeding_generate, seeding_overlap, seeding_inside, seeding_gauss_points
+  public :: seeding_generate, seeding_check_overlap, seeding_overlap, seeding_inside, &
+            seeding_gauss_points
 
   real(dp), parameter :: tolerance = 1.0e-9_dp     !! of boundaries, in lattice constants
   real(dp), parameter :: infinite = 0.1_dp*huge(1.0_dp)
@@ -62,6 +63,21 @@ contains
     allocate (positions(3, n), volumes(n))
     call select_points(body, candidates, dimension, .true., n, positions, volumes)
   end subroutine seeding_generate
+
+  !> An error where another body's shape contains one of these particles and neither body allows it.
+  subroutine seeding_check_overlap(bodies, own, positions, dimension, error)
+    type(body_card_t), intent(in) :: bodies(:)
+    integer, intent(in) :: own                  !! the body that the particles belong to
+    real(dp), intent(in) :: positions(:, :)     !! (3, n)
+    integer, intent(in) :: dimension            !! 1, 2 or 3
+    type(error_t), allocatable, intent(out) :: error
+    integer :: other
+    other = seeding_overlap(bodies, own, positions, dimension)
+    if (other == 0) return
+    call error_make(error, exit_deck, "body '"//trim(bodies(own)%name)//"' overlaps body '"// &
+                    trim(bodies(other)%name)//"'", 'move one of them, or say overlap=allow', &
+                    place_of(bodies(own)))
+  end subroutine seeding_check_overlap
 
   !> Number of another body whose shape contains one of these particles, 0 where there is none.
   pure integer function seeding_overlap(bodies, own, positions, dimension) result(other)
@@ -225,6 +241,11 @@ contains
       call error_make(error, exit_deck, "body '"//trim(body%name)//"' would have too many "// &
                       "particles", &
                       'use a larger spacing; there can be 2147483647', place_of(body))
+      return
+    end if
+    if (any(abs(lower(:dimension) - origin(:dimension)) > 0.25_dp*huge(1)*pitch/per_pitch)) then
+      call error_make(error, exit_deck, "body '"//trim(body%name)//"' is too far from the "// &
+                      'origin of its lattice', 'move lattice_origin or the grid', place_of(body))
       return
     end if
     offset = 0

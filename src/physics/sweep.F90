@@ -12,7 +12,7 @@ module DIM(sgmp_sweep)
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, stencil_shift, stencil_width
   use sgmp_particles, only: bin_coordinates, movers_add, movers_reset, movers_t, particles_t
-  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_momentum, sum_viscous, sweep_sums, workspace_t
+  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, sweep_sums, workspace_t
   use sgmp_rows, only: key_j, key_k
   use DIM(sgmp_stress_update), only: stress_flux, stress_sums, stress_update
   use DIM(sgmp_transfer), only: gimp_gather, gimp_gradients, gimp_scatter, gimp_weights, linear_gather, &
@@ -261,7 +261,7 @@ contains
     if (plan%kick) next = next + NDIM
     if (plan%drift) then
       if (plan%kick .and. plan%flip < 1.0_dp) call blend(plan%flip, got(1, next), a)
-      call drift(plan%dt*mesh%inverse_h, got(1, next), a)
+      call drift(plan%dt*mesh%inverse_h, live, got(1, next), a, lane_sums)
     else if (plan%flip < 1.0_dp .and. plan%kick) then
       call blend(plan%flip, got(1, next), a)
     end if
@@ -398,14 +398,15 @@ contains
   end subroutine blend
 
   !> x += v_grid dt (Eq. 31), in cells.
-  pure subroutine drift(dt, velocity, a)
-    real(dp), intent(in) :: dt, velocity(lanes, NDIM)
-    real(dp), intent(inout) :: a(lanes, 2*NDIM + 1)
+  pure subroutine drift(dt, live, velocity, a, lane_sums)
+    real(dp), intent(in) :: dt, live(lanes), velocity(lanes, NDIM)
+    real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), lane_sums(lanes, sweep_sums)
     integer :: l, d
     do d = 1, NDIM
       !$omp simd simdlen(8)
       do l = 1, lanes
         a(l, d) = a(l, d) + dt*velocity(l, d)
+        lane_sums(l, sum_moment + d - 1) = lane_sums(l, sum_moment + d - 1) + live(l)*(a(l, 2*NDIM + 1)*a(l, d))
       end do
     end do
   end subroutine drift
@@ -723,6 +724,7 @@ contains
     integer :: m
     shape = stencil_shape(field%kernel)
     do m = 1, movers%n
+      if (movers%gone(m)) cycle
       call add_mover(mesh, field, body, plan, shape, movers%record(:, m), movers%values(:, m))
     end do
   end subroutine sweep_add_movers

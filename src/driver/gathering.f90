@@ -1,0 +1,245 @@
+!> Gathers particle data for output, ordered by id, and sums over bodies.
+module sgmp_gathering
+  use sgmp_body, only: body_t
+  use sgmp_errors, only: error_t
+  use sgmp_file_tools, only: checksum_add, checksum_particles
+  use sgmp_kinds, only: dp, i4, i8, lanes
+  use sgmp_mesh, only: mesh_position
+  use sgmp_model, only: model_t
+  use sgmp_scene, only: scene_t
+  use sgmp_seeding, only: seeding_generate
+  use sgmp_snapshot, only: snapshot_field_t, snapshot_t
+  implicit none
+  private
+  public :: gather_snapshot, gather_body_row, gather_checksum, gather_initial_positions, gather_field_known, field_names
+
+  character(16), parameter :: field_names(12) = &
+    [character(16) :: 'stress', 'pressure', 'density', 'volume', 'mass', 'plastic_strain', 'temperature', 'damage', &
+     'energy', 'von_mises', 'displacement', 'initial_position']
+  character(2), parameter :: pairs(6) = ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']
+
+contains
+
+  !> Whether a field of that name can be written.
+  pure function gather_field_known(name) result(known)
+    character(*), intent(in) :: name
+    logical :: known
+    known = any(field_names == name)
+  end function gather_field_known
+
+  !> A snapshot of all particles with the fields asked for; `initial` holds the initial positions by id.
+  subroutine gather_snapshot(model, names, initial, snapshot)
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: names(:)
+    real(dp), allocatable, intent(in) :: initial(:, :)  !! (3, ids), allocated where a field needs it
+    type(snapshot_t), intent(out) :: snapshot
+    integer, allocatable :: place(:)
+    integer :: b, c, l, p, f, n, nd
+    n = sum(model%bodies%particles%count)
+    nd = model%mesh%ndim
+    snapshot%dimension = nd
+    snapshot%step = model%clock%step
+    snapshot%time = model%clock%time
+    allocate (snapshot%id(n), snapshot%body(n), snapshot%position(3, n), snapshot%velocity(3, n))
+    snapshot%position = 0.0_dp
+    snapshot%velocity = 0.0_dp
+    snapshot%body_names = model%bodies%name
+    call order_of_ids(model, place)
+    call declare_fields(model, names, n, snapshot%fields)
+    do b = 1, size(model%bodies)
+      associate (body => model%bodies(b))
+        do c = 1, body%particles%chunks
+          do l = 1, lanes
+            if (body%particles%id(l, c) == 0) cycle
+            p = place(body%particles%id(l, c))
+            snapshot%id(p) = body%particles%id(l, c)
+            snapshot%body(p) = b
+            snapshot%position(:nd, p) = mesh_position(model%mesh%origin(:nd), model%mesh%h, body%particles%a(l, :nd, c))
+            snapshot%velocity(:nd, p) = body%particles%a(l, nd + 1:2*nd, c)
+            do f = 1, size(snapshot%fields)
+              if (allocated(initial)) then
+                call take_field(body, nd, l, c, initial(:, body%particles%id(l, c)), snapshot%position(:, p), &
+                                snapshot%fields(f), p)
+              else
+                call take_field(body, nd, l, c, snapshot%position(:, p), snapshot%position(:, p), snapshot%fields(f), p)
+              end if
+            end do
+          end do
+        end do
+      end associate
+    end do
+    if (allocated(initial) .and. any(names == 'initial_position')) snapshot%initial_position = initial(:, snapshot%id)
+  end subroutine gather_snapshot
+
+  !> Place of each id in the output: ids ascending, lost particles left out.
+  subroutine order_of_ids(model, place)
+    type(model_t), intent(in) :: model
+    integer, allocatable, intent(out) :: place(:)
+    integer :: b, c, l, i, n
+    n = 0
+    do b = 1, size(model%bodies)
+      n = max(n, maxval(model%bodies(b)%particles%id))
+    end do
+    allocate (place(n), source=0)
+    do b = 1, size(model%bodies)
+      do c = 1, model%bodies(b)%particles%chunks
+        do l = 1, lanes
+          i = model%bodies(b)%particles%id(l, c)
+          if (i > 0) place(i) = 1
+        end do
+      end do
+    end do
+    n = 0
+    do i = 1, size(place)
+      n = n + place(i)
+      if (place(i) > 0) place(i) = n
+    end do
+  end subroutine order_of_ids
+
+  !> Names and components of the fields.
+  subroutine declare_fields(model, names, n, fields)
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: names(:)
+    integer, intent(in) :: n
+    type(snapshot_field_t), allocatable, intent(out) :: fields(:)
+    integer :: f, c, count, wanted
+    count = 0
+    do f = 1, size(names)
+      if (names(f) /= 'initial_position' .and. names(f) /= '') count = count + 1
+    end do
+    allocate (fields(count))
+    count = 0
+    do wanted = 1, size(names)
+      if (names(wanted) == 'initial_position' .or. names(wanted) == '') cycle
+      count = count + 1
+      f = count
+      fields(f)%name = names(wanted)
+      select case (names(wanted))
+      case ('stress')
+        c = 3 + merge(3, model%mesh%ndim - 1, model%mesh%ndim == 3)
+        fields(f)%components = 'stress_'//pairs(:c)
+      case ('displacement')
+        fields(f)%components = [character(32) :: 'displacement_x', 'displacement_y', 'displacement_z']
+      case default
+        fields(f)%components = names(wanted:wanted)
+      end select
+      allocate (fields(f)%values(size(fields(f)%components), n), source=0.0_dp)
+    end do
+  end subroutine declare_fields
+
+  !> One field of one particle.
+  subroutine take_field(body, nd, l, c, initial, position, field, p)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: nd, l, c, p
+    real(dp), intent(in) :: initial(3), position(3)
+    type(snapshot_field_t), intent(inout) :: field
+    real(dp) :: stress(6)
+    integer :: column
+    stress = particle_stress(body, l, c)
+    column = 0
+    select case (field%name)
+    case ('stress')
+      field%values(:, p) = stress(:size(field%values, 1))
+    case ('pressure')
+      field%values(1, p) = -sum(stress(:3))/3.0_dp
+    case ('von_mises')
+      field%values(1, p) = sqrt(0.5_dp*((stress(1) - stress(2))**2 + (stress(2) - stress(3))**2 + (stress(3) - stress(1))**2) &
+                                + 3.0_dp*sum(stress(4:)**2))
+    case ('density')
+      field%values(1, p) = body%particles%a(l, 2*nd + 1, c)/body%particles%b(l, 1, c)
+    case ('mass')
+      field%values(1, p) = body%particles%a(l, 2*nd + 1, c)
+    case ('displacement')
+      field%values(:, p) = position - initial
+    case ('volume')
+      column = 1
+    case ('plastic_strain')
+      column = body%law%slots%plastic
+    case ('temperature')
+      column = body%law%slots%temperature
+    case ('damage')
+      column = body%law%slots%damage
+    case ('energy')
+      column = body%law%slots%energy
+    end select
+    if (column > 0) field%values(1, p) = body%particles%b(l, column, c)
+  end subroutine take_field
+
+  !> Stress of a particle, xx yy zz xy yz xz.
+  pure function particle_stress(body, l, c) result(stress)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: l, c
+    real(dp) :: stress(6)
+    integer :: s, n
+    stress = 0.0_dp
+    s = body%law%slots%stress
+    n = body%law%slots%stresses
+    if (n == 1) then
+      stress(:3) = body%particles%b(l, s, c)
+    else
+      stress(:n) = body%particles%b(l, s:s + n - 1, c)
+    end if
+  end function particle_stress
+
+  !> Row of bodies.csv: time, body, mass, centroid, velocity, kinetic and internal energy, particles.
+  pure function gather_body_row(model, b) result(row)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    real(dp) :: row(12)
+    real(dp) :: centroid(3)
+    associate (sums => model%body_sums(b))
+      centroid = mesh_position(model%mesh%origin, model%mesh%h, sums%moment/sums%mass)
+      centroid(model%mesh%ndim + 1:) = 0.0_dp
+      row = [model%clock%time, real(b, dp), sums%mass, centroid, sums%momentum/sums%mass, sums%kinetic, sums%internal, &
+             real(model%bodies(b)%particles%count, dp)]
+    end associate
+  end function gather_body_row
+
+  !> Checksum of the whole particle state, independent of order and layout.
+  function gather_checksum(model) result(checksum)
+    type(model_t), intent(in) :: model
+    integer(i8) :: checksum
+    integer :: b, c, l, n
+    integer(i4) :: ids(lanes)
+    real(dp), allocatable :: values(:, :)
+    checksum = 0_i8
+    do b = 1, size(model%bodies)
+      associate (particles => model%bodies(b)%particles)
+        allocate (values(particles%na + particles%nb, lanes))
+        do c = 1, particles%chunks
+          n = 0
+          do l = 1, lanes
+            if (particles%id(l, c) == 0) cycle
+            n = n + 1
+            ids(n) = particles%id(l, c)
+            values(:particles%na, n) = particles%a(l, :, c)
+            values(particles%na + 1:, n) = particles%b(l, :, c)
+          end do
+          checksum = checksum_add(checksum, checksum_particles(ids(:n), values(:, :n)))
+        end do
+        deallocate (values)
+      end associate
+    end do
+  end function gather_checksum
+
+  !> Initial positions by id, by seeding once more: nothing is stored during the run.
+  subroutine gather_initial_positions(scene, model, initial, error)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    real(dp), allocatable, intent(out) :: initial(:, :)
+    type(error_t), allocatable, intent(out) :: error
+    real(dp), allocatable :: x(:, :), volume(:), grown(:, :)
+    integer :: b, n
+    allocate (initial(3, 0))
+    do b = 1, size(scene%bodies)
+      call seeding_generate(scene%bodies(b), scene%grid%cell, model%mesh%origin, model%mesh%ndim, x, volume, error)
+      if (allocated(error)) return
+      n = size(initial, 2)
+      allocate (grown(3, n + size(x, 2)))
+      grown(:, :n) = initial
+      grown(:, n + 1:) = x
+      call move_alloc(grown, initial)
+    end do
+  end subroutine gather_initial_positions
+
+end module sgmp_gathering

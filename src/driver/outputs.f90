@@ -1,0 +1,222 @@
+!> All files of a run: which rows and dumps are due, and the writers behind them.
+module sgmp_outputs
+  use sgmp_csv, only: csv_write
+  use sgmp_energy, only: ledger_total
+  use sgmp_errors, only: error_t
+  use sgmp_file_tools, only: directory_make
+  use sgmp_gathering, only: gather_body_row, gather_initial_positions, gather_snapshot
+  use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, gauges_integers, &
+                          history_columns, history_t, units_text
+  use sgmp_kinds, only: dp
+  use sgmp_model, only: model_t
+  use sgmp_scene, only: name_length, scene_t
+  use sgmp_snapshot, only: snapshot_t
+  use sgmp_tecplot, only: tecplot_t
+  use sgmp_vtu, only: vtu_series_t
+  implicit none
+  private
+  public :: outputs_t, outputs_open, outputs_step, outputs_close, outputs_next_time
+
+  !> Writers and their schedules.
+  type :: outputs_t
+    character(:), allocatable :: folder
+    type(history_t) :: history, bodies, gauges
+    type(vtu_series_t) :: vtu
+    type(tecplot_t) :: tecplot
+    character(name_length), allocatable :: fields(:)
+    real(dp), allocatable :: initial(:, :)         !! initial positions by id, where a field needs them
+    integer, allocatable :: gauge_ids(:)
+    integer :: dumps = 0                           !! dumps written
+    integer :: history_rows = 0                    !! rows due by time that have been written
+    integer :: last_dump_step = -1
+  end type outputs_t
+
+contains
+
+  !> Opens the files of a run and writes the initial state.
+  subroutine outputs_open(outputs, scene, model, folder, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: folder
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: units
+    outputs%folder = folder
+    units = units_text(trim(scene%units(1)), trim(scene%units(2)), trim(scene%units(3)))
+    call directory_make(folder, error)
+    if (allocated(error)) return
+    call outputs%history%open(folder//'/history.csv', history_columns, units, error)
+    if (allocated(error)) return
+    call outputs%bodies%open(folder//'/bodies.csv', bodies_columns, units, error, bodies_integers)
+    if (allocated(error)) return
+    if (size(scene%gauges) > 0) then
+      call outputs%gauges%open(folder//'/gauges.csv', &
+                               [character(column_length) :: gauges_columns, gauge_fields()], units, error, gauges_integers)
+      if (allocated(error)) return
+    end if
+    allocate (outputs%fields(0))
+    if (allocated(scene%output%fields)) outputs%fields = scene%output%fields
+    if (any(outputs%fields == 'initial_position') .or. any(outputs%fields == 'displacement')) then
+      call gather_initial_positions(scene, model, outputs%initial, error)
+      if (allocated(error)) return
+    end if
+    if (scene%output%vtu) call outputs%vtu%open(folder, 'particles', error)
+    if (allocated(error)) return
+    if (scene%output%tecplot) call outputs%tecplot%open(folder//'/particles.dat', scene%title, error)
+    if (allocated(error)) return
+    call find_gauges(outputs, scene, model)
+    call outputs_step(outputs, scene, model, .false., error)
+  end subroutine outputs_open
+
+  !> Fields recorded at gauges besides position and velocity.
+  pure function gauge_fields() result(names)
+    character(column_length) :: names(3)
+    names = [character(column_length) :: 'pressure', 'von_mises', 'density']
+  end function gauge_fields
+
+  !> Next time that a step has to land on: a dump, a history row due by time, or the end.
+  pure function outputs_next_time(outputs, scene) result(time)
+    type(outputs_t), intent(in) :: outputs
+    type(scene_t), intent(in) :: scene
+    real(dp) :: time
+    time = huge(1.0_dp)
+    if (scene%time%end > 0.0_dp) time = scene%time%end
+    if (scene%output%every > 0.0_dp .and. writes_dumps(scene)) time = min(time, outputs%dumps*scene%output%every)
+    if (scene%output%history_every > 0.0_dp) time = min(time, outputs%history_rows*scene%output%history_every)
+  end function outputs_next_time
+
+  pure function writes_dumps(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    yes = scene%output%vtu .or. scene%output%tecplot
+  end function writes_dumps
+
+  !> Writes what is due at the model's time; at the end everything that has not been written.
+  subroutine outputs_step(outputs, scene, model, at_end, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    logical, intent(in) :: at_end
+    type(error_t), allocatable, intent(out) :: error
+    logical :: due
+    if (scene%output%history_every > 0.0_dp) then
+      due = model%clock%time >= outputs%history_rows*scene%output%history_every
+      if (due) outputs%history_rows = outputs%history_rows + 1
+    else
+      due = mod(model%clock%step, max(1, scene%output%history_steps)) == 0
+    end if
+    if (due .or. at_end) call write_rows(outputs, model, error)
+    if (allocated(error)) return
+    due = model%clock%step == 0
+    if (scene%output%every > 0.0_dp) due = model%clock%time >= outputs%dumps*scene%output%every
+    if ((due .or. at_end) .and. model%clock%step /= outputs%last_dump_step) call dump(outputs, scene, model, error)
+    if (allocated(error)) return
+    if (at_end .and. scene%output%csv_end) call write_csv(outputs, model, error)
+  end subroutine outputs_step
+
+  !> One row of each history.
+  subroutine write_rows(outputs, model, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    integer :: b
+    associate (l => model%ledger)
+      call outputs%history%write_row(model%clock%step, [ &
+                                     model%clock%time, model%clock%dt, l%kinetic, l%internal, ledger_total(l), l%external_work, &
+                                     l%contact_dissipation, l%viscous_dissipation, l%interpolation_error, l%remainder, &
+                                     l%momentum], error)
+    end associate
+    if (allocated(error)) return
+    do b = 1, size(model%bodies)
+      call outputs%bodies%write_row(model%clock%step, gather_body_row(model, b), error)
+      if (allocated(error)) return
+    end do
+    if (size(outputs%gauge_ids) > 0) call write_gauges(outputs, model, error)
+  end subroutine write_rows
+
+  !> One dump of the fields.
+  subroutine dump(outputs, scene, model, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    type(snapshot_t) :: snapshot
+    outputs%dumps = outputs%dumps + 1
+    outputs%last_dump_step = model%clock%step
+    if (.not. writes_dumps(scene)) return
+    call gather_snapshot(model, outputs%fields, outputs%initial, snapshot)
+    if (scene%output%vtu) call outputs%vtu%dump(snapshot, error)
+    if (allocated(error)) return
+    if (scene%output%tecplot) call outputs%tecplot%dump(snapshot, error)
+  end subroutine dump
+
+  subroutine write_csv(outputs, model, error)
+    type(outputs_t), intent(in) :: outputs
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    type(snapshot_t) :: snapshot
+    call gather_snapshot(model, outputs%fields, outputs%initial, snapshot)
+    call csv_write(outputs%folder//'/particles_end.csv', snapshot, error)
+  end subroutine write_csv
+
+  !> The particle nearest to each gauge at the start.
+  subroutine find_gauges(outputs, scene, model)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(snapshot_t) :: snapshot
+    integer :: g
+    allocate (outputs%gauge_ids(size(scene%gauges)))
+    if (size(scene%gauges) == 0) return
+    call gather_snapshot(model, [character(name_length) ::], outputs%initial, snapshot)
+    do g = 1, size(scene%gauges)
+      outputs%gauge_ids(g) = snapshot%id(minloc(distance2(snapshot%position, scene%gauges(g)%point, model%mesh%ndim), 1))
+    end do
+  end subroutine find_gauges
+
+  pure function distance2(position, point, ndim) result(d)
+    real(dp), intent(in) :: position(:, :), point(3)
+    integer, intent(in) :: ndim
+    real(dp) :: d(size(position, 2))
+    integer :: p
+    do p = 1, size(d)
+      d(p) = sum((position(:ndim, p) - point(:ndim))**2)
+    end do
+  end function distance2
+
+  !> One row per gauge.
+  subroutine write_gauges(outputs, model, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    type(snapshot_t) :: snapshot
+    integer :: g, p, f
+    call gather_snapshot(model, gauge_fields(), outputs%initial, snapshot)
+    do g = 1, size(outputs%gauge_ids)
+      p = findloc(snapshot%id, outputs%gauge_ids(g), 1)
+      if (p == 0) cycle
+      call outputs%gauges%write_row(model%clock%step, [model%clock%time, real(g, dp), real(outputs%gauge_ids(g), dp), &
+                                                      snapshot%position(:, p), snapshot%velocity(:, p), &
+                                                      [(snapshot%fields(f)%values(1, p), f=1, size(snapshot%fields))]], error)
+      if (allocated(error)) return
+    end do
+  end subroutine write_gauges
+
+  !> Writes the final state and closes all files.
+  subroutine outputs_close(outputs, scene, model, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    call outputs_step(outputs, scene, model, .true., error)
+    if (allocated(error)) return
+    call outputs%history%close(error)
+    if (allocated(error)) return
+    call outputs%bodies%close(error)
+    if (allocated(error)) return
+    if (outputs%gauges%is_open()) call outputs%gauges%close(error)
+    if (allocated(error)) return
+    if (scene%output%tecplot) call outputs%tecplot%close(error)
+  end subroutine outputs_close
+
+end module sgmp_outputs

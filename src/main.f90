@@ -1,0 +1,111 @@
+!> sgmp: an explicit material point solver for extreme events.
+!!
+!! Reads the command line and the deck, runs, and is the only place that ends the program.
+program sgmp
+  use, intrinsic :: iso_c_binding, only: c_int
+  use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+  use mpi_f08, only: mpi_abort, mpi_comm_world, mpi_finalize, mpi_init_thread, mpi_thread_funneled
+  use omp_lib, only: omp_get_max_threads
+  use sgmp_command_line, only: action_help, action_markdown, action_version, command_line_read, command_line_t
+  use sgmp_deck, only: deck_read
+  use sgmp_deck_errors, only: deck_errors_t
+  use sgmp_errors, only: error_t, exit_deck, exit_ok
+  use sgmp_registry_help, only: registry_write_help, registry_write_markdown
+  use sgmp_scene, only: scene_free, scene_t
+  use sgmp_simulation, only: simulation_check, simulation_run
+  use sgmp_version, only: commit_hash, compiler_string, version_string
+  implicit none
+  interface
+    subroutine c_exit(status) bind(c, name='exit')
+      import :: c_int
+      integer(c_int), value :: status
+    end subroutine c_exit
+  end interface
+  type(command_line_t) :: options
+  type(error_t), allocatable :: error
+  integer :: provided, status
+  call mpi_init_thread(mpi_thread_funneled, provided)
+  status = exit_ok
+  call command_line_read(options, error)
+  if (.not. allocated(error)) call act(options, error, status)
+  if (allocated(error)) then
+    call report(error)
+    status = error%code
+  end if
+  if (status /= exit_ok) call mpi_abort(mpi_comm_world, status)
+  call mpi_finalize()
+  call c_exit(int(status, c_int))
+
+contains
+
+  !> Does what the command line asks for.
+  subroutine act(options, error, status)
+    type(command_line_t), intent(in) :: options
+    type(error_t), allocatable, intent(out) :: error
+    integer, intent(out) :: status
+    status = exit_ok
+    select case (options%action)
+    case (action_help)
+      call registry_write_help(output_unit, options%keyword, error)
+    case (action_markdown)
+      call registry_write_markdown(output_unit)
+    case (action_version)
+      write (output_unit, '(a)') 'sgmp '//version_string//' ('//commit_hash//') '//compiler_string
+    case default
+      call run_deck(options, error, status)
+    end select
+  end subroutine act
+
+  !> Reads a deck, then checks or runs it.
+  subroutine run_deck(options, error, status)
+    type(command_line_t), intent(in) :: options
+    type(error_t), allocatable, intent(out) :: error
+    integer, intent(out) :: status
+    type(scene_t) :: scene
+    type(deck_errors_t) :: errors
+    integer :: threads
+    status = exit_ok
+    call deck_read(options%deck, options%settings, scene, errors)
+    if (errors%count() > 0) then
+      call errors%print(error_unit)
+      status = exit_deck
+      return
+    end if
+    if (errors%warnings() > 0 .and. .not. options%quiet) call errors%print(error_unit)
+    threads = options%threads
+    if (threads == 0) threads = omp_get_max_threads()
+    if (options%check) then
+      call simulation_check(scene, threads, error)
+    else
+      call simulation_run(scene, options, threads, output_folder(options), error)
+    end if
+    call scene_free(scene)
+  end subroutine run_deck
+
+  !> Folder of the output: as asked for, or the deck's name with .out in the current folder.
+  pure function output_folder(options) result(folder)
+    type(command_line_t), intent(in) :: options
+    character(:), allocatable :: folder
+    integer :: slash, dot
+    if (len(options%output) > 0) then
+      folder = options%output
+      return
+    end if
+    slash = index(options%deck, '/', back=.true.)
+    folder = options%deck(slash + 1:)
+    dot = index(folder, '.', back=.true.)
+    if (dot > 1) folder = folder(:dot - 1)
+    folder = folder//'.out'
+  end function output_folder
+
+  !> Prints an error: where, what, and what to do.
+  subroutine report(error)
+    type(error_t), intent(in) :: error
+    character(:), allocatable :: where_
+    where_ = ''
+    if (len(error%location) > 0) where_ = error%location//': '
+    write (error_unit, '(a)') where_//'error: '//error%message
+    if (len(error%remedy) > 0) write (error_unit, '(a)') '  remedy: '//error%remedy
+  end subroutine report
+
+end program sgmp
