@@ -15,8 +15,8 @@ module DIM(sgmp_sweep)
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, sweep_sums, workspace_t
   use sgmp_rows, only: key_j, key_k
   use DIM(sgmp_stress_update), only: stress_flux, stress_sums, stress_update
-  use DIM(sgmp_transfer), only: gimp_gather, gimp_gradients, gimp_scatter, gimp_weights, linear_gather, &
-                                linear_gradients, linear_scatter, linear_scatter_force, linear_weights, transfer_carry
+  use DIM(sgmp_transfer), only: gimp_carry, gimp_gather, gimp_gradients, gimp_scatter, gimp_weights, linear_carry, linear_gather, &
+                                linear_gradients, linear_scatter, linear_scatter_force, linear_weights
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
   implicit none
   private
@@ -145,7 +145,8 @@ contains
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
     real(dp) :: lane_sums(lanes, sweep_sums), stencil(shape%points, nq)
-    integer :: s, i, r, line, layer, bin, base(most_rows), place(shape%lines), row(most_rows)
+    real(dp) :: cell(NDIM)
+    integer :: s, i, r, line, layer, bin, base(most_rows), place(GIMP_LINE), row(most_rows)
     lane_sums = 0.0_dp
     do s = body%particles%plane_row(plane), body%particles%plane_row(plane + 1) - 1
       stencil = 0.0_dp
@@ -157,17 +158,19 @@ contains
         end do
         place(line) = body%particles%place((line - 1)*shape%layers + 1, s) - field%plane_start(plane) + 1
       end do
+      call bin_line(body, s, cell)
       do i = body%particles%bins%first(s), body%particles%bins%last(s)
+        cell(1) = i
         bin = body%particles%bin_start(s) + i
         if (body%particles%size(bin) > 0) then
           row(:shape%rows) = base(:shape%rows) + i
-          call sweep_bin(mesh, field%kernel, body, plan, shape, bin, [real(dp) :: i, bin_line(body, s)], row, nq, stencil, &
+          call sweep_bin(mesh, field%kernel, body, plan, shape, bin, cell, row, nq, stencil, &
                          lane_sums, movers, work)
         end if
-        call transfer_carry(shape%layers, shape%lines, shape%points, nq, stencil, place + i, planes)
+        call carry(shape, nq, stencil, i, place, planes)
       end do
       do i = body%particles%bins%last(s) + 1, body%particles%bins%last(s) + shape%width - 1
-        call transfer_carry(shape%layers, shape%lines, shape%points, nq, stencil, place + i, planes)
+        call carry(shape, nq, stencil, i, place, planes)
       end do
     end do
     do i = 1, sweep_sums
@@ -175,20 +178,31 @@ contains
     end do
   end subroutine sweep_plane
 
+  !> Moves the accumulator one bin along the row.
+  subroutine carry(shape, nq, stencil, shift, place, planes)
+    type(shape_t), intent(in) :: shape
+    integer, intent(in) :: nq, shift, place(GIMP_LINE)
+    real(dp), intent(inout) :: stencil(shape%points, nq), planes(shape%layers, nq, *)
+    if (shape%width == 3) then
+      call gimp_carry(nq, stencil, shift, place, planes)
+    else
+      call linear_carry(nq, stencil, shift, place, planes)
+    end if
+  end subroutine carry
+
   !> Bin coordinates along y and z of a row.
-  pure function bin_line(body, s) result(yz)
+  pure subroutine bin_line(body, s, cell)
     type(body_t), intent(in) :: body
     integer, intent(in) :: s
-    real(dp) :: yz(NDIM - 1)
+    real(dp), intent(out) :: cell(NDIM)
+    cell = 0.0_dp
 #if NDIM == 2
-    yz(1) = key_k(body%particles%bins%key(s))
+    cell(2) = key_k(body%particles%bins%key(s))
 #elif NDIM == 3
-    yz(1) = key_j(body%particles%bins%key(s))
-    yz(2) = key_k(body%particles%bins%key(s))
-#else
-    if (s < 0) yz = body%half_size(:0)
+    cell(2) = key_j(body%particles%bins%key(s))
+    cell(3) = key_k(body%particles%bins%key(s))
 #endif
-  end function bin_line
+  end subroutine bin_line
 
   !> All chunks of one bin.
   subroutine sweep_bin(mesh, kernel, body, plan, shape, bin, cell, row, nq, stencil, lane_sums, movers, work)

@@ -5,14 +5,14 @@
 !! A chunk is `lanes` particles of one bin. Gathers run over the lanes, so every grid value is a broadcast; scatters run
 !! over the stencil's points, so every particle value is a broadcast and nothing collides. Points of a stencil are
 !! numbered with the slowest axis fastest, then y, then x outermost: a whole x-layer is contiguous, and moving to the next
-!! bin of the row shifts the accumulator by one layer (`transfer_carry`).
+!! bin of the row shifts the accumulator by one layer (`linear_carry`, `gimp_carry`).
 module DIM(sgmp_transfer)
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
   public :: linear_weights, linear_gradients, linear_gather, linear_scatter, linear_scatter_force
   public :: gimp_weights, gimp_gradients, gimp_gather, gimp_scatter, gimp_function, gimp_slope
-  public :: transfer_carry
+  public :: linear_carry, gimp_carry
 
 contains
 
@@ -151,28 +151,35 @@ contains
     end do
   end subroutine linear_gather
 
-  !> Linear weights of one particle, by stencil point: the scatter's view of `linear_weights`.
-  pure subroutine point_weights(xi, w)
-    real(dp), intent(in) :: xi(NDIM)
-    real(dp), intent(out) :: w(NCORNER)
-    integer :: e
+  !> Linear weights of a chunk by stencil point: the scatter's view of `linear_weights`.
+  pure subroutine point_weights(nl, xi, w)
+    integer, intent(in) :: nl
+    real(dp), intent(in) :: xi(lanes, NDIM)
+    real(dp), intent(out) :: w(NCORNER, lanes)
+    integer :: l, e
 #if NDIM == 1
-    w(1) = 1.0_dp - xi(1)
-    w(2) = xi(1)
     e = 0
+    do l = 1, nl
+      w(1, l) = 1.0_dp - xi(l, 1)
+      w(2, l) = xi(l, 1)
+    end do
 #elif NDIM == 2
     real(dp), parameter :: cx(4) = [1, 1, 0, 0], sx(4) = [-1, -1, 1, 1], cy(4) = [1, 0, 1, 0], sy(4) = [-1, 1, -1, 1]
-    !$omp simd simdlen(4)
-    do e = 1, 4
-      w(e) = (cx(e) + sx(e)*xi(1))*(cy(e) + sy(e)*xi(2))
+    do l = 1, nl
+      !$omp simd simdlen(4)
+      do e = 1, 4
+        w(e, l) = (cx(e) + sx(e)*xi(l, 1))*(cy(e) + sy(e)*xi(l, 2))
+      end do
     end do
 #else
     real(dp), parameter :: cx(8) = [1, 1, 1, 1, 0, 0, 0, 0], sx(8) = [-1, -1, -1, -1, 1, 1, 1, 1]
     real(dp), parameter :: cy(8) = [1, 1, 0, 0, 1, 1, 0, 0], sy(8) = [-1, -1, 1, 1, -1, -1, 1, 1]
     real(dp), parameter :: cz(8) = [1, 0, 1, 0, 1, 0, 1, 0], sz(8) = [-1, 1, -1, 1, -1, 1, -1, 1]
-    !$omp simd simdlen(8)
-    do e = 1, 8
-      w(e) = (cx(e) + sx(e)*xi(1))*((cy(e) + sy(e)*xi(2))*(cz(e) + sz(e)*xi(3)))
+    do l = 1, nl
+      !$omp simd simdlen(8)
+      do e = 1, 8
+        w(e, l) = (cx(e) + sx(e)*xi(l, 1))*((cy(e) + sy(e)*xi(l, 2))*(cz(e) + sz(e)*xi(l, 3)))
+      end do
     end do
 #endif
   end subroutine point_weights
@@ -185,10 +192,8 @@ contains
     real(dp), intent(in) :: values(lanes, nq)
     real(dp), intent(inout) :: sums(NCORNER, nq)   !! accumulator
     real(dp) :: w(NCORNER, lanes)
-    integer :: l, q
-    do l = 1, nl
-      call point_weights(xi(l, :), w(:, l))
-    end do
+    integer :: q
+    call point_weights(nl, xi, w)
     q = 1
     do while (q + 4 <= nq)
       call scatter_five(nl, w, values(1, q), sums(1, q))
@@ -424,28 +429,44 @@ contains
   !!
   !! Line j of the buffers receives row j's lower part on top of row j-1's upper part: with the layers kept apart until the
   !! planes are joined, every grid point's sum is one fixed tree.
-  pure subroutine transfer_carry(layers, lines, points, nq, sums, place, planes)
-    integer, intent(in) :: layers, lines           !! extent of the stencil along the slowest axis and along y
-    integer, intent(in) :: points                  !! leading extent of the accumulator
+  pure subroutine linear_carry(nq, sums, shift, place, planes)
     integer, intent(in) :: nq
-    real(dp), intent(inout) :: sums(points, nq)
-    integer, intent(in) :: place(lines)            !! record of the flushed point in each line
-    real(dp), intent(inout) :: planes(layers, nq, *)
-    integer :: q, line, e, width
-    width = layers*lines
-    do line = 1, lines
-      do q = 1, nq
-        do e = 1, layers
-          planes(e, q, place(line)) = planes(e, q, place(line)) + sums((line - 1)*layers + e, q)
+    real(dp), intent(inout) :: sums(NCORNER, nq)
+    integer, intent(in) :: shift                   !! bin along the row
+    integer, intent(in) :: place(NLINE)            !! record of bin 0 in each line
+    real(dp), intent(inout) :: planes(NLAYER, nq, *)
+    integer :: q, line, e
+    do q = 1, nq
+      do line = 1, NLINE
+        do e = 1, NLAYER
+          planes(e, q, place(line) + shift) = planes(e, q, place(line) + shift) + sums((line - 1)*NLAYER + e, q)
         end do
       end do
-    end do
-    do q = 1, nq
-      do e = 1, points - width
-        sums(e, q) = sums(e + width, q)
+      do e = 1, NROW
+        sums(e, q) = sums(e + NROW, q)
+        sums(e + NROW, q) = 0.0_dp
       end do
-      sums(points - width + 1:, q) = 0.0_dp
     end do
-  end subroutine transfer_carry
+  end subroutine linear_carry
+
+  !> The same for a GIMP stencil.
+  pure subroutine gimp_carry(nq, sums, shift, place, planes)
+    integer, intent(in) :: nq
+    real(dp), intent(inout) :: sums(NGIMP_PAD, nq)
+    integer, intent(in) :: shift, place(GIMP_LINE)
+    real(dp), intent(inout) :: planes(GIMP_LAYER, nq, *)
+    integer :: q, line, e
+    do q = 1, nq
+      do line = 1, GIMP_LINE
+        do e = 1, GIMP_LAYER
+          planes(e, q, place(line) + shift) = planes(e, q, place(line) + shift) + sums((line - 1)*GIMP_LAYER + e, q)
+        end do
+      end do
+      do e = 1, NGIMP - NGIMP/3
+        sums(e, q) = sums(e + NGIMP/3, q)
+      end do
+      sums(NGIMP - NGIMP/3 + 1:, q) = 0.0_dp
+    end do
+  end subroutine gimp_carry
 
 end module DIM(sgmp_transfer)
