@@ -135,7 +135,7 @@ contains
     if (total /= total) then
       call error_make(model%failure, exit_numerical, 'the total energy is not a number in step '// &
                       integer_text(model%clock%step), 'reduce cfl; the last dump shows where it started')
-    else if (reference > 0.0_dp .and. total > scene%stop%energy_growth*reference) then
+    else if (total > reference .and. total/max(reference, tiny(1.0_dp)) > scene%stop%energy_growth .and. reference > 0.0_dp) then
       call error_make(model%failure, exit_numerical, 'the total energy has grown to '//real_text(total/reference)// &
                       ' times its reference in step '//integer_text(model%clock%step)//' at time '//real_text(model%clock%time), &
                       'reduce cfl (now '//real_text(model%clock%cfl)//'), or raise `stop energy_growth`')

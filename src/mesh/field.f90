@@ -24,6 +24,7 @@ module sgmp_field
     integer, allocatable :: plane_k(:)              !! (planes)
     integer, allocatable :: plane_start(:)          !! (planes + 1): first record of each plane
     integer, allocatable :: plane_work(:)           !! (planes + 1): first interval of `work` in each plane
+    integer, allocatable :: plane_store(:)          !! (planes + 1): first interval of `store` in each plane
     integer :: largest_plane = 0                    !! records of the largest plane
     !> (points, nmoment): mass, momentum, then sigma V at auxiliary nodes (SGMP) or force at nodes (MPM, GIMP),
     !! then the external force where a body force acts.
@@ -48,7 +49,7 @@ contains
     field%points = 0
     allocate (field%moment(0, field%nmoment), field%node(0, 2*mesh%ndim + 1), field%plane_k(0))
     allocate (field%plane_start(1), source=1)
-    allocate (field%plane_work(1), source=1)
+    allocate (field%plane_work(1), field%plane_store(1), source=1)
   end subroutine field_init
 
   !> Lays the field out for a set of occupied bins; values that are already there move along.
@@ -109,6 +110,7 @@ contains
     type(field_t), intent(inout) :: field
     integer :: s, k, p, next
     allocate (field%base(field%store%n), field%plane_k(field%store%n), field%plane_start(field%store%n + 1))
+    allocate (field%plane_store(field%store%n + 1))
     next = 1
     p = 0
     do s = 1, field%store%n
@@ -120,15 +122,18 @@ contains
         p = 1 - p
         field%plane_k(p) = k
         field%plane_start(p) = next
+        field%plane_store(p) = s
       end if
       field%base(s) = next - field%store%first(s)
       next = next + field%store%last(s) - field%store%first(s) + 1
     end do
     field%plane_start(p + 1) = next
+    field%plane_store(p + 1) = field%store%n + 1
     field%planes = p
     field%points = next - 1
     field%plane_k = field%plane_k(:p)
     field%plane_start = field%plane_start(:p + 1)
+    field%plane_store = field%plane_store(:p + 1)
     field%largest_plane = 0
     if (p > 0) field%largest_plane = maxval(field%plane_start(2:) - field%plane_start(:p))
   end subroutine field_number
@@ -197,6 +202,7 @@ contains
     call move_alloc(new%plane_k, field%plane_k)
     call move_alloc(new%plane_start, field%plane_start)
     call move_alloc(new%plane_work, field%plane_work)
+    call move_alloc(new%plane_store, field%plane_store)
     call move_alloc(new%moment, field%moment)
     call move_alloc(new%node, field%node)
   end subroutine field_swap

@@ -36,7 +36,7 @@ module sgmp_plan
     integer, allocatable :: record_plane(:)      !! plane held by each slot of `records`
     real(dp), allocatable :: planes(:, :, :, :)  !! (layers, columns, points, slots) sums before the planes are joined
     real(dp), allocatable :: lead(:, :, :)       !! GIMP: the first plane's sums, kept for the joint with the slab below
-    integer, allocatable :: slot_plane(:)        !! plane held by each slot of `planes`
+    integer :: cleared = 1                       !! next stored interval of the plane to zero in `planes`
     type(movers_t), allocatable :: movers(:)     !! (bodies) particles that left their bins
     real(dp) :: fastest = 0.0_dp                 !! largest c + |v|
     integer(i4) :: fastest_id = 0                !! its particle

@@ -62,8 +62,7 @@ contains
     call prepare(work, shape, plan, nq, field%largest_plane, size(bodies))
     do plane = plane1, plane2
       slot = mod(plane, shape%layers) + 1
-      work%planes(:, :, :field%plane_start(plane + 1) - field%plane_start(plane), slot) = 0.0_dp
-      work%slot_plane(slot) = plane
+      work%cleared = field%plane_store(plane)
       do b = 1, size(bodies)
         if (bodies(b)%field /= number) cycle
         if (bodies(b)%particles%plane_row(plane) == bodies(b)%particles%plane_row(plane + 1)) cycle
@@ -71,6 +70,7 @@ contains
         call sweep_plane(mesh, field, bodies(b), plan, shape, plane, nq, work%planes(1, 1, 1, slot), sums(:, plane, b), &
                          work%movers(b), work)
       end do
+      call clear_rows(field, plane, shape%layers*nq, huge(1), work%cleared, work%planes(1, 1, 1, slot))
       call join_plane(field, plan%first_column, nq, shape, plane, plane1, work)
     end do
   end subroutine sweep_slab
@@ -99,7 +99,6 @@ contains
       call movers_reset(work%movers(b), nq + NFLUX)
     end do
     work%record_plane = [(0, b=1, shape%layers)]
-    work%slot_plane = [(0, b=1, shape%layers)]
     work%fastest = 0.0_dp
     work%fastest_id = 0
     work%bad_id = 0
@@ -149,6 +148,7 @@ contains
     integer :: s, i, r, line, layer, bin, base(most_rows), place(GIMP_LINE), row(most_rows)
     lane_sums = 0.0_dp
     do s = body%particles%plane_row(plane), body%particles%plane_row(plane + 1) - 1
+      call clear_rows(field, plane, shape%layers*nq, key_j(body%particles%bins%key(s)) + shape%lines - 1, work%cleared, planes)
       stencil = 0.0_dp
       do line = 1, shape%lines
         do layer = 1, shape%layers
@@ -177,6 +177,22 @@ contains
       sums(i) = sum(lane_sums(:, i))
     end do
   end subroutine sweep_plane
+
+  !> Zeroes the plane buffers of all rows up to `line` that have not been yet, just before they are first added to.
+  pure subroutine clear_rows(field, plane, n, line, cleared, planes)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: plane, n, line
+    integer, intent(inout) :: cleared            !! next stored interval of the plane
+    real(dp), intent(inout) :: planes(n, *)
+    integer :: first, last
+    do while (cleared < field%plane_store(plane + 1))
+      if (key_j(field%store%key(cleared)) > line) exit
+      first = field%base(cleared) + field%store%first(cleared) - field%plane_start(plane) + 1
+      last = first + field%store%last(cleared) - field%store%first(cleared)
+      planes(:, first:last) = 0.0_dp
+      cleared = cleared + 1
+    end do
+  end subroutine clear_rows
 
   !> Moves the accumulator one bin along the row.
   subroutine carry(shape, nq, stencil, shift, place, planes)
@@ -266,35 +282,31 @@ contains
     type(workspace_t), intent(inout) :: work
     real(dp) :: xi(lanes, NDIM), half(lanes, NDIM), got(lanes, most_gathered), flux(lanes, NFLUX)
     real(dp) :: values(lanes, most_columns), speed2(lanes), jacobian(lanes)
-    integer :: next
+    integer :: velocity, gradient, outside
+    outside = 0
+    velocity = 1 + merge(NDIM, 0, plan%kick)             ! component of `got` where the grid velocity starts
+    gradient = 1 + NDIM*size(plan%vectors)               ! and the velocity gradient
     call locate(a, cell, stencil_shift(kernel), xi)
     if (kernel == kernel_gimp) call particle_size(body, nb, b, half)
     call gather(mesh%inverse_h, kernel, plan, xi, half, row, work%records, got)
-    next = 1
-    if (plan%kick) call kick(plan%dt_kick, live, got(1, next), a, lane_sums)
-    if (plan%kick) next = next + NDIM
-    if (plan%drift) then
-      if (plan%kick .and. plan%flip < 1.0_dp) call blend(plan%flip, got(1, next), a)
-      call drift(plan%dt*mesh%inverse_h, live, got(1, next), a, lane_sums)
-    else if (plan%flip < 1.0_dp .and. plan%kick) then
-      call blend(plan%flip, got(1, next), a)
+    if (plan%kick) then
+      call kick(plan%dt_kick, live, got, a, lane_sums)
+      if (plan%flip < 1.0_dp) call blend(plan%flip, got(1, velocity), a)
+      call add_kinetic(live, a, lane_sums)
     end if
-    if (size(plan%vectors)*NDIM >= next) next = size(plan%vectors)*NDIM + 1
-    if (plan%kick) call add_kinetic(live, a, lane_sums)
+    if (plan%drift) call drift(plan%dt*mesh%inverse_h, live, cell, stencil_shift(kernel), got(1, velocity), a, xi, &
+                               lane_sums, outside)
     if (plan%strain) then
-      call stress_update(body%law, plan%dt, plan%time, a(1, 2*NDIM + 1), live, got(1, next), nb, b, flux, speed2, jacobian, &
-                         lane_sums(1, sum_internal))
-      call check_chunk(body, chunk, nl, a, speed2, jacobian, work)
+      call stress_update(body%law, plan%dt, plan%time, a(1, 2*NDIM + 1), live, got(1, gradient), nb, b, flux, speed2, &
+                         jacobian, lane_sums(1, sum_internal))
+      call check_chunk(body, chunk, nl, live, a, speed2, jacobian, work)
     else if (plan%stress) then
       speed2 = 0.0_dp
       call stress_flux(body%law, b(1, 1), speed2, b(1, body%law%slots%stress), flux)
     end if
-    if (plan%drift) then
-      call locate(a, cell, stencil_shift(kernel), xi)
-      if (kernel == kernel_gimp) call particle_size(body, nb, b, half)
-    end if
+    if (plan%drift .and. kernel == kernel_gimp) call particle_size(body, nb, b, half)
     call collect(mesh, kernel, body, plan, nb, a, b, flux, nq, values)
-    if (plan%drift) call find_movers(nl, chunk, bin, nq, xi, values, flux, movers)
+    if (outside > 0) call note_movers(nl, chunk, bin, nq, xi, values, flux, movers)
     call scatter(mesh%inverse_h, kernel, plan, shape, nl, nq, xi, half, values, flux, stencil)
   end subroutine sweep_chunk
 
@@ -390,14 +402,16 @@ contains
   pure subroutine kick(dt, live, acceleration, a, lane_sums)
     real(dp), intent(in) :: dt, live(lanes), acceleration(lanes, NDIM)
     real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), lane_sums(lanes, sweep_sums)
+    real(dp) :: square
     integer :: l, d
-    do d = 1, NDIM
-      !$omp simd simdlen(8)
-      do l = 1, lanes
+    !$omp simd simdlen(8) private(square, d)
+    do l = 1, lanes
+      square = 0.0_dp
+      do d = 1, NDIM
         a(l, NDIM + d) = a(l, NDIM + d) + dt*acceleration(l, d)
-        lane_sums(l, sum_mass_aa) = lane_sums(l, sum_mass_aa) &
-                                    + live(l)*a(l, 2*NDIM + 1)*(acceleration(l, d)*acceleration(l, d))
+        square = square + acceleration(l, d)*acceleration(l, d)
       end do
+      lane_sums(l, sum_mass_aa) = lane_sums(l, sum_mass_aa) + live(l)*a(l, 2*NDIM + 1)*square
     end do
   end subroutine kick
 
@@ -411,61 +425,72 @@ contains
     end do
   end subroutine blend
 
-  !> x += v_grid dt (Eq. 31), in cells.
-  pure subroutine drift(dt, live, velocity, a, lane_sums)
-    real(dp), intent(in) :: dt, live(lanes), velocity(lanes, NDIM)
+  !> x += v_grid dt (Eq. 31), in cells; counts the lanes that leave the bin.
+  pure subroutine drift(dt, live, cell, shift, velocity, a, xi, lane_sums, outside)
+    real(dp), intent(in) :: dt, live(lanes), cell(NDIM), shift, velocity(lanes, NDIM)
     real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), lane_sums(lanes, sweep_sums)
+    real(dp), intent(out) :: xi(lanes, NDIM)     !! new position in the bin
+    integer, intent(out) :: outside
+    real(dp) :: mass, far
     integer :: l, d
-    do d = 1, NDIM
-      !$omp simd simdlen(8)
-      do l = 1, lanes
+    far = 0.0_dp
+    !$omp simd simdlen(8) private(mass, d) reduction(+:far)
+    do l = 1, lanes
+      mass = live(l)*a(l, 2*NDIM + 1)
+      do d = 1, NDIM
         a(l, d) = a(l, d) + dt*velocity(l, d)
-        lane_sums(l, sum_moment + d - 1) = lane_sums(l, sum_moment + d - 1) + live(l)*(a(l, 2*NDIM + 1)*a(l, d))
+        xi(l, d) = (a(l, d) - cell(d)) - shift
+        lane_sums(l, sum_moment + d - 1) = lane_sums(l, sum_moment + d - 1) + mass*a(l, d)
+        far = far + merge(0.0_dp, 1.0_dp, xi(l, d) >= 0.0_dp) + merge(0.0_dp, 1.0_dp, xi(l, d) < 1.0_dp)
       end do
     end do
+    outside = merge(1, 0, far > 0.0_dp)
   end subroutine drift
 
   !> Kinetic energy and momentum of the updated particles.
   pure subroutine add_kinetic(live, a, lane_sums)
     real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1)
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
+    real(dp) :: mass, square
     integer :: l, d
-    do d = 1, NDIM
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        lane_sums(l, sum_kinetic) = lane_sums(l, sum_kinetic) &
-                                    + 0.5_dp*live(l)*a(l, 2*NDIM + 1)*(a(l, NDIM + d)*a(l, NDIM + d))
-        lane_sums(l, sum_momentum + d - 1) = lane_sums(l, sum_momentum + d - 1) &
-                                             + live(l)*(a(l, 2*NDIM + 1)*a(l, NDIM + d))
+    !$omp simd simdlen(8) private(mass, square, d)
+    do l = 1, lanes
+      mass = live(l)*a(l, 2*NDIM + 1)
+      square = 0.0_dp
+      do d = 1, NDIM
+        square = square + a(l, NDIM + d)*a(l, NDIM + d)
+        lane_sums(l, sum_momentum + d - 1) = lane_sums(l, sum_momentum + d - 1) + mass*a(l, NDIM + d)
       end do
+      lane_sums(l, sum_kinetic) = lane_sums(l, sum_kinetic) + 0.5_dp*mass*square
     end do
   end subroutine add_kinetic
 
   !> Largest c + |v| for the time step (Eq. 69), and whether every particle is still in its senses.
-  pure subroutine check_chunk(body, chunk, nl, a, speed2, jacobian, work)
+  pure subroutine check_chunk(body, chunk, nl, live, a, speed2, jacobian, work)
     type(body_t), intent(in) :: body
     integer, intent(in) :: chunk, nl
-    real(dp), intent(in) :: a(lanes, 2*NDIM + 1), speed2(lanes), jacobian(lanes)
+    real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1), speed2(lanes), jacobian(lanes)
     type(workspace_t), intent(inout) :: work
-    real(dp) :: speed(lanes), square
-    integer :: l, d, bad
-    bad = 0
-    !$omp simd simdlen(8) private(square, d) reduction(+:bad)
+    real(dp) :: speed(lanes), square, good, fast
+    integer :: l, d
+    good = 0.0_dp
+    fast = 0.0_dp
+    !$omp simd simdlen(8) private(square, d) reduction(+:good) reduction(max:fast)
     do l = 1, lanes
-      square = a(l, NDIM + 1)*a(l, NDIM + 1)
-      do d = 2, NDIM
+      square = 0.0_dp
+      do d = 1, NDIM
         square = square + a(l, NDIM + d)*a(l, NDIM + d)
       end do
-      speed(l) = sqrt(speed2(l)) + sqrt(square)
-      bad = bad + merge(0, 1, jacobian(l) > 0.0_dp .and. speed(l) < 1.0e150_dp)
+      speed(l) = live(l)*(sqrt(speed2(l)) + sqrt(square))
+      fast = max(fast, speed(l))
+      good = good + merge(1.0_dp, 0.0_dp, jacobian(l) > 0.0_dp)*merge(1.0_dp, 0.0_dp, speed(l) < 1.0e150_dp)
     end do
-    do l = 1, nl
-      if (speed(l) > work%fastest) then
-        work%fastest = speed(l)
-        work%fastest_id = body%particles%id(l, chunk)
-      end if
-    end do
-    if (bad == 0 .or. work%bad_id /= 0) return
+    if (fast > work%fastest) then
+      l = maxloc(speed, 1)
+      work%fastest = speed(l)
+      work%fastest_id = body%particles%id(l, chunk)
+    end if
+    if (good > lanes - 0.5_dp .or. work%bad_id /= 0) return
     do l = 1, nl
       if (jacobian(l) > 0.0_dp .and. speed(l) < 1.0e150_dp) cycle
       work%bad_id = body%particles%id(l, chunk)
@@ -535,25 +560,11 @@ contains
   end subroutine external_force
 
   !> Takes particles that left the bin out of the scatter and notes them.
-  pure subroutine find_movers(nl, chunk, bin, nq, xi, values, flux, movers)
+  pure subroutine note_movers(nl, chunk, bin, nq, xi, values, flux, movers)
     integer, intent(in) :: nl, chunk, bin, nq
     real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, nq), flux(lanes, NFLUX)
     type(movers_t), intent(inout) :: movers
-    integer :: l, outside
-    outside = 0
-    !$omp simd simdlen(8) reduction(+:outside)
-    do l = 1, lanes
-#if NDIM == 1
-      outside = outside + merge(0, 1, xi(l, 1) >= 0.0_dp .and. xi(l, 1) < 1.0_dp)
-#elif NDIM == 2
-      outside = outside + merge(0, 1, xi(l, 1) >= 0.0_dp .and. xi(l, 1) < 1.0_dp .and. &
-                                xi(l, 2) >= 0.0_dp .and. xi(l, 2) < 1.0_dp)
-#else
-      outside = outside + merge(0, 1, xi(l, 1) >= 0.0_dp .and. xi(l, 1) < 1.0_dp .and. &
-                                xi(l, 2) >= 0.0_dp .and. xi(l, 2) < 1.0_dp .and. xi(l, 3) >= 0.0_dp .and. xi(l, 3) < 1.0_dp)
-#endif
-    end do
-    if (outside == 0) return
+    integer :: l
     do l = 1, nl
       if (all(xi(l, :) >= 0.0_dp .and. xi(l, :) < 1.0_dp)) cycle
       call movers_add(movers, chunk, l, bin, [values(l, :), flux(l, :)])
@@ -561,7 +572,7 @@ contains
       values(l, :) = 0.0_dp
       flux(l, :) = 0.0_dp
     end do
-  end subroutine find_movers
+  end subroutine note_movers
 
   !> Adds a chunk to the accumulator of its stencil.
   pure subroutine scatter(inverse_h, kernel, plan, shape, nl, nq, xi, half, values, flux, stencil)
@@ -629,11 +640,17 @@ contains
     type(workspace_t), intent(inout) :: work
     integer :: slot
     slot = mod(plane, shape%layers) + 1
+    if (shape%layers == 2 .and. plane > plane1) then
+      if (field%plane_k(plane - 1) == field%plane_k(plane) - 1) then
+        call take_both(field, first_column, nq, plane, work%planes(1, 1, 1, slot), &
+                       work%planes(1, 1, 1, mod(plane - 1, 2) + 1))
+        return
+      end if
+    end if
     call take_layer(field, first_column, nq, shape%layers, plane, work%planes(1, 1, 1, slot))
-    if (shape%layers == 1 .or. plane == plane1) then
-      if (shape%layers == 3) work%lead = work%planes(:, :, :, slot)
-    else if (shape%layers == 2) then
-      call add_below(field, first_column, nq, 2, plane, work%planes(1, 1, 1, mod(plane - 1, 2) + 1))
+    if (shape%layers < 3) return
+    if (plane == plane1) then
+      work%lead = work%planes(:, :, :, slot)
     else if (plane > plane1 + 1) then
       call add_two_below(field, first_column, nq, plane, work%planes(1, 1, 1, mod(plane - 1, 3) + 1), &
                          work%planes(1, 1, 1, mod(plane - 2, 3) + 1))
@@ -681,6 +698,24 @@ contains
       end do
     end do
   end subroutine take_layer
+
+  !> moment = (second layer of the plane below) + lowest layer of the plane's own sums.
+  pure subroutine take_both(field, first_column, nq, plane, own, below)
+    type(field_t), intent(inout) :: field
+    integer, intent(in) :: first_column, nq, plane
+    real(dp), intent(in) :: own(2, nq, *), below(2, nq, *)
+    integer :: s, i, q, to, here, shift
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      here = field%neighbour(0, 0, s) - field%plane_start(plane) + 1
+      shift = field%neighbour(0, -1, s) - field%plane_start(plane - 1) + 1
+      to = field%neighbour(0, 0, s)
+      do q = 1, nq
+        do i = field%work%first(s), field%work%last(s)
+          field%moment(to + i, first_column + q - 1) = below(2, q, shift + i) + own(1, q, here + i)
+        end do
+      end do
+    end do
+  end subroutine take_both
 
   !> moment = (second layer of the plane below) + moment.
   pure subroutine add_below(field, first_column, nq, layers, plane, below)

@@ -199,6 +199,10 @@ contains
       call scatter_five(nl, w, values(1, q), sums(1, q))
       q = q + 5
     end do
+    if (q + 2 <= nq) then
+      call scatter_three(nl, w, values(1, q), sums(1, q))
+      q = q + 3
+    end if
     do q = q, nq
       call scatter_one(nl, w, values(1, q), sums(1, q))
     end do
@@ -232,6 +236,28 @@ contains
     sums(:, 4) = s4
     sums(:, 5) = s5
   end subroutine scatter_five
+
+  pure subroutine scatter_three(nl, w, values, sums)
+    integer, intent(in) :: nl
+    real(dp), intent(in) :: w(NCORNER, lanes), values(lanes, 3)
+    real(dp), intent(inout) :: sums(NCORNER, 3)
+    real(dp) :: s1(NCORNER), s2(NCORNER), s3(NCORNER)
+    integer :: l, e
+    s1 = sums(:, 1)
+    s2 = sums(:, 2)
+    s3 = sums(:, 3)
+    do l = 1, nl
+      !$omp simd
+      do e = 1, NCORNER
+        s1(e) = s1(e) + w(e, l)*values(l, 1)
+        s2(e) = s2(e) + w(e, l)*values(l, 2)
+        s3(e) = s3(e) + w(e, l)*values(l, 3)
+      end do
+    end do
+    sums(:, 1) = s1
+    sums(:, 2) = s2
+    sums(:, 3) = s3
+  end subroutine scatter_three
 
   pure subroutine scatter_one(nl, w, values, sums)
     integer, intent(in) :: nl
