@@ -305,7 +305,7 @@ contains
       call stress_flux(body%law, b(1, 1), speed2, b(1, body%law%slots%stress), flux)
     end if
     if (plan%drift .and. kernel == kernel_gimp) call particle_size(body, nb, b, half)
-    call collect(mesh, kernel, body, plan, nb, a, b, flux, nq, values)
+    call collect(mesh, kernel, body, plan, live, nb, a, b, flux, nq, values)
     if (outside > 0) call note_movers(nl, chunk, bin, nq, xi, values, flux, movers)
     call scatter(mesh%inverse_h, kernel, plan, shape, nl, nq, xi, half, values, flux, stencil)
   end subroutine sweep_chunk
@@ -500,31 +500,38 @@ contains
   end subroutine check_chunk
 
   !> Values that go to the grid, in the order of the moments' columns; the force columns of MPM and GIMP stay open.
-  subroutine collect(mesh, kernel, body, plan, nb, a, b, flux, nq, values)
+  subroutine collect(mesh, kernel, body, plan, live, nb, a, b, flux, nq, values)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel, nb, nq
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
-    real(dp), intent(in) :: a(lanes, 2*NDIM + 1), b(lanes, nb), flux(lanes, NFLUX)
+    real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1), b(lanes, nb), flux(lanes, NFLUX)
     real(dp), intent(out) :: values(lanes, nq)
+    real(dp) :: mass(lanes)
     integer :: n, d, l
     n = 0
+    mass = live*a(:, 2*NDIM + 1)
     if (plan%mass) then
       n = 1
-      values(:, 1) = a(:, 2*NDIM + 1)
+      values(:, 1) = mass
     end if
     if (plan%momentum) then
       do d = 1, NDIM
         !$omp simd simdlen(8)
         do l = 1, lanes
-          values(l, n + d) = a(l, 2*NDIM + 1)*a(l, NDIM + d)
+          values(l, n + d) = mass(l)*a(l, NDIM + d)
         end do
       end do
       n = n + NDIM
     end if
     if (.not. plan%stress) return
     if (kernel == kernel_sgmp) then
-      values(:, n + 1:n + NFLUX) = flux
+      do d = 1, NFLUX
+        !$omp simd simdlen(8)
+        do l = 1, lanes
+          values(l, n + d) = live(l)*flux(l, d)
+        end do
+      end do
       n = n + NFLUX
     else
       values(:, n + 1:n + NDIM) = 0.0_dp
@@ -532,16 +539,16 @@ contains
     end if
     if (n == nq) return
     values(:, n + 1:nq) = 0.0_dp
-    if (body%forced) call external_force(mesh, body, plan, nb, a, b, values(1, n + 1))
+    if (body%forced) call external_force(mesh, body, plan, mass, nb, a, b, values(1, n + 1))
   end subroutine collect
 
   !> Mass times the body force at the particles (Eq. 24).
-  subroutine external_force(mesh, body, plan, nb, a, b, force)
+  subroutine external_force(mesh, body, plan, mass, nb, a, b, force)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     integer, intent(in) :: nb
-    real(dp), intent(in) :: a(lanes, 2*NDIM + 1), b(lanes, nb)
+    real(dp), intent(in) :: mass(lanes), a(lanes, 2*NDIM + 1), b(lanes, nb)
     real(dp), intent(out) :: force(lanes, NDIM)
     real(dp) :: x(3), x0(3)
     integer :: l, d, s
@@ -554,7 +561,7 @@ contains
         if (s > 0) x0(d) = b(l, s + d - 1)
       end do
       do d = 1, NDIM
-        force(l, d) = a(l, 2*NDIM + 1)*body%force(d)%evaluate(x, x0, plan%time)
+        force(l, d) = mass(l)*body%force(d)%evaluate(x, x0, plan%time)
       end do
     end do
   end subroutine external_force
@@ -585,14 +592,14 @@ contains
     real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
     integer :: plain, rest
     if (kernel == kernel_sgmp) then
-      call linear_scatter(nl, nq, xi, values, stencil)
+      call linear_scatter(nq, xi, values, stencil)
       return
     end if
     plain = merge(1, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
     rest = plain + merge(NDIM, 0, plan%stress)
     if (kernel == kernel_mpm) then
-      if (plain > 0) call linear_scatter(nl, plain, xi, values, stencil)
-      if (rest < nq) call linear_scatter(nl, nq - rest, xi, values(1, rest + 1), stencil(1, rest + 1))
+      if (plain > 0) call linear_scatter(plain, xi, values, stencil)
+      if (rest < nq) call linear_scatter(nq - rest, xi, values(1, rest + 1), stencil(1, rest + 1))
       if (.not. plan%stress) return
       call linear_gradients(xi, inverse_h, g)
       call linear_scatter_force(nl, g, flux, stencil(1, plain + 1))
@@ -804,6 +811,8 @@ contains
 #endif
     call locate(a, cell, body%particles%shift, xi)
     if (field%kernel == kernel_gimp) call particle_size(body, body%particles%nb, b, half)
+    values = 0.0_dp
+    flux = 0.0_dp
     values(1, :) = given(:nq)
     flux(1, :) = given(nq + 1:)
     stencil = 0.0_dp

@@ -139,33 +139,33 @@ contains
 #if NDIM == 1
         values(l, q) = w(l, 1)*grid(q, row(1)) + w(l, 2)*grid(q, row(1) + 1)
 #elif NDIM == 2
-        values(l, q) = (w(l, 1)*grid(q, row(1)) + w(l, 3)*grid(q, row(1) + 1)) &
-                       + (w(l, 2)*grid(q, row(2)) + w(l, 4)*grid(q, row(2) + 1))
+        values(l, q) = w(l, 1)*grid(q, row(1)) + w(l, 3)*grid(q, row(1) + 1) &
+                       + w(l, 2)*grid(q, row(2)) + w(l, 4)*grid(q, row(2) + 1)
 #else
-        values(l, q) = ((w(l, 1)*grid(q, row(1)) + w(l, 5)*grid(q, row(1) + 1)) &
-                        + (w(l, 2)*grid(q, row(2)) + w(l, 6)*grid(q, row(2) + 1))) &
-                       + ((w(l, 3)*grid(q, row(3)) + w(l, 7)*grid(q, row(3) + 1)) &
-                          + (w(l, 4)*grid(q, row(4)) + w(l, 8)*grid(q, row(4) + 1)))
+        ! One chain of multiply-adds: chains of different q and lanes overlap in the pipeline.
+        values(l, q) = w(l, 1)*grid(q, row(1)) + w(l, 5)*grid(q, row(1) + 1) &
+                       + w(l, 2)*grid(q, row(2)) + w(l, 6)*grid(q, row(2) + 1) &
+                       + w(l, 3)*grid(q, row(3)) + w(l, 7)*grid(q, row(3) + 1) &
+                       + w(l, 4)*grid(q, row(4)) + w(l, 8)*grid(q, row(4) + 1)
 #endif
       end do
     end do
   end subroutine linear_gather
 
   !> Linear weights of a chunk by stencil point: the scatter's view of `linear_weights`.
-  pure subroutine point_weights(nl, xi, w)
-    integer, intent(in) :: nl
+  pure subroutine point_weights(xi, w)
     real(dp), intent(in) :: xi(lanes, NDIM)
     real(dp), intent(out) :: w(NCORNER, lanes)
     integer :: l, e
 #if NDIM == 1
     e = 0
-    do l = 1, nl
+    do l = 1, lanes
       w(1, l) = 1.0_dp - xi(l, 1)
       w(2, l) = xi(l, 1)
     end do
 #elif NDIM == 2
     real(dp), parameter :: cx(4) = [1, 1, 0, 0], sx(4) = [-1, -1, 1, 1], cy(4) = [1, 0, 1, 0], sy(4) = [-1, 1, -1, 1]
-    do l = 1, nl
+    do l = 1, lanes
       !$omp simd simdlen(4)
       do e = 1, 4
         w(e, l) = (cx(e) + sx(e)*xi(l, 1))*(cy(e) + sy(e)*xi(l, 2))
@@ -175,7 +175,7 @@ contains
     real(dp), parameter :: cx(8) = [1, 1, 1, 1, 0, 0, 0, 0], sx(8) = [-1, -1, -1, -1, 1, 1, 1, 1]
     real(dp), parameter :: cy(8) = [1, 1, 0, 0, 1, 1, 0, 0], sy(8) = [-1, -1, 1, 1, -1, -1, 1, 1]
     real(dp), parameter :: cz(8) = [1, 0, 1, 0, 1, 0, 1, 0], sz(8) = [-1, 1, -1, 1, -1, 1, -1, 1]
-    do l = 1, nl
+    do l = 1, lanes
       !$omp simd simdlen(8)
       do e = 1, 8
         w(e, l) = (cx(e) + sx(e)*xi(l, 1))*((cy(e) + sy(e)*xi(l, 2))*(cz(e) + sz(e)*xi(l, 3)))
@@ -184,93 +184,25 @@ contains
 #endif
   end subroutine point_weights
 
-  !> Adds the particles' values to the accumulator of their stencil (Eqs. 21-23).
-  pure subroutine linear_scatter(nl, nq, xi, values, sums)
-    integer, intent(in) :: nl                      !! live particles of the chunk
+  !> Adds the particles' values to the accumulator of their stencil (Eqs. 21-23); pads must bring zeros.
+  pure subroutine linear_scatter(nq, xi, values, sums)
     integer, intent(in) :: nq                      !! values per particle
     real(dp), intent(in) :: xi(lanes, NDIM)        !! position in the stencil's cell
     real(dp), intent(in) :: values(lanes, nq)
     real(dp), intent(inout) :: sums(NCORNER, nq)   !! accumulator
     real(dp) :: w(NCORNER, lanes)
-    integer :: q
-    call point_weights(nl, xi, w)
-    q = 1
-    do while (q + 4 <= nq)
-      call scatter_five(nl, w, values(1, q), sums(1, q))
-      q = q + 5
-    end do
-    if (q + 2 <= nq) then
-      call scatter_three(nl, w, values(1, q), sums(1, q))
-      q = q + 3
-    end if
-    do q = q, nq
-      call scatter_one(nl, w, values(1, q), sums(1, q))
+    integer :: e, q
+    call point_weights(xi, w)
+    do q = 1, nq
+      ! All lanes in one expression keep the sum in a register; a loop over the live lanes would not.
+      !$omp simd
+      do e = 1, NCORNER
+        sums(e, q) = sums(e, q) + w(e, 1)*values(1, q) + w(e, 2)*values(2, q) + w(e, 3)*values(3, q) &
+                     + w(e, 4)*values(4, q) + w(e, 5)*values(5, q) + w(e, 6)*values(6, q) &
+                     + w(e, 7)*values(7, q) + w(e, 8)*values(8, q)
+      end do
     end do
   end subroutine linear_scatter
-
-  !> Five values at once: as many accumulators as fit the registers beside the weights.
-  pure subroutine scatter_five(nl, w, values, sums)
-    integer, intent(in) :: nl
-    real(dp), intent(in) :: w(NCORNER, lanes), values(lanes, 5)
-    real(dp), intent(inout) :: sums(NCORNER, 5)
-    real(dp) :: s1(NCORNER), s2(NCORNER), s3(NCORNER), s4(NCORNER), s5(NCORNER)
-    integer :: l, e
-    s1 = sums(:, 1)
-    s2 = sums(:, 2)
-    s3 = sums(:, 3)
-    s4 = sums(:, 4)
-    s5 = sums(:, 5)
-    do l = 1, nl
-      !$omp simd
-      do e = 1, NCORNER
-        s1(e) = s1(e) + w(e, l)*values(l, 1)
-        s2(e) = s2(e) + w(e, l)*values(l, 2)
-        s3(e) = s3(e) + w(e, l)*values(l, 3)
-        s4(e) = s4(e) + w(e, l)*values(l, 4)
-        s5(e) = s5(e) + w(e, l)*values(l, 5)
-      end do
-    end do
-    sums(:, 1) = s1
-    sums(:, 2) = s2
-    sums(:, 3) = s3
-    sums(:, 4) = s4
-    sums(:, 5) = s5
-  end subroutine scatter_five
-
-  pure subroutine scatter_three(nl, w, values, sums)
-    integer, intent(in) :: nl
-    real(dp), intent(in) :: w(NCORNER, lanes), values(lanes, 3)
-    real(dp), intent(inout) :: sums(NCORNER, 3)
-    real(dp) :: s1(NCORNER), s2(NCORNER), s3(NCORNER)
-    integer :: l, e
-    s1 = sums(:, 1)
-    s2 = sums(:, 2)
-    s3 = sums(:, 3)
-    do l = 1, nl
-      !$omp simd
-      do e = 1, NCORNER
-        s1(e) = s1(e) + w(e, l)*values(l, 1)
-        s2(e) = s2(e) + w(e, l)*values(l, 2)
-        s3(e) = s3(e) + w(e, l)*values(l, 3)
-      end do
-    end do
-    sums(:, 1) = s1
-    sums(:, 2) = s2
-    sums(:, 3) = s3
-  end subroutine scatter_three
-
-  pure subroutine scatter_one(nl, w, values, sums)
-    integer, intent(in) :: nl
-    real(dp), intent(in) :: w(NCORNER, lanes), values(lanes)
-    real(dp), intent(inout) :: sums(NCORNER)
-    integer :: l, e
-    do l = 1, nl
-      !$omp simd
-      do e = 1, NCORNER
-        sums(e) = sums(e) + w(e, l)*values(l)
-      end do
-    end do
-  end subroutine scatter_one
 
   !> Adds -grad N . (sigma V) of the particles to the nodal forces of plain MPM (Eq. 11).
   pure subroutine linear_scatter_force(nl, g, flux, sums)
