@@ -13,13 +13,6 @@ module DIM(sgmp_auxmesh)
   public :: auxmesh_fill
 
   integer, parameter :: tile = 128
-#if NDIM == 1
-  real(dp), parameter :: row_sign(NROW, 3) = 1.0_dp
-#elif NDIM == 2
-  real(dp), parameter :: row_sign(NROW, 3) = reshape([1, 1, -1, 1, 0, 0], [NROW, 3])
-#else
-  real(dp), parameter :: row_sign(NROW, 3) = reshape([1, 1, 1, 1, -1, -1, 1, 1, -1, 1, -1, 1], [NROW, 3])
-#endif
 
 contains
 
@@ -68,7 +61,7 @@ contains
     real(dp) :: t(0:tile)
     integer :: i
     if (field%kernel == kernel_sgmp) then
-      call combine(field, s, first, n, column, row_sign(:, 1), t)
+      call row_sum(n, field%node(1, column), node_rows(field, s, first), t)
       do i = 1, n
         records(1, i) = 0.5_dp**NDIM*(t(i - 1) + t(i))
       end do
@@ -85,28 +78,26 @@ contains
     real(dp), intent(in) :: inverse_h
     integer, intent(in) :: s, first, n, column, stride
     real(dp), intent(inout) :: records(stride, n)
-    real(dp) :: t(0:tile), scale
-    integer :: i, b
+    real(dp) :: t(0:tile, NDIM), scale
+    integer :: i
     scale = inverse_h*0.5_dp**(NDIM - 1)
-    call combine(field, s, first, n, column, row_sign(:, 1), t)
+    call row_sums(n, field%node(1, column), node_rows(field, s, first), t)
     do i = 1, n
-      records(1, i) = scale*(t(i) - t(i - 1))
-    end do
-    do b = 2, NDIM
-      call combine(field, s, first, n, column, row_sign(:, b), t)
-      do i = 1, n
-        records(b, i) = scale*(t(i - 1) + t(i))
-      end do
+      records(1, i) = scale*(t(i, 1) - t(i - 1, 1))
+#if NDIM > 1
+      records(2, i) = scale*(t(i - 1, 2) + t(i, 2))
+#endif
+#if NDIM > 2
+      records(3, i) = scale*(t(i - 1, 3) + t(i, 3))
+#endif
     end do
   end subroutine fill_gradient
 
-  !> Signed sum of one nodal column over the rows of nodes around a row of centres; t(i - 1) is left of centre i.
-  pure subroutine combine(field, s, first, n, column, row_factor, t)
+  !> Records of node `first` in the rows of nodes around a row of centres.
+  pure function node_rows(field, s, first) result(b)
     type(field_t), intent(in) :: field
-    integer, intent(in) :: s, first, n, column
-    real(dp), intent(in) :: row_factor(NROW)
-    real(dp), intent(out) :: t(0:tile)
-    integer :: i, b(NROW)
+    integer, intent(in) :: s, first
+    integer :: b(NROW)
     b(1) = field%neighbour(0, 0, s)
 #if NDIM == 2
     b(2) = field%neighbour(0, 1, s)
@@ -116,17 +107,8 @@ contains
     b(4) = field%neighbour(1, 1, s)
 #endif
     b = b + first
-    !$omp simd
-    do i = 0, n
-#if NDIM == 1
-      t(i) = row_factor(1)*field%node(b(1) + i, column)
-#elif NDIM == 2
-      t(i) = row_factor(1)*field%node(b(1) + i, column) + row_factor(2)*field%node(b(2) + i, column)
-#else
-      t(i) = (row_factor(1)*field%node(b(1) + i, column) + row_factor(2)*field%node(b(2) + i, column)) &
-             + (row_factor(3)*field%node(b(3) + i, column) + row_factor(4)*field%node(b(4) + i, column))
-#endif
-    end do
-  end subroutine combine
+  end function node_rows
+
+#include "row_sums.inc"
 
 end module DIM(sgmp_auxmesh)

@@ -21,14 +21,6 @@ module DIM(sgmp_nodes)
   integer, parameter :: sum_external = 3   !! power of gravity and body forces at the mid-step velocity
   integer, parameter :: sum_ignored = 4    !! nodes below the mass cut-off
 
-  !> Signs of the rows around a node for a sum and for the derivatives along y and z; rows ordered as in transfer.
-#if NDIM == 1
-  real(dp), parameter :: row_sign(NROW, 3) = 1.0_dp
-#elif NDIM == 2
-  real(dp), parameter :: row_sign(NROW, 3) = reshape([1, 1, -1, 1, 0, 0], [NROW, 3])
-#else
-  real(dp), parameter :: row_sign(NROW, 3) = reshape([1, 1, 1, 1, -1, -1, 1, 1, -1, 1, -1, 1], [NROW, 3])
-#endif
   !> Column (after mass and momentum) of stress component (a, b).
 #if NDIM == 1
   integer, parameter :: flux_column(1, 1) = 1
@@ -146,7 +138,7 @@ contains
     integer :: q, i
     do q = q1, q2
       if (field%kernel == kernel_sgmp) then
-        call combine(field, s, first, n, q, row_sign(:, 1), t)
+        call row_sum(n, field%moment(1, q), centre_rows(field, s, first), t)
         do i = 1, n
           u(i) = 0.5_dp**NDIM*(t(i - 1) + t(i))
         end do
@@ -168,28 +160,42 @@ contains
     real(dp), intent(in) :: inverse_h
     integer, intent(in) :: s, first, n
     real(dp), intent(inout) :: f(tile, NDIM)
-    real(dp) :: t(0:tile), scale
-    integer :: a, b, i
+    real(dp) :: t(0:tile, NDIM), scale
+    integer :: a, b, i, b_row(NROW)
     if (field%kernel /= kernel_sgmp) then
       i = field%neighbour(0, 0, s) + first
       f(:n, :) = field%moment(i:i + n - 1, 2 + NDIM:1 + 2*NDIM)
       return
     end if
-    scale = inverse_h*0.5_dp**(NDIM - 1)
+    f(:n, :) = 0.0_dp
+    b_row = centre_rows(field, s, first)
     do a = 1, NDIM
-      call combine(field, s, first, n, 1 + NDIM + flux_column(a, 1), row_sign(:, 1), t)
-      do i = 1, n
-        f(i, a) = t(i) - t(i - 1)
+      do b = a, NDIM
+        call row_sums(n, field%moment(1, 1 + NDIM + flux_column(a, b)), b_row, t)
+        call add_divergence(n, b, t(0, b), f(1, a))
+        if (b > a) call add_divergence(n, a, t(0, a), f(1, b))
       end do
-      do b = 2, NDIM
-        call combine(field, s, first, n, 1 + NDIM + flux_column(a, b), row_sign(:, b), t)
-        do i = 1, n
-          f(i, a) = f(i, a) + (t(i) + t(i - 1))
-        end do
-      end do
-      f(:n, a) = scale*f(:n, a)
     end do
+    scale = inverse_h*0.5_dp**(NDIM - 1)
+    f(:n, :) = scale*f(:n, :)
   end subroutine node_forces
+
+  !> Adds a row's part of the derivative along an axis: a difference along x, a sum of differences across it.
+  pure subroutine add_divergence(n, axis, t, f)
+    integer, intent(in) :: n, axis
+    real(dp), intent(in) :: t(0:tile)
+    real(dp), intent(inout) :: f(tile)
+    integer :: i
+    if (axis == 1) then
+      do i = 1, n
+        f(i) = f(i) + (t(i) - t(i - 1))
+      end do
+    else
+      do i = 1, n
+        f(i) = f(i) + (t(i) + t(i - 1))
+      end do
+    end if
+  end subroutine add_divergence
 
   !> Gravity on the nodes' mass, and the body forces that particles brought (Eq. 20; MPM Eq. 12).
   pure subroutine external_forces(field, s, first, n, m, gravity, forced, f)
@@ -204,7 +210,7 @@ contains
       f(:n, a) = m(:n)*gravity(a)
       if (.not. forced) cycle
       if (field%kernel == kernel_sgmp) then
-        call combine(field, s, first, n, 1 + NDIM + NFLUX + a, row_sign(:, 1), t)
+        call row_sum(n, field%moment(1, 1 + NDIM + NFLUX + a), centre_rows(field, s, first), t)
         do i = 1, n
           f(i, a) = f(i, a) + 0.5_dp**NDIM*(t(i - 1) + t(i))
         end do
@@ -215,13 +221,11 @@ contains
     end do
   end subroutine external_forces
 
-  !> Signed sum of one column over the rows of centres around a row of nodes; t(i) belongs to the centre right of node i.
-  pure subroutine combine(field, s, first, n, q, row_factor, t)
+  !> Records of the centre left of node `first` in the rows of centres around a row of nodes.
+  pure function centre_rows(field, s, first) result(b)
     type(field_t), intent(in) :: field
-    integer, intent(in) :: s, first, n, q
-    real(dp), intent(in) :: row_factor(NROW)
-    real(dp), intent(out) :: t(0:tile)
-    integer :: i, b(NROW)
+    integer, intent(in) :: s, first
+    integer :: b(NROW)
 #if NDIM == 1
     b(1) = field%neighbour(0, 0, s)
 #elif NDIM == 2
@@ -234,18 +238,9 @@ contains
     b(4) = field%neighbour(0, 0, s)
 #endif
     b = b + first - 1
-    !$omp simd
-    do i = 0, n
-#if NDIM == 1
-      t(i) = row_factor(1)*field%moment(b(1) + i, q)
-#elif NDIM == 2
-      t(i) = row_factor(1)*field%moment(b(1) + i, q) + row_factor(2)*field%moment(b(2) + i, q)
-#else
-      t(i) = (row_factor(1)*field%moment(b(1) + i, q) + row_factor(2)*field%moment(b(2) + i, q)) &
-             + (row_factor(3)*field%moment(b(3) + i, q) + row_factor(4)*field%moment(b(4) + i, q))
-#endif
-    end do
-  end subroutine combine
+  end function centre_rows
+
+#include "row_sums.inc"
 
   !> a = f/m, v = p/m + dt a, 1/m; all zero where the mass is below the cut-off.
   pure subroutine solve_tile(n, stride, m, p, f, dt, cutoff, node)

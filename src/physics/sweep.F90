@@ -290,9 +290,7 @@ contains
     if (kernel == kernel_gimp) call particle_size(body, nb, b, half)
     call gather(mesh%inverse_h, kernel, plan, xi, half, row, work%records, got)
     if (plan%kick) then
-      call kick(plan%dt_kick, live, got, a, lane_sums)
-      if (plan%flip < 1.0_dp) call blend(plan%flip, got(1, velocity), a)
-      call add_kinetic(live, a, lane_sums)
+      call kick(plan%dt_kick, live, got, plan%flip, got(1, velocity), a, lane_sums)
     end if
     if (plan%drift) call drift(plan%dt*mesh%inverse_h, live, cell, stencil_shift(kernel), got(1, velocity), a, xi, &
                                lane_sums, outside)
@@ -398,32 +396,34 @@ contains
     call gimp_gather(n, g, stride, records(skip + 1, 1), row, values)
   end subroutine gimp_gather_part
 
-  !> v += a dt (Eq. 29), with sum m |a|^2 for the energy ledger.
-  pure subroutine kick(dt, live, acceleration, a, lane_sums)
+  !> v += a dt (Eq. 29), blended with PIC where asked for; sums for the energy ledger.
+  pure subroutine kick(dt, live, acceleration, flip, grid_velocity, a, lane_sums)
     real(dp), intent(in) :: dt, live(lanes), acceleration(lanes, NDIM)
+    real(dp), intent(in) :: flip                          !! weight of FLIP; below 1 the grid velocity is read
+    real(dp), intent(in) :: grid_velocity(lanes, NDIM)
     real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), lane_sums(lanes, sweep_sums)
-    real(dp) :: square
+    real(dp) :: mass, aa, vv
     integer :: l, d
-    !$omp simd simdlen(8) private(square, d)
+    if (flip < 1.0_dp) then
+      do d = 1, NDIM
+        a(:, NDIM + d) = flip*a(:, NDIM + d) + (1.0_dp - flip)*(grid_velocity(:, d) - dt*acceleration(:, d))
+      end do
+    end if
+    !$omp simd simdlen(8) private(mass, aa, vv, d)
     do l = 1, lanes
-      square = 0.0_dp
+      mass = live(l)*a(l, 2*NDIM + 1)
+      aa = 0.0_dp
+      vv = 0.0_dp
       do d = 1, NDIM
         a(l, NDIM + d) = a(l, NDIM + d) + dt*acceleration(l, d)
-        square = square + acceleration(l, d)*acceleration(l, d)
+        aa = aa + acceleration(l, d)*acceleration(l, d)
+        vv = vv + a(l, NDIM + d)*a(l, NDIM + d)
+        lane_sums(l, sum_momentum + d - 1) = lane_sums(l, sum_momentum + d - 1) + mass*a(l, NDIM + d)
       end do
-      lane_sums(l, sum_mass_aa) = lane_sums(l, sum_mass_aa) + live(l)*a(l, 2*NDIM + 1)*square
+      lane_sums(l, sum_mass_aa) = lane_sums(l, sum_mass_aa) + mass*aa
+      lane_sums(l, sum_kinetic) = lane_sums(l, sum_kinetic) + 0.5_dp*mass*vv
     end do
   end subroutine kick
-
-  !> Particle velocity between FLIP (flip = 1) and PIC (flip = 0).
-  pure subroutine blend(flip, grid_velocity, a)
-    real(dp), intent(in) :: flip, grid_velocity(lanes, NDIM)
-    real(dp), intent(inout) :: a(lanes, 2*NDIM + 1)
-    integer :: d
-    do d = 1, NDIM
-      a(:, NDIM + d) = flip*a(:, NDIM + d) + (1.0_dp - flip)*grid_velocity(:, d)
-    end do
-  end subroutine blend
 
   !> x += v_grid dt (Eq. 31), in cells; counts the lanes that leave the bin.
   pure subroutine drift(dt, live, cell, shift, velocity, a, xi, lane_sums, outside)
@@ -446,24 +446,6 @@ contains
     end do
     outside = merge(1, 0, far > 0.0_dp)
   end subroutine drift
-
-  !> Kinetic energy and momentum of the updated particles.
-  pure subroutine add_kinetic(live, a, lane_sums)
-    real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1)
-    real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
-    real(dp) :: mass, square
-    integer :: l, d
-    !$omp simd simdlen(8) private(mass, square, d)
-    do l = 1, lanes
-      mass = live(l)*a(l, 2*NDIM + 1)
-      square = 0.0_dp
-      do d = 1, NDIM
-        square = square + a(l, NDIM + d)*a(l, NDIM + d)
-        lane_sums(l, sum_momentum + d - 1) = lane_sums(l, sum_momentum + d - 1) + mass*a(l, NDIM + d)
-      end do
-      lane_sums(l, sum_kinetic) = lane_sums(l, sum_kinetic) + 0.5_dp*mass*square
-    end do
-  end subroutine add_kinetic
 
   !> Largest c + |v| for the time step (Eq. 69), and whether every particle is still in its senses.
   pure subroutine check_chunk(body, chunk, nl, live, a, speed2, jacobian, work)
