@@ -8,8 +8,8 @@ module sgmp_cards
   use sgmp_registry, only: card_definition_t, key_definition_t, kind_expression, kind_integer, &
                            kind_interval, kind_list, kind_logical, kind_name, kind_name_word, &
                            kind_real, kind_text, kind_vector, kind_word
-  use sgmp_words, only: string_t, suggestion, text_of, text_of_integer, word_count, word_in_list, &
-                        word_is_identifier, word_item, word_lower
+  use sgmp_text, only: integer_text, real_text_plain
+  use sgmp_words, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, word_item, word_lower
   implicit none
   private
   public :: deck_card_t, value_t, card_parse, card_default, card_free
@@ -369,7 +369,7 @@ contains
     logical, intent(out) :: failed
     type(deck_errors_t), intent(inout) :: errors
     failed = .not. in_range(value%number, key%range)
-    if (failed) call errors%add(value%position, "'"//key%name//"' = "//text_of(value%number)// &
+    if (failed) call errors%add(value%position, "'"//key%name//"' = "//real_text_plain(value%number)// &
                                 ' is out of range', 'allowed: '//key%range//', '//key%help)
   end subroutine check_range
 
@@ -398,13 +398,13 @@ contains
     real(dp), parameter :: tolerance = 1.0e-9_dp ! of an expression like 3*(1/3)
     failed = abs(value%number) > real(huge(1), dp)
     if (failed) then
-      call errors%add(value%position, "'"//key%name//"' = "//text_of(value%number)//' is too '// &
+      call errors%add(value%position, "'"//key%name//"' = "//real_text_plain(value%number)//' is too '// &
                       'large', &
-                      'at most '//text_of_integer(huge(1)))
+                      'at most '//integer_text(huge(1)))
       return
     end if
     failed = abs(value%number - anint(value%number)) > tolerance*max(1.0_dp, abs(value%number))
-    if (failed) call errors%add(value%position, "'"//key%name//"' = "//text_of(value%number)// &
+    if (failed) call errors%add(value%position, "'"//key%name//"' = "//real_text_plain(value%number)// &
                                 ' is not a whole number', 'give a whole number')
     value%number = anint(value%number)
   end subroutine check_integer

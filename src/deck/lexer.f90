@@ -3,7 +3,8 @@
 module sgmp_lexer
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_kinds, only: i8
-  use sgmp_words, only: string_t, text_of_integer, word_lower
+  use sgmp_text, only: integer_text
+  use sgmp_words, only: string_t, word_lower
   implicit none
   private
   public :: token_t, statement_t, lexer_read, lexer_split
@@ -176,7 +177,7 @@ contains
     if (.not. failed) return
     place%line = i
     call errors%add(place, 'not a text file: byte '// &
-                    text_of_integer(iachar(lines(i)%text(place%column:place%column)))// &
+                    integer_text(iachar(lines(i)%text(place%column:place%column)))// &
                     ' is a control character', 'a deck is plain text in UTF-8 or ASCII')
   end subroutine cut_lines
 

@@ -7,9 +7,8 @@ module sgmp_parameters
                              expression_variables
   use sgmp_kinds, only: dp
   use sgmp_lexer, only: token_t
-  use sgmp_words, only: string_t, suggestion, text_of, word_count, word_in_list, &
-    word_is_identifier, &
-                        word_item, word_lower, word_nearest
+  use sgmp_text, only: real_text_plain
+  use sgmp_words, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, word_item, word_lower, word_nearest
   implicit none
   private
   public :: parameters_t, name_size
@@ -155,7 +154,7 @@ contains
     if (.not. allocated(error) .and. expression%is_constant) then
       call mark_used(self, text)
       new%value = expression%value
-      new%text = text_of(new%value)
+      new%text = real_text_plain(new%value)
     else
       new%is_word = .true.
       new%text = text
@@ -298,7 +297,7 @@ contains
     if (.not. failed .and. abs(value) > 0.0_dp .and. &
         (abs(value) > largest .or. abs(value) < 1.0_dp/largest)) then
       failed = .true.
-      call errors%add(position, "'"//text//"' = "//text_of(value)//' is beyond all measure', &
+      call errors%add(position, "'"//text//"' = "//real_text_plain(value)//' is beyond all measure', &
                       'magnitudes lie between 1e-60 and 1e60, or are zero')
       value = 0.0_dp
     end if

@@ -27,7 +27,7 @@ contains
     call put('dimension   '//integer_text(scene%dimension)//merge(' (plane strain)', '               ', scene%dimension == 2))
     call put('method      '//trim(method_names(scene%method%kind))//', '//trim(update_names(scene%method%update)))
     call put('grid        cell '//real_text(model%mesh%h)//', active points '// &
-             long_text(sum(rows_points(model%fields%work)))//' (stored '//integer_text(sum(model%fields%points))//'), '// &
+             integer_text(sum(rows_points(model%fields%work)))//' (stored '//integer_text(sum(model%fields%points))//'), '// &
              integer_text(model%fields(1)%nmoment + 2*model%mesh%ndim + 1)//' values each, '// &
              bytes_text(sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])))
     bytes = sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])
@@ -37,7 +37,7 @@ contains
       bytes = bytes + particles_bytes(model%bodies(b)%particles)
       particles = particles + int(model%bodies(b)%particles%count, i8)
     end do
-    call put('memory      '//bytes_text(bytes)//' for '//long_text(particles)//' particles: '// &
+    call put('memory      '//bytes_text(bytes)//' for '//integer_text(particles)//' particles: '// &
              real_text(real(bytes, dp)/real(max(particles, 1_i8), dp))//' bytes per particle, grid included')
     call put_time(scene, model, particles)
   end subroutine bill_write
@@ -86,7 +86,7 @@ contains
     clock = model%clock
     call clock_choose(clock, model%mesh%h, model%fastest, huge(1.0_dp), ok)
     call put('time step   '//real_text(clock%dt)//' ('//trim(limit_names(clock%limited_by))//', c + |v| = '// &
-             real_text(model%fastest)//' at particle '//integer_text(int(model%fastest_id))//')')
+             real_text(model%fastest)//' at particle '//integer_text(model%fastest_id)//')')
     steps = real(scene%time%steps, dp)
     if (scene%time%end > 0.0_dp) steps = min(steps, scene%time%end/clock%dt)
     call put('steps       about '//real_text(steps)//', '//real_text(1.0e-7_dp*steps*real(particles, dp)/model%threads)// &
@@ -97,14 +97,6 @@ contains
     character(*), intent(in) :: text
     write (output_unit, '(a)') text
   end subroutine put
-
-  pure function long_text(n) result(text)
-    integer(i8), intent(in) :: n
-    character(:), allocatable :: text
-    character(24) :: buffer
-    write (buffer, '(i0)') n
-    text = trim(buffer)
-  end function long_text
 
   pure function bytes_text(bytes) result(text)
     integer(i8), intent(in) :: bytes

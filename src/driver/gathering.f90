@@ -1,8 +1,8 @@
 !> Gathers particle data for output, ordered by id, and sums over bodies.
 module sgmp_gathering
   use sgmp_body, only: body_t
+  use sgmp_checksum, only: checksum_add, checksum_particles
   use sgmp_errors, only: error_t
-  use sgmp_file_tools, only: checksum_add, checksum_particles
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_mesh, only: mesh_position
   use sgmp_model, only: model_t

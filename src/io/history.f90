@@ -6,9 +6,9 @@
 !! disk.
 module sgmp_history
   use sgmp_errors, only: error_make, error_t, exit_io
-  use sgmp_file_tools, only: file_exists, file_lines, integer_text, io_error, line_t, &
-    output_file_t, row_text
+  use sgmp_file_tools, only: file_exists, file_lines, io_error, line_t, output_file_t
   use sgmp_kinds, only: dp, i8
+  use sgmp_text, only: integer_text, row_text
   implicit none
   private
   public :: history_t, history_columns, bodies_columns, bodies_integers, gauges_columns, &

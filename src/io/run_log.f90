@@ -6,8 +6,9 @@
 module sgmp_run_log
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sgmp_errors, only: error_t
-  use sgmp_file_tools, only: integer_text, is_terminal, output_file_t
+  use sgmp_file_tools, only: is_terminal, output_file_t
   use sgmp_kinds, only: dp, i8
+  use sgmp_text, only: integer_text
   implicit none
   private
   public :: log_t, log_row_t, duration_text

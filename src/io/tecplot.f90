@@ -5,10 +5,10 @@
 !! ParaView use the .vtu files.
 module sgmp_tecplot
   use sgmp_errors, only: error_t
-  use sgmp_file_tools, only: file_exists, file_lines, integer_text, line_t, output_file_t, &
-    real_text, row_text
+  use sgmp_file_tools, only: file_exists, file_lines, line_t, output_file_t
   use sgmp_kinds, only: dp
   use sgmp_snapshot, only: snapshot_t
+  use sgmp_text, only: integer_text, real_text_full, row_text
   implicit none
   private
   public :: tecplot_t
@@ -66,7 +66,7 @@ contains
       points = count(snapshot%body == b)
       if (points == 0) cycle
       call self%file%line('ZONE T="'//body_name(snapshot, b)//'", STRANDID='//integer_text(b)// &
-                          ', SOLUTIONTIME='//real_text(snapshot%time)//', I='// &
+                          ', SOLUTIONTIME='//real_text_full(snapshot%time)//', I='// &
                           integer_text(points)//', DATAPACKING=POINT')
       call write_points(self%file, snapshot, b)
     end do
