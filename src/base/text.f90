@@ -71,7 +71,8 @@ contains
     end if
   end function real_text_short
 
-  !> The shortest decimal text that restores every bit, as one writes it in a deck: 0.1, 25, 1.17e11.
+  !> The shortest decimal text that restores every bit, as one writes it in a deck: 0.1, 25,
+  !! 1.17e11.
   pure function real_text_plain(value) result(text)
     real(dp), intent(in) :: value
     character(:), allocatable :: text
@@ -89,7 +90,7 @@ contains
     do n = 0, 16
       write (form, '("(es40.", i0, "e3)")') n
       write (buffer, form) value
-      if (abs(value) > 0.1_dp*huge(value)) cycle ! rounded up it could overflow: take all digits
+      if (abs(value) > 0.1_dp*huge(value)) cycle  ! rounded up it could overflow: take all digits
       read (buffer, *) again
       if (transfer(again, 0_i8) == transfer(value, 0_i8)) exit
     end do

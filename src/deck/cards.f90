@@ -9,7 +9,8 @@ module sgmp_cards
                            kind_interval, kind_list, kind_logical, kind_name, kind_name_word, &
                            kind_real, kind_text, kind_vector, kind_word
   use sgmp_text, only: integer_text, real_text_plain
-  use sgmp_words, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, word_item, word_lower
+  use sgmp_words, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, &
+                        word_item, word_lower
   implicit none
   private
   public :: deck_card_t, value_t, card_parse, card_default, card_free
@@ -62,7 +63,7 @@ contains
   pure real(dp) function card_number(self, key, absent) result(value)
     class(deck_card_t), intent(in) :: self
     character(*), intent(in) :: key
-    real(dp), intent(in), optional :: absent !! zero if not given
+    real(dp), intent(in), optional :: absent  !! zero if not given
     value = 0.0_dp
     if (present(absent)) value = absent
     if (self%has(key)) value = self%values(self%at(key))%number
@@ -72,7 +73,7 @@ contains
   pure integer function card_whole(self, key, absent) result(value)
     class(deck_card_t), intent(in) :: self
     character(*), intent(in) :: key
-    integer, intent(in), optional :: absent !! zero if not given
+    integer, intent(in), optional :: absent  !! zero if not given
     value = 0
     if (present(absent)) value = absent
     if (self%has(key)) value = nint(self%values(self%at(key))%number)
@@ -234,7 +235,7 @@ contains
     slot = slot + 1
     if (card%values(number)%given) then
       call fail(card, errors, token%position, "'"//definition%keys(number)%name//"' is given "// &
-                "twice", &
+                'twice', &
                 'remove one of the two')
     else
       call store(card, number, token, parameters, errors)
@@ -300,8 +301,9 @@ contains
         else if (.not. value%given .and. applies .and. key%required) then
           if (known) call missing(definition, key, card, errors)
         else if (value%given .neqv. value%present) then
-          cycle ! its text could not be made out
-        else if (value%given .or. (applies .and. key%default /= '')) then
+          cycle  ! its text could not be made out
+        end if
+        if (value%given .or. (applies .and. key%default /= '')) then
           if (.not. value%given) value%text = key%default
           value%present = .true.
           call evaluate_value(key, card, i, parameters, errors)
@@ -369,8 +371,10 @@ contains
     logical, intent(out) :: failed
     type(deck_errors_t), intent(inout) :: errors
     failed = .not. in_range(value%number, key%range)
-    if (failed) call errors%add(value%position, "'"//key%name//"' = "//real_text_plain(value%number)// &
-                                ' is out of range', 'allowed: '//key%range//', '//key%help)
+    if (failed) then
+      call errors%add(value%position, "'"//key%name//"' = "//real_text_plain(value%number)// &
+                      ' is out of range', 'allowed: '//key%range//', '//key%help)
+    end if
   end subroutine check_range
 
   !> Whether a number lies in an interval written `[a,b]`, `(a,b)`, …; '' is everything.
@@ -395,17 +399,18 @@ contains
     type(value_t), intent(inout) :: value
     logical, intent(out) :: failed
     type(deck_errors_t), intent(inout) :: errors
-    real(dp), parameter :: tolerance = 1.0e-9_dp ! of an expression like 3*(1/3)
+    real(dp), parameter :: tolerance = 1.0e-9_dp  ! of an expression like 3*(1/3)
     failed = abs(value%number) > real(huge(1), dp)
     if (failed) then
-      call errors%add(value%position, "'"//key%name//"' = "//real_text_plain(value%number)//' is too '// &
-                      'large', &
-                      'at most '//integer_text(huge(1)))
+      call errors%add(value%position, "'"//key%name//"' = "//real_text_plain(value%number)// &
+                      ' is too large', 'at most '//integer_text(huge(1)))
       return
     end if
     failed = abs(value%number - anint(value%number)) > tolerance*max(1.0_dp, abs(value%number))
-    if (failed) call errors%add(value%position, "'"//key%name//"' = "//real_text_plain(value%number)// &
-                                ' is not a whole number', 'give a whole number')
+    if (failed) then
+      call errors%add(value%position, "'"//key%name//"' = "//real_text_plain(value%number)// &
+                      ' is not a whole number', 'give a whole number')
+    end if
     value%number = anint(value%number)
   end subroutine check_integer
 

@@ -154,7 +154,7 @@ contains
     character(*), intent(in) :: text
     character(:), allocatable :: word
     word = '"'//text//'"'
-    if (index(text, '"') > 0) word = ''''//text//''''
+    if (index(text, '"') > 0) word = "'"//text//"'"
   end function quoted
 
   !> Blank-separated words with commas.

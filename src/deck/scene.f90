@@ -48,7 +48,7 @@ module sgmp_scene
   !> Background grid: cubic cells of side `cell`; an open face follows the particles.
   type :: grid_card_t
     real(dp) :: cell = 0.0_dp                       !! cell side h (length)
-    real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp !! box corners (length); unused where open
+    real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! box corners (length); unused where open
     logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given
     integer :: wall(2, 3) = wall_free
       !! (lower|upper, axis): wall_free, wall_slip, wall_fixed
@@ -107,7 +107,7 @@ module sgmp_scene
     integer :: eos = eos_none
     real(dp) :: jwl_a = 0.0_dp, jwl_b = 0.0_dp, jwl_r1 = 0.0_dp, jwl_r2 = 0.0_dp, jwl_omega = 0.0_dp
     real(dp) :: energy0 = 0.0_dp                  !! initial energy per initial volume
-    real(dp) :: c0 = 0.0_dp, s = 0.0_dp, gamma0 = 0.0_dp !! Mie-Grueneisen
+    real(dp) :: c0 = 0.0_dp, s = 0.0_dp, gamma0 = 0.0_dp  !! Mie-Grueneisen
     ! bulk viscosity of Eq. (q = rho h^2 b1 tr^2 - b2 rho h c tr)
     real(dp) :: viscosity_quadratic = 0.0_dp, viscosity_linear = 0.0_dp
   end type material_card_t
@@ -167,7 +167,7 @@ module sgmp_scene
   type :: output_card_t
     logical :: vtu = .false., tecplot = .false., csv_end = .false.
     real(dp) :: every = 0.0_dp                    !! interval in time; 0: start and end only
-    character(name_length), allocatable :: fields(:) !! fields besides id, body, position, velocity
+    character(name_length), allocatable :: fields(:)  !! fields besides id, body, position, velocity
     integer :: history_steps = 1                  !! history and bodies rows every so many steps
     real(dp) :: history_every = 0.0_dp            !! or every so much time (0: by steps)
   end type output_card_t

@@ -87,8 +87,8 @@ contains
     type(deck_card_t), intent(in) :: card
     type(scene_t), intent(in) :: scene
     type(deck_errors_t), intent(inout) :: errors
-    real(dp), parameter :: tolerance = 1.0e-6_dp ! cells
-    real(dp), parameter :: most_cells = 2.0e9_dp ! along one axis
+    real(dp), parameter :: tolerance = 1.0e-6_dp  ! cells
+    real(dp), parameter :: most_cells = 2.0e9_dp  ! along one axis
     real(dp) :: length, cells
     integer :: i
     if (scene%grid%cell <= 0.0_dp) return
@@ -103,12 +103,13 @@ contains
         length = value%vector(2) - value%vector(1)
         cells = length/scene%grid%cell
         if (cells > most_cells) then
-          call errors%add(value%position, 'the box has '//real_text_plain(anint(cells))//' cells along '// &
-                          'xyz' (i:i), 'use larger cells')
+          call errors%add(value%position, 'the box has '//real_text_plain(anint(cells))// &
+                          ' cells along '//'xyz' (i:i), 'use larger cells')
         else if (abs(cells - anint(cells)) > tolerance .or. cells < 0.5_dp) then
           call errors%add(value%position, 'the box is not a whole number of cells: '// &
-                          real_text_plain(length)//' / '//real_text_plain(scene%grid%cell)//' = '//real_text_plain(cells), &
-                          'nearest cell='//real_text_plain(length/max(1.0_dp, anint(cells)))// &
+                          real_text_plain(length)//' / '//real_text_plain(scene%grid%cell)// &
+                          ' = '//real_text_plain(cells), 'nearest cell='// &
+                          real_text_plain(length/max(1.0_dp, anint(cells)))// &
                           ', or change the extent')
         end if
       end associate
@@ -163,19 +164,19 @@ contains
     associate (material => scene%materials(i))
       if (material%kind == material_explosive .and. material%eos /= eos_jwl) then
         call errors%add(card%position, "explosive '"//trim(material%name)//"' has no JWL "// &
-                        "equation", &
+                        'equation', &
                         'add: eos '//trim(material%name)//' jwl a=… b=… r1=… r2=… omega=… '// &
                         'energy0=…')
       end if
       if (material%kind /= material_explosive .and. material%eos == eos_jwl) then
         call errors%add(card%position, "'"//trim(material%name)//"' has a JWL equation but no "// &
-                        "burn", &
+                        'burn', &
                         'make it explosive')
       end if
       if (word_in_list(card%word('kind'), 'elastic neo_hookean') > 0 .and. &
           material%eos /= eos_none) then
         call errors%add(card%position, "the pressure of '"//trim(material%name)//"' is elastic "// &
-                        "already", &
+                        'already', &
                         'remove the card eos, or use j2 or johnson_cook')
       end if
       if (material%thermal .and. .not. (card%has('melt_temperature') .and. &
@@ -277,7 +278,7 @@ contains
       factor = (length/time)**2
       low = 1.0e1_dp
       high = 2.0e4_dp
-    case default ! lengths and times may be anything
+    case default  ! lengths and times may be anything
     end select
   end subroutine plausible
 

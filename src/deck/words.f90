@@ -67,7 +67,7 @@ contains
   !> The candidate nearest to a word, or '' where none is near enough to be meant.
   pure function word_nearest(word, candidates) result(nearest)
     character(*), intent(in) :: word            !! what was typed
-    type(string_t), intent(in) :: candidates(:) !! what is known
+    type(string_t), intent(in) :: candidates(:)  !! what is known
     character(:), allocatable :: nearest
     integer :: i, distance, best
     nearest = ''
@@ -87,7 +87,7 @@ contains
   !> A remedy: the nearest candidate if there is one, else all of them.
   pure function suggestion(word, candidates, what) result(text)
     character(*), intent(in) :: word            !! what was typed
-    type(string_t), intent(in) :: candidates(:) !! what is known
+    type(string_t), intent(in) :: candidates(:)  !! what is known
     character(*), intent(in) :: what            !! plural noun, e.g. 'keys of grid'
     character(:), allocatable :: text
     integer :: i

@@ -109,7 +109,7 @@ contains
     type(log_t), intent(inout) :: log
     type(model_t), intent(in) :: model
     type(effort_t), intent(in) :: effort
-    type(error_t), allocatable, intent(in) :: error !! what ended the run early
+    type(error_t), allocatable, intent(in) :: error  !! what ended the run early
     call log%phase_table(phase_names, model%timers%seconds, model%timers%seconds, &
                          model%timers%seconds, effort%wall)
     call log%line(integer_text(model%clock%step)//' steps, '//real_text(cost(effort))// &
@@ -134,7 +134,7 @@ contains
     type(model_t), intent(in) :: model
     type(effort_t), intent(in) :: effort
     character(*), intent(in) :: path
-    type(error_t), allocatable, intent(inout) :: error !! what ended the run early
+    type(error_t), allocatable, intent(inout) :: error  !! what ended the run early
     type(error_t), allocatable :: problem
     type(summary_t) :: summary
     call summary%set('exit_status', exit_ok)

@@ -120,7 +120,9 @@ contains
     type(model_t), intent(in) :: model
     logical :: yes
     yes = model%clock%step >= scene%time%steps
-    if (scene%time%end > 0.0_dp) yes = yes .or. model%clock%time >= scene%time%end*(1.0_dp - 1.0e-12_dp)
+    if (scene%time%end > 0.0_dp) then
+      yes = yes .or. model%clock%time >= scene%time%end*(1.0_dp - 1.0e-12_dp)
+    end if
     if (model%clock%step > 0 .and. scene%stop%kinetic_below > 0.0_dp) then
       yes = yes .or. model%ledger%kinetic < scene%stop%kinetic_below*model%ledger%largest_kinetic
     end if
@@ -137,11 +139,14 @@ contains
     reference = max(abs(model%ledger%initial_total), abs(model%ledger%external_work))
     if (total /= total) then
       call error_make(model%failure, exit_numerical, 'the total energy is not a number in step '// &
-                      integer_text(model%clock%step), 'reduce cfl; the last dump shows where it started')
-    else if (total > reference .and. total/max(reference, tiny(1.0_dp)) > scene%stop%energy_growth .and. reference > 0.0_dp) then
-      call error_make(model%failure, exit_numerical, 'the total energy has grown to '//real_text(total/reference)// &
-                      ' times its reference in step '//integer_text(model%clock%step)//' at time '//real_text(model%clock%time), &
-                      'reduce cfl (now '//real_text(model%clock%cfl)//'), or raise `stop energy_growth`')
+                      integer_text(model%clock%step), &
+                      'reduce cfl; the last dump shows where it started')
+    else if (reference > 0.0_dp .and. total/scene%stop%energy_growth > reference) then
+      call error_make(model%failure, exit_numerical, 'the total energy has grown to '// &
+                      real_text(total/reference)//' times its reference in step '// &
+                      integer_text(model%clock%step)//' at time '//real_text(model%clock%time), &
+                      'reduce cfl (now '//real_text(model%clock%cfl)// &
+                      '), or raise `stop energy_growth`')
     end if
   end subroutine guard
 
@@ -149,9 +154,11 @@ contains
   subroutine step_too_small(model, error)
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
-    call error_make(error, exit_numerical, 'the time step '//real_text(model%clock%dt_free)//' is below its minimum '// &
-                    real_text(model%clock%smallest)//' in step '//integer_text(model%clock%step + 1)//'; particle '// &
-                    integer_text(model%fastest_id)//' limits it with c + |v| = '//real_text(model%fastest), &
+    call error_make(error, exit_numerical, 'the time step '//real_text(model%clock%dt_free)// &
+                    ' is below its minimum '//real_text(model%clock%smallest)//' in step '// &
+                    integer_text(model%clock%step + 1)//'; particle '// &
+                    integer_text(model%fastest_id)//' limits it with c + |v| = '// &
+                    real_text(model%fastest), &
                     'look at that particle in the last dump; lower `time dt_min` if so small a step is meant')
   end subroutine step_too_small
 

@@ -42,57 +42,68 @@ module sgmp_file_tools
   interface
     function c_fopen(path, mode) result(stream) bind(c, name='fopen')
       import :: c_char, c_ptr
+      implicit none
       character(kind=c_char), intent(in) :: path(*), mode(*)
       type(c_ptr) :: stream
     end function c_fopen
     function c_fwrite(buffer, size, count, stream) result(written) bind(c, name='fwrite')
       import :: c_ptr, c_size_t
+      implicit none
       type(c_ptr), value :: buffer, stream
       integer(c_size_t), value :: size, count
       integer(c_size_t) :: written
     end function c_fwrite
     function c_fflush(stream) result(status) bind(c, name='fflush')
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: stream
       integer(c_int) :: status
     end function c_fflush
     function c_fclose(stream) result(status) bind(c, name='fclose')
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: stream
       integer(c_int) :: status
     end function c_fclose
     function c_rename(old, new) result(status) bind(c, name='rename')
       import :: c_char, c_int
+      implicit none
       character(kind=c_char), intent(in) :: old(*), new(*)
       integer(c_int) :: status
     end function c_rename
     function c_remove(path) result(status) bind(c, name='remove')
       import :: c_char, c_int
+      implicit none
       character(kind=c_char), intent(in) :: path(*)
       integer(c_int) :: status
     end function c_remove
     function c_mkdir(path, mode) result(status) bind(c, name='mkdir')
       import :: c_char, c_int, c_int32_t
+      implicit none
       character(kind=c_char), intent(in) :: path(*)
       integer(c_int32_t), value :: mode
       integer(c_int) :: status
     end function c_mkdir
     function c_isatty(descriptor) result(yes) bind(c, name='isatty')
       import :: c_int
+      implicit none
       integer(c_int), value :: descriptor
       integer(c_int) :: yes
     end function c_isatty
     function c_errno_location() result(location) bind(c, name='__errno_location')
       import :: c_ptr
+      implicit none
       type(c_ptr) :: location
     end function c_errno_location
     function c_strerror(number) result(text) bind(c, name='strerror')
       import :: c_int, c_ptr
+      implicit none
       integer(c_int), value :: number
       type(c_ptr) :: text
     end function c_strerror
     function c_strlen(text) result(length) bind(c, name='strlen')
       import :: c_ptr, c_size_t
+      implicit none
       type(c_ptr), value :: text
       integer(c_size_t) :: length
     end function c_strlen
@@ -232,7 +243,7 @@ contains
   !> Reads a whole text file as lines (carriage returns before line ends dropped).
   subroutine file_lines(path, lines, error)
     character(*), intent(in) :: path
-    type(line_t), allocatable, intent(inout) :: lines(:) !! replaced; empty after an error
+    type(line_t), allocatable, intent(inout) :: lines(:)  !! replaced; empty after an error
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: text
     character(256) :: message
@@ -282,7 +293,7 @@ contains
   subroutine directory_make(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error
-    integer(c_int32_t), parameter :: mode = int(o'777', c_int32_t) ! narrowed by the user's umask
+    integer(c_int32_t), parameter :: mode = int(o'777', c_int32_t)  ! narrowed by the user's umask
     character(:), allocatable :: part, reason
     integer :: i
     do i = 1, len_trim(path)
@@ -330,7 +341,7 @@ contains
     else
       why = system_message()
     end if
-    call error_make(error, exit_io, "cannot "//action//" '"//trim(path)//"': "//why, &
+    call error_make(error, exit_io, 'cannot '//action//" '"//trim(path)//"': "//why, &
                     'check that the folder exists, may be written to, and has space left')
   end subroutine io_error
 

@@ -38,7 +38,7 @@ module sgmp_history
     private
     type(output_file_t) :: file
     logical, allocatable :: whole(:)   !! (columns) printed as an integer
-    integer(i8) :: flushed = -huge(1_i8) !! clock count of the last flush
+    integer(i8) :: flushed = -huge(1_i8)  !! clock count of the last flush
   contains
     procedure :: open => history_open
     procedure :: write_row => history_write_row

@@ -16,7 +16,7 @@ module sgmp_run_log
 
   integer, parameter :: level_quiet = 0   !! terminal: warnings only
   integer, parameter :: level_normal = 1  !! terminal: messages, table of steps, progress bar
-  integer, parameter :: level_verbose = 2 !! terminal: everything
+  integer, parameter :: level_verbose = 2  !! terminal: everything
 
   integer, parameter :: rows_per_header = 40
   integer, parameter :: bar_width = 30
@@ -29,7 +29,7 @@ module sgmp_run_log
     real(dp) :: time = 0.0_dp
     real(dp) :: dt = 0.0_dp
     character(16) :: limited_by = ''           !! what limits dt: a material, growth, output, …
-    real(dp) :: kinetic = 0.0_dp, internal = 0.0_dp, total = 0.0_dp !! energies
+    real(dp) :: kinetic = 0.0_dp, internal = 0.0_dp, total = 0.0_dp  !! energies
     real(dp) :: drift = 0.0_dp                 !! unexplained change of the total, relative
     integer(i8) :: active_cells = 0
     integer(i8) :: lost = 0                    !! particles removed so far
@@ -152,7 +152,7 @@ contains
   subroutine log_phase_table(self, names, minimum, average, maximum, total)
     class(log_t), intent(inout) :: self
     character(*), intent(in) :: names(:)
-    real(dp), intent(in) :: minimum(:), average(:), maximum(:) !! seconds per phase
+    real(dp), intent(in) :: minimum(:), average(:), maximum(:)  !! seconds per phase
     real(dp), intent(in) :: total                              !! seconds of the whole run
     character(100) :: text
     real(dp) :: percent, rest

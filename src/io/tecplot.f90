@@ -18,7 +18,7 @@ module sgmp_tecplot
     private
     type(output_file_t) :: file
     character(:), allocatable :: title
-    logical :: headed = .false. !! TITLE and VARIABLES are written
+    logical :: headed = .false.  !! TITLE and VARIABLES are written
   contains
     procedure :: open => tecplot_open
     procedure :: dump => tecplot_dump
@@ -128,7 +128,7 @@ contains
     integer :: i
     clean = text
     do i = 1, len(text)
-      if (text(i:i) == '"') clean(i:i) = ''''
+      if (text(i:i) == '"') clean(i:i) = "'"
     end do
   end function quotable
 

@@ -41,7 +41,7 @@ contains
     real(dp), intent(in) :: cell                      !! side of a grid cell (length)
     real(dp), intent(in) :: grid_lower(3)             !! a corner of the grid (length)
     integer, intent(in) :: dimension                  !! 1, 2 or 3
-    real(dp), allocatable, intent(out) :: positions(:, :) !! (3, n), unused components zero
+    real(dp), allocatable, intent(out) :: positions(:, :)  !! (3, n), unused components zero
     real(dp), allocatable, intent(out) :: volumes(:)  !! (n) (length**dimension)
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable, intent(out), optional :: velocities(:, :)
@@ -193,7 +193,7 @@ contains
   !> Tangent ogive: an arc that leaves the base at a right angle and ends in the tip.
   pure real(dp) function ogive_radius(shape, along) result(radius)
     type(shape_t), intent(in) :: shape
-    real(dp), intent(in) :: along !! distance from the base
+    real(dp), intent(in) :: along  !! distance from the base
     real(dp) :: arc
     arc = (shape%radius**2 + shape%length**2)/(2.0_dp*shape%radius)
     radius = sqrt(max(0.0_dp, arc**2 - along**2)) - (arc - shape%radius)
@@ -239,7 +239,7 @@ contains
     points(:dimension) = ((upper(:dimension) - lower(:dimension))/pitch + 2.0_dp)*per_pitch
     if (product(points) > real(huge(1), dp)) then
       call error_make(error, exit_deck, "body '"//trim(body%name)//"' would have too many "// &
-                      "particles", &
+                      'particles', &
                       'use a larger spacing; there can be 2147483647', place_of(body))
       return
     end if
@@ -271,7 +271,7 @@ contains
     integer, intent(in) :: dimension
     logical, intent(in) :: store
     integer, intent(out) :: n
-    real(dp), allocatable, intent(inout) :: positions(:, :) !! (3, n)
+    real(dp), allocatable, intent(inout) :: positions(:, :)  !! (3, n)
     real(dp), allocatable, intent(inout) :: volumes(:)      !! (n)
     real(dp) :: point(3), tested(3)
     integer :: i, j, k
@@ -461,7 +461,7 @@ contains
   subroutine read_rows(unit, file, rows, columns, error)
     integer, intent(in) :: unit
     character(*), intent(in) :: file
-    real(dp), allocatable, intent(out) :: rows(:, :) !! (7, n)
+    real(dp), allocatable, intent(out) :: rows(:, :)  !! (7, n)
     integer, intent(out) :: columns
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: longer(:, :)
