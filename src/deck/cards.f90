@@ -280,7 +280,7 @@ contains
     type(deck_errors_t), intent(inout) :: errors
     character(:), allocatable :: selected
     integer :: i, selector
-    logical :: applies, known
+    logical :: known
     selected = ''
     known = .true.
     selector = definition%find_key(definition%selector)
@@ -290,27 +290,43 @@ contains
       if (known) selected = card%values(selector)%text
     end if
     do i = 1, size(card%values)
-      associate (key => definition%keys(i), value => card%values(i))
-        applies = key%when == '' .or. word_in_list(selected, key%when) > 0
-        if (i == selector) then
-          if (.not. value%given) call missing(definition, key, card, errors)
-        else if (value%given .and. .not. applies .and. known) then
-          call fail(card, errors, value%position, "'"//key%name//"' means nothing for "// &
-                    definition%selector//' '//selected, &
-                    suggestion(key%name, definition%key_names(selected), 'keys for '//selected))
-        else if (.not. value%given .and. applies .and. key%required) then
-          if (known) call missing(definition, key, card, errors)
-        else if (value%given .neqv. value%present) then
-          cycle  ! its text could not be made out
+      if (i == selector) then
+        if (.not. card%values(i)%given) then
+          call missing(definition, definition%keys(i), card, errors)
         end if
-        if (value%given .or. (applies .and. key%default /= '')) then
-          if (.not. value%given) value%text = key%default
-          value%present = .true.
-          call evaluate_value(key, card, i, parameters, errors)
-        end if
-      end associate
+      else
+        call finish_value(definition, i, selected, known, parameters, card, errors)
+      end if
     end do
   end subroutine finish_card
+
+  !> One key of a card: superfluous, missing, given or by default.
+  subroutine finish_value(definition, number, selected, known, parameters, card, errors)
+    type(card_definition_t), intent(in) :: definition
+    integer, intent(in) :: number
+    character(*), intent(in) :: selected  !! value of the key that selects which others apply
+    logical, intent(in) :: known          !! that value could be made out
+    type(parameters_t), intent(inout) :: parameters
+    type(deck_card_t), intent(inout) :: card
+    type(deck_errors_t), intent(inout) :: errors
+    logical :: applies
+    associate (key => definition%keys(number), value => card%values(number))
+      applies = key%when == '' .or. word_in_list(selected, key%when) > 0
+      if (value%given .and. known .and. .not. applies) then
+        call fail(card, errors, value%position, "'"//key%name//"' means nothing for "// &
+                  definition%selector//' '//selected, &
+                  suggestion(key%name, definition%key_names(selected), 'keys for '//selected))
+      else if (value%given) then
+        if (value%present) call evaluate_value(key, card, number, parameters, errors)
+      else if (applies .and. key%required) then
+        if (known) call missing(definition, key, card, errors)
+      else if (applies .and. key%default /= '') then
+        value%text = key%default
+        value%present = .true.
+        call evaluate_value(key, card, number, parameters, errors)
+      end if
+    end associate
+  end subroutine finish_value
 
   subroutine missing(definition, key, card, errors)
     type(card_definition_t), intent(in) :: definition
@@ -358,7 +374,7 @@ contains
         call read_interval(key, value, parameters, failed, errors)
       case (kind_list)
         call read_list(key, value, failed, errors)
-      case (kind_text)
+      case default  ! a text is taken as it is
         failed = .false.
       end select
       if (failed) card%failed = .true.
@@ -491,10 +507,11 @@ contains
   end subroutine read_vector
 
   !> Whether the first parenthesis is closed by the last letter.
-  pure logical function encloses(text)
+  pure function encloses(text) result(yes)
     character(*), intent(in) :: text
+    logical :: yes
     integer :: i, depth
-    encloses = .false.
+    yes = .false.
     if (len(text) == 0) return
     depth = 0
     do i = 1, len(text)
@@ -502,7 +519,7 @@ contains
       if (text(i:i) == ')') depth = depth - 1
       if (depth == 0) exit
     end do
-    encloses = i == len(text) .and. text(1:1) == '('
+    yes = i == len(text) .and. text(1:1) == '('
   end function encloses
 
   !> Column of a separator outside parentheses, or the one after the text.

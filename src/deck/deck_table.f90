@@ -7,7 +7,7 @@ module sgmp_deck_table
   public :: deck_table, wall_faces, field_names
 
   !> Keys of the card `wall`: axis and side, in the order of `grid_card_t%wall` read by columns.
-  character(2), parameter :: wall_faces(6) = ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']
+  character(2), parameter :: wall_faces(*) = ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']
   !> Particle fields that `output` can be asked for.
   character(*), parameter :: field_names = &
     'initial_position displacement stress pressure von_mises density volume mass '// &

@@ -32,14 +32,14 @@ module sgmp_expression
   character(*), parameter :: expression_functions = &
     'sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh log2 log10 log ln exp '// &
     'sqrt sign rint abs min max sum avg _pi _e'
-  character(2), parameter :: variable_names(7) = ['x ', 'y ', 'z ', 'x0', 'y0', 'z0', 't ']
+  character(2), parameter :: variable_names(*) = ['x ', 'y ', 'z ', 'x0', 'y0', 'z0', 't ']
   integer, parameter :: slots = 256
     !! threads beyond this number compile a parser for each evaluation
 
   !> One thread's parser with the variables it is bound to.
   type :: parser_t
     type(c_ptr) :: handle = c_null_ptr
-    real(c_double) :: variables(7) = 0.0_c_double
+    real(c_double) :: variables(size(variable_names)) = 0.0_c_double
   end type parser_t
 
   !> One thread's entry; empty until that thread first evaluates.
@@ -263,7 +263,7 @@ contains
     end if
     parser%variables(1:3) = position
     parser%variables(4:6) = initial_position
-    parser%variables(7) = time
+    parser%variables(size(variable_names)) = time
     value = mup_eval(parser%handle)
     if (thread >= slots) call parser_free(parser)
   end function evaluate

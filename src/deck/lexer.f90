@@ -326,9 +326,10 @@ contains
     end do
   end function parentheses
 
-  pure logical function is_blank(c)
+  pure function is_blank(c) result(yes)
     character(1), intent(in) :: c
-    is_blank = c == ' ' .or. c == tab
+    logical :: yes
+    yes = c == ' ' .or. c == tab
   end function is_blank
 
   pure function whole_file(path) result(place)

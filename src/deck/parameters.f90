@@ -270,12 +270,13 @@ contains
   end subroutine make_expression
 
   !> Whether the word at a column is glued to a digit, as in `12abc`.
-  pure logical function follows_digit(text, column)
+  pure function follows_digit(text, column) result(yes)
     character(*), intent(in) :: text
     integer, intent(in) :: column
-    follows_digit = .false.
+    logical :: yes
+    yes = .false.
     if (column < 2 .or. column > len(text)) return
-    follows_digit = scan(text(column - 1:column - 1), '0123456789.') > 0
+    yes = scan(text(column - 1:column - 1), '0123456789.') > 0
   end function follows_digit
 
   !> The value of a constant expression.
@@ -375,13 +376,13 @@ contains
   end function find
 
   !> Names of all parameters.
-  pure function names(self)
+  pure function names(self) result(list)
     class(parameters_t), intent(in) :: self
-    type(string_t), allocatable :: names(:)
+    type(string_t), allocatable :: list(:)
     integer :: i
-    allocate (names(size(self%list)))
-    do i = 1, size(names)
-      names(i)%text = trim(self%list(i)%name)
+    allocate (list(size(self%list)))
+    do i = 1, size(list)
+      list(i)%text = trim(self%list(i)%name)
     end do
   end function names
 

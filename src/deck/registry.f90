@@ -197,7 +197,7 @@ contains
   pure function kind_name(kind) result(text)
     integer, intent(in) :: kind
     character(:), allocatable :: text
-    character(22), parameter :: names(10) = [character(22) :: &
+    character(22), parameter :: names(*) = [character(22) :: &
       'number', 'whole number', 'yes or no', 'word', 'name', 'text', 'vector (a,b,c)', &
       'formula of x y z', 'interval lower:upper', 'words, comma-separated']
     text = trim(names(kind))

@@ -34,7 +34,8 @@ module sgmp_scene
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
     material_johnson_cook = 4, &
                         material_explosive = 5
-  character(16), parameter :: material_names(5) = [character(16) :: 'elastic', 'neo_hookean', &
+  integer, parameter :: damage_constants = 5
+  character(16), parameter :: material_names(*) = [character(16) :: 'elastic', 'neo_hookean', &
     'j2', 'johnson_cook', 'explosive']
   integer, parameter :: hardening_perfect = 1, hardening_linear = 2, hardening_power = 3
   integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2
@@ -98,7 +99,7 @@ module sgmp_scene
     real(dp) :: room_temperature = 293.0_dp, melt_temperature = 0.0_dp, specific_heat = 0.0_dp, &
       taylor_quinney = 0.9_dp
     logical :: failure = .false.
-    real(dp) :: damage(5) = 0.0_dp                !! D1..D5
+    real(dp) :: damage(damage_constants) = 0.0_dp  !! D1..D5
     ! explosive
     real(dp) :: detonation_speed = 0.0_dp         !! D
     real(dp) :: burn_cells = 0.0_dp

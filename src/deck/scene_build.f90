@@ -38,6 +38,8 @@ contains
         call add_material(cards(i), scene, errors)
       case ('grid')
         if (.not. cards(i)%failed) call set_grid(cards(i), scene)
+      case default
+        cycle
       end select
     end do
     do i = 1, size(cards)

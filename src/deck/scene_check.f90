@@ -252,9 +252,9 @@ contains
     character(*), intent(in) :: unit       !! of the key
     character(*), intent(in) :: units(3)   !! length, mass, time of the deck
     real(dp), intent(out) :: factor, low, high
-    real(dp), parameter :: length_units(5) = [1.0_dp, 1.0e-3_dp, 1.0e-2_dp, 1.0e-6_dp, 1.0e3_dp]
-    real(dp), parameter :: mass_units(4) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e3_dp]
-    real(dp), parameter :: time_units(4) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp]
+    real(dp), parameter :: length_units(*) = [1.0_dp, 1.0e-3_dp, 1.0e-2_dp, 1.0e-6_dp, 1.0e3_dp]
+    real(dp), parameter :: mass_units(*) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e3_dp]
+    real(dp), parameter :: time_units(*) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp]
     real(dp) :: length, mass, time
     length = length_units(word_in_list(trim(units(1)), 'm mm cm um km'))
     mass = mass_units(word_in_list(trim(units(2)), 'kg g mg t'))

@@ -17,7 +17,7 @@ module sgmp_build_model
   use sgmp_particles, only: particles_fill
   use sgmp_phases, only: phase_layout
   use sgmp_scene, only: body_card_t, eos_gruneisen, eos_jwl, eos_none, hardening_linear, &
-                        hardening_perfect, hardening_power, material_card_t, material_elastic, &
+                        hardening_perfect, material_card_t, material_elastic, &
                         material_explosive, material_johnson_cook, material_neo_hookean, &
                         material_j2, method_cpgimp, method_gimp, method_mpm, method_sgmp, scene_t
   use sgmp_seeding, only: seeding_check_overlap, seeding_generate
@@ -173,6 +173,7 @@ contains
     case (eos_gruneisen)
       law%gruneisen = gruneisen_init(card%density, card%c0, card%s, card%gamma0)
       law%slowest = 1.0e-3_dp*card%c0
+    case default  ! none: the pressure is elastic
     end select
     plastic = card%kind == material_j2 .or. card%kind == material_johnson_cook
     law%slots = slots_make(stresses=merge(1, stress_count(n), card%kind == material_explosive), &
@@ -194,7 +195,7 @@ contains
         law%j2 = j2_init(j2_perfect, card%yield, 0.0_dp, 1.0_dp)
       case (hardening_linear)
         law%j2 = j2_init(j2_linear, card%yield, card%hardening_modulus, 1.0_dp)
-      case (hardening_power)
+      case default  ! hardening_power
         law%j2 = j2_init(j2_power, card%yield, card%hardening_modulus, card%hardening_exponent)
       end select
     case (material_johnson_cook)
@@ -208,6 +209,7 @@ contains
                             card%taylor_quinney)
       end if
       if (card%failure) call jc_set_failure(law%jc, card%damage)
+    case default  ! no plasticity
     end select
   end subroutine set_plasticity
 

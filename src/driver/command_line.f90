@@ -68,8 +68,9 @@ contains
     case ('import')
       call not_available('import', error)
       return
+    case default  ! a deck or an option
+      i = 1
     end select
-    i = 1
     do while (i <= size(arguments) .and. .not. allocated(error))
       if (index(arguments(i)%text, '-') == 1) then
         call take_option(arguments, i, options, error)

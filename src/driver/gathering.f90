@@ -3,6 +3,7 @@ module sgmp_gathering
   use sgmp_body, only: body_t
   use sgmp_checksum, only: checksum_add, checksum_particles
   use sgmp_errors, only: error_t
+  use sgmp_history, only: bodies_columns
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_mesh, only: mesh_position
   use sgmp_model, only: model_t
@@ -17,7 +18,7 @@ module sgmp_gathering
   character(16), parameter :: field_names(*) = &
     [character(16) :: 'stress', 'pressure', 'density', 'volume', 'mass', 'plastic_strain', &
      'temperature', 'damage', 'energy', 'von_mises', 'displacement', 'initial_position']
-  character(2), parameter :: pairs(6) = ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']
+  character(2), parameter :: pairs(*) = ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']
 
 contains
 
@@ -33,7 +34,7 @@ contains
   subroutine gather_snapshot(model, names, initial, snapshot)
     type(model_t), intent(in) :: model
     character(*), intent(in) :: names(:)
-    real(dp), allocatable, intent(in) :: initial(:, :)  !! (3, ids), allocated where a field needs it
+    real(dp), allocatable, intent(in) :: initial(:, :)  !! (3, ids), where a field needs it
     type(snapshot_t), intent(out) :: snapshot
     integer, allocatable :: place(:)
     integer :: b, c, l, p, f, n, nd
@@ -140,7 +141,7 @@ contains
     integer, intent(in) :: nd, l, c, p
     real(dp), intent(in) :: initial(3), position(3)
     type(snapshot_field_t), intent(inout) :: field
-    real(dp) :: stress(6)
+    real(dp) :: stress(size(pairs))
     integer :: column
     stress = particle_stress(body, l, c)
     column = 0
@@ -168,6 +169,8 @@ contains
       column = body%law%slots%damage
     case ('energy')
       column = body%law%slots%energy
+    case default  ! the rest has been filled in by gather_snapshot
+      column = 0
     end select
     if (column > 0) field%values(1, p) = body%particles%b(l, column, c)
   end subroutine take_field
@@ -176,7 +179,7 @@ contains
   pure function particle_stress(body, l, c) result(stress)
     type(body_t), intent(in) :: body
     integer, intent(in) :: l, c
-    real(dp) :: stress(6)
+    real(dp) :: stress(size(pairs))
     integer :: s, n
     stress = 0.0_dp
     s = body%law%slots%stress
@@ -193,7 +196,7 @@ contains
   pure function gather_body_row(model, b) result(row)
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
-    real(dp) :: row(12)
+    real(dp) :: row(size(bodies_columns))
     real(dp) :: centroid(3)
     associate (sums => model%body_sums(b))
       centroid = mesh_position(model%mesh%origin, model%mesh%h, sums%moment/sums%mass)

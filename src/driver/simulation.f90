@@ -159,7 +159,8 @@ contains
                     integer_text(model%clock%step + 1)//'; particle '// &
                     integer_text(model%fastest_id)//' limits it with c + |v| = '// &
                     real_text(model%fastest), &
-                    'look at that particle in the last dump; lower `time dt_min` if so small a step is meant')
+                    'look at that particle in the last dump; lower `time dt_min` if so small a '// &
+                    'step is meant')
   end subroutine step_too_small
 
 end module sgmp_simulation

@@ -10,7 +10,7 @@ module sgmp_step
   use sgmp_phases, only: phase_rebin_particles, phase_remap, phase_solve, phase_sweep, &
                          phase_velocity
   use sgmp_plan, only: plan_t
-  use sgmp_scene, only: update_musl, update_usf, update_usl
+  use sgmp_scene, only: update_musl, update_usf
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_drift, phase_grid, phase_kick, phase_rebin, timers_start, timers_stop
   implicit none
@@ -43,7 +43,7 @@ contains
       call step_musl(model, dt_kick)
     case (update_usf)
       call step_usf(model, dt_kick)
-    case (update_usl)
+    case default  ! update_usl
       call step_usl(model, dt_kick)
     end select
     call ledger_step(model%ledger, model%sums, dt_kick, exact=model%flip >= 1.0_dp)

@@ -31,8 +31,8 @@ module sgmp_vtu
   end type vtu_series_t
 
   !> Order of VTK's symmetric tensors.
-  character(2), parameter :: tensor_order(6) = ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']
-  character(2), parameter :: vector_order(3) = ['_x', '_y', '_z']
+  character(2), parameter :: tensor_order(*) = ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']
+  character(2), parameter :: vector_order(*) = ['_x', '_y', '_z']
 
 contains
 

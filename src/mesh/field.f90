@@ -21,7 +21,7 @@ module sgmp_field
     integer :: points = 0                           !! stored points
     type(rows_t) :: work, store
     integer, allocatable :: base(:)                 !! record of i = 0 in each interval of `store`
-    integer, allocatable :: neighbour(:, :, :)  !! (-1:1, -2:1, work%n): base of row (j + dj, k + dk)
+    integer, allocatable :: neighbour(:, :, :)  !! (-1:1, -2:1, work%n): base of row j + dj, k + dk
     integer :: planes = 0                           !! stored planes, ascending in k
     integer, allocatable :: plane_k(:)              !! (planes)
     integer, allocatable :: plane_start(:)          !! (planes + 1): first record of each plane

@@ -32,8 +32,8 @@ contains
     integer, intent(in) :: ndim, kernel
     real(dp) :: parity
     integer :: flux, nflux
-    integer, parameter :: pair(2, 6) = reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 1, 3], [2, 6])
-    integer, parameter :: plane_pair(2, 3) = reshape([1, 1, 2, 2, 1, 2], [2, 3])
+    integer, parameter :: pair(*, *) = reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 1, 3], [2, 6])
+    integer, parameter :: plane_pair(*, *) = reshape([1, 1, 2, 2, 1, 2], [2, 3])
     parity = 1.0_dp
     nflux = merge(ndim*(ndim + 1)/2, ndim, kernel == kernel_sgmp)
     if (column == 1) return
