@@ -175,10 +175,11 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     type(snapshot_t) :: snapshot
+    character(name_length) :: none(0)
     integer :: g, nearest
     allocate (outputs%gauge_ids(size(scene%gauges)))
     if (size(scene%gauges) == 0) return
-    call gather_snapshot(model, [character(name_length) ::], outputs%initial, snapshot)
+    call gather_snapshot(model, none, outputs%initial, snapshot)
     do g = 1, size(scene%gauges)
       nearest = minloc(distance2(snapshot%position, scene%gauges(g)%point, model%mesh%ndim), 1)
       outputs%gauge_ids(g) = snapshot%id(nearest)
