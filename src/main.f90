@@ -6,7 +6,8 @@ program sgmp
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use mpi_f08, only: mpi_abort, mpi_comm_world, mpi_finalize, mpi_init_thread, mpi_thread_funneled
   use omp_lib, only: omp_get_max_threads
-  use sgmp_command_line, only: action_help, action_markdown, action_version, command_line_read, command_line_t
+  use sgmp_command_line, only: action_help, action_markdown, action_version, command_line_read, &
+                               command_line_t
   use sgmp_deck, only: deck_read
   use sgmp_deck_errors, only: deck_errors_t
   use sgmp_errors, only: error_t, exit_deck, exit_ok
@@ -18,6 +19,7 @@ program sgmp
   interface
     subroutine c_exit(status) bind(c, name='exit')
       import :: c_int
+      implicit none
       integer(c_int), value :: status
     end subroutine c_exit
   end interface

@@ -1,6 +1,7 @@
 !> Errors as values: what went wrong, where in the user's input, and what to do about it.
 !!
-!! Anything that can fail for the user's reasons returns `type(error_t), allocatable`; only `main` ends the run.
+!! Anything that can fail for the user's reasons returns `type(error_t), allocatable`; only `main`
+!! ends the run.
 module sgmp_errors
   implicit none
   private
@@ -10,7 +11,7 @@ module sgmp_errors
   integer, parameter :: exit_ok = 0        !! finished
   integer, parameter :: exit_usage = 2     !! wrong command line
   integer, parameter :: exit_deck = 3      !! errors in the deck
-  integer, parameter :: exit_numerical = 4 !! blow-up, lost particles, time step below its minimum
+  integer, parameter :: exit_numerical = 4  !! blow-up, lost particles, time step below its minimum
   integer, parameter :: exit_io = 5        !! a file could not be read or written
   integer, parameter :: exit_stopped = 6   !! time limit or signal, after a complete checkpoint
 
@@ -26,7 +27,7 @@ contains
 
   !> Builds an error; `location` and `remedy` default to empty.
   pure subroutine error_make(error, code, message, remedy, location)
-    type(error_t), allocatable, intent(out) :: error !! the new error
+    type(error_t), allocatable, intent(out) :: error  !! the new error
     integer, intent(in) :: code                      !! one of the exit_* constants
     character(*), intent(in) :: message              !! what is wrong
     character(*), intent(in), optional :: remedy     !! what to do

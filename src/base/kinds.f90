@@ -5,7 +5,7 @@ module sgmp_kinds
   private
   public :: dp, i4, i8, lanes, pi
 
-  integer, parameter :: dp = real64 !! every floating-point quantity of the solver
+  integer, parameter :: dp = real64  !! every floating-point quantity of the solver
   integer, parameter :: i4 = int32  !! counts and indices inside a rank
   integer, parameter :: i8 = int64  !! global counts, keys and byte sizes
   integer, parameter :: lanes = 8   !! particles in a chunk: the SIMD unit of all particle kernels

@@ -20,6 +20,7 @@ contains
       if (status /= 0) exit
       if (line(:6) /= 'VmHWM:') cycle
       read (line(7:index(line, 'kB') - 1), *, iostat=status) bytes
+      if (status /= 0) bytes = 0_i8
       bytes = 1024_i8*bytes
       exit
     end do

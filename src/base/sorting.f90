@@ -9,10 +9,11 @@ module sgmp_sorting
 
 contains
 
-  !> Permutation that puts non-negative keys in ascending order, equal keys in their old order: a radix sort.
+  !> Permutation that puts non-negative keys in ascending order, equal keys in their old order: a
+  !! radix sort.
   pure subroutine sort_order(keys, order)
     integer(i8), intent(in) :: keys(:)
-    integer, intent(out) :: order(:) !! (size(keys)); keys(order) ascends
+    integer, intent(out) :: order(:)  !! (size(keys)); keys(order) ascends
     integer, allocatable :: other(:)
     integer :: counts(0:2**digit_bits - 1), start, n, p, digit, shift
     integer(i8) :: largest

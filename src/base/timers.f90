@@ -13,7 +13,7 @@ module sgmp_timers
   integer, parameter :: phase_output = 5
   integer, parameter :: phase_count = 5
   character(16), parameter :: phase_names(phase_count) = &
-                              [character(16) :: 'momentum sweep', 'stress sweep', 'grid', 're-binning', 'output']
+      [character(16) :: 'momentum sweep', 'stress sweep', 'grid', 're-binning', 'output']
 
   !> Seconds spent in each phase.
   type :: timers_t

@@ -8,8 +8,9 @@ module sgmp_cards
   use sgmp_registry, only: card_definition_t, key_definition_t, kind_expression, kind_integer, &
                            kind_interval, kind_list, kind_logical, kind_name, kind_name_word, &
                            kind_real, kind_text, kind_vector, kind_word
-  use sgmp_words, only: string_t, suggestion, text_of, text_of_integer, word_count, word_in_list, &
-                        word_is_identifier, word_item, word_lower
+  use sgmp_text, only: integer_text, real_text_plain
+  use sgmp_words, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, &
+                        word_item, word_lower
   implicit none
   private
   public :: deck_card_t, value_t, card_parse, card_default, card_free
@@ -62,7 +63,7 @@ contains
   pure real(dp) function card_number(self, key, absent) result(value)
     class(deck_card_t), intent(in) :: self
     character(*), intent(in) :: key
-    real(dp), intent(in), optional :: absent !! zero if not given
+    real(dp), intent(in), optional :: absent  !! zero if not given
     value = 0.0_dp
     if (present(absent)) value = absent
     if (self%has(key)) value = self%values(self%at(key))%number
@@ -72,7 +73,7 @@ contains
   pure integer function card_whole(self, key, absent) result(value)
     class(deck_card_t), intent(in) :: self
     character(*), intent(in) :: key
-    integer, intent(in), optional :: absent !! zero if not given
+    integer, intent(in), optional :: absent  !! zero if not given
     value = 0
     if (present(absent)) value = absent
     if (self%has(key)) value = nint(self%values(self%at(key))%number)
@@ -234,7 +235,7 @@ contains
     slot = slot + 1
     if (card%values(number)%given) then
       call fail(card, errors, token%position, "'"//definition%keys(number)%name//"' is given "// &
-                "twice", &
+                'twice', &
                 'remove one of the two')
     else
       call store(card, number, token, parameters, errors)
@@ -279,7 +280,7 @@ contains
     type(deck_errors_t), intent(inout) :: errors
     character(:), allocatable :: selected
     integer :: i, selector
-    logical :: applies, known
+    logical :: known
     selected = ''
     known = .true.
     selector = definition%find_key(definition%selector)
@@ -289,26 +290,43 @@ contains
       if (known) selected = card%values(selector)%text
     end if
     do i = 1, size(card%values)
-      associate (key => definition%keys(i), value => card%values(i))
-        applies = key%when == '' .or. word_in_list(selected, key%when) > 0
-        if (i == selector) then
-          if (.not. value%given) call missing(definition, key, card, errors)
-        else if (value%given .and. .not. applies .and. known) then
-          call fail(card, errors, value%position, "'"//key%name//"' means nothing for "// &
-                    definition%selector//' '//selected, &
-                    suggestion(key%name, definition%key_names(selected), 'keys for '//selected))
-        else if (.not. value%given .and. applies .and. key%required) then
-          if (known) call missing(definition, key, card, errors)
-        else if (value%given .neqv. value%present) then
-          cycle ! its text could not be made out
-        else if (value%given .or. (applies .and. key%default /= '')) then
-          if (.not. value%given) value%text = key%default
-          value%present = .true.
-          call evaluate_value(key, card, i, parameters, errors)
+      if (i == selector) then
+        if (.not. card%values(i)%given) then
+          call missing(definition, definition%keys(i), card, errors)
         end if
-      end associate
+      else
+        call finish_value(definition, i, selected, known, parameters, card, errors)
+      end if
     end do
   end subroutine finish_card
+
+  !> One key of a card: superfluous, missing, given or by default.
+  subroutine finish_value(definition, number, selected, known, parameters, card, errors)
+    type(card_definition_t), intent(in) :: definition
+    integer, intent(in) :: number
+    character(*), intent(in) :: selected  !! value of the key that selects which others apply
+    logical, intent(in) :: known          !! that value could be made out
+    type(parameters_t), intent(inout) :: parameters
+    type(deck_card_t), intent(inout) :: card
+    type(deck_errors_t), intent(inout) :: errors
+    logical :: applies
+    associate (key => definition%keys(number), value => card%values(number))
+      applies = key%when == '' .or. word_in_list(selected, key%when) > 0
+      if (value%given .and. known .and. .not. applies) then
+        call fail(card, errors, value%position, "'"//key%name//"' means nothing for "// &
+                  definition%selector//' '//selected, &
+                  suggestion(key%name, definition%key_names(selected), 'keys for '//selected))
+      else if (value%given) then
+        if (value%present) call evaluate_value(key, card, number, parameters, errors)
+      else if (applies .and. key%required) then
+        if (known) call missing(definition, key, card, errors)
+      else if (applies .and. key%default /= '') then
+        value%text = key%default
+        value%present = .true.
+        call evaluate_value(key, card, number, parameters, errors)
+      end if
+    end associate
+  end subroutine finish_value
 
   subroutine missing(definition, key, card, errors)
     type(card_definition_t), intent(in) :: definition
@@ -356,7 +374,7 @@ contains
         call read_interval(key, value, parameters, failed, errors)
       case (kind_list)
         call read_list(key, value, failed, errors)
-      case (kind_text)
+      case default  ! a text is taken as it is
         failed = .false.
       end select
       if (failed) card%failed = .true.
@@ -369,8 +387,10 @@ contains
     logical, intent(out) :: failed
     type(deck_errors_t), intent(inout) :: errors
     failed = .not. in_range(value%number, key%range)
-    if (failed) call errors%add(value%position, "'"//key%name//"' = "//text_of(value%number)// &
-                                ' is out of range', 'allowed: '//key%range//', '//key%help)
+    if (failed) then
+      call errors%add(value%position, "'"//key%name//"' = "//real_text_plain(value%number)// &
+                      ' is out of range', 'allowed: '//key%range//', '//key%help)
+    end if
   end subroutine check_range
 
   !> Whether a number lies in an interval written `[a,b]`, `(a,b)`, …; '' is everything.
@@ -395,17 +415,18 @@ contains
     type(value_t), intent(inout) :: value
     logical, intent(out) :: failed
     type(deck_errors_t), intent(inout) :: errors
-    real(dp), parameter :: tolerance = 1.0e-9_dp ! of an expression like 3*(1/3)
+    real(dp), parameter :: tolerance = 1.0e-9_dp  ! of an expression like 3*(1/3)
     failed = abs(value%number) > real(huge(1), dp)
     if (failed) then
-      call errors%add(value%position, "'"//key%name//"' = "//text_of(value%number)//' is too '// &
-                      'large', &
-                      'at most '//text_of_integer(huge(1)))
+      call errors%add(value%position, "'"//key%name//"' = "//real_text_plain(value%number)// &
+                      ' is too large', 'at most '//integer_text(huge(1)))
       return
     end if
     failed = abs(value%number - anint(value%number)) > tolerance*max(1.0_dp, abs(value%number))
-    if (failed) call errors%add(value%position, "'"//key%name//"' = "//text_of(value%number)// &
-                                ' is not a whole number', 'give a whole number')
+    if (failed) then
+      call errors%add(value%position, "'"//key%name//"' = "//real_text_plain(value%number)// &
+                      ' is not a whole number', 'give a whole number')
+    end if
     value%number = anint(value%number)
   end subroutine check_integer
 
@@ -486,10 +507,11 @@ contains
   end subroutine read_vector
 
   !> Whether the first parenthesis is closed by the last letter.
-  pure logical function encloses(text)
+  pure function encloses(text) result(yes)
     character(*), intent(in) :: text
+    logical :: yes
     integer :: i, depth
-    encloses = .false.
+    yes = .false.
     if (len(text) == 0) return
     depth = 0
     do i = 1, len(text)
@@ -497,7 +519,7 @@ contains
       if (text(i:i) == ')') depth = depth - 1
       if (depth == 0) exit
     end do
-    encloses = i == len(text) .and. text(1:1) == '('
+    yes = i == len(text) .and. text(1:1) == '('
   end function encloses
 
   !> Column of a separator outside parentheses, or the one after the text.

@@ -5,7 +5,8 @@ module sgmp_deck_echo
   use sgmp_parameters, only: parameters_t
   use sgmp_registry, only: card_definition_t, kind_expression, kind_integer, kind_interval, &
                            kind_list, kind_logical, kind_real, kind_text, kind_vector, registry_t
-  use sgmp_words, only: text_of, word_is_identifier, word_lower
+  use sgmp_text, only: real_text_plain
+  use sgmp_words, only: word_is_identifier, word_lower
   implicit none
   private
   public :: deck_echo
@@ -123,12 +124,12 @@ contains
     character(:), allocatable :: text
     select case (kind)
     case (kind_real, kind_integer)
-      text = text_of(value%number)
+      text = real_text_plain(value%number)
     case (kind_logical)
       text = trim(merge('yes', 'no ', value%flag))
     case (kind_vector)
-      text = '('//text_of(value%vector(1))//','//text_of(value%vector(2))//','// &
-             text_of(value%vector(3))//')'
+      text = '('//real_text_plain(value%vector(1))//','//real_text_plain(value%vector(2))//','// &
+             real_text_plain(value%vector(3))//')'
     case (kind_interval)
       text = end_text(1)//':'//end_text(2)
       if (all(value%open)) text = 'open'
@@ -144,7 +145,7 @@ contains
       integer, intent(in) :: side
       character(:), allocatable :: bound
       bound = 'open'
-      if (.not. value%open(side)) bound = text_of(value%vector(side))
+      if (.not. value%open(side)) bound = real_text_plain(value%vector(side))
     end function end_text
   end function value_text
 
@@ -153,7 +154,7 @@ contains
     character(*), intent(in) :: text
     character(:), allocatable :: word
     word = '"'//text//'"'
-    if (index(text, '"') > 0) word = ''''//text//''''
+    if (index(text, '"') > 0) word = "'"//text//"'"
   end function quoted
 
   !> Blank-separated words with commas.

@@ -12,7 +12,7 @@ module sgmp_deck_errors
     character(:), allocatable :: file   !! path as opened, or `--set`
     integer :: line = 0                 !! from 1; 0: the file as a whole
     integer :: column = 0               !! from 1
-    character(:), allocatable :: source !! the text of that line
+    character(:), allocatable :: source  !! the text of that line
   contains
     procedure :: text => position_text
   end type position_t
@@ -57,7 +57,7 @@ contains
     class(deck_errors_t), intent(inout) :: self
     type(position_t), intent(in) :: position
     character(*), intent(in) :: message          !! what is wrong, with the offending word
-    character(*), intent(in), optional :: remedy !! what was expected, or what to do
+    character(*), intent(in), optional :: remedy  !! what was expected, or what to do
     call append(self, position, message, .false., remedy)
   end subroutine errors_add
 
@@ -123,7 +123,7 @@ contains
   !> Writes every entry: place and message, the line, a caret under the column, the remedy.
   subroutine errors_print(self, unit)
     class(deck_errors_t), intent(in) :: self
-    integer, intent(in), optional :: unit !! formatted unit; default: standard output
+    integer, intent(in), optional :: unit  !! formatted unit; default: standard output
     integer :: i, to
     to = output_unit
     if (present(unit)) to = unit

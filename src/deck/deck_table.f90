@@ -7,7 +7,7 @@ module sgmp_deck_table
   public :: deck_table, wall_faces, field_names
 
   !> Keys of the card `wall`: axis and side, in the order of `grid_card_t%wall` read by columns.
-  character(2), parameter :: wall_faces(6) = ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']
+  character(2), parameter :: wall_faces(*) = ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']
   !> Particle fields that `output` can be asked for.
   character(*), parameter :: field_names = &
     'initial_position displacement stress pressure von_mises density volume mass '// &
@@ -36,7 +36,7 @@ contains
     call registry%card('title', 'What the run is called in its output.', &
                        'title "Taylor bar"', once=.true.)
     call registry%key('text', kind_text, 'the title', slot=1, required=.true.)
-    call registry%card('units', 'Units of the deck''s numbers; labels the output and enables '// &
+    call registry%card('units', "Units of the deck's numbers; labels the output and enables "// &
                        'checks of orders of magnitude. The numbers must be consistent: force '// &
                        'in mass*length/time^2, stress in mass/(length*time^2).', 'units mm g ms', &
                        once=.true.)
@@ -89,7 +89,7 @@ contains
                       default='sgmp', slot=1, source='sections 2 to 4 of the paper')
     call registry%key('update', kind_word, 'when the stress is updated: first, modified last, '// &
                       'last', &
-                      choices='usf musl usl', default='musl', source='MUSL is the paper''s '// &
+                      choices='usf musl usl', default='musl', source="MUSL is the paper's "// &
                       'recommendation')
     call registry%key('flip', kind_real, 'part of the velocity taken from increments; 0 is '// &
                       'pure PIC', &
@@ -133,9 +133,9 @@ contains
                       choices='elastic neo_hookean j2 johnson_cook explosive')
     call registry%key('density', kind_real, 'initial density', unit='density', range='(0,inf)', &
                       required=.true.)
-    call registry%key('young', kind_real, 'Young''s modulus', unit='stress', range='(0,inf)', &
+    call registry%key('young', kind_real, "Young's modulus", unit='stress', range='(0,inf)', &
                       required=.true., when='elastic neo_hookean '//plastic)
-    call registry%key('poisson', kind_real, 'Poisson''s ratio', range='(-1,0.5)', required=.true., &
+    call registry%key('poisson', kind_real, "Poisson's ratio", range='(-1,0.5)', required=.true., &
                       when='elastic neo_hookean '//plastic)
     call registry%key('yield', kind_real, 'initial yield stress (Johnson-Cook A)', unit='stress', &
                       range='(0,inf)', required=.true., when=plastic)

@@ -32,14 +32,14 @@ module sgmp_expression
   character(*), parameter :: expression_functions = &
     'sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh log2 log10 log ln exp '// &
     'sqrt sign rint abs min max sum avg _pi _e'
-  character(2), parameter :: variable_names(7) = ['x ', 'y ', 'z ', 'x0', 'y0', 'z0', 't ']
+  character(2), parameter :: variable_names(*) = ['x ', 'y ', 'z ', 'x0', 'y0', 'z0', 't ']
   integer, parameter :: slots = 256
     !! threads beyond this number compile a parser for each evaluation
 
   !> One thread's parser with the variables it is bound to.
   type :: parser_t
     type(c_ptr) :: handle = c_null_ptr
-    real(c_double) :: variables(7) = 0.0_c_double
+    real(c_double) :: variables(size(variable_names)) = 0.0_c_double
   end type parser_t
 
   !> One thread's entry; empty until that thread first evaluates.
@@ -62,7 +62,7 @@ module sgmp_expression
     real(dp) :: value = 0.0_dp              !! the value where `is_constant`
     logical :: uses_time = .false.          !! depends on t
     logical :: uses_position = .false.      !! depends on x, y or z
-    logical :: uses_initial_position = .false. !! depends on x0, y0 or z0
+    logical :: uses_initial_position = .false.  !! depends on x0, y0 or z0
     type(shared_t), pointer, private :: shared => null()
   contains
     procedure :: evaluate
@@ -71,73 +71,87 @@ module sgmp_expression
   interface
     function mup_create(base_type) bind(c, name='mupCreate') result(handle)
       import :: c_int, c_ptr
+      implicit none
       integer(c_int), value :: base_type
       type(c_ptr) :: handle
     end function mup_create
     subroutine mup_release(handle) bind(c, name='mupRelease')
       import :: c_ptr
+      implicit none
       type(c_ptr), value :: handle
     end subroutine mup_release
     subroutine mup_set_error_handler(handle, handler) bind(c, name='mupSetErrorHandler')
       import :: c_funptr, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       type(c_funptr), value :: handler
     end subroutine mup_set_error_handler
     subroutine mup_set_expr(handle, text) bind(c, name='mupSetExpr')
       import :: c_char, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       character(kind=c_char), intent(in) :: text(*)
     end subroutine mup_set_expr
     subroutine mup_define_var(handle, name, variable) bind(c, name='mupDefineVar')
       import :: c_char, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       character(kind=c_char), intent(in) :: name(*)
       type(c_ptr), value :: variable
     end subroutine mup_define_var
     subroutine mup_define_const(handle, name, value) bind(c, name='mupDefineConst')
       import :: c_char, c_double, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       character(kind=c_char), intent(in) :: name(*)
       real(c_double), value :: value
     end subroutine mup_define_const
     function mup_eval(handle) bind(c, name='mupEval') result(value)
       import :: c_double, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       real(c_double) :: value
     end function mup_eval
     function mup_eval_multi(handle, count) bind(c, name='mupEvalMulti') result(values)
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       integer(c_int), intent(out) :: count
       type(c_ptr) :: values
     end function mup_eval_multi
     function mup_error(handle) bind(c, name='mupError') result(failed)
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       integer(c_int) :: failed
     end function mup_error
     function mup_get_error_pos(handle) bind(c, name='mupGetErrorPos') result(position)
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       integer(c_int) :: position
     end function mup_get_error_pos
     function mup_get_error_token(handle) bind(c, name='mupGetErrorToken') result(token)
       import :: c_ptr
+      implicit none
       type(c_ptr), value :: handle
       type(c_ptr) :: token
     end function mup_get_error_token
     function mup_get_error_msg(handle) bind(c, name='mupGetErrorMsg') result(message)
       import :: c_ptr
+      implicit none
       type(c_ptr), value :: handle
       type(c_ptr) :: message
     end function mup_get_error_msg
     function mup_get_expr_var_num(handle) bind(c, name='mupGetExprVarNum') result(count)
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       integer(c_int) :: count
     end function mup_get_expr_var_num
     subroutine mup_get_expr_var(handle, number, name, variable) bind(c, name='mupGetExprVar')
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: handle
       integer(c_int), value :: number
       type(c_ptr), intent(out) :: name, variable
@@ -172,7 +186,7 @@ contains
       expression%shared%parameter_names(i) = word_lower(parameter_names(i))
     end do
     expression%shared%parameter_values = parameter_values
-    call ieee_get_status(status) ! trial values may lie outside the formula's domain
+    call ieee_get_status(status)  ! trial values may lie outside the formula's domain
     call ieee_set_halting_mode(ieee_all, .false.)
     call inspect(expression, error, position, token)
     call ieee_set_status(status)
@@ -228,7 +242,7 @@ contains
   function evaluate(self, position, initial_position, time) result(value)
     class(expression_t), intent(in) :: self
     real(dp), intent(in) :: position(3)         !! x, y, z
-    real(dp), intent(in) :: initial_position(3) !! x0, y0, z0
+    real(dp), intent(in) :: initial_position(3)  !! x0, y0, z0
     real(dp), intent(in) :: time                !! t
     real(dp) :: value
     type(parser_t), pointer :: parser
@@ -249,7 +263,7 @@ contains
     end if
     parser%variables(1:3) = position
     parser%variables(4:6) = initial_position
-    parser%variables(7) = time
+    parser%variables(size(variable_names)) = time
     value = mup_eval(parser%handle)
     if (thread >= slots) call parser_free(parser)
   end function evaluate
@@ -283,7 +297,7 @@ contains
       call find_variables(expression, parser%handle)
       if (expression%is_constant .and. .not. ieee_is_finite(expression%value)) then
         call error_make(error, exit_deck, "the value of '"//expression%text//"' is not a "// &
-                        "finite number")
+                        'finite number')
       end if
     end if
     call parser_free(parser)

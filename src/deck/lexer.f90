@@ -3,14 +3,15 @@
 module sgmp_lexer
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_kinds, only: i8
-  use sgmp_words, only: string_t, text_of_integer, word_lower
+  use sgmp_text, only: integer_text
+  use sgmp_words, only: string_t, word_lower
   implicit none
   private
   public :: token_t, statement_t, lexer_read, lexer_split
 
   character(1), parameter :: tab = achar(9), newline = achar(10), carriage_return = achar(13)
   character(3), parameter :: byte_order_mark = char(239)//char(187)//char(191)
-  integer(i8), parameter :: largest_file = 16*1024_i8**2 !! bytes; a deck is text written by people
+  integer(i8), parameter :: largest_file = 16*1024_i8**2  !! bytes; a deck is text written by people
   integer, parameter :: deepest_include = 32
 
   !> A word, a quoted text or an equals sign.
@@ -32,7 +33,7 @@ contains
   subroutine lexer_read(path, statements, complete, errors)
     character(*), intent(in) :: path
     type(statement_t), allocatable, intent(out) :: statements(:)
-    logical, intent(out) :: complete !! every file was read
+    logical, intent(out) :: complete  !! every file was read
     type(deck_errors_t), intent(inout) :: errors
     type(string_t) :: open_files(0)
     type(position_t) :: nowhere
@@ -48,7 +49,7 @@ contains
     type(position_t), intent(in) :: asked_at
     type(string_t), intent(in) :: open_files(:)
     type(statement_t), allocatable, intent(inout) :: statements(:)
-    logical, intent(inout) :: complete !! becomes false if some file is not read
+    logical, intent(inout) :: complete  !! becomes false if some file is not read
     type(deck_errors_t), intent(inout) :: errors
     type(string_t), allocatable :: lines(:)
     type(statement_t), allocatable :: own(:)
@@ -176,7 +177,7 @@ contains
     if (.not. failed) return
     place%line = i
     call errors%add(place, 'not a text file: byte '// &
-                    text_of_integer(iachar(lines(i)%text(place%column:place%column)))// &
+                    integer_text(iachar(lines(i)%text(place%column:place%column)))// &
                     ' is a control character', 'a deck is plain text in UTF-8 or ASCII')
   end subroutine cut_lines
 
@@ -233,7 +234,7 @@ contains
 
   !> Appends the tokens of one line.
   subroutine split_line(line, tokens, continued, errors)
-    type(position_t), intent(in) :: line !! its source is the text
+    type(position_t), intent(in) :: line  !! its source is the text
     type(token_t), allocatable, intent(inout) :: tokens(:)
     logical, intent(out) :: continued    !! the line ends in `&`
     type(deck_errors_t), intent(inout) :: errors
@@ -325,9 +326,10 @@ contains
     end do
   end function parentheses
 
-  pure logical function is_blank(c)
+  pure function is_blank(c) result(yes)
     character(1), intent(in) :: c
-    is_blank = c == ' ' .or. c == tab
+    logical :: yes
+    yes = c == ' ' .or. c == tab
   end function is_blank
 
   pure function whole_file(path) result(place)

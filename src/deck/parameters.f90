@@ -7,15 +7,15 @@ module sgmp_parameters
                              expression_variables
   use sgmp_kinds, only: dp
   use sgmp_lexer, only: token_t
-  use sgmp_words, only: string_t, suggestion, text_of, word_count, word_in_list, &
-    word_is_identifier, &
+  use sgmp_text, only: real_text_plain
+  use sgmp_words, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, &
                         word_item, word_lower, word_nearest
   implicit none
   private
   public :: parameters_t, name_size
 
-  real(dp), parameter :: largest = 1.0e60_dp !! so that products of a few numbers do not overflow
-  integer, parameter :: name_size = 32 !! longest name of a parameter
+  real(dp), parameter :: largest = 1.0e60_dp  !! so that products of a few numbers do not overflow
+  integer, parameter :: name_size = 32  !! longest name of a parameter
 
   !> One parameter: a number, or a word where `is_word`.
   type :: parameter_t
@@ -155,7 +155,7 @@ contains
     if (.not. allocated(error) .and. expression%is_constant) then
       call mark_used(self, text)
       new%value = expression%value
-      new%text = text_of(new%value)
+      new%text = real_text_plain(new%value)
     else
       new%is_word = .true.
       new%text = text
@@ -191,7 +191,7 @@ contains
   function substitute(self, text, position, errors) result(replaced)
     class(parameters_t), intent(inout) :: self
     character(*), intent(in) :: text
-    type(position_t), intent(in) :: position !! of the text's first letter
+    type(position_t), intent(in) :: position  !! of the text's first letter
     type(deck_errors_t), intent(inout) :: errors
     character(:), allocatable :: replaced, name
     integer :: dollar, next, number
@@ -239,7 +239,7 @@ contains
   subroutine make_expression(self, text, position, expression, failed, errors)
     class(parameters_t), intent(inout) :: self
     character(*), intent(in) :: text
-    type(position_t), intent(in) :: position !! of the text's first letter
+    type(position_t), intent(in) :: position  !! of the text's first letter
     type(expression_t), intent(out) :: expression
     logical, intent(out) :: failed
     type(deck_errors_t), intent(inout) :: errors
@@ -257,7 +257,7 @@ contains
     if (known > 0) then
       if (self%list(known)%is_word) then
         error%message = "parameter '"//token//"' is the word '"//self%list(known)%text//"', "// &
-          "not a number"
+          'not a number'
         remedy = 'use it as $'//token
       end if
     else if (word_is_identifier(token) .and. .not. follows_digit(text, column) .and. &
@@ -270,12 +270,13 @@ contains
   end subroutine make_expression
 
   !> Whether the word at a column is glued to a digit, as in `12abc`.
-  pure logical function follows_digit(text, column)
+  pure function follows_digit(text, column) result(yes)
     character(*), intent(in) :: text
     integer, intent(in) :: column
-    follows_digit = .false.
+    logical :: yes
+    yes = .false.
     if (column < 2 .or. column > len(text)) return
-    follows_digit = scan(text(column - 1:column - 1), '0123456789.') > 0
+    yes = scan(text(column - 1:column - 1), '0123456789.') > 0
   end function follows_digit
 
   !> The value of a constant expression.
@@ -298,7 +299,8 @@ contains
     if (.not. failed .and. abs(value) > 0.0_dp .and. &
         (abs(value) > largest .or. abs(value) < 1.0_dp/largest)) then
       failed = .true.
-      call errors%add(position, "'"//text//"' = "//text_of(value)//' is beyond all measure', &
+      call errors%add(position, "'"//text//"' = "//real_text_plain(value)// &
+                      ' is beyond all measure', &
                       'magnitudes lie between 1e-60 and 1e60, or are zero')
       value = 0.0_dp
     end if
@@ -359,7 +361,7 @@ contains
     do i = 1, size(self%list)
       if (self%list(i)%used) cycle
       call errors%warn(self%list(i)%position, "parameter '"//trim(self%list(i)%name)//"' is "// &
-                       "not used")
+                       'not used')
     end do
   end subroutine check_use
 
@@ -374,13 +376,13 @@ contains
   end function find
 
   !> Names of all parameters.
-  pure function names(self)
+  pure function names(self) result(list)
     class(parameters_t), intent(in) :: self
-    type(string_t), allocatable :: names(:)
+    type(string_t), allocatable :: list(:)
     integer :: i
-    allocate (names(size(self%list)))
-    do i = 1, size(names)
-      names(i)%text = trim(self%list(i)%name)
+    allocate (list(size(self%list)))
+    do i = 1, size(list)
+      list(i)%text = trim(self%list(i)%name)
     end do
   end function names
 

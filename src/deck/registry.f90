@@ -19,7 +19,7 @@ module sgmp_registry
   integer, parameter :: kind_name_word = 5  !! a name chosen by the user
   integer, parameter :: kind_text = 6       !! anything
   integer, parameter :: kind_vector = 7     !! (a,b,c), (a,b) or a
-  integer, parameter :: kind_expression = 8 !! function of position and time
+  integer, parameter :: kind_expression = 8  !! function of position and time
   integer, parameter :: kind_interval = 9   !! lower:upper, either may be `open`; or `open`
   integer, parameter :: kind_list = 10      !! words of `choices` separated by commas
 
@@ -197,7 +197,7 @@ contains
   pure function kind_name(kind) result(text)
     integer, intent(in) :: kind
     character(:), allocatable :: text
-    character(22), parameter :: names(10) = [character(22) :: &
+    character(22), parameter :: names(*) = [character(22) :: &
       'number', 'whole number', 'yes or no', 'word', 'name', 'text', 'vector (a,b,c)', &
       'formula of x y z', 'interval lower:upper', 'words, comma-separated']
     text = trim(names(kind))

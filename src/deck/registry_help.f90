@@ -70,7 +70,7 @@ contains
 
   !> Writes the reference of all cards in Markdown.
   subroutine registry_write_markdown(unit)
-    integer, intent(in) :: unit !! formatted unit
+    integer, intent(in) :: unit  !! formatted unit
     type(registry_t) :: registry
     integer :: i
     registry = deck_table()
@@ -94,7 +94,7 @@ contains
       '* A number may be a formula of numbers and parameters: `cell=h/2`, or in quotes with '// &
       'blanks.', &
       '  `^` and `**` are powers.', &
-      '* `$name` or `${name}` puts a parameter''s text in anywhere: `method $method`. A '// &
+      "* `$name` or `${name}` puts a parameter's text in anywhere: `method $method`. A "// &
       'formula that', &
       '  contains x, y, z or t is kept as text when its value is in quotes, for use as `$name`.', &
       '* A vector is `(a,b,c)`, `a,b,c`, or shorter: missing components are 0.', &

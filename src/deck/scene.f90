@@ -34,7 +34,8 @@ module sgmp_scene
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
     material_johnson_cook = 4, &
                         material_explosive = 5
-  character(16), parameter :: material_names(5) = [character(16) :: 'elastic', 'neo_hookean', &
+  integer, parameter :: damage_constants = 5
+  character(16), parameter :: material_names(*) = [character(16) :: 'elastic', 'neo_hookean', &
     'j2', 'johnson_cook', 'explosive']
   integer, parameter :: hardening_perfect = 1, hardening_linear = 2, hardening_power = 3
   integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2
@@ -48,7 +49,7 @@ module sgmp_scene
   !> Background grid: cubic cells of side `cell`; an open face follows the particles.
   type :: grid_card_t
     real(dp) :: cell = 0.0_dp                       !! cell side h (length)
-    real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp !! box corners (length); unused where open
+    real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! box corners (length); unused where open
     logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given
     integer :: wall(2, 3) = wall_free
       !! (lower|upper, axis): wall_free, wall_slip, wall_fixed
@@ -98,7 +99,7 @@ module sgmp_scene
     real(dp) :: room_temperature = 293.0_dp, melt_temperature = 0.0_dp, specific_heat = 0.0_dp, &
       taylor_quinney = 0.9_dp
     logical :: failure = .false.
-    real(dp) :: damage(5) = 0.0_dp                !! D1..D5
+    real(dp) :: damage(damage_constants) = 0.0_dp  !! D1..D5
     ! explosive
     real(dp) :: detonation_speed = 0.0_dp         !! D
     real(dp) :: burn_cells = 0.0_dp
@@ -107,7 +108,7 @@ module sgmp_scene
     integer :: eos = eos_none
     real(dp) :: jwl_a = 0.0_dp, jwl_b = 0.0_dp, jwl_r1 = 0.0_dp, jwl_r2 = 0.0_dp, jwl_omega = 0.0_dp
     real(dp) :: energy0 = 0.0_dp                  !! initial energy per initial volume
-    real(dp) :: c0 = 0.0_dp, s = 0.0_dp, gamma0 = 0.0_dp !! Mie-Grueneisen
+    real(dp) :: c0 = 0.0_dp, s = 0.0_dp, gamma0 = 0.0_dp  !! Mie-Grueneisen
     ! bulk viscosity of Eq. (q = rho h^2 b1 tr^2 - b2 rho h c tr)
     real(dp) :: viscosity_quadratic = 0.0_dp, viscosity_linear = 0.0_dp
   end type material_card_t
@@ -167,7 +168,7 @@ module sgmp_scene
   type :: output_card_t
     logical :: vtu = .false., tecplot = .false., csv_end = .false.
     real(dp) :: every = 0.0_dp                    !! interval in time; 0: start and end only
-    character(name_length), allocatable :: fields(:) !! fields besides id, body, position, velocity
+    character(name_length), allocatable :: fields(:)  !! fields besides id, body, position, velocity
     integer :: history_steps = 1                  !! history and bodies rows every so many steps
     real(dp) :: history_every = 0.0_dp            !! or every so much time (0: by steps)
   end type output_card_t

@@ -29,15 +29,17 @@ contains
     type(deck_errors_t), intent(inout) :: errors
     integer :: i
     call reserve(cards, scene)
-    do i = 1, size(cards) ! whatever others refer to comes first
+    do i = 1, size(cards)  ! whatever others refer to comes first
       select case (cards(i)%name)
       case ('dimension')
-        scene%dimension = 1 ! checks the least where the card is wrong
+        scene%dimension = 1  ! checks the least where the card is wrong
         if (.not. cards(i)%failed) scene%dimension = cards(i)%whole('value')
       case ('material')
         call add_material(cards(i), scene, errors)
       case ('grid')
         if (.not. cards(i)%failed) call set_grid(cards(i), scene)
+      case default
+        cycle
       end select
     end do
     do i = 1, size(cards)
@@ -99,7 +101,7 @@ contains
       scene%output%history_every = card%number('every')
     case ('gauge')
       call add_gauge(card, scene, errors)
-    case default ! dimension, material, grid and body are done already
+    case default  ! dimension, material, grid and body are done already
     end select
   end subroutine apply_card
 
@@ -335,7 +337,7 @@ contains
 
   subroutine append_shape(card, operation, dimension, body, errors)
     type(deck_card_t), intent(in) :: card
-    integer, intent(in) :: operation !! one of combine_*
+    integer, intent(in) :: operation  !! one of combine_*
     integer, intent(in) :: dimension
     type(body_card_t), intent(inout) :: body
     type(deck_errors_t), intent(inout) :: errors

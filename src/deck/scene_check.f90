@@ -6,7 +6,8 @@ module sgmp_scene_check
   use sgmp_kinds, only: dp, i8
   use sgmp_registry, only: card_definition_t, kind_real, registry_t
   use sgmp_scene, only: eos_jwl, eos_none, material_explosive, method_sgmp, scene_t, wall_free
-  use sgmp_words, only: text_of, text_of_integer, word_in_list
+  use sgmp_text, only: integer_text, real_text_plain
+  use sgmp_words, only: word_in_list
   implicit none
   private
   public :: scene_check, scene_check_cards
@@ -86,8 +87,8 @@ contains
     type(deck_card_t), intent(in) :: card
     type(scene_t), intent(in) :: scene
     type(deck_errors_t), intent(inout) :: errors
-    real(dp), parameter :: tolerance = 1.0e-6_dp ! cells
-    real(dp), parameter :: most_cells = 2.0e9_dp ! along one axis
+    real(dp), parameter :: tolerance = 1.0e-6_dp  ! cells
+    real(dp), parameter :: most_cells = 2.0e9_dp  ! along one axis
     real(dp) :: length, cells
     integer :: i
     if (scene%grid%cell <= 0.0_dp) return
@@ -95,19 +96,20 @@ contains
       associate (value => card%values(card%at('xyz' (i:i))))
         if (i > scene%dimension .and. .not. all(value%open)) then
           call errors%add(value%position, 'extent along '//'xyz' (i:i)//' in '// &
-                          text_of_integer(scene%dimension)//'D', 'remove it or change the '// &
+                          integer_text(scene%dimension)//'D', 'remove it or change the '// &
                           'dimension')
         end if
         if (any(value%open)) cycle
         length = value%vector(2) - value%vector(1)
         cells = length/scene%grid%cell
         if (cells > most_cells) then
-          call errors%add(value%position, 'the box has '//text_of(anint(cells))//' cells along '// &
-                          'xyz' (i:i), 'use larger cells')
+          call errors%add(value%position, 'the box has '//real_text_plain(anint(cells))// &
+                          ' cells along '//'xyz' (i:i), 'use larger cells')
         else if (abs(cells - anint(cells)) > tolerance .or. cells < 0.5_dp) then
           call errors%add(value%position, 'the box is not a whole number of cells: '// &
-                          text_of(length)//' / '//text_of(scene%grid%cell)//' = '//text_of(cells), &
-                          'nearest cell='//text_of(length/max(1.0_dp, anint(cells)))// &
+                          real_text_plain(length)//' / '//real_text_plain(scene%grid%cell)// &
+                          ' = '//real_text_plain(cells), 'nearest cell='// &
+                          real_text_plain(length/max(1.0_dp, anint(cells)))// &
                           ', or change the extent')
         end if
       end associate
@@ -127,7 +129,7 @@ contains
                  name => 'xyz' (axis:axis))
         if (axis > scene%dimension) then
           call errors%add(position, 'a wall on '//wall_faces(i)//' in '// &
-                          text_of_integer(scene%dimension)//'D', 'remove it or change the '// &
+                          integer_text(scene%dimension)//'D', 'remove it or change the '// &
                           'dimension')
         else if (scene%grid%open(side, axis)) then
           call errors%add(position, 'a wall on '//wall_faces(i)//', which is open', &
@@ -162,19 +164,19 @@ contains
     associate (material => scene%materials(i))
       if (material%kind == material_explosive .and. material%eos /= eos_jwl) then
         call errors%add(card%position, "explosive '"//trim(material%name)//"' has no JWL "// &
-                        "equation", &
+                        'equation', &
                         'add: eos '//trim(material%name)//' jwl a=… b=… r1=… r2=… omega=… '// &
                         'energy0=…')
       end if
       if (material%kind /= material_explosive .and. material%eos == eos_jwl) then
         call errors%add(card%position, "'"//trim(material%name)//"' has a JWL equation but no "// &
-                        "burn", &
+                        'burn', &
                         'make it explosive')
       end if
       if (word_in_list(card%word('kind'), 'elastic neo_hookean') > 0 .and. &
           material%eos /= eos_none) then
         call errors%add(card%position, "the pressure of '"//trim(material%name)//"' is elastic "// &
-                        "already", &
+                        'already', &
                         'remove the card eos, or use j2 or johnson_cook')
       end if
       if (material%thermal .and. .not. (card%has('melt_temperature') .and. &
@@ -209,8 +211,8 @@ contains
     end associate
     if (particles > real(huge(1), dp)) then
       call errors%add(card%position, "body '"//card%word('name')//"' would have about "// &
-                      text_of(anint(particles))//' particles', &
-                      'use a larger spacing; at most '//text_of_integer(huge(1)))
+                      real_text_plain(anint(particles))//' particles', &
+                      'use a larger spacing; at most '//integer_text(huge(1)))
     end if
   end subroutine check_particle_number
 
@@ -238,8 +240,8 @@ contains
         call plausible(key%unit, units, factor, low, high)
         si = abs(value%number)*factor
         if (si >= low .and. si <= high) cycle
-        call errors%warn(value%position, key%name//' = '//text_of(value%number)//' is '// &
-                         text_of(real(real(si), dp))//' in SI units (m kg s)', &
+        call errors%warn(value%position, key%name//' = '//real_text_plain(value%number)//' is '// &
+                         real_text_plain(real(real(si), dp))//' in SI units (m kg s)', &
                          'is it in '//trim(units(1))//' '//trim(units(2))//' '//trim(units(3))//'?')
       end associate
     end do
@@ -250,9 +252,9 @@ contains
     character(*), intent(in) :: unit       !! of the key
     character(*), intent(in) :: units(3)   !! length, mass, time of the deck
     real(dp), intent(out) :: factor, low, high
-    real(dp), parameter :: length_units(5) = [1.0_dp, 1.0e-3_dp, 1.0e-2_dp, 1.0e-6_dp, 1.0e3_dp]
-    real(dp), parameter :: mass_units(4) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e3_dp]
-    real(dp), parameter :: time_units(4) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp]
+    real(dp), parameter :: length_units(*) = [1.0_dp, 1.0e-3_dp, 1.0e-2_dp, 1.0e-6_dp, 1.0e3_dp]
+    real(dp), parameter :: mass_units(*) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e3_dp]
+    real(dp), parameter :: time_units(*) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp]
     real(dp) :: length, mass, time
     length = length_units(word_in_list(trim(units(1)), 'm mm cm um km'))
     mass = mass_units(word_in_list(trim(units(2)), 'kg g mg t'))
@@ -276,7 +278,7 @@ contains
       factor = (length/time)**2
       low = 1.0e1_dp
       high = 2.0e4_dp
-    case default ! lengths and times may be anything
+    case default  ! lengths and times may be anything
     end select
   end subroutine plausible
 

@@ -1,11 +1,9 @@
-!> Words: lower case, nearest spelling, and numbers as text that reads back to the same bits.
+!> Words: lower case, lists, nearest spelling.
 module sgmp_words
-  use sgmp_kinds, only: dp, i8
   implicit none
   private
   public :: string_t, word_lower, word_is_identifier, word_distance, word_nearest, word_in_list, &
-    word_item, word_count, &
-            text_of, text_of_integer, suggestion
+    word_item, word_count, suggestion
 
   !> A text of any length, for arrays of texts.
   type :: string_t
@@ -15,10 +13,6 @@ module sgmp_words
   character(*), parameter :: lower_case = 'abcdefghijklmnopqrstuvwxyz'
   character(*), parameter :: upper_case = 'ABCDEFGHIJKLMNOPQRSTUVWXYZ'
   character(*), parameter :: digits = '0123456789'
-
-  interface text_of_integer
-    module procedure text_of_default_integer, text_of_long_integer
-  end interface text_of_integer
 
 contains
 
@@ -73,7 +67,7 @@ contains
   !> The candidate nearest to a word, or '' where none is near enough to be meant.
   pure function word_nearest(word, candidates) result(nearest)
     character(*), intent(in) :: word            !! what was typed
-    type(string_t), intent(in) :: candidates(:) !! what is known
+    type(string_t), intent(in) :: candidates(:)  !! what is known
     character(:), allocatable :: nearest
     integer :: i, distance, best
     nearest = ''
@@ -93,7 +87,7 @@ contains
   !> A remedy: the nearest candidate if there is one, else all of them.
   pure function suggestion(word, candidates, what) result(text)
     character(*), intent(in) :: word            !! what was typed
-    type(string_t), intent(in) :: candidates(:) !! what is known
+    type(string_t), intent(in) :: candidates(:)  !! what is known
     character(*), intent(in) :: what            !! plural noun, e.g. 'keys of grid'
     character(:), allocatable :: text
     integer :: i
@@ -155,73 +149,5 @@ contains
       end if
     end do
   end function word_in_list
-
-  !> The shortest decimal text that reads back to the same number.
-  function text_of(value) result(text)
-    real(dp), intent(in) :: value
-    character(:), allocatable :: text
-    character(40) :: buffer
-    character(16) :: format
-    real(dp) :: back
-    integer :: n
-    do n = 0, 16
-      write (format, '(a, i0, a)') '(es32.', n, 'e3)'
-      write (buffer, format) value
-      read (buffer, *) back
-      if (transfer(back, 0_i8) == transfer(value, 0_i8)) exit
-    end do
-    text = plain_text(trim(adjustl(buffer)))
-  end function text_of
-
-  !> Turns `-d.ddddE+ddd` into plain decimals where that is short.
-  pure function plain_text(scientific) result(text)
-    character(*), intent(in) :: scientific
-    character(:), allocatable :: text, mantissa, sign
-    character(12) :: buffer
-    integer :: e, exponent
-    sign = ''
-    text = scientific
-    if (text(1:1) == '-') then
-      sign = '-'
-      text = text(2:)
-    end if
-    e = index(text, 'E')
-    read (text(e + 1:), *) exponent
-    mantissa = text(1:1)//text(3:e - 1)
-    do while (len(mantissa) > 1 .and. mantissa(len(mantissa):) == '0')
-      mantissa = mantissa(:len(mantissa) - 1)
-    end do
-    if (exponent >= 0 .and. exponent < 7) then
-      if (len(mantissa) <= exponent + 1) then
-        text = mantissa//repeat('0', exponent + 1 - len(mantissa))
-      else
-        text = mantissa(:exponent + 1)//'.'//mantissa(exponent + 2:)
-      end if
-    else if (exponent < 0 .and. exponent >= -4) then
-      text = '0.'//repeat('0', -exponent - 1)//mantissa
-    else
-      write (buffer, '(i0)') exponent
-      text = mantissa(1:1)
-      if (len(mantissa) > 1) text = text//'.'//mantissa(2:)
-      text = text//'e'//trim(buffer)
-    end if
-    text = sign//text
-  end function plain_text
-
-  !> A default integer as text.
-  pure function text_of_default_integer(value) result(text)
-    integer, intent(in) :: value
-    character(:), allocatable :: text
-    text = text_of_long_integer(int(value, i8))
-  end function text_of_default_integer
-
-  !> A long integer as text.
-  pure function text_of_long_integer(value) result(text)
-    integer(i8), intent(in) :: value
-    character(:), allocatable :: text
-    character(24) :: buffer
-    write (buffer, '(i0)') value
-    text = trim(buffer)
-  end function text_of_long_integer
 
 end module sgmp_words

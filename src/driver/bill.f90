@@ -1,4 +1,5 @@
-!> The bill of materials of a scene (`--check`): what is solved, what is stored and why, what it will cost.
+!> The bill of materials of a scene (`--check`): what is solved, what is stored and why, what it
+!! will cost.
 module sgmp_bill
   use, intrinsic :: iso_fortran_env, only: output_unit
   use sgmp_body, only: body_t
@@ -24,10 +25,13 @@ contains
     integer(i8) :: bytes, particles
     integer :: b
     call put('deck        '//scene%file//': '//scene%title)
-    call put('dimension   '//integer_text(scene%dimension)//merge(' (plane strain)', '               ', scene%dimension == 2))
-    call put('method      '//trim(method_names(scene%method%kind))//', '//trim(update_names(scene%method%update)))
+    call put('dimension   '//integer_text(scene%dimension)// &
+             merge(' (plane strain)', '               ', scene%dimension == 2))
+    call put('method      '//trim(method_names(scene%method%kind))//', '// &
+             trim(update_names(scene%method%update)))
     call put('grid        cell '//real_text(model%mesh%h)//', active points '// &
-             long_text(sum(rows_points(model%fields%work)))//' (stored '//integer_text(sum(model%fields%points))//'), '// &
+             integer_text(sum(rows_points(model%fields%work)))//' (stored '// &
+             integer_text(sum(model%fields%points))//'), '// &
              integer_text(model%fields(1)%nmoment + 2*model%mesh%ndim + 1)//' values each, '// &
              bytes_text(sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])))
     bytes = sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])
@@ -37,8 +41,9 @@ contains
       bytes = bytes + particles_bytes(model%bodies(b)%particles)
       particles = particles + int(model%bodies(b)%particles%count, i8)
     end do
-    call put('memory      '//bytes_text(bytes)//' for '//long_text(particles)//' particles: '// &
-             real_text(real(bytes, dp)/real(max(particles, 1_i8), dp))//' bytes per particle, grid included')
+    call put('memory      '//bytes_text(bytes)//' for '//integer_text(particles)//' particles: '// &
+             real_text(real(bytes, dp)/real(max(particles, 1_i8), dp))// &
+             ' bytes per particle, grid included')
     call put_time(scene, model, particles)
   end subroutine bill_write
 
@@ -47,9 +52,9 @@ contains
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
     associate (body => model%bodies(b), material => scene%materials(scene%bodies(b)%material))
-      call put('body        '//trim(body%name)//': '//integer_text(body%particles%count)//' particles of '// &
-               trim(material%name)//' ('//trim(material_names(material%kind))//'), '// &
-               bytes_text(particles_bytes(body%particles)))
+      call put('body        '//trim(body%name)//': '//integer_text(body%particles%count)// &
+               ' particles of '//trim(material%name)//' ('//trim(material_names(material%kind))// &
+               '), '//bytes_text(particles_bytes(body%particles)))
       call put('  stored    position, velocity, mass, volume and id (always)')
       call put_slots(body%law%slots)
     end associate
@@ -58,7 +63,8 @@ contains
   !> Fields of the second stream with the card that asked for them.
   subroutine put_slots(slots)
     type(slots_t), intent(in) :: slots
-    call put_slot(slots%stress, integer_text(slots%stresses)//' stress components (dimension, material)')
+    call put_slot(slots%stress, integer_text(slots%stresses)// &
+                  ' stress components (dimension, material)')
     call put_slot(slots%plastic, 'plastic strain (material)')
     call put_slot(slots%temperature, 'temperature (material with thermal softening)')
     call put_slot(slots%damage, 'damage (failure)')
@@ -85,11 +91,13 @@ contains
     real(dp) :: steps
     clock = model%clock
     call clock_choose(clock, model%mesh%h, model%fastest, huge(1.0_dp), ok)
-    call put('time step   '//real_text(clock%dt)//' ('//trim(limit_names(clock%limited_by))//', c + |v| = '// &
-             real_text(model%fastest)//' at particle '//integer_text(int(model%fastest_id))//')')
+    call put('time step   '//real_text(clock%dt)//' ('//trim(limit_names(clock%limited_by))// &
+             ', c + |v| = '//real_text(model%fastest)//' at particle '// &
+             integer_text(model%fastest_id)//')')
     steps = real(scene%time%steps, dp)
     if (scene%time%end > 0.0_dp) steps = min(steps, scene%time%end/clock%dt)
-    call put('steps       about '//real_text(steps)//', '//real_text(1.0e-7_dp*steps*real(particles, dp)/model%threads)// &
+    call put('steps       about '//real_text(steps)//', '// &
+             real_text(1.0e-7_dp*steps*real(particles, dp)/model%threads)// &
              ' s at 100 ns per particle-step on '//integer_text(model%threads)//' threads')
   end subroutine put_time
 
@@ -97,14 +105,6 @@ contains
     character(*), intent(in) :: text
     write (output_unit, '(a)') text
   end subroutine put
-
-  pure function long_text(n) result(text)
-    integer(i8), intent(in) :: n
-    character(:), allocatable :: text
-    character(24) :: buffer
-    write (buffer, '(i0)') n
-    text = trim(buffer)
-  end function long_text
 
   pure function bytes_text(bytes) result(text)
     integer(i8), intent(in) :: bytes

@@ -16,9 +16,10 @@ module sgmp_build_model
   use sgmp_model, only: body_sums_t, model_t
   use sgmp_particles, only: particles_fill
   use sgmp_phases, only: phase_layout
-  use sgmp_scene, only: body_card_t, eos_gruneisen, eos_jwl, eos_none, hardening_linear, hardening_perfect, hardening_power, &
-                        material_card_t, material_elastic, material_explosive, material_johnson_cook, &
-                        material_neo_hookean, material_j2, method_cpgimp, method_gimp, method_mpm, method_sgmp, scene_t
+  use sgmp_scene, only: body_card_t, eos_gruneisen, eos_jwl, eos_none, hardening_linear, &
+                        hardening_perfect, material_card_t, material_elastic, &
+                        material_explosive, material_johnson_cook, material_neo_hookean, &
+                        material_j2, method_cpgimp, method_gimp, method_mpm, method_sgmp, scene_t
   use sgmp_seeding, only: seeding_check_overlap, seeding_generate
   use sgmp_step, only: step_start
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
@@ -37,8 +38,8 @@ contains
     integer :: b, kernel
     integer(i4) :: next_id
     real(dp) :: heaviest
-    model%mesh = mesh_make(scene%dimension, scene%grid%cell, scene%grid%lower, scene%grid%upper, scene%grid%open, &
-                           scene%grid%wall)
+    model%mesh = mesh_make(scene%dimension, scene%grid%cell, scene%grid%lower, scene%grid%upper, &
+                           scene%grid%open, scene%grid%wall)
     model%threads = merge(1, threads, scene%dimension == 1)
     model%update = scene%method%update
     model%flip = scene%method%flip
@@ -94,9 +95,13 @@ contains
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: x(:, :), volume(:), v(:, :), file_velocity(:, :)
     integer :: d
-    associate (card => scene%bodies(number), material => scene%materials(scene%bodies(number)%material))
-      call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, file_velocity)
-      if (.not. allocated(error)) call seeding_check_overlap(scene%bodies, number, x, mesh%ndim, error)
+    associate (card => scene%bodies(number), &
+               material => scene%materials(scene%bodies(number)%material))
+      call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, &
+                            file_velocity)
+      if (.not. allocated(error)) then
+        call seeding_check_overlap(scene%bodies, number, x, mesh%ndim, error)
+      end if
       if (allocated(error)) return
       body%name = card%name
       body%first_id = first_id
@@ -109,7 +114,8 @@ contains
       do d = 1, mesh%ndim
         x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
       end do
-      call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, v, material%density*volume, volume, &
+      call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, v, &
+                          material%density*volume, volume, &
                           first_history(card, material, body%law, mesh%ndim), first_id)
       call fill_positions(scene, mesh, body)
     end associate
@@ -156,7 +162,9 @@ contains
     law%viscous = card%viscosity_quadratic > 0.0_dp .or. card%viscosity_linear > 0.0_dp
     law%viscosity%quadratic = card%viscosity_quadratic
     law%viscosity%linear = card%viscosity_linear
-    if (card%kind /= material_explosive) law%elastic = elastic_init(card%density, card%young, card%poisson)
+    if (card%kind /= material_explosive) then
+      law%elastic = elastic_init(card%density, card%young, card%poisson)
+    end if
     call set_plasticity(card, law)
     select case (card%eos)
     case (eos_jwl)
@@ -165,14 +173,15 @@ contains
     case (eos_gruneisen)
       law%gruneisen = gruneisen_init(card%density, card%c0, card%s, card%gamma0)
       law%slowest = 1.0e-3_dp*card%c0
+    case default  ! none: the pressure is elastic
     end select
     plastic = card%kind == material_j2 .or. card%kind == material_johnson_cook
-    law%slots = slots_make( &
-                stresses=merge(1, stress_count(n), card%kind == material_explosive), plastic=plastic, &
-                temperature=law%thermal, damage=law%failure, energy=card%eos /= eos_none, &
-                lighting=card%kind == material_explosive, &
-                deformation=merge(n*n, 0, card%kind == material_neo_hookean), &
-                stretch=merge(n, 0, scene%method%kind == method_cpgimp), initial=merge(n, 0, initial))
+    law%slots = slots_make(stresses=merge(1, stress_count(n), card%kind == material_explosive), &
+                           plastic=plastic, temperature=law%thermal, damage=law%failure, &
+                           energy=card%eos /= eos_none, lighting=card%kind == material_explosive, &
+                           deformation=merge(n*n, 0, card%kind == material_neo_hookean), &
+                           stretch=merge(n, 0, scene%method%kind == method_cpgimp), &
+                           initial=merge(n, 0, initial))
   end subroutine make_law
 
   !> J2 and Johnson-Cook constants.
@@ -186,16 +195,21 @@ contains
         law%j2 = j2_init(j2_perfect, card%yield, 0.0_dp, 1.0_dp)
       case (hardening_linear)
         law%j2 = j2_init(j2_linear, card%yield, card%hardening_modulus, 1.0_dp)
-      case (hardening_power)
+      case default  ! hardening_power
         law%j2 = j2_init(j2_power, card%yield, card%hardening_modulus, card%hardening_exponent)
       end select
     case (material_johnson_cook)
-      law%jc = jc_init(card%yield, card%hardening_modulus, card%hardening_exponent, card%rate_coefficient, card%reference_rate)
+      law%jc = jc_init(card%yield, card%hardening_modulus, card%hardening_exponent, &
+                       card%rate_coefficient, card%reference_rate)
       law%thermal = card%thermal
       law%failure = card%failure
-      if (card%thermal) call jc_set_thermal(law%jc, card%thermal_exponent, card%room_temperature, card%melt_temperature, &
-                                            card%density*card%specific_heat, card%taylor_quinney)
+      if (card%thermal) then
+        call jc_set_thermal(law%jc, card%thermal_exponent, card%room_temperature, &
+                            card%melt_temperature, card%density*card%specific_heat, &
+                            card%taylor_quinney)
+      end if
       if (card%failure) call jc_set_failure(law%jc, card%damage)
+    case default  ! no plasticity
     end select
   end subroutine set_plasticity
 
@@ -212,7 +226,9 @@ contains
       merge(card%temperature, material%room_temperature, card%temperature >= 0.0_dp)
     if (law%slots%energy > 0) history(law%slots%energy - 1) = material%energy0
     do d = 1, ndim
-      if (law%slots%deformation > 0) history(law%slots%deformation - 1 + (d - 1)*(ndim + 1)) = 1.0_dp
+      if (law%slots%deformation > 0) then
+        history(law%slots%deformation - 1 + (d - 1)*(ndim + 1)) = 1.0_dp
+      end if
       if (law%slots%stretch > 0) history(law%slots%stretch - 2 + d) = 1.0_dp
     end do
   end function first_history
@@ -238,7 +254,8 @@ contains
     end do
   end subroutine initial_velocity
 
-  !> History that depends on the initial position: lighting times, and the position itself where a force uses it.
+  !> History that depends on the initial position: lighting times, and the position itself where a
+  !! force uses it.
   subroutine fill_positions(scene, mesh, body)
     type(scene_t), intent(in) :: scene
     type(mesh_t), intent(in) :: mesh
@@ -250,17 +267,21 @@ contains
     allocate (sources(size(scene%detonations)))
     do d = 1, size(sources)
       sources(d) = burn_source_t(point=scene%detonations(d)%point, time=scene%detonations(d)%time, &
-                                 plane=scene%detonations(d)%plane, normal=scene%detonations(d)%normal)
+                                 plane=scene%detonations(d)%plane, &
+                                 normal=scene%detonations(d)%normal)
     end do
     do c = 1, body%particles%chunks
       do l = 1, lanes
         if (body%particles%id(l, c) == 0) cycle
         x = 0.0_dp
-        x(:mesh%ndim) = mesh_position(mesh%origin(:mesh%ndim), mesh%h, body%particles%a(l, :mesh%ndim, c))
+        x(:mesh%ndim) = mesh_position(mesh%origin(:mesh%ndim), mesh%h, &
+                                      body%particles%a(l, :mesh%ndim, c))
         if (body%law%slots%lighting > 0) body%particles%b(l, body%law%slots%lighting, c) = &
           burn_lighting_time(sources, x, body%law%detonation_speed)
-        if (body%law%slots%initial > 0) body%particles%b(l, body%law%slots%initial:body%law%slots%initial + mesh%ndim - 1, c) = &
-          x(:mesh%ndim)
+        if (body%law%slots%initial > 0) then
+          body%particles%b(l, body%law%slots%initial:body%law%slots%initial + mesh%ndim - 1, c) = &
+              x(:mesh%ndim)
+        end if
       end do
     end do
   end subroutine fill_positions
@@ -272,9 +293,11 @@ contains
     integer :: f
     allocate (model%fields(1))
     do f = 1, size(model%fields)
-      call field_init(model%fields(f), model%mesh, kernel, model%mesh%ndim*(model%mesh%ndim + 1)/2, any(model%bodies%forced))
+      call field_init(model%fields(f), model%mesh, kernel, &
+                      model%mesh%ndim*(model%mesh%ndim + 1)/2, any(model%bodies%forced))
     end do
-    allocate (model%workspaces(model%threads, size(model%fields)), model%slabs(model%threads + 1, size(model%fields)))
+    allocate (model%workspaces(model%threads, size(model%fields)))
+    allocate (model%slabs(model%threads + 1, size(model%fields)))
     call phase_layout(model)
   end subroutine build_fields
 
@@ -295,7 +318,8 @@ contains
     real(dp) :: m
     n = model%mesh%ndim
     do b = 1, size(model%bodies)
-      associate (particles => model%bodies(b)%particles, slots => model%bodies(b)%law%slots, sums => model%body_sums(b))
+      associate (particles => model%bodies(b)%particles, slots => model%bodies(b)%law%slots, &
+                 sums => model%body_sums(b))
         sums = body_sums_t()
         do c = 1, particles%chunks
           do l = 1, lanes
@@ -305,7 +329,9 @@ contains
             sums%moment(:n) = sums%moment(:n) + m*particles%a(l, :n, c)
             sums%momentum(:n) = sums%momentum(:n) + m*particles%a(l, n + 1:2*n, c)
             sums%kinetic = sums%kinetic + 0.5_dp*m*sum(particles%a(l, n + 1:2*n, c)**2)
-            if (slots%energy > 0) sums%internal = sums%internal + particles%b(l, slots%energy, c)*particles%b(l, 1, c)
+            if (slots%energy > 0) then
+              sums%internal = sums%internal + particles%b(l, slots%energy, c)*particles%b(l, 1, c)
+            end if
           end do
         end do
       end associate

@@ -9,7 +9,7 @@ module sgmp_command_line
 
   integer, parameter :: action_run = 1      !! run or check a deck
   integer, parameter :: action_help = 2     !! show cards, or usage where no keyword is given
-  integer, parameter :: action_markdown = 3 !! write the deck reference
+  integer, parameter :: action_markdown = 3  !! write the deck reference
   integer, parameter :: action_version = 4  !! print the version
 
   character(*), parameter :: known_options = &
@@ -50,7 +50,7 @@ contains
   subroutine command_line_parse(arguments, options, error)
     type(string_t), intent(in) :: arguments(:)
     type(command_line_t), intent(out) :: options
-    type(error_t), allocatable, intent(out) :: error !! exit_usage
+    type(error_t), allocatable, intent(out) :: error  !! exit_usage
     integer :: i
     options%keyword = ''
     options%output = ''
@@ -68,8 +68,9 @@ contains
     case ('import')
       call not_available('import', error)
       return
+    case default  ! a deck or an option
+      i = 1
     end select
-    i = 1
     do while (i <= size(arguments) .and. .not. allocated(error))
       if (index(arguments(i)%text, '-') == 1) then
         call take_option(arguments, i, options, error)
@@ -228,7 +229,7 @@ contains
 
   !> Writes how the program is called.
   subroutine command_line_write_usage(unit)
-    integer, intent(in) :: unit !! formatted unit
+    integer, intent(in) :: unit  !! formatted unit
     write (unit, '(a)') &
       'usage: sgmp DECK [options]       run a deck', &
       '       sgmp help [CARD]          cards of a deck, or the keys of one', &

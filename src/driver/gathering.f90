@@ -1,8 +1,9 @@
 !> Gathers particle data for output, ordered by id, and sums over bodies.
 module sgmp_gathering
   use sgmp_body, only: body_t
+  use sgmp_checksum, only: checksum_add, checksum_particles
   use sgmp_errors, only: error_t
-  use sgmp_file_tools, only: checksum_add, checksum_particles
+  use sgmp_history, only: bodies_columns
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_mesh, only: mesh_position
   use sgmp_model, only: model_t
@@ -11,12 +12,13 @@ module sgmp_gathering
   use sgmp_snapshot, only: snapshot_field_t, snapshot_t
   implicit none
   private
-  public :: gather_snapshot, gather_body_row, gather_checksum, gather_initial_positions, gather_field_known, field_names
+  public :: gather_snapshot, gather_body_row, gather_checksum, gather_initial_positions, &
+            gather_field_known, field_names
 
-  character(16), parameter :: field_names(12) = &
-    [character(16) :: 'stress', 'pressure', 'density', 'volume', 'mass', 'plastic_strain', 'temperature', 'damage', &
-     'energy', 'von_mises', 'displacement', 'initial_position']
-  character(2), parameter :: pairs(6) = ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']
+  character(16), parameter :: field_names(*) = &
+    [character(16) :: 'stress', 'pressure', 'density', 'volume', 'mass', 'plastic_strain', &
+     'temperature', 'damage', 'energy', 'von_mises', 'displacement', 'initial_position']
+  character(2), parameter :: pairs(*) = ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']
 
 contains
 
@@ -27,11 +29,12 @@ contains
     known = any(field_names == name)
   end function gather_field_known
 
-  !> A snapshot of all particles with the fields asked for; `initial` holds the initial positions by id.
+  !> A snapshot of all particles with the fields asked for; `initial` holds the initial positions by
+  !! id.
   subroutine gather_snapshot(model, names, initial, snapshot)
     type(model_t), intent(in) :: model
     character(*), intent(in) :: names(:)
-    real(dp), allocatable, intent(in) :: initial(:, :)  !! (3, ids), allocated where a field needs it
+    real(dp), allocatable, intent(in) :: initial(:, :)  !! (3, ids), where a field needs it
     type(snapshot_t), intent(out) :: snapshot
     integer, allocatable :: place(:)
     integer :: b, c, l, p, f, n, nd
@@ -54,21 +57,25 @@ contains
             p = place(body%particles%id(l, c))
             snapshot%id(p) = body%particles%id(l, c)
             snapshot%body(p) = b
-            snapshot%position(:nd, p) = mesh_position(model%mesh%origin(:nd), model%mesh%h, body%particles%a(l, :nd, c))
+            snapshot%position(:nd, p) = mesh_position(model%mesh%origin(:nd), model%mesh%h, &
+                                                      body%particles%a(l, :nd, c))
             snapshot%velocity(:nd, p) = body%particles%a(l, nd + 1:2*nd, c)
             do f = 1, size(snapshot%fields)
               if (allocated(initial)) then
-                call take_field(body, nd, l, c, initial(:, body%particles%id(l, c)), snapshot%position(:, p), &
-                                snapshot%fields(f), p)
+                call take_field(body, nd, l, c, initial(:, body%particles%id(l, c)), &
+                                snapshot%position(:, p), snapshot%fields(f), p)
               else
-                call take_field(body, nd, l, c, snapshot%position(:, p), snapshot%position(:, p), snapshot%fields(f), p)
+                call take_field(body, nd, l, c, snapshot%position(:, p), snapshot%position(:, p), &
+                                snapshot%fields(f), p)
               end if
             end do
           end do
         end do
       end associate
     end do
-    if (allocated(initial) .and. any(names == 'initial_position')) snapshot%initial_position = initial(:, snapshot%id)
+    if (allocated(initial) .and. any(names == 'initial_position')) then
+      snapshot%initial_position = initial(:, snapshot%id)
+    end if
   end subroutine gather_snapshot
 
   !> Place of each id in the output: ids ascending, lost particles left out.
@@ -119,7 +126,8 @@ contains
         c = 3 + merge(3, model%mesh%ndim - 1, model%mesh%ndim == 3)
         fields(f)%components = 'stress_'//pairs(:c)
       case ('displacement')
-        fields(f)%components = [character(32) :: 'displacement_x', 'displacement_y', 'displacement_z']
+        fields(f)%components = [character(32) :: 'displacement_x', 'displacement_y', &
+                                'displacement_z']
       case default
         fields(f)%components = names(wanted:wanted)
       end select
@@ -133,7 +141,7 @@ contains
     integer, intent(in) :: nd, l, c, p
     real(dp), intent(in) :: initial(3), position(3)
     type(snapshot_field_t), intent(inout) :: field
-    real(dp) :: stress(6)
+    real(dp) :: stress(size(pairs))
     integer :: column
     stress = particle_stress(body, l, c)
     column = 0
@@ -143,8 +151,8 @@ contains
     case ('pressure')
       field%values(1, p) = -sum(stress(:3))/3.0_dp
     case ('von_mises')
-      field%values(1, p) = sqrt(0.5_dp*((stress(1) - stress(2))**2 + (stress(2) - stress(3))**2 + (stress(3) - stress(1))**2) &
-                                + 3.0_dp*sum(stress(4:)**2))
+      field%values(1, p) = sqrt(0.5_dp*((stress(1) - stress(2))**2 + (stress(2) - stress(3))**2 + &
+                                        (stress(3) - stress(1))**2) + 3.0_dp*sum(stress(4:)**2))
     case ('density')
       field%values(1, p) = body%particles%a(l, 2*nd + 1, c)/body%particles%b(l, 1, c)
     case ('mass')
@@ -161,6 +169,8 @@ contains
       column = body%law%slots%damage
     case ('energy')
       column = body%law%slots%energy
+    case default  ! the rest has been filled in by gather_snapshot
+      column = 0
     end select
     if (column > 0) field%values(1, p) = body%particles%b(l, column, c)
   end subroutine take_field
@@ -169,7 +179,7 @@ contains
   pure function particle_stress(body, l, c) result(stress)
     type(body_t), intent(in) :: body
     integer, intent(in) :: l, c
-    real(dp) :: stress(6)
+    real(dp) :: stress(size(pairs))
     integer :: s, n
     stress = 0.0_dp
     s = body%law%slots%stress
@@ -181,17 +191,18 @@ contains
     end if
   end function particle_stress
 
-  !> Row of bodies.csv: time, body, mass, centroid, velocity, kinetic and internal energy, particles.
+  !> Row of bodies.csv: time, body, mass, centroid, velocity, kinetic and internal energy,
+  !! particles.
   pure function gather_body_row(model, b) result(row)
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
-    real(dp) :: row(12)
+    real(dp) :: row(size(bodies_columns))
     real(dp) :: centroid(3)
     associate (sums => model%body_sums(b))
       centroid = mesh_position(model%mesh%origin, model%mesh%h, sums%moment/sums%mass)
       centroid(model%mesh%ndim + 1:) = 0.0_dp
-      row = [model%clock%time, real(b, dp), sums%mass, centroid, sums%momentum/sums%mass, sums%kinetic, sums%internal, &
-             real(model%bodies(b)%particles%count, dp)]
+      row = [model%clock%time, real(b, dp), sums%mass, centroid, sums%momentum/sums%mass, &
+             sums%kinetic, sums%internal, real(model%bodies(b)%particles%count, dp)]
     end associate
   end function gather_body_row
 
@@ -232,7 +243,8 @@ contains
     integer :: b, n
     allocate (initial(3, 0))
     do b = 1, size(scene%bodies)
-      call seeding_generate(scene%bodies(b), scene%grid%cell, model%mesh%origin, model%mesh%ndim, x, volume, error)
+      call seeding_generate(scene%bodies(b), scene%grid%cell, model%mesh%origin, model%mesh%ndim, &
+                            x, volume, error)
       if (allocated(error)) return
       n = size(initial, 2)
       allocate (grown(3, n + size(x, 2)))

@@ -26,8 +26,8 @@ module sgmp_model
     type(mesh_t) :: mesh
     type(field_t), allocatable :: fields(:)          !! velocity fields
     type(body_t), allocatable :: bodies(:)
-    type(workspace_t), allocatable :: workspaces(:, :) !! (threads, fields)
-    integer, allocatable :: slabs(:, :)              !! (threads + 1, fields) first plane of each thread's slab
+    type(workspace_t), allocatable :: workspaces(:, :)  !! (threads, fields)
+    integer, allocatable :: slabs(:, :)  !! (threads + 1, fields) first plane of each thread's slab
     integer :: threads = 1
     integer :: update = 0                            !! one of update_*
     real(dp) :: flip = 1.0_dp

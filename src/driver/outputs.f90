@@ -5,8 +5,8 @@ module sgmp_outputs
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: directory_make
   use sgmp_gathering, only: gather_body_row, gather_initial_positions, gather_snapshot
-  use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, gauges_integers, &
-                          history_columns, history_t, units_text
+  use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
+                          gauges_integers, history_columns, history_t, units_text
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_scene, only: name_length, scene_t
@@ -24,7 +24,7 @@ module sgmp_outputs
     type(vtu_series_t) :: vtu
     type(tecplot_t) :: tecplot
     character(name_length), allocatable :: fields(:)
-    real(dp), allocatable :: initial(:, :)         !! initial positions by id, where a field needs them
+    real(dp), allocatable :: initial(:, :)  !! initial positions by id, where a field needs them
     integer, allocatable :: gauge_ids(:)
     integer :: dumps = 0                           !! dumps written
     integer :: history_rows = 0                    !! rows due by time that have been written
@@ -51,7 +51,8 @@ contains
     if (allocated(error)) return
     if (size(scene%gauges) > 0) then
       call outputs%gauges%open(folder//'/gauges.csv', &
-                               [character(column_length) :: gauges_columns, gauge_fields()], units, error, gauges_integers)
+                               [character(column_length) :: gauges_columns, gauge_fields()], &
+                               units, error, gauges_integers)
       if (allocated(error)) return
     end if
     allocate (outputs%fields(0))
@@ -62,7 +63,9 @@ contains
     end if
     if (scene%output%vtu) call outputs%vtu%open(folder, 'particles', error)
     if (allocated(error)) return
-    if (scene%output%tecplot) call outputs%tecplot%open(folder//'/particles.dat', scene%title, error)
+    if (scene%output%tecplot) then
+      call outputs%tecplot%open(folder//'/particles.dat', scene%title, error)
+    end if
     if (allocated(error)) return
     call find_gauges(outputs, scene, model)
     call outputs_step(outputs, scene, model, .false., error)
@@ -81,8 +84,12 @@ contains
     real(dp) :: time
     time = huge(1.0_dp)
     if (scene%time%end > 0.0_dp) time = scene%time%end
-    if (scene%output%every > 0.0_dp .and. writes_dumps(scene)) time = min(time, outputs%dumps*scene%output%every)
-    if (scene%output%history_every > 0.0_dp) time = min(time, outputs%history_rows*scene%output%history_every)
+    if (scene%output%every > 0.0_dp .and. writes_dumps(scene)) then
+      time = min(time, outputs%dumps*scene%output%every)
+    end if
+    if (scene%output%history_every > 0.0_dp) then
+      time = min(time, outputs%history_rows*scene%output%history_every)
+    end if
   end function outputs_next_time
 
   pure function writes_dumps(scene) result(yes)
@@ -109,7 +116,9 @@ contains
     if (allocated(error)) return
     due = model%clock%step == 0
     if (scene%output%every > 0.0_dp) due = model%clock%time >= outputs%dumps*scene%output%every
-    if ((due .or. at_end) .and. model%clock%step /= outputs%last_dump_step) call dump(outputs, scene, model, error)
+    if ((due .or. at_end) .and. model%clock%step /= outputs%last_dump_step) then
+      call dump(outputs, scene, model, error)
+    end if
     if (allocated(error)) return
     if (at_end .and. scene%output%csv_end) call write_csv(outputs, model, error)
   end subroutine outputs_step
@@ -121,10 +130,11 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer :: b
     associate (l => model%ledger)
-      call outputs%history%write_row(model%clock%step, [ &
-                                     model%clock%time, model%clock%dt, l%kinetic, l%internal, ledger_total(l), l%external_work, &
-                                     l%contact_dissipation, l%viscous_dissipation, l%interpolation_error, l%remainder, &
-                                     l%momentum], error)
+      call outputs%history%write_row( &
+        model%clock%step, [model%clock%time, model%clock%dt, l%kinetic, l%internal, &
+                           ledger_total(l), l%external_work, l%contact_dissipation, &
+                           l%viscous_dissipation, l%interpolation_error, l%remainder, &
+                           l%momentum], error)
     end associate
     if (allocated(error)) return
     do b = 1, size(model%bodies)
@@ -165,12 +175,14 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     type(snapshot_t) :: snapshot
-    integer :: g
+    character(name_length) :: none(0)
+    integer :: g, nearest
     allocate (outputs%gauge_ids(size(scene%gauges)))
     if (size(scene%gauges) == 0) return
-    call gather_snapshot(model, [character(name_length) ::], outputs%initial, snapshot)
+    call gather_snapshot(model, none, outputs%initial, snapshot)
     do g = 1, size(scene%gauges)
-      outputs%gauge_ids(g) = snapshot%id(minloc(distance2(snapshot%position, scene%gauges(g)%point, model%mesh%ndim), 1))
+      nearest = minloc(distance2(snapshot%position, scene%gauges(g)%point, model%mesh%ndim), 1)
+      outputs%gauge_ids(g) = snapshot%id(nearest)
     end do
   end subroutine find_gauges
 
@@ -190,14 +202,16 @@ contains
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
     type(snapshot_t) :: snapshot
+    real(dp), allocatable :: values(:)
     integer :: g, p, f
     call gather_snapshot(model, gauge_fields(), outputs%initial, snapshot)
     do g = 1, size(outputs%gauge_ids)
       p = findloc(snapshot%id, outputs%gauge_ids(g), 1)
       if (p == 0) cycle
-      call outputs%gauges%write_row(model%clock%step, [model%clock%time, real(g, dp), real(outputs%gauge_ids(g), dp), &
-                                                      snapshot%position(:, p), snapshot%velocity(:, p), &
-                                                      [(snapshot%fields(f)%values(1, p), f=1, size(snapshot%fields))]], error)
+      values = [(snapshot%fields(f)%values(1, p), f=1, size(snapshot%fields))]
+      call outputs%gauges%write_row( &
+        model%clock%step, [model%clock%time, real(g, dp), real(outputs%gauge_ids(g), dp), &
+                           snapshot%position(:, p), snapshot%velocity(:, p), values], error)
       if (allocated(error)) return
     end do
   end subroutine write_gauges

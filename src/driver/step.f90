@@ -1,13 +1,16 @@
-!> One time step: the flow chart of the paper (Fig. 2), in two sweeps over the particles for MUSL and USF, one for USL.
+!> One time step: the flow chart of the paper (Fig. 2), in two sweeps over the particles for MUSL
+!! and USF, one for USL.
 !!
-!! A sweep ends with the projection of the new state, so the first half of step k+1 has been done when step k ends.
+!! A sweep ends with the projection of the new state, so the first half of step k+1 has been done
+!! when step k ends.
 module sgmp_step
   use sgmp_energy, only: ledger_step, step_sums_t
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
-  use sgmp_phases, only: phase_rebin_particles, phase_remap, phase_solve, phase_sweep, phase_velocity
+  use sgmp_phases, only: phase_rebin_particles, phase_remap, phase_solve, phase_sweep, &
+                         phase_velocity
   use sgmp_plan, only: plan_t
-  use sgmp_scene, only: update_musl, update_usf, update_usl
+  use sgmp_scene, only: update_musl, update_usf
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_drift, phase_grid, phase_kick, phase_rebin, timers_start, timers_stop
   implicit none
@@ -40,7 +43,7 @@ contains
       call step_musl(model, dt_kick)
     case (update_usf)
       call step_usf(model, dt_kick)
-    case (update_usl)
+    case default  ! update_usl
       call step_usl(model, dt_kick)
     end select
     call ledger_step(model%ledger, model%sums, dt_kick, exact=model%flip >= 1.0_dp)
@@ -111,7 +114,8 @@ contains
     if (model%flip < 1.0_dp) plan%vectors = [1, model%mesh%ndim + 1]
   end function plan_kick
 
-  !> MUSL, second sweep: positions, strains from the re-mapped velocity, stress; everything projected anew.
+  !> MUSL, second sweep: positions, strains from the re-mapped velocity, stress; everything
+  !! projected anew.
   function plan_drift_strain(model) result(plan)
     type(model_t), intent(in) :: model
     type(plan_t) :: plan
@@ -121,7 +125,8 @@ contains
     plan%gradient = 1
   end function plan_drift_strain
 
-  !> USF, first sweep: stress from the nodal velocity before the kick; the step since the last update is dt_before.
+  !> USF, first sweep: stress from the nodal velocity before the kick; the step since the last
+  !! update is dt_before.
   function plan_strain(model) result(plan)
     type(model_t), intent(in) :: model
     type(plan_t) :: plan

@@ -1,9 +1,10 @@
 !> All particles at one time as a table that any script reads: particles_end.csv.
 module sgmp_csv
   use sgmp_errors, only: error_t
-  use sgmp_file_tools, only: integer_text, output_file_t, row_text
+  use sgmp_file_tools, only: output_file_t
   use sgmp_kinds, only: dp
   use sgmp_snapshot, only: snapshot_t
+  use sgmp_text, only: integer_text, row_text
   implicit none
   private
   public :: csv_write

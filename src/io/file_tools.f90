@@ -1,12 +1,10 @@
-!> Files that cannot lose data unnoticed, numbers that survive a round trip, checksums that ignore
-!! order.
+!> Files that cannot lose data unnoticed.
 !!
 !! Every text and binary file of the solver (HDF5 apart) is written through `output_file_t`. It
 !! rests on the standard C streams because the Fortran run-time library here reports success for
 !! WRITE, FLUSH and CLOSE on a full disk. The first failure is kept, later writes are skipped, and
 !! whoever flushes or closes gets it.
 module sgmp_file_tools
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int32_t, &
     c_int8_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_size_t
   use sgmp_errors, only: error_make, error_t, exit_io
@@ -15,8 +13,6 @@ module sgmp_file_tools
   private
   public :: output_file_t, directory_make, file_exists, file_lines, file_remove, file_rename, &
     io_error, line_t, is_terminal
-  public :: integer_text, real_text, real_text_short, row_text
-  public :: checksum_add, checksum_particles, checksum_text
 
   character(1), parameter, public :: newline = achar(10)
 
@@ -43,65 +39,71 @@ module sgmp_file_tools
     procedure :: name => output_file_name
   end type output_file_t
 
-  !> Decimal text of an integer of either kind.
-  interface integer_text
-    module procedure integer_text_i4, integer_text_i8
-  end interface integer_text
-
   interface
     function c_fopen(path, mode) result(stream) bind(c, name='fopen')
       import :: c_char, c_ptr
+      implicit none
       character(kind=c_char), intent(in) :: path(*), mode(*)
       type(c_ptr) :: stream
     end function c_fopen
     function c_fwrite(buffer, size, count, stream) result(written) bind(c, name='fwrite')
       import :: c_ptr, c_size_t
+      implicit none
       type(c_ptr), value :: buffer, stream
       integer(c_size_t), value :: size, count
       integer(c_size_t) :: written
     end function c_fwrite
     function c_fflush(stream) result(status) bind(c, name='fflush')
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: stream
       integer(c_int) :: status
     end function c_fflush
     function c_fclose(stream) result(status) bind(c, name='fclose')
       import :: c_int, c_ptr
+      implicit none
       type(c_ptr), value :: stream
       integer(c_int) :: status
     end function c_fclose
     function c_rename(old, new) result(status) bind(c, name='rename')
       import :: c_char, c_int
+      implicit none
       character(kind=c_char), intent(in) :: old(*), new(*)
       integer(c_int) :: status
     end function c_rename
     function c_remove(path) result(status) bind(c, name='remove')
       import :: c_char, c_int
+      implicit none
       character(kind=c_char), intent(in) :: path(*)
       integer(c_int) :: status
     end function c_remove
     function c_mkdir(path, mode) result(status) bind(c, name='mkdir')
       import :: c_char, c_int, c_int32_t
+      implicit none
       character(kind=c_char), intent(in) :: path(*)
       integer(c_int32_t), value :: mode
       integer(c_int) :: status
     end function c_mkdir
     function c_isatty(descriptor) result(yes) bind(c, name='isatty')
       import :: c_int
+      implicit none
       integer(c_int), value :: descriptor
       integer(c_int) :: yes
     end function c_isatty
     function c_errno_location() result(location) bind(c, name='__errno_location')
       import :: c_ptr
+      implicit none
       type(c_ptr) :: location
     end function c_errno_location
     function c_strerror(number) result(text) bind(c, name='strerror')
       import :: c_int, c_ptr
+      implicit none
       integer(c_int), value :: number
       type(c_ptr) :: text
     end function c_strerror
     function c_strlen(text) result(length) bind(c, name='strlen')
       import :: c_ptr, c_size_t
+      implicit none
       type(c_ptr), value :: text
       integer(c_size_t) :: length
     end function c_strlen
@@ -241,7 +243,7 @@ contains
   !> Reads a whole text file as lines (carriage returns before line ends dropped).
   subroutine file_lines(path, lines, error)
     character(*), intent(in) :: path
-    type(line_t), allocatable, intent(inout) :: lines(:) !! replaced; empty after an error
+    type(line_t), allocatable, intent(inout) :: lines(:)  !! replaced; empty after an error
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: text
     character(256) :: message
@@ -291,7 +293,7 @@ contains
   subroutine directory_make(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error
-    integer(c_int32_t), parameter :: mode = int(o'777', c_int32_t) ! narrowed by the user's umask
+    integer(c_int32_t), parameter :: mode = int(o'777', c_int32_t)  ! narrowed by the user's umask
     character(:), allocatable :: part, reason
     integer :: i
     do i = 1, len_trim(path)
@@ -339,7 +341,7 @@ contains
     else
       why = system_message()
     end if
-    call error_make(error, exit_io, "cannot "//action//" '"//trim(path)//"': "//why, &
+    call error_make(error, exit_io, 'cannot '//action//" '"//trim(path)//"': "//why, &
                     'check that the folder exists, may be written to, and has space left')
   end subroutine io_error
 
@@ -365,146 +367,5 @@ contains
     character(kind=c_char), allocatable :: letters(:)
     letters = transfer(trim(text)//c_null_char, [c_char_' '], len_trim(text) + 1)
   end function c_text
-
-  ! ---------------------------------------------------------------- numbers
-
-  pure function integer_text_i4(value) result(text)
-    integer(i4), intent(in) :: value
-    character(:), allocatable :: text
-    text = integer_text_i8(int(value, i8))
-  end function integer_text_i4
-
-  pure function integer_text_i8(value) result(text)
-    integer(i8), intent(in) :: value
-    character(:), allocatable :: text
-    character(24) :: buffer
-    write (buffer, '(i0)') value
-    text = trim(buffer)
-  end function integer_text_i8
-
-  !> A real with 17 significant digits, which restores every bit when read back; NaN, Infinity as
-  !! words.
-  pure function real_text(value) result(text)
-    real(dp), intent(in) :: value
-    character(:), allocatable :: text
-    character(24) :: buffer
-    write (buffer, '(es24.16e3)') value
-    text = trim(adjustl(buffer))
-  end function real_text
-
-  !> The shortest decimal text that restores every bit when read back: 0.1, 25.4, 1.17E+11.
-  pure function real_text_short(value) result(text)
-    real(dp), intent(in) :: value
-    character(:), allocatable :: text
-    character(40) :: buffer, form
-    integer :: digits, exponent, mark
-    real(dp) :: again
-    if (.not. ieee_is_finite(value)) then
-      text = real_text(value)
-      return
-    end if
-    do digits = 1, 17
-      write (form, '("(es40.", i0, "e3)")') digits - 1
-      write (buffer, form) value
-      if (abs(value) > 0.1_dp*huge(value)) cycle ! rounded up it could overflow: take all digits
-      read (buffer, *) again
-      if (transfer(again, 0_i8) == transfer(value, 0_i8)) exit
-    end do
-    digits = min(digits, 17)
-    buffer = adjustl(buffer)
-    mark = index(buffer, 'E')
-    read (buffer(mark + 1:), *) exponent
-    if (exponent >= -4 .and. exponent <= 9) then
-      write (form, '("(f40.", i0, ")")') max(digits - 1 - exponent, 1)
-      write (buffer, form) value
-      text = trim(adjustl(buffer))
-    else
-      text = buffer(:mark - 1)
-      if (text(len(text):) == '.') text = text//'0'
-      text = text//'E'//merge('-', '+', exponent < 0)//integer_text(abs(exponent))
-    end if
-  end function real_text_short
-
-  !> Values in full precision with `separator` between them, no blanks besides it.
-  pure function row_text(values, separator) result(text)
-    real(dp), intent(in) :: values(:)
-    character(1), intent(in) :: separator
-    character(:), allocatable :: text
-    character(25*size(values)) :: buffer
-    integer :: i, n
-    write (buffer, '(*(es24.16e3, :, ","))') values
-    n = 0
-    do i = 1, len(buffer)
-      if (buffer(i:i) == ' ') cycle
-      n = n + 1
-      buffer(n:n) = merge(separator, buffer(i:i), buffer(i:i) == ',')
-    end do
-    text = buffer(:n)
-  end function row_text
-
-  ! ---------------------------------------------------------------- checksum
-
-  !> Order- and rank-independent checksum of the particle state: the sum modulo 2^64 over particles
-  !! of a 64-bit hash of the id and the bits of its values. Ranks combine theirs with
-  !! `checksum_add`. Equal sums mean, to within chance, equal bits; -0 differs from +0, and one NaN
-  !! from another.
-  pure function checksum_particles(ids, values) result(total)
-    integer(i4), intent(in) :: ids(:)      !! (n) unique ids
-    real(dp), intent(in) :: values(:, :)   !! (fields, n)
-    integer(i8) :: total
-    integer(i8) :: hash
-    integer :: k, p
-    total = 0
-    do p = 1, size(ids)
-      hash = mix(int(ids(p), i8))
-      do k = 1, size(values, 1)
-        hash = mix(ieor(hash, transfer(values(k, p), hash)))
-      end do
-      total = checksum_add(total, hash)
-    end do
-  end function checksum_particles
-
-  !> Sum modulo 2^64 without signed overflow.
-  elemental function checksum_add(a, b) result(total)
-    integer(i8), intent(in) :: a, b
-    integer(i8) :: total
-    integer(i8), parameter :: low = int(z'FFFFFFFF', i8)
-    integer(i8) :: lower, upper
-    lower = iand(a, low) + iand(b, low)
-    upper = ishft(a, -32) + ishft(b, -32) + ishft(lower, -32)
-    total = ior(ishft(upper, 32), iand(lower, low))
-  end function checksum_add
-
-  !> The checksum as 16 hexadecimal digits.
-  pure function checksum_text(checksum) result(text)
-    integer(i8), intent(in) :: checksum
-    character(16) :: text
-    write (text, '(z16.16)') checksum
-  end function checksum_text
-
-  !> Step and output function of the SplitMix64 generator (Steele, Lea & Flood 2014): bijective,
-  !! every input bit reaches every output bit; the step keeps zero from being a fixed point.
-  elemental function mix(key) result(hash)
-    integer(i8), intent(in) :: key
-    integer(i8) :: hash
-    hash = checksum_add(key, int(z'9E3779B97F4A7C15', i8))
-    hash = multiply(ieor(hash, ishft(hash, -30)), int(z'BF58476D1CE4E5B9', i8))
-    hash = multiply(ieor(hash, ishft(hash, -27)), int(z'94D049BB133111EB', i8))
-    hash = ieor(hash, ishft(hash, -31))
-  end function mix
-
-  !> Product modulo 2^64 from 32 x 16 bit products, none of which can overflow.
-  elemental function multiply(a, b) result(product)
-    integer(i8), intent(in) :: a, b
-    integer(i8) :: product
-    integer(i8) :: limb
-    integer :: j
-    product = 0
-    do j = 0, 3
-      limb = iand(ishft(b, -16*j), int(z'FFFF', i8))
-      product = checksum_add(product, ishft(iand(a, int(z'FFFFFFFF', i8))*limb, 16*j))
-      if (j < 2) product = checksum_add(product, ishft(ishft(a, -32)*limb, 32 + 16*j))
-    end do
-  end function multiply
 
 end module sgmp_file_tools

@@ -6,9 +6,9 @@
 !! disk.
 module sgmp_history
   use sgmp_errors, only: error_make, error_t, exit_io
-  use sgmp_file_tools, only: file_exists, file_lines, integer_text, io_error, line_t, &
-    output_file_t, row_text
+  use sgmp_file_tools, only: file_exists, file_lines, io_error, line_t, output_file_t
   use sgmp_kinds, only: dp, i8
+  use sgmp_text, only: integer_text, row_text
   implicit none
   private
   public :: history_t, history_columns, bodies_columns, bodies_integers, gauges_columns, &
@@ -17,20 +17,20 @@ module sgmp_history
   integer, parameter :: column_length = 32
 
   !> Columns of history.csv after `step`.
-  character(column_length), parameter :: history_columns(13) = [character(column_length) :: &
+  character(column_length), parameter :: history_columns(*) = [character(column_length) :: &
     'time', 'dt', 'kinetic_energy', 'internal_energy', 'total_energy', 'external_work', &
     'contact_dissipation', 'viscous_dissipation', 'interpolation_error', 'energy_remainder', &
     'momentum_x', 'momentum_y', 'momentum_z']
   !> Columns of bodies.csv after `step`: sums and the centroid of each body.
-  character(column_length), parameter :: bodies_columns(12) = [character(column_length) :: &
+  character(column_length), parameter :: bodies_columns(*) = [character(column_length) :: &
     'time', 'body', 'mass', 'x', 'y', 'z', 'velocity_x', 'velocity_y', 'velocity_z', &
     'kinetic_energy', 'internal_energy', 'particles']
-  character(column_length), parameter :: bodies_integers(2) = [character(column_length) :: &
+  character(column_length), parameter :: bodies_integers(*) = [character(column_length) :: &
     'body', 'particles']
   !> First columns of gauges.csv after `step`; the fields asked for follow.
-  character(column_length), parameter :: gauges_columns(9) = [character(column_length) :: &
+  character(column_length), parameter :: gauges_columns(*) = [character(column_length) :: &
     'time', 'gauge', 'particle', 'x', 'y', 'z', 'velocity_x', 'velocity_y', 'velocity_z']
-  character(column_length), parameter :: gauges_integers(2) = [character(column_length) :: &
+  character(column_length), parameter :: gauges_integers(*) = [character(column_length) :: &
     'gauge', 'particle']
 
   !> One table being written.
@@ -38,7 +38,7 @@ module sgmp_history
     private
     type(output_file_t) :: file
     logical, allocatable :: whole(:)   !! (columns) printed as an integer
-    integer(i8) :: flushed = -huge(1_i8) !! clock count of the last flush
+    integer(i8) :: flushed = -huge(1_i8)  !! clock count of the last flush
   contains
     procedure :: open => history_open
     procedure :: write_row => history_write_row

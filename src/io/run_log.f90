@@ -6,8 +6,9 @@
 module sgmp_run_log
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sgmp_errors, only: error_t
-  use sgmp_file_tools, only: integer_text, is_terminal, output_file_t
+  use sgmp_file_tools, only: is_terminal, output_file_t
   use sgmp_kinds, only: dp, i8
+  use sgmp_text, only: integer_text
   implicit none
   private
   public :: log_t, log_row_t, duration_text
@@ -15,7 +16,7 @@ module sgmp_run_log
 
   integer, parameter :: level_quiet = 0   !! terminal: warnings only
   integer, parameter :: level_normal = 1  !! terminal: messages, table of steps, progress bar
-  integer, parameter :: level_verbose = 2 !! terminal: everything
+  integer, parameter :: level_verbose = 2  !! terminal: everything
 
   integer, parameter :: rows_per_header = 40
   integer, parameter :: bar_width = 30
@@ -28,7 +29,7 @@ module sgmp_run_log
     real(dp) :: time = 0.0_dp
     real(dp) :: dt = 0.0_dp
     character(16) :: limited_by = ''           !! what limits dt: a material, growth, output, …
-    real(dp) :: kinetic = 0.0_dp, internal = 0.0_dp, total = 0.0_dp !! energies
+    real(dp) :: kinetic = 0.0_dp, internal = 0.0_dp, total = 0.0_dp  !! energies
     real(dp) :: drift = 0.0_dp                 !! unexplained change of the total, relative
     integer(i8) :: active_cells = 0
     integer(i8) :: lost = 0                    !! particles removed so far
@@ -151,7 +152,7 @@ contains
   subroutine log_phase_table(self, names, minimum, average, maximum, total)
     class(log_t), intent(inout) :: self
     character(*), intent(in) :: names(:)
-    real(dp), intent(in) :: minimum(:), average(:), maximum(:) !! seconds per phase
+    real(dp), intent(in) :: minimum(:), average(:), maximum(:)  !! seconds per phase
     real(dp), intent(in) :: total                              !! seconds of the whole run
     character(100) :: text
     real(dp) :: percent, rest

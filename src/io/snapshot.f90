@@ -1,4 +1,5 @@
-!> Particle data gathered for output: plain arrays ordered by particle id, independent of the solver's own layout.
+!> Particle data gathered for output: plain arrays ordered by particle id, independent of the
+!! solver's own layout.
 module sgmp_snapshot
   use sgmp_kinds, only: dp, i4
   implicit none
@@ -8,8 +9,8 @@ module sgmp_snapshot
   !> One named field: `values(component, particle)`; components named for CSV and Tecplot headers.
   type :: snapshot_field_t
     character(32) :: name = ''                        !! e.g. 'stress', 'pressure'
-    character(32), allocatable :: components(:)       !! e.g. 'stress_xx', …; size 1: the name itself
-    real(dp), allocatable :: values(:, :)             !! (components, particles), physical units of the deck
+    character(32), allocatable :: components(:)  !! e.g. 'stress_xx', …; size 1: the name itself
+    real(dp), allocatable :: values(:, :)  !! (components, particles), physical units of the deck
   end type snapshot_field_t
 
   !> All particles at one time, ordered by id.

@@ -6,8 +6,9 @@
 module sgmp_summary
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sgmp_errors, only: error_make, error_t, exit_io
-  use sgmp_file_tools, only: integer_text, newline, output_file_t, real_text_short
+  use sgmp_file_tools, only: newline, output_file_t
   use sgmp_kinds, only: dp, i4, i8
+  use sgmp_text, only: integer_text, real_text_short
   implicit none
   private
   public :: summary_t

@@ -5,10 +5,10 @@
 !! ParaView use the .vtu files.
 module sgmp_tecplot
   use sgmp_errors, only: error_t
-  use sgmp_file_tools, only: file_exists, file_lines, integer_text, line_t, output_file_t, &
-    real_text, row_text
+  use sgmp_file_tools, only: file_exists, file_lines, line_t, output_file_t
   use sgmp_kinds, only: dp
   use sgmp_snapshot, only: snapshot_t
+  use sgmp_text, only: integer_text, real_text_full, row_text
   implicit none
   private
   public :: tecplot_t
@@ -18,7 +18,7 @@ module sgmp_tecplot
     private
     type(output_file_t) :: file
     character(:), allocatable :: title
-    logical :: headed = .false. !! TITLE and VARIABLES are written
+    logical :: headed = .false.  !! TITLE and VARIABLES are written
   contains
     procedure :: open => tecplot_open
     procedure :: dump => tecplot_dump
@@ -66,7 +66,7 @@ contains
       points = count(snapshot%body == b)
       if (points == 0) cycle
       call self%file%line('ZONE T="'//body_name(snapshot, b)//'", STRANDID='//integer_text(b)// &
-                          ', SOLUTIONTIME='//real_text(snapshot%time)//', I='// &
+                          ', SOLUTIONTIME='//real_text_full(snapshot%time)//', I='// &
                           integer_text(points)//', DATAPACKING=POINT')
       call write_points(self%file, snapshot, b)
     end do
@@ -128,7 +128,7 @@ contains
     integer :: i
     clean = text
     do i = 1, len(text)
-      if (text(i:i) == '"') clean(i:i) = ''''
+      if (text(i:i) == '"') clean(i:i) = "'"
     end do
   end function quotable
 

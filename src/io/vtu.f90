@@ -6,9 +6,10 @@
 module sgmp_vtu
   use, intrinsic :: iso_c_binding, only: c_int8_t
   use sgmp_errors, only: error_t
-  use sgmp_file_tools, only: file_exists, file_lines, integer_text, line_t, output_file_t, real_text
+  use sgmp_file_tools, only: file_exists, file_lines, line_t, output_file_t
   use sgmp_kinds, only: dp, i4, i8
   use sgmp_snapshot, only: snapshot_field_t, snapshot_t
+  use sgmp_text, only: integer_text, real_text_full
   implicit none
   private
   public :: vtu_series_t, vtu_write
@@ -30,8 +31,8 @@ module sgmp_vtu
   end type vtu_series_t
 
   !> Order of VTK's symmetric tensors.
-  character(2), parameter :: tensor_order(6) = ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']
-  character(2), parameter :: vector_order(3) = ['_x', '_y', '_z']
+  character(2), parameter :: tensor_order(*) = ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']
+  character(2), parameter :: vector_order(*) = ['_x', '_y', '_z']
 
 contains
 
@@ -72,7 +73,7 @@ contains
     call file%line('<VTKFile type="Collection" version="1.0" byte_order="'//byte_order()//'">')
     call file%line('  <Collection>')
     do i = 1, size(self%entries)
-      call file%line('    <DataSet timestep="'//real_text(self%entries(i)%time)// &
+      call file%line('    <DataSet timestep="'//real_text_full(self%entries(i)%time)// &
                      '" group="" part="0" file="'//escaped(self%entries(i)%file)//'"/>')
     end do
     call file%line('  </Collection>')

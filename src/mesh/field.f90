@@ -1,7 +1,9 @@
-!> One velocity field of the grid: which points are active, where they are stored, and what they carry.
+!> One velocity field of the grid: which points are active, where they are stored, and what they
+!! carry.
 !!
-!! Only rows that particles touch are stored. `work` holds the points that are computed, `store` the same widened so that
-!! every stencil of a work point falls on stored (if need be empty) points; a point's record is base + i.
+!! Only rows that particles touch are stored. `work` holds the points that are computed, `store` the
+!! same widened so that every stencil of a work point falls on stored (if need be empty) points; a
+!! point's record is base + i.
 module sgmp_field
   use sgmp_kinds, only: dp, i8
   use sgmp_mesh, only: mesh_t, stencil_width
@@ -19,17 +21,18 @@ module sgmp_field
     integer :: points = 0                           !! stored points
     type(rows_t) :: work, store
     integer, allocatable :: base(:)                 !! record of i = 0 in each interval of `store`
-    integer, allocatable :: neighbour(:, :, :)      !! (-1:1, -2:1, work%n): base of row (j + dj, k + dk)
+    integer, allocatable :: neighbour(:, :, :)  !! (-1:1, -2:1, work%n): base of row j + dj, k + dk
     integer :: planes = 0                           !! stored planes, ascending in k
     integer, allocatable :: plane_k(:)              !! (planes)
     integer, allocatable :: plane_start(:)          !! (planes + 1): first record of each plane
-    integer, allocatable :: plane_work(:)           !! (planes + 1): first interval of `work` in each plane
-    integer, allocatable :: plane_store(:)          !! (planes + 1): first interval of `store` in each plane
+    integer, allocatable :: plane_work(:)  !! (planes + 1): first interval of `work` in each plane
+    integer, allocatable :: plane_store(:)  !! (planes + 1): first interval of `store` in each plane
     integer :: largest_plane = 0                    !! records of the largest plane
-    !> (points, nmoment): mass, momentum, then sigma V at auxiliary nodes (SGMP) or force at nodes (MPM, GIMP),
-    !! then the external force where a body force acts.
+    !> (points, nmoment): mass, momentum, then sigma V at auxiliary nodes (SGMP) or force at nodes
+    !! (MPM, GIMP), then the external force where a body force acts.
     real(dp), allocatable :: moment(:, :)
-    !> (points, 2 ndim + 1): acceleration (in MUSL later the re-mapped velocity), velocity, 1/mass (0: node ignored).
+    !> (points, 2 ndim + 1): acceleration (in MUSL later the re-mapped velocity), velocity, 1/mass
+    !! (0: node ignored).
     real(dp), allocatable :: node(:, :)
   end type field_t
 
@@ -75,7 +78,8 @@ contains
     end if
     call field_number(new)
     call field_link(new)
-    allocate (new%moment(new%points, new%nmoment), new%node(new%points, 2*new%ndim + 1), source=0.0_dp)
+    allocate (new%moment(new%points, new%nmoment), new%node(new%points, 2*new%ndim + 1), &
+              source=0.0_dp)
     call field_move(field, new)
     call field_swap(new, field)
   end subroutine field_build
@@ -87,7 +91,8 @@ contains
     active = [.true., ndim == 3, ndim >= 2]
   end function active_axes
 
-  !> Record of i = 0 in the stored interval that holds point i of row (j, k); `huge` if the point is not stored.
+  !> Record of i = 0 in the stored interval that holds point i of row (j, k); `huge` if the point is
+  !! not stored.
   pure function field_base(field, j, k, i) result(base)
     type(field_t), intent(in) :: field
     integer, intent(in) :: j, k, i
@@ -101,15 +106,17 @@ contains
   pure function field_bytes(field) result(bytes)
     type(field_t), intent(in) :: field
     integer(i8) :: bytes
-    bytes = 8_i8*(size(field%moment, kind=i8) + size(field%node, kind=i8)) + 4_i8*size(field%neighbour, kind=i8) &
-            + 16_i8*(size(field%work%key, kind=i8) + size(field%store%key, kind=i8))
+    bytes = 8_i8*(size(field%moment, kind=i8) + size(field%node, kind=i8)) + &
+            4_i8*size(field%neighbour, kind=i8) + &
+            16_i8*(size(field%work%key, kind=i8) + size(field%store%key, kind=i8))
   end function field_bytes
 
   !> Numbers the stored points, plane by plane.
   pure subroutine field_number(field)
     type(field_t), intent(inout) :: field
     integer :: s, k, p, next
-    allocate (field%base(field%store%n), field%plane_k(field%store%n), field%plane_start(field%store%n + 1))
+    allocate (field%base(field%store%n), field%plane_k(field%store%n), &
+              field%plane_start(field%store%n + 1))
     allocate (field%plane_store(field%store%n + 1))
     next = 1
     p = 0
@@ -138,7 +145,8 @@ contains
     if (p > 0) field%largest_plane = maxval(field%plane_start(2:) - field%plane_start(:p))
   end subroutine field_number
 
-  !> Finds for every work interval the base of its own and its neighbouring rows, and the intervals of each plane.
+  !> Finds for every work interval the base of its own and its neighbouring rows, and the intervals
+  !! of each plane.
   pure subroutine field_link(field)
     type(field_t), intent(inout) :: field
     integer, allocatable :: host(:)
@@ -182,7 +190,8 @@ contains
         a = max(old%work%first(t), new%work%first(s))
         b = min(old%work%last(t), new%work%last(s))
         shift = old%neighbour(0, 0, t)
-        new%moment(new%neighbour(0, 0, s) + a:new%neighbour(0, 0, s) + b, :) = old%moment(shift + a:shift + b, :)
+        new%moment(new%neighbour(0, 0, s) + a:new%neighbour(0, 0, s) + b, :) = &
+          old%moment(shift + a:shift + b, :)
         if (old%work%last(t) > new%work%last(s)) exit
         t = t + 1
       end do

@@ -1,7 +1,8 @@
 !> The background grid: spacing, origin, walls, and the map between physical and grid coordinates.
 !!
-!! Particles live in grid coordinates X = (x - origin)/h, so that cell indices and weights need no scaling. Node i of an
-!! axis sits at X = i, cell centre (auxiliary node) i at X = i + 1/2. A closed box spans nodes 0..cells.
+!! Particles live in grid coordinates X = (x - origin)/h, so that cell indices and weights need no
+!! scaling. Node i of an axis sits at X = i, cell centre (auxiliary node) i at X = i + 1/2. A closed
+!! box spans nodes 0..cells.
 module sgmp_mesh
   use sgmp_kinds, only: dp
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm
@@ -13,7 +14,7 @@ module sgmp_mesh
 
   integer, parameter :: wall_free = 0  !! material may leave or the face is open
   integer, parameter :: wall_slip = 1  !! normal velocity vanishes (symmetry)
-  integer, parameter :: wall_fixed = 2 !! all velocity components vanish
+  integer, parameter :: wall_fixed = 2  !! all velocity components vanish
 
   !> Grid geometry; axes beyond the dimension are unused.
   type :: mesh_t
@@ -34,7 +35,7 @@ contains
   pure function mesh_make(ndim, h, lower, upper, open, wall) result(mesh)
     integer, intent(in) :: ndim           !! dimension
     real(dp), intent(in) :: h             !! cell side (length)
-    real(dp), intent(in) :: lower(3), upper(3) !! corners of the box (length)
+    real(dp), intent(in) :: lower(3), upper(3)  !! corners of the box (length)
     logical, intent(in) :: open(2, 3)     !! face not given
     integer, intent(in) :: wall(2, 3)     !! kind of wall per face
     type(mesh_t) :: mesh
@@ -80,7 +81,8 @@ contains
     width = merge(3, 2, kernel == kernel_gimp)
   end function stencil_width
 
-  !> Shift s of the bins: a particle at X is in bin floor(X - s), whose stencil starts at that index.
+  !> Shift s of the bins: a particle at X is in bin floor(X - s), whose stencil starts at that
+  !! index.
   elemental function stencil_shift(kernel) result(shift)
     integer, intent(in) :: kernel
     real(dp) :: shift

@@ -1,7 +1,8 @@
 !> Sparse sets of grid points, held as sorted intervals of rows: empty space is not stored.
 !!
-!! A row runs along x and is named by (j, k). In 2D the y axis takes the place of k, so that the slowest axis - the one
-!! over which threads and ranks divide the work - is always k; in 1D there is a single row.
+!! A row runs along x and is named by (j, k). In 2D the y axis takes the place of k, so that the
+!! slowest axis - the one over which threads and ranks divide the work - is always k; in 1D there is
+!! a single row.
 module sgmp_rows
   use sgmp_kinds, only: i8
   implicit none
@@ -94,7 +95,7 @@ contains
   !> The set widened by lower..upper points along (i, j, k).
   pure subroutine rows_dilate(rows, lower, upper, wide)
     type(rows_t), intent(in) :: rows
-    integer, intent(in) :: lower(3), upper(3) !! offsets, lower <= 0 <= upper
+    integer, intent(in) :: lower(3), upper(3)  !! offsets, lower <= 0 <= upper
     type(rows_t), intent(out) :: wide
     type(rows_t) :: along, sum_of, shifted
     integer :: axis, d
@@ -108,14 +109,16 @@ contains
       do d = lower(axis), upper(axis)
         if (d == 0) cycle
         shifted = along
-        shifted%key(:shifted%n) = shifted%key(:shifted%n) + merge(1_i8, key_stride, axis == 2)*int(d, i8)
+        shifted%key(:shifted%n) = shifted%key(:shifted%n) + &
+                                  merge(1_i8, key_stride, axis == 2)*int(d, i8)
         call rows_union(wide, shifted, sum_of)
         wide = sum_of
       end do
     end do
   end subroutine rows_dilate
 
-  !> For every interval of `rows`, moved by `shift` rows, the interval of `host` that contains its first point; 0: none.
+  !> For every interval of `rows`, moved by `shift` rows, the interval of `host` that contains its
+  !! first point; 0: none.
   pure subroutine rows_locate(rows, shift, host, where_)
     type(rows_t), intent(in) :: rows, host
     integer(i8), intent(in) :: shift          !! added to the keys of `rows`

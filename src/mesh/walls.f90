@@ -1,8 +1,9 @@
-!> Walls by the folding rule: what particles gave to a point behind a wall is folded onto its mirror image, and before
-!! particles read, points behind the wall are filled with the mirror image again.
+!> Walls by the folding rule: what particles gave to a point behind a wall is folded onto its mirror
+!! image, and before particles read, points behind the wall are filled with the mirror image again.
 !!
-!! Both use one table of parities, so that what particles give and what they get are transposes of each other; Eq. 42
-!! (energy) rests on that. Axes are folded one after the other, which takes care of edges and corners.
+!! Both use one table of parities, so that what particles give and what they get are transposes of
+!! each other; Eq. 42 (energy) rests on that. Axes are folded one after the other, which takes care
+!! of edges and corners.
 module sgmp_walls
   use sgmp_field, only: field_base, field_t
   use sgmp_kinds, only: dp
@@ -31,8 +32,8 @@ contains
     integer, intent(in) :: ndim, kernel
     real(dp) :: parity
     integer :: flux, nflux
-    integer, parameter :: pair(2, 6) = reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 1, 3], [2, 6])
-    integer, parameter :: plane_pair(2, 3) = reshape([1, 1, 2, 2, 1, 2], [2, 3])
+    integer, parameter :: pair(*, *) = reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 1, 3], [2, 6])
+    integer, parameter :: plane_pair(*, *) = reshape([1, 1, 2, 2, 1, 2], [2, 3])
     parity = 1.0_dp
     nflux = merge(ndim*(ndim + 1)/2, ndim, kernel == kernel_sgmp)
     if (column == 1) return
@@ -52,12 +53,14 @@ contains
     end if
   end function moment_parity
 
-  !> Folds columns q1..q2 of the moments of one axis; planes plane1..plane2 hold the points behind the wall.
+  !> Folds columns q1..q2 of the moments of one axis; planes plane1..plane2 hold the points behind
+  !! the wall.
   pure subroutine walls_fold(field, mesh, axis, plane1, plane2, q1, q2)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: axis, plane1, plane2, q1, q2
     integer :: side, s, ghost, image, q, n, from, to
+    real(dp) :: parity
     if (field%kernel == kernel_mpm) return
     do side = 1, 2
       if (mesh%wall(side, axis) == wall_free) cycle
@@ -66,15 +69,17 @@ contains
         call ghost_records(field, s, axis, ghost, image, from, to, n)
         do q = q1, q2
           if (n == 0) exit
-          field%moment(to:to + n - 1, q) = field%moment(to:to + n - 1, q) &
-            + moment_parity(q, axis, mesh%wall(side, axis), field%ndim, field%kernel)*field%moment(from:from + n - 1, q)
+          parity = moment_parity(q, axis, mesh%wall(side, axis), field%ndim, field%kernel)
+          field%moment(to:to + n - 1, q) = field%moment(to:to + n - 1, q) + &
+                                           parity*field%moment(from:from + n - 1, q)
           field%moment(from:from + n - 1, q) = 0.0_dp
         end do
       end do
     end do
   end subroutine walls_fold
 
-  !> Fills nodes behind the walls of one axis with their mirror image, in the vectors that start at the given columns.
+  !> Fills nodes behind the walls of one axis with their mirror image, in the vectors that start at
+  !! the given columns.
   pure subroutine walls_mirror(field, mesh, axis, plane1, plane2, columns)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
@@ -92,7 +97,8 @@ contains
         do c = 1, size(columns)
           do a = 1, field%ndim
             parity = merge(-1.0_dp, 1.0_dp, a == axis .or. mesh%wall(side, axis) == wall_fixed)
-            field%node(to:to + n - 1, columns(c) + a - 1) = parity*field%node(from:from + n - 1, columns(c) + a - 1)
+            field%node(to:to + n - 1, columns(c) + a - 1) = &
+              parity*field%node(from:from + n - 1, columns(c) + a - 1)
           end do
         end do
       end do
@@ -118,7 +124,8 @@ contains
     end if
   end subroutine ghost_point
 
-  !> Records of the points of work interval s that lie behind the wall, and of their images; n = 0: none.
+  !> Records of the points of work interval s that lie behind the wall, and of their images; n = 0:
+  !! none.
   pure subroutine ghost_records(field, s, axis, ghost, image, at_ghost, at_image, n)
     type(field_t), intent(in) :: field
     integer, intent(in) :: s, axis, ghost, image

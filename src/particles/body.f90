@@ -48,13 +48,15 @@ contains
     layers = merge(width, 1, field%ndim >= 2)
     associate (particles => body%particles)
       if (allocated(particles%place)) deallocate (particles%place, particles%plane_row)
-      allocate (particles%place(lines*layers, particles%bins%n), particles%plane_row(field%planes + 1))
+      allocate (particles%place(lines*layers, particles%bins%n), &
+                particles%plane_row(field%planes + 1))
       do s = 1, particles%bins%n
         first = particles%bins%first(s)
         do line = 1, lines
           do layer = 1, layers
             particles%place((line - 1)*layers + layer, s) = &
-              field_base(field, key_j(particles%bins%key(s)) + line - 1, key_k(particles%bins%key(s)) + layer - 1, first)
+              field_base(field, key_j(particles%bins%key(s)) + line - 1, &
+                         key_k(particles%bins%key(s)) + layer - 1, first)
           end do
         end do
       end do

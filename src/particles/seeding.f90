@@ -7,7 +7,7 @@
 module sgmp_seeding
   use sgmp_errors, only: error_make, error_t, exit_deck, exit_io
   use sgmp_kinds, only: dp, i8, pi
-  use sgmp_scene, only: body_card_t, combine_difference, combine_intersection, combine_union, &
+  use sgmp_scene, only: body_card_t, combine_difference, combine_union, &
                         layout_file, layout_gauss, shape_block, shape_cone, shape_halfspace, &
                         shape_ogive, shape_ring, shape_sphere, shape_t
   implicit none
@@ -41,7 +41,7 @@ contains
     real(dp), intent(in) :: cell                      !! side of a grid cell (length)
     real(dp), intent(in) :: grid_lower(3)             !! a corner of the grid (length)
     integer, intent(in) :: dimension                  !! 1, 2 or 3
-    real(dp), allocatable, intent(out) :: positions(:, :) !! (3, n), unused components zero
+    real(dp), allocatable, intent(out) :: positions(:, :)  !! (3, n), unused components zero
     real(dp), allocatable, intent(out) :: volumes(:)  !! (n) (length**dimension)
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable, intent(out), optional :: velocities(:, :)
@@ -115,7 +115,7 @@ contains
         inside = inside .or. in_shape(shapes(i), point, dimension, margin)
       case (combine_difference)
         inside = inside .and. .not. in_shape(shapes(i), point, dimension, margin)
-      case (combine_intersection)
+      case default  ! combine_intersection
         inside = inside .and. in_shape(shapes(i), point, dimension, margin)
       end select
     end do
@@ -193,7 +193,7 @@ contains
   !> Tangent ogive: an arc that leaves the base at a right angle and ends in the tip.
   pure real(dp) function ogive_radius(shape, along) result(radius)
     type(shape_t), intent(in) :: shape
-    real(dp), intent(in) :: along !! distance from the base
+    real(dp), intent(in) :: along  !! distance from the base
     real(dp) :: arc
     arc = (shape%radius**2 + shape%length**2)/(2.0_dp*shape%radius)
     radius = sqrt(max(0.0_dp, arc**2 - along**2)) - (arc - shape%radius)
@@ -239,7 +239,7 @@ contains
     points(:dimension) = ((upper(:dimension) - lower(:dimension))/pitch + 2.0_dp)*per_pitch
     if (product(points) > real(huge(1), dp)) then
       call error_make(error, exit_deck, "body '"//trim(body%name)//"' would have too many "// &
-                      "particles", &
+                      'particles', &
                       'use a larger spacing; there can be 2147483647', place_of(body))
       return
     end if
@@ -271,7 +271,7 @@ contains
     integer, intent(in) :: dimension
     logical, intent(in) :: store
     integer, intent(out) :: n
-    real(dp), allocatable, intent(inout) :: positions(:, :) !! (3, n)
+    real(dp), allocatable, intent(inout) :: positions(:, :)  !! (3, n)
     real(dp), allocatable, intent(inout) :: volumes(:)      !! (n)
     real(dp) :: point(3), tested(3)
     integer :: i, j, k
@@ -461,15 +461,16 @@ contains
   subroutine read_rows(unit, file, rows, columns, error)
     integer, intent(in) :: unit
     character(*), intent(in) :: file
-    real(dp), allocatable, intent(out) :: rows(:, :) !! (7, n)
+    real(dp), allocatable, intent(out) :: rows(:, :)  !! (7, n)
     integer, intent(out) :: columns
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: longer(:, :)
     character(1000) :: line
     character(12) :: number
-    real(dp) :: row(7)
+    integer, parameter :: most = 7
+    real(dp) :: row(most)
     integer :: n, status, line_number
-    allocate (rows(7, 1000))
+    allocate (rows(most, 1000))
     columns = 0
     n = 0
     line_number = 0
@@ -480,7 +481,7 @@ contains
       if (scan(line, '#!') > 0) line = line(:scan(line, '#!') - 1)
       if (line == '') cycle
       row = 0.0_dp
-      if (columns == 0) columns = merge(7, 4, readable(line, 7))
+      if (columns == 0) columns = merge(most, 4, readable(line, most))
       read (line, *, iostat=status) row(:columns)
       if (status == 0 .and. any(.not. abs(row) <= infinite)) status = 1
       if (status /= 0 .or. row(4) <= 0.0_dp) then
@@ -491,7 +492,7 @@ contains
         return
       end if
       if (n == size(rows, 2)) then
-        allocate (longer(7, 2*n))
+        allocate (longer(most, 2*n))
         longer(:, :n) = rows
         call move_alloc(longer, rows)
       end if
@@ -503,13 +504,14 @@ contains
   end subroutine read_rows
 
   !> Whether a line holds this many numbers.
-  logical function readable(line, columns)
+  function readable(line, columns) result(yes)
     character(*), intent(in) :: line
     integer, intent(in) :: columns
+    logical :: yes
     real(dp) :: row(columns)
     integer :: status
     read (line, *, iostat=status) row
-    readable = status == 0
+    yes = status == 0
   end function readable
 
   pure function place_of(body) result(place)

@@ -1,4 +1,5 @@
-!> What a body is made of, as the stress update needs it: constants, and where its particles keep their history.
+!> What a body is made of, as the stress update needs it: constants, and where its particles keep
+!! their history.
 module sgmp_constitutive
   use sgmp_eos_gruneisen, only: gruneisen_t
   use sgmp_eos_jwl, only: jwl_t
@@ -44,17 +45,17 @@ module sgmp_constitutive
     logical :: viscous = .false.               !! bulk viscosity acts
     type(viscosity_t) :: viscosity
     real(dp) :: slowest = 0.0_dp               !! least sound speed an equation of state may return
-    real(dp) :: h = 0.0_dp                     !! cell side, the length of the viscosity and of the burn front
+    real(dp) :: h = 0.0_dp  !! cell side, the length of the viscosity and of the burn front
   end type constitutive_t
 
 contains
 
   !> Assigns columns to the fields that are wanted, in a fixed order.
-  pure function slots_make(stresses, plastic, temperature, damage, energy, lighting, deformation, stretch, initial) &
-    result(slots)
+  pure function slots_make(stresses, plastic, temperature, damage, energy, lighting, deformation, &
+                           stretch, initial) result(slots)
     integer, intent(in) :: stresses            !! stress components
     logical, intent(in) :: plastic, temperature, damage, energy, lighting
-    integer, intent(in) :: deformation, stretch, initial !! components wanted
+    integer, intent(in) :: deformation, stretch, initial  !! components wanted
     type(slots_t) :: slots
     slots%volume = 1
     slots%total = 1

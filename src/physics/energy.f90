@@ -1,10 +1,12 @@
-!> The energy ledger: what every step does to the energy, and how much of it the scheme explains (METHOD 6).
+!> The energy ledger: what every step does to the energy, and how much of it the scheme explains
+!! (METHOD 6).
 !!
-!! All sums come from the particles and nodes themselves; no mass matrix is formed. With a and v the accelerations and
-!! velocities, I nodes and p particles, the kinetic energy of a step obeys exactly
-!!   USF, USL, MUSL:  dE_kin = dt S(v-) + dt^2/2 sum_p m_p |a_p|^2,   S(v) = sum_I m_I a_I . v_I          (Eqs. 41, 42)
-!! which holds to round-off if what particles give to the grid and what they get are transposes of each other. MUSL knows
-!! S at the re-mapped velocity v*, S(v*) = S(v-) + dt sum_p m_p |a_p|^2.
+!! All sums come from the particles and nodes themselves; no mass matrix is formed. With a and v the
+!! accelerations and velocities, I nodes and p particles, the kinetic energy of a step obeys exactly
+!!   dE_kin = dt S(v-) + dt^2/2 sum_p m_p |a_p|^2,   S(v) = sum_I m_I a_I . v_I    (Eqs. 41, 42)
+!! for USF, USL and MUSL alike, which holds to round-off if what particles give to the grid and what
+!! they get are transposes of each other. MUSL knows S at the re-mapped velocity v*,
+!! S(v*) = S(v-) + dt sum_p m_p |a_p|^2.
 module sgmp_energy
   use sgmp_kinds, only: dp
   implicit none
@@ -19,7 +21,7 @@ module sgmp_energy
     real(dp) :: power_before = 0.0_dp       !! sum m_I a_I . v_I at the velocity before the kick
     real(dp) :: external_power = 0.0_dp     !! of gravity and body forces at the mid-step velocity
     real(dp) :: internal = 0.0_dp           !! growth of internal energy
-    real(dp) :: viscous = 0.0_dp            !! bulk-viscous dissipation (part of the internal energy)
+    real(dp) :: viscous = 0.0_dp  !! bulk-viscous dissipation (part of the internal energy)
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: ignored_nodes = 0.0_dp      !! nodes below the mass cut-off
   end type step_sums_t
@@ -31,7 +33,7 @@ module sgmp_energy
     real(dp) :: external_work = 0.0_dp
     real(dp) :: contact_dissipation = 0.0_dp
     real(dp) :: viscous_dissipation = 0.0_dp
-    real(dp) :: interpolation_error = 0.0_dp !! sum of dt^2/2 (sum_I m|a|^2 - sum_p m|a|^2), Eq. 43
+    real(dp) :: interpolation_error = 0.0_dp  !! sum of dt^2/2 (sum_I m|a|^2 - sum_p m|a|^2), Eq. 43
     real(dp) :: remainder = 0.0_dp           !! kinetic energy that the identity does not explain
     real(dp) :: predicted = 0.0_dp           !! sum of the energy errors that the identities predict
     real(dp) :: largest_kinetic = 0.0_dp
@@ -70,7 +72,8 @@ contains
     if (exact) ledger%remainder = ledger%remainder + (sums%kinetic - ledger%kinetic) - explained
     ledger%external_work = ledger%external_work + dt_kick*sums%external_power
     ledger%predicted = ledger%predicted + explained + sums%internal - dt_kick*sums%external_power
-    ledger%interpolation_error = ledger%interpolation_error + 0.5_dp*dt_kick**2*(sums%nodes_aa - sums%particles_aa)
+    ledger%interpolation_error = ledger%interpolation_error + &
+                                 0.5_dp*dt_kick**2*(sums%nodes_aa - sums%particles_aa)
     ledger%kinetic = sums%kinetic
     ledger%internal = ledger%internal + sums%internal
     ledger%viscous_dissipation = ledger%viscous_dissipation + sums%viscous

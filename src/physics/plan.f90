@@ -5,7 +5,8 @@ module sgmp_plan
   implicit none
   private
   public :: plan_t, workspace_t
-  public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, sum_moment
+  public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, &
+            sum_moment
 
   integer, parameter :: sweep_sums = 10    !! entries of a plane's sums
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
@@ -13,17 +14,19 @@ module sgmp_plan
   integer, parameter :: sum_internal = 3   !! growth of internal energy
   integer, parameter :: sum_viscous = 4    !! bulk-viscous dissipation
   integer, parameter :: sum_momentum = 5   !! first of sum m v (3 components)
-  integer, parameter :: sum_moment = 8     !! first of sum m X after the drift (3 components, in cells)
+  integer, parameter :: sum_moment = 8  !! first of sum m X after the drift (3 components, in cells)
 
   !> One sweep: gather, advance, scatter.
   type :: plan_t
     logical :: kick = .false.              !! v += a dt_kick
     logical :: drift = .false.             !! x += v_grid dt
     logical :: strain = .false.            !! stress update over dt
-    logical :: mass = .false., momentum = .false., stress = .false. !! what is scattered
-    integer :: first_column = 1, last_column = 0 !! columns of the field's moments that the scatter fills
-    integer, allocatable :: vectors(:)     !! node columns gathered: acceleration and velocity as the sweep needs them
-    integer :: gradient = 0                !! node column of the vector whose gradient strains the particles
+    logical :: mass = .false., momentum = .false., stress = .false.  !! what is scattered
+    integer :: first_column = 1, last_column = 0  !! columns of the field's moments that the scatter
+                                                 !! fills
+    integer, allocatable :: vectors(:)     !! node columns gathered: acceleration and velocity as
+                                           !! the sweep needs them
+    integer :: gradient = 0  !! node column of the vector whose gradient strains the particles
     real(dp) :: dt_kick = 0.0_dp           !! velocity step
     real(dp) :: dt = 0.0_dp                !! position and strain step
     real(dp) :: time = 0.0_dp              !! at the end of the sweep
@@ -32,11 +35,14 @@ module sgmp_plan
 
   !> Buffers and findings of one slab of planes.
   type :: workspace_t
-    real(dp), allocatable :: records(:, :)       !! (components, points of a plane x stencil width) what particles read
+    real(dp), allocatable :: records(:, :)       !! (components, points of a plane x stencil width)
+                                                 !! what particles read
     integer, allocatable :: record_plane(:)      !! plane held by each slot of `records`
-    real(dp), allocatable :: planes(:, :, :, :)  !! (layers, columns, points, slots) sums before the planes are joined
-    real(dp), allocatable :: lead(:, :, :)       !! GIMP: the first plane's sums, kept for the joint with the slab below
-    integer :: cleared = 1                       !! next stored interval of the plane to zero in `planes`
+    real(dp), allocatable :: planes(:, :, :, :)  !! (layers, columns, points, slots) sums before the
+                                                 !! planes are joined
+    real(dp), allocatable :: lead(:, :, :)       !! GIMP: the first plane's sums, kept for the joint
+                                                 !! with the slab below
+    integer :: cleared = 1                       !! next stored interval to zero in `planes`
     type(movers_t), allocatable :: movers(:)     !! (bodies) particles that left their bins
     real(dp) :: fastest = 0.0_dp                 !! largest c + |v|
     integer(i4) :: fastest_id = 0                !! its particle

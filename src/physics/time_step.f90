@@ -1,4 +1,5 @@
-!> Choice of the time step (Eq. 69): Courant number, growth limit, exact landing on output times, lower bound.
+!> Choice of the time step (Eq. 69): Courant number, growth limit, exact landing on output times,
+!! lower bound.
 module sgmp_time_step
   use sgmp_kinds, only: dp
   implicit none
@@ -7,14 +8,16 @@ module sgmp_time_step
   public :: limit_fixed, limit_courant, limit_growth, limit_landing, limit_names
 
   integer, parameter :: limit_fixed = 1, limit_courant = 2, limit_growth = 3, limit_landing = 4
-  character(16), parameter :: limit_names(4) = [character(16) :: 'fixed', 'Courant', 'growth', 'output time']
+  character(16), parameter :: limit_names(4) = [character(16) :: 'fixed', 'Courant', 'growth', &
+                                                'output time']
 
   !> Time and time step of a run.
   type :: clock_t
     integer :: step = 0
     real(dp) :: time = 0.0_dp
     real(dp) :: dt = 0.0_dp            !! dt^{k+1/2} of the step at hand
-    real(dp) :: dt_before = 0.0_dp     !! dt^{k-1/2}; 0 at the start, which halves the first velocity step
+    real(dp) :: dt_before = 0.0_dp     !! dt^{k-1/2}; 0 at the start, which halves the first
+                                       !! velocity step
     real(dp) :: dt_free = 0.0_dp       !! last step before it was cut to land on an output time
     real(dp) :: cfl = 0.5_dp, fixed = 0.0_dp, growth = 1.05_dp
     real(dp) :: smallest = 0.0_dp      !! lower bound
@@ -68,7 +71,8 @@ contains
     type(clock_t), intent(inout) :: clock
     real(dp), intent(in) :: target
     clock%step = clock%step + 1
-    if (clock%limited_by == limit_landing .and. abs(target - (clock%time + clock%dt)) < 1.0e-6_dp*clock%dt) then
+    if (clock%limited_by == limit_landing .and. &
+        abs(target - (clock%time + clock%dt)) < 1.0e-6_dp*clock%dt) then
       clock%time = target
     else
       clock%time = clock%time + clock%dt

@@ -1,0 +1,73 @@
+!> Checksums of particle states that ignore the order of the particles.
+module sgmp_checksum
+  use sgmp_kinds, only: dp, i4, i8
+  implicit none
+  private
+  public :: checksum_add, checksum_particles, checksum_text
+
+contains
+
+  !> Order- and rank-independent checksum of the particle state: the sum modulo 2^64 over particles
+  !! of a 64-bit hash of the id and the bits of its values. Ranks combine theirs with
+  !! `checksum_add`. Equal sums mean, to within chance, equal bits; -0 differs from +0, and one NaN
+  !! from another.
+  pure function checksum_particles(ids, values) result(total)
+    integer(i4), intent(in) :: ids(:)      !! (n) unique ids
+    real(dp), intent(in) :: values(:, :)   !! (fields, n)
+    integer(i8) :: total
+    integer(i8) :: hash
+    integer :: k, p
+    total = 0
+    do p = 1, size(ids)
+      hash = mix(int(ids(p), i8))
+      do k = 1, size(values, 1)
+        hash = mix(ieor(hash, transfer(values(k, p), hash)))
+      end do
+      total = checksum_add(total, hash)
+    end do
+  end function checksum_particles
+
+  !> Sum modulo 2^64 without signed overflow.
+  elemental function checksum_add(a, b) result(total)
+    integer(i8), intent(in) :: a, b
+    integer(i8) :: total
+    integer(i8), parameter :: low = int(z'FFFFFFFF', i8)
+    integer(i8) :: lower, upper
+    lower = iand(a, low) + iand(b, low)
+    upper = ishft(a, -32) + ishft(b, -32) + ishft(lower, -32)
+    total = ior(ishft(upper, 32), iand(lower, low))
+  end function checksum_add
+
+  !> The checksum as 16 hexadecimal digits.
+  pure function checksum_text(checksum) result(text)
+    integer(i8), intent(in) :: checksum
+    character(16) :: text
+    write (text, '(z16.16)') checksum
+  end function checksum_text
+
+  !> Step and output function of the SplitMix64 generator (Steele, Lea & Flood 2014): bijective,
+  !! every input bit reaches every output bit; the step keeps zero from being a fixed point.
+  elemental function mix(key) result(hash)
+    integer(i8), intent(in) :: key
+    integer(i8) :: hash
+    hash = checksum_add(key, int(z'9E3779B97F4A7C15', i8))
+    hash = multiply(ieor(hash, ishft(hash, -30)), int(z'BF58476D1CE4E5B9', i8))
+    hash = multiply(ieor(hash, ishft(hash, -27)), int(z'94D049BB133111EB', i8))
+    hash = ieor(hash, ishft(hash, -31))
+  end function mix
+
+  !> Product modulo 2^64 from 32 x 16 bit products, none of which can overflow.
+  elemental function multiply(a, b) result(product)
+    integer(i8), intent(in) :: a, b
+    integer(i8) :: product
+    integer(i8) :: limb
+    integer :: j
+    product = 0
+    do j = 0, 3
+      limb = iand(ishft(b, -16*j), int(z'FFFF', i8))
+      product = checksum_add(product, ishft(iand(a, int(z'FFFFFFFF', i8))*limb, 16*j))
+      if (j < 2) product = checksum_add(product, ishft(ishft(a, -32)*limb, 32 + 16*j))
+    end do
+  end function multiply
+
+end module sgmp_checksum

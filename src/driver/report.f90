@@ -1,0 +1,211 @@
+!> What a run says of itself: the lines of its log and summary.json.
+module sgmp_report
+  use sgmp_checksum, only: checksum_text
+  use sgmp_command_line, only: command_line_t
+  use sgmp_energy, only: ledger_total
+  use sgmp_errors, only: error_t, exit_ok
+  use sgmp_gathering, only: gather_checksum
+  use sgmp_kinds, only: dp, i8
+  use sgmp_model, only: model_t
+  use sgmp_process, only: peak_memory_bytes
+  use sgmp_run_log, only: level_normal, level_quiet, level_verbose, log_row_t, log_t
+  use sgmp_scene, only: method_names, scene_t, update_names
+  use sgmp_summary, only: summary_t
+  use sgmp_text, only: integer_text, real_text
+  use sgmp_time_step, only: limit_courant, limit_names
+  use sgmp_timers, only: phase_count, phase_names
+  use sgmp_version, only: commit_hash, compiler_string, version_string
+  implicit none
+  private
+  public :: effort_t, report_banner, report_end, report_fraction, report_level, report_remaining, &
+            report_row, report_start, summary_write
+
+  !> What a run has cost.
+  type :: effort_t
+    integer :: threads = 1
+    real(dp) :: wall = 0.0_dp              !! seconds since the start
+    real(dp) :: solving = 0.0_dp           !! seconds in the time loop, output left out
+    integer(i8) :: particle_steps = 0_i8   !! sum of the particles over the steps
+  end type effort_t
+
+contains
+
+  !> How much the log shows on the terminal.
+  pure function report_level(options) result(level)
+    type(command_line_t), intent(in) :: options
+    integer :: level
+    level = level_normal
+    if (options%quiet) level = level_quiet
+    if (options%verbose) level = level_verbose
+  end function report_level
+
+  !> First lines of the log: program, deck, and with `--verbose` the deck with all defaults.
+  subroutine report_banner(log, scene, threads)
+    type(log_t), intent(inout) :: log
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: threads
+    call log%line('sgmp '//version_string//' ('//commit_hash//'), '//compiler_string// &
+                  ', 1 rank x '//integer_text(threads)//' threads')
+    call log%line('deck '//scene%file//': '//scene%title)
+    if (allocated(scene%resolved)) call log%line(scene%resolved, level_verbose)
+  end subroutine report_banner
+
+  !> What is about to run.
+  subroutine report_start(log, scene, model)
+    type(log_t), intent(inout) :: log
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    call log%line(integer_text(scene%dimension)//'D, '// &
+                  trim(method_names(scene%method%kind))//'-'// &
+                  trim(update_names(scene%method%update))//', '// &
+                  integer_text(sum(model%bodies%particles%count))//' particles, '// &
+                  integer_text(sum(model%fields%points))//' grid points')
+  end subroutine report_start
+
+  !> The part of the run that is done, 0 to 1.
+  pure function report_fraction(scene, model) result(fraction)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    real(dp) :: fraction
+    fraction = real(model%clock%step, dp)/real(scene%time%steps, dp)
+    if (scene%time%end > 0.0_dp) fraction = max(fraction, model%clock%time/scene%time%end)
+  end function report_fraction
+
+  !> Seconds that the rest of the run takes if it goes on like this.
+  pure function report_remaining(scene, model, elapsed) result(eta)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    real(dp), intent(in) :: elapsed              !! seconds spent so far
+    real(dp) :: eta
+    eta = elapsed*(1.0_dp/max(report_fraction(scene, model), 1.0e-9_dp) - 1.0_dp)
+  end function report_remaining
+
+  !> A row of the log's table.
+  function report_row(scene, model, elapsed) result(row)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    real(dp), intent(in) :: elapsed              !! seconds spent so far
+    type(log_row_t) :: row
+    row%step = model%clock%step
+    row%time = model%clock%time
+    row%dt = model%clock%dt
+    row%limited_by = limit_names(model%clock%limited_by)
+    if (model%clock%limited_by == limit_courant) then
+      row%limited_by = 'particle '//integer_text(model%fastest_id)
+    end if
+    row%kinetic = model%ledger%kinetic
+    row%internal = model%ledger%internal
+    row%total = ledger_total(model%ledger)
+    row%drift = (row%total - model%ledger%initial_total - model%ledger%external_work) &
+                /max(abs(model%ledger%initial_total), abs(row%total), tiny(1.0_dp))
+    row%active_cells = sum(int(model%fields%points, i8))
+    row%lost = int(model%lost, i8)
+    row%fraction = report_fraction(scene, model)
+    row%eta = report_remaining(scene, model, elapsed)
+  end function report_row
+
+  !> Last lines of the log: where the time went, what it cost, how it ended.
+  subroutine report_end(log, model, effort, error)
+    type(log_t), intent(inout) :: log
+    type(model_t), intent(in) :: model
+    type(effort_t), intent(in) :: effort
+    type(error_t), allocatable, intent(in) :: error  !! what ended the run early
+    call log%phase_table(phase_names, model%timers%seconds, model%timers%seconds, &
+                         model%timers%seconds, effort%wall)
+    call log%line(integer_text(model%clock%step)//' steps, '//real_text(cost(effort))// &
+                  ' ns per particle-step, '//real_text(effort%solving)//' s solving, '// &
+                  real_text(real(peak_memory_bytes(), dp)/1048576.0_dp)//' MiB peak')
+    if (model%lost > 0) then
+      call log%warning(integer_text(model%lost)//' particles left the grid and were removed')
+    end if
+    if (allocated(error)) call log%line('FAILED: '//error%message)
+  end subroutine report_end
+
+  !> Nanoseconds per particle and step.
+  pure function cost(effort) result(nanoseconds)
+    type(effort_t), intent(in) :: effort
+    real(dp) :: nanoseconds
+    nanoseconds = 1.0e9_dp*effort%solving/max(real(effort%particle_steps, dp), 1.0_dp)
+  end function cost
+
+  !> Writes summary.json; a failure to do so becomes `error` if there is none yet.
+  subroutine summary_write(scene, model, effort, path, error)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(effort_t), intent(in) :: effort
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(inout) :: error  !! what ended the run early
+    type(error_t), allocatable :: problem
+    type(summary_t) :: summary
+    call summary%set('exit_status', exit_ok)
+    if (allocated(error)) then
+      call summary%set('exit_status', error%code)
+      call summary%set('failure', error%message)
+    end if
+    call summarise_scene(summary, scene, model)
+    call summarise_effort(summary, model, effort)
+    call summary%set('checksum', checksum_text(gather_checksum(model)))
+    call summarise_energy(summary, model)
+    call summary%write(path, problem)
+    if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
+  end subroutine summary_write
+
+  !> Program, deck, method and sizes.
+  subroutine summarise_scene(summary, scene, model)
+    type(summary_t), intent(inout) :: summary
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    call summary%set('version', version_string)
+    call summary%set('commit', commit_hash)
+    call summary%set('deck', scene%file)
+    call summary%set('title', scene%title)
+    call summary%set('method', trim(method_names(scene%method%kind)))
+    call summary%set('update', trim(update_names(scene%method%update)))
+    call summary%set('dimension', scene%dimension)
+    call summary%set('cfl', scene%time%cfl)
+    call summary%set('h', scene%grid%cell)
+    call summary%set('spacing', model%bodies(1)%spacing)
+    call summary%set('particles', sum(model%bodies%particles%count))
+    call summary%set('particles_lost', model%lost)
+    call summary%set('grid_points', sum(model%fields%points))
+    call summary%set('units.length', trim(scene%units(1)))
+    call summary%set('units.mass', trim(scene%units(2)))
+    call summary%set('units.time', trim(scene%units(3)))
+  end subroutine summarise_scene
+
+  !> Steps, seconds and bytes.
+  subroutine summarise_effort(summary, model, effort)
+    type(summary_t), intent(inout) :: summary
+    type(model_t), intent(in) :: model
+    type(effort_t), intent(in) :: effort
+    integer :: k
+    call summary%set('steps', model%clock%step)
+    call summary%set('time', model%clock%time)
+    call summary%set('particle_steps', effort%particle_steps)
+    call summary%set('wall_seconds', effort%wall)
+    call summary%set('solve_seconds', effort%solving)
+    call summary%set('ns_per_particle_step', cost(effort))
+    call summary%set('ranks', 1)
+    call summary%set('threads', effort%threads)
+    call summary%set('peak_memory_bytes', peak_memory_bytes())
+    do k = 1, phase_count
+      call summary%set('phase_seconds.'//trim(phase_names(k)), model%timers%seconds(k))
+    end do
+  end subroutine summarise_effort
+
+  !> The energy ledger at the end.
+  subroutine summarise_energy(summary, model)
+    type(summary_t), intent(inout) :: summary
+    type(model_t), intent(in) :: model
+    call summary%set('energy.kinetic', model%ledger%kinetic)
+    call summary%set('energy.internal', model%ledger%internal)
+    call summary%set('energy.total', ledger_total(model%ledger))
+    call summary%set('energy.initial_total', model%ledger%initial_total)
+    call summary%set('energy.external_work', model%ledger%external_work)
+    call summary%set('energy.viscous_dissipation', model%ledger%viscous_dissipation)
+    call summary%set('energy.interpolation_error', model%ledger%interpolation_error)
+    call summary%set('energy.predicted_error', model%ledger%predicted)
+    call summary%set('energy.remainder', model%ledger%remainder)
+  end subroutine summarise_energy
+
+end module sgmp_report
