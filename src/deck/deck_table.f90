@@ -137,6 +137,10 @@ contains
                       required=.true., when='elastic neo_hookean '//plastic)
     call registry%key('poisson', kind_real, "Poisson's ratio", range='(-1,0.5)', required=.true., &
                       when='elastic neo_hookean '//plastic)
+    call registry%key('strain', kind_word, 'small: the linear theory, with constant volume and '// &
+                      'no rotation of the stress', &
+                      choices='finite small', default='finite', when='elastic', &
+                      source='the class in which the energy identities hold')
     call registry%key('yield', kind_real, 'initial yield stress (Johnson-Cook A)', unit='stress', &
                       range='(0,inf)', required=.true., when=plastic)
     call registry%key('hardening', kind_word, 'hardening law', choices='perfect linear power', &

@@ -169,6 +169,7 @@ contains
     new%density = card%number('density')
     new%young = card%number('young')
     new%poisson = card%number('poisson')
+    new%small_strain = card%word('strain') == 'small'
     new%yield = card%number('yield')
     new%hardening = hardening_power
     if (card%has('hardening')) then

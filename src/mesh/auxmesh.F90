@@ -7,10 +7,12 @@
 module DIM(sgmp_auxmesh)
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t, wall_fixed
+  use sgmp_rows, only: key_j, key_k
   use sgmp_transfer_kinds, only: kernel_sgmp
   implicit none
   private
-  public :: auxmesh_fill
+  public :: auxmesh_fill, auxmesh_mirror
 
   integer, parameter :: tile = 128
 
@@ -52,6 +54,52 @@ contains
       end do
     end do
   end subroutine auxmesh_fill
+
+  !> Makes the gradients of one plane even at centres behind fixed walls, as the stress is when it is folded (METHOD 3).
+  !!
+  !! The nodes behind the wall are the odd image of those inside, which leaves the derivatives along the wall odd.
+  pure subroutine auxmesh_mirror(field, mesh, plane, before, stride, records)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane                 !! plane of the field
+    integer, intent(in) :: before                !! components of a record before the gradient
+    integer, intent(in) :: stride                !! components of a record
+    real(dp), intent(inout) :: records(stride, *) !! (stride, points of the plane)
+    integer :: s, axis, side, ghost, row(3), first, last, base
+    if (NDIM == 1 .or. field%kernel /= kernel_sgmp .or. .not. any(mesh%wall(:, :NDIM) == wall_fixed)) return
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      row = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
+      if (NDIM == 2) row(2) = row(3)
+      base = field%neighbour(0, 0, s) - field%plane_start(plane) + 1
+      do axis = 1, NDIM
+        do side = 1, 2
+          if (mesh%wall(side, axis) /= wall_fixed) cycle
+          ghost = merge(mesh%lower(axis) - 1, mesh%upper(axis), side == 1)
+          first = field%work%first(s)
+          last = field%work%last(s)
+          if (axis == 1) then
+            first = max(first, ghost)
+            last = min(last, ghost)
+          else if (row(axis) /= ghost) then
+            cycle
+          end if
+          if (first <= last) call reverse_along(axis, last - first + 1, before, stride, records(1, base + first))
+        end do
+      end do
+    end do
+  end subroutine auxmesh_mirror
+
+  !> Changes the sign of all derivatives but those along `axis`.
+  pure subroutine reverse_along(axis, n, before, stride, records)
+    integer, intent(in) :: axis, n, before, stride
+    real(dp), intent(inout) :: records(stride, n)
+    integer :: a, b
+    do a = 0, NDIM - 1
+      do b = 1, NDIM
+        if (b /= axis) records(before + a*NDIM + b, :) = -records(before + a*NDIM + b, :)
+      end do
+    end do
+  end subroutine reverse_along
 
   !> One component: mean of the 2^d nodes around each centre (SGMP), or the node itself.
   pure subroutine fill_value(field, s, first, n, column, stride, records)

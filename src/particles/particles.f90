@@ -454,6 +454,7 @@ contains
       end if
       do while (c > 0)
         next = particles%next(c)
+        particles%id(:, c) = 0
         particles%next(c) = particles%free_chunk
         particles%free_chunk = c
         c = next

@@ -38,7 +38,7 @@ module sgmp_constitutive
     type(jc_t) :: jc
     type(jwl_t) :: jwl
     type(gruneisen_t) :: gruneisen
-    logical :: small_strain = .false.          !! constant volume: the linear theory
+    logical :: small_strain = .false.          !! the linear theory: constant volume, no spin
     logical :: thermal = .false., failure = .false.
     real(dp) :: density = 0.0_dp               !! initial density
     real(dp) :: detonation_speed = 0.0_dp, burn_cells = 0.0_dp

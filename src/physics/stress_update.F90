@@ -263,7 +263,7 @@ contains
     integer :: l
     work = 0.0_dp
     call add_half_work(stress, strain, work)
-    call rotate(dt, grad, stress)
+    if (.not. law%small_strain) call rotate(dt, grad, stress)
     call add_hooke(law%elastic%shear, law%elastic%lambda, trace, strain, stress)
     call add_half_work(stress, strain, work)
     !$omp simd simdlen(8)

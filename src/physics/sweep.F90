@@ -6,7 +6,7 @@
 !! to row and plane to plane in buffers - so that every grid value is one fixed expression of its particles, whatever the
 !! number of threads, and nothing is ever added to shared memory.
 module DIM(sgmp_sweep)
-  use DIM(sgmp_auxmesh), only: auxmesh_fill
+  use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror
   use sgmp_body, only: body_t
   use sgmp_field, only: field_base, field_t
   use sgmp_kinds, only: dp, lanes
@@ -66,7 +66,7 @@ contains
       do b = 1, size(bodies)
         if (bodies(b)%field /= number) cycle
         if (bodies(b)%particles%plane_row(plane) == bodies(b)%particles%plane_row(plane + 1)) cycle
-        call fill_records(field, mesh%inverse_h, plan, shape, plane, work)
+        call fill_records(field, mesh, plan, shape, plane, work)
         call sweep_plane(mesh, field, bodies(b), plan, shape, plane, nq, work%planes(1, 1, 1, slot), sums(:, plane, b), &
                          work%movers(b), work)
       end do
@@ -113,9 +113,9 @@ contains
   end function record_size
 
   !> Sees to it that the records of all planes under the stencils of `plane` are there.
-  subroutine fill_records(field, inverse_h, plan, shape, plane, work)
+  subroutine fill_records(field, mesh, plan, shape, plane, work)
     type(field_t), intent(in) :: field
-    real(dp), intent(in) :: inverse_h
+    type(mesh_t), intent(in) :: mesh
     type(plan_t), intent(in) :: plan
     type(shape_t), intent(in) :: shape
     integer, intent(in) :: plane
@@ -125,8 +125,10 @@ contains
     do p = plane, plane + shape%layers - 1
       slot = mod(p, shape%layers) + 1
       if (work%record_plane(slot) == p) cycle
-      call auxmesh_fill(field, inverse_h, p, plan%vectors, plan%gradient, size(work%records, 1), &
+      call auxmesh_fill(field, mesh%inverse_h, p, plan%vectors, plan%gradient, size(work%records, 1), &
                         work%records(1, (slot - 1)*field%largest_plane + 1))
+      if (plan%gradient > 0) call auxmesh_mirror(field, mesh, p, NDIM*size(plan%vectors), size(work%records, 1), &
+                                                 work%records(1, (slot - 1)*field%largest_plane + 1))
       work%record_plane(slot) = p
     end do
   end subroutine fill_records

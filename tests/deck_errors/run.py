@@ -55,6 +55,7 @@ EXPECTED = {
     "several": [r"{d}:3:11: error: 'cell'", r"{d}:5:32: error: 'density'", r"{d}:5:41: error: 'young'",
                 r"{d}:5:51: error: 'poisson'", r"{d}:7:1: error: unknown card 'wal'", r"{d}:8:15: error: unbalanced",
                 r"{d}:9:8: error: 'cvs'", r"{d}:10:10: error: there is no body 'rod'"],
+    "small_strain": [r"{d}:5:73: error: 'strain' means nothing for kind j2"],
     "time_in_velocity": [r"{d}:7:17: error: the initial velocity cannot depend on t"],
     "too_many_particles": [r"{d}:6:1: error: body 'bar' would have about 8e12 particles"],
     "too_many_round": [r"{d}:6:1: .*too many particles"],
