@@ -249,23 +249,10 @@ contains
       call sweep_chunk(mesh, kernel, body, plan, shape, chunk, bin, cell, row, nl, live, nq, &
                        body%particles%nb, body%particles%a(1, 1, chunk), body%particles%b(1, 1, chunk), stencil, &
                        lane_sums, movers, work)
-      if (nl < lanes) call restore_pads(body%particles, chunk, nl)
       left = left - nl
       chunk = body%particles%next(chunk)
     end do
   end subroutine sweep_bin
-
-  !> Puts the pads of a chunk back to their harmless state.
-  pure subroutine restore_pads(particles, chunk, nl)
-    type(particles_t), intent(inout) :: particles
-    integer, intent(in) :: chunk, nl
-    integer :: l
-    do l = nl + 1, lanes
-      particles%a(l, :NDIM, chunk) = particles%a(nl, :NDIM, chunk)
-      particles%a(l, NDIM + 1:2*NDIM, chunk) = 0.0_dp
-      particles%b(l, :, chunk) = particles%pad
-    end do
-  end subroutine restore_pads
 
   !> One chunk: gather, kick, drift, strain, scatter.
   subroutine sweep_chunk(mesh, kernel, body, plan, shape, chunk, bin, cell, row, nl, live, nq, nb, a, b, stencil, &
@@ -291,6 +278,7 @@ contains
     call locate(a, cell, stencil_shift(kernel), xi)
     if (kernel == kernel_gimp) call particle_size(body, nb, b, half)
     call gather(mesh%inverse_h, kernel, plan, xi, half, row, work%records, got)
+    if (nl < lanes) call hold_pads(size(work%records, 1), live, got)
     if (plan%kick) then
       call kick(plan%dt_kick, live, got, plan%flip, got(1, velocity), a, lane_sums)
     end if
@@ -309,6 +297,20 @@ contains
     if (outside > 0) call note_movers(nl, chunk, bin, nq, xi, values, flux, movers)
     call scatter(mesh%inverse_h, kernel, plan, shape, nl, nq, xi, half, values, flux, stencil)
   end subroutine sweep_chunk
+
+  !> Pads are given nothing, so they stay as they are.
+  pure subroutine hold_pads(n, live, got)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: live(lanes)
+    real(dp), intent(inout) :: got(lanes, n)
+    integer :: l, q
+    do q = 1, n
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        got(l, q) = live(l)*got(l, q)
+      end do
+    end do
+  end subroutine hold_pads
 
   !> Local coordinates in the bin.
   pure subroutine locate(a, cell, shift, xi)
