@@ -4,7 +4,8 @@
 program sgmp
   use, intrinsic :: iso_c_binding, only: c_int
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-  use mpi_f08, only: mpi_abort, mpi_comm_world, mpi_finalize, mpi_init_thread, mpi_thread_funneled
+  use mpi_f08, only: mpi_abort, mpi_comm_size, mpi_comm_world, mpi_finalize, mpi_init_thread, &
+                     mpi_thread_funneled
   use omp_lib, only: omp_get_max_threads
   use sgmp_command_line, only: action_help, action_markdown, action_version, command_line_read, &
                                command_line_t
@@ -25,7 +26,7 @@ program sgmp
   end interface
   type(command_line_t) :: options
   type(error_t), allocatable :: error
-  integer :: provided, status
+  integer :: provided, ranks, status
   call mpi_init_thread(mpi_thread_funneled, provided)
   status = exit_ok
   call command_line_read(options, error)
@@ -34,7 +35,8 @@ program sgmp
     call report(error)
     status = error%code
   end if
-  if (status /= exit_ok) call mpi_abort(mpi_comm_world, status)
+  call mpi_comm_size(mpi_comm_world, ranks)
+  if (status /= exit_ok .and. ranks > 1) call mpi_abort(mpi_comm_world, status)
   call mpi_finalize()
   call c_exit(int(status, c_int))
 

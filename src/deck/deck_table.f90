@@ -89,16 +89,19 @@ contains
                       default='sgmp', slot=1, source='sections 2 to 4 of the paper')
     call registry%key('update', kind_word, 'when the stress is updated: first, modified last, '// &
                       'last', &
-                      choices='usf musl usl', default='musl', source="MUSL is the paper's "// &
-                      'recommendation')
+                      choices='usf musl usl usavg', default='musl', &
+                      source="MUSL is the paper's recommendation; usavg: half first, half last")
     call registry%key('flip', kind_real, 'part of the velocity taken from increments; 0 is '// &
                       'pure PIC', &
                       range='[0,1]', default='1')
     call registry%key('mass_cutoff', kind_real, &
                       'nodes lighter than this times the heaviest particle are ignored', &
                       range='[0,1)', default='1e-12')
-    call registry%key('normalised', kind_logical, &
-                      'divide stresses by the filled part of each cell (sgmp only)', default='no')
+    call registry%key('stress', kind_word, 'quadrature of the stress: as in the paper, or '// &
+                      'normalised by the volume that particles fill (sgmp only)', &
+                      choices='plain normalised', default='plain', source='doc/normalised-stress.md')
+    call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
+                      'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
     call registry%card('time', 'Time integration; end or steps must be given.', &
                        'time end=80e-3 cfl=0.8', once=.true.)
     call registry%key('end', kind_real, 'end time', unit='time', range='(0,inf)')

@@ -14,7 +14,7 @@ module sgmp_scene
             detonation_card_t, output_card_t, gauge_card_t, stop_card_t
   public :: wall_free, wall_slip, wall_fixed
   public :: method_mpm, method_gimp, method_cpgimp, method_sgmp, method_names
-  public :: update_usf, update_musl, update_usl, update_names
+  public :: update_usf, update_musl, update_usl, update_usavg, update_names
   public :: material_elastic, material_neo_hookean, material_j2, material_johnson_cook, &
     material_explosive, material_names
   public :: hardening_perfect, hardening_linear, hardening_power, eos_none, eos_jwl, eos_gruneisen
@@ -29,8 +29,8 @@ module sgmp_scene
   integer, parameter :: wall_free = 0, wall_slip = 1, wall_fixed = 2
   integer, parameter :: method_mpm = 1, method_gimp = 2, method_cpgimp = 3, method_sgmp = 4
   character(8), parameter :: method_names(4) = [character(8) :: 'mpm', 'gimp', 'cpgimp', 'sgmp']
-  integer, parameter :: update_usf = 1, update_musl = 2, update_usl = 3
-  character(8), parameter :: update_names(3) = [character(8) :: 'usf', 'musl', 'usl']
+  integer, parameter :: update_usf = 1, update_musl = 2, update_usl = 3, update_usavg = 4
+  character(8), parameter :: update_names(4) = [character(8) :: 'usf', 'musl', 'usl', 'usavg']
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
     material_johnson_cook = 4, &
                         material_explosive = 5
@@ -65,6 +65,7 @@ module sgmp_scene
     real(dp) :: mass_cutoff = 1.0e-12_dp
       !! nodes lighter than this times the largest particle mass are ignored
     logical :: normalised = .false.   !! volume-normalised stress (sgmp only)
+    real(dp) :: interior = 0.25_dp    !! filling beyond which a cell counts as interior
   end type method_card_t
 
   !> Time integration.

@@ -137,7 +137,8 @@ contains
     scene%method%update = word_in_list(card%word('update'), joined(update_names))
     scene%method%flip = card%number('flip')
     scene%method%mass_cutoff = card%number('mass_cutoff')
-    scene%method%normalised = card%flag('normalised')
+    scene%method%normalised = card%word('stress') == 'normalised'
+    scene%method%interior = card%number('interior')
   end subroutine set_method
 
   subroutine set_time(card, scene)

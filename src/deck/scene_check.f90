@@ -64,9 +64,9 @@ contains
       case ('time')
         call check_time(cards(i), errors)
       case ('method')
-        if (cards(i)%flag('normalised') .and. scene%method%kind /= method_sgmp) then
+        if (scene%method%normalised .and. scene%method%kind /= method_sgmp) then
           call errors%add(cards(i)%position, 'normalised stress exists for method sgmp only', &
-                          'remove normalised or use method sgmp')
+                          'remove stress=normalised or use method sgmp')
         end if
       case ('material')
         call check_material(cards(i), scene, errors)

@@ -44,6 +44,8 @@ contains
     model%update = scene%method%update
     model%flip = scene%method%flip
     model%gravity = scene%gravity
+    model%normalised = scene%method%normalised
+    model%interior = scene%method%interior
     model%lost_policy = scene%grid%lost
     kernel = kernel_of(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%body_sums(size(scene%bodies)))
@@ -294,7 +296,8 @@ contains
     allocate (model%fields(1))
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, &
-                      model%mesh%ndim*(model%mesh%ndim + 1)/2, any(model%bodies%forced))
+                      model%mesh%ndim*(model%mesh%ndim + 1)/2, any(model%bodies%forced), &
+                      model%normalised)
     end do
     allocate (model%workspaces(model%threads, size(model%fields)))
     allocate (model%slabs(model%threads + 1, size(model%fields)))

@@ -6,9 +6,12 @@ module sgmp_phases
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: stencil_width
   use sgmp_model, only: model_t
-  use sgmp_nodes_1d, only: nodes_remap_1d => nodes_remap, nodes_solve_1d => nodes_solve, nodes_velocity_1d => nodes_velocity
-  use sgmp_nodes_2d, only: nodes_remap_2d => nodes_remap, nodes_solve_2d => nodes_solve, nodes_velocity_2d => nodes_velocity
-  use sgmp_nodes_3d, only: nodes_remap_3d => nodes_remap, nodes_solve_3d => nodes_solve, nodes_sums, &
+  use sgmp_nodes_1d, only: nodes_remap_1d => nodes_remap, nodes_solve_1d => nodes_solve, &
+                           nodes_normalise_1d => nodes_normalise, nodes_velocity_1d => nodes_velocity
+  use sgmp_nodes_2d, only: nodes_remap_2d => nodes_remap, nodes_solve_2d => nodes_solve, &
+                           nodes_normalise_2d => nodes_normalise, nodes_velocity_2d => nodes_velocity
+  use sgmp_nodes_3d, only: nodes_remap_3d => nodes_remap, nodes_solve_3d => nodes_solve, &
+                           nodes_normalise_3d => nodes_normalise, nodes_sums, &
                            nodes_velocity_3d => nodes_velocity, sum_external, sum_ignored, node_sum_aa => sum_mass_aa, &
                            node_sum_av => sum_mass_av
   use sgmp_particles, only: movers_append, movers_t, particles_rebin
@@ -23,7 +26,7 @@ module sgmp_phases
   use sgmp_walls, only: has_walls, walls_fold, walls_mirror
   implicit none
   private
-  public :: phase_layout, phase_sweep, phase_rebin_particles, phase_solve, phase_velocity, phase_remap
+  public :: phase_layout, phase_normalise, phase_sweep, phase_rebin_particles, phase_solve, phase_velocity, phase_remap
 
   character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
 
@@ -145,6 +148,7 @@ contains
       plan%first_column = 2 + field%ndim
     end if
     plan%last_column = merge(field%nmoment, 1 + field%ndim, plan%stress)
+    plan%volume = plan%stress .and. field%volume_column > 0
   end subroutine choose_columns
 
   subroutine sweep_own_slab(model, plan, f, t, sums)
@@ -363,6 +367,28 @@ contains
       end if
     end do
   end subroutine mirror
+
+  !> Volume-normalised stress at all centres, where the scene asks for it.
+  subroutine phase_normalise(model)
+    type(model_t), intent(inout) :: model
+    integer :: f, p
+    if (.not. model%normalised) return
+    do f = 1, size(model%fields)
+      !$omp parallel do schedule(static) num_threads(model%threads) default(none) shared(model, f) private(p) &
+      !$omp& if(model%threads > 1)
+      do p = 1, model%fields(f)%planes
+        select case (model%mesh%ndim)
+        case (1)
+          call nodes_normalise_1d(model%fields(f), model%mesh, p, model%interior)
+        case (2)
+          call nodes_normalise_2d(model%fields(f), model%mesh, p, model%interior)
+        case (3)
+          call nodes_normalise_3d(model%fields(f), model%mesh, p, model%interior)
+        end select
+      end do
+      !$omp end parallel do
+    end do
+  end subroutine phase_normalise
 
   !> Momentum equation at all nodes (Eqs. 33, 34).
   subroutine phase_solve(model, dt)

@@ -7,10 +7,10 @@ module sgmp_step
   use sgmp_energy, only: ledger_step, step_sums_t
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
-  use sgmp_phases, only: phase_rebin_particles, phase_remap, phase_solve, phase_sweep, &
+  use sgmp_phases, only: phase_normalise, phase_rebin_particles, phase_remap, phase_solve, phase_sweep, &
                          phase_velocity
   use sgmp_plan, only: plan_t
-  use sgmp_scene, only: update_musl, update_usf
+  use sgmp_scene, only: update_musl, update_usavg, update_usf
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_drift, phase_grid, phase_kick, phase_rebin, timers_start, timers_stop
   implicit none
@@ -27,7 +27,7 @@ contains
     plan%mass = .true.
     plan%momentum = .true.
     plan%stress = model%update /= update_usf
-    plan%dt = tiny(1.0_dp)**0.25_dp
+    plan%dt_strain = tiny(1.0_dp)**0.25_dp
     allocate (plan%vectors(0))
     call sweep_and_rebin(model, plan, phase_drift)
   end subroutine step_start
@@ -43,6 +43,8 @@ contains
       call step_musl(model, dt_kick)
     case (update_usf)
       call step_usf(model, dt_kick)
+    case (update_usavg)
+      call step_usavg(model, dt_kick)
     case default  ! update_usl
       call step_usl(model, dt_kick)
     end select
@@ -73,6 +75,30 @@ contains
     call sweep_and_rebin(model, plan_kick_drift(model, dt_kick), phase_kick)
   end subroutine step_usf
 
+  !> Half of the stress update first, with the velocity projected anew, half last, with the re-mapped velocity.
+  subroutine step_usavg(model, dt_kick)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt_kick
+    type(plan_t) :: plan
+    if (model%clock%step > 0) then
+      call timers_start(model%timers)
+      call phase_velocity(model)
+      call timers_stop(model%timers, phase_grid)
+      plan = plan_strain(model)
+      plan%dt_strain = 0.5_dp*plan%dt_strain
+      call sweep_and_rebin(model, plan, phase_drift)
+    end if
+    call solve(model, dt_kick)
+    call sweep_and_rebin(model, plan_kick(model, dt_kick), phase_kick)
+    call timers_start(model%timers)
+    call phase_remap(model)
+    call timers_stop(model%timers, phase_grid)
+    plan = plan_drift_strain(model)
+    plan%dt_strain = 0.5_dp*plan%dt_strain
+    plan%stress = .false.
+    call sweep_and_rebin(model, plan, phase_drift)
+  end subroutine step_usavg
+
   !> Update stress last.
   subroutine step_usl(model, dt_kick)
     type(model_t), intent(inout) :: model
@@ -85,6 +111,7 @@ contains
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick
     call timers_start(model%timers)
+    call phase_normalise(model)
     call phase_solve(model, dt_kick)
     call timers_stop(model%timers, phase_grid)
   end subroutine solve
@@ -132,7 +159,7 @@ contains
     type(plan_t) :: plan
     plan%strain = .true.
     plan%stress = .true.
-    plan%dt = max(model%clock%dt_before, tiny(1.0_dp)**0.25_dp)
+    plan%dt_strain = max(model%clock%dt_before, tiny(1.0_dp)**0.25_dp)
     plan%time = model%clock%time
     allocate (plan%vectors(0))
     plan%gradient = model%mesh%ndim + 1
@@ -177,6 +204,7 @@ contains
     plan%momentum = .true.
     plan%stress = .true.
     plan%dt = model%clock%dt
+    plan%dt_strain = model%clock%dt
     plan%time = model%clock%time + model%clock%dt
   end function plan_full
 

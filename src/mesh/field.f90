@@ -18,6 +18,7 @@ module sgmp_field
     integer :: kernel = kernel_sgmp                 !! one of kernel_*
     integer :: ndim = 3
     integer :: nmoment = 0                          !! columns of `moment`
+    integer :: volume_column = 0                    !! column of the volume, 0: not carried
     integer :: points = 0                           !! stored points
     type(rows_t) :: work, store
     integer, allocatable :: base(:)                 !! record of i = 0 in each interval of `store`
@@ -39,16 +40,21 @@ module sgmp_field
 contains
 
   !> An empty field.
-  pure subroutine field_init(field, mesh, kernel, nflux, body_force)
+  pure subroutine field_init(field, mesh, kernel, nflux, body_force, volume)
     type(field_t), intent(out) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel        !! one of kernel_*
     integer, intent(in) :: nflux         !! stress components that exert a force
     logical, intent(in) :: body_force    !! columns for an external force
+    logical, intent(in) :: volume        !! a column for the particles' volume (normalised stress)
     field%kernel = kernel
     field%ndim = mesh%ndim
     field%nmoment = 1 + mesh%ndim + merge(nflux, mesh%ndim, kernel == kernel_sgmp)
     if (body_force) field%nmoment = field%nmoment + mesh%ndim
+    if (volume) then
+      field%nmoment = field%nmoment + 1
+      field%volume_column = field%nmoment
+    end if
     field%points = 0
     allocate (field%moment(0, field%nmoment), field%node(0, 2*mesh%ndim + 1), field%plane_k(0))
     allocate (field%plane_start(1), source=1)
@@ -68,6 +74,7 @@ contains
     new%kernel = field%kernel
     new%ndim = field%ndim
     new%nmoment = field%nmoment
+    new%volume_column = field%volume_column
     call rows_dilate(bins, [0, 0, 0], reach, stencil)
     if (field%kernel == kernel_sgmp) then
       call rows_dilate(stencil, [0, 0, 0], one, new%work)

@@ -12,7 +12,8 @@ module DIM(sgmp_nodes)
   use sgmp_transfer_kinds, only: kernel_sgmp
   implicit none
   private
-  public :: nodes_solve, nodes_velocity, nodes_remap, nodes_sums, sum_mass_aa, sum_mass_av, sum_external, sum_ignored
+  public :: nodes_normalise, nodes_solve, nodes_velocity, nodes_remap
+  public :: nodes_sums, sum_mass_aa, sum_mass_av, sum_external, sum_ignored
 
   integer, parameter :: tile = 128
   integer, parameter :: nodes_sums = 4     !! entries of a plane's sums
@@ -31,6 +32,77 @@ module DIM(sgmp_nodes)
 #endif
 
 contains
+
+  !> Volume-normalised stress: multiplies the stress moments of interior centres by h^d/V_c, where V_c is the volume that
+  !! particles gave to the centre, so that it is weighted by the cell's volume whatever the particles' positions.
+  !!
+  !! A centre is interior if it and all its neighbours are filled beyond the fraction `interior`; what lies behind a wall
+  !! counts as filled. Volumes are only read and stresses only scaled, so planes may be done in any order.
+  pure subroutine nodes_normalise(field, mesh, plane, interior)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane
+    real(dp), intent(in) :: interior
+    real(dp) :: least(0:tile + 1), factor(tile), cell
+    integer :: s, first, n, i, q, idx
+    cell = mesh%h**NDIM
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        call least_volume(field, mesh, s, first, n, cell, least)
+        idx = field%neighbour(0, 0, s) + first - 1
+        do i = 1, n
+          factor(i) = 1.0_dp
+          if (min(least(i - 1), least(i), least(i + 1)) > interior*cell) &
+            factor(i) = cell/field%moment(idx + i, field%volume_column)
+        end do
+        do q = 2 + NDIM, 1 + NDIM + NFLUX
+          !$omp simd
+          do i = 1, n
+            field%moment(idx + i, q) = factor(i)*field%moment(idx + i, q)
+          end do
+        end do
+      end do
+    end do
+  end subroutine nodes_normalise
+
+  !> Least volume over the rows around each centre of a tile and its two neighbours.
+  pure subroutine least_volume(field, mesh, s, first, n, cell, least)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp), intent(in) :: cell
+    real(dp), intent(out) :: least(0:tile + 1)
+    integer :: dj, dk, i, b, j, k, side
+    j = key_j(field%work%key(s))
+    k = key_k(field%work%key(s))
+    least = cell
+    do dk = merge(-1, 0, NDIM > 1), merge(1, 0, NDIM > 1)
+      do dj = merge(-1, 0, NDIM > 2), merge(1, 0, NDIM > 2)
+        if (NDIM > 1 .and. behind_wall(mesh, NDIM, k + dk)) cycle
+        if (NDIM > 2 .and. behind_wall(mesh, 2, j + dj)) cycle
+        b = field%neighbour(dj, dk, s) + first - 1
+        !$omp simd
+        do i = 0, n + 1
+          least(i) = min(least(i), field%moment(b + i, field%volume_column))
+        end do
+      end do
+    end do
+    do side = 1, 2
+      if (mesh%wall(side, 1) == wall_free) cycle
+      i = merge(mesh%lower(1) - 1, mesh%upper(1), side == 1) - first + 1
+      if (i >= 0 .and. i <= n + 1) least(i) = cell
+    end do
+  end subroutine least_volume
+
+  !> Whether centres of that index lie behind a wall of the axis.
+  pure function behind_wall(mesh, axis, centre) result(yes)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis, centre
+    logical :: yes
+    yes = (mesh%wall(1, axis) /= wall_free .and. centre == mesh%lower(axis) - 1) .or. &
+          (mesh%wall(2, axis) /= wall_free .and. centre == mesh%upper(axis))
+  end function behind_wall
 
   !> Acceleration and trial velocity of the nodes of one plane (Eqs. 33, 34).
   pure subroutine nodes_solve(field, mesh, plane, dt, gravity, cutoff, forced, sums)

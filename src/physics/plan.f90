@@ -18,6 +18,7 @@ module sgmp_plan
 
   !> One sweep: gather, advance, scatter.
   type :: plan_t
+    logical :: volume = .false.            !! with the stress, the particles' volume
     logical :: kick = .false.              !! v += a dt_kick
     logical :: drift = .false.             !! x += v_grid dt
     logical :: strain = .false.            !! stress update over dt
@@ -28,7 +29,8 @@ module sgmp_plan
                                            !! the sweep needs them
     integer :: gradient = 0  !! node column of the vector whose gradient strains the particles
     real(dp) :: dt_kick = 0.0_dp           !! velocity step
-    real(dp) :: dt = 0.0_dp                !! position and strain step
+    real(dp) :: dt = 0.0_dp                !! position step
+    real(dp) :: dt_strain = 0.0_dp         !! strain step
     real(dp) :: time = 0.0_dp              !! at the end of the sweep
     real(dp) :: flip = 1.0_dp              !! weight of FLIP against PIC
   end type plan_t

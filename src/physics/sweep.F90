@@ -24,7 +24,7 @@ module DIM(sgmp_sweep)
 
   integer, parameter :: largest_stencil = NGIMP_PAD
   integer, parameter :: most_rows = NGIMP/3
-  integer, parameter :: most_columns = 1 + 2*NDIM + NFLUX
+  integer, parameter :: most_columns = 2 + 2*NDIM + NFLUX
   integer, parameter :: most_gathered = 2*NDIM + NGRAD
 
   !> Extents of the stencil of the field at hand.
@@ -285,7 +285,7 @@ contains
     if (plan%drift) call drift(plan%dt*mesh%inverse_h, live, cell, stencil_shift(kernel), got(1, velocity), a, xi, &
                                lane_sums, outside)
     if (plan%strain) then
-      call stress_update(body%law, plan%dt, plan%time, a(1, 2*NDIM + 1), live, got(1, gradient), nb, b, flux, speed2, &
+      call stress_update(body%law, plan%dt_strain, plan%time, a(1, 2*NDIM + 1), live, got(1, gradient), nb, b, flux, speed2, &
                          jacobian, lane_sums(1, sum_internal))
       call check_chunk(body, chunk, nl, live, a, speed2, jacobian, work)
     else if (plan%stress) then
@@ -523,8 +523,9 @@ contains
       values(:, n + 1:n + NDIM) = 0.0_dp
       n = n + NDIM
     end if
-    if (n == nq) return
-    values(:, n + 1:nq) = 0.0_dp
+    if (plan%volume) values(:, nq) = live*b(:, 1)
+    if (n == merge(nq - 1, nq, plan%volume)) return
+    values(:, n + 1:n + NDIM) = 0.0_dp
     if (body%forced) call external_force(mesh, body, plan, mass, nb, a, b, values(1, n + 1))
   end subroutine collect
 
