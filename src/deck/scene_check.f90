@@ -64,9 +64,9 @@ contains
       case ('time')
         call check_time(cards(i), errors)
       case ('method')
-        if (cards(i)%flag('normalised') .and. scene%method%kind /= method_sgmp) then
-          call errors%add(cards(i)%position, 'normalised stress exists for method sgmp only', &
-                          'remove normalised or use method sgmp')
+        if (cards(i)%flag('normalised')) then
+          call errors%add(cards(i)%position, 'normalised stress is not available in this version', &
+                          'remove normalised=yes')
         end if
       case ('material')
         call check_material(cards(i), scene, errors)
