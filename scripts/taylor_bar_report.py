@@ -176,10 +176,10 @@ def report(arguments):
     title = "Taylor bar, OFHC copper" + "".join(f", {word.upper()}" for word in words if word and word[0] != "{")
     draw(points, None if initial is None else start, particles.column(name).astype(float), spacing, centre, found, error,
          arguments.length, field_label(name, units), title, picture)
-    print(picture)
+    print(f"picture: {picture.resolve()}")
     history = picture.parent / "history.png"
     plot_history([folder], history)
-    print(history)
+    print(f"picture: {history.resolve()}")
 
 
 def main():
