@@ -13,6 +13,7 @@ FORTRAN_SOURCES = $(shell find src -name '*.f90' -o -name '*.F90' | sort)
 export OMPI_ALLOW_RUN_AS_ROOT := 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
 export OMPI_MCA_rmaps_base_oversubscribe := 1
+MAKEFLAGS += --no-print-directory
 
 .PHONY: help setup setup-dev build run test debug test-debug bench lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
@@ -39,7 +40,6 @@ run: build ## Run the Taylor bar, compare it with the experiment and draw it
 	mkdir -p $(RUN_DIR)
 	build/release/sgmp input/taylor_bar.inp --output $(RUN_DIR)
 	$(PYTHON) scripts/taylor_bar_report.py $(RUN_DIR)
-	@find $(RUN_DIR) -name '*.png' -printf 'picture: $(CURDIR)/%p\n' | sort
 
 test: build ## Build and run all tests
 	ctest --test-dir build/release --parallel $(JOBS) --output-on-failure --no-tests=error

@@ -26,7 +26,7 @@ from render_particles import draw_particles, estimate_spacing, field_label, init
 from sgmp_io import (PLASTIC_STRAIN, SgmpFileError, lookup, plot_style, read_dump, read_particles_csv, read_summary,
                      read_units)
 
-EXPERIMENT = {"L": 16.2, "D": 13.5, "W": 10.1}  # mm; OFHC copper, 190 m/s (METHOD 8.4)
+EXPERIMENT = {"L": 16.2, "D": 13.5, "W": 10.1}  # mm; OFHC copper, 190 m/s (Kan et al. 2021, section 6.4)
 MEANING = {"L": "length", "D": "diameter of the foot", "W": "diameter at 0.2 L0"}
 MM_PER = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "um": 1.0e-3, "": 1.0}
 RULE = """Rule: L = highest particle + half a spacing, from the wall. D = 2 (largest radius of the particles within one cell of
@@ -176,10 +176,10 @@ def report(arguments):
     title = "Taylor bar, OFHC copper" + "".join(f", {word.upper()}" for word in words if word and word[0] != "{")
     draw(points, None if initial is None else start, particles.column(name).astype(float), spacing, centre, found, error,
          arguments.length, field_label(name, units), title, picture)
-    print(picture)
+    print(f"picture: {picture.resolve()}")
     history = picture.parent / "history.png"
     plot_history([folder], history)
-    print(history)
+    print(f"picture: {history.resolve()}")
 
 
 def main():

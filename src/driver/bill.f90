@@ -26,7 +26,7 @@ contains
     integer :: b
     call put('deck        '//scene%file//': '//scene%title)
     call put('dimension   '//integer_text(scene%dimension)// &
-             merge(' (plane strain)', '               ', scene%dimension == 2))
+             trim(merge(' (plane strain)', '               ', scene%dimension == 2)))
     call put('method      '//trim(method_names(scene%method%kind))//', '// &
              trim(update_names(scene%method%update)))
     call put('grid        cell '//real_text(model%mesh%h)//', active points '// &

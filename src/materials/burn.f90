@@ -1,5 +1,5 @@
 !> Programmed burn of explosives: lighting times from detonation points, burn fraction as a ramp
-!! (METHOD 5).
+!! (theory 4).
 module sgmp_burn
   use sgmp_kinds, only: dp, lanes
   implicit none

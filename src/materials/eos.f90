@@ -1,4 +1,4 @@
-!> What all equations of state of the form p = f (a0(v) + b0(v) E) share (METHOD 5).
+!> What all equations of state of the form p = f (a0(v) + b0(v) E) share (theory 4).
 !!
 !! v = V/V0, E is the energy per initial volume, f the burn fraction (1 for an inert material).
 module sgmp_eos

@@ -1,4 +1,4 @@
-!> Mie-Grueneisen equation of state with a linear shock velocity Us = c0 + s up (METHOD 5),
+!> Mie-Grueneisen equation of state with a linear shock velocity Us = c0 + s up (theory 4),
 !! mu = 1/v - 1:
 !!
 !!     compression  p = (C1 mu + C2 mu^2 + C3 mu^3) (1 - gamma0 (1 - v)/2) + gamma0 E  (G1)

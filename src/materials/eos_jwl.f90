@@ -1,4 +1,4 @@
-!> Jones-Wilkins-Lee equation of state of detonation products (METHOD 5, 8.3):
+!> Jones-Wilkins-Lee equation of state of detonation products (theory 4):
 !!
 !!     p = A (1 - w/(R1 v)) exp(-R1 v) + B (1 - w/(R2 v)) exp(-R2 v) + w E/v           (W1)
 !!

@@ -1,4 +1,4 @@
-!> Isotropic linear elasticity: the moduli that every solid material starts from (METHOD 5).
+!> Isotropic linear elasticity: the moduli that every solid material starts from (theory 4).
 module sgmp_material_elastic
   use sgmp_kinds, only: dp
   implicit none
@@ -38,7 +38,7 @@ contains
     modulus = law%bulk + (4.0_dp/3.0_dp)*law%shear
   end function elastic_p_wave_modulus
 
-  !> Squared speed (K + 4/3 G)/rho of longitudinal waves at the current density (METHOD 5).
+  !> Squared speed (K + 4/3 G)/rho of longitudinal waves at the current density (theory 4).
   pure function elastic_sound_speed_squared(law, density) result(speed_squared)
     type(elastic_t), intent(in) :: law  !! elastic constants
     real(dp), intent(in) :: density     !! current density (mass/volume)

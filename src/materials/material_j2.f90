@@ -1,4 +1,4 @@
-!> Von Mises plasticity with isotropic hardening: perfect, linear, or power law (METHOD 5).
+!> Von Mises plasticity with isotropic hardening: perfect, linear, or power law (theory 4).
 module sgmp_material_j2
   use sgmp_kinds, only: dp, lanes
   use sgmp_radial_return, only: hardening_power_term, hardening_t, radial_return_linear, &

@@ -1,4 +1,4 @@
-!> Johnson-Cook plasticity and failure (Johnson and Cook 1983, 1985; METHOD 5):
+!> Johnson-Cook plasticity and failure (Johnson and Cook 1983, 1985; theory 4):
 !!
 !!     sigma_y = (A + B ep^n) (1 + C ln(rate*)) (1 - T*^m)                             (J1)
 !!     T*      = (T - room)/(melt - room) clamped to [0, 1]

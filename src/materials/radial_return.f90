@@ -3,7 +3,7 @@
 !!
 !!     g(dep) = 3 G dep + sigma_y(ep + dep, dep/dt) - trial = 0                              (R1)
 !!
-!! (METHOD 5; Simo and Hughes, Computational Inelasticity, box 3.1). Stresses are von Mises norms.
+!! (theory 4; Simo and Hughes, Computational Inelasticity, box 3.1). Stresses are von Mises norms.
 !! Linear hardening has a closed form. Otherwise g is, in q = ln(dep), a convex increasing sum of
 !! exponentials, so that Halley's iteration in q converges from the upper bounds on dep that each
 !! term alone sets, also at ep = 0 with n < 1, where iterations in dep stall on the infinite slope.

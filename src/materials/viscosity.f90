@@ -1,5 +1,5 @@
 !> Bulk viscosity that spreads shocks over a few cells (von Neumann and Richtmyer 1950, Landshoff
-!! 1955; METHOD 5).
+!! 1955; theory 4).
 module sgmp_viscosity
   use sgmp_kinds, only: dp, lanes
   implicit none

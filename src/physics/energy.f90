@@ -1,5 +1,5 @@
 !> The energy ledger: what every step does to the energy, and how much of it the scheme explains
-!! (METHOD 6).
+!! (theory 6).
 !!
 !! All sums come from the particles and nodes themselves; no mass matrix is formed. With a and v the
 !! accelerations and velocities, I nodes and p particles, the kinetic energy of a step obeys exactly
