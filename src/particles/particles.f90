@@ -443,12 +443,12 @@ contains
       end do
       if (live == n) cycle
       particles%size(bins(m)) = live
-      c = particles%next(to_c)
-      particles%next(to_c) = 0
       if (live == 0) then
         c = particles%first(bins(m))
         particles%first(bins(m)) = 0
       else
+        c = particles%next(to_c)
+        particles%next(to_c) = 0
         call pad_chunk(particles, to_c, to_l + 1)
         call copy_place(particles, to_c, to_l)
       end if

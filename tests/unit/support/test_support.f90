@@ -56,7 +56,7 @@ contains
     open (newunit=unit, file=file, access='stream', form='unformatted', status='replace', action='write')
     write (unit) text
     close (unit)
-    call deck_read(file, none, scene, errors)
+    call deck_read(trim(file), none, scene, errors)
     open (newunit=unit, file=file)
     close (unit, status='delete')
     ok = errors%count() == 0
