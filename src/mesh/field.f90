@@ -46,12 +46,15 @@ contains
     integer, intent(in) :: kernel        !! one of kernel_*
     integer, intent(in) :: nflux         !! stress components that exert a force
     logical, intent(in) :: body_force    !! columns for an external force
-    logical, intent(in) :: volume        !! a column for the particles' volume (normalised stress)
+    logical, intent(in), optional :: volume !! a column for the particles' volume (normalised stress)
+    logical :: carries
     field%kernel = kernel
     field%ndim = mesh%ndim
     field%nmoment = 1 + mesh%ndim + merge(nflux, mesh%ndim, kernel == kernel_sgmp)
     if (body_force) field%nmoment = field%nmoment + mesh%ndim
-    if (volume) then
+    carries = .false.
+    if (present(volume)) carries = volume
+    if (carries) then
       field%nmoment = field%nmoment + 1
       field%volume_column = field%nmoment
     end if

@@ -38,7 +38,7 @@ EXPECTED = {
     "no_material": [r"{d}:6:1: error: card 'body' needs 'material'"],
     "no_particles": [r"{d}:6:1: .*body 'bar' has no particles"],
     "not_constant": [r"{d}:3:11: error: .*depends on position or time"],
-    "normalised": [r"{d}:6:1: error: normalised stress is not available"],
+    "normalised": [r"{d}:6:1: error: normalised stress exists for method sgmp only"],
     "not_yet": [r"{d}:7:1: error: unknown card 'contact'", r"{d}:8:1: error: unknown card 'checkpoint'",
                 r"{d}:9:1: error: unknown card 'rigid'"],
     "only_comments": [r"{d}: error: the file has no cards"],
