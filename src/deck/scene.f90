@@ -84,7 +84,7 @@ module sgmp_scene
     integer :: kind = material_elastic
     real(dp) :: density = 0.0_dp                  !! initial density
     real(dp) :: young = 0.0_dp, poisson = 0.0_dp
-    logical :: small_strain = .false.             !! elastic: linear theory, constant volume, no spin
+    logical :: small_strain = .false.             !! linear theory, constant volume, no spin
     ! J2
     integer :: hardening = hardening_perfect
     real(dp) :: yield = 0.0_dp                    !! initial yield stress

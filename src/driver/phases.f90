@@ -1,4 +1,5 @@
-!> The phases of a step over all fields and threads: who does which planes, in which order results are put together.
+!> The phases of a step over all fields and threads: who does which planes, in which order results
+!! are put together.
 module sgmp_phases
   use sgmp_body, only: body_forced, body_place, body_t
   use sgmp_errors, only: error_make, exit_numerical
@@ -18,10 +19,13 @@ module sgmp_phases
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sum_viscous, sweep_sums
   use sgmp_rows, only: rows_t, rows_union
-  use sgmp_sweep_1d, only: sweep_add_movers_1d => sweep_add_movers, sweep_join_1d => sweep_join, sweep_slab_1d => sweep_slab
-  use sgmp_sweep_2d, only: sweep_add_movers_2d => sweep_add_movers, sweep_join_2d => sweep_join, sweep_slab_2d => sweep_slab
-  use sgmp_sweep_3d, only: sweep_add_movers_3d => sweep_add_movers, sweep_join_3d => sweep_join, sweep_slab_3d => sweep_slab
   use sgmp_scene, only: lost_reflect, lost_remove
+  use sgmp_sweep_1d, only: sweep_add_movers_1d => sweep_add_movers, sweep_join_1d => sweep_join, &
+                           sweep_slab_1d => sweep_slab
+  use sgmp_sweep_2d, only: sweep_add_movers_2d => sweep_add_movers, sweep_join_2d => sweep_join, &
+                           sweep_slab_2d => sweep_slab
+  use sgmp_sweep_3d, only: sweep_add_movers_3d => sweep_add_movers, sweep_join_3d => sweep_join, &
+                           sweep_slab_3d => sweep_slab
   use sgmp_text, only: integer_text, real_text
   use sgmp_walls, only: has_walls, walls_fold, walls_mirror
   implicit none
@@ -60,7 +64,7 @@ contains
     integer, intent(in) :: f
     integer(i8), allocatable :: load(:)
     integer(i8) :: total, before
-    integer :: p, t, b, s, least, planes
+    integer :: p, t, b, s, first, last, least, planes
     planes = model%fields(f)%planes
     allocate (load(planes), source=0_i8)
     do b = 1, size(model%bodies)
@@ -68,8 +72,9 @@ contains
       associate (particles => model%bodies(b)%particles)
         do p = 1, planes
           do s = particles%plane_row(p), particles%plane_row(p + 1) - 1
-            load(p) = load(p) + sum(int((particles%size(particles%bin_start(s) + particles%bins%first(s): &
-                                                       particles%bin_start(s) + particles%bins%last(s)) + lanes - 1)/lanes, i8))
+            first = particles%bin_start(s) + particles%bins%first(s)
+            last = particles%bin_start(s) + particles%bins%last(s)
+            load(p) = load(p) + sum(int((particles%size(first:last) + lanes - 1)/lanes, i8))
           end do
         end do
       end associate
@@ -81,8 +86,8 @@ contains
     before = 0_i8
     t = 1
     do p = 1, planes
-      if (t < model%threads .and. before*model%threads >= total*t .and. p - model%slabs(t, f) >= least &
-          .and. planes - p + 1 >= least) then
+      if (t < model%threads .and. before*model%threads >= total*t .and. &
+          p - model%slabs(t, f) >= least .and. planes - p + 1 >= least) then
         t = t + 1
         model%slabs(t, f) = p
       end if
@@ -111,14 +116,16 @@ contains
     own = plan
     call choose_columns(own, model%fields(f))
     allocate (sums(sweep_sums, model%fields(f)%planes, size(model%bodies)), source=0.0_dp)
-    !$omp parallel do schedule(static, 1) num_threads(model%threads) default(none) shared(model, own, f, sums) &
+    !$omp parallel do schedule(static, 1) num_threads(model%threads) &
+    !$omp& default(none) shared(model, own, f, sums) &
     !$omp& private(t) if(model%threads > 1)
     do t = 1, model%threads
       call sweep_own_slab(model, own, f, t, sums)
     end do
     !$omp end parallel do
     if (model%threads > 1) then
-      !$omp parallel do schedule(static, 1) num_threads(model%threads) default(none) shared(model, own, f) private(t)
+      !$omp parallel do schedule(static, 1) num_threads(model%threads) &
+      !$omp& default(none) shared(model, own, f) private(t)
       do t = 1, model%threads
         call join_own_slab(model, own, f, t)
       end do
@@ -161,11 +168,14 @@ contains
     p2 = model%slabs(t + 1, f) - 1
     select case (model%mesh%ndim)
     case (1)
-      call sweep_slab_1d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, sums(:, p1:p2, :), model%workspaces(t, f))
+      call sweep_slab_1d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, &
+                         sums(:, p1:p2, :), model%workspaces(t, f))
     case (2)
-      call sweep_slab_2d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, sums(:, p1:p2, :), model%workspaces(t, f))
-    case (3)
-      call sweep_slab_3d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, sums(:, p1:p2, :), model%workspaces(t, f))
+      call sweep_slab_2d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, &
+                         sums(:, p1:p2, :), model%workspaces(t, f))
+    case default
+      call sweep_slab_3d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, &
+                         sums(:, p1:p2, :), model%workspaces(t, f))
     end select
   end subroutine sweep_own_slab
 
@@ -180,11 +190,14 @@ contains
     if (t > 1) then
       select case (model%mesh%ndim)
       case (1)
-        call sweep_join_1d(model%fields(f), plan, p1, p2, model%workspaces(t, f), model%workspaces(t - 1, f))
+        call sweep_join_1d(model%fields(f), plan, p1, p2, model%workspaces(t, f), &
+                           model%workspaces(t - 1, f))
       case (2)
-        call sweep_join_2d(model%fields(f), plan, p1, p2, model%workspaces(t, f), model%workspaces(t - 1, f))
-      case (3)
-        call sweep_join_3d(model%fields(f), plan, p1, p2, model%workspaces(t, f), model%workspaces(t - 1, f))
+        call sweep_join_2d(model%fields(f), plan, p1, p2, model%workspaces(t, f), &
+                           model%workspaces(t - 1, f))
+      case default
+        call sweep_join_3d(model%fields(f), plan, p1, p2, model%workspaces(t, f), &
+                           model%workspaces(t - 1, f))
       end select
     else
       select case (model%mesh%ndim)
@@ -192,7 +205,7 @@ contains
         call sweep_join_1d(model%fields(f), plan, p1, p2, model%workspaces(t, f))
       case (2)
         call sweep_join_2d(model%fields(f), plan, p1, p2, model%workspaces(t, f))
-      case (3)
+      case default
         call sweep_join_3d(model%fields(f), plan, p1, p2, model%workspaces(t, f))
       end select
     end if
@@ -231,10 +244,12 @@ contains
           model%fastest_id = work%fastest_id
         end if
         if (work%bad_id > 0 .and. .not. allocated(model%failure)) then
-          call error_make(model%failure, exit_numerical, 'particle '//integer_text(work%bad_id)//' of body '// &
-                          trim(body_of(model%bodies, work%bad_id))//' is inside out or not a number after step '// &
+          call error_make(model%failure, exit_numerical, 'particle '//integer_text(work%bad_id)// &
+                          ' of body '//trim(body_of(model%bodies, work%bad_id))// &
+                          ' is inside out or not a number after step '// &
                           integer_text(model%clock%step + 1), &
-                          'reduce cfl, add bulk viscosity, or use a finer grid; see the last dump for where it is')
+                          'reduce cfl, add bulk viscosity, or use a finer grid; see the last '// &
+                          'dump for where it is')
         end if
       end associate
     end do
@@ -268,12 +283,15 @@ contains
         f = model%bodies(b)%field
         movers(b) = model%workspaces(1, f)%movers(b)
         do t = 2, model%threads
-          if (allocated(model%workspaces(t, f)%movers)) call movers_append(movers(b), model%workspaces(t, f)%movers(b))
+          if (allocated(model%workspaces(t, f)%movers)) then
+            call movers_append(movers(b), model%workspaces(t, f)%movers(b))
+          end if
         end do
         model%moved = model%moved + movers(b)%n
         if (movers(b)%n == 0) cycle
         call guard_grid(model, b, movers(b))
-        call particles_rebin(model%bodies(b)%particles, movers(b), model%mesh%lower - 0.5_dp, model%mesh%upper + 0.5_dp, new_bins)
+        call particles_rebin(model%bodies(b)%particles, movers(b), model%mesh%lower - 0.5_dp, &
+                             model%mesh%upper + 0.5_dp, new_bins)
         model%lost = model%lost + count(movers(b)%gone)
         changed = changed .or. new_bins
       end do
@@ -284,18 +302,22 @@ contains
         call choose_columns(own, model%fields(model%bodies(b)%field))
         select case (model%mesh%ndim)
         case (1)
-          call sweep_add_movers_1d(model%mesh, model%fields(model%bodies(b)%field), model%bodies(b), own, movers(b))
+          call sweep_add_movers_1d(model%mesh, model%fields(model%bodies(b)%field), &
+                                   model%bodies(b), own, movers(b))
         case (2)
-          call sweep_add_movers_2d(model%mesh, model%fields(model%bodies(b)%field), model%bodies(b), own, movers(b))
-        case (3)
-          call sweep_add_movers_3d(model%mesh, model%fields(model%bodies(b)%field), model%bodies(b), own, movers(b))
+          call sweep_add_movers_2d(model%mesh, model%fields(model%bodies(b)%field), &
+                                   model%bodies(b), own, movers(b))
+        case default
+          call sweep_add_movers_3d(model%mesh, model%fields(model%bodies(b)%field), &
+                                   model%bodies(b), own, movers(b))
         end select
       end do
     end if
     call fold(model, plan)
   end subroutine phase_rebin_particles
 
-  !> Applies the deck's policy to movers that are leaving the grid: an error, reflection, or (later) removal.
+  !> Applies the deck's policy to movers that are leaving the grid: an error, reflection, or (later)
+  !! removal.
   subroutine guard_grid(model, b, movers)
     type(model_t), intent(inout) :: model
     integer, intent(in) :: b
@@ -314,10 +336,12 @@ contains
             else if (.not. allocated(model%failure)) then
               if (x >= mesh%lower(d) - 0.5_dp .and. x <= mesh%upper(d) + 0.5_dp) cycle
               call error_make(model%failure, exit_numerical, 'particle '// &
-                              integer_text(particles%id(movers%lane(m), movers%chunk(m)))//' of body '// &
-                              trim(model%bodies(b)%name)//' left the grid along '//axis_names(d)//' at '// &
-                              real_text(mesh%origin(d) + mesh%h*x)//' in step '//integer_text(model%clock%step + 1), &
-                              'extend the grid, leave that face open, or choose `lost policy=remove` or `reflect`')
+                              integer_text(particles%id(movers%lane(m), movers%chunk(m)))// &
+                              ' of body '//trim(model%bodies(b)%name)//' left the grid along '// &
+                              axis_names(d)//' at '//real_text(mesh%origin(d) + mesh%h*x)// &
+                              ' in step '//integer_text(model%clock%step + 1), &
+                              'extend the grid, leave that face open, or choose '// &
+                              '`lost policy=remove` or `reflect`')
             end if
           end associate
         end do
@@ -337,11 +361,14 @@ contains
       do axis = 1, model%mesh%ndim
         if (.not. has_walls(model%mesh, axis)) cycle
         if (axis == model%mesh%ndim) then
-          call walls_fold(model%fields(f), model%mesh, axis, 1, model%fields(f)%planes, own%first_column, own%last_column)
+          call walls_fold(model%fields(f), model%mesh, axis, 1, model%fields(f)%planes, &
+                          own%first_column, own%last_column)
         else
-          !$omp parallel do num_threads(model%threads) default(none) shared(model, own, f, axis) private(p)
+          !$omp parallel do num_threads(model%threads) &
+          !$omp& default(none) shared(model, own, f, axis) private(p)
           do p = 1, model%fields(f)%planes
-            call walls_fold(model%fields(f), model%mesh, axis, p, p, own%first_column, own%last_column)
+            call walls_fold(model%fields(f), model%mesh, axis, p, p, own%first_column, &
+                            own%last_column)
           end do
           !$omp end parallel do
         end if
@@ -359,7 +386,8 @@ contains
       if (axis == model%mesh%ndim) then
         call walls_mirror(model%fields(f), model%mesh, axis, 1, model%fields(f)%planes, columns)
       else
-        !$omp parallel do num_threads(model%threads) default(none) shared(model, f, axis, columns) private(p)
+        !$omp parallel do num_threads(model%threads) &
+        !$omp& default(none) shared(model, f, axis, columns) private(p)
         do p = 1, model%fields(f)%planes
           call walls_mirror(model%fields(f), model%mesh, axis, p, p, columns)
         end do
@@ -400,15 +428,19 @@ contains
     do f = 1, size(model%fields)
       allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)
       forced = body_forced(model%bodies, f)
-      !$omp parallel do schedule(static) num_threads(model%threads) default(none) shared(model, f, dt, forced, sums) private(p)
+      !$omp parallel do schedule(static) num_threads(model%threads) &
+      !$omp& default(none) shared(model, f, dt, forced, sums) private(p)
       do p = 1, model%fields(f)%planes
         select case (model%mesh%ndim)
         case (1)
-          call nodes_solve_1d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, forced, sums(:, p))
+          call nodes_solve_1d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, &
+                              forced, sums(:, p))
         case (2)
-          call nodes_solve_2d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, forced, sums(:, p))
-        case (3)
-          call nodes_solve_3d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, forced, sums(:, p))
+          call nodes_solve_2d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, &
+                              forced, sums(:, p))
+        case default
+          call nodes_solve_3d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, &
+                              forced, sums(:, p))
         end select
       end do
       !$omp end parallel do
@@ -428,14 +460,15 @@ contains
     type(model_t), intent(inout) :: model
     integer :: f, p
     do f = 1, size(model%fields)
-      !$omp parallel do schedule(static) num_threads(model%threads) default(none) shared(model, f) private(p)
+      !$omp parallel do schedule(static) num_threads(model%threads) &
+      !$omp& default(none) shared(model, f) private(p)
       do p = 1, model%fields(f)%planes
         select case (model%mesh%ndim)
         case (1)
           call nodes_velocity_1d(model%fields(f), model%mesh, p, model%cutoff)
         case (2)
           call nodes_velocity_2d(model%fields(f), model%mesh, p, model%cutoff)
-        case (3)
+        case default
           call nodes_velocity_3d(model%fields(f), model%mesh, p, model%cutoff)
         end select
       end do
@@ -449,14 +482,15 @@ contains
     type(model_t), intent(inout) :: model
     integer :: f, p
     do f = 1, size(model%fields)
-      !$omp parallel do schedule(static) num_threads(model%threads) default(none) shared(model, f) private(p)
+      !$omp parallel do schedule(static) num_threads(model%threads) &
+      !$omp& default(none) shared(model, f) private(p)
       do p = 1, model%fields(f)%planes
         select case (model%mesh%ndim)
         case (1)
           call nodes_remap_1d(model%fields(f), model%mesh, p)
         case (2)
           call nodes_remap_2d(model%fields(f), model%mesh, p)
-        case (3)
+        case default
           call nodes_remap_3d(model%fields(f), model%mesh, p)
         end select
       end do

@@ -1,7 +1,7 @@
 ! dimension-generic
 #include "dimension.inc"
-!> The auxiliary grid of SGMP: values at cell centres from the nodes around them (Eqs. 25, 26, 32, 33), as records that
-!! the particle sweeps read.
+!> The auxiliary grid of SGMP: values at cell centres from the nodes around them (Eqs. 25, 26, 32,
+!! 33), as records that the particle sweeps read.
 !!
 !! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
 module DIM(sgmp_auxmesh)
@@ -18,55 +18,58 @@ module DIM(sgmp_auxmesh)
 
 contains
 
-  !> Records of one plane: first the vectors whose node columns are listed, then the gradient of one vector.
+  !> Records of one plane: first the vectors whose node columns are listed, then the gradient of one
+  !! vector.
   pure subroutine auxmesh_fill(field, inverse_h, plane, vectors, gradient, stride, records)
     type(field_t), intent(in) :: field
     real(dp), intent(in) :: inverse_h
     integer, intent(in) :: plane                 !! plane of the field
     integer, intent(in) :: vectors(:)            !! first node column of each vector to interpolate
-    integer, intent(in) :: gradient              !! first node column of the vector to differentiate; 0: none
+    integer, intent(in) :: gradient  !! first node column of the vector to differentiate; 0: none
     integer, intent(in) :: stride                !! components of a record
-    real(dp), intent(inout) :: records(stride, *) !! (stride, points of the plane)
-    integer :: s, first, n, q, v, a
+    real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
+    integer :: s, first, n, q, v, a, point
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
+        point = field%neighbour(0, 0, s) + first - field%plane_start(plane) + 1
         q = 0
         do v = 1, size(vectors)
           do a = 0, NDIM - 1
             q = q + 1
-            call fill_value(field, s, first, n, vectors(v) + a, stride, &
-                            records(q, field%neighbour(0, 0, s) + first - field%plane_start(plane) + 1))
+            call fill_value(field, s, first, n, vectors(v) + a, stride, records(q, point))
           end do
         end do
         if (gradient == 0) cycle
         do a = 0, NDIM - 1
           if (field%kernel == kernel_sgmp) then
             call fill_gradient(field, inverse_h, s, first, n, gradient + a, stride, &
-                               records(q + 1, field%neighbour(0, 0, s) + first - field%plane_start(plane) + 1))
+                               records(q + 1, point))
             q = q + NDIM
           else
             q = q + 1
-            call fill_value(field, s, first, n, gradient + a, stride, &
-                            records(q, field%neighbour(0, 0, s) + first - field%plane_start(plane) + 1))
+            call fill_value(field, s, first, n, gradient + a, stride, records(q, point))
           end if
         end do
       end do
     end do
   end subroutine auxmesh_fill
 
-  !> Makes the gradients of one plane even at centres behind fixed walls, as the stress is when it is folded (METHOD 3).
+  !> Makes the gradients of one plane even at centres behind fixed walls, as the stress is when it
+  !! is folded (theory 3).
   !!
-  !! The nodes behind the wall are the odd image of those inside, which leaves the derivatives along the wall odd.
+  !! The nodes behind the wall are the odd image of those inside, which leaves the derivatives along
+  !! the wall odd.
   pure subroutine auxmesh_mirror(field, mesh, plane, before, stride, records)
     type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane                 !! plane of the field
     integer, intent(in) :: before                !! components of a record before the gradient
     integer, intent(in) :: stride                !! components of a record
-    real(dp), intent(inout) :: records(stride, *) !! (stride, points of the plane)
+    real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
     integer :: s, axis, side, ghost, row(3), first, last, base
-    if (NDIM == 1 .or. field%kernel /= kernel_sgmp .or. .not. any(mesh%wall(:, :NDIM) == wall_fixed)) return
+    if (NDIM == 1 .or. field%kernel /= kernel_sgmp) return
+    if (.not. any(mesh%wall(:, :NDIM) == wall_fixed)) return
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       row = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
       if (NDIM == 2) row(2) = row(3)
@@ -83,7 +86,9 @@ contains
           else if (row(axis) /= ghost) then
             cycle
           end if
-          if (first <= last) call reverse_along(axis, last - first + 1, before, stride, records(1, base + first))
+          if (first <= last) then
+            call reverse_along(axis, last - first + 1, before, stride, records(1, base + first))
+          end if
         end do
       end do
     end do

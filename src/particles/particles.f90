@@ -1,8 +1,9 @@
 !> The particles of one body: chunks of `lanes` particles, binned by the cell of their stencil.
 !!
-!! A bin holds the particles that share a grid stencil, ordered by id, in a chain of chunks; the unused lanes of its last
-!! chunk hold a harmless pad. Two streams keep the two sweeps of a step apart: `a` (position, velocity, mass) is all that a
-!! momentum sweep touches, `b` (volume, stress, history) is read only where stress is updated.
+!! A bin holds the particles that share a grid stencil, ordered by id, in a chain of chunks; the
+!! unused lanes of its last chunk hold a harmless pad. Two streams keep the two sweeps of a step
+!! apart: `a` (position, velocity, mass) is all that a momentum sweep touches, `b` (volume, stress,
+!! history) is read only where stress is updated.
 module sgmp_particles
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_rows, only: row_key, rows_contains, rows_from_points, rows_t, rows_union
@@ -10,8 +11,8 @@ module sgmp_particles
   implicit none
   private
   public :: particles_t, movers_t
-  public :: particles_fill, particles_rebin, particles_bytes, particles_bin_of, movers_add, movers_append, movers_reset, &
-            bin_coordinates
+  public :: particles_fill, particles_rebin, particles_bytes, particles_bin_of, movers_add, &
+            movers_append, movers_reset, bin_coordinates
 
   !> Chunks and bins of a body.
   type :: particles_t
@@ -22,18 +23,19 @@ module sgmp_particles
     integer :: chunks = 0                           !! chunks in use or on the free list
     integer :: free_chunk = 0                       !! head of the free list
     real(dp) :: shift = 0.5_dp                      !! bin of X is floor(X - shift)
-    real(dp), allocatable :: a(:, :, :)             !! (lanes, na, chunk); X in cells from the grid origin
+    real(dp), allocatable :: a(:, :, :)  !! (lanes, na, chunk); X in cells from the grid origin
     real(dp), allocatable :: b(:, :, :)             !! (lanes, nb, chunk)
     integer(i4), allocatable :: id(:, :)            !! (lanes, chunk); 0 in pads
     integer, allocatable :: next(:)                 !! chunk that continues the bin, 0: none
     real(dp), allocatable :: pad(:)                 !! (nb) harmless values of b in pads
     real(dp) :: pad_mass = 1.0_dp
     type(rows_t) :: bins                            !! rows of bins
-    integer, allocatable :: bin_start(:)            !! (bins%n): bin i of the interval has number bin_start + i
+    integer, allocatable :: bin_start(:)  !! (bins%n): bin i of a row has number bin_start + i
     integer, allocatable :: first(:)                !! (bins) first chunk, 0: empty
     integer, allocatable :: size(:)                 !! (bins) particles
-    integer, allocatable :: plane_row(:)            !! (planes + 1) first interval of each plane of the field
-    integer, allocatable :: place(:, :)             !! (rows of a stencil, bins%n) base of the stencil's rows in the field
+    integer, allocatable :: plane_row(:)  !! (planes + 1) first interval of each plane of the field
+    integer, allocatable :: place(:, :)             !! (rows of a stencil, bins%n) base of the
+                                                    !! stencil's rows in the field
   end type particles_t
 
   !> Particles that have left their bin.
@@ -41,7 +43,7 @@ module sgmp_particles
     integer :: n = 0
     integer, allocatable :: chunk(:), lane(:), bin(:)
     integer(i4), allocatable :: id(:)               !! filled by particles_rebin, ascending
-    logical, allocatable :: gone(:)                 !! filled by particles_rebin: outside the grid, removed
+    logical, allocatable :: gone(:)  !! filled by particles_rebin: outside the grid, removed
     real(dp), allocatable :: record(:, :)           !! (na + nb, n) their state, in the order of id
     real(dp), allocatable :: values(:, :)           !! (values, n) what they give to the grid
   end type movers_t
@@ -79,14 +81,15 @@ contains
                     + size(particles%first, kind=i8) + size(particles%size, kind=i8))
   end function particles_bytes
 
-  !> Puts particles into bins; `history` gives the first values of the columns of b behind the volume.
+  !> Puts particles into bins; `history` gives the first values of the columns of b behind the
+  !! volume.
   pure subroutine particles_fill(particles, ndim, shift, x, v, mass, volume, history, first_id)
     type(particles_t), intent(out) :: particles
     integer, intent(in) :: ndim
     real(dp), intent(in) :: shift
     real(dp), intent(in) :: x(:, :)        !! (>= ndim, n) grid coordinates
     real(dp), intent(in) :: v(:, :)        !! (>= ndim, n) velocities
-    real(dp), intent(in) :: mass(:), volume(:) !! (n)
+    real(dp), intent(in) :: mass(:), volume(:)  !! (n)
     real(dp), intent(in) :: history(:)     !! (nb - 1)
     integer(i4), intent(in) :: first_id    !! id of the first particle
     integer :: p, n, chunk, lane, in_bin, number, previous
@@ -174,7 +177,8 @@ contains
     call rows_from_points(key, i, particles%bins)
     call number_bins(particles)
     do p = 1, n
-      number = particles_bin_of(particles, bin_coordinates(x(:, p), particles%shift, particles%ndim))
+      number = particles_bin_of(particles, bin_coordinates(x(:, p), particles%shift, &
+                                                           particles%ndim))
       particles%size(number) = particles%size(number) + 1
     end do
   end subroutine count_bins
@@ -183,7 +187,9 @@ contains
   pure subroutine number_bins(particles)
     type(particles_t), intent(inout) :: particles
     integer :: s, next
-    if (allocated(particles%bin_start)) deallocate (particles%bin_start, particles%first, particles%size)
+    if (allocated(particles%bin_start)) then
+      deallocate (particles%bin_start, particles%first, particles%size)
+    end if
     allocate (particles%bin_start(particles%bins%n))
     next = 1
     do s = 1, particles%bins%n
@@ -196,7 +202,8 @@ contains
   pure subroutine allocate_chunks(particles, capacity)
     type(particles_t), intent(inout) :: particles
     integer, intent(in) :: capacity
-    allocate (particles%a(lanes, particles%na, capacity), particles%b(lanes, particles%nb, capacity))
+    allocate (particles%a(lanes, particles%na, capacity))
+    allocate (particles%b(lanes, particles%nb, capacity))
     allocate (particles%id(lanes, capacity), particles%next(capacity), source=0)
   end subroutine allocate_chunks
 
@@ -321,7 +328,8 @@ contains
     type(movers_t), intent(inout) :: movers
     integer, intent(in) :: capacity
     type(movers_t) :: new
-    allocate (new%chunk(capacity), new%lane(capacity), new%bin(capacity), new%values(size(movers%values, 1), capacity))
+    allocate (new%chunk(capacity), new%lane(capacity), new%bin(capacity), &
+              new%values(size(movers%values, 1), capacity))
     new%chunk(:movers%n) = movers%chunk(:movers%n)
     new%lane(:movers%n) = movers%lane(:movers%n)
     new%bin(:movers%n) = movers%bin(:movers%n)
@@ -332,12 +340,14 @@ contains
     call move_alloc(new%values, movers%values)
   end subroutine movers_reserve
 
-  !> Moves particles to the bins of their new positions; bins stay ordered by id, so nothing depends on history.
+  !> Moves particles to the bins of their new positions; bins stay ordered by id, so nothing depends
+  !! on history.
   pure subroutine particles_rebin(particles, movers, lower, upper, new_bins)
     type(particles_t), intent(inout) :: particles
-    type(movers_t), intent(inout) :: movers      !! in: chunk, lane, bin; out: id and record, ascending by id
+    type(movers_t), intent(inout) :: movers      !! in: chunk, lane, bin; out: id and record,
+                                                 !! ascending by id
     real(dp), intent(in) :: lower(3), upper(3)   !! particles outside this box (cells) are removed
-    logical, intent(out) :: new_bins             !! the set of bins has changed: the field's layout must follow
+    logical, intent(out) :: new_bins  !! the set of bins has changed: the field's layout must follow
     integer, allocatable :: target(:), order(:)
     integer :: m, p, t
     logical :: missing
@@ -347,7 +357,8 @@ contains
     missing = .false.
     do m = 1, movers%n
       if (movers%gone(m)) cycle
-      target(m) = particles_bin_of(particles, bin_coordinates(movers%record(:, m), particles%shift, particles%ndim))
+      target(m) = particles_bin_of(particles, bin_coordinates(movers%record(:, m), &
+                                                              particles%shift, particles%ndim))
       missing = missing .or. target(m) == 0
     end do
     new_bins = missing
@@ -356,7 +367,8 @@ contains
       call extend_bins(particles, movers)
       do m = 1, movers%n
         if (movers%gone(m)) cycle
-        target(m) = particles_bin_of(particles, bin_coordinates(movers%record(:, m), particles%shift, particles%ndim))
+        target(m) = particles_bin_of(particles, bin_coordinates(movers%record(:, m), &
+                                                                particles%shift, particles%ndim))
       end do
     else
       call close_bins(particles, movers%bin(:movers%n))
@@ -370,7 +382,9 @@ contains
         if (target(order(t + 1)) /= target(order(p))) exit
         t = t + 1
       end do
-      if (target(order(p)) > 0) call insert_arrivals(particles, target(order(p)), movers, order(p:t))
+      if (target(order(p)) > 0) then
+        call insert_arrivals(particles, target(order(p)), movers, order(p:t))
+      end if
       p = t + 1
     end do
   end subroutine particles_rebin
@@ -385,7 +399,8 @@ contains
     if (allocated(movers%gone)) deallocate (movers%gone)
     allocate (movers%gone(movers%n))
     do m = 1, movers%n
-      movers%gone(m) = any(movers%record(:n, m) < lower(:n)) .or. any(movers%record(:n, m) > upper(:n))
+      movers%gone(m) = any(movers%record(:n, m) < lower(:n)) .or. &
+          any(movers%record(:n, m) > upper(:n))
     end do
     particles%count = particles%count - count(movers%gone)
   end subroutine find_gone
@@ -439,7 +454,9 @@ contains
         end if
         to_l = to_l + 1
         live = live + 1
-        if (to_c /= c .or. to_l /= mod(l - 1, lanes) + 1) call copy_lane(particles, mod(l - 1, lanes) + 1, c, to_l, to_c)
+        if (to_c /= c .or. to_l /= mod(l - 1, lanes) + 1) then
+          call copy_lane(particles, mod(l - 1, lanes) + 1, c, to_l, to_c)
+        end if
       end do
       if (live == n) cycle
       particles%size(bins(m)) = live
@@ -553,8 +570,10 @@ contains
       if (w == 0) exit
       c = chain((t - 1)/lanes + 1)
       if (old > 0) then
-        if (particles%id(mod(old - 1, lanes) + 1, chain((old - 1)/lanes + 1)) > movers%id(who(w))) then
-          call copy_lane(particles, mod(old - 1, lanes) + 1, chain((old - 1)/lanes + 1), mod(t - 1, lanes) + 1, c)
+        if (particles%id(mod(old - 1, lanes) + 1, &
+                         chain((old - 1)/lanes + 1)) > movers%id(who(w))) then
+          call copy_lane(particles, mod(old - 1, lanes) + 1, chain((old - 1)/lanes + 1), &
+                         mod(t - 1, lanes) + 1, c)
           old = old - 1
           cycle
         end if

@@ -1,9 +1,11 @@
 ! dimension-generic
 #include "dimension.inc"
-!> The grid's part of a step: momentum equation at the nodes (Eqs. 17-20, 33, 34) and the MUSL re-map.
+!> The grid's part of a step: momentum equation at the nodes (Eqs. 17-20, 33, 34) and the MUSL
+!! re-map.
 !!
-!! With SGMP a node gathers from the 2^d centres around it with fixed weights: 1/2 per axis, and +-1/h along the axis of
-!! a derivative. Rows are handled in tiles so that the partial sums of a tile stay in the first-level cache.
+!! With SGMP a node gathers from the 2^d centres around it with fixed weights: 1/2 per axis, and
+!! +-1/h along the axis of a derivative. Rows are handled in tiles so that the partial sums of a
+!! tile stay in the first-level cache.
 module DIM(sgmp_nodes)
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
@@ -19,7 +21,8 @@ module DIM(sgmp_nodes)
   integer, parameter :: nodes_sums = 4     !! entries of a plane's sums
   integer, parameter :: sum_mass_aa = 1    !! sum m_I |a_I|^2
   integer, parameter :: sum_mass_av = 2    !! sum m_I a_I . v_I at the velocity before the kick
-  integer, parameter :: sum_external = 3   !! power of gravity and body forces at the mid-step velocity
+  integer, parameter :: sum_external = 3   !! power of gravity and body forces at the mid-step
+                                           !! velocity
   integer, parameter :: sum_ignored = 4    !! nodes below the mass cut-off
 
   !> Column (after mass and momentum) of stress component (a, b).
@@ -197,7 +200,8 @@ contains
       sums(sum_mass_av) = sums(sum_mass_av) + av
       sums(sum_external) = sums(sum_external) + ev
     end do
-    sums(sum_ignored) = sums(sum_ignored) + count(m(:n) > 0.0_dp .and. .not. node(:n, 2*NDIM + 1) > 0.0_dp)
+    sums(sum_ignored) = sums(sum_ignored) + count(m(:n) > 0.0_dp .and. &
+                                                  .not. node(:n, 2*NDIM + 1) > 0.0_dp)
   end subroutine book_energies
 
   !> Mass (if asked for) and momentum of a tile of nodes (Eqs. 17, 18; MPM Eqs. 9, 10).
@@ -252,7 +256,8 @@ contains
     f(:n, :) = scale*f(:n, :)
   end subroutine node_forces
 
-  !> Adds a row's part of the derivative along an axis: a difference along x, a sum of differences across it.
+  !> Adds a row's part of the derivative along an axis: a difference along x, a sum of differences
+  !! across it.
   pure subroutine add_divergence(n, axis, t, f)
     integer, intent(in) :: n, axis
     real(dp), intent(in) :: t(0:tile)

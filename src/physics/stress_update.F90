@@ -1,10 +1,12 @@
 ! dimension-generic
 #include "dimension.inc"
-!> Stress update of one chunk of particles: strain and rotation (Jaumann rate), constitutive law, volume, energy, flux.
+!> Stress update of one chunk of particles: strain and rotation (Jaumann rate), constitutive law,
+!! volume, energy, flux.
 !!
-!! The law is chosen once per chunk; each stage is a loop over the lanes. Volume follows the determinant of the step's
-!! deformation gradient. Internal energy grows by V_old (1/2 (sigma_old + sigma_new) - q) : deps, which is exact for a
-!! linear stress path in one dimension; an equation of state takes its pressure work from the change of volume.
+!! The law is chosen once per chunk; each stage is a loop over the lanes. Volume follows the
+!! determinant of the step's deformation gradient. Internal energy grows by V_old (1/2 (sigma_old +
+!! sigma_new) - q) : deps, which is exact for a linear stress path in one dimension; an equation of
+!! state takes its pressure work from the change of volume.
 module DIM(sgmp_stress_update)
   use sgmp_burn, only: burn_fraction_lanes
   use sgmp_constitutive, only: constitutive_t
@@ -14,15 +16,15 @@ module DIM(sgmp_stress_update)
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_material_j2, only: j2_return
   use sgmp_material_jc, only: jc_return, jc_return_simple
-  use sgmp_scene, only: eos_gruneisen, eos_jwl, eos_none, material_elastic, material_explosive, material_j2, &
-                        material_johnson_cook, material_neo_hookean
+  use sgmp_scene, only: eos_jwl, eos_none, material_elastic, material_j2, material_johnson_cook, &
+                        material_neo_hookean
   use sgmp_viscosity, only: viscosity_lanes
   implicit none
   private
   public :: stress_update, stress_flux, stress_sums, sum_internal, sum_viscous
 
   integer, parameter :: stress_sums = 2  !! entries of `sums`
-  integer, parameter :: sum_internal = 1 !! growth of internal energy
+  integer, parameter :: sum_internal = 1  !! growth of internal energy
   integer, parameter :: sum_viscous = 2  !! part of it that the bulk viscosity dissipates
 
   !> Stress component of each flux (and strain) component.
@@ -38,7 +40,8 @@ module DIM(sgmp_stress_update)
 
 contains
 
-  !> Advances volume, stress and history by one step and returns the flux sigma V that the grid wants (Eq. 23).
+  !> Advances volume, stress and history by one step and returns the flux sigma V that the grid
+  !! wants (Eq. 23).
   subroutine stress_update(law, dt, time, mass, live, grad, nb, b, flux, speed2, jacobian, sums)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: dt                          !! strain step
@@ -49,7 +52,7 @@ contains
     real(dp), intent(inout) :: b(lanes, nb)             !! volume, stress, history
     real(dp), intent(out) :: flux(lanes, NFLUX)         !! (sigma - q I) V
     real(dp), intent(out) :: speed2(lanes)              !! square of the sound speed
-    real(dp), intent(out) :: jacobian(lanes)            !! determinant of the step's deformation gradient
+    real(dp), intent(out) :: jacobian(lanes)  !! determinant of the step's deformation gradient
     real(dp), intent(inout) :: sums(lanes, stress_sums)
     real(dp) :: strain(lanes, NFLUX), trace(lanes), old_volume(lanes), work(lanes), q(lanes)
     integer :: l
@@ -64,19 +67,21 @@ contains
     if (law%slots%stretch > 0) call stretch(dt, grad, b(:, law%slots%stretch:))
     select case (law%kind)
     case (material_elastic)
-      call elastic(law, dt, mass, grad, strain, trace, b(1, 1), b(1, law%slots%stress), speed2, q, work)
+      call elastic(law, dt, mass, grad, strain, trace, b(1, 1), b(1, law%slots%stress), speed2, q, &
+                   work)
     case (material_neo_hookean)
       call neo_hookean(law, dt, mass, grad, strain, trace, b(1, 1), b(1, law%slots%stress), &
                        b(1, law%slots%deformation), speed2, q, work)
     case (material_j2, material_johnson_cook)
       call plastic(law, dt, mass, old_volume, grad, strain, trace, nb, b, speed2, q, work)
-    case (material_explosive)
+    case default  ! material_explosive
       call explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
     end select
     call stress_flux(law, b(1, 1), q, b(1, law%slots%stress), flux)
     !$omp simd simdlen(8)
     do l = 1, lanes
-      sums(l, sum_internal) = sums(l, sum_internal) + live(l)*(old_volume(l)*(work(l) - q(l)*trace(l)))
+      sums(l, sum_internal) = sums(l, sum_internal) + &
+          live(l)*(old_volume(l)*(work(l) - q(l)*trace(l)))
       sums(l, sum_viscous) = sums(l, sum_viscous) - live(l)*(old_volume(l)*(q(l)*trace(l)))
     end do
   end subroutine stress_update
@@ -130,7 +135,8 @@ contains
       strain(l, 2) = dt*grad(l, 4)
       strain(l, 3) = dt*(grad(l, 2) + grad(l, 3))
       trace(l) = strain(l, 1) + strain(l, 2)
-      jacobian(l) = (1.0_dp + strain(l, 1))*(1.0_dp + strain(l, 2)) - (dt*grad(l, 2))*(dt*grad(l, 3))
+      jacobian(l) = (1.0_dp + strain(l, 1))*(1.0_dp + strain(l, 2)) - &
+          (dt*grad(l, 2))*(dt*grad(l, 3))
     end do
 #else
     real(dp) :: xx, yy, zz, xy, yx, xz, zx, yz, zy
@@ -164,7 +170,7 @@ contains
     real(dp), intent(inout) :: s(lanes, NSTRESS)
     integer :: l
 #if NDIM == 1
-    l = merge(1, 0, dt*grad(1, 1) > 0.0_dp .and. s(1, 1) > 0.0_dp) ! no spin in one dimension
+    l = merge(1, 0, dt*grad(1, 1) > 0.0_dp .and. s(1, 1) > 0.0_dp)  ! no spin in one dimension
 #elif NDIM == 2
     real(dp) :: w, t
     !$omp simd simdlen(8) private(w, t)
@@ -257,7 +263,8 @@ contains
   !> Hooke's law in rate form.
   pure subroutine elastic(law, dt, mass, grad, strain, trace, volume, stress, speed2, q, work)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), trace(lanes), volume(lanes)
+    real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), &
+        trace(lanes), volume(lanes)
     real(dp), intent(inout) :: stress(lanes, NSTRESS)
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
     integer :: l
@@ -274,10 +281,12 @@ contains
   end subroutine elastic
 
   !> Compressible neo-Hookean: sigma = (mu (b - I) + lambda ln J I)/J with b = F F^T.
-  pure subroutine neo_hookean(law, dt, mass, grad, strain, trace, volume, stress, f, speed2, q, work)
+  pure subroutine neo_hookean(law, dt, mass, grad, strain, trace, volume, stress, f, speed2, q, &
+                              work)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), trace(lanes), volume(lanes)
-    real(dp), intent(inout) :: stress(lanes, NSTRESS), f(lanes, NDIM, NDIM) !! f(:, b, a) = F_ab
+    real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), &
+        trace(lanes), volume(lanes)
+    real(dp), intent(inout) :: stress(lanes, NSTRESS), f(lanes, NDIM, NDIM)  !! f(:, b, a) = F_ab
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
     real(dp) :: new(lanes, NDIM, NDIM), bij(lanes, NSTRESS), mu, lambda, j
     integer :: l, a, b, c
@@ -320,14 +329,17 @@ contains
     call viscosity(law, dt, mass, volume, trace, speed2, q)
   end subroutine neo_hookean
 
-  !> J2 and Johnson-Cook plasticity by radial return, with linear bulk response or an equation of state.
+  !> J2 and Johnson-Cook plasticity by radial return, with linear bulk response or an equation of
+  !! state.
   subroutine plastic(law, dt, mass, old_volume, grad, strain, trace, nb, b, speed2, q, work)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), trace(lanes)
+    real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), grad(lanes, NGRAD), &
+        strain(lanes, NFLUX), trace(lanes)
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
-    real(dp) :: deviator(lanes, NSTRESS), mean(lanes), norm(lanes), factor(lanes), increment(lanes), shear3, shear
+    real(dp) :: deviator(lanes, NSTRESS), mean(lanes), norm(lanes), factor(lanes), &
+        increment(lanes), shear3, shear
     real(dp) :: deviatoric_work(lanes), pressure_work(lanes)
     integer :: l, c, s
     s = law%slots%stress
@@ -366,8 +378,9 @@ contains
       end do
       call viscosity(law, dt, mass, b(1, 1), trace, speed2, q)
     else
-      call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, deviatoric_work, 4.0_dp/3.0_dp*shear, &
-                             [(1.0_dp, l=1, lanes)], b(1, law%slots%energy), mean, speed2, q, pressure_work)
+      call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, deviatoric_work, &
+                             4.0_dp/3.0_dp*shear, [(1.0_dp, l=1, lanes)], b(1, law%slots%energy), &
+                             mean, speed2, q, pressure_work)
       work = deviatoric_work + pressure_work
     end if
     do c = 1, NSTRESS
@@ -410,7 +423,8 @@ contains
       temperature = law%jc%room
       if (law%failure) damage = b(:, law%slots%damage)
       if (law%thermal) temperature = b(:, law%slots%temperature)
-      call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, damage, factor, increment)
+      call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, damage, &
+                     factor, increment)
       if (law%failure) b(:, law%slots%damage) = damage
       if (law%thermal) b(:, law%slots%temperature) = temperature
     else
@@ -427,18 +441,19 @@ contains
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
     real(dp) :: burnt(lanes), none(lanes)
     none = 0.0_dp
-    call burn_fraction_lanes(time, b(1, law%slots%lighting), law%detonation_speed, law%h, law%burn_cells, burnt)
-    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, none, 0.0_dp, burnt, b(1, law%slots%energy), &
-                           b(1, law%slots%stress), speed2, q, work)
+    call burn_fraction_lanes(time, b(1, law%slots%lighting), law%detonation_speed, law%h, &
+                             law%burn_cells, burnt)
+    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, none, 0.0_dp, burnt, &
+                           b(1, law%slots%energy), b(1, law%slots%stress), speed2, q, work)
   end subroutine explosive
 
   !> Pressure and energy by an equation of state linear in the energy; `mean` is the mean stress -p.
-  subroutine equation_of_state(law, dt, mass, old_volume, volume, trace, deviatoric_work, stiffness, burnt, energy, mean, &
-                               speed2, q, work)
+  subroutine equation_of_state(law, dt, mass, old_volume, volume, trace, deviatoric_work, &
+                               stiffness, burnt, energy, mean, speed2, q, work)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), volume(lanes), trace(lanes)
     real(dp), intent(in) :: deviatoric_work(lanes)      !! per current (old) volume
-    real(dp), intent(in) :: stiffness                   !! 4/3 G, of the shear part of the sound speed
+    real(dp), intent(in) :: stiffness  !! 4/3 G, of the shear part of the sound speed
     real(dp), intent(in) :: burnt(lanes)                !! factor on the pressure
     real(dp), intent(inout) :: energy(lanes), mean(lanes)
     real(dp), intent(out) :: speed2(lanes), q(lanes)
@@ -456,16 +471,18 @@ contains
     select case (law%eos)
     case (eos_jwl)
       call jwl_lanes(law%jwl, v, a0, b0, da, db)
-    case (eos_gruneisen)
+    case default  ! eos_gruneisen
       call gruneisen_lanes(law%gruneisen, v, a0, b0, da, db)
     end select
     p = burnt*(a0 + b0*energy)
     ones = 1.0_dp
     imaginary = 0
-    call eos_sound_speed_lanes(law%density, law%slowest**2, v, p, energy, da, db, b0, ones, speed2, imaginary)
+    call eos_sound_speed_lanes(law%density, law%slowest**2, v, p, energy, da, db, b0, ones, &
+                               speed2, imaginary)
     !$omp simd simdlen(8)
     do l = 1, lanes
-      speed2(l) = merge(speed2(l), law%detonation_speed**2, burnt(l) > 0.0_dp) + stiffness*volume(l)/mass(l)
+      speed2(l) = merge(speed2(l), law%detonation_speed**2, burnt(l) > 0.0_dp) + &
+          stiffness*volume(l)/mass(l)
     end do
     call viscosity(law, dt, mass, volume, trace, speed2, q)
     !$omp simd simdlen(8)

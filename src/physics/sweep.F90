@@ -2,9 +2,10 @@
 #include "dimension.inc"
 !> A sweep over the particles of a slab of planes: read the grid, advance, write the grid.
 !!
-!! Bins are visited row by row and plane by plane. Sums travel with the sweep - along the row in the accumulator, from row
-!! to row and plane to plane in buffers - so that every grid value is one fixed expression of its particles, whatever the
-!! number of threads, and nothing is ever added to shared memory.
+!! Bins are visited row by row and plane by plane. Sums travel with the sweep - along the row in the
+!! accumulator, from row to row and plane to plane in buffers - so that every grid value is one
+!! fixed expression of its particles, whatever the number of threads, and nothing is ever added to
+!! shared memory.
 module DIM(sgmp_sweep)
   use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror
   use sgmp_body, only: body_t
@@ -12,11 +13,13 @@ module DIM(sgmp_sweep)
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, stencil_shift, stencil_width
   use sgmp_particles, only: bin_coordinates, movers_add, movers_reset, movers_t, particles_t
-  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, sweep_sums, workspace_t
+  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
+                       sweep_sums, workspace_t
   use sgmp_rows, only: key_j, key_k
   use DIM(sgmp_stress_update), only: stress_flux, stress_sums, stress_update
-  use DIM(sgmp_transfer), only: gimp_carry, gimp_gather, gimp_gradients, gimp_scatter, gimp_weights, linear_carry, linear_gather, &
-                                linear_gradients, linear_scatter, linear_scatter_force, linear_weights
+  use DIM(sgmp_transfer), only: gimp_carry, gimp_gather, gimp_gradients, gimp_scatter, &
+                                gimp_weights, linear_carry, linear_gather, linear_gradients, &
+                                linear_scatter, linear_scatter_force, linear_weights
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
   implicit none
   private
@@ -67,10 +70,11 @@ contains
         if (bodies(b)%field /= number) cycle
         if (bodies(b)%particles%plane_row(plane) == bodies(b)%particles%plane_row(plane + 1)) cycle
         call fill_records(field, mesh, plan, shape, plane, work)
-        call sweep_plane(mesh, field, bodies(b), plan, shape, plane, nq, work%planes(1, 1, 1, slot), sums(:, plane, b), &
-                         work%movers(b), work)
+        call sweep_plane(mesh, field, bodies(b), plan, shape, plane, nq, &
+                         work%planes(1, 1, 1, slot), sums(:, plane, b), work%movers(b), work)
       end do
-      call clear_rows(field, plane, shape%layers*nq, huge(1), work%cleared, work%planes(1, 1, 1, slot))
+      call clear_rows(field, plane, shape%layers*nq, huge(1), work%cleared, &
+                      work%planes(1, 1, 1, slot))
       call join_plane(field, plan%first_column, nq, shape, plane, plane1, work)
     end do
   end subroutine sweep_slab
@@ -84,7 +88,10 @@ contains
     integer :: b, stride
     stride = max(1, record_size(plan))
     if (allocated(work%records)) then
-      if (size(work%records, 1) /= stride .or. size(work%records, 2) < largest_plane*shape%layers) deallocate (work%records)
+      if (size(work%records, 1) /= stride .or. &
+          size(work%records, 2) < largest_plane*shape%layers) then
+        deallocate (work%records)
+      end if
     end if
     if (.not. allocated(work%records)) allocate (work%records(stride, largest_plane*shape%layers))
     if (allocated(work%planes)) then
@@ -93,7 +100,9 @@ contains
         if (allocated(work%lead)) deallocate (work%lead)
       end if
     end if
-    if (.not. allocated(work%planes)) allocate (work%planes(shape%layers, nq, largest_plane, shape%layers))
+    if (.not. allocated(work%planes)) then
+      allocate (work%planes(shape%layers, nq, largest_plane, shape%layers))
+    end if
     if (.not. allocated(work%movers)) allocate (work%movers(nbodies))
     do b = 1, nbodies
       call movers_reset(work%movers(b), nq + NFLUX)
@@ -125,10 +134,12 @@ contains
     do p = plane, plane + shape%layers - 1
       slot = mod(p, shape%layers) + 1
       if (work%record_plane(slot) == p) cycle
-      call auxmesh_fill(field, mesh%inverse_h, p, plan%vectors, plan%gradient, size(work%records, 1), &
-                        work%records(1, (slot - 1)*field%largest_plane + 1))
-      if (plan%gradient > 0) call auxmesh_mirror(field, mesh, p, NDIM*size(plan%vectors), size(work%records, 1), &
-                                                 work%records(1, (slot - 1)*field%largest_plane + 1))
+      call auxmesh_fill(field, mesh%inverse_h, p, plan%vectors, plan%gradient, &
+                        size(work%records, 1), work%records(1, (slot - 1)*field%largest_plane + 1))
+      if (plan%gradient > 0) then
+        call auxmesh_mirror(field, mesh, p, NDIM*size(plan%vectors), size(work%records, 1), &
+                            work%records(1, (slot - 1)*field%largest_plane + 1))
+      end if
       work%record_plane(slot) = p
     end do
   end subroutine fill_records
@@ -150,7 +161,8 @@ contains
     integer :: s, i, r, line, layer, bin, base(most_rows), place(GIMP_LINE), row(most_rows)
     lane_sums = 0.0_dp
     do s = body%particles%plane_row(plane), body%particles%plane_row(plane + 1) - 1
-      call clear_rows(field, plane, shape%layers*nq, key_j(body%particles%bins%key(s)) + shape%lines - 1, work%cleared, planes)
+      call clear_rows(field, plane, shape%layers*nq, key_j(body%particles%bins%key(s)) + &
+                      shape%lines - 1, work%cleared, planes)
       stencil = 0.0_dp
       do line = 1, shape%lines
         do layer = 1, shape%layers
@@ -158,7 +170,8 @@ contains
           base(r) = body%particles%place(r, s) - field%plane_start(plane + layer - 1) + 1 &
                     + mod(plane + layer - 1, shape%layers)*field%largest_plane
         end do
-        place(line) = body%particles%place((line - 1)*shape%layers + 1, s) - field%plane_start(plane) + 1
+        place(line) = body%particles%place((line - 1)*shape%layers + 1, s) - &
+            field%plane_start(plane) + 1
       end do
       call bin_line(body, s, cell)
       do i = body%particles%bins%first(s), body%particles%bins%last(s)
@@ -180,7 +193,8 @@ contains
     end do
   end subroutine sweep_plane
 
-  !> Zeroes the plane buffers of all rows up to `line` that have not been yet, just before they are first added to.
+  !> Zeroes the plane buffers of all rows up to `line` that have not been yet, just before they are
+  !! first added to.
   pure subroutine clear_rows(field, plane, n, line, cleared, planes)
     type(field_t), intent(in) :: field
     integer, intent(in) :: plane, n, line
@@ -223,7 +237,8 @@ contains
   end subroutine bin_line
 
   !> All chunks of one bin.
-  subroutine sweep_bin(mesh, kernel, body, plan, shape, bin, cell, row, nq, stencil, lane_sums, movers, work)
+  subroutine sweep_bin(mesh, kernel, body, plan, shape, bin, cell, row, nq, stencil, lane_sums, &
+                       movers, work)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel
     type(body_t), intent(inout) :: body
@@ -247,16 +262,17 @@ contains
         live(l) = merge(1.0_dp, 0.0_dp, l <= nl)
       end do
       call sweep_chunk(mesh, kernel, body, plan, shape, chunk, bin, cell, row, nl, live, nq, &
-                       body%particles%nb, body%particles%a(1, 1, chunk), body%particles%b(1, 1, chunk), stencil, &
-                       lane_sums, movers, work)
+                       body%particles%nb, body%particles%a(1, 1, chunk), &
+                       body%particles%b(1, 1, chunk), stencil, lane_sums, movers, work)
       left = left - nl
       chunk = body%particles%next(chunk)
     end do
   end subroutine sweep_bin
 
   !> One chunk: gather, kick, drift, strain, scatter.
-  subroutine sweep_chunk(mesh, kernel, body, plan, shape, chunk, bin, cell, row, nl, live, nq, nb, a, b, stencil, &
-                         lane_sums, movers, work)
+  ! allow(S902)
+  subroutine sweep_chunk(mesh, kernel, body, plan, shape, chunk, bin, cell, row, nl, live, nq, nb, &
+                         a, b, stencil, lane_sums, movers, work)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel, chunk, bin, nl, nq, nb
     type(body_t), intent(in) :: body
@@ -273,7 +289,7 @@ contains
     real(dp) :: values(lanes, most_columns), speed2(lanes), jacobian(lanes)
     integer :: velocity, gradient, outside
     outside = 0
-    velocity = 1 + merge(NDIM, 0, plan%kick)             ! component of `got` where the grid velocity starts
+    velocity = 1 + merge(NDIM, 0, plan%kick)  ! component of `got` where the grid velocity starts
     gradient = 1 + NDIM*size(plan%vectors)               ! and the velocity gradient
     call locate(a, cell, stencil_shift(kernel), xi)
     if (kernel == kernel_gimp) call particle_size(body, nb, b, half)
@@ -282,8 +298,10 @@ contains
     if (plan%kick) then
       call kick(plan%dt_kick, live, got, plan%flip, got(1, velocity), a, lane_sums)
     end if
-    if (plan%drift) call drift(plan%dt*mesh%inverse_h, live, cell, stencil_shift(kernel), got(1, velocity), a, xi, &
-                               lane_sums, outside)
+    if (plan%drift) then
+      call drift(plan%dt*mesh%inverse_h, live, cell, stencil_shift(kernel), got(1, velocity), a, &
+                 xi, lane_sums, outside)
+    end if
     if (plan%strain) then
       call stress_update(body%law, plan%dt_strain, plan%time, a(1, 2*NDIM + 1), live, got(1, gradient), nb, b, flux, speed2, &
                          jacobian, lane_sums(1, sum_internal))
@@ -366,7 +384,7 @@ contains
       call linear_weights(xi, w)
       if (n > 0) call linear_gather(n, w, stride, records, row, got)
       if (plan%gradient > 0) call linear_gradients(xi, inverse_h, g)
-    case (kernel_gimp)
+    case default  ! kernel_gimp
       call gimp_weights(xi, half, w)
       if (n > 0) call gimp_gather(n, w, stride, records, row, got)
       if (plan%gradient > 0) call gimp_gradients(xi, half, inverse_h, g)
@@ -384,7 +402,8 @@ contains
     end do
   end subroutine gather
 
-  !> Gather of the record's components behind the first `skip`, with the linear gradients along axis d.
+  !> Gather of the record's components behind the first `skip`, with the linear gradients along axis
+  !! d.
   pure subroutine linear_gather_part(n, skip, g, d, stride, records, row, values)
     integer, intent(in) :: n, skip, d, stride, row(most_rows)
     real(dp), intent(in) :: g(lanes, NCORNER, NDIM), records(stride, *)
@@ -403,14 +422,15 @@ contains
   !> v += a dt (Eq. 29), blended with PIC where asked for; sums for the energy ledger.
   pure subroutine kick(dt, live, acceleration, flip, grid_velocity, a, lane_sums)
     real(dp), intent(in) :: dt, live(lanes), acceleration(lanes, NDIM)
-    real(dp), intent(in) :: flip                          !! weight of FLIP; below 1 the grid velocity is read
+    real(dp), intent(in) :: flip  !! weight of FLIP; below 1 the grid velocity is read
     real(dp), intent(in) :: grid_velocity(lanes, NDIM)
     real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), lane_sums(lanes, sweep_sums)
     real(dp) :: mass, aa, vv
     integer :: l, d
     if (flip < 1.0_dp) then
       do d = 1, NDIM
-        a(:, NDIM + d) = flip*a(:, NDIM + d) + (1.0_dp - flip)*(grid_velocity(:, d) - dt*acceleration(:, d))
+        a(:, NDIM + d) = flip*a(:, NDIM + d) + &
+                         (1.0_dp - flip)*(grid_velocity(:, d) - dt*acceleration(:, d))
       end do
     end if
     !$omp simd simdlen(8) private(mass, aa, vv, d)
@@ -422,7 +442,8 @@ contains
         a(l, NDIM + d) = a(l, NDIM + d) + dt*acceleration(l, d)
         aa = aa + acceleration(l, d)*acceleration(l, d)
         vv = vv + a(l, NDIM + d)*a(l, NDIM + d)
-        lane_sums(l, sum_momentum + d - 1) = lane_sums(l, sum_momentum + d - 1) + mass*a(l, NDIM + d)
+        lane_sums(l, sum_momentum + d - 1) = lane_sums(l, sum_momentum + d - 1) + &
+            mass*a(l, NDIM + d)
       end do
       lane_sums(l, sum_mass_aa) = lane_sums(l, sum_mass_aa) + mass*aa
       lane_sums(l, sum_kinetic) = lane_sums(l, sum_kinetic) + 0.5_dp*mass*vv
@@ -445,7 +466,8 @@ contains
         a(l, d) = a(l, d) + dt*velocity(l, d)
         xi(l, d) = (a(l, d) - cell(d)) - shift
         lane_sums(l, sum_moment + d - 1) = lane_sums(l, sum_moment + d - 1) + mass*a(l, d)
-        far = far + merge(0.0_dp, 1.0_dp, xi(l, d) >= 0.0_dp) + merge(0.0_dp, 1.0_dp, xi(l, d) < 1.0_dp)
+        far = far + merge(0.0_dp, 1.0_dp, xi(l, d) >= 0.0_dp) + &
+              merge(0.0_dp, 1.0_dp, xi(l, d) < 1.0_dp)
       end do
     end do
     outside = merge(1, 0, far > 0.0_dp)
@@ -469,7 +491,8 @@ contains
       end do
       speed(l) = live(l)*(sqrt(speed2(l)) + sqrt(square))
       fast = max(fast, speed(l))
-      good = good + merge(1.0_dp, 0.0_dp, jacobian(l) > 0.0_dp)*merge(1.0_dp, 0.0_dp, speed(l) < 1.0e150_dp)
+      good = good + merge(1.0_dp, 0.0_dp, jacobian(l) > 0.0_dp)* &
+             merge(1.0_dp, 0.0_dp, speed(l) < 1.0e150_dp)
     end do
     if (fast > work%fastest) then
       l = maxloc(speed, 1)
@@ -485,7 +508,8 @@ contains
     end do
   end subroutine check_chunk
 
-  !> Values that go to the grid, in the order of the moments' columns; the force columns of MPM and GIMP stay open.
+  !> Values that go to the grid, in the order of the moments' columns; the force columns of MPM and
+  !! GIMP stay open.
   subroutine collect(mesh, kernel, body, plan, live, nb, a, b, flux, nq, values)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel, nb, nq
@@ -574,7 +598,8 @@ contains
     integer, intent(in) :: kernel, nl, nq
     type(plan_t), intent(in) :: plan
     type(shape_t), intent(in) :: shape
-    real(dp), intent(in) :: xi(lanes, NDIM), half(lanes, NDIM), values(lanes, nq), flux(lanes, NFLUX)
+    real(dp), intent(in) :: xi(lanes, NDIM), half(lanes, NDIM), values(lanes, nq), &
+        flux(lanes, NFLUX)
     real(dp), intent(inout) :: stencil(shape%points, nq)
     real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
     integer :: plain, rest
@@ -617,15 +642,19 @@ contains
         sums(e, 1) = sums(e, 1) - (gl(e, 1)*flux(l, 1) + gl(e, 2)*flux(l, 3))
         sums(e, 2) = sums(e, 2) - (gl(e, 1)*flux(l, 3) + gl(e, 2)*flux(l, 2))
 #else
-        sums(e, 1) = sums(e, 1) - ((gl(e, 1)*flux(l, 1) + gl(e, 2)*flux(l, 4)) + gl(e, 3)*flux(l, 6))
-        sums(e, 2) = sums(e, 2) - ((gl(e, 1)*flux(l, 4) + gl(e, 2)*flux(l, 2)) + gl(e, 3)*flux(l, 5))
-        sums(e, 3) = sums(e, 3) - ((gl(e, 1)*flux(l, 6) + gl(e, 2)*flux(l, 5)) + gl(e, 3)*flux(l, 3))
+        sums(e, 1) = sums(e, 1) - ((gl(e, 1)*flux(l, 1) + gl(e, 2)*flux(l, 4)) + &
+                                   gl(e, 3)*flux(l, 6))
+        sums(e, 2) = sums(e, 2) - ((gl(e, 1)*flux(l, 4) + gl(e, 2)*flux(l, 2)) + &
+                                   gl(e, 3)*flux(l, 5))
+        sums(e, 3) = sums(e, 3) - ((gl(e, 1)*flux(l, 6) + gl(e, 2)*flux(l, 5)) + &
+                                   gl(e, 3)*flux(l, 3))
 #endif
       end do
     end do
   end subroutine gimp_scatter_force
 
-  !> Sums the layers that belong to one plane; the contributions of the slab below wait for `sweep_join`.
+  !> Sums the layers that belong to one plane; the contributions of the slab below wait for
+  !! `sweep_join`.
   pure subroutine join_plane(field, first_column, nq, shape, plane, plane1, work)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: first_column, nq
@@ -646,7 +675,8 @@ contains
     if (plane == plane1) then
       work%lead = work%planes(:, :, :, slot)
     else if (plane > plane1 + 1) then
-      call add_two_below(field, first_column, nq, plane, work%planes(1, 1, 1, mod(plane - 1, 3) + 1), &
+      call add_two_below(field, first_column, nq, plane, &
+                         work%planes(1, 1, 1, mod(plane - 1, 3) + 1), &
                          work%planes(1, 1, 1, mod(plane - 2, 3) + 1))
     end if
   end subroutine join_plane
@@ -657,18 +687,23 @@ contains
     type(plan_t), intent(in) :: plan
     integer, intent(in) :: plane1, plane2
     type(workspace_t), intent(in) :: own
-    type(workspace_t), intent(in), optional :: below  !! of the slab below; absent for the lowest slab
+    type(workspace_t), intent(in), optional :: below  !! of the slab below; absent for the lowest
+                                                      !! slab
     type(shape_t) :: shape
     integer :: nq
     shape = stencil_shape(field%kernel)
     nq = plan%last_column - plan%first_column + 1
     if (shape%layers == 1) return
     if (shape%layers == 2) then
-      if (present(below)) call add_below(field, plan%first_column, nq, 2, plane1, below%planes(1, 1, 1, mod(plane1 - 1, 2) + 1))
+      if (present(below)) then
+        call add_below(field, plan%first_column, nq, 2, plane1, &
+                       below%planes(1, 1, 1, mod(plane1 - 1, 2) + 1))
+      end if
       return
     end if
     if (present(below)) then
-      call add_two_below(field, plan%first_column, nq, plane1, below%planes(1, 1, 1, mod(plane1 - 1, 3) + 1), &
+      call add_two_below(field, plan%first_column, nq, plane1, &
+                         below%planes(1, 1, 1, mod(plane1 - 1, 3) + 1), &
                          below%planes(1, 1, 1, mod(plane1 - 2, 3) + 1))
       if (plane2 > plane1) call add_two_below(field, plan%first_column, nq, plane1 + 1, own%lead, &
                                               below%planes(1, 1, 1, mod(plane1 - 1, 3) + 1))
@@ -724,7 +759,8 @@ contains
       do q = 1, nq
         do i = field%work%first(s), field%work%last(s)
           field%moment(field%neighbour(0, 0, s) + i, first_column + q - 1) = &
-            below(2, q, shift + i) + field%moment(field%neighbour(0, 0, s) + i, first_column + q - 1)
+            below(2, q, shift + i) + &
+            field%moment(field%neighbour(0, 0, s) + i, first_column + q - 1)
         end do
       end do
     end do
@@ -750,7 +786,8 @@ contains
       do q = 1, nq
         do i = field%work%first(s), field%work%last(s)
           field%moment(field%neighbour(0, 0, s) + i, first_column + q - 1) = &
-            (below2(3, q, shift2 + i) + below(2, q, shift + i)) + field%moment(field%neighbour(0, 0, s) + i, first_column + q - 1)
+              (below2(3, q, shift2 + i) + below(2, q, shift + i)) + &
+              field%moment(field%neighbour(0, 0, s) + i, first_column + q - 1)
         end do
       end do
     end do
@@ -780,7 +817,8 @@ contains
     type(plan_t), intent(in) :: plan
     type(shape_t), intent(in) :: shape
     real(dp), intent(in) :: record(:), given(:)
-    real(dp) :: a(lanes, 2*NDIM + 1), b(lanes, body%particles%nb), xi(lanes, NDIM), half(lanes, NDIM)
+    real(dp) :: a(lanes, 2*NDIM + 1), b(lanes, body%particles%nb), xi(lanes, NDIM), &
+        half(lanes, NDIM)
     real(dp) :: flux(lanes, NFLUX), values(lanes, size(given) - NFLUX)
     real(dp) :: stencil(shape%points, plan%last_column - plan%first_column + 1)
     integer :: bin(3), e, x, line, layer, nq, base, l

@@ -1,11 +1,13 @@
 ! dimension-generic
 #include "dimension.inc"
-!> Particle-grid transfers of one chunk of particles: weights, gather (grid to particle), scatter (particle to grid).
+!> Particle-grid transfers of one chunk of particles: weights, gather (grid to particle), scatter
+!! (particle to grid).
 !!
-!! A chunk is `lanes` particles of one bin. Gathers run over the lanes, so every grid value is a broadcast; scatters run
-!! over the stencil's points, so every particle value is a broadcast and nothing collides. Points of a stencil are
-!! numbered with the slowest axis fastest, then y, then x outermost: a whole x-layer is contiguous, and moving to the next
-!! bin of the row shifts the accumulator by one layer (`linear_carry`, `gimp_carry`).
+!! A chunk is `lanes` particles of one bin. Gathers run over the lanes, so every grid value is a
+!! broadcast; scatters run over the stencil's points, so every particle value is a broadcast and
+!! nothing collides. Points of a stencil are numbered with the slowest axis fastest, then y, then x
+!! outermost: a whole x-layer is contiguous, and moving to the next bin of the row shifts the
+!! accumulator by one layer (`linear_carry`, `gimp_carry`).
 module DIM(sgmp_transfer)
   use sgmp_kinds, only: dp, lanes
   implicit none
@@ -16,7 +18,8 @@ module DIM(sgmp_transfer)
 
 contains
 
-  !> Linear weights at local coordinates xi in [0, 1) of the stencil's cell; METHOD rows `mpm` and `sgmp`.
+  !> Linear weights at local coordinates xi in [0, 1) of the stencil's cell; theory 1, `mpm` and
+  !! `sgmp`.
   pure subroutine linear_weights(xi, w)
     real(dp), intent(in) :: xi(lanes, NDIM)      !! position in the stencil's cell
     real(dp), intent(out) :: w(lanes, NCORNER)   !! weight of each point
@@ -64,7 +67,7 @@ contains
   !> Gradients of the linear weights (1/length), for plain MPM.
   pure subroutine linear_gradients(xi, inverse_h, g)
     real(dp), intent(in) :: xi(lanes, NDIM), inverse_h
-    real(dp), intent(out) :: g(lanes, NCORNER, NDIM) !! derivative along each axis
+    real(dp), intent(out) :: g(lanes, NCORNER, NDIM)  !! derivative along each axis
     integer :: l
 #if NDIM == 1
     do l = 1, lanes
@@ -130,7 +133,7 @@ contains
     real(dp), intent(in) :: w(lanes, NCORNER)      !! weights
     integer, intent(in) :: stride                  !! components of a grid record
     real(dp), intent(in) :: grid(stride, *)        !! grid records
-    integer, intent(in) :: row(NROW)               !! record of the stencil's first point in each row
+    integer, intent(in) :: row(NROW)  !! record of the stencil's first point in each row
     real(dp), intent(out) :: values(lanes, *)      !! (lanes, n)
     integer :: l, q
     do q = 1, n
@@ -164,7 +167,8 @@ contains
       w(2, l) = xi(l, 1)
     end do
 #elif NDIM == 2
-    real(dp), parameter :: cx(4) = [1, 1, 0, 0], sx(4) = [-1, -1, 1, 1], cy(4) = [1, 0, 1, 0], sy(4) = [-1, 1, -1, 1]
+    real(dp), parameter :: cx(4) = [1, 1, 0, 0], sx(4) = [-1, -1, 1, 1], cy(4) = [1, 0, 1, 0], &
+        sy(4) = [-1, 1, -1, 1]
     do l = 1, lanes
       !$omp simd simdlen(4)
       do e = 1, 4
@@ -184,7 +188,8 @@ contains
 #endif
   end subroutine point_weights
 
-  !> Adds the particles' values to the accumulator of their stencil (Eqs. 21-23); pads must bring zeros.
+  !> Adds the particles' values to the accumulator of their stencil (Eqs. 21-23); pads must bring
+  !! zeros.
   pure subroutine linear_scatter(nq, xi, values, sums)
     integer, intent(in) :: nq                      !! values per particle
     real(dp), intent(in) :: xi(lanes, NDIM)        !! position in the stencil's cell
@@ -194,12 +199,13 @@ contains
     integer :: e, q
     call point_weights(xi, w)
     do q = 1, nq
-      ! All lanes in one expression keep the sum in a register; a loop over the live lanes would not.
+      ! All lanes in one expression keep the sum in a register; a loop over the live lanes would
+      ! not.
       !$omp simd
       do e = 1, NCORNER
-        sums(e, q) = sums(e, q) + w(e, 1)*values(1, q) + w(e, 2)*values(2, q) + w(e, 3)*values(3, q) &
-                     + w(e, 4)*values(4, q) + w(e, 5)*values(5, q) + w(e, 6)*values(6, q) &
-                     + w(e, 7)*values(7, q) + w(e, 8)*values(8, q)
+        sums(e, q) = sums(e, q) + w(e, 1)*values(1, q) + w(e, 2)*values(2, q) + &
+            w(e, 3)*values(3, q) + w(e, 4)*values(4, q) + w(e, 5)*values(5, q) + &
+            w(e, 6)*values(6, q) + w(e, 7)*values(7, q) + w(e, 8)*values(8, q)
       end do
     end do
   end subroutine linear_scatter
@@ -219,9 +225,12 @@ contains
         sums(e, 1) = sums(e, 1) - (g(l, e, 1)*flux(l, 1) + g(l, e, 2)*flux(l, 3))
         sums(e, 2) = sums(e, 2) - (g(l, e, 1)*flux(l, 3) + g(l, e, 2)*flux(l, 2))
 #else
-        sums(e, 1) = sums(e, 1) - ((g(l, e, 1)*flux(l, 1) + g(l, e, 2)*flux(l, 4)) + g(l, e, 3)*flux(l, 6))
-        sums(e, 2) = sums(e, 2) - ((g(l, e, 1)*flux(l, 4) + g(l, e, 2)*flux(l, 2)) + g(l, e, 3)*flux(l, 5))
-        sums(e, 3) = sums(e, 3) - ((g(l, e, 1)*flux(l, 6) + g(l, e, 2)*flux(l, 5)) + g(l, e, 3)*flux(l, 3))
+        sums(e, 1) = sums(e, 1) - ((g(l, e, 1)*flux(l, 1) + g(l, e, 2)*flux(l, 4)) + &
+                                   g(l, e, 3)*flux(l, 6))
+        sums(e, 2) = sums(e, 2) - ((g(l, e, 1)*flux(l, 4) + g(l, e, 2)*flux(l, 2)) + &
+                                   g(l, e, 3)*flux(l, 5))
+        sums(e, 3) = sums(e, 3) - ((g(l, e, 1)*flux(l, 6) + g(l, e, 2)*flux(l, 5)) + &
+                                   g(l, e, 3)*flux(l, 3))
 #endif
       end do
     end do
@@ -234,26 +243,27 @@ contains
     real(dp) :: r
     r = abs(d)
     s = merge(1.0_dp - (r*r + p*p)/(2.0_dp*p), &
-              merge(1.0_dp - r, merge((1.0_dp + p - r)**2/(4.0_dp*p), 0.0_dp, r < 1.0_dp + p), r < 1.0_dp - p), r < p)
+              merge(1.0_dp - r, merge((1.0_dp + p - r)**2/(4.0_dp*p), 0.0_dp, r < 1.0_dp + p), &
+                    r < 1.0_dp - p), r < p)
   end function gimp_function
 
   !> Derivative of the GIMP function with respect to the particle's position (1/cell).
   elemental function gimp_slope(d, p) result(g)
-    real(dp), intent(in) :: d, p !! d = particle minus node
+    real(dp), intent(in) :: d, p  !! d = particle minus node
     real(dp) :: g
     real(dp) :: r
     r = abs(d)
-    g = merge(-d/p, &
-              sign(1.0_dp, d)*merge(-1.0_dp, merge(-(1.0_dp + p - r)/(2.0_dp*p), 0.0_dp, r < 1.0_dp + p), r < 1.0_dp - p), &
-              r < p)
+    g = merge(-d/p, sign(1.0_dp, d)*merge(-1.0_dp, merge(-(1.0_dp + p - r)/(2.0_dp*p), 0.0_dp, &
+                                                         r < 1.0_dp + p), r < 1.0_dp - p), r < p)
   end function gimp_slope
 
-  !> GIMP weights and slopes per axis of a chunk; nodes of the stencil lie at xi - 1/2 = -1, 0, 1 from its middle.
+  !> GIMP weights and slopes per axis of a chunk; nodes of the stencil lie at xi - 1/2 = -1, 0, 1
+  !! from its middle.
   pure subroutine gimp_axis(xi, half, inverse_h, s, d)
     real(dp), intent(in) :: xi(lanes, NDIM)        !! position in the bin, the middle node at 1/2
     real(dp), intent(in) :: half(lanes, NDIM)      !! particle half-size (cells)
     real(dp), intent(in) :: inverse_h
-    real(dp), intent(out) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM) !! weights, slopes (1/length)
+    real(dp), intent(out) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM)  !! weights, slopes (1/length)
     integer :: l, e, axis
     real(dp) :: p
     do axis = 1, NDIM
@@ -294,7 +304,8 @@ contains
 
   !> Products of one factor per axis, in the stencil's numbering.
   pure subroutine gimp_product(x, y, z, w)
-    real(dp), intent(in) :: x(lanes, 3, NDIM), y(lanes, 3, NDIM), z(lanes, 3, NDIM) !! the factor of axis d is (:, :, d)
+    real(dp), intent(in) :: x(lanes, 3, NDIM), y(lanes, 3, NDIM), z(lanes, 3, NDIM)
+      !! the factor of axis d is (:, :, d)
     real(dp), intent(out) :: w(lanes, NGIMP_PAD)
     integer :: l, a, e
 #if NDIM == 1
@@ -347,7 +358,7 @@ contains
     integer, intent(in) :: n, stride
     real(dp), intent(in) :: w(lanes, NGIMP_PAD)
     real(dp), intent(in) :: grid(stride, *)
-    integer, intent(in) :: row(NGIMP/3)            !! record of the stencil's first point in each row
+    integer, intent(in) :: row(NGIMP/3)  !! record of the stencil's first point in each row
     real(dp), intent(out) :: values(lanes, *)      !! (lanes, n)
     integer :: l, q, r, e
     real(dp) :: total(lanes)
@@ -383,10 +394,11 @@ contains
     end do
   end subroutine gimp_scatter
 
-  !> Flushes the accumulator's first x-layer to the plane buffers and moves the stencil one bin along the row.
+  !> Flushes the accumulator's first x-layer to the plane buffers and moves the stencil one bin
+  !! along the row.
   !!
-  !! Line j of the buffers receives row j's lower part on top of row j-1's upper part: with the layers kept apart until the
-  !! planes are joined, every grid point's sum is one fixed tree.
+  !! Line j of the buffers receives row j's lower part on top of row j-1's upper part: with the
+  !! layers kept apart until the planes are joined, every grid point's sum is one fixed tree.
   pure subroutine linear_carry(nq, sums, shift, place, planes)
     integer, intent(in) :: nq
     real(dp), intent(inout) :: sums(NCORNER, nq)
@@ -397,7 +409,8 @@ contains
     do q = 1, nq
       do line = 1, NLINE
         do e = 1, NLAYER
-          planes(e, q, place(line) + shift) = planes(e, q, place(line) + shift) + sums((line - 1)*NLAYER + e, q)
+          planes(e, q, place(line) + shift) = planes(e, q, place(line) + shift) + &
+              sums((line - 1)*NLAYER + e, q)
         end do
       end do
       do e = 1, NROW
@@ -417,7 +430,8 @@ contains
     do q = 1, nq
       do line = 1, GIMP_LINE
         do e = 1, GIMP_LAYER
-          planes(e, q, place(line) + shift) = planes(e, q, place(line) + shift) + sums((line - 1)*GIMP_LAYER + e, q)
+          planes(e, q, place(line) + shift) = planes(e, q, place(line) + shift) + &
+              sums((line - 1)*GIMP_LAYER + e, q)
         end do
       end do
       do e = 1, NGIMP - NGIMP/3
