@@ -1,6 +1,7 @@
 !> sgmp: an explicit material point solver for extreme events.
 !!
 !! Reads the command line and the deck, runs, and is the only place that ends the program.
+! allow(S901): the complexity counted here is the sum over the procedures
 program sgmp
   use, intrinsic :: iso_c_binding, only: c_int
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit

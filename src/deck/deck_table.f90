@@ -99,7 +99,8 @@ contains
                       range='[0,1)', default='1e-12')
     call registry%key('stress', kind_word, 'quadrature of the stress: as in the paper, or '// &
                       'normalised by the volume that particles fill (sgmp only)', &
-                      choices='plain normalised', default='plain', source='doc/normalised-stress.md')
+                      choices='plain normalised', default='plain', &
+                      source='doc/normalised-stress.md')
     call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
                       'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
     call registry%card('time', 'Time integration; end or steps must be given.', &

@@ -8,13 +8,15 @@ module sgmp_phases
   use sgmp_mesh, only: stencil_width
   use sgmp_model, only: model_t
   use sgmp_nodes_1d, only: nodes_remap_1d => nodes_remap, nodes_solve_1d => nodes_solve, &
-                           nodes_normalise_1d => nodes_normalise, nodes_velocity_1d => nodes_velocity
+                           nodes_normalise_1d => nodes_normalise, &
+                           nodes_velocity_1d => nodes_velocity
   use sgmp_nodes_2d, only: nodes_remap_2d => nodes_remap, nodes_solve_2d => nodes_solve, &
-                           nodes_normalise_2d => nodes_normalise, nodes_velocity_2d => nodes_velocity
+                           nodes_normalise_2d => nodes_normalise, &
+                           nodes_velocity_2d => nodes_velocity
   use sgmp_nodes_3d, only: nodes_remap_3d => nodes_remap, nodes_solve_3d => nodes_solve, &
                            nodes_normalise_3d => nodes_normalise, nodes_sums, &
-                           nodes_velocity_3d => nodes_velocity, sum_external, sum_ignored, node_sum_aa => sum_mass_aa, &
-                           node_sum_av => sum_mass_av
+                           nodes_velocity_3d => nodes_velocity, sum_external, sum_ignored, &
+                           node_sum_aa => sum_mass_aa, node_sum_av => sum_mass_av
   use sgmp_particles, only: movers_append, movers_t, particles_rebin
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sum_viscous, sweep_sums
@@ -30,7 +32,8 @@ module sgmp_phases
   use sgmp_walls, only: has_walls, walls_fold, walls_mirror
   implicit none
   private
-  public :: phase_layout, phase_normalise, phase_sweep, phase_rebin_particles, phase_solve, phase_velocity, phase_remap
+  public :: phase_layout, phase_normalise, phase_sweep, phase_rebin_particles, phase_solve, &
+            phase_velocity, phase_remap
 
   character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
 
@@ -402,15 +405,15 @@ contains
     integer :: f, p
     if (.not. model%normalised) return
     do f = 1, size(model%fields)
-      !$omp parallel do schedule(static) num_threads(model%threads) default(none) shared(model, f) private(p) &
-      !$omp& if(model%threads > 1)
+      !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
+      !$omp& default(none) shared(model, f) private(p)
       do p = 1, model%fields(f)%planes
         select case (model%mesh%ndim)
         case (1)
           call nodes_normalise_1d(model%fields(f), model%mesh, p, model%interior)
         case (2)
           call nodes_normalise_2d(model%fields(f), model%mesh, p, model%interior)
-        case (3)
+        case default
           call nodes_normalise_3d(model%fields(f), model%mesh, p, model%interior)
         end select
       end do

@@ -7,8 +7,8 @@ module sgmp_step
   use sgmp_energy, only: ledger_step, step_sums_t
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
-  use sgmp_phases, only: phase_normalise, phase_rebin_particles, phase_remap, phase_solve, phase_sweep, &
-                         phase_velocity
+  use sgmp_phases, only: phase_normalise, phase_rebin_particles, phase_remap, phase_solve, &
+                         phase_sweep, phase_velocity
   use sgmp_plan, only: plan_t
   use sgmp_scene, only: update_musl, update_usavg, update_usf
   use sgmp_time_step, only: clock_kick_step
@@ -75,7 +75,8 @@ contains
     call sweep_and_rebin(model, plan_kick_drift(model, dt_kick), phase_kick)
   end subroutine step_usf
 
-  !> Half of the stress update first, with the velocity projected anew, half last, with the re-mapped velocity.
+  !> Half of the stress update first, with the velocity projected anew, half last, with the
+  !! re-mapped velocity.
   subroutine step_usavg(model, dt_kick)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick

@@ -36,11 +36,13 @@ module DIM(sgmp_nodes)
 
 contains
 
-  !> Volume-normalised stress: multiplies the stress moments of interior centres by h^d/V_c, where V_c is the volume that
-  !! particles gave to the centre, so that it is weighted by the cell's volume whatever the particles' positions.
+  !> Volume-normalised stress: multiplies the stress moments of interior centres by h^d/V_c, where
+  !! V_c is the volume that particles gave to the centre, so that it is weighted by the cell's
+  !! volume whatever the particles' positions.
   !!
-  !! A centre is interior if it and all its neighbours are filled beyond the fraction `interior`; what lies behind a wall
-  !! counts as filled. Volumes are only read and stresses only scaled, so planes may be done in any order.
+  !! A centre is interior if it and all its neighbours are filled beyond the fraction `interior`;
+  !! what lies behind a wall counts as filled. Volumes are only read and stresses only scaled, so
+  !! planes may be done in any order.
   pure subroutine nodes_normalise(field, mesh, plane, interior)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
@@ -56,8 +58,9 @@ contains
         idx = field%neighbour(0, 0, s) + first - 1
         do i = 1, n
           factor(i) = 1.0_dp
-          if (min(least(i - 1), least(i), least(i + 1)) > interior*cell) &
+          if (min(least(i - 1), least(i), least(i + 1)) > interior*cell) then
             factor(i) = cell/field%moment(idx + i, field%volume_column)
+          end if
         end do
         do q = 2 + NDIM, 1 + NDIM + NFLUX
           !$omp simd

@@ -303,8 +303,9 @@ contains
                  xi, lane_sums, outside)
     end if
     if (plan%strain) then
-      call stress_update(body%law, plan%dt_strain, plan%time, a(1, 2*NDIM + 1), live, got(1, gradient), nb, b, flux, speed2, &
-                         jacobian, lane_sums(1, sum_internal))
+      call stress_update(body%law, plan%dt_strain, plan%time, a(1, 2*NDIM + 1), live, &
+                         got(1, gradient), nb, b, flux, speed2, jacobian, &
+                         lane_sums(1, sum_internal))
       call check_chunk(body, chunk, nl, live, a, speed2, jacobian, work)
     else if (plan%stress) then
       speed2 = 0.0_dp
