@@ -46,7 +46,7 @@ contains
     integer, intent(in) :: kernel        !! one of kernel_*
     integer, intent(in) :: nflux         !! stress components that exert a force
     logical, intent(in) :: body_force    !! columns for an external force
-    logical, intent(in), optional :: volume !! a column for the particles' volume (normalised stress)
+    logical, intent(in), optional :: volume  !! a column for the volume (normalised stress)
     logical :: carries
     field%kernel = kernel
     field%ndim = mesh%ndim
