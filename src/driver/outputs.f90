@@ -29,6 +29,7 @@ module sgmp_outputs
     integer :: dumps = 0                           !! dumps written
     integer :: history_rows = 0                    !! rows due by time that have been written
     integer :: last_dump_step = -1
+    integer :: last_row_step = -1
   end type outputs_t
 
 contains
@@ -112,7 +113,9 @@ contains
     else
       due = mod(model%clock%step, max(1, scene%output%history_steps)) == 0
     end if
-    if (due .or. at_end) call write_rows(outputs, model, error)
+    if ((due .or. at_end) .and. model%clock%step /= outputs%last_row_step) then
+      call write_rows(outputs, model, error)
+    end if
     if (allocated(error)) return
     due = model%clock%step == 0
     if (scene%output%every > 0.0_dp) due = model%clock%time >= outputs%dumps*scene%output%every
@@ -129,6 +132,7 @@ contains
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
     integer :: b
+    outputs%last_row_step = model%clock%step
     associate (l => model%ledger)
       call outputs%history%write_row( &
         model%clock%step, [model%clock%time, model%clock%dt, l%kinetic, l%internal, &
