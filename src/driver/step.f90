@@ -154,11 +154,14 @@ contains
   end function plan_drift_strain
 
   !> USF, first sweep: stress from the nodal velocity before the kick; the step since the last
-  !! update is dt_before.
+  !! update is dt_before. Where particles change their size with it (cpGIMP) everything is projected
+  !! anew, for what they get in the second sweep must be the transpose of what they give.
   function plan_strain(model) result(plan)
     type(model_t), intent(in) :: model
     type(plan_t) :: plan
     plan%strain = .true.
+    plan%mass = any(model%bodies%law%slots%stretch > 0)
+    plan%momentum = plan%mass
     plan%stress = .true.
     plan%dt_strain = max(model%clock%dt_before, tiny(1.0_dp)**0.25_dp)
     plan%time = model%clock%time

@@ -311,7 +311,7 @@ contains
       speed2 = 0.0_dp
       call stress_flux(body%law, b(1, 1), speed2, b(1, body%law%slots%stress), flux)
     end if
-    if (plan%drift .and. kernel == kernel_gimp) call particle_size(body, nb, b, half)
+    if ((plan%drift .or. plan%mass) .and. kernel == kernel_gimp) call particle_size(body, nb, b, half)
     call collect(mesh, kernel, body, plan, live, nb, a, b, flux, nq, values)
     if (outside > 0) call note_movers(nl, chunk, bin, nq, xi, values, flux, movers)
     call scatter(mesh%inverse_h, kernel, plan, shape, nl, nq, xi, half, values, flux, stencil)
