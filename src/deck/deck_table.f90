@@ -121,7 +121,7 @@ contains
                        once=.true.)
     call registry%key('energy_growth', kind_real, &
                       'abort when the total energy exceeds its reference this many times', &
-                      range='(1,inf)')
+                      range='(1,inf)', default='10')
     call registry%key('kinetic_below', kind_real, &
                       'finish when the kinetic energy falls below this fraction of its maximum', &
                       range='[0,1)', default='0')

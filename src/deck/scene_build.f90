@@ -78,7 +78,7 @@ contains
     case ('time')
       call set_time(card, scene)
     case ('stop')
-      scene%stop%energy_growth = card%number('energy_growth', absent=scene%stop%energy_growth)
+      scene%stop%energy_growth = card%number('energy_growth')
       scene%stop%kinetic_below = card%number('kinetic_below')
     case ('gravity')
       scene%gravity = card%vector('vector')

@@ -118,8 +118,23 @@ contains
     if (model%lost > 0) then
       call log%warning(integer_text(model%lost)//' particles left the grid and were removed')
     end if
+    call warn_of_growth(log, model)
     if (allocated(error)) call log%line('FAILED: '//error%message)
   end subroutine report_end
+
+  !> Says so when the total energy has grown beyond what the external work explains.
+  subroutine warn_of_growth(log, model)
+    type(log_t), intent(inout) :: log
+    type(model_t), intent(in) :: model
+    real(dp) :: excess, reference
+    associate (ledger => model%ledger)
+      excess = ledger_total(ledger) - ledger%initial_total - ledger%external_work
+      reference = max(abs(ledger%initial_total), abs(ledger%external_work))
+    end associate
+    if (.not. (excess > 0.05_dp*reference .and. reference > 0.0_dp)) return
+    call log%warning('the total energy has grown by '//real_text(100.0_dp*excess/reference)// &
+                     ' % without external work: reduce cfl before trusting the result')
+  end subroutine warn_of_growth
 
   !> Nanoseconds per particle and step.
   pure function cost(effort) result(nanoseconds)

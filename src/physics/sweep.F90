@@ -567,7 +567,9 @@ contains
     s = body%law%slots%initial
     x = 0.0_dp
     x0 = 0.0_dp
+    force = 0.0_dp
     do l = 1, lanes
+      if (mass(l) <= 0.0_dp) cycle
       do d = 1, NDIM
         x(d) = mesh%origin(d) + mesh%h*a(l, d)
         if (s > 0) x0(d) = b(l, s + d - 1)
