@@ -15,7 +15,7 @@ export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
 export OMPI_MCA_rmaps_base_oversubscribe := 1
 MAKEFLAGS += --no-print-directory
 
-.PHONY: help setup setup-dev build run test debug test-debug bench lint format coverage doc install clean
+.PHONY: help setup setup-dev build run verify verify-full test debug test-debug bench lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
 
 help: ## List the targets
@@ -40,6 +40,12 @@ run: build ## Run the Taylor bar, compare it with the experiment and draw it
 	mkdir -p $(RUN_DIR)
 	build/release/sgmp input/taylor_bar.inp --output $(RUN_DIR)
 	$(PYTHON) scripts/taylor_bar_report.py $(RUN_DIR)
+
+verify: build ## Compare the paper's examples with their references (minutes): build/verification/report.html
+	$(PYTHON) verification/verify.py
+
+verify-full: build ## The same with all sizes and figures, and the copy in doc/verification/
+	$(PYTHON) verification/verify.py --full
 
 test: build ## Build and run all tests
 	ctest --test-dir build/release --parallel $(JOBS) --output-on-failure --no-tests=error

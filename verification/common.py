@@ -1,0 +1,251 @@
+"""What all checks share: runs of the solver (two at a time, kept for the next call), results with tolerances, figures.
+
+A check module has a function `check(book, full)`; `book` collects what it finds:
+
+    from common import Case, solve
+    runs = solve([Case("bar", cells=8, method="sgmp"), Case("bar", cells=16, method="sgmp")])
+    book.within("bar", "error at 1/8", value, 9.60e-5, 0.02)
+"""
+
+import argparse
+import hashlib
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "scripts"))
+from sgmp_io import plot_style, read_history, read_particles_csv, read_summary  # noqa: E402
+
+SOLVER = ROOT / "build/release/sgmp"
+BUILD = ROOT / "build/verification"
+COLOURS = {"mpm": "#d62728", "gimp": "#ff9d1c", "cpgimp": "#8c564b", "sgmp": "#1f5fb4", "normalised": "#2ca02c"}
+NAMES = {"mpm": "MPM", "gimp": "GIMP", "cpgimp": "cpGIMP", "sgmp": "SGMP", "normalised": "SGMP, normalised stress"}
+MARKERS = {"mpm": "o", "gimp": "^", "cpgimp": "v", "sgmp": "s", "normalised": "D"}
+VARIANTS = {name: {"method": name} for name in ("mpm", "gimp", "cpgimp", "sgmp")}  # parameters of the decks behind a name
+VARIANTS["normalised"] = {"method": "sgmp", "stress": "normalised"}
+
+
+# ---------------------------------------------------------------- runs
+
+class Case:
+    """A deck of input/ (or a path) and the parameters that `--set` changes. A tag keeps repeated runs apart."""
+
+    def __init__(self, deck, tag="", **parameters):
+        self.deck = ROOT / "input" / f"{deck}.inp" if "/" not in str(deck) else ROOT / deck
+        self.tag = tag
+        self.parameters = parameters
+
+    def arguments(self):
+        words = []
+        for name, value in self.parameters.items():
+            words += ["--set", f"{name}={value!r}" if isinstance(value, float) else f"{name}={value}"]
+        return words
+
+    def command(self):
+        return " ".join(["build/release/sgmp", str(self.deck.relative_to(ROOT)), *self.arguments()])
+
+    def folder(self, solver_hash):
+        key = hashlib.sha256("\n".join([solver_hash, self.deck.read_text(), self.tag, *self.arguments()]).encode())
+        words = "_".join(f"{name}-{value}" for name, value in self.parameters.items()).replace("/", "over")
+        return BUILD / "runs" / f"{self.deck.stem}_{words}"[:120] / key.hexdigest()[:12]
+
+
+@dataclass
+class Run:
+    """A finished run."""
+
+    case: Case
+    folder: Path
+    exit_code: int
+    cpu_seconds: float  # user and system time of the process
+    summary: dict
+
+    def history(self):
+        return read_history(self.folder)
+
+    def particles(self):
+        return read_particles_csv(self.folder)
+
+    @property
+    def cpu_ns(self):
+        """CPU time per particle and step, of the time loop alone where the log knows it."""
+        return self.summary["ns_per_particle_step"]
+
+
+def solver_hash():
+    if not SOLVER.exists():
+        sys.exit(f"{SOLVER.relative_to(ROOT)} is missing: run `make build` first")
+    return hashlib.sha256(SOLVER.read_bytes()).hexdigest()
+
+
+def solve_one(case, digest, may_fail):
+    folder = case.folder(digest)
+    record = folder / "run.json"
+    if not record.exists():
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        with open(folder / "terminal.txt", "w") as terminal:
+            process = subprocess.Popen([str(SOLVER), str(case.deck), *case.arguments(), "--output", str(folder),
+                                        "--threads", "1", "--quiet"], stdout=terminal, stderr=subprocess.STDOUT, cwd=ROOT)
+            _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        record.write_text(json.dumps({"command": case.command(), "exit_code": process.returncode,
+                                      "cpu_seconds": usage.ru_utime + usage.ru_stime}))
+    found = json.loads(record.read_text())
+    summary = read_summary(folder) if (folder / "summary.json").exists() else {}
+    if found["exit_code"] != 0 and not may_fail:
+        tail = (folder / "terminal.txt").read_text()[-2000:]
+        raise RuntimeError(f"exit code {found['exit_code']}: {case.command()}\n{tail}")
+    return Run(case, folder, found["exit_code"], found["cpu_seconds"], summary)
+
+
+def solve(cases, may_fail=False, workers=2):
+    """Runs all cases on `workers` cores and returns the runs in the same order; a run made before by the same executable
+    from the same deck is reused. Unless it may fail, a run that ends with an exit code other than 0 raises."""
+    digest = solver_hash()
+    with ThreadPoolExecutor(workers) as pool:
+        return list(pool.map(lambda case: solve_one(case, digest, may_fail), cases))
+
+
+# ---------------------------------------------------------------- results
+
+@dataclass
+class Section:
+    """One example of the report."""
+
+    title: str
+    text: list = field(default_factory=list)      # paragraphs, tables and figures in their order, as (kind, content)
+    commands: list = field(default_factory=list)
+
+
+class Book:
+    """Results, sections, figures and tables of a verification run."""
+
+    def __init__(self, output=BUILD):
+        self.output = Path(output)
+        self.output.mkdir(parents=True, exist_ok=True)
+        self.results = []
+        self.sections = []
+
+    # ---- checks: each adds a row to results.json and tells whether it passed
+
+    def add(self, case, quantity, value, reference, tolerance, passed, note="", known=None):
+        """`known`: what the value is known to be where the target is out of reach, for a reason that the note gives. Such a
+        check is reported as not passed; it counts as failed only if the value has moved away by more than a quarter."""
+        value = float(value)
+        deviation = bool(not passed and known is not None and abs(value - known) <= 0.25 * abs(known))
+        self.results.append({"section": self.sections[-1].title if self.sections else "", "case": case, "quantity": quantity,
+                             "value": value if math.isfinite(value) else str(value),
+                             "reference": reference, "tolerance": tolerance, "pass": bool(passed),
+                             "known_deviation": deviation, "note": note})
+        print(f"  {'pass' if passed else 'known' if deviation else 'FAIL'}  {case}: {quantity} = {value:.6g}  ({tolerance} {reference})", flush=True)
+        return bool(passed)
+
+    def within(self, case, quantity, value, reference, relative, note="", known=None):
+        """The value is within a relative tolerance of its reference."""
+        return self.add(case, quantity, value, reference, f"± {100 * relative:g} % of",
+                        abs(value - reference) <= relative * abs(reference), note, known)
+
+    def near(self, case, quantity, value, reference, absolute, note="", known=None):
+        """The value is within an absolute tolerance of its reference."""
+        return self.add(case, quantity, value, reference, f"± {absolute:g} about", abs(value - reference) <= absolute, note,
+                        known)
+
+    def at_most(self, case, quantity, value, bound, note="", known=None):
+        return self.add(case, quantity, value, bound, "at most", value <= bound, note, known)
+
+    def at_least(self, case, quantity, value, bound, note="", known=None):
+        return self.add(case, quantity, value, bound, "at least", value >= bound, note, known)
+
+    def failed(self):
+        """Checks that failed, without the known deviations."""
+        return [result for result in self.results if not result["pass"] and not result["known_deviation"]]
+
+    # ---- the report
+
+    def section(self, title):
+        self.sections.append(Section(title))
+        print(f"\n{title}", flush=True)
+
+    def say(self, text):
+        self.sections[-1].text.append(("text", text))
+
+    def command(self, *cases):
+        self.sections[-1].commands += [case.command() if isinstance(case, Case) else case for case in cases]
+
+    def table(self, name, header, rows, caption):
+        """A table of the report, also written as NAME.csv."""
+        with open(self.output / f"{name}.csv", "w") as stream:
+            stream.write(",".join(header) + "\n")
+            for row in rows:
+                stream.write(",".join(f"{cell:.8g}" if isinstance(cell, float) else str(cell) for cell in row) + "\n")
+        self.sections[-1].text.append(("table", (name, header, rows, caption)))
+
+    def figure(self, name, figure, caption):
+        """A figure of the report, also written as NAME.png."""
+        path = self.output / f"{name}.png"
+        figure.savefig(path)
+        plt.close(figure)
+        self.sections[-1].text.append(("figure", (path, caption)))
+
+
+# ---------------------------------------------------------------- numbers and figures
+
+def slopes(sizes, errors):
+    """Orders of convergence between neighbouring cell sizes."""
+    sizes, errors = np.asarray(sizes, float), np.asarray(errors, float)
+    return np.diff(np.log(errors)) / np.diff(np.log(sizes))
+
+
+def subplots(*arguments, **keywords):
+    """plt.subplots in the common style."""
+    plt.rcParams.update(plot_style())
+    plt.rcParams.update({"savefig.dpi": 130, "legend.fontsize": 8.5})
+    return plt.subplots(*arguments, layout="constrained", **keywords)
+
+
+def slope_triangle(axis, x, y, order, width=2.0):
+    """Marks a slope in a double logarithmic figure: corner (x, y), rising to the right."""
+    axis.plot([x, x * width, x * width, x], [y, y, y * width**order, y], color="0.4", linewidth=0.9)
+    axis.text(x * width * 1.08, y * width**(0.5 * order), f"{order:g}", color="0.3", fontsize=8, va="center")
+
+
+def work_precision(book, name, title, points, error_label):
+    """Diagram and table of CPU time over error. points: dicts with curve, method, setting, cpu_seconds, error."""
+    figure, axis = subplots(figsize=(6.4, 4.4))
+    for curve in dict.fromkeys(point["curve"] for point in points):
+        chosen = [p for p in points if p["curve"] == curve]
+        method = chosen[0]["method"]
+        axis.loglog([p["error"] for p in chosen], [p["cpu_seconds"] for p in chosen], chosen[0].get("line", "-"),
+                    color=COLOURS[method], marker=MARKERS[method], markersize=4, label=curve)
+    axis.set(xlabel=error_label, ylabel="CPU time (s)")
+    axis.invert_xaxis()
+    axis.set_title(title, loc="left", fontweight="bold")
+    axis.legend()
+    book.figure(name, figure, "CPU time (user and system, one core) against error; better is lower and further right.")
+    book.table(name, ["curve", "setting", "error", "CPU time (s)"],
+               [[p["curve"], p["setting"], float(p["error"]), float(p["cpu_seconds"])] for p in points],
+               "The numbers behind the diagram.")
+
+
+def main(check, doc):
+    """Command line of a single check."""
+    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--full", action="store_true", help="all sizes and figures, not only the quick set")
+    arguments = parser.parse_args()
+    book = Book(BUILD / "single")
+    check(book, arguments.full)
+    sys.exit(1 if book.failed() else 0)
