@@ -1,7 +1,7 @@
 !> The phases of a step over all fields and threads: who does which planes, in which order results
 !! are put together.
 module sgmp_phases
-  use sgmp_body, only: body_forced, body_place, body_t
+  use sgmp_body, only: body_forced, body_number, body_place, body_t
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_build, field_t
   use sgmp_kinds, only: dp, i8, lanes
@@ -248,7 +248,8 @@ contains
         end if
         if (work%bad_id > 0 .and. .not. allocated(model%failure)) then
           call error_make(model%failure, exit_numerical, 'particle '//integer_text(work%bad_id)// &
-                          ' of body '//trim(body_of(model%bodies, work%bad_id))// &
+                          ' of body '//trim(model%bodies(body_number(model%bodies, &
+                          work%bad_id))%name)// &
                           ' is inside out or not a number after step '// &
                           integer_text(model%clock%step + 1), &
                           'reduce cfl, add bulk viscosity, or use a finer grid; see the last '// &
@@ -257,18 +258,6 @@ contains
       end associate
     end do
   end subroutine collect_findings
-
-  !> Name of the body a particle belongs to.
-  pure function body_of(bodies, id) result(name)
-    type(body_t), intent(in) :: bodies(:)
-    integer, intent(in) :: id
-    character(32) :: name
-    integer :: b
-    name = ''
-    do b = 1, size(bodies)
-      if (bodies(b)%first_id <= id) name = bodies(b)%name
-    end do
-  end function body_of
 
   !> Moves particles to their new bins, follows them with the grid, and folds the moments at walls.
   subroutine phase_rebin_particles(model, plan)
@@ -292,9 +281,10 @@ contains
         end do
         model%moved = model%moved + movers(b)%n
         if (movers(b)%n == 0) cycle
-        call guard_grid(model, b, movers(b))
-        call particles_rebin(model%bodies(b)%particles, movers(b), model%mesh%lower - 0.5_dp, &
-                             model%mesh%upper + 0.5_dp, new_bins)
+        call guard_grid(model, b, plan, movers(b))
+        associate (particles => model%bodies(b)%particles, mesh => model%mesh)
+          call particles_rebin(particles, movers(b), mesh%lower - particles%shift, mesh%upper + particles%shift, new_bins)
+        end associate
         model%lost = model%lost + count(movers(b)%gone)
         changed = changed .or. new_bins
       end do
@@ -319,12 +309,14 @@ contains
     call fold(model, plan)
   end subroutine phase_rebin_particles
 
-  !> Applies the deck's policy to movers that are leaving the grid: an error, reflection, or (later)
-  !! removal.
-  subroutine guard_grid(model, b, movers)
+  !> Applies the deck's policy to movers that are leaving the grid: an error, reflection, or (later) removal.
+  !!
+  !! A particle is outside once its bin is: half a cell beyond the face with SGMP and GIMP, at the face with MPM.
+  subroutine guard_grid(model, b, plan, movers)
     type(model_t), intent(inout) :: model
     integer, intent(in) :: b
-    type(movers_t), intent(in) :: movers
+    type(plan_t), intent(in) :: plan
+    type(movers_t), intent(inout) :: movers
     integer :: m, d
     if (model%lost_policy == lost_remove) return
     associate (mesh => model%mesh, particles => model%bodies(b)%particles)
@@ -336,8 +328,11 @@ contains
             if (model%lost_policy == lost_reflect) then
               x = merge(2*mesh%lower(d), 2*mesh%upper(d), x < mesh%lower(d)) - x
               v = -v
+              associate (momentum => movers%values(merge(1, 0, plan%mass) + d, m))
+                momentum = -momentum
+              end associate
             else if (.not. allocated(model%failure)) then
-              if (x >= mesh%lower(d) - 0.5_dp .and. x <= mesh%upper(d) + 0.5_dp) cycle
+              if (x >= mesh%lower(d) - particles%shift .and. x <= mesh%upper(d) + particles%shift) cycle
               call error_make(model%failure, exit_numerical, 'particle '// &
                               integer_text(particles%id(movers%lane(m), movers%chunk(m)))// &
                               ' of body '//trim(model%bodies(b)%name)//' left the grid along '// &

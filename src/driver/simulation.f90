@@ -1,6 +1,7 @@
 !> A run: time loop, guards, output, log and summary.
 module sgmp_simulation
   use sgmp_bill, only: bill_write
+  use sgmp_body, only: body_number
   use sgmp_build_model, only: model_build
   use sgmp_command_line, only: command_line_t
   use sgmp_energy, only: ledger_total
@@ -89,7 +90,7 @@ contains
       target = outputs_next_time(outputs, scene)
       call clock_choose(model%clock, model%mesh%h, model%fastest, target, ok)
       if (.not. ok) then
-        call step_too_small(model, error)
+        call step_too_small(scene, model, error)
         return
       end if
       call step_take(model)
@@ -144,23 +145,37 @@ contains
     else if (reference > 0.0_dp .and. total/scene%stop%energy_growth > reference) then
       call error_make(model%failure, exit_numerical, 'the total energy has grown to '// &
                       real_text(total/reference)//' times its reference in step '// &
-                      integer_text(model%clock%step)//' at time '//real_text(model%clock%time), &
+                      integer_text(model%clock%step)//' at time '// &
+                      real_text(model%clock%time)//'; the fastest is '// &
+                      fastest_particle(scene, model), &
                       'reduce cfl (now '//real_text(model%clock%cfl)// &
                       '), or raise `stop energy_growth`')
     end if
   end subroutine guard
 
   !> The failure of a step below the lower bound, with what limits it.
-  subroutine step_too_small(model, error)
+  subroutine step_too_small(scene, model, error)
+    type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
     call error_make(error, exit_numerical, 'the time step '//real_text(model%clock%dt_free)// &
                     ' is below its minimum '//real_text(model%clock%smallest)//' in step '// &
-                    integer_text(model%clock%step + 1)//'; particle '// &
-                    integer_text(model%fastest_id)//' limits it with c + |v| = '// &
+                    integer_text(model%clock%step + 1)//'; '//fastest_particle(scene, model)// &
+                    ' limits it with c + |v| = '// &
                     real_text(model%fastest), &
                     'look at that particle in the last dump; lower `time dt_min` if so small a '// &
                     'step is meant')
   end subroutine step_too_small
+
+  !> The fastest particle, with its body and material.
+  pure function fastest_particle(scene, model) result(text)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    character(:), allocatable :: text
+    integer :: b
+    b = body_number(model%bodies, model%fastest_id)
+    text = 'particle '//integer_text(model%fastest_id)//' of body '//trim(model%bodies(b)%name)// &
+           ' ('//trim(scene%materials(scene%bodies(b)%material)%name)//')'
+  end function fastest_particle
 
 end module sgmp_simulation

@@ -36,6 +36,8 @@ contains
   subroutine step_take(model)
     type(model_t), intent(inout) :: model
     real(dp) :: dt_kick
+    integer :: known
+    known = model%lost
     dt_kick = clock_kick_step(model%clock)
     model%sums = step_sums_t()
     select case (model%update)
@@ -48,7 +50,9 @@ contains
     case default  ! update_usl
       call step_usl(model, dt_kick)
     end select
-    call ledger_step(model%ledger, model%sums, dt_kick, exact=model%flip >= 1.0_dp)
+    call ledger_step(model%ledger, model%sums, dt_kick, &
+                     exact=model%flip >= 1.0_dp .and. known == model%lost_before)
+    model%lost_before = known
   end subroutine step_take
 
   !> Modified update stress last.

@@ -9,7 +9,7 @@ module sgmp_body
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: body_t, body_place, body_forced
+  public :: body_t, body_place, body_forced, body_number
 
   !> One body of the model.
   type :: body_t
@@ -37,6 +37,17 @@ contains
       if (bodies(b)%field == field .and. bodies(b)%forced) forced = .true.
     end do
   end function body_forced
+
+  !> Number of the body that a particle belongs to.
+  pure function body_number(bodies, id) result(number)
+    type(body_t), intent(in) :: bodies(:)
+    integer(i4), intent(in) :: id          !! of the particle
+    integer :: number, b
+    number = 1
+    do b = 2, size(bodies)
+      if (bodies(b)%first_id <= id) number = b
+    end do
+  end function body_number
 
   !> Finds where the stencils of a body's bins lie in a field that has just been laid out.
   pure subroutine body_place(body, field)

@@ -1,0 +1,89 @@
+"""What the regression scripts share: running sgmp, reading what it leaves behind, collecting complaints."""
+import json
+import os
+import re
+import subprocess
+import sys
+
+SGMP, SOURCE, SCRATCH = (os.path.abspath(path) for path in sys.argv[1:4])
+INPUT = os.path.join(SOURCE, "input")
+
+
+class Run:
+    """One finished run: exit code, everything printed, summary.json, its folder."""
+
+    def __init__(self, code, text, folder):
+        self.code = code
+        self.text = text
+        self.folder = folder
+        path = os.path.join(folder, "summary.json")
+        self.summary = {}
+        if os.path.exists(path):
+            with open(path, encoding="utf-8") as file:
+                self.summary = json.load(file)
+
+    def __getitem__(self, name):
+        value = self.summary
+        for part in name.split("."):
+            value = value[part]
+        return value
+
+    def table(self, name):
+        """A csv file as a list of dictionaries of numbers."""
+        with open(os.path.join(self.folder, name), encoding="utf-8") as file:
+            lines = [line.rstrip("\n") for line in file if not line.startswith("#")]
+        head = lines[0].split(",")
+        return [{key: number(value) for key, value in zip(head, line.split(","))} for line in lines[1:]]
+
+
+def number(text):
+    """A number of a csv file; Fortran leaves the E out of exponents of three digits."""
+    try:
+        return float(text)
+    except ValueError:
+        return float(re.sub(r"(\d)([+-]\d{3})$", r"\1E\2", text)) if re.match(r"[-+.\d]", text) else text
+
+
+def run(name, deck, threads=1, options=(), timeout=300, **settings):
+    """Runs a deck of input/ (by name) or of its own (text with line ends)."""
+    folder = os.path.join(SCRATCH, name)
+    if "\n" in deck:
+        path = os.path.join(SCRATCH, name + ".inp")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(deck)
+    else:
+        path = os.path.join(INPUT, deck)
+    for old in ("summary.json", "history.csv", "particles_end.csv"):
+        if os.path.exists(os.path.join(folder, old)):
+            os.remove(os.path.join(folder, old))
+    command = [SGMP, path, "--quiet", "--threads", str(threads), "--output", folder, *options]
+    for key, value in settings.items():
+        command += ["--set", f"{key}={value}"]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout, check=False,
+                          env={**os.environ, "OMP_WAIT_POLICY": "passive"})
+    return Run(done.returncode, done.stdout.decode("utf-8", "replace"), folder)
+
+
+class Report:
+    """Counts what is checked and what is wrong."""
+
+    def __init__(self):
+        self.checks = 0
+        self.failures = 0
+
+    def check(self, condition, message):
+        """Notes a failure unless the condition holds; returns the condition."""
+        self.checks += 1
+        if not condition:
+            self.failures += 1
+            print("FAIL", message)
+        return condition
+
+    def finished(self, result, name):
+        """A run that ended well."""
+        return self.check(result.code == 0, f"{name}: exit code {result.code}\n{result.text}")
+
+    def end(self):
+        """Last line and exit code."""
+        print(f"{self.checks} checks, {self.failures} failures")
+        sys.exit(1 if self.failures or not self.checks else 0)

@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""Every deck of input/, shortened, with all methods and update schemes: it ends well and its energies make sense.
+
+usage: decks.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+import math
+import os
+
+from _runs import INPUT, Report, run
+
+# deck: parameters that shorten it; the total energy may change by this fraction of its reference (velocities belong to
+# the middle of steps, stresses to their ends, which coarse, fast ringing shows; usl damps it as well)
+SHORT = {
+    "bar.inp": ({"cells": 16, "steps": 50, "dt": 1e-4}, 0.01),
+    "bar_large.inp": ({"cells": 8, "t_end": 0.01, "dt": 1e-4}, 0.05),
+    "bar_rotated.inp": ({"cells": 8, "steps": 20, "dt": 1e-4}, 0.01),
+    "bar_stability.inp": ({"cells": 16, "cfl": 0.2, "t_end": 1e-4}, 0.03),
+    "beam.inp": ({"h": 1.25, "t_end": 0.001}, 0.02),
+    "block.inp": ({"cells": 4, "steps": 20}, 0.15),
+    "taylor_bar.inp": ({"h": 1.9, "t_end": 0.002, "cfl": 0.3}, 0.05),
+    "tnt_slab.inp": ({"h": 1, "t_end": 0.0005}, 0.02),
+}
+VARIANTS = [("block.inp", {"material": "j2"}), ("block.inp", {"material": "johnson_cook"}),
+            ("taylor_bar.inp", {"material": "full"}), ("bar_large.inp", {"poisson": 0.3})]
+
+
+def check(report, deck, method, update, more):
+    """One run."""
+    settings, tolerance = SHORT[deck]
+    name = "_".join([deck[:-4], method, update, *map(str, more.values())])
+    result = run(name, deck, method=method, update=update, **settings, **more)
+    if not report.finished(result, name):
+        return
+    energy = result["energy"]
+    report.check(all(math.isfinite(value) for value in energy.values()), f"{name}: energies {energy}")
+    reference = max(abs(energy["initial_total"]), abs(energy["external_work"]), energy["kinetic"])
+    drift = abs(energy["total"] - energy["initial_total"] - energy["external_work"])
+    report.check(energy["kinetic"] > 0 and drift <= (4 if update == "usl" else 1)*tolerance*reference,
+                 f"{name}: energy drifts by {drift/reference:.3g}")
+    report.check(abs(energy["remainder"]) <= 1e-9*reference, f"{name}: energy remainder {energy['remainder']:.3g}")
+    report.check(result["method"] == method and result["update"] == update, f"{name}: ran another method")
+    report.check(result["particles_lost"] == 0 and result["steps"] > 5, f"{name}: {result['steps']} steps")
+    history = result.table("history.csv")
+    report.check(len(history) >= 2 and history[0]["step"] == 0 and history[-1]["step"] == result["steps"],
+                 f"{name}: history from step {history[0]['step']} to {history[-1]['step']}")
+    report.check(abs(history[-1]["total_energy"] - energy["total"]) <= 1e-14*abs(energy["total"]), f"{name}: history ends elsewhere")
+    if os.path.exists(os.path.join(result.folder, "particles_end.csv")):
+        particles = result.table("particles_end.csv")
+        report.check([row["id"] for row in particles] == list(range(1, result["particles"] + 1)), f"{name}: ids of particles")
+
+
+def main():
+    """All decks, methods and updates."""
+    report = Report()
+    decks = {name for name in os.listdir(INPUT) if name.endswith(".inp")}
+    for deck in sorted(decks ^ set(SHORT)):
+        report.check(False, f"{deck}: in input/ or in this test, but not in both")
+    for deck in sorted(decks & set(SHORT)):
+        result = run("check", deck, options=["--check"])
+        report.check(result.code == 0 and "memory" in result.text, f"{deck} --check: {result.code}\n{result.text}")
+        for method in ("mpm", "gimp", "cpgimp", "sgmp"):
+            for update in ("usf", "musl", "usl"):
+                check(report, deck, method, update, {})
+    for deck, more in VARIANTS:
+        for method in ("mpm", "gimp", "sgmp"):
+            check(report, deck, method, "musl", more)
+    report.end()
+
+
+main()

@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+"""What must not matter does not: where the origin is, the units, the orientation.
+
+usage: invariance.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+from _runs import Report, run
+
+# A block in a box, all of it in units of (m, kg, s), which are 2^n of something; drift makes particles change cells.
+BLOCK = """
+parameter m = 1
+parameter kg = 1
+parameter s = 1
+parameter ox = 0
+parameter oy = 0
+parameter kind = elastic
+parameter method = sgmp
+parameter update = musl
+dimension {dimension}
+grid cell=0.25*m x=ox:ox+6*m y=oy:oy+5*m{z}
+wall x-=slip y-=fixed
+method $method update=$update
+time dt=0.002*s steps=60
+parameter density = 2*kg/m^3
+parameter young = 50*kg/(m*s^2)
+material elastic elastic density=density young=young poisson=0.3
+material j2 j2 density=density young=young poisson=0.3 yield=0.7*kg/(m*s^2) hardening=linear &
+  hardening_modulus=3*kg/(m*s^2)
+material johnson_cook johnson_cook density=density young=young poisson=0.3 yield=0.7*kg/(m*s^2) &
+  hardening_modulus=3*kg/(m*s^2) hardening_exponent=0.4 rate_coefficient=0.02 reference_rate=0.1/s &
+  thermal=yes melt_temperature=1000 specific_heat=0.001*m^2/s^2
+eos johnson_cook gruneisen c0=5*m/s s=1.5 gamma0=2
+viscosity elastic quadratic=1.5 linear=0.06
+gravity 0,{g},0
+body b block material=$kind lower=(ox,oy,0) upper=(ox+2*m,oy+1.5*m,1*m) ppc=2 jitter=0.3
+velocity b x="(1+2*cos(2*(x-ox)/m+(y-oy)/m))*m/s" y="sin(3*(x-ox)/m)*m/s"{vz}
+output csv at=end fields=stress,density,mass
+"""
+PLANE = BLOCK.format(dimension=2, z="", vz="", g="-0.5*m/s^2")
+SPACE = BLOCK.format(dimension=3, z=" z=open", vz=' z="0.5*cos(2*(y-oy)/m)*m/s"', g="-0.5*m/s^2")
+# powers of length, mass and time in each column
+POWERS = {"x": (1, 0, 0), "velocity": (1, 0, -1), "stress": (-1, 1, -2), "density": (-3, 1, 0)}
+
+
+def power_of(column, dimension):
+    """Physical dimension of a column of particles_end.csv; in two dimensions masses are those of a unit thickness."""
+    head = column.split("_")[0]
+    if head == "mass":
+        return (dimension - 3, 1, 0)
+    return POWERS.get("x" if head in ("x", "y", "z") else head, (0, 0, 0))
+
+
+def same_in_other_units(report, dimension, deck):
+    """Units that are powers of two change no bit but the exponents'."""
+    units = {"m": 2.0**7, "kg": 2.0**-5, "s": 2.0**3}
+    for kind in ("elastic", "j2", "johnson_cook"):
+        for method, update in (("sgmp", "musl"), ("sgmp", "usf"), ("gimp", "musl"), ("mpm", "musl")):
+            if kind != "elastic" and method != "sgmp":
+                continue
+            name = f"units_{dimension}_{kind}_{method}_{update}"
+            settings = {"kind": kind, "method": method, "update": update}
+            plain = run(name + "_1", deck, **settings)
+            scaled = run(name + "_2", deck, **settings, **units)
+            if not (report.finished(plain, name) and report.finished(scaled, name)):
+                continue
+            rows, others = plain.table("particles_end.csv"), scaled.table("particles_end.csv")
+            wrong = set()
+            for row, other in zip(rows, others):
+                for column, value in row.items():
+                    power = power_of(column, dimension)
+                    factor = 128.0**power[0]*0.03125**power[1]*8.0**power[2]
+                    if other[column] != value*factor:
+                        wrong.add(column)
+            report.check(len(rows) == len(others) and not wrong, f"{name}: other bits in {sorted(wrong)}")
+            report.check(max(abs(row["velocity_x"]) for row in rows) > 0.5, f"{name}: nothing moves")
+
+
+def same_elsewhere(report, dimension, deck):
+    """A box moved by whole cells, or by anything exact, has the same bits; the same body elsewhere in it nearly."""
+    for method, update in (("sgmp", "musl"), ("gimp", "usf"), ("mpm", "musl")):
+        name = f"shift_{dimension}_{method}"
+        settings = {"method": method, "update": update}
+        plain = run(name + "_1", deck, **settings)
+        moved = run(name + "_2", deck, ox=64, oy=-32, **settings)
+        if report.finished(plain, name) and report.finished(moved, name):
+            # The lattice and its jitter are made in physical coordinates, in which the origin costs digits.
+            compare(report, name, plain, moved, lambda row: {**row, "x": row["x"] - 64, "y": row["y"] + 32}, 1e-10)
+
+
+FREE = """
+parameter at = 0
+parameter method = sgmp
+dimension {dimension}
+grid cell=0.25
+method $method
+time dt=0.002 steps=60
+material m elastic density=2 young=50 poisson=0.25
+body b block material=m lower=({lower}) upper=({upper}) spacing=0.125
+velocity b {velocity}
+output csv at=end fields=stress,density
+"""
+
+
+def same_bits_by_whole_cells(report):
+    """Without boundaries: dyadic numbers moved by whole cells; bins, rows and planes have other numbers."""
+    for method in ("sgmp", "gimp", "mpm"):
+        results = []
+        for at in (0, -3, 5):
+            deck = FREE.format(dimension=3, lower="at,-at,2*at", upper="at+1,-at+0.75,2*at+0.5", velocity="x=3 y=1 z=2")
+            result = run(f"cells_{method}_{at}", deck, method=method, at=at)
+            report.finished(result, f"cells {method} {at}")
+            results.append(result)
+        report.check(len({(r["energy.kinetic"], r["steps"], r["grid_points"]) for r in results}) == 1, f"{method}: {results}")
+        first = results[0].table("particles_end.csv")
+        for at, result in zip((-3, 5), results[1:]):
+            def back(row, at=at):
+                return {**row, "x": row["x"] - at, "y": row["y"] + at, "z": row["z"] - 2*at}
+            compare(report, f"cells {method} {at}", results[0], result, back, 1e-13)
+        report.check(len(first) == 8*6*4, "particles")
+
+
+def same_when_turned(report):
+    """A quarter turn: x to y and y to -x."""
+    for method in ("sgmp", "gimp", "mpm"):
+        plain = run(f"turn_{method}_1", FREE.format(dimension=2, lower="0,0", upper="1.5,1",
+                                                    velocity='x="2*cos(x+2*y)" y="3*sin(2*x-y)"'), method=method)
+        turned = run(f"turn_{method}_2", FREE.format(dimension=2, lower="-1,0", upper="0,1.5",
+                                                     velocity='x="-3*sin(2*y+x)" y="2*cos(y-2*x)"'), method=method)
+
+        def back(row):
+            return {**row, "x": row["y"], "y": -row["x"], "velocity_x": row["velocity_y"], "velocity_y": -row["velocity_x"],
+                    "stress_xx": row["stress_yy"], "stress_yy": row["stress_xx"], "stress_xy": -row["stress_xy"]}
+        if report.finished(plain, "turn") and report.finished(turned, "turned"):
+            compare(report, f"quarter turn {method}", plain, turned, back, 1e-11, by_place=True)
+
+
+def compare(report, name, plain, other, back, tolerance, by_place=False):
+    """Columns of two runs, the second one transformed back."""
+    rows = plain.table("particles_end.csv")
+    others = [back(row) for row in other.table("particles_end.csv")]
+    if by_place:
+        for table in (rows, others):
+            table.sort(key=lambda row: (round(row["x"], 6), round(row["y"], 6)))
+    report.check(len(rows) == len(others), f"{name}: {len(rows)} and {len(others)} particles")
+    for column in rows[0]:
+        if column in ("id", "body"):
+            continue
+        kind = column.split("_")[0]
+        scale = max(abs(row[c]) for row in rows for c in row if c.split("_")[0] == kind)
+        worst = max(abs(row[column] - o[column]) for row, o in zip(rows, others))
+        report.check(worst <= tolerance*max(scale, 1e-300), f"{name}: {column} differs by {worst:.2g} of {scale:.2g}")
+
+
+def main():
+    """All invariances."""
+    report = Report()
+    for dimension, deck in ((2, PLANE), (3, SPACE)):
+        same_in_other_units(report, dimension, deck)
+        same_elsewhere(report, dimension, deck)
+    same_bits_by_whole_cells(report)
+    same_when_turned(report)
+    report.end()
+
+
+main()
