@@ -15,11 +15,12 @@ module sgmp_phases
                            nodes_velocity_2d => nodes_velocity
   use sgmp_nodes_3d, only: nodes_remap_3d => nodes_remap, nodes_solve_3d => nodes_solve, &
                            nodes_normalise_3d => nodes_normalise, nodes_sums, &
-                           nodes_velocity_3d => nodes_velocity, sum_external, sum_ignored, &
-                           node_sum_aa => sum_mass_aa, node_sum_av => sum_mass_av
-  use sgmp_particles, only: movers_append, movers_t, particles_rebin
+                           nodes_velocity_3d => nodes_velocity, sum_external, sum_ignored, node_sum_aa => sum_mass_aa, &
+                           node_sum_av => sum_mass_av
+  use sgmp_movers, only: movers_append, movers_t
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sum_viscous, sweep_sums
+  use sgmp_rebinning, only: particles_rebin
   use sgmp_rows, only: rows_t, rows_union
   use sgmp_scene, only: lost_reflect, lost_remove
   use sgmp_sweep_1d, only: sweep_add_movers_1d => sweep_add_movers, sweep_join_1d => sweep_join, &
@@ -263,51 +264,68 @@ contains
   subroutine phase_rebin_particles(model, plan)
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
-    type(movers_t), allocatable :: movers(:)
-    type(plan_t) :: own
-    integer :: b, t, f
+    integer :: b
     logical :: new_bins, changed
     changed = .false.
     model%moved = 0
     if (plan%drift) then
-      allocate (movers(size(model%bodies)))
       do b = 1, size(model%bodies)
-        f = model%bodies(b)%field
-        movers(b) = model%workspaces(1, f)%movers(b)
-        do t = 2, model%threads
-          if (allocated(model%workspaces(t, f)%movers)) then
-            call movers_append(movers(b), model%workspaces(t, f)%movers(b))
-          end if
-        end do
-        model%moved = model%moved + movers(b)%n
-        if (movers(b)%n == 0) cycle
-        call guard_grid(model, b, plan, movers(b))
-        associate (particles => model%bodies(b)%particles, mesh => model%mesh)
-          call particles_rebin(particles, movers(b), mesh%lower - particles%shift, mesh%upper + particles%shift, new_bins)
-        end associate
-        model%lost = model%lost + count(movers(b)%gone)
+        call rebin_body(model, plan, b, new_bins)
         changed = changed .or. new_bins
       end do
       if (changed) call phase_layout(model)
       do b = 1, size(model%bodies)
-        if (movers(b)%n == 0) cycle
-        own = plan
-        call choose_columns(own, model%fields(model%bodies(b)%field))
-        select case (model%mesh%ndim)
-        case (1)
-          call sweep_add_movers_1d(model%mesh, model%fields(model%bodies(b)%field), &
-                                   model%bodies(b), own, movers(b))
-        case (2)
-          call sweep_add_movers_2d(model%mesh, model%fields(model%bodies(b)%field), &
-                                   model%bodies(b), own, movers(b))
-        case default
-          call sweep_add_movers_3d(model%mesh, model%fields(model%bodies(b)%field), &
-                                   model%bodies(b), own, movers(b))
-        end select
+        call add_movers(model, plan, b)
       end do
     end if
     call fold(model, plan)
   end subroutine phase_rebin_particles
+
+  !> Moves the particles of one body; their list is left with the first thread.
+  subroutine rebin_body(model, plan, b, new_bins)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: b
+    logical, intent(out) :: new_bins
+    integer :: t
+    new_bins = .false.
+    associate (work => model%workspaces(:, model%bodies(b)%field))
+      do t = 2, model%threads
+        if (allocated(work(t)%movers)) call movers_append(work(1)%movers(b), work(t)%movers(b))
+      end do
+      associate (movers => work(1)%movers(b))
+        if (movers%n == 0) return
+        call guard_grid(model, b, plan, movers)
+        associate (particles => model%bodies(b)%particles)
+          call particles_rebin(particles, movers, model%mesh%lower - particles%shift, &
+                               model%mesh%upper + particles%shift, new_bins)
+        end associate
+        model%moved = model%moved + movers%n
+        model%lost = model%lost + count(movers%gone(:movers%n))
+      end associate
+    end associate
+  end subroutine rebin_body
+
+  !> Adds the movers of one body to the grid.
+  subroutine add_movers(model, plan, b)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: b
+    type(plan_t) :: own
+    integer :: f
+    f = model%bodies(b)%field
+    if (model%workspaces(1, f)%movers(b)%n == 0) return
+    own = plan
+    call choose_columns(own, model%fields(f))
+    select case (model%mesh%ndim)
+    case (1)
+      call sweep_add_movers_1d(model%mesh, model%fields(f), model%bodies(b), own, model%workspaces(1, f)%movers(b))
+    case (2)
+      call sweep_add_movers_2d(model%mesh, model%fields(f), model%bodies(b), own, model%workspaces(1, f)%movers(b))
+    case (3)
+      call sweep_add_movers_3d(model%mesh, model%fields(f), model%bodies(b), own, model%workspaces(1, f)%movers(b))
+    end select
+  end subroutine add_movers
 
   !> Applies the deck's policy to movers that are leaving the grid: an error, reflection, or (later) removal.
   !!
@@ -319,11 +337,10 @@ contains
     type(movers_t), intent(inout) :: movers
     integer :: m, d
     if (model%lost_policy == lost_remove) return
-    associate (mesh => model%mesh, particles => model%bodies(b)%particles)
+    associate (mesh => model%mesh, shift => model%bodies(b)%particles%shift)
       do m = 1, movers%n
         do d = 1, mesh%ndim
-          associate (x => particles%a(movers%lane(m), d, movers%chunk(m)), &
-                     v => particles%a(movers%lane(m), mesh%ndim + d, movers%chunk(m)))
+          associate (x => movers%state(d, m), v => movers%state(mesh%ndim + d, m))
             if (x >= mesh%lower(d) .and. x <= mesh%upper(d)) cycle
             if (model%lost_policy == lost_reflect) then
               x = merge(2*mesh%lower(d), 2*mesh%upper(d), x < mesh%lower(d)) - x
@@ -332,14 +349,12 @@ contains
                 momentum = -momentum
               end associate
             else if (.not. allocated(model%failure)) then
-              if (x >= mesh%lower(d) - particles%shift .and. x <= mesh%upper(d) + particles%shift) cycle
+              if (x >= mesh%lower(d) - shift .and. x <= mesh%upper(d) + shift) cycle
               call error_make(model%failure, exit_numerical, 'particle '// &
-                              integer_text(particles%id(movers%lane(m), movers%chunk(m)))// &
-                              ' of body '//trim(model%bodies(b)%name)//' left the grid along '// &
-                              axis_names(d)//' at '//real_text(mesh%origin(d) + mesh%h*x)// &
-                              ' in step '//integer_text(model%clock%step + 1), &
-                              'extend the grid, leave that face open, or choose '// &
-                              '`lost policy=remove` or `reflect`')
+                              integer_text(movers%id(m))//' of body '// &
+                              trim(model%bodies(b)%name)//' left the grid along '//axis_names(d)//' at '// &
+                              real_text(mesh%origin(d) + mesh%h*x)//' in step '//integer_text(model%clock%step + 1), &
+                              'extend the grid, leave that face open, or choose `lost policy=remove` or `reflect`')
             end if
           end associate
         end do

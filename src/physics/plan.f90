@@ -1,7 +1,7 @@
 !> What a sweep over the particles does, and the buffers a thread needs for it.
 module sgmp_plan
   use sgmp_kinds, only: dp, i4
-  use sgmp_particles, only: movers_t
+  use sgmp_movers, only: movers_t
   implicit none
   private
   public :: plan_t, workspace_t

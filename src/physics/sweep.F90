@@ -9,17 +9,16 @@
 module DIM(sgmp_sweep)
   use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror
   use sgmp_body, only: body_t
-  use sgmp_field, only: field_base, field_t
-  use sgmp_kinds, only: dp, lanes
+  use sgmp_field, only: field_t
+  use sgmp_kinds, only: dp, i4, lanes
   use sgmp_mesh, only: mesh_t, stencil_shift, stencil_width
-  use sgmp_particles, only: bin_coordinates, movers_add, movers_reset, movers_t, particles_t
-  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
-                       sweep_sums, workspace_t
+  use sgmp_movers, only: movers_add, movers_reset, movers_t
+  use sgmp_particles, only: bin_coordinates
+  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, sweep_sums, workspace_t
   use sgmp_rows, only: key_j, key_k
   use DIM(sgmp_stress_update), only: stress_flux, stress_sums, stress_update
-  use DIM(sgmp_transfer), only: gimp_carry, gimp_gather, gimp_gradients, gimp_scatter, &
-                                gimp_weights, linear_carry, linear_gather, linear_gradients, &
-                                linear_scatter, linear_scatter_force, linear_weights
+  use DIM(sgmp_transfer), only: flux_of, gimp_carry, gimp_gather, gimp_gradients, gimp_scatter, gimp_weights, linear_carry, &
+                                linear_gather, linear_gradients, linear_scatter, linear_scatter_force, linear_weights
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
   implicit none
   private
@@ -62,7 +61,7 @@ contains
     integer :: plane, b, slot, nq
     shape = stencil_shape(field%kernel)
     nq = plan%last_column - plan%first_column + 1
-    call prepare(work, shape, plan, nq, field%largest_plane, size(bodies))
+    call prepare(work, shape, plan, nq, field%largest_plane, bodies)
     do plane = plane1, plane2
       slot = mod(plane, shape%layers) + 1
       work%cleared = field%plane_store(plane)
@@ -80,11 +79,12 @@ contains
   end subroutine sweep_slab
 
   !> Makes a workspace fit for a sweep.
-  subroutine prepare(work, shape, plan, nq, largest_plane, nbodies)
+  subroutine prepare(work, shape, plan, nq, largest_plane, bodies)
     type(workspace_t), intent(inout) :: work
     type(shape_t), intent(in) :: shape
     type(plan_t), intent(in) :: plan
-    integer, intent(in) :: nq, largest_plane, nbodies
+    integer, intent(in) :: nq, largest_plane
+    type(body_t), intent(in) :: bodies(:)
     integer :: b, stride
     stride = max(1, record_size(plan))
     if (allocated(work%records)) then
@@ -100,12 +100,10 @@ contains
         if (allocated(work%lead)) deallocate (work%lead)
       end if
     end if
-    if (.not. allocated(work%planes)) then
-      allocate (work%planes(shape%layers, nq, largest_plane, shape%layers))
-    end if
-    if (.not. allocated(work%movers)) allocate (work%movers(nbodies))
-    do b = 1, nbodies
-      call movers_reset(work%movers(b), nq + NFLUX)
+    if (.not. allocated(work%planes)) allocate (work%planes(shape%layers, nq, largest_plane, shape%layers))
+    if (.not. allocated(work%movers)) allocate (work%movers(size(bodies)))
+    do b = 1, size(bodies)
+      call movers_reset(work%movers(b), bodies(b)%particles%na + bodies(b)%particles%nb, nq + NFLUX)
     end do
     work%record_plane = [(0, b=1, shape%layers)]
     work%fastest = 0.0_dp
@@ -179,7 +177,7 @@ contains
         bin = body%particles%bin_start(s) + i
         if (body%particles%size(bin) > 0) then
           row(:shape%rows) = base(:shape%rows) + i
-          call sweep_bin(mesh, field%kernel, body, plan, shape, bin, cell, row, nq, stencil, &
+          call sweep_bin(mesh, field%kernel, body, plan, shape, s, bin, cell, row, nq, stencil, &
                          lane_sums, movers, work)
         end if
         call carry(shape, nq, stencil, i, place, planes)
@@ -237,14 +235,13 @@ contains
   end subroutine bin_line
 
   !> All chunks of one bin.
-  subroutine sweep_bin(mesh, kernel, body, plan, shape, bin, cell, row, nq, stencil, lane_sums, &
-                       movers, work)
+  subroutine sweep_bin(mesh, kernel, body, plan, shape, interval, bin, cell, row, nq, stencil, lane_sums, movers, work)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel
     type(body_t), intent(inout) :: body
     type(plan_t), intent(in) :: plan
     type(shape_t), intent(in) :: shape
-    integer, intent(in) :: bin
+    integer, intent(in) :: interval, bin         !! interval of bins, bin
     real(dp), intent(in) :: cell(NDIM)           !! bin coordinates
     integer, intent(in) :: row(most_rows)        !! records of the stencil's rows
     integer, intent(in) :: nq
@@ -261,20 +258,20 @@ contains
       do l = 1, lanes
         live(l) = merge(1.0_dp, 0.0_dp, l <= nl)
       end do
-      call sweep_chunk(mesh, kernel, body, plan, shape, chunk, bin, cell, row, nl, live, nq, &
-                       body%particles%nb, body%particles%a(1, 1, chunk), &
-                       body%particles%b(1, 1, chunk), stencil, lane_sums, movers, work)
+      call sweep_chunk(mesh, kernel, body, plan, shape, [chunk, interval, bin], cell, row, nl, live, nq, &
+                       body%particles%nb, body%particles%a(1, 1, chunk), body%particles%b(1, 1, chunk), stencil, &
+                       lane_sums, movers, work)
       left = left - nl
       chunk = body%particles%next(chunk)
     end do
   end subroutine sweep_bin
 
   !> One chunk: gather, kick, drift, strain, scatter.
-  ! allow(S902)
-  subroutine sweep_chunk(mesh, kernel, body, plan, shape, chunk, bin, cell, row, nl, live, nq, nb, &
-                         a, b, stencil, lane_sums, movers, work)
+  subroutine sweep_chunk(mesh, kernel, body, plan, shape, home, cell, row, nl, live, nq, nb, a, b, stencil, &
+                         lane_sums, movers, work)
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: kernel, chunk, bin, nl, nq, nb
+    integer, intent(in) :: kernel, nl, nq, nb
+    integer, intent(in) :: home(3)               !! chunk, interval of bins, bin
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(shape_t), intent(in) :: shape
@@ -303,17 +300,16 @@ contains
                  xi, lane_sums, outside)
     end if
     if (plan%strain) then
-      call stress_update(body%law, plan%dt_strain, plan%time, a(1, 2*NDIM + 1), live, &
-                         got(1, gradient), nb, b, flux, speed2, jacobian, &
-                         lane_sums(1, sum_internal))
-      call check_chunk(body, chunk, nl, live, a, speed2, jacobian, work)
+      call stress_update(body%law, plan%dt_strain, plan%time, a(1, 2*NDIM + 1), live, got(1, gradient), nb, b, flux, speed2, &
+                         jacobian, lane_sums(1, sum_internal))
+      call check_chunk(body, home(1), nl, live, a, speed2, jacobian, work)
     else if (plan%stress) then
       speed2 = 0.0_dp
       call stress_flux(body%law, b(1, 1), speed2, b(1, body%law%slots%stress), flux)
     end if
     if ((plan%drift .or. plan%mass) .and. kernel == kernel_gimp) call particle_size(body, nb, b, half)
     call collect(mesh, kernel, body, plan, live, nb, a, b, flux, nq, values)
-    if (outside > 0) call note_movers(nl, chunk, bin, nq, xi, values, flux, movers)
+    if (outside > 0) call note_movers(nl, body%particles%id(1, home(1)), home, nq, nb, a, b, xi, values, flux, movers)
     call scatter(mesh%inverse_h, kernel, plan, shape, nl, nq, xi, half, values, flux, stencil)
   end subroutine sweep_chunk
 
@@ -581,17 +577,32 @@ contains
   end subroutine external_force
 
   !> Takes particles that left the bin out of the scatter and notes them.
-  pure subroutine note_movers(nl, chunk, bin, nq, xi, values, flux, movers)
-    integer, intent(in) :: nl, chunk, bin, nq
+  pure subroutine note_movers(nl, id, home, nq, nb, a, b, xi, values, flux, movers)
+    integer, intent(in) :: nl, home(3), nq, nb
+    integer(i4), intent(in) :: id(lanes)
+    real(dp), intent(in) :: a(lanes, 2*NDIM + 1), b(lanes, nb)
     real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, nq), flux(lanes, NFLUX)
     type(movers_t), intent(inout) :: movers
-    integer :: l
+    integer :: l, q, m
     do l = 1, nl
       if (all(xi(l, :) >= 0.0_dp .and. xi(l, :) < 1.0_dp)) cycle
-      call movers_add(movers, chunk, l, bin, [values(l, :), flux(l, :)])
+      call movers_add(movers, id(l), home(1), l, home(2), home(3))
+      m = movers%n
+      do q = 1, 2*NDIM + 1
+        movers%state(q, m) = a(l, q)
+      end do
+      do q = 1, nb
+        movers%state(2*NDIM + 1 + q, m) = b(l, q)
+      end do
+      do q = 1, nq
+        movers%values(q, m) = values(l, q)
+        values(l, q) = 0.0_dp
+      end do
+      do q = 1, NFLUX
+        movers%values(nq + q, m) = flux(l, q)
+        flux(l, q) = 0.0_dp
+      end do
       xi(l, :) = 0.5_dp
-      values(l, :) = 0.0_dp
-      flux(l, :) = 0.0_dp
     end do
   end subroutine note_movers
 
@@ -796,63 +807,96 @@ contains
     end do
   end subroutine add_two_below
 
-  !> Adds particles that changed bins to the moments, one after the other in the order of their ids.
+  !> Adds particles that changed bins to the moments, one after the other in the order of their ids. Weights are
+  !! computed for as many at a time as a chunk has lanes.
   subroutine sweep_add_movers(mesh, field, body, plan, movers)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: field
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
-    type(movers_t), intent(in) :: movers         !! with their records
+    type(movers_t), intent(in) :: movers         !! in their new bins
     type(shape_t) :: shape
-    integer :: m
+    real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
+    integer :: r, l, n, first_force, who(lanes)
     shape = stencil_shape(field%kernel)
-    do m = 1, movers%n
-      if (movers%gone(m)) cycle
-      call add_mover(mesh, field, body, plan, shape, movers%record(:, m), movers%values(:, m))
+    first_force = 0
+    if (plan%stress .and. field%kernel /= kernel_sgmp) first_force = 2 + NDIM
+    r = 1
+    do while (r <= movers%n)
+      n = 0
+      do while (r <= movers%n .and. n < lanes)
+        if (.not. movers%gone(movers%order(r))) then
+          n = n + 1
+          who(n) = movers%order(r)
+        end if
+        r = r + 1
+      end do
+      if (n == 0) exit
+      call mover_weights(mesh%inverse_h, field%kernel, body, first_force > 0, movers, who(:n), w, g)
+      do l = 1, n
+        call add_mover(field, body, plan, shape, movers%row(who(l)), movers%bin(who(l)), movers%values(:, who(l)), l, &
+                       w, first_force, g)
+      end do
     end do
   end subroutine sweep_add_movers
 
-  !> One particle, by the kernels that serve a chunk.
-  subroutine add_mover(mesh, field, body, plan, shape, record, given)
-    type(mesh_t), intent(in) :: mesh
+  !> Weights of some movers in their new bins, and where forces are scattered their gradients.
+  pure subroutine mover_weights(inverse_h, kernel, body, gradients, movers, who, w, g)
+    real(dp), intent(in) :: inverse_h
+    integer, intent(in) :: kernel
+    type(body_t), intent(in) :: body
+    logical, intent(in) :: gradients
+    type(movers_t), intent(in) :: movers
+    integer, intent(in) :: who(:)                !! (<= lanes) movers
+    real(dp), intent(out) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
+    real(dp) :: xi(lanes, NDIM), half(lanes, NDIM), b(lanes, body%particles%nb), slopes(lanes, NCORNER, NDIM)
+    integer :: l, d
+    xi = 0.5_dp
+    b = 1.0_dp
+    do l = 1, size(who)
+      do d = 1, NDIM
+        xi(l, d) = movers%state(d, who(l))
+        xi(l, d) = (xi(l, d) - real(floor(xi(l, d) - body%particles%shift), dp)) - body%particles%shift
+      end do
+      if (kernel == kernel_gimp) b(l, :) = movers%state(2*NDIM + 2:, who(l))
+    end do
+    if (kernel == kernel_gimp) then
+      call particle_size(body, body%particles%nb, b, half)
+      call gimp_weights(xi, half, w)
+      if (gradients) call gimp_gradients(xi, half, inverse_h, g)
+    else
+      call linear_weights(xi, w)
+      if (gradients) call linear_gradients(xi, inverse_h, slopes)
+      if (gradients) g(:, :NCORNER, :) = slopes
+    end if
+  end subroutine mover_weights
+
+  !> One particle.
+  pure subroutine add_mover(field, body, plan, shape, row, bin, values, lane, w, first_force, g)
     type(field_t), intent(inout) :: field
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(shape_t), intent(in) :: shape
-    real(dp), intent(in) :: record(:), given(:)
-    real(dp) :: a(lanes, 2*NDIM + 1), b(lanes, body%particles%nb), xi(lanes, NDIM), &
-        half(lanes, NDIM)
-    real(dp) :: flux(lanes, NFLUX), values(lanes, size(given) - NFLUX)
-    real(dp) :: stencil(shape%points, plan%last_column - plan%first_column + 1)
-    integer :: bin(3), e, x, line, layer, nq, base, l
-    real(dp) :: cell(NDIM)
-    nq = size(stencil, 2)
-    do l = 1, lanes
-      a(l, :) = record(:2*NDIM + 1)
-      b(l, :) = record(2*NDIM + 2:)
-    end do
-    bin = bin_coordinates(record, body%particles%shift, NDIM)
-#if NDIM == 2
-    cell = bin([1, 3])
-#else
-    cell = bin(:NDIM)
-#endif
-    call locate(a, cell, body%particles%shift, xi)
-    if (field%kernel == kernel_gimp) call particle_size(body, body%particles%nb, b, half)
-    values = 0.0_dp
-    flux = 0.0_dp
-    values(1, :) = given(:nq)
-    flux(1, :) = given(nq + 1:)
-    stencil = 0.0_dp
-    call scatter(mesh%inverse_h, field%kernel, plan, shape, 1, nq, xi, half, values, flux, stencil)
+    integer, intent(in) :: row, bin, lane         !! new interval and bin; lane of the weights
+    integer, intent(in) :: first_force            !! first column of a force, 0: none
+    real(dp), intent(in) :: values(:), w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
+    integer :: e, x, r, q, a, b, at, nq
+    nq = plan%last_column - plan%first_column + 1
     e = 0
     do x = 0, shape%width - 1
-      do line = 0, shape%lines - 1
-        do layer = 0, shape%layers - 1
-          e = e + 1
-          base = field_base(field, bin(2) + line, bin(3) + layer, bin(1) + x)
-          field%moment(base + bin(1) + x, plan%first_column:plan%last_column) = &
-            field%moment(base + bin(1) + x, plan%first_column:plan%last_column) + stencil(e, :)
+      do r = 1, shape%rows
+        e = e + 1
+        at = body%particles%place(r, row) + (bin - body%particles%bin_start(row)) + x
+        do q = 1, nq
+          field%moment(at, plan%first_column + q - 1) = field%moment(at, plan%first_column + q - 1) &
+                                                        + w(lane, e)*values(q)
+        end do
+        if (first_force == 0) cycle
+        do a = 1, NDIM
+          do b = 1, NDIM
+            field%moment(at, first_force + a - 1) = field%moment(at, first_force + a - 1) &
+                                                    - g(lane, e, b)*values(nq + flux_of(b, a))
+          end do
         end do
       end do
     end do

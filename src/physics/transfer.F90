@@ -14,7 +14,16 @@ module DIM(sgmp_transfer)
   private
   public :: linear_weights, linear_gradients, linear_gather, linear_scatter, linear_scatter_force
   public :: gimp_weights, gimp_gradients, gimp_gather, gimp_scatter, gimp_function, gimp_slope
-  public :: linear_carry, gimp_carry
+  public :: linear_carry, gimp_carry, flux_of
+
+  !> Number of the flux component that acts along one axis across another.
+#if NDIM == 1
+  integer, parameter :: flux_of(1, 1) = 1
+#elif NDIM == 2
+  integer, parameter :: flux_of(2, 2) = reshape([1, 3, 3, 2], [2, 2])
+#else
+  integer, parameter :: flux_of(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
+#endif
 
 contains
 
