@@ -60,7 +60,7 @@ def run(name, deck, threads=1, options=(), timeout=300, **settings):
     for key, value in settings.items():
         command += ["--set", f"{key}={value}"]
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout, check=False,
-                          env={**os.environ, "OMP_WAIT_POLICY": "passive"})
+                          env={**os.environ, "OMP_WAIT_POLICY": "passive", "OMPI_MCA_ess_singleton_isolated": "1"})
     return Run(done.returncode, done.stdout.decode("utf-8", "replace"), folder)
 
 

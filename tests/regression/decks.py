@@ -19,6 +19,7 @@ SHORT = {
     "block.inp": ({"cells": 4, "steps": 20}, 0.15),
     "taylor_bar.inp": ({"h": 1.9, "t_end": 0.002, "cfl": 0.3}, 0.05),
     "tnt_slab.inp": ({"h": 1, "t_end": 0.0005}, 0.02),
+    "vortex.inp": ({"cells": 8, "part": 0.3, "cfl": 0.2}, 0.2),
 }
 VARIANTS = [("block.inp", {"material": "j2"}), ("block.inp", {"material": "johnson_cook"}),
             ("taylor_bar.inp", {"material": "full"}), ("bar_large.inp", {"poisson": 0.3})]
@@ -61,6 +62,9 @@ def main():
         for method in ("mpm", "gimp", "cpgimp", "sgmp"):
             for update in ("usf", "musl", "usl"):
                 check(report, deck, method, update, {})
+    for deck in sorted(decks & set(SHORT)):
+        check(report, deck, "sgmp", "usavg", {})
+        check(report, deck, "sgmp", "musl", {"stress": "normalised"})
     for deck, more in VARIANTS:
         for method in ("mpm", "gimp", "sgmp"):
             check(report, deck, method, "musl", more)

@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""What goes wrong numerically ends with exit code 4 and says where: blow-up, too small a step, particles that leave.
+
+usage: guards.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+import math
+import re
+
+from _runs import Report, run
+
+NUMERICAL = 4
+
+# A block that flies through a box without walls.
+FLYING = """
+parameter policy = error
+parameter method = sgmp
+dimension {dimension}
+grid cell=0.25 {extent}
+lost $policy
+method $method
+time dt=0.01 steps={steps}
+material m elastic density=2 young=50 poisson=0.25
+body runner block material=m lower=(0.25,0.25,0.25) upper=(1,1,1) ppc=2
+velocity runner x=2
+history steps=1
+output csv at=end
+"""
+FALLING = """
+dimension 1
+grid cell=0.25 x=0:4
+wall x-=fixed
+method sgmp
+time end=10 cfl=0.5{dt_min}
+material soft elastic density=2 young=50 poisson=0
+material gas explosive density=1.63e-3 detonation_speed=6930
+eos gas jwl a=371200 b=3210 r1=4.15 r2=0.95 omega=0.30 energy0=6993
+body bar block material={material} lower=0 upper=2 ppc=2
+{more}
+"""
+
+
+def failed(report, name, result, patterns):
+    """A numerical abort that names what it must."""
+    report.check(result.code == NUMERICAL, f"{name}: exit code {result.code}\n{result.text}")
+    for pattern in patterns:
+        report.check(re.search(pattern, result.text), f"{name}: not found: {pattern}\n{result.text}")
+    report.check(not re.search(r"Backtrace|SIG[A-Z]{3,}", result.text), f"{name}: it crashed\n{result.text}")
+    if report.check(result.summary, f"{name}: no summary.json"):
+        report.check(result["exit_status"] == NUMERICAL and "failure" in result.summary, f"{name}: {result.summary}")
+
+
+def blow_ups(report):
+    """Time steps far too long."""
+    result = run("courant", "bar_stability.inp", cfl=20, cells=16, t_end=0.01)
+    failed(report, "courant", result, [r"particle \d+ of body bar", r"step \d+"])
+    for method in ("sgmp", "gimp", "mpm"):
+        result = run(f"inside_out_{method}", "block.inp", cells=4, steps=200, dt="5*h/c", method=method)
+        failed(report, f"inside out {method}", result, [r"particle \d+ of body block is inside out or not a number after step \d+"])
+    result = run("taylor", "taylor_bar.inp", h=1.9, cfl=30, threads=2)
+    failed(report, "taylor", result, [r"particle \d+ of body bar", r"step \d+"])
+
+
+def small_steps(report):
+    """A step below the deck's minimum names what limits it."""
+    result = run("dt_min", FALLING.format(material="soft", dt_min=" dt_min=1", more=""))
+    failed(report, "dt_min", result, [r"the time step \S+ is below its minimum 1\.0* in step 1", r"particle \d+ of body bar \(soft\)",
+                                      r"dt_min"])
+    # A step that lands on an output time may be as short as it likes.
+    result = run("landing", FALLING.format(material="soft", dt_min=" dt_min=0.01",
+                                           more="output vtu every=0.051\nstop kinetic_below=0").replace("end=10", "end=0.102"))
+    report.finished(result, "landing")
+
+
+def leaving(report):
+    """All three policies, in all dimensions and methods."""
+    for dimension, extent in ((1, "x=0:2"), (2, "x=0:2 y=0:2"), (3, "x=0:2 y=0:2 z=0:2")):
+        for method in ("sgmp", "gimp", "mpm"):
+            name = f"leaving_{dimension}_{method}"
+            deck = FLYING.format(dimension=dimension, extent=extent, steps=150)
+            result = run(name + "_error", deck, method=method)
+            failed(report, name, result, [r"particle \d+ of body runner left the grid along x at \S+ in step \d+", r"lost policy"])
+            count = 6**dimension
+            result = run(name + "_remove", deck, method=method, policy="remove")
+            if report.finished(result, name):
+                report.check(result["particles_lost"] == count and result["particles"] == 0,
+                             f"{name}: {result['particles_lost']} of {count} removed")
+            shorter = FLYING.format(dimension=dimension, extent=extent, steps=75)
+            result = run(name + "_some", shorter, method=method, policy="remove", threads=2)
+            if report.finished(result, name):
+                lost = result["particles_lost"]
+                rows = result.table("particles_end.csv")
+                report.check(0 < lost < count and len(rows) == count - lost, f"{name}: {lost} lost, {len(rows)} left")
+                report.check(all(row["x"] <= 2.125 + 1e-12 for row in rows), f"{name}: a particle outside")
+                report.check(abs(result["energy.remainder"]) < 1e-10*result["energy.initial_total"],
+                             f"{name}: remainder {result['energy.remainder']}")
+            result = run(name + "_reflect", deck, method=method, policy="reflect")
+            if report.finished(result, name):
+                rows = result.table("particles_end.csv")
+                report.check(len(rows) == count and result["particles_lost"] == 0, f"{name}: {len(rows)} reflected")
+                report.check(all(-0.126 <= row["x"] <= 2.126 for row in rows), f"{name}: a particle outside")
+                report.check(sum(row["velocity_x"] for row in rows) < 0, f"{name}: not turned round")
+                report.check(all(math.isfinite(value) for value in result["energy"].values()), f"{name}: energies")
+                report.check(result["energy.total"] < 1.5*result["energy.initial_total"],
+                             f"{name}: {result['energy.total']/result['energy.initial_total']:.3g} of the energy")
+
+
+def main():
+    """All guards."""
+    report = Report()
+    blow_ups(report)
+    small_steps(report)
+    leaving(report)
+    report.end()
+
+
+main()
