@@ -95,7 +95,7 @@ contains
     integer(i4), intent(in) :: first_id
     type(body_t), intent(out) :: body
     type(error_t), allocatable, intent(out) :: error
-    real(dp), allocatable :: x(:, :), volume(:), v(:, :), file_velocity(:, :)
+    real(dp), allocatable :: x(:, :), volume(:), file_velocity(:, :)
     integer :: d
     associate (card => scene%bodies(number), &
                material => scene%materials(scene%bodies(number)%material))
@@ -112,13 +112,12 @@ contains
       body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
       call attach_force(scene, number, body)
       call make_law(scene, material, mesh, needs_initial(body), body%law)
-      call initial_velocity(card, mesh%ndim, x, file_velocity, v)
       do d = 1, mesh%ndim
         x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
       end do
-      call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, v, &
-                          material%density*volume, volume, &
-                          first_history(card, material, body%law, mesh%ndim), first_id)
+      call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, material%density, &
+                          volume, first_history(card, material, body%law, mesh%ndim), first_id)
+      call set_velocities(card, mesh, file_velocity, body)
       call fill_positions(scene, mesh, body)
     end associate
   end subroutine build_body
@@ -236,25 +235,29 @@ contains
   end function first_history
 
   !> Initial velocities: the card's functions of position, plus what a particle file gives.
-  subroutine initial_velocity(card, ndim, x, file_velocity, v)
+  subroutine set_velocities(card, mesh, file_velocity, body)
     type(body_card_t), intent(in) :: card
-    integer, intent(in) :: ndim
-    real(dp), intent(in) :: x(:, :)
+    type(mesh_t), intent(in) :: mesh
     real(dp), allocatable, intent(in) :: file_velocity(:, :)
-    real(dp), allocatable, intent(out) :: v(:, :)
-    integer :: p, d
-    allocate (v(ndim, size(x, 2)))
-    do d = 1, ndim
-      if (card%velocity(d)%is_constant) then
-        v(d, :) = card%velocity(d)%value
-      else
-        do p = 1, size(x, 2)
-          v(d, p) = card%velocity(d)%evaluate(x(:, p), x(:, p), 0.0_dp)
+    type(body_t), intent(inout) :: body
+    integer :: c, l, d, n
+    real(dp) :: x(3), v
+    n = mesh%ndim
+    associate (particles => body%particles)
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          x = 0.0_dp
+          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%a(l, :n, c))
+          do d = 1, n
+            v = card%velocity(d)%evaluate(x, x, 0.0_dp)
+            if (allocated(file_velocity)) v = v + file_velocity(d, particles%id(l, c) - body%first_id + 1)
+            particles%a(l, n + d, c) = v
+          end do
         end do
-      end if
-      if (allocated(file_velocity)) v(d, :) = v(d, :) + file_velocity(d, :)
-    end do
-  end subroutine initial_velocity
+      end do
+    end associate
+  end subroutine set_velocities
 
   !> History that depends on the initial position: lighting times, and the position itself where a
   !! force uses it.

@@ -58,8 +58,15 @@ contains
     integer(i8), intent(in) :: key(:)    !! row of each point
     integer, intent(in) :: i(:)          !! position in the row
     type(rows_t), intent(out) :: rows
-    integer :: p
-    call rows_reserve(rows, size(key))
+    integer :: p, intervals
+    intervals = 0
+    do p = 1, size(key)
+      if (p > 1) then
+        if (key(p) == key(p - 1) .and. i(p) <= i(p - 1) + 1) cycle
+      end if
+      intervals = intervals + 1
+    end do
+    call rows_reserve(rows, intervals)
     do p = 1, size(key)
       call rows_append(rows, key(p), i(p), i(p))
     end do

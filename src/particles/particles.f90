@@ -70,58 +70,74 @@ contains
                     + size(particles%first, kind=i8) + size(particles%size, kind=i8))
   end function particles_bytes
 
-  !> Puts particles into bins; `history` gives the first values of the columns of b behind the
-  !! volume.
-  pure subroutine particles_fill(particles, ndim, shift, x, v, mass, volume, history, first_id)
+  !> Puts particles at rest into bins; `history` gives the first values of the columns of b behind
+  !! the volume. The positions are given up on the way, so that both streams and they are never held
+  !! at the same time.
+  pure subroutine particles_fill(particles, ndim, shift, x, density, volume, history, first_id)
     type(particles_t), intent(out) :: particles
     integer, intent(in) :: ndim
     real(dp), intent(in) :: shift
-    real(dp), intent(in) :: x(:, :)        !! (>= ndim, n) grid coordinates
-    real(dp), intent(in) :: v(:, :)        !! (>= ndim, n) velocities
-    real(dp), intent(in) :: mass(:), volume(:)  !! (n)
-    real(dp), intent(in) :: history(:)     !! (nb - 1)
-    integer(i4), intent(in) :: first_id    !! id of the first particle
-    integer :: p, n, chunk, lane, in_bin, number, previous
-    integer, allocatable :: order(:)
-    n = size(mass)
+    real(dp), allocatable, intent(inout) :: x(:, :) !! (>= ndim, n) grid coordinates; gone afterwards
+    real(dp), intent(in) :: density                 !! mass per volume
+    real(dp), intent(in) :: volume(:)               !! (n)
+    real(dp), intent(in) :: history(:)              !! (nb - 1)
+    integer(i4), intent(in) :: first_id             !! id of the first particle
+    integer, allocatable :: order(:), slot(:)
+    integer :: p, l, c
     particles%ndim = ndim
     particles%na = 2*ndim + 1
     particles%nb = 1 + size(history)
-    particles%count = n
+    particles%count = size(volume)
     particles%shift = shift
     particles%pad = [1.0_dp, history]
-    if (n > 0) particles%pad_mass = mass(1)/volume(1)
-    allocate (order(n))
+    particles%pad_mass = density
+    allocate (order(particles%count), slot(particles%count))
     call order_by_bin(particles, x, order)
-    call count_bins(particles, x)
+    call count_bins(particles, x, order)
     particles%chunks = sum((particles%size + lanes - 1)/lanes)
-    call allocate_chunks(particles, particles%chunks + particles%chunks/64 + 4)
-    chunk = 0
-    lane = lanes
-    in_bin = 0
-    previous = 0
-    do p = 1, n
-      number = particles_bin_of(particles, bin_coordinates(x(:, order(p)), shift, ndim))
-      if (number /= previous .or. lane == lanes) then
-        chunk = chunk + 1
-        if (number /= previous) then
-          particles%first(number) = chunk
-        else
-          particles%next(chunk - 1) = chunk
-        end if
-        lane = 0
-        previous = number
-      end if
-      lane = lane + 1
-      particles%a(lane, 1:ndim, chunk) = x(1:ndim, order(p))
-      particles%a(lane, ndim + 1:2*ndim, chunk) = v(1:ndim, order(p))
-      particles%a(lane, 2*ndim + 1, chunk) = mass(order(p))
-      particles%b(lane, 1, chunk) = volume(order(p))
-      particles%b(lane, 2:, chunk) = history
-      particles%id(lane, chunk) = first_id + order(p) - 1
+    c = particles%chunks + particles%chunks/64 + 4
+    allocate (particles%id(lanes, c), particles%next(c), source=0)
+    call chain_bins(particles, slot)
+    allocate (particles%a(lanes, particles%na, c))
+    particles%a = 0.0_dp
+    particles%a(:, particles%na, :) = density
+    do p = 1, particles%count
+      l = mod(slot(p) - 1, lanes) + 1
+      c = (slot(p) - 1)/lanes + 1
+      particles%id(l, c) = first_id + order(p) - 1
+      particles%a(l, 1:ndim, c) = x(1:ndim, order(p))
+      particles%a(l, particles%na, c) = density*volume(order(p))
+    end do
+    deallocate (x, order, slot)
+    allocate (particles%b(lanes, particles%nb, size(particles%next)))
+    do c = 1, size(particles%next)
+      particles%b(:, 1, c) = particles%a(:, particles%na, c)/density
+      do p = 2, particles%nb
+        particles%b(:, p, c) = history(p - 1)
+      end do
     end do
     call pad_bins(particles)
   end subroutine particles_fill
+
+  !> Gives every bin its chunks, one after the other, and every particle its lane.
+  pure subroutine chain_bins(particles, slot)
+    type(particles_t), intent(inout) :: particles
+    integer, intent(out) :: slot(:)                 !! lane + lanes*(chunk - 1), in the bins' order
+    integer :: number, chunk, n, p, k
+    chunk = 0
+    p = 0
+    do number = 1, size(particles%size)
+      if (particles%size(number) == 0) cycle
+      particles%first(number) = chunk + 1
+      do n = 1, particles%size(number)
+        slot(p + n) = lanes*chunk + n
+      end do
+      p = p + particles%size(number)
+      n = (particles%size(number) + lanes - 1)/lanes
+      particles%next(chunk + 1:chunk + n - 1) = [(chunk + k, k=2, n)]
+      chunk = chunk + n
+    end do
+  end subroutine chain_bins
 
   !> Order of the particles by bin, then by id.
   pure subroutine order_by_bin(particles, x, order)
@@ -147,24 +163,23 @@ contains
     call sort_order(key, order)
   end subroutine order_by_bin
 
-  !> Makes the bins for a set of positions and counts them.
-  pure subroutine count_bins(particles, x)
+  !> Makes the bins for a set of positions and counts their particles.
+  pure subroutine count_bins(particles, x, order)
     type(particles_t), intent(inout) :: particles
     real(dp), intent(in) :: x(:, :)
-    integer, allocatable :: order(:), i(:)
+    integer, intent(in) :: order(:)                 !! of the particles by bin
+    integer, allocatable :: i(:)
     integer(i8), allocatable :: key(:)
-    integer :: p, n, bin(3), number
-    n = particles%count
-    allocate (order(n), i(n), key(n))
-    call order_by_bin(particles, x, order)
-    do p = 1, n
+    integer :: p, bin(3), number
+    allocate (i(size(order)), key(size(order)))
+    do p = 1, size(order)
       bin = bin_coordinates(x(:, order(p)), particles%shift, particles%ndim)
       key(p) = row_key(bin(2), bin(3))
       i(p) = bin(1)
     end do
     call rows_from_points(key, i, particles%bins)
     call particles_number_bins(particles)
-    do p = 1, n
+    do p = 1, size(order)
       number = particles_bin_of(particles, bin_coordinates(x(:, p), particles%shift, &
                                                            particles%ndim))
       particles%size(number) = particles%size(number) + 1
@@ -186,14 +201,6 @@ contains
     end do
     allocate (particles%first(next - 1), particles%size(next - 1), source=0)
   end subroutine particles_number_bins
-
-  pure subroutine allocate_chunks(particles, capacity)
-    type(particles_t), intent(inout) :: particles
-    integer, intent(in) :: capacity
-    allocate (particles%a(lanes, particles%na, capacity))
-    allocate (particles%b(lanes, particles%nb, capacity))
-    allocate (particles%id(lanes, capacity), particles%next(capacity), source=0)
-  end subroutine allocate_chunks
 
   !> More room for chunks; one stream at a time, so that no more than one is held twice.
   pure subroutine grow_chunks(particles)
