@@ -5,6 +5,7 @@ usage: guards.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import math
 import re
+import signal
 
 from _runs import Report, run
 
@@ -39,8 +40,10 @@ body bar block material={material} lower=0 upper=2 ppc=2
 """
 
 
-def failed(report, name, result, patterns):
-    """A numerical abort that names what it must."""
+def failed(report, name, result, patterns, may_trap=False):
+    """A numerical abort that names what it must; a build that traps stops where the nonsense begins."""
+    if may_trap and result.code == -signal.SIGFPE:
+        return
     report.check(result.code == NUMERICAL, f"{name}: exit code {result.code}\n{result.text}")
     for pattern in patterns:
         report.check(re.search(pattern, result.text), f"{name}: not found: {pattern}\n{result.text}")
@@ -52,12 +55,13 @@ def failed(report, name, result, patterns):
 def blow_ups(report):
     """Time steps far too long."""
     result = run("courant", "bar_stability.inp", cfl=20, cells=16, t_end=0.01)
-    failed(report, "courant", result, [r"particle \d+ of body bar", r"step \d+"])
+    failed(report, "courant", result, [r"particle \d+ of body bar", r"step \d+"], may_trap=True)
     for method in ("sgmp", "gimp", "mpm"):
         result = run(f"inside_out_{method}", "block.inp", cells=4, steps=200, dt="5*h/c", method=method)
-        failed(report, f"inside out {method}", result, [r"particle \d+ of body block is inside out or not a number after step \d+"])
+        failed(report, f"inside out {method}", result, [r"particle \d+ of body block is inside out or not a number after step \d+"],
+               may_trap=True)
     result = run("taylor", "taylor_bar.inp", h=1.9, cfl=30, threads=2)
-    failed(report, "taylor", result, [r"particle \d+ of body bar", r"step \d+"])
+    failed(report, "taylor", result, [r"particle \d+ of body bar", r"step \d+"], may_trap=True)
 
 
 def small_steps(report):
