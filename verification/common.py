@@ -223,15 +223,24 @@ def slope_triangle(axis, x, y, order, width=2.0):
     axis.text(x * width * 1.08, y * width**(0.5 * order), f"{order:g}", color="0.3", fontsize=8, va="center")
 
 
+def cell_ticks(axis, sizes):
+    """Marks the cell sizes themselves on a logarithmic axis; every second one where there are many."""
+    shown = sizes if len(sizes) < 8 else sizes[::2]
+    axis.set_xticks([1 / cells for cells in shown], [f"1/{cells}" for cells in shown])
+    axis.set_xticks([], minor=True)
+
+
 def work_precision(book, name, title, points, error_label):
     """Diagram and table of CPU time over error. points: dicts with curve, method, setting, cpu_seconds, error."""
     figure, axis = subplots(figsize=(6.4, 4.4))
     for curve in dict.fromkeys(point["curve"] for point in points):
         chosen = [p for p in points if p["curve"] == curve]
         method = chosen[0]["method"]
-        axis.loglog([p["error"] for p in chosen], [p["cpu_seconds"] for p in chosen], chosen[0].get("line", "-"),
-                    color=COLOURS[method], marker=MARKERS[method], markersize=4, label=curve)
-    axis.set(xlabel=error_label, ylabel="CPU time (s)")
+        axis.plot([p["error"] for p in chosen], [p["cpu_seconds"] for p in chosen], chosen[0].get("line", "-"),
+                  color=COLOURS[method], marker=MARKERS[method], markersize=4, label=curve)
+    errors, times = [p["error"] for p in points], [p["cpu_seconds"] for p in points]
+    axis.set(xlabel=error_label, ylabel="CPU time (s)", xscale="log" if max(errors) > 8 * min(errors) else "linear",
+             yscale="log" if max(times) > 8 * min(times) else "linear")
     axis.invert_xaxis()
     axis.set_title(title, loc="left", fontweight="bold")
     axis.legend()

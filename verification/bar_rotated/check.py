@@ -6,7 +6,7 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parent.parent), str(Path(__file__).resolve().parent.parent / "bar")]
 import numpy as np  # noqa: E402
-from common import COLOURS, MARKERS, NAMES, Case, main, slope_triangle, slopes, solve, subplots, work_precision  # noqa: E402
+from common import COLOURS, MARKERS, NAMES, Case, cell_ticks, main, slope_triangle, slopes, solve, subplots, work_precision  # noqa: E402
 from exact import error_along  # noqa: E402
 
 METHODS = ("mpm", "gimp", "sgmp")
@@ -27,7 +27,8 @@ def convergence(book, full):
     for axis, values, title in ((axes[0], first, "One step"), (axes[1], errors, "t = 0.02 s")):
         for m in METHODS:
             axis.loglog([1 / n for n in sizes], values[m], color=COLOURS[m], marker=MARKERS[m], markersize=4, label=NAMES[m])
-        slope_triangle(axis, 1 / sizes[-1] * 1.4, min(min(v) for v in values.values()), 2)
+        slope_triangle(axis, 1 / sizes[-1] * 1.4, 0.4 * min(min(v) for v in values.values()), 2)
+        cell_ticks(axis, sizes)
         axis.set(xlabel="cell size h (m)", ylabel="error $e_u$ (m)")
         axis.set_title(title, loc="left", fontweight="bold")
         axis.legend()

@@ -89,7 +89,7 @@ def draw_shapes(book, runs):
         run = runs[method, SOUND[method]]
         particles = run.particles()
         points = particles.points
-        near = np.abs(points[:, 1]) < 0.75 * run.summary["spacing"]
+        near = np.abs(particles.fields["initial_position"][:, 1]) < 0.75 * run.summary["spacing"]
         dots = axis.scatter(points[near, 0], points[near, 2], s=5, c=particles.column("plastic_strain")[near], cmap="viridis", vmin=0, vmax=2, linewidths=0)
         for side in (-1, 1):
             axis.plot(side * outline[:, 1], outline[:, 0], color="0.3", linewidth=0.9, label="fine MPM" if side > 0 else None)
