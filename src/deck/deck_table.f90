@@ -27,6 +27,7 @@ contains
     call register_material(registry)
     call register_equations_of_state(registry)
     call register_bodies(registry)
+    call register_contact(registry)
     call register_loads(registry)
     call register_output(registry)
   end function deck_table
@@ -261,6 +262,35 @@ contains
     call registry%key('body', kind_name_word, 'the body; default: all', default='all', slot=1)
     call register_components(registry, 'speed')
   end subroutine register_bodies
+
+  subroutine register_contact(registry)
+    type(registry_t), intent(inout) :: registry
+    integer :: i
+    call registry%card('contact', 'Lets bodies touch, slide and separate; without it they '// &
+                       'stick together where they meet. Names two bodies, one (with all '// &
+                       'others) or all; the card that names more counts.', &
+                       'contact ball plate friction=0.4')
+    call registry%key('first', kind_name_word, 'a body, or all', default='all', slot=1)
+    call registry%key('second', kind_name_word, 'another body; default: all others', default='all', &
+                      slot=2)
+    call registry%key('friction', kind_real, 'Coulomb''s coefficient of friction', &
+                      range='[0,inf)', default='0', source='Eqs. 81 to 84')
+    call registry%key('lambda', kind_real, 'bodies touch where their particles are closer than '// &
+                      'this many cells along the normal; default: the mean of their spacings', &
+                      range='(0,inf)', source='Eq. 86')
+    call registry%key('normal', kind_word, 'common normal: along the shortest line between the '// &
+                      'bodies'' particles around a node, or from the gradient of volume of both '// &
+                      'bodies, of one, or of the stiffer', &
+                      choices='separating average first second stiffer', default='separating', &
+                      source='Eqs. 87 and 88')
+    call registry%card('rigid', 'Gives a body a prescribed velocity and infinite mass.', &
+                       'rigid punch y="-v0*sin(pi*t)"')
+    call registry%key('body', kind_name_word, 'the body', slot=1, required=.true.)
+    do i = 1, 3
+      call registry%key('xyz' (i:i), kind_expression, 'velocity, a function of t', unit='speed', &
+                        default='0')
+    end do
+  end subroutine register_contact
 
   subroutine register_combination(registry, name, help)
     type(registry_t), intent(inout) :: registry

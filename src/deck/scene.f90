@@ -9,6 +9,7 @@ module sgmp_scene
   use sgmp_kinds, only: dp
   implicit none
   private
+  public :: contact_card_t, contact_lambda_default
   public :: scene_t, scene_free, grid_card_t, method_card_t, time_card_t, material_card_t, &
     body_card_t, shape_t, bodyforce_card_t, &
             detonation_card_t, output_card_t, gauge_card_t, stop_card_t
@@ -44,6 +45,7 @@ module sgmp_scene
                         shape_halfspace = 7
   integer, parameter :: combine_union = 1, combine_difference = 2, combine_intersection = 3
   integer, parameter :: layout_lattice = 1, layout_gauss = 2, layout_file = 3
+  real(dp), parameter :: contact_lambda_default = -1.0_dp !! from the particle spacings
   integer, parameter :: lost_error = 1, lost_remove = 2, lost_reflect = 3
 
   !> Background grid: cubic cells of side `cell`; an open face follows the particles.
@@ -148,7 +150,17 @@ module sgmp_scene
       !! initial temperature; negative: the material's room temperature
     character(:), allocatable :: location         !! file:line:column of the card, for messages
     logical :: allow_overlap = .false.            !! may share space with other bodies at t = 0
+    logical :: rigid = .false.                    !! moves as prescribed, whatever acts on it
+    type(expression_t) :: motion(3)               !! its velocity, functions of t
   end type body_card_t
+
+  !> Contact of two bodies, of one with all others, or of all; a card that names more bodies comes first.
+  type :: contact_card_t
+    integer :: body(2) = 0                        !! 0: any
+    real(dp) :: friction = 0.0_dp                 !! Coulomb's coefficient
+    real(dp) :: lambda = contact_lambda_default   !! distance of Eq. 86 in cells
+    integer :: normal = 5                         !! one of normal_* of sgmp_contact
+  end type contact_card_t
 
   !> Body force per unit mass on one body or all, functions of x,y,z (current), x0,y0,z0 (initial),
   !! t.
@@ -202,6 +214,7 @@ module sgmp_scene
     type(body_card_t), allocatable :: bodies(:)
     real(dp) :: gravity(3) = 0.0_dp
     type(bodyforce_card_t), allocatable :: bodyforces(:)
+    type(contact_card_t), allocatable :: contacts(:)
     type(detonation_card_t), allocatable :: detonations(:)
     type(output_card_t) :: output
     type(gauge_card_t), allocatable :: gauges(:)
@@ -219,6 +232,7 @@ contains
       if (allocated(scene%bodies)) then
         do i = 1, size(scene%bodies)
           call expression_free(scene%bodies(i)%velocity(k))
+          call expression_free(scene%bodies(i)%motion(k))
         end do
       end if
       if (allocated(scene%bodyforces)) then

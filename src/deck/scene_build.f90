@@ -5,6 +5,7 @@ module sgmp_scene_build
   use sgmp_deck_table, only: wall_faces
   use sgmp_expression, only: expression_clone, expression_free, expression_t
   use sgmp_kinds, only: dp
+  use sgmp_scene_contact, only: add_contact, set_rigid
   use sgmp_scene, only: body_card_t, bodyforce_card_t, combine_difference, combine_intersection, &
                         combine_union, detonation_card_t, eos_gruneisen, eos_jwl, eos_none, &
                         gauge_card_t, &
@@ -54,7 +55,7 @@ contains
   subroutine reserve(cards, scene)
     type(deck_card_t), intent(in) :: cards(:)
     type(scene_t), intent(inout) :: scene
-    allocate (scene%materials(0), scene%bodies(0), scene%bodyforces(0), scene%detonations(0), &
+    allocate (scene%contacts(0), scene%materials(0), scene%bodies(0), scene%bodyforces(0), scene%detonations(0), &
               scene%gauges(0), scene%output%fields(0))
     if (size(cards) == 0) return
   end subroutine reserve
@@ -94,6 +95,10 @@ contains
       call add_bodyforce(card, scene, errors)
     case ('detonation')
       call add_detonation(card, scene)
+    case ('contact')
+      call add_contact(card, scene, bodies_of(scene), errors)
+    case ('rigid')
+      call set_rigid(card, scene, bodies_of(scene), errors)
     case ('output')
       call set_output(card, scene, errors)
     case ('history')

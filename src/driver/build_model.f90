@@ -1,6 +1,8 @@
 !> From the validated description of a scene to a model ready for its first step.
 module sgmp_build_model
   use sgmp_body, only: body_t
+  use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, contact_no_surface, &
+                                contact_pairs
   use sgmp_burn, only: burn_lighting_time, burn_source_t
   use sgmp_constitutive, only: constitutive_t, slots_make
   use sgmp_energy, only: ledger_open
@@ -55,12 +57,14 @@ contains
       call build_body(scene, b, model%mesh, kernel, next_id, model%bodies(b), error)
       if (allocated(error)) return
       next_id = next_id + model%bodies(b)%particles%count
+      if (model%bodies(b)%rigid) cycle
       associate (particles => model%bodies(b)%particles)
         heaviest = max(heaviest, maxval(particles%a(:, particles%na, :particles%chunks), &
                                         mask=particles%id(:, :particles%chunks) > 0))
       end associate
     end do
     model%cutoff = scene%method%mass_cutoff*heaviest
+    call contact_pairs(scene, model)
     call build_fields(model, kernel)
     call build_clock(scene, model)
     call step_start(model)
@@ -111,7 +115,17 @@ contains
       if (body%spacing <= 0.0_dp) body%spacing = scene%grid%cell/card%ppc
       body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
       call attach_force(scene, number, body)
+      body%rigid = card%rigid
+      if (body%rigid) then
+        body%motion = card%motion
+        body%at_rest = all(body%motion%is_constant) .and. all(abs(body%motion%value) <= 0.0_dp)
+        do d = 1, mesh%ndim
+          body%speed(d) = body%motion(d)%evaluate(spread(0.0_dp, 1, 3), spread(0.0_dp, 1, 3), 0.0_dp)
+        end do
+      end if
       call make_law(scene, material, mesh, needs_initial(body), body%law)
+      body%law%rigid = body%rigid
+      call contact_add_slot(scene, number, body%law%slots)
       do d = 1, mesh%ndim
         x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
       end do
@@ -119,6 +133,7 @@ contains
                           volume, first_history(card, material, body%law, mesh%ndim), first_id)
       call set_velocities(card, mesh, file_velocity, body)
       call fill_positions(scene, mesh, body)
+      call contact_fill_slot(card, mesh, body)
     end associate
   end subroutine build_body
 
@@ -223,6 +238,7 @@ contains
     real(dp) :: history(law%slots%total - 1)
     integer :: d
     history = 0.0_dp
+    if (law%slots%surface > 0) history(law%slots%surface - 1) = contact_no_surface
     if (law%slots%temperature > 0) history(law%slots%temperature - 1) = &
       merge(card%temperature, material%room_temperature, card%temperature >= 0.0_dp)
     if (law%slots%energy > 0) history(law%slots%energy - 1) = material%energy0
@@ -252,6 +268,7 @@ contains
           do d = 1, n
             v = card%velocity(d)%evaluate(x, x, 0.0_dp)
             if (allocated(file_velocity)) v = v + file_velocity(d, particles%id(l, c) - body%first_id + 1)
+            if (body%rigid) v = body%speed(d)
             particles%a(l, n + d, c) = v
           end do
         end do
@@ -296,7 +313,7 @@ contains
     type(model_t), intent(inout) :: model
     integer, intent(in) :: kernel
     integer :: f
-    allocate (model%fields(1))
+    allocate (model%fields(contact_fields(model)))
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, &
                       model%mesh%ndim*(model%mesh%ndim + 1)/2, any(model%bodies%forced), &
@@ -342,8 +359,8 @@ contains
         end do
       end associate
     end do
-    call ledger_open(model%ledger, sum(model%body_sums%kinetic), sum(model%body_sums%internal), &
-                     [(sum(model%body_sums%momentum(c)), c=1, 3)])
+    call ledger_open(model%ledger, sum(model%body_sums%kinetic, mask=.not. model%bodies%rigid), sum(model%body_sums%internal), &
+                     [(sum(model%body_sums%momentum(c), mask=.not. model%bodies%rigid), c=1, 3)])
   end subroutine open_ledger
 
 end module sgmp_build_model

@@ -7,6 +7,7 @@ module sgmp_model
   use sgmp_kinds, only: dp, i4
   use sgmp_mesh, only: mesh_t
   use sgmp_plan, only: workspace_t
+  use sgmp_shared_nodes, only: contact_pair_t, shared_nodes_t
   use sgmp_time_step, only: clock_t
   use sgmp_timers, only: timers_t
   implicit none
@@ -28,6 +29,8 @@ module sgmp_model
     type(body_t), allocatable :: bodies(:)
     type(workspace_t), allocatable :: workspaces(:, :)  !! (threads, fields)
     integer, allocatable :: slabs(:, :)  !! (threads + 1, fields) first plane of each thread's slab
+    type(contact_pair_t), allocatable :: pairs(:)  !! bodies in contact; none: one field for all
+    type(shared_nodes_t) :: shared                 !! nodes where their fields meet
     integer :: threads = 1
     integer :: update = 0                            !! one of update_*
     real(dp) :: flip = 1.0_dp

@@ -7,6 +7,7 @@ module sgmp_outputs
   use sgmp_gathering, only: gather_body_row, gather_initial_positions, gather_snapshot
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
                           gauges_integers, history_columns, history_t, units_text
+  use sgmp_contact_rows, only: contact_rows_open, contact_rows_t, contact_rows_write
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_scene, only: name_length, scene_t
@@ -21,6 +22,7 @@ module sgmp_outputs
   type :: outputs_t
     character(:), allocatable :: folder
     type(history_t) :: history, bodies, gauges
+    type(contact_rows_t) :: contact
     type(vtu_series_t) :: vtu
     type(tecplot_t) :: tecplot
     character(name_length), allocatable :: fields(:)
@@ -49,6 +51,8 @@ contains
     call outputs%history%open(folder//'/history.csv', history_columns, units, error)
     if (allocated(error)) return
     call outputs%bodies%open(folder//'/bodies.csv', bodies_columns, units, error, bodies_integers)
+    if (allocated(error)) return
+    call contact_rows_open(outputs%contact, model, folder//'/contact.csv', units, error)
     if (allocated(error)) return
     if (size(scene%gauges) > 0) then
       call outputs%gauges%open(folder//'/gauges.csv', &
@@ -145,6 +149,8 @@ contains
       call outputs%bodies%write_row(model%clock%step, gather_body_row(model, b), error)
       if (allocated(error)) return
     end do
+    call contact_rows_write(outputs%contact, model, error)
+    if (allocated(error)) return
     if (size(outputs%gauge_ids) > 0) call write_gauges(outputs, model, error)
   end subroutine write_rows
 
@@ -231,6 +237,8 @@ contains
     call outputs%history%close(error)
     if (allocated(error)) return
     call outputs%bodies%close(error)
+    if (allocated(error)) return
+    if (outputs%contact%file%is_open()) call outputs%contact%file%close(error)
     if (allocated(error)) return
     if (outputs%gauges%is_open()) call outputs%gauges%close(error)
     if (allocated(error)) return

@@ -2,6 +2,8 @@
 !! are put together.
 module sgmp_phases
   use sgmp_body, only: body_forced, body_number, body_place, body_t
+  use sgmp_contact_phases, only: contact_detect, contact_layout, contact_trial, contact_velocity, &
+                                 rigid_choose_speed, rigid_field, rigid_solve, rigid_velocity
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_build, field_t
   use sgmp_kinds, only: dp, i8, lanes
@@ -22,7 +24,7 @@ module sgmp_phases
                        sum_viscous, sweep_sums
   use sgmp_rebinning, only: particles_rebin
   use sgmp_rows, only: rows_t, rows_union
-  use sgmp_scene, only: lost_reflect, lost_remove
+  use sgmp_scene, only: lost_reflect, lost_remove, update_usf
   use sgmp_sweep_1d, only: sweep_add_movers_1d => sweep_add_movers, sweep_join_1d => sweep_join, &
                            sweep_slab_1d => sweep_slab
   use sgmp_sweep_2d, only: sweep_add_movers_2d => sweep_add_movers, sweep_join_2d => sweep_join, &
@@ -60,6 +62,7 @@ contains
       end do
       call divide_planes(model, f)
     end do
+    call contact_layout(model)
   end subroutine phase_layout
 
   !> Slabs of planes with about the same number of chunks each.
@@ -103,9 +106,13 @@ contains
   subroutine phase_sweep(model, plan)
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
-    integer :: f
+    integer :: f, b
     model%fastest = merge(0.0_dp, model%fastest, plan%strain)
     do f = 1, size(model%fields)
+      b = rigid_field(model, f)
+      if (b > 0 .and. model%clock%dt > 0.0_dp) then
+        if (model%bodies(b)%at_rest) cycle ! nothing of it changes after the first projection
+      end if
       call sweep_field(model, plan, f)
     end do
   end subroutine phase_sweep
@@ -221,6 +228,12 @@ contains
     type(plan_t), intent(in) :: plan
     integer, intent(in) :: b
     real(dp), intent(in) :: sums(sweep_sums)
+    if (model%bodies(b)%rigid) then
+      if (plan%drift) model%body_sums(b)%moment = sums(sum_moment:sum_moment + 2)
+      if (plan%kick) model%body_sums(b)%momentum = sums(sum_momentum:sum_momentum + 2)
+      if (plan%kick) model%body_sums(b)%kinetic = sums(sum_kinetic)
+      return ! its energy and momentum belong to whoever moves it
+    end if
     if (plan%kick) then
       model%sums%kinetic = model%sums%kinetic + sums(sum_kinetic)
       model%sums%particles_aa = model%sums%particles_aa + sums(sum_mass_aa)
@@ -389,6 +402,16 @@ contains
     end do
   end subroutine fold
 
+  !> Fills nodes behind walls with their mirror images, in all fields that the walls act on.
+  subroutine mirror_all(model, columns)
+    type(model_t), intent(inout) :: model
+    integer, intent(in) :: columns(:)
+    integer :: f
+    do f = 1, size(model%fields)
+      if (rigid_field(model, f) == 0) call mirror(model, f, columns)
+    end do
+  end subroutine mirror_all
+
   !> Fills nodes behind walls with their mirror images.
   subroutine mirror(model, f, columns)
     type(model_t), intent(inout) :: model
@@ -436,9 +459,15 @@ contains
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt
     real(dp), allocatable :: sums(:, :)
-    integer :: f, p
+    integer :: f, p, b
     logical :: forced
+    call rigid_choose_speed(model)
     do f = 1, size(model%fields)
+      b = rigid_field(model, f)
+      if (b > 0) then
+        call rigid_solve(model, f, b, dt)
+        cycle
+      end if
       allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)
       forced = body_forced(model%bodies, f)
       !$omp parallel do schedule(static) num_threads(model%threads) &
@@ -464,15 +493,22 @@ contains
         model%sums%ignored_nodes = model%sums%ignored_nodes + sums(sum_ignored, p)
       end do
       deallocate (sums)
-      call mirror(model, f, [1, model%mesh%ndim + 1])
     end do
+    if (model%update /= update_usf) call contact_detect(model)
+    call contact_trial(model, dt)
+    call mirror_all(model, [1, model%mesh%ndim + 1])
   end subroutine phase_solve
 
   !> Nodal velocity before the stress update (USF).
   subroutine phase_velocity(model)
     type(model_t), intent(inout) :: model
-    integer :: f, p
+    integer :: f, p, b
     do f = 1, size(model%fields)
+      b = rigid_field(model, f)
+      if (b > 0) then
+        call rigid_velocity(model, f, b, model%mesh%ndim + 1)
+        cycle
+      end if
       !$omp parallel do schedule(static) num_threads(model%threads) &
       !$omp& default(none) shared(model, f) private(p)
       do p = 1, model%fields(f)%planes
@@ -486,15 +522,22 @@ contains
         end select
       end do
       !$omp end parallel do
-      call mirror(model, f, [model%mesh%ndim + 1])
     end do
+    call contact_detect(model)
+    call contact_velocity(model, model%mesh%ndim + 1)
+    call mirror_all(model, [model%mesh%ndim + 1])
   end subroutine phase_velocity
 
   !> Nodal velocity re-mapped from the updated particles (MUSL).
   subroutine phase_remap(model)
     type(model_t), intent(inout) :: model
-    integer :: f, p
+    integer :: f, p, b
     do f = 1, size(model%fields)
+      b = rigid_field(model, f)
+      if (b > 0) then
+        call rigid_velocity(model, f, b, 1)
+        cycle
+      end if
       !$omp parallel do schedule(static) num_threads(model%threads) &
       !$omp& default(none) shared(model, f) private(p)
       do p = 1, model%fields(f)%planes
@@ -508,8 +551,9 @@ contains
         end select
       end do
       !$omp end parallel do
-      call mirror(model, f, [1])
     end do
+    call contact_velocity(model, 1)
+    call mirror_all(model, [1])
   end subroutine phase_remap
 
 end module sgmp_phases

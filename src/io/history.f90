@@ -12,7 +12,7 @@ module sgmp_history
   implicit none
   private
   public :: history_t, history_columns, bodies_columns, bodies_integers, gauges_columns, &
-    gauges_integers, units_text, column_length
+    gauges_integers, contact_columns, contact_integers, units_text, column_length
 
   integer, parameter :: column_length = 32
 
@@ -32,6 +32,14 @@ module sgmp_history
     'time', 'gauge', 'particle', 'x', 'y', 'z', 'velocity_x', 'velocity_y', 'velocity_z']
   character(column_length), parameter :: gauges_integers(*) = [character(column_length) :: &
     'gauge', 'particle']
+
+  !> Columns of contact.csv after `step`: the force on the pair's first body and its torque about the
+  !> origin, means over the time since the row before; dissipation since the start.
+  character(column_length), parameter :: contact_columns(11) = [character(column_length) :: &
+    'time', 'pair', 'force_x', 'force_y', 'force_z', 'torque_x', 'torque_y', 'torque_z', &
+    'shared_nodes', 'contact_nodes', 'dissipation']
+  character(column_length), parameter :: contact_integers(3) = [character(column_length) :: &
+    'pair', 'shared_nodes', 'contact_nodes']
 
   !> One table being written.
   type :: history_t

@@ -8,7 +8,7 @@ module sgmp_rows
   implicit none
   private
   public :: rows_t, row_key, key_j, key_k
-  public :: rows_from_points, rows_union, rows_dilate, rows_locate, rows_points, rows_contains
+  public :: rows_from_points, rows_union, rows_intersection, rows_dilate, rows_locate, rows_points, rows_contains
 
   integer(i8), parameter :: key_stride = 2_i8**32
 
@@ -98,6 +98,34 @@ contains
       end if
     end do
   end subroutine rows_union
+
+  !> Points that two sets have in common, in one merge.
+  pure subroutine rows_intersection(a, b, rows)
+    type(rows_t), intent(in) :: a, b
+    type(rows_t), intent(out) :: rows
+    integer :: s, t
+    call rows_reserve(rows, a%n + b%n)
+    s = 1
+    t = 1
+    do while (s <= a%n .and. t <= b%n)
+      if (a%key(s) /= b%key(t)) then
+        if (a%key(s) < b%key(t)) then
+          s = s + 1
+        else
+          t = t + 1
+        end if
+        cycle
+      end if
+      if (max(a%first(s), b%first(t)) <= min(a%last(s), b%last(t))) then
+        call rows_append(rows, a%key(s), max(a%first(s), b%first(t)), min(a%last(s), b%last(t)))
+      end if
+      if (a%last(s) <= b%last(t)) then
+        s = s + 1
+      else
+        t = t + 1
+      end if
+    end do
+  end subroutine rows_intersection
 
   !> The set widened by lower..upper points along (i, j, k).
   pure subroutine rows_dilate(rows, lower, upper, wide)

@@ -22,6 +22,10 @@ module sgmp_body
     real(dp) :: spacing = 0.0_dp               !! particle spacing (length)
     logical :: forced = .false.                !! a body force acts
     type(expression_t) :: force(3)             !! force per unit mass
+    logical :: rigid = .false.                 !! moves as prescribed
+    logical :: at_rest = .false.               !! rigid and never moves
+    type(expression_t) :: motion(3)            !! velocity of a rigid body, functions of t
+    real(dp) :: speed(3) = 0.0_dp, speed_before(3) = 0.0_dp !! of a rigid body, in this step and the one before
   end type body_t
 
 contains

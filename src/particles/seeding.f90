@@ -13,7 +13,7 @@ module sgmp_seeding
   implicit none
   private
   public :: seeding_generate, seeding_check_overlap, seeding_overlap, seeding_inside, &
-            seeding_gauss_points
+            seeding_gauss_points, seeding_turned
 
   real(dp), parameter :: tolerance = 1.0e-9_dp     !! of boundaries, in lattice constants
   real(dp), parameter :: infinite = 0.1_dp*huge(1.0_dp)
@@ -93,7 +93,7 @@ contains
       if (bodies(other)%layout == layout_file) cycle
       margin = tolerance*bodies(other)%spacing
       do p = 1, size(positions, 2)
-        if (seeding_inside(bodies(other)%shapes, turned(bodies(other), positions(:, p), -1), &
+        if (seeding_inside(bodies(other)%shapes, seeding_turned(bodies(other), positions(:, p), -1), &
                            dimension, margin)) return
       end do
     end do
@@ -282,12 +282,12 @@ contains
           point = [candidates%coordinate(i, 1), candidates%coordinate(j, 2), &
             candidates%coordinate(k, 3)]
           tested = point
-          if (candidates%turn_before) tested = turned(body, point, -1)
+          if (candidates%turn_before) tested = seeding_turned(body, point, -1)
           if (.not. seeding_inside(body%shapes, tested, dimension, candidates%margin)) cycle
           n = n + 1
           if (.not. store) cycle
           call displace(candidates, [i, j, k], dimension, point)
-          if (candidates%turn_after) point = turned(body, point, 1)
+          if (candidates%turn_after) point = seeding_turned(body, point, 1)
           positions(:, n) = point
           volumes(n) = candidates%length(i, 1)*candidates%length(j, 2)*candidates%length(k, 3)
         end do
@@ -326,7 +326,7 @@ contains
   end function unit_hash
 
   !> Turns a point about z through the pivot, forth (+1) or back (-1).
-  pure function turned(body, point, direction) result(image)
+  pure function seeding_turned(body, point, direction) result(image)
     type(body_card_t), intent(in) :: body
     real(dp), intent(in) :: point(3)
     integer, intent(in) :: direction
@@ -339,7 +339,7 @@ contains
     y = point(2) - body%pivot(2)
     image(1) = body%pivot(1) + c*x - s*y
     image(2) = body%pivot(2) + s*x + c*y
-  end function turned
+  end function seeding_turned
 
   !> The box around a turned box.
   pure subroutine turn_box(body, dimension, lower, upper)
@@ -349,10 +349,10 @@ contains
     real(dp) :: corners(3, 4)
     if (abs(body%rotation) <= 0.0_dp .or. dimension == 1) return
     if (any(abs([lower(1:2), upper(1:2)]) > infinite)) return
-    corners(:, 1) = turned(body, lower, 1)
-    corners(:, 2) = turned(body, upper, 1)
-    corners(:, 3) = turned(body, [lower(1), upper(2), lower(3)], 1)
-    corners(:, 4) = turned(body, [upper(1), lower(2), lower(3)], 1)
+    corners(:, 1) = seeding_turned(body, lower, 1)
+    corners(:, 2) = seeding_turned(body, upper, 1)
+    corners(:, 3) = seeding_turned(body, [lower(1), upper(2), lower(3)], 1)
+    corners(:, 4) = seeding_turned(body, [upper(1), lower(2), lower(3)], 1)
     lower(1:2) = minval(corners(1:2, :), dim=2)
     upper(1:2) = maxval(corners(1:2, :), dim=2)
   end subroutine turn_box

@@ -25,6 +25,7 @@ module sgmp_constitutive
     integer :: deformation = 0   !! deformation gradient, row by row
     integer :: stretch = 0       !! its diagonal alone, for cpGIMP
     integer :: initial = 0       !! initial position, for body forces that use it
+    integer :: surface = 0       !! distance to the body's surface, for contact
     integer :: total = 1
   end type slots_t
 
@@ -39,6 +40,7 @@ module sgmp_constitutive
     type(jwl_t) :: jwl
     type(gruneisen_t) :: gruneisen
     logical :: small_strain = .false.          !! the linear theory: constant volume, no spin
+    logical :: rigid = .false.                 !! prescribed motion: no stress
     logical :: thermal = .false., failure = .false.
     real(dp) :: density = 0.0_dp               !! initial density
     real(dp) :: detonation_speed = 0.0_dp, burn_cells = 0.0_dp

@@ -22,6 +22,8 @@ module sgmp_energy
     real(dp) :: external_power = 0.0_dp     !! of gravity and body forces at the mid-step velocity
     real(dp) :: internal = 0.0_dp           !! growth of internal energy
     real(dp) :: viscous = 0.0_dp  !! bulk-viscous dissipation (part of the internal energy)
+    real(dp) :: contact = 0.0_dp     !! kinetic energy that contact took (friction, impact)
+    real(dp) :: rigid_work = 0.0_dp  !! work of rigid bodies on the others
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: ignored_nodes = 0.0_dp      !! nodes below the mass cut-off
   end type step_sums_t
@@ -70,8 +72,10 @@ contains
     real(dp) :: explained
     explained = dt_kick*sums%power_before + 0.5_dp*dt_kick**2*sums%particles_aa
     if (exact) ledger%remainder = ledger%remainder + (sums%kinetic - ledger%kinetic) - explained
-    ledger%external_work = ledger%external_work + dt_kick*sums%external_power
-    ledger%predicted = ledger%predicted + explained + sums%internal - dt_kick*sums%external_power
+    ledger%external_work = ledger%external_work + dt_kick*sums%external_power + sums%rigid_work
+    ledger%contact_dissipation = ledger%contact_dissipation + sums%contact
+    ledger%predicted = ledger%predicted + explained + sums%internal + sums%contact &
+                       - dt_kick*sums%external_power - sums%rigid_work
     ledger%interpolation_error = ledger%interpolation_error + &
                                  0.5_dp*dt_kick**2*(sums%nodes_aa - sums%particles_aa)
     ledger%kinetic = sums%kinetic

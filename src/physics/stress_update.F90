@@ -56,6 +56,12 @@ contains
     real(dp), intent(inout) :: sums(lanes, stress_sums)
     real(dp) :: strain(lanes, NFLUX), trace(lanes), old_volume(lanes), work(lanes), q(lanes)
     integer :: l
+    if (law%rigid) then
+      flux = 0.0_dp
+      speed2 = 0.0_dp
+      jacobian = 1.0_dp
+      return
+    end if
     call kinematics(dt, grad, strain, trace, jacobian)
     old_volume = b(:, 1)
     if (.not. law%small_strain) then

@@ -1,0 +1,70 @@
+!> contact.csv: one row per pair of bodies in contact.
+!!
+!! The force is that on the pair's first body; on the second it is the opposite. It is the mean over
+!! the time since the row
+!! before, so that no impulse is lost between rows.
+module sgmp_contact_rows
+  use sgmp_errors, only: error_t
+  use sgmp_history, only: contact_columns, contact_integers, history_t
+  use sgmp_kinds, only: dp
+  use sgmp_model, only: model_t
+  use sgmp_text, only: integer_text
+  implicit none
+  private
+  public :: contact_rows_t, contact_rows_open, contact_rows_write
+
+  !> The table, and what its last rows counted up to.
+  type :: contact_rows_t
+    type(history_t) :: file
+    integer :: step = -1
+    real(dp) :: time = 0.0_dp
+    real(dp), allocatable :: impulse(:, :)   !! (6, pairs) linear and angular
+  end type contact_rows_t
+
+contains
+
+  !> Starts the table where the model has pairs in contact.
+  subroutine contact_rows_open(rows, model, path, units, error)
+    type(contact_rows_t), intent(inout) :: rows
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: path, units
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: names
+    integer :: p
+    if (size(model%pairs) == 0) return
+    names = ''
+    do p = 1, size(model%pairs)
+      names = names//'; pair '//integer_text(p)//': '// &
+        trim(model%bodies(model%pairs(p)%body(1))%name)//' '// &
+              trim(model%bodies(model%pairs(p)%body(2))%name)
+    end do
+    allocate (rows%impulse(6, size(model%pairs)), source=0.0_dp)
+    call rows%file%open(path, contact_columns, units//names, error, contact_integers)
+  end subroutine contact_rows_open
+
+  !> Writes a row for each pair.
+  subroutine contact_rows_write(rows, model, error)
+    type(contact_rows_t), intent(inout) :: rows
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    real(dp) :: impulse(6), span
+    integer :: p
+    if (size(model%pairs) == 0 .or. rows%step == model%clock%step) return
+    span = model%clock%time - rows%time
+    if (model%clock%step == 0) span = 1.0_dp
+    do p = 1, size(model%pairs)
+      associate (pair => model%pairs(p))
+        impulse = [pair%impulse, pair%angular_impulse]
+        call rows%file%write_row(model%clock%step, &
+                                 [model%clock%time, real(p, dp), (impulse - rows%impulse(:, p))/span, &
+                                  real(pair%shared, dp), real(pair%touching, dp), pair%dissipation], &
+                                 error)
+        rows%impulse(:, p) = impulse
+      end associate
+      if (allocated(error)) return
+    end do
+    rows%step = model%clock%step
+    rows%time = model%clock%time
+  end subroutine contact_rows_write
+
+end module sgmp_contact_rows
