@@ -35,13 +35,12 @@ module DIM(sgmp_stress_update)
 #else
   integer, parameter :: stress_of(NFLUX) = [1, 2, 3, 4, 5, 6]
 #endif
-  !> Weight of a stored stress component in the inner product of stresses.
-  real(dp), parameter :: twice(6) = [1.0_dp, 1.0_dp, 1.0_dp, 2.0_dp, 2.0_dp, 2.0_dp]
 
 contains
 
   !> Advances volume, stress and history by one step and returns the flux sigma V that the grid
   !! wants (Eq. 23).
+  ! allow(S902)
   subroutine stress_update(law, dt, time, mass, live, grad, nb, b, flux, speed2, jacobian, sums)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: dt                          !! strain step
@@ -50,103 +49,142 @@ contains
     real(dp), intent(in) :: grad(lanes, NGRAD)          !! velocity gradient, row by row
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)             !! volume, stress, history
-    real(dp), intent(out) :: flux(lanes, NFLUX)         !! (sigma - q I) V
+    real(dp), intent(out) :: flux(lanes, NFLUX)         !! (sigma - q I) V; 0 in pads
     real(dp), intent(out) :: speed2(lanes)              !! square of the sound speed
     real(dp), intent(out) :: jacobian(lanes)  !! determinant of the step's deformation gradient
     real(dp), intent(inout) :: sums(lanes, stress_sums)
     real(dp) :: strain(lanes, NFLUX), trace(lanes), old_volume(lanes), work(lanes), q(lanes)
-    integer :: l
+    real(dp) :: none(lanes, NSTRESS)
+    integer :: l, s
     if (law%rigid) then
       flux = 0.0_dp
       speed2 = 0.0_dp
       jacobian = 1.0_dp
       return
     end if
-    call kinematics(dt, grad, strain, trace, jacobian)
-    old_volume = b(:, 1)
-    if (.not. law%small_strain) then
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        b(l, 1) = b(l, 1)*jacobian(l)
-      end do
-    end if
-    if (law%slots%stretch > 0) call stretch(dt, grad, b(:, law%slots%stretch:))
+    s = law%slots%stress
+    if (law%slots%stretch > 0) call stretch(dt, grad, b(1, law%slots%stretch))
     select case (law%kind)
     case (material_elastic)
-      call elastic(law, dt, mass, grad, strain, trace, b(1, 1), b(1, law%slots%stress), speed2, q, &
-                   work)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
+                   trace, jacobian, old_volume, work)
+      call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
     case (material_neo_hookean)
-      call neo_hookean(law, dt, mass, grad, strain, trace, b(1, 1), b(1, law%slots%stress), &
+      call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
+                   old_volume, work)
+      call neo_hookean(law, dt, mass, grad, strain, trace, b(1, 1), b(1, s), &
                        b(1, law%slots%deformation), speed2, q, work)
     case (material_j2, material_johnson_cook)
-      call plastic(law, dt, mass, old_volume, grad, strain, trace, nb, b, speed2, q, work)
+      call plastic(law, dt, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
     case default  ! material_explosive
+      none = 0.0_dp
+      call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), none, strain, trace, jacobian, &
+                   old_volume, work)
       call explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
     end select
-    call stress_flux(law, b(1, 1), q, b(1, law%slots%stress), flux)
+    call stress_flux(law, b(1, 1), q, live, b(1, s), flux)
     !$omp simd simdlen(8)
     do l = 1, lanes
-      sums(l, sum_internal) = sums(l, sum_internal) + &
-          live(l)*(old_volume(l)*(work(l) - q(l)*trace(l)))
-      sums(l, sum_viscous) = sums(l, sum_viscous) - live(l)*(old_volume(l)*(q(l)*trace(l)))
+      work(l) = live(l)*(old_volume(l)*work(l))
+      q(l) = live(l)*(old_volume(l)*(q(l)*trace(l)))
+      sums(l, sum_internal) = sums(l, sum_internal) + (work(l) - q(l))
+      sums(l, sum_viscous) = sums(l, sum_viscous) - q(l)
     end do
   end subroutine stress_update
 
-  !> Flux (sigma - q I) V of a chunk.
-  pure subroutine stress_flux(law, volume, q, stress, flux)
+  !> Flux (sigma - q I) V of a chunk; 0 in pads.
+  pure subroutine stress_flux(law, volume, q, live, stress, flux)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: volume(lanes), q(lanes)
+    real(dp), intent(in) :: volume(lanes), q(lanes), live(lanes)
     real(dp), intent(in) :: stress(lanes, NSTRESS)      !! or the mean stress alone, for explosives
     real(dp), intent(out) :: flux(lanes, NFLUX)
+    real(dp) :: v
     integer :: l, c
     if (law%slots%stresses == 1) then
       do c = 1, NFLUX
         do l = 1, lanes
           flux(l, c) = 0.0_dp
-          if (c <= NDIM) flux(l, c) = volume(l)*(stress(l, 1) - q(l))
+          if (c <= NDIM) flux(l, c) = live(l)*volume(l)*(stress(l, 1) - q(l))
         end do
       end do
       return
     end if
-    do c = 1, NDIM
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        flux(l, c) = volume(l)*(stress(l, c) - q(l))
+    !$omp simd simdlen(8) private(v, c)
+    do l = 1, lanes
+      v = live(l)*volume(l)
+      do c = 1, NDIM
+        flux(l, c) = v*(stress(l, c) - q(l))
       end do
-    end do
-    do c = NDIM + 1, NFLUX
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        flux(l, c) = volume(l)*stress(l, stress_of(c))
+      do c = NDIM + 1, NFLUX
+        flux(l, c) = v*stress(l, stress_of(c))
       end do
     end do
   end subroutine stress_flux
 
-  !> Strain increment (shears as engineering strains), its trace, and det(I + L dt).
-  pure subroutine kinematics(dt, grad, strain, trace, jacobian)
-    real(dp), intent(in) :: dt, grad(lanes, NGRAD)
-    real(dp), intent(out) :: strain(lanes, NFLUX), trace(lanes), jacobian(lanes)
+  !> Strain increment, new volume, and the trial stress of an elastic step: the stress turned by the
+  !! step's spin (Jaumann rate) plus Hooke's law.
+  !!
+  !! One loop over the lanes, so that nothing on the way goes through memory.
+  ! allow(S902)
+  pure subroutine predict(law, shear, lame, dt, grad, volume, stress, strain, trace, jacobian, &
+                          old_volume, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: shear, lame, dt, grad(lanes, NGRAD)
+    real(dp), intent(inout) :: volume(lanes), stress(lanes, NSTRESS)
+    real(dp), intent(out) :: strain(lanes, NFLUX)   !! shears as engineering strains
+    real(dp), intent(out) :: trace(lanes), jacobian(lanes)  !! of the strain; det(I + L dt)
+    real(dp), intent(out) :: old_volume(lanes)
+    real(dp), intent(out) :: work(lanes)            !! 1/2 old stress : strain
+    real(dp) :: turn, keep, s1, s2, s3, mean, shear2
     integer :: l
+#if NDIM == 2
+    real(dp) :: xy, yx, s4, w
+#elif NDIM == 3
+    real(dp) :: xx, yy, zz, xy, yx, xz, zx, yz, zy, wxy, wyz, wxz, s4, s5, s6
+#endif
+    ! Numbers, not a merge in the loop: the vectoriser has no condition that is the same for all
+    ! lanes.
+    keep = merge(1.0_dp, 0.0_dp, law%small_strain)
+    turn = 0.5_dp*dt*(1.0_dp - keep)
+    shear2 = 2.0_dp*shear
 #if NDIM == 1
-    !$omp simd simdlen(8)
+    !$omp simd simdlen(8) private(s1, s2, s3, mean)
     do l = 1, lanes
       strain(l, 1) = dt*grad(l, 1)
       trace(l) = strain(l, 1)
       jacobian(l) = 1.0_dp + trace(l)
-    end do
+      s1 = stress(l, 1)
+      s2 = stress(l, 2)
+      s3 = stress(l, 3)
+      work(l) = 0.5_dp*(s1*strain(l, 1))
+      mean = lame*trace(l)
+      stress(l, 1) = s1 + (mean + shear2*strain(l, 1))
+      stress(l, 2) = s2 + mean
+      stress(l, 3) = s3 + mean
 #elif NDIM == 2
-    !$omp simd simdlen(8)
+    !$omp simd simdlen(8) private(s1, s2, s3, s4, xy, yx, w, mean)
     do l = 1, lanes
+      xy = dt*grad(l, 2)
+      yx = dt*grad(l, 3)
       strain(l, 1) = dt*grad(l, 1)
       strain(l, 2) = dt*grad(l, 4)
-      strain(l, 3) = dt*(grad(l, 2) + grad(l, 3))
+      strain(l, 3) = xy + yx
       trace(l) = strain(l, 1) + strain(l, 2)
-      jacobian(l) = (1.0_dp + strain(l, 1))*(1.0_dp + strain(l, 2)) - &
-          (dt*grad(l, 2))*(dt*grad(l, 3))
-    end do
+      jacobian(l) = (1.0_dp + strain(l, 1))*(1.0_dp + strain(l, 2)) - xy*yx
+      s1 = stress(l, 1)
+      s2 = stress(l, 2)
+      s3 = stress(l, 3)
+      s4 = stress(l, 4)
+      work(l) = 0.5_dp*(s1*strain(l, 1) + s2*strain(l, 2) + s4*strain(l, 3))
+      mean = lame*trace(l)
+      w = turn*(grad(l, 2) - grad(l, 3))
+      stress(l, 1) = (s1 + 2.0_dp*w*s4) + (mean + shear2*strain(l, 1))
+      stress(l, 2) = (s2 - 2.0_dp*w*s4) + (mean + shear2*strain(l, 2))
+      stress(l, 3) = s3 + mean
+      stress(l, 4) = (s4 + w*(s2 - s1)) + shear*strain(l, 3)
 #else
-    real(dp) :: xx, yy, zz, xy, yx, xz, zx, yz, zy
-    !$omp simd simdlen(8) private(xx, yy, zz, xy, yx, xz, zx, yz, zy)
+    !$omp simd simdlen(8) private(s1, s2, s3, s4, s5, s6, mean, wxy, wyz, wxz) &
+    !$omp& private(xx, yy, zz, xy, yx, xz, zx, yz, zy)
     do l = 1, lanes
       xx = dt*grad(l, 1)
       xy = dt*grad(l, 2)
@@ -166,87 +204,29 @@ contains
       trace(l) = (xx + yy) + zz
       jacobian(l) = (1.0_dp + xx)*((1.0_dp + yy)*(1.0_dp + zz) - yz*zy) &
                     - xy*(yx*(1.0_dp + zz) - yz*zx) + xz*(yx*zy - (1.0_dp + yy)*zx)
-    end do
+      s1 = stress(l, 1)
+      s2 = stress(l, 2)
+      s3 = stress(l, 3)
+      s4 = stress(l, 4)
+      s5 = stress(l, 5)
+      s6 = stress(l, 6)
+      work(l) = 0.5_dp*((s1*xx + s2*yy + s3*zz) &
+                        + (s4*strain(l, 4) + s5*strain(l, 5) + s6*strain(l, 6)))
+      mean = lame*trace(l)
+      wxy = turn*(grad(l, 2) - grad(l, 4))
+      wyz = turn*(grad(l, 6) - grad(l, 8))
+      wxz = turn*(grad(l, 3) - grad(l, 7))
+      stress(l, 1) = (s1 + 2.0_dp*(wxy*s4 + wxz*s6)) + (mean + shear2*xx)
+      stress(l, 2) = (s2 + 2.0_dp*(wyz*s5 - wxy*s4)) + (mean + shear2*yy)
+      stress(l, 3) = (s3 - 2.0_dp*(wxz*s6 + wyz*s5)) + (mean + shear2*zz)
+      stress(l, 4) = (s4 + (wxy*(s2 - s1) + wxz*s5 + wyz*s6)) + shear*strain(l, 4)
+      stress(l, 5) = (s5 + (wyz*(s3 - s2) - wxy*s6 - wxz*s4)) + shear*strain(l, 5)
+      stress(l, 6) = (s6 + (wxz*(s3 - s1) + wxy*s5 - wyz*s4)) + shear*strain(l, 6)
 #endif
-  end subroutine kinematics
-
-  !> Jaumann rotation of a stress by the step's spin.
-  pure subroutine rotate(dt, grad, s)
-    real(dp), intent(in) :: dt, grad(lanes, NGRAD)
-    real(dp), intent(inout) :: s(lanes, NSTRESS)
-    integer :: l
-#if NDIM == 1
-    l = merge(1, 0, dt*grad(1, 1) > 0.0_dp .and. s(1, 1) > 0.0_dp)  ! no spin in one dimension
-#elif NDIM == 2
-    real(dp) :: w, t
-    !$omp simd simdlen(8) private(w, t)
-    do l = 1, lanes
-      w = 0.5_dp*dt*(grad(l, 2) - grad(l, 3))
-      t = 2.0_dp*w*s(l, 4)
-      s(l, 4) = s(l, 4) + w*(s(l, 2) - s(l, 1))
-      s(l, 1) = s(l, 1) + t
-      s(l, 2) = s(l, 2) - t
+      old_volume(l) = volume(l)
+      volume(l) = volume(l)*(keep + (1.0_dp - keep)*jacobian(l))
     end do
-#else
-    real(dp) :: xy, yz, xz, s1, s2, s3, s4, s5, s6
-    !$omp simd simdlen(8) private(xy, yz, xz, s1, s2, s3, s4, s5, s6)
-    do l = 1, lanes
-      xy = 0.5_dp*dt*(grad(l, 2) - grad(l, 4))
-      yz = 0.5_dp*dt*(grad(l, 6) - grad(l, 8))
-      xz = 0.5_dp*dt*(grad(l, 3) - grad(l, 7))
-      s1 = s(l, 1)
-      s2 = s(l, 2)
-      s3 = s(l, 3)
-      s4 = s(l, 4)
-      s5 = s(l, 5)
-      s6 = s(l, 6)
-      s(l, 1) = s1 + 2.0_dp*(xy*s4 + xz*s6)
-      s(l, 2) = s2 + 2.0_dp*(yz*s5 - xy*s4)
-      s(l, 3) = s3 - 2.0_dp*(xz*s6 + yz*s5)
-      s(l, 4) = s4 + xy*(s2 - s1) + xz*s5 + yz*s6
-      s(l, 5) = s5 + yz*(s3 - s2) - xy*s6 - xz*s4
-      s(l, 6) = s6 + xz*(s3 - s1) + xy*s5 - yz*s4
-    end do
-#endif
-  end subroutine rotate
-
-  !> work += 1/2 stress : strain.
-  pure subroutine add_half_work(stress, strain, work)
-    real(dp), intent(in) :: stress(lanes, NSTRESS), strain(lanes, NFLUX)
-    real(dp), intent(inout) :: work(lanes)
-    integer :: l, c
-    do c = 1, NFLUX
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        work(l) = work(l) + 0.5_dp*stress(l, stress_of(c))*strain(l, c)
-      end do
-    end do
-  end subroutine add_half_work
-
-  !> stress += 2 G deviatoric-free part of the strain, plus `lame` times the trace on the diagonal.
-  pure subroutine add_hooke(shear, lame, trace, strain, stress)
-    real(dp), intent(in) :: shear, lame, trace(lanes), strain(lanes, NFLUX)
-    real(dp), intent(inout) :: stress(lanes, NSTRESS)
-    integer :: l, c
-    do c = 1, 3
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        stress(l, c) = stress(l, c) + lame*trace(l)
-      end do
-    end do
-    do c = 1, NDIM
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        stress(l, c) = stress(l, c) + 2.0_dp*shear*strain(l, c)
-      end do
-    end do
-    do c = NDIM + 1, NFLUX
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        stress(l, stress_of(c)) = stress(l, stress_of(c)) + shear*strain(l, c)
-      end do
-    end do
-  end subroutine add_hooke
+  end subroutine predict
 
   !> Bulk viscosity of a chunk; none where the scene has none.
   pure subroutine viscosity(law, dt, mass, volume, trace, speed2, q)
@@ -266,25 +246,39 @@ contains
     call viscosity_lanes(law%viscosity, law%h, density, speed, rate, q)
   end subroutine viscosity
 
-  !> Hooke's law in rate form.
-  pure subroutine elastic(law, dt, mass, grad, strain, trace, volume, stress, speed2, q, work)
+  !> What an elastic step leaves to do once the stress is known.
+  pure subroutine elastic(law, dt, mass, strain, trace, volume, stress, speed2, q, work)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), &
-        trace(lanes), volume(lanes)
-    real(dp), intent(inout) :: stress(lanes, NSTRESS)
-    real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
+    real(dp), intent(in) :: dt, mass(lanes), strain(lanes, NFLUX), trace(lanes), volume(lanes)
+    real(dp), intent(in) :: stress(lanes, NSTRESS)
+    real(dp), intent(out) :: speed2(lanes), q(lanes)
+    real(dp), intent(inout) :: work(lanes)
+    real(dp) :: modulus
     integer :: l
-    work = 0.0_dp
-    call add_half_work(stress, strain, work)
-    if (.not. law%small_strain) call rotate(dt, grad, stress)
-    call add_hooke(law%elastic%shear, law%elastic%lambda, trace, strain, stress)
-    call add_half_work(stress, strain, work)
+    modulus = law%elastic%lambda + 2.0_dp*law%elastic%shear
     !$omp simd simdlen(8)
     do l = 1, lanes
-      speed2(l) = (law%elastic%lambda + 2.0_dp*law%elastic%shear)*volume(l)/mass(l)
+      speed2(l) = modulus*volume(l)/mass(l)
     end do
+    call add_half_work(stress, strain, work)
     call viscosity(law, dt, mass, volume, trace, speed2, q)
   end subroutine elastic
+
+  !> work += 1/2 stress : strain.
+  pure subroutine add_half_work(stress, strain, work)
+    real(dp), intent(in) :: stress(lanes, NSTRESS), strain(lanes, NFLUX)
+    real(dp), intent(inout) :: work(lanes)
+    real(dp) :: double
+    integer :: l, c
+    !$omp simd simdlen(8) private(double, c)
+    do l = 1, lanes
+      double = 0.0_dp
+      do c = 1, NFLUX
+        double = double + stress(l, stress_of(c))*strain(l, c)
+      end do
+      work(l) = work(l) + 0.5_dp*double
+    end do
+  end subroutine add_half_work
 
   !> Compressible neo-Hookean: sigma = (mu (b - I) + lambda ln J I)/J with b = F F^T.
   pure subroutine neo_hookean(law, dt, mass, grad, strain, trace, volume, stress, f, speed2, q, &
@@ -293,14 +287,13 @@ contains
     real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), &
         trace(lanes), volume(lanes)
     real(dp), intent(inout) :: stress(lanes, NSTRESS), f(lanes, NDIM, NDIM)  !! f(:, b, a) = F_ab
-    real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
+    real(dp), intent(out) :: speed2(lanes), q(lanes)
+    real(dp), intent(inout) :: work(lanes)
     real(dp) :: new(lanes, NDIM, NDIM), bij(lanes, NSTRESS), mu, lambda, j
     integer :: l, a, b, c
     integer, parameter :: row(6) = [1, 2, 3, 1, 2, 1], col(6) = [1, 2, 3, 2, 3, 3]
     mu = law%elastic%shear
     lambda = law%elastic%lambda
-    work = 0.0_dp
-    call add_half_work(stress, strain, work)
     do a = 1, NDIM
       do b = 1, NDIM
         new(:, b, a) = f(:, b, a)
@@ -337,82 +330,100 @@ contains
 
   !> J2 and Johnson-Cook plasticity by radial return, with linear bulk response or an equation of
   !! state.
-  subroutine plastic(law, dt, mass, old_volume, grad, strain, trace, nb, b, speed2, q, work)
+  ! allow(S902)
+  subroutine plastic(law, dt, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), grad(lanes, NGRAD), &
-        strain(lanes, NFLUX), trace(lanes)
+    real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD)
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: trace(lanes), jacobian(lanes), old_volume(lanes)
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
-    real(dp) :: deviator(lanes, NSTRESS), mean(lanes), norm(lanes), factor(lanes), &
-        increment(lanes), shear3, shear
-    real(dp) :: deviatoric_work(lanes), pressure_work(lanes)
-    integer :: l, c, s
+    real(dp) :: strain(lanes, NFLUX), mean(lanes), norm(lanes), factor(lanes), increment(lanes)
+    real(dp) :: ones(lanes), pressure_work(lanes), shear, bulk
+    integer :: l, s
     s = law%slots%stress
     shear = law%elastic%shear
-    shear3 = 3.0_dp*shear
-    call split(b(1, s), deviator, mean)
-    deviatoric_work = 0.0_dp
-    call add_half_work(deviator, strain, deviatoric_work)
-    call rotate(dt, grad, deviator)
-    call add_hooke(shear, -2.0_dp/3.0_dp*shear, trace, strain, deviator)
-    norm = 0.0_dp
-    do c = 1, NSTRESS
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        norm(l) = norm(l) + 1.5_dp*twice(c)*(deviator(l, c)*deviator(l, c))
-      end do
-    end do
-    !$omp simd simdlen(8)
-    do l = 1, lanes
-      norm(l) = sqrt(norm(l))
-    end do
-    call return_to_yield(law, shear3, dt, norm, mean, nb, b, factor, increment)
-    do c = 1, NSTRESS
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        deviator(l, c) = factor(l)*deviator(l, c)
-      end do
-    end do
-    call add_half_work(deviator, strain, deviatoric_work)
+    bulk = law%elastic%bulk
+    call predict(law, shear, -2.0_dp/3.0_dp*shear, dt, grad, b(1, 1), b(1, s), strain, trace, &
+                 jacobian, old_volume, work)
+    call von_mises(b(1, s), mean, norm)
+    call return_to_yield(law, 3.0_dp*shear, dt, norm, mean, nb, b, factor, increment)
+    call relax(factor, mean, strain, trace, b(1, s), work)
     if (law%eos == eos_none) then
       !$omp simd simdlen(8)
       do l = 1, lanes
-        speed2(l) = (law%elastic%bulk + 4.0_dp/3.0_dp*shear)*b(l, 1)/mass(l)
-        work(l) = deviatoric_work(l) + (mean(l) + 0.5_dp*law%elastic%bulk*trace(l))*trace(l)
-        mean(l) = mean(l) + law%elastic%bulk*trace(l)
+        speed2(l) = (bulk + 4.0_dp/3.0_dp*shear)*b(l, 1)/mass(l)
+        work(l) = work(l) + (mean(l) + 0.5_dp*bulk*trace(l))*trace(l)
+        mean(l) = mean(l) + bulk*trace(l)
       end do
       call viscosity(law, dt, mass, b(1, 1), trace, speed2, q)
     else
-      call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, deviatoric_work, &
-                             4.0_dp/3.0_dp*shear, [(1.0_dp, l=1, lanes)], b(1, law%slots%energy), &
+      ones = 1.0_dp
+      call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, work, &
+                             4.0_dp/3.0_dp*shear, ones, b(1, law%slots%energy), &
                              mean, speed2, q, pressure_work)
-      work = deviatoric_work + pressure_work
-    end if
-    do c = 1, NSTRESS
       !$omp simd simdlen(8)
       do l = 1, lanes
-        b(l, s + c - 1) = deviator(l, c) + merge(mean(l), 0.0_dp, c <= 3)
+        work(l) = work(l) + pressure_work(l)
       end do
-    end do
+    end if
+    call add_mean(mean, b(1, s))
   end subroutine plastic
 
-  !> Deviator and mean of a stress.
-  pure subroutine split(stress, deviator, mean)
+  !> Mean of a stress and von Mises norm of its deviator.
+  pure subroutine von_mises(stress, mean, norm)
     real(dp), intent(in) :: stress(lanes, NSTRESS)
-    real(dp), intent(out) :: deviator(lanes, NSTRESS), mean(lanes)
+    real(dp), intent(out) :: mean(lanes), norm(lanes)
+    real(dp) :: m, square
     integer :: l, c
-    !$omp simd simdlen(8)
+    !$omp simd simdlen(8) private(m, square, c)
     do l = 1, lanes
-      mean(l) = (stress(l, 1) + stress(l, 2) + stress(l, 3))*(1.0_dp/3.0_dp)
+      m = (stress(l, 1) + stress(l, 2) + stress(l, 3))*(1.0_dp/3.0_dp)
+      square = (stress(l, 1) - m)**2 + (stress(l, 2) - m)**2 + (stress(l, 3) - m)**2
+      do c = 4, NSTRESS
+        square = square + 2.0_dp*stress(l, c)**2
+      end do
+      mean(l) = m
+      norm(l) = sqrt(1.5_dp*square)
     end do
-    do c = 1, NSTRESS
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        deviator(l, c) = stress(l, c) - merge(mean(l), 0.0_dp, c <= 3)
+  end subroutine von_mises
+
+  !> Scales the deviator of the trial stress back to the yield surface.
+  pure subroutine relax(factor, mean, strain, trace, stress, work)
+    real(dp), intent(in) :: factor(lanes), mean(lanes), strain(lanes, NFLUX), trace(lanes)
+    real(dp), intent(inout) :: stress(lanes, NSTRESS)  !! in: trial stress; out: deviator
+    real(dp), intent(inout) :: work(lanes) !! in: 1/2 old stress : strain; out: work of the
+                                           !! deviator
+    real(dp) :: double
+    integer :: l, c
+    !$omp simd simdlen(8) private(double, c)
+    do l = 1, lanes
+      do c = 1, 3
+        stress(l, c) = factor(l)*(stress(l, c) - mean(l))
+      end do
+      do c = 4, NSTRESS
+        stress(l, c) = factor(l)*stress(l, c)
+      end do
+      double = 0.0_dp
+      do c = 1, NFLUX
+        double = double + stress(l, stress_of(c))*strain(l, c)
+      end do
+      work(l) = (work(l) - 0.5_dp*(mean(l)*trace(l))) + 0.5_dp*double
+    end do
+  end subroutine relax
+
+  !> Adds a mean to a deviator.
+  pure subroutine add_mean(mean, stress)
+    real(dp), intent(in) :: mean(lanes)
+    real(dp), intent(inout) :: stress(lanes, NSTRESS)
+    integer :: l, c
+    !$omp simd simdlen(8) private(c)
+    do l = 1, lanes
+      do c = 1, 3
+        stress(l, c) = stress(l, c) + mean(l)
       end do
     end do
-  end subroutine split
+  end subroutine add_mean
 
   !> Radial return of the law at hand.
   subroutine return_to_yield(law, shear3, dt, norm, mean, nb, b, factor, increment)
@@ -466,12 +477,15 @@ contains
     real(dp), intent(out) :: work(lanes)                !! pressure work per old volume
     real(dp) :: v_old(lanes), v(lanes), p_old(lanes), p(lanes), other(lanes)
     real(dp) :: a0(lanes), b0(lanes), da(lanes), db(lanes), ones(lanes)
+    real(dp) :: scale, inverse
     integer(i4) :: imaginary
     integer :: l
-    !$omp simd simdlen(8)
+    inverse = 1.0_dp/law%density
+    !$omp simd simdlen(8) private(scale)
     do l = 1, lanes
-      v_old(l) = old_volume(l)*law%density/mass(l)
-      v(l) = volume(l)*law%density/mass(l)
+      scale = law%density/mass(l)
+      v_old(l) = old_volume(l)*scale
+      v(l) = volume(l)*scale
       p_old(l) = -mean(l)
     end do
     select case (law%eos)
@@ -488,7 +502,7 @@ contains
     !$omp simd simdlen(8)
     do l = 1, lanes
       speed2(l) = merge(speed2(l), law%detonation_speed**2, burnt(l) > 0.0_dp) + &
-          stiffness*volume(l)/mass(l)
+          (stiffness*inverse)*v(l)
     end do
     call viscosity(law, dt, mass, volume, trace, speed2, q)
     !$omp simd simdlen(8)

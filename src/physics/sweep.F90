@@ -14,11 +14,14 @@ module DIM(sgmp_sweep)
   use sgmp_mesh, only: mesh_t, stencil_shift, stencil_width
   use sgmp_movers, only: movers_add, movers_reset, movers_t
   use sgmp_particles, only: bin_coordinates
-  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, sweep_sums, workspace_t
+  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
+      sweep_sums, workspace_t
   use sgmp_rows, only: key_j, key_k
   use DIM(sgmp_stress_update), only: stress_flux, stress_sums, stress_update
-  use DIM(sgmp_transfer), only: flux_of, gimp_carry, gimp_gather, gimp_gradients, gimp_scatter, gimp_weights, linear_carry, &
-                                linear_gather, linear_gradients, linear_scatter, linear_scatter_force, linear_weights
+  use DIM(sgmp_transfer), only: flux_of, gimp_carry, gimp_gather, gimp_gradients, gimp_scatter, &
+      gimp_weights, linear_carry, &
+                                linear_gather, linear_gradients, linear_scatter, &
+                                    linear_scatter_force, linear_weights
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
   implicit none
   private
@@ -100,7 +103,8 @@ contains
         if (allocated(work%lead)) deallocate (work%lead)
       end if
     end if
-    if (.not. allocated(work%planes)) allocate (work%planes(shape%layers, nq, largest_plane, shape%layers))
+    if (.not. allocated(work%planes)) allocate (work%planes(shape%layers, nq, largest_plane, &
+                                                            shape%layers))
     if (.not. allocated(work%movers)) allocate (work%movers(size(bodies)))
     do b = 1, size(bodies)
       call movers_reset(work%movers(b), bodies(b)%particles%na + bodies(b)%particles%nb, nq + NFLUX)
@@ -235,7 +239,8 @@ contains
   end subroutine bin_line
 
   !> All chunks of one bin.
-  subroutine sweep_bin(mesh, kernel, body, plan, shape, interval, bin, cell, row, nq, stencil, lane_sums, movers, work)
+  subroutine sweep_bin(mesh, kernel, body, plan, shape, interval, bin, cell, row, nq, stencil, &
+                       lane_sums, movers, work)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel
     type(body_t), intent(inout) :: body
@@ -258,8 +263,10 @@ contains
       do l = 1, lanes
         live(l) = merge(1.0_dp, 0.0_dp, l <= nl)
       end do
-      call sweep_chunk(mesh, kernel, body, plan, shape, [chunk, interval, bin], cell, row, nl, live, nq, &
-                       body%particles%nb, body%particles%a(1, 1, chunk), body%particles%b(1, 1, chunk), stencil, &
+      call sweep_chunk(mesh, kernel, body, plan, shape, [chunk, interval, bin], cell, row, nl, &
+                       live, nq, &
+                       body%particles%nb, body%particles%a(1, 1, chunk), &
+                           body%particles%b(1, 1, chunk), stencil, &
                        lane_sums, movers, work)
       left = left - nl
       chunk = body%particles%next(chunk)
@@ -267,7 +274,8 @@ contains
   end subroutine sweep_bin
 
   !> One chunk: gather, kick, drift, strain, scatter.
-  subroutine sweep_chunk(mesh, kernel, body, plan, shape, home, cell, row, nl, live, nq, nb, a, b, stencil, &
+  subroutine sweep_chunk(mesh, kernel, body, plan, shape, home, cell, row, nl, live, nq, nb, a, &
+                         b, stencil, &
                          lane_sums, movers, work)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel, nl, nq, nb
@@ -300,16 +308,19 @@ contains
                  xi, lane_sums, outside)
     end if
     if (plan%strain) then
-      call stress_update(body%law, plan%dt_strain, plan%time, a(1, 2*NDIM + 1), live, got(1, gradient), nb, b, flux, speed2, &
+      call stress_update(body%law, plan%dt_strain, plan%time, a(1, 2*NDIM + 1), live, &
+                         got(1, gradient), nb, b, flux, speed2, &
                          jacobian, lane_sums(1, sum_internal))
       call check_chunk(body, home(1), nl, live, a, speed2, jacobian, work)
     else if (plan%stress) then
       speed2 = 0.0_dp
-      call stress_flux(body%law, b(1, 1), speed2, b(1, body%law%slots%stress), flux)
+      call stress_flux(body%law, b(1, 1), speed2, live, b(1, body%law%slots%stress), flux)
     end if
-    if ((plan%drift .or. plan%mass) .and. kernel == kernel_gimp) call particle_size(body, nb, b, half)
+    if ((plan%drift .or. plan%mass) .and. kernel == kernel_gimp) call particle_size(body, nb, b, &
+        half)
     call collect(mesh, kernel, body, plan, live, nb, a, b, flux, nq, values)
-    if (outside > 0) call note_movers(nl, body%particles%id(1, home(1)), home, nq, nb, a, b, xi, values, flux, movers)
+    if (outside > 0) call note_movers(nl, body%particles%id(1, home(1)), home, nq, nb, a, b, xi, &
+                                      values, flux, movers)
     call scatter(mesh%inverse_h, kernel, plan, shape, nl, nq, xi, half, values, flux, stencil)
   end subroutine sweep_chunk
 
@@ -807,7 +818,8 @@ contains
     end do
   end subroutine add_two_below
 
-  !> Adds particles that changed bins to the moments, one after the other in the order of their ids. Weights are
+  !> Adds particles that changed bins to the moments, one after the other in the order of their
+  !! ids. Weights are
   !! computed for as many at a time as a chunk has lanes.
   subroutine sweep_add_movers(mesh, field, body, plan, movers)
     type(mesh_t), intent(in) :: mesh
@@ -834,7 +846,8 @@ contains
       if (n == 0) exit
       call mover_weights(mesh%inverse_h, field%kernel, body, first_force > 0, movers, who(:n), w, g)
       do l = 1, n
-        call add_mover(field, body, plan, shape, movers%row(who(l)), movers%bin(who(l)), movers%values(:, who(l)), l, &
+        call add_mover(field, body, plan, shape, movers%row(who(l)), movers%bin(who(l)), &
+            movers%values(:, who(l)), l, &
                        w, first_force, g)
       end do
     end do
@@ -849,14 +862,16 @@ contains
     type(movers_t), intent(in) :: movers
     integer, intent(in) :: who(:)                !! (<= lanes) movers
     real(dp), intent(out) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
-    real(dp) :: xi(lanes, NDIM), half(lanes, NDIM), b(lanes, body%particles%nb), slopes(lanes, NCORNER, NDIM)
+    real(dp) :: xi(lanes, NDIM), half(lanes, NDIM), b(lanes, body%particles%nb), &
+        slopes(lanes, NCORNER, NDIM)
     integer :: l, d
     xi = 0.5_dp
     b = 1.0_dp
     do l = 1, size(who)
       do d = 1, NDIM
         xi(l, d) = movers%state(d, who(l))
-        xi(l, d) = (xi(l, d) - real(floor(xi(l, d) - body%particles%shift), dp)) - body%particles%shift
+        xi(l, d) = (xi(l, d) - real(floor(xi(l, d) - body%particles%shift), dp)) &
+            - body%particles%shift
       end do
       if (kernel == kernel_gimp) b(l, :) = movers%state(2*NDIM + 2:, who(l))
     end do
@@ -888,7 +903,8 @@ contains
         e = e + 1
         at = body%particles%place(r, row) + (bin - body%particles%bin_start(row)) + x
         do q = 1, nq
-          field%moment(at, plan%first_column + q - 1) = field%moment(at, plan%first_column + q - 1) &
+          field%moment(at, plan%first_column + q - 1) = field%moment(at, plan%first_column + q &
+                                                                     - 1) &
                                                         + w(lane, e)*values(q)
         end do
         if (first_force == 0) cycle
