@@ -232,7 +232,7 @@ def cell_ticks(axis, sizes):
 
 def work_precision(book, name, title, points, error_label):
     """Diagram and table of CPU time over error. points: dicts with curve, method, setting, cpu_seconds, error."""
-    figure, axis = subplots(figsize=(6.4, 4.4))
+    figure, axis = subplots(figsize=(8.4, 4.4))
     for curve in dict.fromkeys(point["curve"] for point in points):
         chosen = [p for p in points if p["curve"] == curve]
         method = chosen[0]["method"]
@@ -243,7 +243,7 @@ def work_precision(book, name, title, points, error_label):
              yscale="log" if max(times) > 8 * min(times) else "linear")
     axis.invert_xaxis()
     axis.set_title(title, loc="left", fontweight="bold")
-    axis.legend()
+    figure.legend(loc="outside right upper")
     book.figure(name, figure, "CPU time (user and system, one core) against error; better is lower and further right.")
     book.table(name, ["curve", "setting", "error", "CPU time (s)"],
                [[p["curve"], p["setting"], float(p["error"]), float(p["cpu_seconds"])] for p in points],

@@ -11,7 +11,7 @@ from common import COLOURS, NAMES, Case, main, solve, subplots, work_precision  
 from taylor_bar_report import measure  # noqa: E402
 
 METHODS = ("mpm", "gimp", "sgmp")
-SOUND = {"mpm": 1.0, "gimp": 1.5, "sgmp": 2.0}       # Courant numbers used below
+SOUND = {"mpm": 1.0, "gimp": 1.5, "sgmp": 2.0}       # a step below the largest sound ones of the scan: 1.2, 1.6, 2.2
 PAPER = {"mpm": 0.8, "gimp": 1.8, "sgmp": 2.5}
 SCAN = {"mpm": (0.6, 0.8, 0.9, 1.0, 1.1, 1.2, 1.5), "gimp": (1.0, 1.2, 1.4, 1.5, 1.6, 1.7, 1.8, 2.0), "sgmp": (1.2, 1.5, 1.8, 2.0, 2.1, 2.2, 2.3, 2.5, 2.8)}
 GROWTH = 1.05                                       # Emax/E0 of a sound run
@@ -83,20 +83,20 @@ def table3(book):
 def draw_shapes(book, runs):
     with open(Path(__file__).with_name("reference") / "profile_mpm_fine.csv") as stream:
         outline = np.array([[float(row["height_mm"]), float(row["radius_mm"])] for row in csv.DictReader(stream)])
-    figure, axes = subplots(1, 3, figsize=(11, 5.4), sharey=True)
+    figure, axes = subplots(1, 3, figsize=(12, 4.6), sharey=True)
     reference = experiment()
     for axis, method in zip(axes, METHODS):
         run = runs[method, SOUND[method]]
         particles = run.particles()
         points = particles.points
         near = np.abs(particles.fields["initial_position"][:, 1]) < 0.75 * run.summary["spacing"]
-        dots = axis.scatter(points[near, 0], points[near, 2], s=5, c=particles.column("plastic_strain")[near], cmap="viridis", vmin=0, vmax=2, linewidths=0)
+        dots = axis.scatter(points[near, 0], points[near, 2], s=5, c=particles.column("plastic_strain")[near], cmap="viridis", vmin=0, vmax=1.6, linewidths=0)
         for side in (-1, 1):
             axis.plot(side * outline[:, 1], outline[:, 0], color="0.3", linewidth=0.9, label="fine MPM" if side > 0 else None)
             axis.plot([side * reference["D"] / 2] * 2, [0, 1], color="#c0182a", linewidth=2.5, label="experiment" if side > 0 else None)
             axis.plot([side * reference["W"] / 2] * 2, [4.3, 5.9], color="#c0182a", linewidth=2.5)
         axis.plot([-3.8, 3.8], [reference["L"]] * 2, color="#c0182a", linewidth=2.5)
-        axis.set(xlabel="x (mm)", aspect="equal", xlim=(-9, 9), ylim=(-0.3, 19))
+        axis.set(xlabel="x (mm)", aspect="equal", xlim=(-9, 9), ylim=(-0.3, 20.5))
         axis.set_title(f"{NAMES[method]}, CFL {SOUND[method]}", loc="left", fontweight="bold")
         axis.legend(loc="upper right")
     axes[0].set_ylabel("height (mm)")
@@ -144,9 +144,13 @@ def table4(book, sizes, repeats):
         steps = {m: next(r[4] for r in rows if r[:2] == [NAMES[m], h]) for m in METHODS}
         case = f"Taylor bar, h = {h} mm"
         ratio = cost["sgmp", h][0] / cost["mpm", h][0]
-        book.at_most(case, "total time of SGMP over MPM at their largest sound CFL", ratio, 0.45,
+        book.at_most(case, "total time of SGMP (CFL 2.0) over MPM (CFL 1.0)", ratio, 0.45,
                      f"the step counts alone give {steps['sgmp'] / steps['mpm']:.2f}, since MPM is sound to {SOUND['mpm']} here and SGMP to {SOUND['sgmp']}, "
                      f"not 0.8 and 2.5 as in the paper" + machine, known=ratio)
+        if h == 0.76:
+            _, seconds, _ = timed(repeats, method="mpm", cfl=PAPER["mpm"], h=h)
+            ratio = cost["sgmp", h][0] / seconds
+            book.at_most(case, "total time of SGMP (CFL 2.0) over MPM (CFL 0.8, the paper's)", ratio, 0.45, "a time, so never counted as a failure", known=ratio)
         for method, bound in (("sgmp", 1.2), ("gimp", 2.2)):
             ratio = cost[method, h][1] / cost["mpm", h][1]
             book.at_most(case, f"cost per particle-step, {NAMES[method]} over MPM", ratio, bound, f"the paper: up to {bound}" + machine, known=ratio)
