@@ -230,8 +230,9 @@ def cell_ticks(axis, sizes):
     axis.set_xticks([], minor=True)
 
 
-def work_precision(book, name, title, points, error_label):
-    """Diagram and table of CPU time over error. points: dicts with curve, method, setting, cpu_seconds, error."""
+def work_precision(book, name, title, points, error_label, goals):
+    """Diagram and table of CPU time over error, and the cheapest run for each error in `goals`. points: dicts with curve, method,
+    setting, cpu_seconds, error."""
     figure, axis = subplots(figsize=(8.4, 4.4))
     for curve in dict.fromkeys(point["curve"] for point in points):
         chosen = [p for p in points if p["curve"] == curve]
@@ -248,6 +249,11 @@ def work_precision(book, name, title, points, error_label):
     book.table(name, ["curve", "setting", "error", "CPU time (s)"],
                [[p["curve"], p["setting"], float(p["error"]), float(p["cpu_seconds"])] for p in points],
                "The numbers behind the diagram.")
+    for goal in goals:
+        good = [point for point in points if point["error"] <= goal]
+        if good:
+            best = min(good, key=lambda point: point["cpu_seconds"])
+            book.say(f"Cheapest run with {error_label} below {goal:g}: {best['curve']}, {best['setting']} ({best['cpu_seconds']:.2f} s).")
 
 
 def main(check, doc):

@@ -37,8 +37,8 @@ def convergence(book, full):
                "Errors at t = 0.02 s (m).")
     book.command(*[runs[m][0].case for m in METHODS])
     work_precision(book, "bar_rotated_work_precision", "Bar at 45 degrees, t = 0.02 s",
-                   [{"curve": NAMES[m], "method": m, "setting": f"1/{n}", "cpu_seconds": run.cpu_seconds, "error": e}
-                    for m in METHODS for n, run, e in zip(sizes, runs[m], errors[m])], "error $e_u$ (m)")
+                   [{"curve": NAMES[m], "method": m, "setting": f"h = 1/{n}", "cpu_seconds": run.cpu_seconds, "error": e}
+                    for m in METHODS for n, run, e in zip(sizes, runs[m], errors[m])], "error e (m)", (1e-5, 3e-6, 1e-6))
 
 
 def twisting(book):
