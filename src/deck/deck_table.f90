@@ -271,16 +271,16 @@ contains
                        'others) or all; the card that names more counts.', &
                        'contact ball plate friction=0.4')
     call registry%key('first', kind_name_word, 'a body, or all', default='all', slot=1)
-    call registry%key('second', kind_name_word, 'another body; default: all others', default='all', &
-                      slot=2)
-    call registry%key('friction', kind_real, 'Coulomb''s coefficient of friction', &
+    call registry%key('second', kind_name_word, 'another body; default: all others', &
+                      default='all', slot=2)
+    call registry%key('friction', kind_real, "Coulomb's coefficient of friction", &
                       range='[0,inf)', default='0', source='Eqs. 81 to 84')
     call registry%key('lambda', kind_real, 'bodies touch where their particles are closer than '// &
                       'this many cells along the normal; default: the mean of their spacings', &
                       range='(0,inf)', source='Eq. 86')
     call registry%key('normal', kind_word, 'common normal: along the shortest line between the '// &
-                      'bodies'' particles around a node, or from the gradient of volume of both '// &
-                      'bodies, of one, or of the stiffer', &
+                      "bodies' particles around a node, or from the gradient of volume of "// &
+                      'both bodies, of one, or of the stiffer', &
                       choices='separating average first second stiffer', default='separating', &
                       source='Eqs. 87 and 88')
     call registry%card('rigid', 'Gives a body a prescribed velocity and infinite mass.', &

@@ -45,7 +45,7 @@ module sgmp_scene
                         shape_halfspace = 7
   integer, parameter :: combine_union = 1, combine_difference = 2, combine_intersection = 3
   integer, parameter :: layout_lattice = 1, layout_gauss = 2, layout_file = 3
-  real(dp), parameter :: contact_lambda_default = -1.0_dp !! from the particle spacings
+  real(dp), parameter :: contact_lambda_default = -1.0_dp  !! from the particle spacings
   integer, parameter :: lost_error = 1, lost_remove = 2, lost_reflect = 3
 
   !> Background grid: cubic cells of side `cell`; an open face follows the particles.
@@ -154,7 +154,8 @@ module sgmp_scene
     type(expression_t) :: motion(3)               !! its velocity, functions of t
   end type body_card_t
 
-  !> Contact of two bodies, of one with all others, or of all; a card that names more bodies comes first.
+  !> Contact of two bodies, of one with all others, or of all; a card that names more bodies comes
+  !! first.
   type :: contact_card_t
     integer :: body(2) = 0                        !! 0: any
     real(dp) :: friction = 0.0_dp                 !! Coulomb's coefficient

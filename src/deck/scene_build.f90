@@ -5,7 +5,6 @@ module sgmp_scene_build
   use sgmp_deck_table, only: wall_faces
   use sgmp_expression, only: expression_clone, expression_free, expression_t
   use sgmp_kinds, only: dp
-  use sgmp_scene_contact, only: add_contact, set_rigid
   use sgmp_scene, only: body_card_t, bodyforce_card_t, combine_difference, combine_intersection, &
                         combine_union, detonation_card_t, eos_gruneisen, eos_jwl, eos_none, &
                         gauge_card_t, &
@@ -13,6 +12,7 @@ module sgmp_scene_build
                         layout_gauss, layout_lattice, lost_error, material_card_t, material_names, &
                         method_names, name_length, scene_t, shape_block, shape_halfspace, shape_t, &
                         update_names
+  use sgmp_scene_contact, only: add_contact, set_rigid
   use sgmp_words, only: string_t, suggestion, word_count, word_in_list, word_item
   implicit none
   private
@@ -55,8 +55,8 @@ contains
   subroutine reserve(cards, scene)
     type(deck_card_t), intent(in) :: cards(:)
     type(scene_t), intent(inout) :: scene
-    allocate (scene%contacts(0), scene%materials(0), scene%bodies(0), scene%bodyforces(0), scene%detonations(0), &
-              scene%gauges(0), scene%output%fields(0))
+    allocate (scene%contacts(0), scene%materials(0), scene%bodies(0), scene%bodyforces(0), &
+              scene%detonations(0), scene%gauges(0), scene%output%fields(0))
     if (size(cards) == 0) return
   end subroutine reserve
 

@@ -4,9 +4,9 @@ module sgmp_scene_check
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: wall_faces
   use sgmp_kinds, only: dp, i8
-  use sgmp_scene_contact, only: check_contact
   use sgmp_registry, only: card_definition_t, kind_real, registry_t
   use sgmp_scene, only: eos_jwl, eos_none, material_explosive, method_sgmp, scene_t, wall_free
+  use sgmp_scene_contact, only: check_contact
   use sgmp_text, only: integer_text, real_text_plain
   use sgmp_words, only: word_in_list
   implicit none

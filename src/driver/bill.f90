@@ -95,7 +95,7 @@ contains
              ', c + |v| = '//real_text(model%fastest)//' at particle '// &
              integer_text(model%fastest_id)//')')
     steps = real(scene%time%steps, dp)
-    if (scene%time%end < steps*clock%dt) steps = scene%time%end/clock%dt ! huge if not given
+    if (scene%time%end < steps*clock%dt) steps = scene%time%end/clock%dt  ! huge if not given
     call put('steps       about '//real_text(steps)//', '// &
              real_text(1.0e-7_dp*steps*real(particles, dp)/model%threads)// &
              ' s at 100 ns per particle-step on '//integer_text(model%threads)//' threads')

@@ -1,20 +1,21 @@
 !> From the cards `contact` and `rigid` to pairs of bodies and the fields that they need.
 module sgmp_build_contact
-  use sgmp_contact, only: normal_first, normal_second, normal_stiffer
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: slots_t
+  use sgmp_contact, only: normal_first, normal_second, normal_stiffer
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_position, mesh_t
   use sgmp_model, only: model_t
   use sgmp_scene, only: body_card_t, contact_card_t, layout_file, scene_t
   use sgmp_seeding, only: seeding_turned
-  use sgmp_surface_depth, only: surface_depth
   use sgmp_shared_nodes, only: contact_pair_t
+  use sgmp_surface_depth, only: surface_depth
   implicit none
   private
   public :: contact_pairs, contact_fields, contact_add_slot, contact_fill_slot, contact_no_surface
 
-  !> Surface offset (cells) of particles that are never outermost: too far out, deep inside, unused lanes.
+  !> Surface offset (cells) of particles that are never outermost: too far out, deep inside, unused
+  !! lanes.
   real(dp), parameter :: contact_no_surface = -1.0e3_dp
   real(dp), parameter :: outside = 0.05_dp   !! part of the spacing by which a particle may lie out
   real(dp), parameter :: near = 0.75_dp      !! see contact_pair_t, in spacings; at least 0.71 in 3D
@@ -85,7 +86,7 @@ contains
     do c = 1, body%particles%chunks
       do l = 1, lanes
         if (body%particles%id(l, c) == 0) cycle
-        offset = 0.0_dp ! particles from a file: the surface is half a spacing away
+        offset = 0.0_dp  ! particles from a file: the surface is half a spacing away
         if (card%layout /= layout_file) then
           x = 0.0_dp
           x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%a(l, :n, c))
@@ -134,8 +135,9 @@ contains
     if (card%body(1) == b .or. card%body(2) == a) pair%body = [b, a]
     pair%friction = card%friction
     pair%lambda = card%lambda
-    if (pair%lambda <= 0.0_dp) &
+    if (pair%lambda <= 0.0_dp) then
       pair%lambda = 0.5_dp*sum(model%bodies(pair%body)%spacing)/model%mesh%h
+    end if
     pair%near = near*maxval(model%bodies(pair%body)%spacing)/model%mesh%h
     pair%normal = card%normal
     if (pair%normal == normal_stiffer) then

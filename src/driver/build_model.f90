@@ -1,8 +1,8 @@
 !> From the validated description of a scene to a model ready for its first step.
 module sgmp_build_model
   use sgmp_body, only: body_t
-  use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, contact_no_surface, &
-                                contact_pairs
+  use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
+                                contact_no_surface, contact_pairs
   use sgmp_burn, only: burn_lighting_time, burn_source_t
   use sgmp_constitutive, only: constitutive_t, slots_make
   use sgmp_energy, only: ledger_open
@@ -120,7 +120,8 @@ contains
         body%motion = card%motion
         body%at_rest = all(body%motion%is_constant) .and. all(abs(body%motion%value) <= 0.0_dp)
         do d = 1, mesh%ndim
-          body%speed(d) = body%motion(d)%evaluate(spread(0.0_dp, 1, 3), spread(0.0_dp, 1, 3), 0.0_dp)
+          body%speed(d) = body%motion(d)%evaluate(spread(0.0_dp, 1, 3), spread(0.0_dp, 1, 3), &
+                                                  0.0_dp)
         end do
       end if
       call make_law(scene, material, mesh, needs_initial(body), body%law)
@@ -267,7 +268,9 @@ contains
           x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%a(l, :n, c))
           do d = 1, n
             v = card%velocity(d)%evaluate(x, x, 0.0_dp)
-            if (allocated(file_velocity)) v = v + file_velocity(d, particles%id(l, c) - body%first_id + 1)
+            if (allocated(file_velocity)) then
+              v = v + file_velocity(d, particles%id(l, c) - body%first_id + 1)
+            end if
             if (body%rigid) v = body%speed(d)
             particles%a(l, n + d, c) = v
           end do
@@ -359,7 +362,8 @@ contains
         end do
       end associate
     end do
-    call ledger_open(model%ledger, sum(model%body_sums%kinetic, mask=.not. model%bodies%rigid), sum(model%body_sums%internal), &
+    call ledger_open(model%ledger, sum(model%body_sums%kinetic, mask=.not. model%bodies%rigid), &
+                     sum(model%body_sums%internal), &
                      [(sum(model%body_sums%momentum(c), mask=.not. model%bodies%rigid), c=1, 3)])
   end subroutine open_ledger
 

@@ -171,12 +171,14 @@ contains
         loss = dot_product(impulse, middle(:, link%first) - middle(:, link%second))
         pair%dissipation = pair%dissipation + loss
         model%sums%contact = model%sums%contact + loss
-        if (model%bodies(pair%body(1))%rigid) &
-          model%sums%rigid_work = model%sums%rigid_work + dot_product(impulse, middle(:, &
-            link%first))
-        if (model%bodies(pair%body(2))%rigid) &
-          model%sums%rigid_work = model%sums%rigid_work - dot_product(impulse, middle(:, &
-            link%second))
+        if (model%bodies(pair%body(1))%rigid) then
+          model%sums%rigid_work = model%sums%rigid_work + &
+                                  dot_product(impulse, middle(:, link%first))
+        end if
+        if (model%bodies(pair%body(2))%rigid) then
+          model%sums%rigid_work = model%sums%rigid_work - &
+                                  dot_product(impulse, middle(:, link%second))
+        end if
       end associate
     end do
     do k = 1, size(gained, 2)

@@ -13,12 +13,14 @@ module sgmp_contact_rows
   private
   public :: contact_rows_t, contact_rows_open, contact_rows_write
 
+  integer, parameter :: impulses = 6  !! components, linear and angular
+
   !> The table, and what its last rows counted up to.
   type :: contact_rows_t
     type(history_t) :: file
     integer :: step = -1
     real(dp) :: time = 0.0_dp
-    real(dp), allocatable :: impulse(:, :)   !! (6, pairs) linear and angular
+    real(dp), allocatable :: impulse(:, :)   !! (impulses, pairs)
   end type contact_rows_t
 
 contains
@@ -38,7 +40,7 @@ contains
         trim(model%bodies(model%pairs(p)%body(1))%name)//' '// &
               trim(model%bodies(model%pairs(p)%body(2))%name)
     end do
-    allocate (rows%impulse(6, size(model%pairs)), source=0.0_dp)
+    allocate (rows%impulse(impulses, size(model%pairs)), source=0.0_dp)
     call rows%file%open(path, contact_columns, units//names, error, contact_integers)
   end subroutine contact_rows_open
 
@@ -47,7 +49,7 @@ contains
     type(contact_rows_t), intent(inout) :: rows
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
-    real(dp) :: impulse(6), span
+    real(dp) :: impulse(impulses), span
     integer :: p
     if (size(model%pairs) == 0 .or. rows%step == model%clock%step) return
     span = model%clock%time - rows%time
@@ -56,9 +58,9 @@ contains
       associate (pair => model%pairs(p))
         impulse = [pair%impulse, pair%angular_impulse]
         call rows%file%write_row(model%clock%step, &
-                                 [model%clock%time, real(p, dp), (impulse - rows%impulse(:, p))/span, &
-                                  real(pair%shared, dp), real(pair%touching, dp), pair%dissipation], &
-                                 error)
+                                 [model%clock%time, real(p, dp), &
+                                  (impulse - rows%impulse(:, p))/span, real(pair%shared, dp), &
+                                  real(pair%touching, dp), pair%dissipation], error)
         rows%impulse(:, p) = impulse
       end associate
       if (allocated(error)) return

@@ -40,7 +40,7 @@ module sgmp_model
     real(dp) :: cutoff = 0.0_dp                      !! node mass below which a node is ignored
     integer :: lost_policy = 1                       !! one of lost_*
     integer :: lost = 0                              !! particles removed so far
-    integer :: lost_before = 0                       !! of these, before the last kinetic energy was summed
+    integer :: lost_before = 0                       !! of these, before the last kinetic sum
     integer :: moved = 0                             !! particles that changed bins in the last step
     type(clock_t) :: clock
     real(dp) :: fastest = 0.0_dp                     !! largest c + |v|

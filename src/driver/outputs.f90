@@ -1,5 +1,6 @@
 !> All files of a run: which rows and dumps are due, and the writers behind them.
 module sgmp_outputs
+  use sgmp_contact_rows, only: contact_rows_open, contact_rows_t, contact_rows_write
   use sgmp_csv, only: csv_write
   use sgmp_energy, only: ledger_total
   use sgmp_errors, only: error_t
@@ -7,7 +8,6 @@ module sgmp_outputs
   use sgmp_gathering, only: gather_body_row, gather_initial_positions, gather_snapshot
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
                           gauges_integers, history_columns, history_t, units_text
-  use sgmp_contact_rows, only: contact_rows_open, contact_rows_t, contact_rows_write
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_scene, only: name_length, scene_t

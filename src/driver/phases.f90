@@ -9,6 +9,7 @@ module sgmp_phases
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: stencil_width
   use sgmp_model, only: model_t
+  use sgmp_movers, only: movers_append, movers_t
   use sgmp_nodes_1d, only: nodes_remap_1d => nodes_remap, nodes_solve_1d => nodes_solve, &
                            nodes_normalise_1d => nodes_normalise, &
                            nodes_velocity_1d => nodes_velocity
@@ -17,9 +18,8 @@ module sgmp_phases
                            nodes_velocity_2d => nodes_velocity
   use sgmp_nodes_3d, only: nodes_remap_3d => nodes_remap, nodes_solve_3d => nodes_solve, &
                            nodes_normalise_3d => nodes_normalise, nodes_sums, &
-                           nodes_velocity_3d => nodes_velocity, sum_external, sum_ignored, node_sum_aa => sum_mass_aa, &
-                           node_sum_av => sum_mass_av
-  use sgmp_movers, only: movers_append, movers_t
+                           nodes_velocity_3d => nodes_velocity, sum_external, sum_ignored, &
+                           node_sum_aa => sum_mass_aa, node_sum_av => sum_mass_av
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sum_viscous, sweep_sums
   use sgmp_rebinning, only: particles_rebin
@@ -111,7 +111,7 @@ contains
     do f = 1, size(model%fields)
       b = rigid_field(model, f)
       if (b > 0 .and. model%clock%dt > 0.0_dp) then
-        if (model%bodies(b)%at_rest) cycle ! nothing of it changes after the first projection
+        if (model%bodies(b)%at_rest) cycle  ! nothing of it changes after the first projection
       end if
       call sweep_field(model, plan, f)
     end do
@@ -232,7 +232,7 @@ contains
       if (plan%drift) model%body_sums(b)%moment = sums(sum_moment:sum_moment + 2)
       if (plan%kick) model%body_sums(b)%momentum = sums(sum_momentum:sum_momentum + 2)
       if (plan%kick) model%body_sums(b)%kinetic = sums(sum_kinetic)
-      return ! its energy and momentum belong to whoever moves it
+      return  ! its energy and momentum belong to whoever moves it
     end if
     if (plan%kick) then
       model%sums%kinetic = model%sums%kinetic + sums(sum_kinetic)
@@ -332,17 +332,22 @@ contains
     call choose_columns(own, model%fields(f))
     select case (model%mesh%ndim)
     case (1)
-      call sweep_add_movers_1d(model%mesh, model%fields(f), model%bodies(b), own, model%workspaces(1, f)%movers(b))
+      call sweep_add_movers_1d(model%mesh, model%fields(f), model%bodies(b), own, &
+                               model%workspaces(1, f)%movers(b))
     case (2)
-      call sweep_add_movers_2d(model%mesh, model%fields(f), model%bodies(b), own, model%workspaces(1, f)%movers(b))
-    case (3)
-      call sweep_add_movers_3d(model%mesh, model%fields(f), model%bodies(b), own, model%workspaces(1, f)%movers(b))
+      call sweep_add_movers_2d(model%mesh, model%fields(f), model%bodies(b), own, &
+                               model%workspaces(1, f)%movers(b))
+    case default
+      call sweep_add_movers_3d(model%mesh, model%fields(f), model%bodies(b), own, &
+                               model%workspaces(1, f)%movers(b))
     end select
   end subroutine add_movers
 
-  !> Applies the deck's policy to movers that are leaving the grid: an error, reflection, or (later) removal.
+  !> Applies the deck's policy to movers that are leaving the grid: an error, reflection, or (later)
+  !! removal.
   !!
-  !! A particle is outside once its bin is: half a cell beyond the face with SGMP and GIMP, at the face with MPM.
+  !! A particle is outside once its bin is: half a cell beyond the face with SGMP and GIMP, at the
+  !! face with MPM.
   subroutine guard_grid(model, b, plan, movers)
     type(model_t), intent(inout) :: model
     integer, intent(in) :: b
@@ -365,9 +370,11 @@ contains
               if (x >= mesh%lower(d) - shift .and. x <= mesh%upper(d) + shift) cycle
               call error_make(model%failure, exit_numerical, 'particle '// &
                               integer_text(movers%id(m))//' of body '// &
-                              trim(model%bodies(b)%name)//' left the grid along '//axis_names(d)//' at '// &
-                              real_text(mesh%origin(d) + mesh%h*x)//' in step '//integer_text(model%clock%step + 1), &
-                              'extend the grid, leave that face open, or choose `lost policy=remove` or `reflect`')
+                              trim(model%bodies(b)%name)//' left the grid along '// &
+                              axis_names(d)//' at '//real_text(mesh%origin(d) + mesh%h*x)// &
+                              ' in step '//integer_text(model%clock%step + 1), &
+                              'extend the grid, leave that face open, or choose '// &
+                              '`lost policy=remove` or `reflect`')
             end if
           end associate
         end do

@@ -8,7 +8,8 @@ module sgmp_rows
   implicit none
   private
   public :: rows_t, row_key, key_j, key_k
-  public :: rows_from_points, rows_union, rows_intersection, rows_dilate, rows_locate, rows_points, rows_contains
+  public :: rows_from_points, rows_union, rows_intersection, rows_dilate, rows_locate, &
+    rows_points, rows_contains
 
   integer(i8), parameter :: key_stride = 2_i8**32
 

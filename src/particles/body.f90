@@ -25,7 +25,8 @@ module sgmp_body
     logical :: rigid = .false.                 !! moves as prescribed
     logical :: at_rest = .false.               !! rigid and never moves
     type(expression_t) :: motion(3)            !! velocity of a rigid body, functions of t
-    real(dp) :: speed(3) = 0.0_dp, speed_before(3) = 0.0_dp !! of a rigid body, in this step and the one before
+    real(dp) :: speed(3) = 0.0_dp              !! of a rigid body, in this step
+    real(dp) :: speed_before(3) = 0.0_dp       !! and in the one before
   end type body_t
 
 contains

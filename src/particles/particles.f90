@@ -10,7 +10,8 @@ module sgmp_particles
   use sgmp_sorting, only: sort_order
   implicit none
   private
-  public :: particles_t, particles_fill, particles_bytes, particles_bin_of, particles_number_bins, bin_coordinates
+  public :: particles_t, particles_fill, particles_bytes, particles_bin_of, &
+    particles_number_bins, bin_coordinates
   public :: chunk_take, chunk_free, chunk_pad
 
   !> Chunks and bins of a body.
@@ -77,7 +78,7 @@ contains
     type(particles_t), intent(out) :: particles
     integer, intent(in) :: ndim
     real(dp), intent(in) :: shift
-    real(dp), allocatable, intent(inout) :: x(:, :) !! (>= ndim, n) grid coordinates; gone afterwards
+    real(dp), allocatable, intent(inout) :: x(:, :)  !! (>= ndim, n) grid coordinates, used up
     real(dp), intent(in) :: density                 !! mass per volume
     real(dp), intent(in) :: volume(:)               !! (n)
     real(dp), intent(in) :: history(:)              !! (nb - 1)
@@ -248,8 +249,9 @@ contains
     particles%free_chunk = chunk
   end subroutine chunk_free
 
-  !> Makes the lanes from `lane` (> 1) on harmless: at rest, unstressed, of the body's density, and where the particle
-  !! before them sits. They receive nothing from the grid, so they stay there, inside the bin.
+  !> Makes the lanes from `lane` (> 1) on harmless: at rest, unstressed, of the body's density, and
+  !! where the particle before them sits. They receive nothing from the grid, so they stay there,
+  !! inside the bin.
   pure subroutine chunk_pad(particles, chunk, lane)
     type(particles_t), intent(inout) :: particles
     integer, intent(in) :: chunk, lane

@@ -6,7 +6,8 @@
 module sgmp_rebinning
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_movers, only: movers_sort, movers_t
-  use sgmp_particles, only: bin_coordinates, chunk_free, chunk_pad, chunk_take, particles_number_bins, particles_t
+  use sgmp_particles, only: bin_coordinates, chunk_free, chunk_pad, chunk_take, &
+                            particles_number_bins, particles_t
   use sgmp_rows, only: row_key, rows_contains, rows_from_points, rows_t, rows_union
   use sgmp_sorting, only: sort_order
   implicit none
@@ -18,9 +19,9 @@ contains
   !> Moves particles to the bins of their new positions.
   pure subroutine particles_rebin(particles, movers, lower, upper, new_bins)
     type(particles_t), intent(inout) :: particles
-    type(movers_t), intent(inout) :: movers      !! in: row and bin they left; out: those they are in
+    type(movers_t), intent(inout) :: movers      !! in: row and bin they left; out: their new ones
     real(dp), intent(in) :: lower(3), upper(3)   !! particles outside this box (cells) are removed
-    logical, intent(out) :: new_bins             !! the set of bins has changed: the field's layout must follow
+    logical, intent(out) :: new_bins             !! the set of bins has changed: so must the layout
     integer :: m, r
     call movers_sort(movers)
     call find_gone(particles, movers, lower, upper)
@@ -32,7 +33,8 @@ contains
     end if
     do r = 1, movers%n
       m = movers%order(r)
-      if (.not. movers%gone(m)) call insert(particles, movers%bin(m), movers%id(m), movers%state(:, m))
+      if (movers%gone(m)) cycle
+      call insert(particles, movers%bin(m), movers%id(m), movers%state(:, m))
     end do
   end subroutine particles_rebin
 
@@ -44,7 +46,9 @@ contains
     integer :: m, d
     do m = 1, movers%n
       do d = 1, particles%ndim
-        if (movers%state(d, m) < lower(d) .or. movers%state(d, m) > upper(d)) movers%gone(m) = .true.
+        if (movers%state(d, m) < lower(d) .or. movers%state(d, m) > upper(d)) then
+          movers%gone(m) = .true.
+        end if
       end do
       if (movers%gone(m)) particles%count = particles%count - 1
     end do
@@ -67,8 +71,8 @@ contains
     end do
   end subroutine find_bins
 
-  !> Interval of rows that holds point i of row `key`, 0: none; looked for at `guess` and beside it first, where most
-  !! movers go.
+  !> Interval of rows that holds point i of row `key`, 0: none; looked for at `guess` and beside it
+  !! first, where most movers go.
   pure function row_near(rows, guess, key, i) result(s)
     type(rows_t), intent(in) :: rows
     integer, intent(in) :: guess, i
@@ -126,7 +130,7 @@ contains
   pure subroutine cut_chain(particles, bin, live, chunk, lane)
     type(particles_t), intent(inout) :: particles
     integer, intent(in) :: bin, live   !! particles that are left
-    integer, intent(in) :: chunk, lane !! of the last of them
+    integer, intent(in) :: chunk, lane  !! of the last of them
     integer :: c, next
     particles%size(bin) = live
     if (live == 0) then
@@ -182,7 +186,8 @@ contains
     end if
     do t = n, 1, -1                              ! t + 1 is free
       if (particles%id(mod(t - 1, lanes) + 1, chain((t - 1)/lanes)) < id) exit
-      call copy_lane(particles, mod(t - 1, lanes) + 1, chain((t - 1)/lanes), mod(t, lanes) + 1, chain(t/lanes))
+      call copy_lane(particles, mod(t - 1, lanes) + 1, chain((t - 1)/lanes), &
+                     mod(t, lanes) + 1, chain(t/lanes))
     end do
     c = chain(t/lanes)
     t = mod(t, lanes) + 1

@@ -93,7 +93,8 @@ contains
       if (bodies(other)%layout == layout_file) cycle
       margin = tolerance*bodies(other)%spacing
       do p = 1, size(positions, 2)
-        if (seeding_inside(bodies(other)%shapes, seeding_turned(bodies(other), positions(:, p), -1), &
+        if (seeding_inside(bodies(other)%shapes, &
+                           seeding_turned(bodies(other), positions(:, p), -1), &
                            dimension, margin)) return
       end do
     end do

@@ -29,7 +29,7 @@ contains
         depth = min(depth, -shape_depth(shapes(i), point, ndim))
       case (combine_intersection)
         depth = min(depth, shape_depth(shapes(i), point, ndim))
-      case default ! the list is complete
+      case default  ! the list is complete
       end select
     end do
   end function surface_depth

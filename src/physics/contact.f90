@@ -18,13 +18,13 @@ module sgmp_contact
   public :: normal_average, normal_first, normal_second, normal_stiffer, normal_separating, &
     normal_names
 
-  integer, parameter :: normal_average = 1 !! from both bodies
-  integer, parameter :: normal_first = 2   !! of the pair's first body
-  integer, parameter :: normal_second = 3  !! of the pair's second body
-  integer, parameter :: normal_stiffer = 4 !! of the stiffer of the two
+  integer, parameter :: normal_average = 1  !! from both bodies
+  integer, parameter :: normal_first = 2    !! of the pair's first body
+  integer, parameter :: normal_second = 3   !! of the pair's second body
+  integer, parameter :: normal_stiffer = 4  !! of the stiffer of the two
   integer, parameter :: normal_separating = 5
     !! along the shortest line between the bodies around the node
-  character(10), parameter :: normal_names(5) = [character(10) :: 'average', 'first', 'second', &
+  character(10), parameter :: normal_names(*) = [character(10) :: 'average', 'first', 'second', &
     'stiffer', 'separating']
 
   integer, parameter :: most_rounds = 500
@@ -37,7 +37,7 @@ module sgmp_contact
     real(dp) :: normal(3) = 0.0_dp         !! unit normal, from the first to the second
     real(dp) :: friction = 0.0_dp          !! Coulomb's coefficient
     real(dp) :: normal_impulse = 0.0_dp    !! accumulated, not negative
-    real(dp) :: tangent_impulse(3) = 0.0_dp !! accumulated, on the second body
+    real(dp) :: tangent_impulse(3) = 0.0_dp  !! accumulated, on the second body
   end type contact_link_t
 
 contains

@@ -46,7 +46,7 @@ contains
       call shrink(vertex, weight, n, solved)
       if (.not. solved) return
       line = matmul(vertex(:, :n), weight(:n))
-      if (n == ndim + 1) then ! the origin lies inside: the hulls overlap
+      if (n == ndim + 1) then  ! the origin lies inside: the hulls overlap
         line = 0.0_dp
         return
       end if

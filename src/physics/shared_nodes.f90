@@ -20,7 +20,7 @@ module sgmp_shared_nodes
   public :: contact_pair_t, shared_nodes_t, shared_build, shared_detect
 
   integer, parameter :: most_rows = 9          !! rows of bins whose particles give to a node
-  real(dp), parameter :: nowhere = -1.0_dp     !! surface offsets below belong to no surface particle
+  real(dp), parameter :: nowhere = -1.0_dp     !! surface offsets below are no surface particle's
   real(dp), parameter :: overlapping = 1.0e-3_dp
     !! distance (cells) below which the shortest line is not trusted
 
@@ -36,7 +36,7 @@ module sgmp_shared_nodes
     integer :: normal = normal_separating  !! one of normal_*, the stiffer already resolved
     ! what has happened since the start
     real(dp) :: impulse(3) = 0.0_dp        !! on the first body
-    real(dp) :: angular_impulse(3) = 0.0_dp !! on the first body, about the origin
+    real(dp) :: angular_impulse(3) = 0.0_dp  !! on the first body, about the origin
     real(dp) :: dissipation = 0.0_dp
     integer :: shared = 0, touching = 0    !! nodes in the last step
   end type contact_pair_t
@@ -55,7 +55,7 @@ module sgmp_shared_nodes
     integer, allocatable :: rows(:, :)          !! (most_rows, members) of bins, see rows_around
     integer, allocatable :: link_start(:)       !! (nodes + 1)
     integer, allocatable :: pair(:)             !! (links)
-    type(contact_link_t), allocatable :: link(:) !! (links) members counted within the node
+    type(contact_link_t), allocatable :: link(:)  !! (links) members counted within the node
     logical, allocatable :: touching(:)         !! (links) close enough for contact
   end type shared_nodes_t
 
@@ -155,7 +155,7 @@ contains
         if (any(record == 0)) cycle
         l = l + 1
         if (.not. fill) then
-          m = m + 2 ! an upper bound: a body may be in several pairs
+          m = m + 2  ! an upper bound: a body may be in several pairs
           cycle
         end if
         do side = 1, 2
@@ -203,7 +203,7 @@ contains
       if (there(k)) then
         gradient(:, k) = volume_gradient(mesh, fields(shared%field(m)), bodies(shared%body(m)), &
           shared%point(:, n))
-        where (shared%held(:, n)) gradient(:, k) = 0.0_dp ! the mirror image cancels it
+        where (shared%held(:, n)) gradient(:, k) = 0.0_dp  ! the mirror image cancels it
       end if
     end do
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
@@ -507,15 +507,24 @@ contains
       n = lanes*n
       return
     end if
-    if (n == 0) return
-    do d = 1, mesh%ndim
+    if (n > 0) call fill_group(held(:mesh%ndim), n, x)
+  end subroutine surface_around
+
+  !> Puts particles onto the node's planes where it is held, and fills the last group with copies of
+  !! the last particle.
+  pure subroutine fill_group(held, n, x)
+    logical, intent(in) :: held(:)
+    integer, intent(inout) :: n
+    real(dp), intent(inout) :: x(:, :)
+    integer :: d, l
+    do d = 1, size(held)
       if (held(d)) x(:n, d) = 0.0_dp
     end do
     do l = n + 1, lanes*((n + lanes - 1)/lanes)
       x(l, :) = x(n, :)
     end do
     n = lanes*((n + lanes - 1)/lanes)
-  end subroutine surface_around
+  end subroutine fill_group
 
   !> First i of the bins around a node.
   pure function lowest_first(mesh, body, point) result(first)

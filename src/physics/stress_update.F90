@@ -392,8 +392,8 @@ contains
   pure subroutine relax(factor, mean, strain, trace, stress, work)
     real(dp), intent(in) :: factor(lanes), mean(lanes), strain(lanes, NFLUX), trace(lanes)
     real(dp), intent(inout) :: stress(lanes, NSTRESS)  !! in: trial stress; out: deviator
-    real(dp), intent(inout) :: work(lanes) !! in: 1/2 old stress : strain; out: work of the
-                                           !! deviator
+    real(dp), intent(inout) :: work(lanes)  !! in: 1/2 old stress : strain; out: work of the
+                                            !! deviator
     real(dp) :: double
     integer :: l, c
     !$omp simd simdlen(8) private(double, c)

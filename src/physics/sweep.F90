@@ -274,6 +274,7 @@ contains
   end subroutine sweep_bin
 
   !> One chunk: gather, kick, drift, strain, scatter.
+  ! allow(S902)
   subroutine sweep_chunk(mesh, kernel, body, plan, shape, home, cell, row, nl, live, nq, nb, a, &
                          b, stencil, &
                          lane_sums, movers, work)
