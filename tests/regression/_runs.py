@@ -7,6 +7,9 @@ import sys
 
 SGMP, SOURCE, SCRATCH = (os.path.abspath(path) for path in sys.argv[1:4])
 INPUT = os.path.join(SOURCE, "input")
+# Open MPI starts faster without a daemon of its own, but then needs a folder that no other script uses.
+ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive", "OMPI_MCA_ess_singleton_isolated": "1",
+               "OMPI_MCA_orte_tmpdir_base": SCRATCH}
 
 
 class Run:
@@ -60,7 +63,7 @@ def run(name, deck, threads=1, options=(), timeout=300, **settings):
     for key, value in settings.items():
         command += ["--set", f"{key}={value}"]
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout, check=False,
-                          env={**os.environ, "OMP_WAIT_POLICY": "passive", "OMPI_MCA_ess_singleton_isolated": "1"})
+                          env=ENVIRONMENT)
     return Run(done.returncode, done.stdout.decode("utf-8", "replace"), folder)
 
 

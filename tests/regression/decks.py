@@ -17,8 +17,8 @@ SHORT = {
     "bar_stability.inp": ({"cells": 16, "cfl": 0.2, "t_end": 1e-4}, 0.03),
     "beam.inp": ({"h": 1.25, "t_end": 0.001}, 0.02),
     "block.inp": ({"cells": 4, "steps": 20}, 0.15),
-    "rings.inp": ({"h": 5, "t_end": 0.1}, 0.05),
-    "sphere_slope.inp": ({"h": 0.8, "cfl": 0.3, "t_end": 0.01}, 0.05),
+    "rings.inp": ({"h": 4, "t_end": 0.2}, 0.1),
+    "sphere_slope.inp": ({"h": 0.8, "t_end": 0.04}, 0.5),
     "taylor_bar.inp": ({"h": 1.9, "t_end": 0.002, "cfl": 0.3}, 0.05),
     "tnt_slab.inp": ({"h": 1, "t_end": 0.0005}, 0.02),
     "vortex.inp": ({"cells": 8, "part": 0.3, "cfl": 0.2}, 0.2),
@@ -66,7 +66,9 @@ def main():
                 check(report, deck, method, update, {})
     for deck in sorted(decks & set(SHORT)):
         check(report, deck, "sgmp", "usavg", {})
-        check(report, deck, "sgmp", "musl", {"stress": "normalised"})
+        with open(os.path.join(INPUT, deck), encoding="utf-8") as file:
+            if "parameter stress" in file.read():
+                check(report, deck, "sgmp", "musl", {"stress": "normalised"})
     for deck, more in VARIANTS:
         for method in ("mpm", "gimp", "sgmp"):
             check(report, deck, method, "musl", more)
