@@ -15,6 +15,9 @@ export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
 export OMPI_MCA_rmaps_base_oversubscribe := 1
 MAKEFLAGS += --no-print-directory
 
+# Threads that wait for others give their core away: on a busy machine spinning makes small runs several times slower.
+export OMP_WAIT_POLICY ?= passive
+
 .PHONY: help setup setup-dev build run verify verify-full test debug test-debug bench lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
 
