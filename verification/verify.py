@@ -19,7 +19,7 @@ import traceback
 from pathlib import Path
 
 import report
-from common import BUILD, ROOT, Book
+from common import BUILD, ROOT, Book, forget_old_runs
 
 EXAMPLES = ("bar", "bar_rotated", "bar_stability", "beam", "energy", "tnt_slab", "taylor_bar")
 
@@ -34,7 +34,7 @@ def load(example):
 
 def version():
     """Version and commit that the runs themselves recorded."""
-    for path in sorted((BUILD / "runs").glob("*/*/summary.json"), key=lambda p: p.stat().st_mtime, reverse=True):
+    for path in sorted((BUILD / "runs").glob("*/*/*/summary.json"), key=lambda p: p.stat().st_mtime, reverse=True):
         summary = json.loads(path.read_text())
         return f"sgmp {summary['version']}, commit {summary['commit']}"
     return "sgmp"
@@ -48,6 +48,7 @@ def main():
     unknown = set(arguments.examples) - set(EXAMPLES)
     if unknown:
         parser.error(f"no example {', '.join(sorted(unknown))}; there are {', '.join(EXAMPLES)}")
+    forget_old_runs()
     book, broken, start = Book(), [], time.time()
     for example in arguments.examples or EXAMPLES:
         try:
