@@ -9,46 +9,22 @@
 module DIM(sgmp_sweep)
   use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror
   use sgmp_body, only: body_t
+  use DIM(sgmp_chunk), only: chunk_advance, largest_stencil, most_rows, particle_size, task_make, &
+                             task_t
   use sgmp_field, only: field_t
-  use sgmp_kinds, only: dp, i4, lanes
-  use sgmp_mesh, only: mesh_t, stencil_shift, stencil_width
-  use sgmp_movers, only: movers_add, movers_reset, movers_t
-  use sgmp_particles, only: bin_coordinates
-  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
-      sweep_sums, workspace_t
+  use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_mesh, only: mesh_t
+  use sgmp_movers, only: movers_reset, movers_t
+  use sgmp_plan, only: plan_t, sweep_sums, workspace_t
   use sgmp_rows, only: key_j, key_k
-  use DIM(sgmp_stress_update), only: stress_flux, stress_sums, stress_update
-  use DIM(sgmp_transfer), only: flux_of, gimp_carry, gimp_gather, gimp_gradients, gimp_scatter, &
-      gimp_weights, linear_carry, &
-                                linear_gather, linear_gradients, linear_scatter, &
-                                    linear_scatter_force, linear_weights
-  use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
+  use DIM(sgmp_transfer), only: flux_of, gimp_carry, gimp_gradients, gimp_weights, linear_carry, &
+                                linear_gradients, linear_weights
+  use sgmp_transfer_kinds, only: kernel_gimp, kernel_sgmp
   implicit none
   private
   public :: sweep_slab, sweep_join, sweep_add_movers
 
-  integer, parameter :: largest_stencil = NGIMP_PAD
-  integer, parameter :: most_rows = NGIMP/3
-  integer, parameter :: most_columns = 2 + 2*NDIM + NFLUX
-  integer, parameter :: most_gathered = 2*NDIM + NGRAD
-
-  !> Extents of the stencil of the field at hand.
-  type :: shape_t
-    integer :: width, layers, lines, rows, points
-  end type shape_t
-
 contains
-
-  !> Stencil extents of a transfer.
-  pure function stencil_shape(kernel) result(shape)
-    integer, intent(in) :: kernel
-    type(shape_t) :: shape
-    shape%width = stencil_width(kernel)
-    shape%layers = merge(GIMP_LAYER, NLAYER, kernel == kernel_gimp)
-    shape%lines = merge(GIMP_LINE, NLINE, kernel == kernel_gimp)
-    shape%rows = shape%layers*shape%lines
-    shape%points = merge(NGIMP_PAD, NCORNER, kernel == kernel_gimp)
-  end function stencil_shape
 
   !> Sweeps planes plane1..plane2 of field `number`; `sums` are the planes' own sums.
   subroutine sweep_slab(mesh, field, number, bodies, plan, plane1, plane2, sums, work)
@@ -60,81 +36,73 @@ contains
     integer, intent(in) :: plane1, plane2
     real(dp), intent(inout) :: sums(sweep_sums, plane1:plane2, size(bodies))
     type(workspace_t), intent(inout) :: work
-    type(shape_t) :: shape
+    type(task_t) :: task
     integer :: plane, b, slot, nq
-    shape = stencil_shape(field%kernel)
-    nq = plan%last_column - plan%first_column + 1
-    call prepare(work, shape, plan, nq, field%largest_plane, bodies)
+    task = task_make(field%kernel, mesh, plan)
+    nq = task%nq
+    call prepare(work, task, field%largest_plane, bodies)
     do plane = plane1, plane2
-      slot = mod(plane, shape%layers) + 1
+      slot = mod(plane, task%layers) + 1
       work%cleared = field%plane_store(plane)
       do b = 1, size(bodies)
         if (bodies(b)%field /= number) cycle
         if (bodies(b)%particles%plane_row(plane) == bodies(b)%particles%plane_row(plane + 1)) cycle
-        call fill_records(field, mesh, plan, shape, plane, work)
-        call sweep_plane(mesh, field, bodies(b), plan, shape, plane, nq, &
-                         work%planes(1, 1, 1, slot), sums(:, plane, b), work%movers(b), work)
+        call fill_records(field, mesh, plan, task, plane, work)
+        call sweep_plane(mesh, field, bodies(b), plan, task, plane, work%planes(1, 1, 1, slot), &
+                         sums(:, plane, b), work%movers(b), work)
       end do
-      call clear_rows(field, plane, shape%layers*nq, huge(1), work%cleared, &
+      call clear_rows(field, plane, task%layers*nq, huge(1), work%cleared, &
                       work%planes(1, 1, 1, slot))
-      call join_plane(field, plan%first_column, nq, shape, plane, plane1, work)
+      call join_plane(field, plan%first_column, nq, task, plane, plane1, work)
     end do
   end subroutine sweep_slab
 
   !> Makes a workspace fit for a sweep.
-  subroutine prepare(work, shape, plan, nq, largest_plane, bodies)
+  subroutine prepare(work, task, largest_plane, bodies)
     type(workspace_t), intent(inout) :: work
-    type(shape_t), intent(in) :: shape
-    type(plan_t), intent(in) :: plan
-    integer, intent(in) :: nq, largest_plane
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: largest_plane
     type(body_t), intent(in) :: bodies(:)
-    integer :: b, stride
-    stride = max(1, record_size(plan))
+    integer :: b
     if (allocated(work%records)) then
-      if (size(work%records, 1) /= stride .or. &
-          size(work%records, 2) < largest_plane*shape%layers) then
+      if (size(work%records, 1) /= task%stride .or. &
+          size(work%records, 2) < largest_plane*task%layers) then
         deallocate (work%records)
       end if
     end if
-    if (.not. allocated(work%records)) allocate (work%records(stride, largest_plane*shape%layers))
+    if (.not. allocated(work%records)) allocate (work%records(task%stride, &
+                                                              largest_plane*task%layers))
     if (allocated(work%planes)) then
-      if (size(work%planes, 2) /= nq .or. size(work%planes, 3) < largest_plane) then
+      if (size(work%planes, 2) /= task%nq .or. size(work%planes, 3) < largest_plane) then
         deallocate (work%planes)
         if (allocated(work%lead)) deallocate (work%lead)
       end if
     end if
-    if (.not. allocated(work%planes)) allocate (work%planes(shape%layers, nq, largest_plane, &
-                                                            shape%layers))
+    if (.not. allocated(work%planes)) allocate (work%planes(task%layers, task%nq, largest_plane, &
+                                                            task%layers))
     if (.not. allocated(work%movers)) allocate (work%movers(size(bodies)))
     do b = 1, size(bodies)
-      call movers_reset(work%movers(b), bodies(b)%particles%na + bodies(b)%particles%nb, nq + NFLUX)
+      call movers_reset(work%movers(b), bodies(b)%particles%na + bodies(b)%particles%nb, &
+                        task%values)
     end do
-    work%record_plane = [(0, b=1, shape%layers)]
+    work%record_plane = [(0, b=1, task%layers)]
     work%fastest = 0.0_dp
     work%fastest_id = 0
     work%bad_id = 0
   end subroutine prepare
 
-  !> Components that a particle reads from each grid record.
-  pure function record_size(plan) result(n)
-    type(plan_t), intent(in) :: plan
-    integer :: n
-    n = NDIM*size(plan%vectors)
-    if (plan%gradient > 0) n = n + NGRAD
-  end function record_size
-
   !> Sees to it that the records of all planes under the stencils of `plane` are there.
-  subroutine fill_records(field, mesh, plan, shape, plane, work)
+  subroutine fill_records(field, mesh, plan, task, plane, work)
     type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh
     type(plan_t), intent(in) :: plan
-    type(shape_t), intent(in) :: shape
+    type(task_t), intent(in) :: task
     integer, intent(in) :: plane
     type(workspace_t), intent(inout) :: work
     integer :: p, slot
     if (size(plan%vectors) == 0 .and. plan%gradient == 0) return
-    do p = plane, plane + shape%layers - 1
-      slot = mod(p, shape%layers) + 1
+    do p = plane, plane + task%layers - 1
+      slot = mod(p, task%layers) + 1
       if (work%record_plane(slot) == p) cycle
       call auxmesh_fill(field, mesh%inverse_h, p, plan%vectors, plan%gradient, &
                         size(work%records, 1), work%records(1, (slot - 1)*field%largest_plane + 1))
@@ -147,47 +115,33 @@ contains
   end subroutine fill_records
 
   !> All rows of one body in one plane.
-  subroutine sweep_plane(mesh, field, body, plan, shape, plane, nq, planes, sums, movers, work)
+  subroutine sweep_plane(mesh, field, body, plan, task, plane, planes, sums, movers, work)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(in) :: field
     type(body_t), intent(inout) :: body
     type(plan_t), intent(in) :: plan
-    type(shape_t), intent(in) :: shape
-    integer, intent(in) :: plane, nq
-    real(dp), intent(inout) :: planes(shape%layers, nq, *)
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: plane
+    real(dp), intent(inout) :: planes(task%layers*task%nq, *)
     real(dp), intent(inout) :: sums(sweep_sums)
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
-    real(dp) :: lane_sums(lanes, sweep_sums), stencil(shape%points, nq)
-    real(dp) :: cell(NDIM)
-    integer :: s, i, r, line, layer, bin, base(most_rows), place(GIMP_LINE), row(most_rows)
+    real(dp) :: lane_sums(lanes, sweep_sums), stencil(task%points, task%nq)
+    integer :: s, i, first, last, row(most_rows), place(GIMP_LINE)
     lane_sums = 0.0_dp
     do s = body%particles%plane_row(plane), body%particles%plane_row(plane + 1) - 1
-      call clear_rows(field, plane, shape%layers*nq, key_j(body%particles%bins%key(s)) + &
-                      shape%lines - 1, work%cleared, planes)
+      first = body%particles%bins%first(s)
+      last = body%particles%bins%last(s)
+      call clear_rows(field, plane, task%layers*task%nq, key_j(body%particles%bins%key(s)) + &
+                      task%lines - 1, work%cleared, planes)
+      call place_row(field, body, task, plane, s, row, place)
       stencil = 0.0_dp
-      do line = 1, shape%lines
-        do layer = 1, shape%layers
-          r = (line - 1)*shape%layers + layer
-          base(r) = body%particles%place(r, s) - field%plane_start(plane + layer - 1) + 1 &
-                    + mod(plane + layer - 1, shape%layers)*field%largest_plane
-        end do
-        place(line) = body%particles%place((line - 1)*shape%layers + 1, s) - &
-            field%plane_start(plane) + 1
+      do i = 0, last - first
+        call sweep_bin(mesh, body, plan, task, s, i, row, stencil, lane_sums, movers, work)
+        call carry(task, stencil, i, place, planes)
       end do
-      call bin_line(body, s, cell)
-      do i = body%particles%bins%first(s), body%particles%bins%last(s)
-        cell(1) = i
-        bin = body%particles%bin_start(s) + i
-        if (body%particles%size(bin) > 0) then
-          row(:shape%rows) = base(:shape%rows) + i
-          call sweep_bin(mesh, field%kernel, body, plan, shape, s, bin, cell, row, nq, stencil, &
-                         lane_sums, movers, work)
-        end if
-        call carry(shape, nq, stencil, i, place, planes)
-      end do
-      do i = body%particles%bins%last(s) + 1, body%particles%bins%last(s) + shape%width - 1
-        call carry(shape, nq, stencil, i, place, planes)
+      do i = last - first + 1, last - first + task%width - 1
+        call carry(task, stencil, i, place, planes)
       end do
     end do
     do i = 1, sweep_sums
@@ -195,509 +149,122 @@ contains
     end do
   end subroutine sweep_plane
 
+  !> Where the stencils of a row's first bin lie: in the records read, and in the plane buffers.
+  pure subroutine place_row(field, body, task, plane, s, row, place)
+    type(field_t), intent(in) :: field
+    type(body_t), intent(in) :: body
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: plane, s
+    integer, intent(out) :: row(most_rows), place(GIMP_LINE)
+    integer :: line, layer, r, p
+    row = 1
+    place = 1
+    do line = 1, task%lines
+      do layer = 1, task%layers
+        r = (line - 1)*task%layers + layer
+        p = plane + layer - 1
+        row(r) = body%particles%bins%first(s) + body%particles%place(r, s) &
+                 - field%plane_start(p) + 1 + mod(p, task%layers)*field%largest_plane
+      end do
+      place(line) = body%particles%bins%first(s) &
+                    + body%particles%place((line - 1)*task%layers + 1, s) &
+                    - field%plane_start(plane) + 1
+    end do
+  end subroutine place_row
+
   !> Zeroes the plane buffers of all rows up to `line` that have not been yet, just before they are
   !! first added to.
   pure subroutine clear_rows(field, plane, n, line, cleared, planes)
     type(field_t), intent(in) :: field
     integer, intent(in) :: plane, n, line
     integer, intent(inout) :: cleared            !! next stored interval of the plane
-    real(dp), intent(inout) :: planes(n, *)
+    real(dp), intent(inout) :: planes(*)         !! n values for each point
     integer :: first, last
     do while (cleared < field%plane_store(plane + 1))
       if (key_j(field%store%key(cleared)) > line) exit
       first = field%base(cleared) + field%store%first(cleared) - field%plane_start(plane) + 1
       last = first + field%store%last(cleared) - field%store%first(cleared)
-      planes(:, first:last) = 0.0_dp
+      planes((first - 1)*n + 1:last*n) = 0.0_dp
       cleared = cleared + 1
     end do
   end subroutine clear_rows
 
   !> Moves the accumulator one bin along the row.
-  subroutine carry(shape, nq, stencil, shift, place, planes)
-    type(shape_t), intent(in) :: shape
-    integer, intent(in) :: nq, shift, place(GIMP_LINE)
-    real(dp), intent(inout) :: stencil(shape%points, nq), planes(shape%layers, nq, *)
-    if (shape%width == 3) then
-      call gimp_carry(nq, stencil, shift, place, planes)
+  subroutine carry(task, stencil, shift, place, planes)
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: shift, place(GIMP_LINE)
+    real(dp), intent(inout) :: stencil(task%points, task%nq), planes(task%layers*task%nq, *)
+    if (task%kernel == kernel_gimp) then
+      call gimp_carry(task%nq, stencil, shift, place, planes)
     else
-      call linear_carry(nq, stencil, shift, place, planes)
+      call linear_carry(task%nq, stencil, shift, place, planes)
     end if
   end subroutine carry
 
-  !> Bin coordinates along y and z of a row.
-  pure subroutine bin_line(body, s, cell)
-    type(body_t), intent(in) :: body
-    integer, intent(in) :: s
-    real(dp), intent(out) :: cell(NDIM)
-    cell = 0.0_dp
-#if NDIM == 2
-    cell(2) = key_k(body%particles%bins%key(s))
-#elif NDIM == 3
-    cell(2) = key_j(body%particles%bins%key(s))
-    cell(3) = key_k(body%particles%bins%key(s))
-#endif
-  end subroutine bin_line
-
   !> All chunks of one bin.
-  subroutine sweep_bin(mesh, kernel, body, plan, shape, interval, bin, cell, row, nq, stencil, &
-                       lane_sums, movers, work)
+  subroutine sweep_bin(mesh, body, plan, task, s, i, row, stencil, lane_sums, movers, work)
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: kernel
     type(body_t), intent(inout) :: body
     type(plan_t), intent(in) :: plan
-    type(shape_t), intent(in) :: shape
-    integer, intent(in) :: interval, bin         !! interval of bins, bin
-    real(dp), intent(in) :: cell(NDIM)           !! bin coordinates
-    integer, intent(in) :: row(most_rows)        !! records of the stencil's rows
-    integer, intent(in) :: nq
-    real(dp), intent(inout) :: stencil(shape%points, nq)
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: s, i                  !! interval of bins; bin, from its first
+    integer, intent(in) :: row(most_rows)        !! records of the stencil of its first bin
+    real(dp), intent(inout) :: stencil(task%points, task%nq)
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
-    real(dp) :: live(lanes)
-    integer :: chunk, left, nl, l
-    chunk = body%particles%first(bin)
-    left = body%particles%size(bin)
+    real(dp) :: origin(NDIM)
+    integer :: home(3), left
+    home(2) = s
+    home(3) = body%particles%bin_start(s) + body%particles%bins%first(s) + i
+    left = body%particles%size(home(3))
+    if (left == 0) return
+    home(1) = body%particles%first(home(3))
+    origin = bin_origin(body%particles%bins%first(s) + i, body%particles%bins%key(s), task%shift)
     do while (left > 0)
-      nl = min(left, lanes)
-      do l = 1, lanes
-        live(l) = merge(1.0_dp, 0.0_dp, l <= nl)
-      end do
-      call sweep_chunk(mesh, kernel, body, plan, shape, [chunk, interval, bin], cell, row, nl, &
-                       live, nq, &
-                       body%particles%nb, body%particles%a(1, 1, chunk), &
-                           body%particles%b(1, 1, chunk), stencil, &
-                       lane_sums, movers, work)
-      left = left - nl
-      chunk = body%particles%next(chunk)
+      call chunk_advance(mesh, body, plan, task, home, origin, min(left, lanes), row, &
+                         work%records(1, 1 + i), body%particles%nb, &
+                         body%particles%a(1, 1, home(1)), body%particles%b(1, 1, home(1)), &
+                         stencil, lane_sums, movers, work)
+      left = left - lanes
+      home(1) = body%particles%next(home(1))
     end do
   end subroutine sweep_bin
 
-  !> One chunk: gather, kick, drift, strain, scatter.
-  ! allow(S902)
-  subroutine sweep_chunk(mesh, kernel, body, plan, shape, home, cell, row, nl, live, nq, nb, a, &
-                         b, stencil, &
-                         lane_sums, movers, work)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: kernel, nl, nq, nb
-    integer, intent(in) :: home(3)               !! chunk, interval of bins, bin
-    type(body_t), intent(in) :: body
-    type(plan_t), intent(in) :: plan
-    type(shape_t), intent(in) :: shape
-    real(dp), intent(in) :: cell(NDIM), live(lanes)
-    integer, intent(in) :: row(most_rows)
-    real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), b(lanes, nb)
-    real(dp), intent(inout) :: stencil(shape%points, nq)
-    real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
-    type(movers_t), intent(inout) :: movers
-    type(workspace_t), intent(inout) :: work
-    real(dp) :: xi(lanes, NDIM), half(lanes, NDIM), got(lanes, most_gathered), flux(lanes, NFLUX)
-    real(dp) :: values(lanes, most_columns), speed2(lanes), jacobian(lanes)
-    integer :: velocity, gradient, outside
-    outside = 0
-    velocity = 1 + merge(NDIM, 0, plan%kick)  ! component of `got` where the grid velocity starts
-    gradient = 1 + NDIM*size(plan%vectors)               ! and the velocity gradient
-    call locate(a, cell, stencil_shift(kernel), xi)
-    if (kernel == kernel_gimp) call particle_size(body, nb, b, half)
-    call gather(mesh%inverse_h, kernel, plan, xi, half, row, work%records, got)
-    if (nl < lanes) call hold_pads(size(work%records, 1), live, got)
-    if (plan%kick) then
-      call kick(plan%dt_kick, live, got, plan%flip, got(1, velocity), a, lane_sums)
-    end if
-    if (plan%drift) then
-      call drift(plan%dt*mesh%inverse_h, live, cell, stencil_shift(kernel), got(1, velocity), a, &
-                 xi, lane_sums, outside)
-    end if
-    if (plan%strain) then
-      call stress_update(body%law, plan%dt_strain, plan%time, a(1, 2*NDIM + 1), live, &
-                         got(1, gradient), nb, b, flux, speed2, &
-                         jacobian, lane_sums(1, sum_internal))
-      call check_chunk(body, home(1), nl, live, a, speed2, jacobian, work)
-    else if (plan%stress) then
-      speed2 = 0.0_dp
-      call stress_flux(body%law, b(1, 1), speed2, live, b(1, body%law%slots%stress), flux)
-    end if
-    if ((plan%drift .or. plan%mass) .and. kernel == kernel_gimp) call particle_size(body, nb, b, &
-        half)
-    call collect(mesh, kernel, body, plan, live, nb, a, b, flux, nq, values)
-    if (outside > 0) call note_movers(nl, body%particles%id(1, home(1)), home, nq, nb, a, b, xi, &
-                                      values, flux, movers)
-    call scatter(mesh%inverse_h, kernel, plan, shape, nl, nq, xi, half, values, flux, stencil)
-  end subroutine sweep_chunk
-
-  !> Pads are given nothing, so they stay as they are.
-  pure subroutine hold_pads(n, live, got)
-    integer, intent(in) :: n
-    real(dp), intent(in) :: live(lanes)
-    real(dp), intent(inout) :: got(lanes, n)
-    integer :: l, q
-    do q = 1, n
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        got(l, q) = live(l)*got(l, q)
-      end do
-    end do
-  end subroutine hold_pads
-
-  !> Local coordinates in the bin.
-  pure subroutine locate(a, cell, shift, xi)
-    real(dp), intent(in) :: a(lanes, 2*NDIM + 1), cell(NDIM), shift
-    real(dp), intent(out) :: xi(lanes, NDIM)
-    integer :: l, d
-    do d = 1, NDIM
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        xi(l, d) = (a(l, d) - cell(d)) - shift
-      end do
-    end do
-  end subroutine locate
-
-  !> GIMP half-sizes of a chunk: constant, or stretched with the particle (cpGIMP).
-  pure subroutine particle_size(body, nb, b, half)
-    type(body_t), intent(in) :: body
-    integer, intent(in) :: nb
-    real(dp), intent(in) :: b(lanes, nb)
-    real(dp), intent(out) :: half(lanes, NDIM)
-    integer :: d
-    do d = 1, NDIM
-      if (body%law%slots%stretch > 0) then
-        half(:, d) = body%half_size(d)*b(:, body%law%slots%stretch + d - 1)
-      else
-        half(:, d) = body%half_size(d)
-      end if
-    end do
-  end subroutine particle_size
-
-  !> Vectors and velocity gradient at the particles, from the records of the grid.
-  pure subroutine gather(inverse_h, kernel, plan, xi, half, row, records, got)
-    real(dp), intent(in) :: inverse_h
-    integer, intent(in) :: kernel
-    type(plan_t), intent(in) :: plan
-    real(dp), intent(in) :: xi(lanes, NDIM), half(lanes, NDIM)
-    integer, intent(in) :: row(most_rows)
-    real(dp), intent(in) :: records(:, :)
-    real(dp), intent(out) :: got(lanes, most_gathered)
-    real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM), column(lanes, NDIM)
-    integer :: n, stride, d, c
-    n = NDIM*size(plan%vectors)
-    stride = size(records, 1)
-    if (n == 0 .and. plan%gradient == 0) then
-      got = 0.0_dp
-      return
-    end if
-    select case (kernel)
-    case (kernel_sgmp)
-      call linear_weights(xi, w)
-      call linear_gather(stride, w, stride, records, row, got)
-    case (kernel_mpm)
-      call linear_weights(xi, w)
-      if (n > 0) call linear_gather(n, w, stride, records, row, got)
-      if (plan%gradient > 0) call linear_gradients(xi, inverse_h, g)
-    case default  ! kernel_gimp
-      call gimp_weights(xi, half, w)
-      if (n > 0) call gimp_gather(n, w, stride, records, row, got)
-      if (plan%gradient > 0) call gimp_gradients(xi, half, inverse_h, g)
-    end select
-    if (plan%gradient == 0 .or. kernel == kernel_sgmp) return
-    do d = 1, NDIM
-      if (kernel == kernel_mpm) then
-        call linear_gather_part(NDIM, n, g, d, stride, records, row, column)
-      else
-        call gimp_gather_part(NDIM, n, g(1, 1, d), stride, records, row, column)
-      end if
-      do c = 1, NDIM
-        got(:, n + (c - 1)*NDIM + d) = column(:, c)
-      end do
-    end do
-  end subroutine gather
-
-  !> Gather of the record's components behind the first `skip`, with the linear gradients along axis
-  !! d.
-  pure subroutine linear_gather_part(n, skip, g, d, stride, records, row, values)
-    integer, intent(in) :: n, skip, d, stride, row(most_rows)
-    real(dp), intent(in) :: g(lanes, NCORNER, NDIM), records(stride, *)
-    real(dp), intent(out) :: values(lanes, NDIM)
-    call linear_gather(n, g(1, 1, d), stride, records(skip + 1, 1), row, values)
-  end subroutine linear_gather_part
-
-  !> The same for GIMP.
-  pure subroutine gimp_gather_part(n, skip, g, stride, records, row, values)
-    integer, intent(in) :: n, skip, stride, row(most_rows)
-    real(dp), intent(in) :: g(lanes, NGIMP_PAD), records(stride, *)
-    real(dp), intent(out) :: values(lanes, NDIM)
-    call gimp_gather(n, g, stride, records(skip + 1, 1), row, values)
-  end subroutine gimp_gather_part
-
-  !> v += a dt (Eq. 29), blended with PIC where asked for; sums for the energy ledger.
-  pure subroutine kick(dt, live, acceleration, flip, grid_velocity, a, lane_sums)
-    real(dp), intent(in) :: dt, live(lanes), acceleration(lanes, NDIM)
-    real(dp), intent(in) :: flip  !! weight of FLIP; below 1 the grid velocity is read
-    real(dp), intent(in) :: grid_velocity(lanes, NDIM)
-    real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), lane_sums(lanes, sweep_sums)
-    real(dp) :: mass, aa, vv
-    integer :: l, d
-    if (flip < 1.0_dp) then
-      do d = 1, NDIM
-        a(:, NDIM + d) = flip*a(:, NDIM + d) + &
-                         (1.0_dp - flip)*(grid_velocity(:, d) - dt*acceleration(:, d))
-      end do
-    end if
-    !$omp simd simdlen(8) private(mass, aa, vv, d)
-    do l = 1, lanes
-      mass = live(l)*a(l, 2*NDIM + 1)
-      aa = 0.0_dp
-      vv = 0.0_dp
-      do d = 1, NDIM
-        a(l, NDIM + d) = a(l, NDIM + d) + dt*acceleration(l, d)
-        aa = aa + acceleration(l, d)*acceleration(l, d)
-        vv = vv + a(l, NDIM + d)*a(l, NDIM + d)
-        lane_sums(l, sum_momentum + d - 1) = lane_sums(l, sum_momentum + d - 1) + &
-            mass*a(l, NDIM + d)
-      end do
-      lane_sums(l, sum_mass_aa) = lane_sums(l, sum_mass_aa) + mass*aa
-      lane_sums(l, sum_kinetic) = lane_sums(l, sum_kinetic) + 0.5_dp*mass*vv
-    end do
-  end subroutine kick
-
-  !> x += v_grid dt (Eq. 31), in cells; counts the lanes that leave the bin.
-  pure subroutine drift(dt, live, cell, shift, velocity, a, xi, lane_sums, outside)
-    real(dp), intent(in) :: dt, live(lanes), cell(NDIM), shift, velocity(lanes, NDIM)
-    real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), lane_sums(lanes, sweep_sums)
-    real(dp), intent(out) :: xi(lanes, NDIM)     !! new position in the bin
-    integer, intent(out) :: outside
-    real(dp) :: mass, far
-    integer :: l, d
-    far = 0.0_dp
-    !$omp simd simdlen(8) private(mass, d) reduction(+:far)
-    do l = 1, lanes
-      mass = live(l)*a(l, 2*NDIM + 1)
-      do d = 1, NDIM
-        a(l, d) = a(l, d) + dt*velocity(l, d)
-        xi(l, d) = (a(l, d) - cell(d)) - shift
-        lane_sums(l, sum_moment + d - 1) = lane_sums(l, sum_moment + d - 1) + mass*a(l, d)
-        far = far + merge(0.0_dp, 1.0_dp, xi(l, d) >= 0.0_dp) + &
-              merge(0.0_dp, 1.0_dp, xi(l, d) < 1.0_dp)
-      end do
-    end do
-    outside = merge(1, 0, far > 0.0_dp)
-  end subroutine drift
-
-  !> Largest c + |v| for the time step (Eq. 69), and whether every particle is still in its senses.
-  pure subroutine check_chunk(body, chunk, nl, live, a, speed2, jacobian, work)
-    type(body_t), intent(in) :: body
-    integer, intent(in) :: chunk, nl
-    real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1), speed2(lanes), jacobian(lanes)
-    type(workspace_t), intent(inout) :: work
-    real(dp) :: speed(lanes), square, good, fast
-    integer :: l, d
-    good = 0.0_dp
-    fast = 0.0_dp
-    !$omp simd simdlen(8) private(square, d) reduction(+:good) reduction(max:fast)
-    do l = 1, lanes
-      square = 0.0_dp
-      do d = 1, NDIM
-        square = square + a(l, NDIM + d)*a(l, NDIM + d)
-      end do
-      speed(l) = live(l)*(sqrt(speed2(l)) + sqrt(square))
-      fast = max(fast, speed(l))
-      good = good + merge(1.0_dp, 0.0_dp, jacobian(l) > 0.0_dp)* &
-             merge(1.0_dp, 0.0_dp, speed(l) < 1.0e150_dp)
-    end do
-    if (fast > work%fastest) then
-      l = maxloc(speed, 1)
-      work%fastest = speed(l)
-      work%fastest_id = body%particles%id(l, chunk)
-    end if
-    if (good > lanes - 0.5_dp .or. work%bad_id /= 0) return
-    do l = 1, nl
-      if (jacobian(l) > 0.0_dp .and. speed(l) < 1.0e150_dp) cycle
-      work%bad_id = body%particles%id(l, chunk)
-      work%bad_jacobian = jacobian(l)
-      return
-    end do
-  end subroutine check_chunk
-
-  !> Values that go to the grid, in the order of the moments' columns; the force columns of MPM and
-  !! GIMP stay open.
-  subroutine collect(mesh, kernel, body, plan, live, nb, a, b, flux, nq, values)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: kernel, nb, nq
-    type(body_t), intent(in) :: body
-    type(plan_t), intent(in) :: plan
-    real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1), b(lanes, nb), flux(lanes, NFLUX)
-    real(dp), intent(out) :: values(lanes, nq)
-    real(dp) :: mass(lanes)
-    integer :: n, d, l
-    n = 0
-    mass = live*a(:, 2*NDIM + 1)
-    if (plan%mass) then
-      n = 1
-      values(:, 1) = mass
-    end if
-    if (plan%momentum) then
-      do d = 1, NDIM
-        !$omp simd simdlen(8)
-        do l = 1, lanes
-          values(l, n + d) = mass(l)*a(l, NDIM + d)
-        end do
-      end do
-      n = n + NDIM
-    end if
-    if (.not. plan%stress) return
-    if (kernel == kernel_sgmp) then
-      do d = 1, NFLUX
-        !$omp simd simdlen(8)
-        do l = 1, lanes
-          values(l, n + d) = live(l)*flux(l, d)
-        end do
-      end do
-      n = n + NFLUX
-    else
-      values(:, n + 1:n + NDIM) = 0.0_dp
-      n = n + NDIM
-    end if
-    if (plan%volume) values(:, nq) = live*b(:, 1)
-    if (n == merge(nq - 1, nq, plan%volume)) return
-    values(:, n + 1:n + NDIM) = 0.0_dp
-    if (body%forced) call external_force(mesh, body, plan, mass, nb, a, b, values(1, n + 1))
-  end subroutine collect
-
-  !> Mass times the body force at the particles (Eq. 24).
-  subroutine external_force(mesh, body, plan, mass, nb, a, b, force)
-    type(mesh_t), intent(in) :: mesh
-    type(body_t), intent(in) :: body
-    type(plan_t), intent(in) :: plan
-    integer, intent(in) :: nb
-    real(dp), intent(in) :: mass(lanes), a(lanes, 2*NDIM + 1), b(lanes, nb)
-    real(dp), intent(out) :: force(lanes, NDIM)
-    real(dp) :: x(3), x0(3)
-    integer :: l, d, s
-    s = body%law%slots%initial
-    x = 0.0_dp
-    x0 = 0.0_dp
-    force = 0.0_dp
-    do l = 1, lanes
-      if (mass(l) <= 0.0_dp) cycle
-      do d = 1, NDIM
-        x(d) = mesh%origin(d) + mesh%h*a(l, d)
-        if (s > 0) x0(d) = b(l, s + d - 1)
-      end do
-      do d = 1, NDIM
-        force(l, d) = mass(l)*body%force(d)%evaluate(x, x0, plan%time)
-      end do
-    end do
-  end subroutine external_force
-
-  !> Takes particles that left the bin out of the scatter and notes them.
-  pure subroutine note_movers(nl, id, home, nq, nb, a, b, xi, values, flux, movers)
-    integer, intent(in) :: nl, home(3), nq, nb
-    integer(i4), intent(in) :: id(lanes)
-    real(dp), intent(in) :: a(lanes, 2*NDIM + 1), b(lanes, nb)
-    real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, nq), flux(lanes, NFLUX)
-    type(movers_t), intent(inout) :: movers
-    integer :: l, q, m
-    do l = 1, nl
-      if (all(xi(l, :) >= 0.0_dp .and. xi(l, :) < 1.0_dp)) cycle
-      call movers_add(movers, id(l), home(1), l, home(2), home(3))
-      m = movers%n
-      do q = 1, 2*NDIM + 1
-        movers%state(q, m) = a(l, q)
-      end do
-      do q = 1, nb
-        movers%state(2*NDIM + 1 + q, m) = b(l, q)
-      end do
-      do q = 1, nq
-        movers%values(q, m) = values(l, q)
-        values(l, q) = 0.0_dp
-      end do
-      do q = 1, NFLUX
-        movers%values(nq + q, m) = flux(l, q)
-        flux(l, q) = 0.0_dp
-      end do
-      xi(l, :) = 0.5_dp
-    end do
-  end subroutine note_movers
-
-  !> Adds a chunk to the accumulator of its stencil.
-  pure subroutine scatter(inverse_h, kernel, plan, shape, nl, nq, xi, half, values, flux, stencil)
-    real(dp), intent(in) :: inverse_h
-    integer, intent(in) :: kernel, nl, nq
-    type(plan_t), intent(in) :: plan
-    type(shape_t), intent(in) :: shape
-    real(dp), intent(in) :: xi(lanes, NDIM), half(lanes, NDIM), values(lanes, nq), &
-        flux(lanes, NFLUX)
-    real(dp), intent(inout) :: stencil(shape%points, nq)
-    real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
-    integer :: plain, rest
-    if (kernel == kernel_sgmp) then
-      call linear_scatter(nq, xi, values, stencil)
-      return
-    end if
-    plain = merge(1, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
-    rest = plain + merge(NDIM, 0, plan%stress)
-    if (kernel == kernel_mpm) then
-      if (plain > 0) call linear_scatter(plain, xi, values, stencil)
-      if (rest < nq) call linear_scatter(nq - rest, xi, values(1, rest + 1), stencil(1, rest + 1))
-      if (.not. plan%stress) return
-      call linear_gradients(xi, inverse_h, g)
-      call linear_scatter_force(nl, g, flux, stencil(1, plain + 1))
-    else
-      call gimp_weights(xi, half, w)
-      if (plain > 0) call gimp_scatter(nl, plain, w, values, stencil)
-      if (rest < nq) call gimp_scatter(nl, nq - rest, w, values(1, rest + 1), stencil(1, rest + 1))
-      if (.not. plan%stress) return
-      call gimp_gradients(xi, half, inverse_h, g)
-      call gimp_scatter_force(nl, g, flux, stencil(1, plain + 1))
-    end if
-  end subroutine scatter
-
-  !> Adds -grad S . (sigma V) to the nodal forces of GIMP.
-  pure subroutine gimp_scatter_force(nl, g, flux, sums)
-    integer, intent(in) :: nl
-    real(dp), intent(in) :: g(lanes, NGIMP_PAD, NDIM), flux(lanes, NFLUX)
-    real(dp), intent(inout) :: sums(NGIMP_PAD, NDIM)
-    real(dp) :: gl(NGIMP_PAD, NDIM)
-    integer :: l, e
-    do l = 1, nl
-      gl = g(l, :, :)
-      !$omp simd
-      do e = 1, NGIMP_PAD
-#if NDIM == 1
-        sums(e, 1) = sums(e, 1) - gl(e, 1)*flux(l, 1)
-#elif NDIM == 2
-        sums(e, 1) = sums(e, 1) - (gl(e, 1)*flux(l, 1) + gl(e, 2)*flux(l, 3))
-        sums(e, 2) = sums(e, 2) - (gl(e, 1)*flux(l, 3) + gl(e, 2)*flux(l, 2))
-#else
-        sums(e, 1) = sums(e, 1) - ((gl(e, 1)*flux(l, 1) + gl(e, 2)*flux(l, 4)) + &
-                                   gl(e, 3)*flux(l, 6))
-        sums(e, 2) = sums(e, 2) - ((gl(e, 1)*flux(l, 4) + gl(e, 2)*flux(l, 2)) + &
-                                   gl(e, 3)*flux(l, 5))
-        sums(e, 3) = sums(e, 3) - ((gl(e, 1)*flux(l, 6) + gl(e, 2)*flux(l, 5)) + &
-                                   gl(e, 3)*flux(l, 3))
+  !> Lower corner of a bin.
+  pure function bin_origin(i, key, shift) result(origin)
+    integer, intent(in) :: i
+    integer(i8), intent(in) :: key               !! of its row
+    real(dp), intent(in) :: shift
+    real(dp) :: origin(NDIM)
+    origin(1) = i + shift
+#if NDIM == 2
+    origin(2) = key_k(key) + shift
+#elif NDIM == 3
+    origin(2) = key_j(key) + shift
+    origin(3) = key_k(key) + shift
 #endif
-      end do
-    end do
-  end subroutine gimp_scatter_force
+  end function bin_origin
 
   !> Sums the layers that belong to one plane; the contributions of the slab below wait for
   !! `sweep_join`.
-  pure subroutine join_plane(field, first_column, nq, shape, plane, plane1, work)
+  pure subroutine join_plane(field, first_column, nq, task, plane, plane1, work)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: first_column, nq
-    type(shape_t), intent(in) :: shape
+    type(task_t), intent(in) :: task
     integer, intent(in) :: plane, plane1
     type(workspace_t), intent(inout) :: work
     integer :: slot
-    slot = mod(plane, shape%layers) + 1
-    if (shape%layers == 2 .and. plane > plane1) then
+    slot = mod(plane, task%layers) + 1
+    if (task%layers == 2 .and. plane > plane1) then
       if (field%plane_k(plane - 1) == field%plane_k(plane) - 1) then
         call take_both(field, first_column, nq, plane, work%planes(1, 1, 1, slot), &
                        work%planes(1, 1, 1, mod(plane - 1, 2) + 1))
         return
       end if
     end if
-    call take_layer(field, first_column, nq, shape%layers, plane, work%planes(1, 1, 1, slot))
-    if (shape%layers < 3) return
+    call take_layer(field, first_column, nq, task%layers, plane, work%planes(1, 1, 1, slot))
+    if (task%layers < 3) return
     if (plane == plane1) then
       work%lead = work%planes(:, :, :, slot)
     else if (plane > plane1 + 1) then
@@ -715,12 +282,11 @@ contains
     type(workspace_t), intent(in) :: own
     type(workspace_t), intent(in), optional :: below  !! of the slab below; absent for the lowest
                                                       !! slab
-    type(shape_t) :: shape
-    integer :: nq
-    shape = stencil_shape(field%kernel)
+    integer :: nq, layers
+    layers = merge(GIMP_LAYER, NLAYER, field%kernel == kernel_gimp)
     nq = plan%last_column - plan%first_column + 1
-    if (shape%layers == 1) return
-    if (shape%layers == 2) then
+    if (layers == 1) return
+    if (layers == 2) then
       if (present(below)) then
         call add_below(field, plan%first_column, nq, 2, plane1, &
                        below%planes(1, 1, 1, mod(plane1 - 1, 2) + 1))
@@ -828,10 +394,10 @@ contains
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(movers_t), intent(in) :: movers         !! in their new bins
-    type(shape_t) :: shape
+    type(task_t) :: task
     real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
     integer :: r, l, n, first_force, who(lanes)
-    shape = stencil_shape(field%kernel)
+    task = task_make(field%kernel, mesh, plan)
     first_force = 0
     if (plan%stress .and. field%kernel /= kernel_sgmp) first_force = 2 + NDIM
     r = 1
@@ -847,7 +413,7 @@ contains
       if (n == 0) exit
       call mover_weights(mesh%inverse_h, field%kernel, body, first_force > 0, movers, who(:n), w, g)
       do l = 1, n
-        call add_mover(field, body, plan, shape, movers%row(who(l)), movers%bin(who(l)), &
+        call add_mover(field, body, plan, task, movers%row(who(l)), movers%bin(who(l)), &
             movers%values(:, who(l)), l, &
                        w, first_force, g)
       end do
@@ -888,19 +454,19 @@ contains
   end subroutine mover_weights
 
   !> One particle.
-  pure subroutine add_mover(field, body, plan, shape, row, bin, values, lane, w, first_force, g)
+  pure subroutine add_mover(field, body, plan, task, row, bin, values, lane, w, first_force, g)
     type(field_t), intent(inout) :: field
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
-    type(shape_t), intent(in) :: shape
+    type(task_t), intent(in) :: task
     integer, intent(in) :: row, bin, lane         !! new interval and bin; lane of the weights
     integer, intent(in) :: first_force            !! first column of a force, 0: none
     real(dp), intent(in) :: values(:), w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
     integer :: e, x, r, q, a, b, at, nq
     nq = plan%last_column - plan%first_column + 1
     e = 0
-    do x = 0, shape%width - 1
-      do r = 1, shape%rows
+    do x = 0, task%width - 1
+      do r = 1, task%rows
         e = e + 1
         at = body%particles%place(r, row) + (bin - body%particles%bin_start(row)) + x
         do q = 1, nq
