@@ -309,12 +309,13 @@ contains
     type(field_t), intent(inout) :: field
     integer, intent(in) :: first_column, nq, layers, plane
     real(dp), intent(in) :: planes(layers, nq, *)
-    integer :: s, i, q, to
+    integer :: s, i, q, here, to
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      to = field%neighbour(0, 0, s)
+      here = to - field%plane_start(plane) + 1
       do q = 1, nq
         do i = field%work%first(s), field%work%last(s)
-          to = field%neighbour(0, 0, s) + i
-          field%moment(to, first_column + q - 1) = planes(1, q, to - field%plane_start(plane) + 1)
+          field%moment(to + i, first_column + q - 1) = planes(1, q, here + i)
         end do
       end do
     end do
@@ -325,18 +326,30 @@ contains
     type(field_t), intent(inout) :: field
     integer, intent(in) :: first_column, nq, plane
     real(dp), intent(in) :: own(2, nq, *), below(2, nq, *)
-    integer :: s, i, q, to, here, shift
+    integer :: s, q, first, n, to, here, shift
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
-      here = field%neighbour(0, 0, s) - field%plane_start(plane) + 1
-      shift = field%neighbour(0, -1, s) - field%plane_start(plane - 1) + 1
-      to = field%neighbour(0, 0, s)
+      first = field%work%first(s)
+      n = field%work%last(s) - first + 1
+      to = field%neighbour(0, 0, s) + first
+      here = to - field%plane_start(plane) + 1
+      shift = field%neighbour(0, -1, s) + first - field%plane_start(plane - 1) + 1
       do q = 1, nq
-        do i = field%work%first(s), field%work%last(s)
-          field%moment(to + i, first_column + q - 1) = below(2, q, shift + i) + own(1, q, here + i)
-        end do
+        call add_two(n, 2*nq, below(2, q, shift), own(1, q, here), &
+                     field%moment(to, first_column + q - 1))
       end do
     end do
   end subroutine take_both
+
+  !> Sum of two rows whose points lie `stride` apart.
+  pure subroutine add_two(n, stride, a, b, total)
+    integer, intent(in) :: n, stride
+    real(dp), intent(in) :: a(stride, n), b(stride, n)
+    real(dp), intent(out) :: total(n)
+    integer :: i
+    do i = 1, n
+      total(i) = a(1, i) + b(1, i)
+    end do
+  end subroutine add_two
 
   !> moment = (second layer of the plane below) + moment.
   pure subroutine add_below(field, first_column, nq, layers, plane, below)

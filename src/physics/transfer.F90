@@ -185,13 +185,15 @@ contains
       end do
     end do
 #else
-    real(dp), parameter :: cx(8) = [1, 1, 1, 1, 0, 0, 0, 0], sx(8) = [-1, -1, -1, -1, 1, 1, 1, 1]
-    real(dp), parameter :: cy(8) = [1, 1, 0, 0, 1, 1, 0, 0], sy(8) = [-1, -1, 1, 1, -1, -1, 1, 1]
-    real(dp), parameter :: cz(8) = [1, 0, 1, 0, 1, 0, 1, 0], sz(8) = [-1, 1, -1, 1, -1, 1, -1, 1]
+    real(dp), parameter :: cy(4) = [1, 1, 0, 0], sy(4) = [-1, -1, 1, 1]
+    real(dp), parameter :: cz(4) = [1, 0, 1, 0], sz(4) = [-1, 1, -1, 1]
+    real(dp) :: yz
     do l = 1, lanes
-      !$omp simd simdlen(8)
-      do e = 1, 8
-        w(e, l) = (cx(e) + sx(e)*xi(l, 1))*((cy(e) + sy(e)*xi(l, 2))*(cz(e) + sz(e)*xi(l, 3)))
+      !$omp simd simdlen(4) private(yz)
+      do e = 1, 4
+        yz = (cy(e) + sy(e)*xi(l, 2))*(cz(e) + sz(e)*xi(l, 3))
+        w(e + 4, l) = xi(l, 1)*yz
+        w(e, l) = yz - w(e + 4, l)
       end do
     end do
 #endif
