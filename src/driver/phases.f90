@@ -127,23 +127,20 @@ contains
     own = plan
     call choose_columns(own, model%fields(f))
     allocate (sums(sweep_sums, model%fields(f)%planes, size(model%bodies)), source=0.0_dp)
-    !$omp parallel do schedule(static, 1) num_threads(model%threads) &
-    !$omp& default(none) shared(model, own, f, sums) &
-    !$omp& private(t) if(model%threads > 1)
+    ! One region for both: each that is opened costs a meeting of the threads more.
+    !$omp parallel num_threads(model%threads) if(model%threads > 1) &
+    !$omp& default(none) shared(model, own, f, sums) private(t)
+    !$omp do schedule(static, 1)
     do t = 1, model%threads
       call sweep_own_slab(model, own, f, t, sums)
     end do
-    !$omp end parallel do
-    if (model%threads > 1) then
-      !$omp parallel do schedule(static, 1) num_threads(model%threads) &
-      !$omp& default(none) shared(model, own, f) private(t)
-      do t = 1, model%threads
-        call join_own_slab(model, own, f, t)
-      end do
-      !$omp end parallel do
-    else
-      call join_own_slab(model, own, f, 1)
-    end if
+    !$omp end do
+    !$omp do schedule(static, 1)
+    do t = 1, model%threads
+      call join_own_slab(model, own, f, t)
+    end do
+    !$omp end do nowait
+    !$omp end parallel
     do b = 1, size(model%bodies)
       if (model%bodies(b)%field /= f) cycle
       do p = 2, model%fields(f)%planes
@@ -180,13 +177,13 @@ contains
     select case (model%mesh%ndim)
     case (1)
       call sweep_slab_1d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, &
-                         sums(:, p1:p2, :), model%workspaces(t, f))
+                         sums, model%workspaces(t, f))
     case (2)
       call sweep_slab_2d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, &
-                         sums(:, p1:p2, :), model%workspaces(t, f))
+                         sums, model%workspaces(t, f))
     case default
       call sweep_slab_3d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, &
-                         sums(:, p1:p2, :), model%workspaces(t, f))
+                         sums, model%workspaces(t, f))
     end select
   end subroutine sweep_own_slab
 
@@ -397,7 +394,7 @@ contains
           call walls_fold(model%fields(f), model%mesh, axis, 1, model%fields(f)%planes, &
                           own%first_column, own%last_column)
         else
-          !$omp parallel do num_threads(model%threads) &
+          !$omp parallel do num_threads(model%threads) if(model%threads > 1) &
           !$omp& default(none) shared(model, own, f, axis) private(p)
           do p = 1, model%fields(f)%planes
             call walls_fold(model%fields(f), model%mesh, axis, p, p, own%first_column, &
@@ -429,7 +426,7 @@ contains
       if (axis == model%mesh%ndim) then
         call walls_mirror(model%fields(f), model%mesh, axis, 1, model%fields(f)%planes, columns)
       else
-        !$omp parallel do num_threads(model%threads) &
+        !$omp parallel do num_threads(model%threads) if(model%threads > 1) &
         !$omp& default(none) shared(model, f, axis, columns) private(p)
         do p = 1, model%fields(f)%planes
           call walls_mirror(model%fields(f), model%mesh, axis, p, p, columns)
@@ -477,7 +474,7 @@ contains
       end if
       allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)
       forced = body_forced(model%bodies, f)
-      !$omp parallel do schedule(static) num_threads(model%threads) &
+      !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
       !$omp& default(none) shared(model, f, dt, forced, sums) private(p)
       do p = 1, model%fields(f)%planes
         select case (model%mesh%ndim)
@@ -516,7 +513,7 @@ contains
         call rigid_velocity(model, f, b, model%mesh%ndim + 1)
         cycle
       end if
-      !$omp parallel do schedule(static) num_threads(model%threads) &
+      !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
       !$omp& default(none) shared(model, f) private(p)
       do p = 1, model%fields(f)%planes
         select case (model%mesh%ndim)
@@ -545,7 +542,7 @@ contains
         call rigid_velocity(model, f, b, 1)
         cycle
       end if
-      !$omp parallel do schedule(static) num_threads(model%threads) &
+      !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
       !$omp& default(none) shared(model, f) private(p)
       do p = 1, model%fields(f)%planes
         select case (model%mesh%ndim)

@@ -59,13 +59,14 @@ contains
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: axis, plane1, plane2, q1, q2
-    integer :: side, s, ghost, image, q, n, from, to
+    integer :: side, s, first, last, ghost, image, q, n, from, to
     real(dp) :: parity
     if (field%kernel == kernel_mpm) return
     do side = 1, 2
       if (mesh%wall(side, axis) == wall_free) cycle
       call ghost_point(field, mesh, axis, side, field%kernel == kernel_sgmp, ghost, image)
-      do s = field%plane_work(plane1), field%plane_work(plane2 + 1) - 1
+      call ghost_intervals(field, axis, ghost, plane1, plane2, first, last)
+      do s = first, last
         call ghost_records(field, s, axis, ghost, image, from, to, n)
         do q = q1, q2
           if (n == 0) exit
@@ -85,13 +86,14 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: axis, plane1, plane2
     integer, intent(in) :: columns(:)
-    integer :: side, s, ghost, image, c, a, n, from, to
+    integer :: side, s, first, last, ghost, image, c, a, n, from, to
     real(dp) :: parity
     if (field%kernel == kernel_mpm) return
     do side = 1, 2
       if (mesh%wall(side, axis) == wall_free) cycle
       call ghost_point(field, mesh, axis, side, .false., ghost, image)
-      do s = field%plane_work(plane1), field%plane_work(plane2 + 1) - 1
+      call ghost_intervals(field, axis, ghost, plane1, plane2, first, last)
+      do s = first, last
         call ghost_records(field, s, axis, ghost, image, to, from, n)
         if (n == 0) cycle
         do c = 1, size(columns)
@@ -123,6 +125,29 @@ contains
       image = wall - 1
     end if
   end subroutine ghost_point
+
+  !> Work intervals of some planes among which those behind a wall are: along the slowest axis only
+  !! one plane is.
+  pure subroutine ghost_intervals(field, axis, ghost, plane1, plane2, first, last)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: axis, ghost, plane1, plane2
+    integer, intent(out) :: first, last
+    integer :: p1, p2
+    p1 = plane1
+    p2 = plane2
+    if (axis > 1 .and. axis == field%ndim) then
+      do while (p1 <= plane2)
+        if (field%plane_k(p1) >= ghost) exit
+        p1 = p1 + 1
+      end do
+      p2 = p1 - 1
+      if (p1 <= plane2) then
+        if (field%plane_k(p1) == ghost) p2 = p1
+      end if
+    end if
+    first = field%plane_work(p1)
+    last = field%plane_work(p2 + 1) - 1
+  end subroutine ghost_intervals
 
   !> Records of the points of work interval s that lie behind the wall, and of their images; n = 0:
   !! none.

@@ -34,7 +34,7 @@ contains
     type(body_t), intent(inout) :: bodies(:)
     type(plan_t), intent(in) :: plan
     integer, intent(in) :: plane1, plane2
-    real(dp), intent(inout) :: sums(sweep_sums, plane1:plane2, size(bodies))
+    real(dp), intent(inout) :: sums(:, :, :)     !! (sweep_sums, planes of the field, bodies)
     type(workspace_t), intent(inout) :: work
     type(task_t) :: task
     integer :: plane, b, slot, nq
