@@ -5,14 +5,13 @@
 program sgmp
   use, intrinsic :: iso_c_binding, only: c_int
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-  use mpi_f08, only: mpi_abort, mpi_comm_size, mpi_comm_world, mpi_finalize, mpi_init_thread, &
-                     mpi_thread_funneled
   use omp_lib, only: omp_get_max_threads
-  use sgmp_command_line, only: action_help, action_markdown, action_version, command_line_read, &
-                               command_line_t
+  use sgmp_command_line, only: action_help, action_markdown, action_run, action_version, &
+                               command_line_read, command_line_t
   use sgmp_deck, only: deck_read
   use sgmp_deck_errors, only: deck_errors_t
   use sgmp_errors, only: error_t, exit_deck, exit_ok
+  use sgmp_parallel, only: parallel_agree, parallel_end, parallel_rank, parallel_start
   use sgmp_registry_help, only: registry_write_help, registry_write_markdown
   use sgmp_scene, only: scene_free, scene_t
   use sgmp_simulation, only: simulation_check, simulation_run
@@ -27,18 +26,17 @@ program sgmp
   end interface
   type(command_line_t) :: options
   type(error_t), allocatable :: error
-  integer :: provided, ranks, status
-  call mpi_init_thread(mpi_thread_funneled, provided)
+  integer :: status
+  call parallel_start()
   status = exit_ok
   call command_line_read(options, error)
   if (.not. allocated(error)) call act(options, error, status)
+  call parallel_agree(error)
   if (allocated(error)) then
-    call report(error)
+    if (parallel_rank() == 0) call report(error)
     status = error%code
   end if
-  call mpi_comm_size(mpi_comm_world, ranks)
-  if (status /= exit_ok .and. ranks > 1) call mpi_abort(mpi_comm_world, status)
-  call mpi_finalize()
+  call parallel_end()
   call c_exit(int(status, c_int))
 
 contains
@@ -49,6 +47,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer, intent(out) :: status
     status = exit_ok
+    if (options%action /= action_run .and. parallel_rank() > 0) return
     select case (options%action)
     case (action_help)
       call registry_write_help(output_unit, options%keyword, error)
@@ -72,11 +71,13 @@ contains
     status = exit_ok
     call deck_read(options%deck, options%settings, scene, errors)
     if (errors%count() > 0) then
-      call errors%print(error_unit)
+      if (parallel_rank() == 0) call errors%print(error_unit)
       status = exit_deck
       return
     end if
-    if (errors%warnings() > 0 .and. .not. options%quiet) call errors%print(error_unit)
+    if (errors%warnings() > 0 .and. .not. options%quiet .and. parallel_rank() == 0) then
+      call errors%print(error_unit)
+    end if
     threads = options%threads
     if (threads == 0) threads = omp_get_max_threads()
     if (options%check) then

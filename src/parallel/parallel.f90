@@ -1,0 +1,229 @@
+!> The ranks of a run: who there is, and what they find out together.
+!!
+!! The communicator is the one thing here that is global (`parallel_attach` sets it). A program that never starts MPI, such as a unit test, is a run of one rank, for which
+!! every procedure returns at once.
+module sgmp_parallel
+  use mpi_f08
+  use sgmp_errors, only: error_t
+  use sgmp_exact_sum, only: exact_add, exact_digits, exact_total
+  use sgmp_kinds, only: dp, i4, i8
+  implicit none
+  private
+  public :: parallel_start, parallel_end, parallel_attach
+  public :: parallel_rank, parallel_ranks, parallel_communicator
+  public :: parallel_any, parallel_sum, parallel_min, parallel_max, parallel_max_place
+  public :: parallel_exact_sums, parallel_scan, parallel_agree, parallel_deal
+
+  type(mpi_comm) :: communicator
+  integer :: own_rank = 0, all_ranks = 1
+
+  interface parallel_sum
+    module procedure sum_one, sum_many
+  end interface parallel_sum
+
+contains
+
+  !> Starts MPI; only the thread that calls it talks to other ranks.
+  subroutine parallel_start()
+    integer :: provided
+    call mpi_init_thread(mpi_thread_funneled, provided)
+    call parallel_attach(mpi_comm_world)
+  end subroutine parallel_start
+
+  !> Makes the ranks of a communicator those of the run, where MPI is already running (tests).
+  subroutine parallel_attach(all)
+    type(mpi_comm), intent(in) :: all
+    communicator = all
+    call mpi_comm_rank(communicator, own_rank)
+    call mpi_comm_size(communicator, all_ranks)
+  end subroutine parallel_attach
+
+  !> Ends MPI; all ranks must come here.
+  subroutine parallel_end()
+    call mpi_finalize()
+    own_rank = 0
+    all_ranks = 1
+  end subroutine parallel_end
+
+  !> This rank, from 0.
+  function parallel_rank() result(rank)
+    integer :: rank
+    rank = own_rank
+  end function parallel_rank
+
+  !> Number of ranks.
+  function parallel_ranks() result(ranks)
+    integer :: ranks
+    ranks = all_ranks
+  end function parallel_ranks
+
+  !> The communicator of all ranks, for parallel files; only with MPI started.
+  function parallel_communicator() result(all)
+    type(mpi_comm) :: all
+    all = communicator
+  end function parallel_communicator
+
+  !> Whether it is so on any rank.
+  function parallel_any(here) result(anywhere)
+    logical, intent(in) :: here
+    logical :: anywhere
+    anywhere = here
+    if (all_ranks == 1) return
+    call mpi_allreduce(here, anywhere, 1, mpi_logical, mpi_lor, communicator)
+  end function parallel_any
+
+  function sum_one(here) result(total)
+    integer(i8), intent(in) :: here
+    integer(i8) :: total
+    total = here
+    if (all_ranks == 1) return
+    call mpi_allreduce(here, total, 1, mpi_integer8, mpi_sum, communicator)
+  end function sum_one
+
+  function sum_many(here) result(total)
+    integer(i8), intent(in) :: here(:)
+    integer(i8) :: total(size(here))
+    total = here
+    if (all_ranks == 1) return
+    call mpi_allreduce(here, total, size(here), mpi_integer8, mpi_sum, communicator)
+  end function sum_many
+
+  !> Smallest of the ranks' values.
+  function parallel_min(here) result(least)
+    real(dp), intent(in) :: here
+    real(dp) :: least
+    least = here
+    if (all_ranks == 1) return
+    call mpi_allreduce(here, least, 1, mpi_double_precision, mpi_min, communicator)
+  end function parallel_min
+
+  !> Largest of the ranks' values.
+  function parallel_max(here) result(largest)
+    real(dp), intent(in) :: here
+    real(dp) :: largest
+    largest = here
+    if (all_ranks == 1) return
+    call mpi_allreduce(here, largest, 1, mpi_double_precision, mpi_max, communicator)
+  end function parallel_max
+
+  !> Largest of the ranks' values and where it was found; of equals that with the smallest `order`,
+  !! then that of the lowest rank.
+  subroutine parallel_max_place(value, place, order)
+    real(dp), intent(inout) :: value
+    integer(i4), intent(inout) :: place      !! goes along with the value, e.g. a particle's id
+    integer, intent(in) :: order
+    real(dp) :: own(2), best(2)
+    integer :: winner
+    if (all_ranks == 1) return
+    own = [value, real(order, dp)*all_ranks + own_rank]
+    call mpi_allreduce(own, best, 1, mpi_2double_precision, mpi_maxloc, communicator)
+    winner = mod(nint(best(2)), all_ranks)
+    value = best(1)
+    call mpi_bcast(place, 1, mpi_integer4, winner, communicator)
+  end subroutine parallel_max_place
+
+  !> Sums over all columns of all ranks with one rounding, so that they do not depend on the order
+  !! or on who holds which column.
+  subroutine parallel_exact_sums(terms, sums)
+    real(dp), intent(in) :: terms(:, :)      !! (quantities, columns)
+    real(dp), intent(out) :: sums(:)         !! (quantities)
+    integer(i8), allocatable :: digits(:, :)
+    integer :: c, q
+    if (all_ranks == 1 .and. size(terms, 2) == 1) then
+      sums = terms(:, 1)
+      return
+    end if
+    allocate (digits(exact_digits, size(sums)), source=0_i8)
+    do c = 1, size(terms, 2)
+      do q = 1, size(sums)
+        call exact_add(digits(:, q), terms(q, c))
+      end do
+    end do
+    if (all_ranks > 1) then
+      call mpi_allreduce(mpi_in_place, digits, size(digits), mpi_integer8, mpi_sum, communicator)
+    end if
+    do q = 1, size(sums)
+      sums(q) = exact_total(digits(:, q))
+    end do
+  end subroutine parallel_exact_sums
+
+  !> Sum over the ranks before this one: where its share of a common list begins, from 0.
+  function parallel_scan(here) result(before)
+    integer(i8), intent(in) :: here
+    integer(i8) :: before
+    before = 0_i8
+    if (all_ranks == 1) return
+    call mpi_exscan(here, before, 1, mpi_integer8, mpi_sum, communicator)
+    if (own_rank == 0) before = 0_i8
+  end function parallel_scan
+
+  !> Makes an error of any rank one of all; where several have one, that of the lowest rank.
+  subroutine parallel_agree(error)
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: own, first, lengths(4)
+    character(:), allocatable :: text
+    if (all_ranks == 1) return
+    own = merge(own_rank, all_ranks, allocated(error))
+    call mpi_allreduce(own, first, 1, mpi_integer, mpi_min, communicator)
+    if (first == all_ranks) return
+    lengths = 0
+    if (own_rank == first) lengths = [error%code, len(error%location), len(error%message), &
+                                      len(error%remedy)]
+    call mpi_bcast(lengths, size(lengths), mpi_integer, first, communicator)
+    allocate (character(sum(lengths(2:))) :: text)
+    if (own_rank == first) text = error%location//error%message//error%remedy
+    call mpi_bcast(text, len(text), mpi_character, first, communicator)
+    if (allocated(error)) deallocate (error)
+    allocate (error)
+    error%code = lengths(1)
+    error%location = text(:lengths(2))
+    error%message = text(lengths(2) + 1:lengths(2) + lengths(3))
+    error%remedy = text(lengths(2) + lengths(3) + 1:)
+  end subroutine parallel_agree
+
+  !> Deals columns out to ranks: each goes to its destination, and arrives behind those of lower
+  !! ranks, in the order of its own rank.
+  subroutine parallel_deal(columns, destination, received)
+    real(dp), intent(in) :: columns(:, :)    !! (values, columns)
+    integer, intent(in) :: destination(:)    !! (columns) rank, from 0
+    real(dp), allocatable, intent(out) :: received(:, :)
+    real(dp), allocatable :: packed(:, :)
+    integer :: counts(0:all_ranks - 1), theirs(0:all_ranks - 1), place(0:all_ranks - 1)
+    integer :: c, r, width
+    type(mpi_datatype) :: column
+    if (all_ranks == 1) then
+      received = columns
+      return
+    end if
+    width = size(columns, 1)
+    counts = 0
+    do c = 1, size(destination)
+      counts(destination(c)) = counts(destination(c)) + 1
+    end do
+    call mpi_alltoall(counts, 1, mpi_integer, theirs, 1, mpi_integer, communicator)
+    place = offsets(counts)
+    allocate (packed(width, size(destination)), received(width, sum(theirs)))
+    do c = 1, size(destination)
+      r = destination(c)
+      place(r) = place(r) + 1
+      packed(:, place(r)) = columns(:, c)
+    end do
+    call mpi_type_contiguous(width, mpi_double_precision, column)
+    call mpi_type_commit(column)
+    call mpi_alltoallv(packed, counts, offsets(counts), column, received, theirs, &
+                       offsets(theirs), column, communicator)
+    call mpi_type_free(column)
+  end subroutine parallel_deal
+
+  !> Sums of the counts before each.
+  pure function offsets(counts) result(before)
+    integer, intent(in) :: counts(:)
+    integer :: before(size(counts))
+    integer :: r
+    before(1) = 0
+    do r = 2, size(counts)
+      before(r) = before(r - 1) + counts(r - 1)
+    end do
+  end function offsets
+
+end module sgmp_parallel
