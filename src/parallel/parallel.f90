@@ -1,9 +1,15 @@
 !> The ranks of a run: who there is, and what they find out together.
 !!
-!! The communicator is the one thing here that is global (`parallel_attach` sets it). A program that never starts MPI, such as a unit test, is a run of one rank, for which
-!! every procedure returns at once.
+!! The communicator is the one thing here that is global (`parallel_attach` sets it). A program that
+!! never starts MPI, such as a unit test, is a run of one rank, for which every procedure returns at
+!! once.
 module sgmp_parallel
-  use mpi_f08
+  use mpi_f08, only: mpi_allreduce, mpi_alltoall, mpi_alltoallv, mpi_bcast, mpi_character, mpi_comm, &
+                     mpi_comm_rank, mpi_comm_size, mpi_comm_world, mpi_datatype, &
+                     mpi_double_precision, mpi_exscan, mpi_finalize, mpi_in_place, &
+                     mpi_init_thread, mpi_integer, mpi_integer4, mpi_integer8, mpi_logical, &
+                     mpi_lor, mpi_max, mpi_maxloc, mpi_min, mpi_sum, mpi_thread_funneled, &
+                     mpi_2double_precision, mpi_type_commit, mpi_type_contiguous, mpi_type_free
   use sgmp_errors, only: error_t
   use sgmp_exact_sum, only: exact_add, exact_digits, exact_total
   use sgmp_kinds, only: dp, i4, i8
