@@ -4,16 +4,19 @@ module sgmp_timers
   implicit none
   private
   public :: timers_t, timers_start, timers_stop, wall_time, phase_names
-  public :: phase_kick, phase_drift, phase_grid, phase_rebin, phase_output, phase_count
+  public :: phase_kick, phase_drift, phase_grid, phase_rebin, phase_output, phase_probe, &
+            phase_count
 
   integer, parameter :: phase_kick = 1   !! momentum sweep over the particles
   integer, parameter :: phase_drift = 2  !! stress sweep over the particles
   integer, parameter :: phase_grid = 3   !! nodes, walls
   integer, parameter :: phase_rebin = 4  !! particles that change bins, new grid rows
   integer, parameter :: phase_output = 5
-  integer, parameter :: phase_count = 5
+  integer, parameter :: phase_probe = 6  !! search for the largest stable step (cfl=auto)
+  integer, parameter :: phase_count = 6
   character(16), parameter :: phase_names(phase_count) = &
-      [character(16) :: 'momentum sweep', 'stress sweep', 'grid', 're-binning', 'output']
+      [character(16) :: 'momentum sweep', 'stress sweep', 'grid', 're-binning', 'output', &
+                          'step limit']
 
   !> Seconds spent in each phase.
   type :: timers_t

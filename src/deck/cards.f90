@@ -22,6 +22,7 @@ module sgmp_cards
     character(:), allocatable :: text      !! after replacement of `$name`; words in lower case
     type(position_t) :: position           !! of the value, or of the card where not given
     real(dp) :: number = 0.0_dp            !! real, integer
+    logical :: named = .false.             !! real: one of the key's words instead of a number
     logical :: flag = .false.              !! logical
     real(dp) :: vector(3) = 0.0_dp         !! vector; interval: lower, upper
     integer :: components = 0              !! of the vector
@@ -352,6 +353,11 @@ contains
       failed = .false.
       select case (key%kind)
       case (kind_real)
+        value%named = word_in_list(word_lower(value%text), key%choices) > 0
+        if (value%named) then
+          value%text = word_lower(value%text)
+          return
+        end if
         call parameters%number(value%text, value%position, value%number, failed, errors)
         if (.not. failed) call check_range(key, value, failed, errors)
       case (kind_integer)

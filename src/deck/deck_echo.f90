@@ -125,6 +125,7 @@ contains
     select case (kind)
     case (kind_real, kind_integer)
       text = real_text_plain(value%number)
+      if (value%named) text = value%text
     case (kind_logical)
       text = trim(merge('yes', 'no ', value%flag))
     case (kind_vector)

@@ -107,8 +107,9 @@ contains
     call registry%card('time', 'Time integration; end or steps must be given.', &
                        'time end=80e-3 cfl=0.8', once=.true.)
     call registry%key('end', kind_real, 'end time', unit='time', range='(0,inf)')
-    call registry%key('cfl', kind_real, 'Courant number: dt = cfl*h/(c+|v|)', range='(0,inf)', &
-                      default='0.5', source='Eq. 69')
+    call registry%key('cfl', kind_real, 'Courant number: dt = cfl*h/(c+|v|); auto: the largest '// &
+                      'that is safe for the scheme on this scene', range='(0,inf)', &
+                      choices='auto', default='0.5', source='Eq. 69; doc/time-step.md')
     call registry%key('dt', kind_real, 'fixed time step instead of the Courant number', &
                       unit='time', &
                       range='(0,inf)')

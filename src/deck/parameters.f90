@@ -99,7 +99,9 @@ contains
       from_deck = new
       call interpret(self, name, self%settings(i)%value, .false., self%settings(i)%position, new, &
                      errors)
-      if (new%is_word .and. .not. from_deck%is_word) then
+      ! `auto` stands for a number that the program finds; the key it goes to says if it may.
+      if (new%is_word .and. .not. from_deck%is_word .and. &
+          self%settings(i)%value /= 'auto') then
         call errors%add(self%settings(i)%position, &
                         "'"//trim(new%name)//"' is a number in the deck, '"// &
                         self%settings(i)%value//"' is not", 'give a number')

@@ -74,6 +74,7 @@ module sgmp_scene
   type :: time_card_t
     real(dp) :: end = 0.0_dp       !! end time
     real(dp) :: cfl = 0.5_dp       !! Courant number of Eq. 69
+    logical :: cfl_auto = .false.  !! found by the program instead
     real(dp) :: dt = 0.0_dp        !! fixed step; 0: from the Courant number
     real(dp) :: dt_min = 0.0_dp    !! abort below this; 0: 1e-6 of the first step
     real(dp) :: growth = 1.05_dp   !! largest ratio of successive steps

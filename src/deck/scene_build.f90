@@ -151,6 +151,7 @@ contains
     type(scene_t), intent(inout) :: scene
     scene%time%end = card%number('end', absent=huge(1.0_dp))
     scene%time%cfl = card%number('cfl')
+    scene%time%cfl_auto = card%has('cfl') .and. card%word('cfl') == 'auto'
     scene%time%dt = card%number('dt')
     scene%time%dt_min = card%number('dt_min')
     scene%time%growth = card%number('growth')

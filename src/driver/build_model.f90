@@ -332,6 +332,7 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(inout) :: model
     model%clock%cfl = scene%time%cfl
+    model%clock%automatic = scene%time%cfl_auto
     model%clock%fixed = scene%time%dt
     model%clock%growth = scene%time%growth
     model%clock%smallest = scene%time%dt_min

@@ -5,7 +5,7 @@ module sgmp_phases
   use sgmp_contact_phases, only: contact_detect, contact_layout, contact_trial, contact_velocity, &
                                  rigid_choose_speed, rigid_field, rigid_solve, rigid_velocity
   use sgmp_errors, only: error_make, exit_numerical
-  use sgmp_field, only: field_build, field_t
+  use sgmp_field, only: field_build, field_forces, field_t
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: stencil_width
   use sgmp_model, only: model_t
@@ -36,7 +36,7 @@ module sgmp_phases
   implicit none
   private
   public :: phase_layout, phase_normalise, phase_sweep, phase_rebin_particles, phase_solve, &
-            phase_velocity, phase_remap
+            phase_velocity, phase_remap, phase_mirror
 
   character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
 
@@ -163,7 +163,8 @@ contains
       plan%first_column = 2 + field%ndim
     end if
     plan%last_column = merge(field%nmoment, 1 + field%ndim, plan%stress)
-    plan%volume = plan%stress .and. field%volume_column > 0
+    if (plan%probe .and. plan%stress) plan%last_column = 1 + field%ndim + field_forces(field)
+    plan%volume = plan%stress .and. field%volume_column > 0 .and. .not. plan%probe
   end subroutine choose_columns
 
   subroutine sweep_own_slab(model, plan, f, t, sums)
@@ -407,14 +408,14 @@ contains
   end subroutine fold
 
   !> Fills nodes behind walls with their mirror images, in all fields that the walls act on.
-  subroutine mirror_all(model, columns)
+  subroutine phase_mirror(model, columns)
     type(model_t), intent(inout) :: model
     integer, intent(in) :: columns(:)
     integer :: f
     do f = 1, size(model%fields)
       if (rigid_field(model, f) == 0) call mirror(model, f, columns)
     end do
-  end subroutine mirror_all
+  end subroutine phase_mirror
 
   !> Fills nodes behind walls with their mirror images.
   subroutine mirror(model, f, columns)
@@ -500,7 +501,7 @@ contains
     end do
     if (model%update /= update_usf) call contact_detect(model)
     call contact_trial(model, dt)
-    call mirror_all(model, [1, model%mesh%ndim + 1])
+    call phase_mirror(model, [1, model%mesh%ndim + 1])
   end subroutine phase_solve
 
   !> Nodal velocity before the stress update (USF).
@@ -529,7 +530,7 @@ contains
     end do
     call contact_detect(model)
     call contact_velocity(model, model%mesh%ndim + 1)
-    call mirror_all(model, [model%mesh%ndim + 1])
+    call phase_mirror(model, [model%mesh%ndim + 1])
   end subroutine phase_velocity
 
   !> Nodal velocity re-mapped from the updated particles (MUSL).
@@ -557,7 +558,7 @@ contains
       !$omp end parallel do
     end do
     call contact_velocity(model, 1)
-    call mirror_all(model, [1])
+    call phase_mirror(model, [1])
   end subroutine phase_remap
 
 end module sgmp_phases

@@ -17,8 +17,8 @@ module sgmp_report
   use sgmp_version, only: commit_hash, compiler_string, version_string
   implicit none
   private
-  public :: effort_t, report_banner, report_end, report_fraction, report_level, report_remaining, &
-            report_row, report_start, summary_write
+  public :: effort_t, report_banner, report_courant, report_end, report_fraction, report_level, &
+            report_remaining, report_row, report_start, summary_write
 
   !> What a run has cost.
   type :: effort_t
@@ -61,6 +61,15 @@ contains
                   integer_text(sum(model%bodies%particles%count))//' particles, '// &
                   integer_text(sum(model%fields%points))//' grid points')
   end subroutine report_start
+
+  !> The Courant number that the program has found.
+  function report_courant(model) result(line)
+    type(model_t), intent(in) :: model
+    character(:), allocatable :: line
+    line = 'cfl = '//real_text(model%clock%cfl)//' from step '// &
+           integer_text(model%clock%step + 1)//' on; the limit with resting particles is '// &
+           real_text(model%clock%limit)
+  end function report_courant
 
   !> The part of the run that is done, 0 to 1.
   pure function report_fraction(scene, model) result(fraction)
@@ -177,7 +186,8 @@ contains
     call summary%set('method', trim(method_names(scene%method%kind)))
     call summary%set('update', trim(update_names(scene%method%update)))
     call summary%set('dimension', scene%dimension)
-    call summary%set('cfl', scene%time%cfl)
+    call summary%set('cfl', model%clock%cfl)
+    call summary%set('cfl_limit', model%clock%limit)
     call summary%set('h', scene%grid%cell)
     call summary%set('spacing', model%bodies(1)%spacing)
     call summary%set('particles', sum(model%bodies%particles%count))

@@ -10,14 +10,15 @@ module sgmp_simulation
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_close, outputs_next_time, outputs_open, outputs_step, outputs_t
-  use sgmp_report, only: effort_t, report_banner, report_end, report_fraction, report_level, &
-                         report_remaining, report_row, report_start, summary_write
+  use sgmp_report, only: effort_t, report_banner, report_courant, report_end, report_fraction, &
+                         report_level, report_remaining, report_row, report_start, summary_write
   use sgmp_run_log, only: log_t
   use sgmp_scene, only: scene_t
+  use sgmp_stability, only: stability_choose
   use sgmp_step, only: step_take
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: clock_advance, clock_choose
-  use sgmp_timers, only: phase_output, timers_start, timers_stop, timers_t, wall_time
+  use sgmp_timers, only: phase_output, phase_probe, timers_start, timers_stop, timers_t, wall_time
   implicit none
   private
   public :: simulation_run, simulation_check
@@ -33,6 +34,7 @@ contains
     allocate (model)
     call model_build(scene, threads, model, error)
     if (allocated(error)) return
+    call stability_choose(model)
     call bill_write(scene, model)
   end subroutine simulation_check
 
@@ -83,11 +85,15 @@ contains
     integer(i8), intent(inout) :: particle_steps
     type(error_t), allocatable, intent(out) :: error
     real(dp) :: target, started, shown
-    logical :: ok
+    logical :: ok, found
     started = wall_time()
     shown = started - 1.0e9_dp
     do while (.not. finished(scene, model))
       target = outputs_next_time(outputs, scene)
+      call timers_start(model%timers)
+      call stability_choose(model, found)
+      if (found) call log%line(report_courant(model))
+      call timers_stop(model%timers, phase_probe)
       call clock_choose(model%clock, model%mesh%h, model%fastest, target, ok)
       if (.not. ok) then
         call step_too_small(scene, model, error)

@@ -11,7 +11,7 @@ module sgmp_field
   use sgmp_transfer_kinds, only: kernel_sgmp
   implicit none
   private
-  public :: field_t, field_init, field_build, field_base, field_bytes
+  public :: field_t, field_init, field_build, field_base, field_bytes, field_forces
 
   !> Layout and grid values of a velocity field.
   type :: field_t
@@ -93,6 +93,14 @@ contains
     call field_move(field, new)
     call field_swap(new, field)
   end subroutine field_build
+
+  !> Columns of the moments behind mass and momentum that hold internal forces: sigma V at auxiliary
+  !! nodes (SGMP), forces at nodes (MPM, GIMP).
+  pure function field_forces(field) result(columns)
+    type(field_t), intent(in) :: field
+    integer :: columns
+    columns = merge(field%ndim*(field%ndim + 1)/2, field%ndim, field%kernel == kernel_sgmp)
+  end function field_forces
 
   !> Axes (i, j, k) that exist: in 2D the y axis is the k axis.
   pure function active_axes(ndim) result(active)

@@ -6,12 +6,13 @@
 !! Chunks are many and small, so what is the same for all of them is worked out once, in a task.
 module DIM(sgmp_chunk)
   use sgmp_body, only: body_t
+  use sgmp_constitutive, only: constitutive_t
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_mesh, only: mesh_t, stencil_shift, stencil_width
   use sgmp_movers, only: movers_add, movers_t
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sweep_sums, workspace_t
-  use DIM(sgmp_stress_update), only: stress_flux, stress_update
+  use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use DIM(sgmp_transfer), only: gimp_gather, gimp_gradients, gimp_scatter, gimp_weights, &
                                 linear_gather, linear_gradients, linear_scatter, &
                                 linear_scatter_force, linear_weights
@@ -101,6 +102,11 @@ contains
     if (task%kernel == kernel_gimp) call particle_size(body, nb, b, half)
     call gather(task, plan%gradient > 0, xi, half, row, records, got)
     if (nl < lanes) call hold_pads(task%stride, task%live(1, nl), got)
+    if (plan%probe) then
+      call probe(body%law, plan%stress, task, task%live(1, nl), a(1, 2*NDIM + 1), got, values)
+      call scatter(task, plan%stress, nl, xi, half, values, stencil)
+      return
+    end if
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
                              got(1, task%velocity), a, lane_sums)
     if (plan%drift) call drift(task%dt_cells, task%live(1, nl), origin, got(1, task%velocity), a, &
@@ -126,6 +132,24 @@ contains
                                   values, movers)
     call scatter(task, plan%stress, nl, xi, half, values, stencil)
   end subroutine chunk_advance
+
+  !> What particles of wave speed 1 answer to the velocity they read: the stress m C : L, with the
+  !! body's ratio of shear to wave modulus, or the momentum m v.
+  pure subroutine probe(law, stress, task, live, mass, got, values)
+    type(constitutive_t), intent(in) :: law
+    logical, intent(in) :: stress                !! or the momentum
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: live(lanes), mass(lanes), got(lanes, most_gathered)
+    real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
+    integer :: d
+    if (stress) then
+      call stress_probe(law, live*mass, got(1, task%gradient), values(1, task%flux + 1))
+    else
+      do d = 1, NDIM
+        values(:, d) = mass*got(:, d)
+      end do
+    end if
+  end subroutine probe
 
   !> Pads are given nothing, so they stay as they are.
   pure subroutine hold_pads(n, live, got)

@@ -19,6 +19,8 @@ module sgmp_plan
   !> One sweep: gather, advance, scatter.
   type :: plan_t
     logical :: volume = .false.            !! with the stress, the particles' volume
+    logical :: probe = .false.  !! nothing advances: particles answer with the stress or momentum of
+                                !! what they read, per wave modulus and mass (sgmp_stability)
     logical :: kick = .false.              !! v += a dt_kick
     logical :: drift = .false.             !! x += v_grid dt
     logical :: strain = .false.            !! stress update over dt

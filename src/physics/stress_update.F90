@@ -21,19 +21,23 @@ module DIM(sgmp_stress_update)
   use sgmp_viscosity, only: viscosity_lanes
   implicit none
   private
-  public :: stress_update, stress_flux, stress_sums, sum_internal, sum_viscous
+  public :: stress_update, stress_flux, stress_probe, stress_sums, sum_internal, sum_viscous
 
   integer, parameter :: stress_sums = 2  !! entries of `sums`
   integer, parameter :: sum_internal = 1  !! growth of internal energy
   integer, parameter :: sum_viscous = 2  !! part of it that the bulk viscosity dissipates
 
-  !> Stress component of each flux (and strain) component.
+  !> Stress component of each flux (and strain) component, and its two axes.
 #if NDIM == 1
   integer, parameter :: stress_of(NFLUX) = [1]
+  integer, parameter :: strain_pair(2, NFLUX) = reshape([1, 1], [2, NFLUX])
 #elif NDIM == 2
   integer, parameter :: stress_of(NFLUX) = [1, 2, 4]
+  integer, parameter :: strain_pair(2, NFLUX) = reshape([1, 1, 2, 2, 1, 2], [2, NFLUX])
 #else
   integer, parameter :: stress_of(NFLUX) = [1, 2, 3, 4, 5, 6]
+  integer, parameter :: strain_pair(2, NFLUX) = &
+    reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 1, 3], [2, NFLUX])
 #endif
 
 contains
@@ -120,6 +124,31 @@ contains
       end do
     end do
   end subroutine stress_flux
+
+  !> Stress of an elastic body of unit wave modulus, times the weight of each lane.
+  pure subroutine stress_probe(law, weight, grad, flux)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: weight(lanes), grad(lanes, NGRAD)
+    real(dp), intent(out) :: flux(lanes, NFLUX)
+    real(dp) :: shear, lame, trace(lanes)
+    integer :: a, b, c
+    shear = 0.0_dp  ! a fluid
+    if (law%elastic%shear > 0.0_dp) then
+      shear = law%elastic%shear/(law%elastic%lambda + 2.0_dp*law%elastic%shear)
+    end if
+    lame = 1.0_dp - 2.0_dp*shear
+    trace = 0.0_dp
+    do a = 1, NDIM
+      trace = trace + grad(:, (a - 1)*NDIM + a)
+    end do
+    do c = 1, NFLUX
+      a = strain_pair(1, c)
+      b = strain_pair(2, c)
+      flux(:, c) = shear*(grad(:, (a - 1)*NDIM + b) + grad(:, (b - 1)*NDIM + a))
+      if (a == b) flux(:, c) = flux(:, c) + lame*trace
+      flux(:, c) = weight*flux(:, c)
+    end do
+  end subroutine stress_probe
 
   !> Strain increment, new volume, and the trial stress of an elastic step: the stress turned by the
   !! step's spin (Jaumann rate) plus Hooke's law.

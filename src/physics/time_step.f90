@@ -21,6 +21,9 @@ module sgmp_time_step
     real(dp) :: dt_free = 0.0_dp       !! last step before it was cut to land on an output time
     real(dp) :: cfl = 0.5_dp, fixed = 0.0_dp, growth = 1.05_dp
     real(dp) :: smallest = 0.0_dp      !! lower bound
+    logical :: automatic = .false.     !! cfl follows from the scheme (sgmp_stability)
+    integer :: next_probe = 0          !! step at which it is found anew
+    real(dp) :: limit = 0.0_dp         !! largest stable one when it was found last
     integer :: limited_by = limit_fixed
   end type clock_t
 
