@@ -17,8 +17,8 @@ module DIM(sgmp_sweep)
   use sgmp_movers, only: movers_reset, movers_t
   use sgmp_plan, only: plan_t, sweep_sums, workspace_t
   use sgmp_rows, only: key_j, key_k
-  use DIM(sgmp_transfer), only: flux_of, gimp_carry, gimp_gradients, gimp_weights, linear_carry, &
-                                linear_gradients, linear_weights
+  use DIM(sgmp_transfer), only: flux_of, linear_carry, linear_gradients, linear_weights
+  use DIM(sgmp_transfer_gimp), only: gimp_carry, gimp_gradients, gimp_weights
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_sgmp
   implicit none
   private
@@ -442,7 +442,7 @@ contains
     type(movers_t), intent(in) :: movers
     integer, intent(in) :: who(:)                !! (<= lanes) movers
     real(dp), intent(out) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
-    real(dp) :: xi(lanes, NDIM), half(lanes, NDIM), b(lanes, body%particles%nb), &
+    real(dp) :: xi(lanes, NDIM), size_of(lanes, NDIM, 2), b(lanes, body%particles%nb), &
         slopes(lanes, NCORNER, NDIM)
     integer :: l, d
     xi = 0.5_dp
@@ -456,9 +456,9 @@ contains
       if (kernel == kernel_gimp) b(l, :) = movers%state(2*NDIM + 2:, who(l))
     end do
     if (kernel == kernel_gimp) then
-      call particle_size(body, body%particles%nb, b, half)
-      call gimp_weights(xi, half, w)
-      if (gradients) call gimp_gradients(xi, half, inverse_h, g)
+      call particle_size(body, body%particles%nb, b, size_of)
+      call gimp_weights(xi, size_of, w)
+      if (gradients) call gimp_gradients(xi, size_of, inverse_h, g)
     else
       call linear_weights(xi, w)
       if (gradients) call linear_gradients(xi, inverse_h, slopes)
