@@ -64,11 +64,11 @@ contains
   !! from its middle.
   !!
   !! With u = xi - 1/2 and t = p - u between 0 and 2p the lower node has the weight t^2/(4p), and
-  !! beyond, where the particle lies in its cell, -u - p more; the upper node is its mirror image, and
-  !! the middle one has the rest. The same as gimp_function, without a division.
+  !! beyond, where the particle lies in its cell, -u - p more; the upper node is its mirror image,
+  !! and the middle one has the rest. The same as gimp_function, without a division.
   pure subroutine gimp_axes(xi, size_of, inverse_h, s, d)
     real(dp), intent(in) :: xi(lanes, NDIM)        !! position in the bin, the middle node at 1/2
-    real(dp), intent(in) :: size_of(lanes, NDIM, 2)  !! particle half-size (cells, <= 1/2), 1/(2 half)
+    real(dp), intent(in) :: size_of(lanes, NDIM, 2)  !! half-size (cells, <= 1/2), 1/(2 half)
     real(dp), intent(in) :: inverse_h
     real(dp), intent(out) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM)  !! weights, slopes (1/length)
     integer :: l, axis
@@ -289,8 +289,8 @@ contains
 #endif
   end subroutine gimp_spread
 
-  !> Adds the particles' values to the accumulator of their stencil (MPM Eqs. 9, 10); pads must bring
-  !! zeros.
+  !> Adds the particles' values to the accumulator of their stencil (MPM Eqs. 9, 10); pads must
+  !! bring zeros.
   pure subroutine gimp_scatter(nq, spread, values, sums)
     integer, intent(in) :: nq
     type(gimp_spread_t), intent(in) :: spread
@@ -356,8 +356,8 @@ contains
             + w(e, 5)*v(5) + w(e, 6)*v(6) + w(e, 7)*v(7) + w(e, 8)*v(8)
   end function over_lanes
 
-  !> Flushes the accumulator's first x-layer to the plane buffers and moves the stencil one bin along
-  !! the row, as linear_carry does.
+  !> Flushes the accumulator's first x-layer to the plane buffers and moves the stencil one bin
+  !! along the row, as linear_carry does.
   pure subroutine gimp_carry(nq, sums, shift, place, planes)
     integer, intent(in) :: nq
 #if NDIM == 1
