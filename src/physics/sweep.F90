@@ -40,7 +40,7 @@ contains
     integer :: plane, b, slot, nq
     task = task_make(field%kernel, mesh, plan)
     nq = task%nq
-    call prepare(work, task, field%largest_plane, bodies)
+    call prepare(work, task, plan%drift, field%largest_plane, bodies)
     do plane = plane1, plane2
       slot = mod(plane, task%layers) + 1
       work%cleared = field%plane_store(plane)
@@ -58,9 +58,10 @@ contains
   end subroutine sweep_slab
 
   !> Makes a workspace fit for a sweep.
-  subroutine prepare(work, task, largest_plane, bodies)
+  subroutine prepare(work, task, drift, largest_plane, bodies)
     type(workspace_t), intent(inout) :: work
     type(task_t), intent(in) :: task
+    logical, intent(in) :: drift                 !! particles will move
     integer, intent(in) :: largest_plane
     type(body_t), intent(in) :: bodies(:)
     integer :: b
@@ -82,6 +83,7 @@ contains
                                                             task%layers))
     if (.not. allocated(work%movers)) allocate (work%movers(size(bodies)))
     do b = 1, size(bodies)
+      if (.not. drift) exit                      ! keep the room of the lists for the next that does
       call movers_reset(work%movers(b), bodies(b)%particles%na + bodies(b)%particles%nb, &
                         task%values)
     end do
