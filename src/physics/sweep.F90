@@ -400,21 +400,22 @@ contains
     end do
   end subroutine add_two_below
 
-  !> Adds particles that changed bins to the moments, one after the other in the order of their
-  !! ids. Weights are
+  !> Adds particles that changed bins to some columns of the moments, one after the other in the
+  !! order of their ids. Threads take columns, so that each sum keeps that order. Weights are
   !! computed for as many at a time as a chunk has lanes.
-  subroutine sweep_add_movers(mesh, field, body, plan, movers)
+  subroutine sweep_add_movers(mesh, field, body, plan, movers, column1, column2)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: field
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(movers_t), intent(in) :: movers         !! in their new bins
+    integer, intent(in) :: column1, column2      !! columns to add to
     type(task_t) :: task
     real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
-    integer :: r, l, n, first_force, who(lanes)
+    integer :: r, l, n, who(lanes), at(largest_stencil)
+    logical :: forces
     task = task_make(field%kernel, mesh, plan)
-    first_force = 0
-    if (plan%stress .and. field%kernel /= kernel_sgmp) first_force = 2 + NDIM
+    forces = plan%stress .and. field%kernel /= kernel_sgmp
     r = 1
     do while (r <= movers%n)
       n = 0
@@ -426,14 +427,29 @@ contains
         r = r + 1
       end do
       if (n == 0) exit
-      call mover_weights(mesh%inverse_h, field%kernel, body, first_force > 0, movers, who(:n), w, g)
+      call mover_weights(mesh%inverse_h, field%kernel, body, forces, movers, who(:n), w, g)
       do l = 1, n
-        call add_mover(field, body, plan, task, movers%row(who(l)), movers%bin(who(l)), &
-            movers%values(:, who(l)), l, &
-                       w, first_force, g)
+        call mover_points(body, task, movers%row(who(l)), movers%bin(who(l)), at)
+        call add_mover(task, forces, plan%first_column, column1, column2, at, l, w, g, &
+                       movers%values(1, who(l)), size(field%moment, 1), field%moment)
       end do
     end do
   end subroutine sweep_add_movers
+
+  !> Points of the stencil of a bin, x outermost.
+  pure subroutine mover_points(body, task, row, bin, at)
+    type(body_t), intent(in) :: body
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: row, bin              !! interval and bin
+    integer, intent(out) :: at(largest_stencil)
+    integer :: x, r, first
+    first = bin - body%particles%bin_start(row)
+    do x = 0, task%width - 1
+      do r = 1, task%rows
+        at(x*task%rows + r) = body%particles%place(r, row) + first + x
+      end do
+    end do
+  end subroutine mover_points
 
   !> Weights of some movers in their new bins, and where forces are scattered their gradients.
   pure subroutine mover_weights(inverse_h, kernel, body, gradients, movers, who, w, g)
@@ -469,34 +485,31 @@ contains
   end subroutine mover_weights
 
   !> One particle.
-  pure subroutine add_mover(field, body, plan, task, row, bin, values, lane, w, first_force, g)
-    type(field_t), intent(inout) :: field
-    type(body_t), intent(in) :: body
-    type(plan_t), intent(in) :: plan
+  pure subroutine add_mover(task, forces, first, column1, column2, at, lane, w, g, values, points, &
+                            moment)
     type(task_t), intent(in) :: task
-    integer, intent(in) :: row, bin, lane         !! new interval and bin; lane of the weights
-    integer, intent(in) :: first_force            !! first column of a force, 0: none
-    real(dp), intent(in) :: values(:), w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
-    integer :: e, x, r, q, a, b, at, nq
-    nq = plan%last_column - plan%first_column + 1
-    e = 0
-    do x = 0, task%width - 1
-      do r = 1, task%rows
-        e = e + 1
-        at = body%particles%place(r, row) + (bin - body%particles%bin_start(row)) + x
-        do q = 1, nq
-          field%moment(at, plan%first_column + q - 1) = field%moment(at, plan%first_column + q &
-                                                                     - 1) &
-                                                        + w(lane, e)*values(q)
-        end do
-        if (first_force == 0) cycle
-        do a = 1, NDIM
-          do b = 1, NDIM
-            field%moment(at, first_force + a - 1) = field%moment(at, first_force + a - 1) &
-                                                    - g(lane, e, b)*values(nq + flux_of(b, a))
+    logical, intent(in) :: forces                 !! MPM, GIMP: columns behind task%forces are forces
+    integer, intent(in) :: first                  !! column of the first value
+    integer, intent(in) :: column1, column2, at(largest_stencil)
+    integer, intent(in) :: lane, points           !! lane of the weights; extent of the moments
+    real(dp), intent(in) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
+    real(dp), intent(in) :: values(task%values)
+    real(dp), intent(inout) :: moment(points, column2)
+    integer :: e, q, a, b
+    do q = column1, column2
+      a = q - first + 1 - task%forces             ! axis of the force, if it is one
+      if (forces .and. a >= 1 .and. a <= NDIM) then
+        do b = 1, NDIM
+          do e = 1, task%width*task%rows
+            moment(at(e), q) = moment(at(e), q) &
+                               - g(lane, e, b)*values(task%flux + flux_of(b, a))
           end do
         end do
-      end do
+      else
+        do e = 1, task%width*task%rows
+          moment(at(e), q) = moment(at(e), q) + w(lane, e)*values(q - first + 1)
+        end do
+      end if
     end do
   end subroutine add_mover
 
