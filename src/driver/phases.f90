@@ -317,28 +317,38 @@ contains
     end associate
   end subroutine rebin_body
 
-  !> Adds the movers of one body to the grid.
+  !> Adds the movers of one body to the grid, every thread some columns of the moments.
   subroutine add_movers(model, plan, b)
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
     integer, intent(in) :: b
     type(plan_t) :: own
-    integer :: f
+    integer :: f, t, first, last, columns
     f = model%bodies(b)%field
     if (model%workspaces(1, f)%movers(b)%n == 0) return
     own = plan
     call choose_columns(own, model%fields(f))
-    select case (model%mesh%ndim)
-    case (1)
-      call sweep_add_movers_1d(model%mesh, model%fields(f), model%bodies(b), own, &
-                               model%workspaces(1, f)%movers(b))
-    case (2)
-      call sweep_add_movers_2d(model%mesh, model%fields(f), model%bodies(b), own, &
-                               model%workspaces(1, f)%movers(b))
-    case default
-      call sweep_add_movers_3d(model%mesh, model%fields(f), model%bodies(b), own, &
-                               model%workspaces(1, f)%movers(b))
-    end select
+    columns = own%last_column - own%first_column + 1
+    !$omp parallel do schedule(static, 1) num_threads(model%threads) if(model%threads > 1) &
+    !$omp& default(none) shared(model, own, b, f, columns) private(t, first, last)
+    do t = 1, model%threads
+      first = own%first_column + columns*(t - 1)/model%threads
+      last = own%first_column + columns*t/model%threads - 1
+      associate (movers => model%workspaces(1, f)%movers(b))
+        select case (model%mesh%ndim)
+        case (1)
+          call sweep_add_movers_1d(model%mesh, model%fields(f), model%bodies(b), own, movers, &
+                                   first, last)
+        case (2)
+          call sweep_add_movers_2d(model%mesh, model%fields(f), model%bodies(b), own, movers, &
+                                   first, last)
+        case default
+          call sweep_add_movers_3d(model%mesh, model%fields(f), model%bodies(b), own, movers, &
+                                   first, last)
+        end select
+      end associate
+    end do
+    !$omp end parallel do
   end subroutine add_movers
 
   !> Applies the deck's policy to movers that are leaving the grid: an error, reflection, or (later)

@@ -152,7 +152,7 @@ contains
   pure function hardening_power(base, exponent) result(power)
     real(dp), intent(in) :: base, exponent
     real(dp) :: power
-    power = exp(exponent*log(merge(base, tiny_number, base > tiny_number)))
+    power = exp(exponent*log(base + tiny_number))
     power = merge(power, 0.0_dp, base > tiny_number)
   end function hardening_power
 
@@ -222,7 +222,16 @@ contains
     type(jc_t), intent(in) :: law
     real(dp), intent(in) :: temperature(lanes)
     real(dp), intent(out) :: softening(lanes)
+    real(dp) :: hot
     integer :: p
+    hot = 0.0_dp
+    !$omp simd simdlen(8) reduction(+:hot)
+    do p = 1, lanes
+      softening(p) = 1.0_dp - jc_homologous_temperature(law, temperature(p))
+      hot = hot + (1.0_dp - softening(p))
+    end do
+    ! An exponent of 1 and cold lanes need no power.
+    if (.not. hot > 0.0_dp .or. .not. abs(law%thermal_exponent - 1.0_dp) > 0.0_dp) return
     !$omp simd simdlen(8)
     do p = 1, lanes
       softening(p) = jc_softening(law, temperature(p))

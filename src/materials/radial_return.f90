@@ -63,8 +63,9 @@ contains
     real(dp), intent(in) :: ep        !! strain
     real(dp), intent(in) :: exponent  !! n > 0
     real(dp) :: term
-    ! before the merge: a call inside it would become a branch
-    term = exp(exponent*log(greater(ep, tiny_strain)))
+    ! A sum, not the greater of the two: the compiler would see that the merge makes the comparison
+    ! needless, and log(0) is taken lane by lane.
+    term = exp(exponent*log(ep + tiny_strain))
     term = merge(term, 0.0_dp, ep > tiny_strain)
   end function hardening_power_term
 
@@ -100,10 +101,10 @@ contains
     real(dp), intent(in) :: over, slope, dep_reference, start
     real(dp) :: dep
     real(dp) :: q, rigid
-    q = over/greater(slope, tiny_strain*over)
-    dep = lesser(start, dep_reference*exp(lesser(q, largest_log)))
+    q = lesser(over/greater(slope, tiny_strain*over), largest_log)
+    q = lesser(log(start/dep_reference), q)
+    dep = dep_reference*exp(q)
     rigid = over*(dep/start)
-    q = log(dep/dep_reference)
     dep = dep*halley(rigid + slope*q - over, rigid + slope, rigid)
   end function start_rate
 
@@ -190,6 +191,11 @@ contains
     real(dp), intent(out) :: factor(lanes), dep(lanes)       !! as in radial_return_linear
     real(dp), dimension(lanes) :: hard, over, plastic, moving, ratio, least
     integer :: k, p
+    if (all_elastic(law, softening, trial)) then
+      factor = 1.0_dp
+      dep = 0.0_dp
+      return
+    end if
     call prepare_power(law, softening, trial, ep, hard, over, plastic, dep)
     moving = plastic
     least = 0.0_dp
@@ -213,6 +219,11 @@ contains
     real(dp), intent(out) :: factor(lanes), dep(lanes)       !! as in radial_return_linear
     real(dp), dimension(lanes) :: hard, over, plastic, moving, ratio, rate, least
     integer :: k, p
+    if (all_elastic(law, softening, trial)) then
+      factor = 1.0_dp
+      dep = 0.0_dp
+      return
+    end if
     call prepare_power(law, softening, trial, ep, hard, over, plastic, dep)
     moving = plastic
     if (any(moving > 0.0_dp)) then
@@ -228,6 +239,23 @@ contains
     end do steps
     call finish(law%shear3, trial, plastic, ep, factor, dep)
   end subroutine radial_return_rate
+
+  !> Whether every lane stays below the yield stress of the virgin material, whatever its hardening:
+  !! most of a body mostly does, and needs no power then.
+  pure function all_elastic(law, softening, trial) result(yes)
+    type(hardening_t), intent(in) :: law
+    real(dp), intent(in) :: softening(lanes), trial(lanes)
+    logical :: yes
+    real(dp) :: beyond
+    integer :: p
+    beyond = 0.0_dp
+    !$omp simd simdlen(8) reduction(+:beyond)
+    do p = 1, lanes
+      beyond = beyond + merge(1.0_dp, 0.0_dp, &
+                              trial(p) - softening(p)*law%yield > threshold*law%shear3)
+    end do
+    yes = beyond < 0.5_dp
+  end function all_elastic
 
   !> Static part: hardening at ep, overstress to solve for, lanes to iterate, start.
   pure subroutine prepare_power(law, softening, trial, ep, hard, over, plastic, dep)
@@ -264,21 +292,45 @@ contains
     real(dp), intent(out) :: rate(lanes)     !! C above the kink, 0 below
     real(dp), intent(out) :: least(lanes)    !! least possible dep
     real(dp), intent(inout) :: dep(lanes)    !! start without rate factor; start with
-    real(dp) :: kink
+    real(dp) :: above(lanes)
     integer :: p
-    !$omp simd simdlen(8) private(kink)
+    call find_side(law, softening, ep, hard, over, above)
+    !$omp simd simdlen(8)
     do p = 1, lanes
-      kink = hardening_power_term(ep(p) + law%dep_reference, law%exponent)
-      kink = law%shear3*law%dep_reference + softening(p)*law%modulus*kink - hard(p)
-      ! a number: several merges on one condition would become a branch
-      kink = merge(1.0_dp, 0.0_dp, kink < over(p))
-      rate(p) = kink*law%rate_coefficient
-      least(p) = kink*law%dep_reference
+      rate(p) = above(p)*law%rate_coefficient
+      least(p) = above(p)*law%dep_reference
       dep(p) = start_rate(over(p), rate(p)*(softening(p)*law%yield + hard(p)), &
                           law%dep_reference, dep(p))
       dep(p) = greater(least(p), dep(p))
     end do
   end subroutine prepare_rate
+
+  !> Whether the root lies above the kink of the rate factor: 1 or 0.
+  !!
+  !! The condition at the kink is below its tangent from ep where n <= 1; only where the tangent
+  !! leaves doubt is its power needed.
+  pure subroutine find_side(law, softening, ep, hard, over, above)
+    type(hardening_t), intent(in) :: law
+    real(dp), dimension(lanes), intent(in) :: softening, ep, hard, over
+    real(dp), intent(out) :: above(lanes)
+    real(dp) :: kink, sure
+    integer :: p
+    sure = 0.0_dp
+    !$omp simd simdlen(8) private(kink) reduction(+:sure)
+    do p = 1, lanes
+      kink = law%dep_reference*(law%shear3 + law%exponent*hard(p)/greater(ep(p), tiny_strain))
+      above(p) = merge(1.0_dp, 0.0_dp, 2.0_dp*kink < over(p))
+      sure = sure + above(p)*merge(1.0_dp, 0.0_dp, ep(p) > tiny_strain)
+    end do
+    if (sure > lanes - 0.5_dp .and. law%exponent <= 1.0_dp) return
+    !$omp simd simdlen(8) private(kink)
+    do p = 1, lanes
+      kink = hardening_power_term(ep(p) + law%dep_reference, law%exponent)
+      kink = law%shear3*law%dep_reference + softening(p)*law%modulus*kink - hard(p)
+      ! a number: several merges on one condition would become a branch
+      above(p) = merge(1.0_dp, 0.0_dp, kink < over(p))
+    end do
+  end subroutine find_side
 
   !> Applies a step to the lanes that still move, and stops those that it hardly moved.
   pure subroutine advance(ratio, least, dep, moving)

@@ -111,13 +111,9 @@ contains
     type(field_t), intent(in) :: field
     integer, intent(in) :: s, first, n, column, stride
     real(dp), intent(inout) :: records(stride, n)
-    real(dp) :: t(0:tile)
     integer :: i
     if (field%kernel == kernel_sgmp) then
-      call row_sum(n, field%node(1, column), node_rows(field, s, first), t)
-      do i = 1, n
-        records(1, i) = 0.5_dp**NDIM*(t(i - 1) + t(i))
-      end do
+      call fill_mean(n, field%node(1, column), node_rows(field, s, first), stride, records)
     else
       do i = 1, n
         records(1, i) = field%node(field%neighbour(0, 0, s) + first + i - 1, column)
@@ -125,26 +121,43 @@ contains
     end if
   end subroutine fill_value
 
+  !> Means of the nodes around the centres of a row.
+  pure subroutine fill_mean(n, column, b, stride, records)
+    integer, intent(in) :: n, b(NROW), stride
+    real(dp), intent(in) :: column(*)
+    real(dp), intent(inout) :: records(stride, n)
+    integer :: i
+    do i = 1, n
+      records(1, i) = 0.5_dp**NDIM*(corner_sum(column, b, i - 1) + corner_sum(column, b, i))
+    end do
+  end subroutine fill_mean
+
   !> Derivatives of one component along all axes at each centre.
   pure subroutine fill_gradient(field, inverse_h, s, first, n, column, stride, records)
     type(field_t), intent(in) :: field
     real(dp), intent(in) :: inverse_h
     integer, intent(in) :: s, first, n, column, stride
     real(dp), intent(inout) :: records(stride, n)
-    real(dp) :: t(0:tile, NDIM), scale
+    call fill_slopes(n, inverse_h*0.5_dp**(NDIM - 1), field%node(1, column), &
+                     node_rows(field, s, first), stride, records)
+  end subroutine fill_gradient
+
+  !> Differences of the nodes around the centres of a row, along each axis.
+  pure subroutine fill_slopes(n, scale, column, b, stride, records)
+    integer, intent(in) :: n, b(NROW), stride
+    real(dp), intent(in) :: scale, column(*)
+    real(dp), intent(inout) :: records(stride, n)
     integer :: i
-    scale = inverse_h*0.5_dp**(NDIM - 1)
-    call row_sums(n, field%node(1, column), node_rows(field, s, first), t)
     do i = 1, n
-      records(1, i) = scale*(t(i, 1) - t(i - 1, 1))
+      records(1, i) = scale*(corner_sum(column, b, i) - corner_sum(column, b, i - 1))
 #if NDIM > 1
-      records(2, i) = scale*(t(i - 1, 2) + t(i, 2))
+      records(2, i) = scale*(corner_slope_2(column, b, i - 1) + corner_slope_2(column, b, i))
 #endif
 #if NDIM > 2
-      records(3, i) = scale*(t(i - 1, 3) + t(i, 3))
+      records(3, i) = scale*(corner_slope_3(column, b, i - 1) + corner_slope_3(column, b, i))
 #endif
     end do
-  end subroutine fill_gradient
+  end subroutine fill_slopes
 
   !> Records of node `first` in the rows of nodes around a row of centres.
   pure function node_rows(field, s, first) result(b)
@@ -162,6 +175,6 @@ contains
     b = b + first
   end function node_rows
 
-#include "row_sums.inc"
+#include "corner_sums.inc"
 
 end module DIM(sgmp_auxmesh)

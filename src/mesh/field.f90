@@ -6,6 +6,7 @@
 !! point's record is base + i.
 module sgmp_field
   use sgmp_kinds, only: dp, i8
+  use sgmp_large_pages, only: large_pages_ask
   use sgmp_mesh, only: mesh_t, stencil_width
   use sgmp_rows, only: key_k, row_key, rows_contains, rows_dilate, rows_locate, rows_t
   use sgmp_transfer_kinds, only: kernel_sgmp
@@ -88,8 +89,11 @@ contains
     end if
     call field_number(new)
     call field_link(new)
-    allocate (new%moment(new%points, new%nmoment), new%node(new%points, 2*new%ndim + 1), &
-              source=0.0_dp)
+    allocate (new%moment(new%points, new%nmoment), new%node(new%points, 2*new%ndim + 1))
+    call large_pages_ask(new%moment, size(new%moment, kind=i8))
+    call large_pages_ask(new%node, size(new%node, kind=i8))
+    new%moment = 0.0_dp
+    new%node = 0.0_dp
     call field_move(field, new)
     call field_swap(new, field)
   end subroutine field_build

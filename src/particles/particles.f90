@@ -6,6 +6,7 @@
 !! history) is read only where stress is updated.
 module sgmp_particles
   use sgmp_kinds, only: dp, i4, i8, lanes
+  use sgmp_large_pages, only: large_pages_ask
   use sgmp_rows, only: row_key, rows_contains, rows_from_points, rows_t
   use sgmp_sorting, only: sort_order
   implicit none
@@ -100,6 +101,7 @@ contains
     allocate (particles%id(lanes, c), particles%next(c), source=0)
     call chain_bins(particles, slot)
     allocate (particles%a(lanes, particles%na, c))
+    call large_pages_ask(particles%a, size(particles%a, kind=i8))
     particles%a = 0.0_dp
     particles%a(:, particles%na, :) = density
     do p = 1, particles%count
@@ -111,6 +113,7 @@ contains
     end do
     deallocate (x, order, slot)
     allocate (particles%b(lanes, particles%nb, size(particles%next)))
+    call large_pages_ask(particles%b, size(particles%b, kind=i8))
     do c = 1, size(particles%next)
       particles%b(:, 1, c) = particles%a(:, particles%na, c)/density
       do p = 2, particles%nb
@@ -213,9 +216,11 @@ contains
     old = size(particles%next)
     capacity = old + old/8 + 16
     allocate (stream(lanes, particles%na, capacity))
+    call large_pages_ask(stream, size(stream, kind=i8))
     stream(:, :, :old) = particles%a
     call move_alloc(stream, particles%a)
     allocate (stream(lanes, particles%nb, capacity))
+    call large_pages_ask(stream, size(stream, kind=i8))
     stream(:, :, :old) = particles%b
     call move_alloc(stream, particles%b)
     allocate (id(lanes, capacity), next(capacity), source=0)

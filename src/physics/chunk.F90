@@ -13,16 +13,17 @@ module DIM(sgmp_chunk)
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sweep_sums, workspace_t
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
-  use DIM(sgmp_transfer), only: gimp_gather, gimp_gradients, gimp_scatter, gimp_weights, &
-                                linear_gather, linear_gradients, linear_scatter, &
+  use DIM(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_scatter, &
                                 linear_scatter_force, linear_weights
+  use DIM(sgmp_transfer_gimp), only: gimp_axes, gimp_gather, gimp_gather_gradient, gimp_scatter, &
+                                     gimp_scatter_force, gimp_size, gimp_spread, gimp_spread_t
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
   implicit none
   private
   public :: chunk_advance, particle_size, task_make, task_t, largest_stencil, most_rows
 
-  integer, parameter :: largest_stencil = NGIMP_PAD
-  integer, parameter :: most_rows = NGIMP/3
+  integer, parameter :: largest_stencil = NGIMP
+  integer, parameter :: most_rows = NACROSS
   integer, parameter :: most_columns = 2 + 2*NDIM + NFLUX
   integer, parameter :: most_gathered = 2*NDIM + NGRAD
 
@@ -58,7 +59,7 @@ contains
     task%layers = merge(GIMP_LAYER, NLAYER, kernel == kernel_gimp)
     task%lines = merge(GIMP_LINE, NLINE, kernel == kernel_gimp)
     task%rows = task%layers*task%lines
-    task%points = merge(NGIMP_PAD, NCORNER, kernel == kernel_gimp)
+    task%points = merge(NGIMP_SUM, NCORNER, kernel == kernel_gimp)
     task%shift = stencil_shift(kernel)
     task%nq = plan%last_column - plan%first_column + 1
     task%forces = merge(1, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
@@ -94,17 +95,18 @@ contains
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
-    real(dp) :: xi(lanes, NDIM), half(lanes, NDIM), got(lanes, most_gathered)
+    real(dp) :: xi(lanes, NDIM), got(lanes, most_gathered)
+    real(dp) :: axes(lanes, 3, NDIM, 2)          !! GIMP: weights per axis, slopes
     real(dp) :: values(lanes, most_columns + NFLUX), speed2(lanes), jacobian(lanes)
     logical :: outside
     outside = .false.
     call locate(a, origin, xi)
-    if (task%kernel == kernel_gimp) call particle_size(body, nb, b, half)
-    call gather(task, plan%gradient > 0, xi, half, row, records, got)
+    if (task%kernel == kernel_gimp) call particle_axes(body, task%inverse_h, nb, b, xi, axes)
+    call gather(task, plan%gradient > 0, xi, axes, row, records, got)
     if (nl < lanes) call hold_pads(task%stride, task%live(1, nl), got)
     if (plan%probe) then
       call probe(body%law, plan%stress, task, task%live(1, nl), a(1, 2*NDIM + 1), got, values)
-      call scatter(task, plan%stress, nl, xi, half, values, stencil)
+      call scatter(task, plan%stress, xi, axes, values, stencil)
       return
     end if
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
@@ -121,16 +123,16 @@ contains
       call stress_flux(body%law, b(1, 1), speed2, task%live(1, nl), &
                        b(1, body%law%slots%stress), values(1, task%flux + 1))
     end if
-    if ((plan%drift .or. plan%mass) .and. task%kernel == kernel_gimp) then
-      call particle_size(body, nb, b, half)
-    end if
     call collect(plan%mass, plan%momentum, task%live(1, nl), a, values)
     if (plan%stress .and. (task%kernel /= kernel_sgmp .or. task%nq > task%forces + NFLUX)) then
       call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, a, b, values)
     end if
     if (outside) call note_movers(task, nl, body%particles%id(1, home(1)), home, nb, a, b, xi, &
                                   values, movers)
-    call scatter(task, plan%stress, nl, xi, half, values, stencil)
+    if (task%kernel == kernel_gimp .and. (plan%drift .or. plan%mass)) then
+      call particle_axes(body, task%inverse_h, nb, b, xi, axes)
+    end if
+    call scatter(task, plan%stress, xi, axes, values, stencil)
   end subroutine chunk_advance
 
   !> What particles of wave speed 1 answer to the velocity they read: the stress m C : L, with the
@@ -178,92 +180,64 @@ contains
     end do
   end subroutine locate
 
-  !> GIMP half-sizes of a chunk: constant, or stretched with the particle (cpGIMP).
-  pure subroutine particle_size(body, nb, b, half)
+  !> GIMP sizes of a chunk: constant, or stretched with the particle (cpGIMP).
+  pure subroutine particle_size(body, nb, b, size_of)
     type(body_t), intent(in) :: body
     integer, intent(in) :: nb
     real(dp), intent(in) :: b(lanes, nb)
-    real(dp), intent(out) :: half(lanes, NDIM)
+    real(dp), intent(out) :: size_of(lanes, NDIM, 2)  !! as gimp_axes wants them
     integer :: d
     do d = 1, NDIM
       if (body%law%slots%stretch > 0) then
-        half(:, d) = body%half_size(d)*b(:, body%law%slots%stretch + d - 1)
+        call gimp_size(body%half_size(d), b(1, body%law%slots%stretch + d - 1), &
+                       size_of(1, d, 1), size_of(1, d, 2))
       else
-        half(:, d) = body%half_size(d)
+        size_of(:, d, 1) = min(body%half_size(d), 0.5_dp)
+        size_of(:, d, 2) = 0.5_dp/min(body%half_size(d), 0.5_dp)
       end if
     end do
   end subroutine particle_size
 
+  !> GIMP weights and slopes per axis of a chunk.
+  pure subroutine particle_axes(body, inverse_h, nb, b, xi, axes)
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: inverse_h
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: b(lanes, nb), xi(lanes, NDIM)
+    real(dp), intent(out) :: axes(lanes, 3, NDIM, 2)
+    real(dp) :: size_of(lanes, NDIM, 2)
+    call particle_size(body, nb, b, size_of)
+    call gimp_axes(xi, size_of, inverse_h, axes(1, 1, 1, 1), axes(1, 1, 1, 2))
+  end subroutine particle_axes
+
   !> Vectors and velocity gradient at the particles, from the records of the grid.
-  pure subroutine gather(task, gradient, xi, half, row, records, got)
+  pure subroutine gather(task, gradient, xi, axes, row, records, got)
     type(task_t), intent(in) :: task
     logical, intent(in) :: gradient              !! of the velocity, too
-    real(dp), intent(in) :: xi(lanes, NDIM), half(lanes, NDIM)
+    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
     integer, intent(in) :: row(most_rows)
     real(dp), intent(in) :: records(task%stride, *)
     real(dp), intent(out) :: got(lanes, most_gathered)
-    real(dp) :: w(lanes, largest_stencil)
+    real(dp) :: w(lanes, NCORNER)
     if (task%vectors == 0 .and. .not. gradient) then
       got = 0.0_dp
       return
     end if
-    select case (task%kernel)
-    case (kernel_sgmp)
-      call linear_weights(xi, w)
+    if (task%kernel == kernel_gimp) then
+      call gimp_gather(task%vectors, axes, task%stride, records, row, got)
+      if (gradient) call gimp_gather_gradient(axes, axes(1, 1, 1, 2), task%stride, &
+                                              records(task%gradient, 1), row, got(1, task%gradient))
+      return
+    end if
+    call linear_weights(xi, w)
+    if (task%kernel == kernel_sgmp) then
       call linear_gather(task%stride, w, task%stride, records, row, got)
       return
-    case (kernel_mpm)
-      call linear_weights(xi, w)
-      call linear_gather(task%vectors, w, task%stride, records, row, got)
-    case default  ! kernel_gimp
-      call gimp_weights(xi, half, w)
-      call gimp_gather(task%vectors, w, task%stride, records, row, got)
-    end select
-    if (gradient) call gather_gradient(task, xi, half, row, records, got)
-  end subroutine gather
-
-  !> Velocity gradient of MPM and GIMP: the nodal velocity with the gradients of the weights.
-  pure subroutine gather_gradient(task, xi, half, row, records, got)
-    type(task_t), intent(in) :: task
-    real(dp), intent(in) :: xi(lanes, NDIM), half(lanes, NDIM)
-    integer, intent(in) :: row(most_rows)
-    real(dp), intent(in) :: records(task%stride, *)
-    real(dp), intent(inout) :: got(lanes, most_gathered)
-    real(dp) :: g(lanes, largest_stencil, NDIM), column(lanes, NDIM)
-    integer :: d, c
-    if (task%kernel == kernel_mpm) then
-      call linear_gradients(xi, task%inverse_h, g)
-    else
-      call gimp_gradients(xi, half, task%inverse_h, g)
     end if
-    do d = 1, NDIM
-      if (task%kernel == kernel_mpm) then
-        call linear_gather_part(NDIM, task%vectors, g, d, task%stride, records, row, column)
-      else
-        call gimp_gather_part(NDIM, task%vectors, g(1, 1, d), task%stride, records, row, column)
-      end if
-      do c = 1, NDIM
-        got(:, task%vectors + (c - 1)*NDIM + d) = column(:, c)
-      end do
-    end do
-  end subroutine gather_gradient
-
-  !> Gather of the record's components behind the first `skip`, with the linear gradients along axis
-  !! d.
-  pure subroutine linear_gather_part(n, skip, g, d, stride, records, row, values)
-    integer, intent(in) :: n, skip, d, stride, row(most_rows)
-    real(dp), intent(in) :: g(lanes, NCORNER, NDIM), records(stride, *)
-    real(dp), intent(out) :: values(lanes, NDIM)
-    call linear_gather(n, g(1, 1, d), stride, records(skip + 1, 1), row, values)
-  end subroutine linear_gather_part
-
-  !> The same for GIMP.
-  pure subroutine gimp_gather_part(n, skip, g, stride, records, row, values)
-    integer, intent(in) :: n, skip, stride, row(most_rows)
-    real(dp), intent(in) :: g(lanes, NGIMP_PAD), records(stride, *)
-    real(dp), intent(out) :: values(lanes, NDIM)
-    call gimp_gather(n, g, stride, records(skip + 1, 1), row, values)
-  end subroutine gimp_gather_part
+    call linear_gather(task%vectors, w, task%stride, records, row, got)
+    if (gradient) call linear_gather_gradient(xi, task%inverse_h, task%stride, &
+                                              records(task%gradient, 1), row, got(1, task%gradient))
+  end subroutine gather
 
   !> v += a dt (Eq. 29), blended with PIC where asked for; sums for the energy ledger.
   pure subroutine kick(dt, live, acceleration, flip, grid_velocity, a, lane_sums)
@@ -457,14 +431,13 @@ contains
   end subroutine note_movers
 
   !> Adds a chunk to the accumulator of its stencil.
-  pure subroutine scatter(task, stress, nl, xi, half, values, stencil)
+  pure subroutine scatter(task, stress, xi, axes, values, stencil)
     type(task_t), intent(in) :: task
     logical, intent(in) :: stress
-    integer, intent(in) :: nl
-    real(dp), intent(in) :: xi(lanes, NDIM), half(lanes, NDIM)
+    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
     real(dp), intent(in) :: values(lanes, most_columns + NFLUX)
     real(dp), intent(inout) :: stencil(task%points, task%nq)
-    real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
+    type(gimp_spread_t) :: spread
     integer :: plain, rest
     if (task%kernel == kernel_sgmp) then
       call linear_scatter(task%nq, xi, values, stencil)
@@ -476,46 +449,15 @@ contains
       if (plain > 0) call linear_scatter(plain, xi, values, stencil)
       if (rest < task%nq) call linear_scatter(task%nq - rest, xi, values(1, rest + 1), &
                                               stencil(1, rest + 1))
-      if (.not. stress) return
-      call linear_gradients(xi, task%inverse_h, g)
-      call linear_scatter_force(nl, g, values(1, task%flux + 1), stencil(1, plain + 1))
+      if (stress) call linear_scatter_force(xi, task%inverse_h, values(1, task%flux + 1), &
+                                            stencil(1, plain + 1))
     else
-      call gimp_weights(xi, half, w)
-      if (plain > 0) call gimp_scatter(nl, plain, w, values, stencil)
-      if (rest < task%nq) call gimp_scatter(nl, task%nq - rest, w, values(1, rest + 1), &
+      call gimp_spread(axes, axes(1, 1, 1, 2), spread)
+      if (plain > 0) call gimp_scatter(plain, spread, values, stencil)
+      if (rest < task%nq) call gimp_scatter(task%nq - rest, spread, values(1, rest + 1), &
                                             stencil(1, rest + 1))
-      if (.not. stress) return
-      call gimp_gradients(xi, half, task%inverse_h, g)
-      call gimp_scatter_force(nl, g, values(1, task%flux + 1), stencil(1, plain + 1))
+      if (stress) call gimp_scatter_force(spread, values(1, task%flux + 1), stencil(1, plain + 1))
     end if
   end subroutine scatter
-
-  !> Adds -grad S . (sigma V) to the nodal forces of GIMP.
-  pure subroutine gimp_scatter_force(nl, g, flux, sums)
-    integer, intent(in) :: nl
-    real(dp), intent(in) :: g(lanes, NGIMP_PAD, NDIM), flux(lanes, NFLUX)
-    real(dp), intent(inout) :: sums(NGIMP_PAD, NDIM)
-    real(dp) :: gl(NGIMP_PAD, NDIM)
-    integer :: l, e
-    do l = 1, nl
-      gl = g(l, :, :)
-      !$omp simd
-      do e = 1, NGIMP_PAD
-#if NDIM == 1
-        sums(e, 1) = sums(e, 1) - gl(e, 1)*flux(l, 1)
-#elif NDIM == 2
-        sums(e, 1) = sums(e, 1) - (gl(e, 1)*flux(l, 1) + gl(e, 2)*flux(l, 3))
-        sums(e, 2) = sums(e, 2) - (gl(e, 1)*flux(l, 3) + gl(e, 2)*flux(l, 2))
-#else
-        sums(e, 1) = sums(e, 1) - ((gl(e, 1)*flux(l, 1) + gl(e, 2)*flux(l, 4)) + &
-                                   gl(e, 3)*flux(l, 6))
-        sums(e, 2) = sums(e, 2) - ((gl(e, 1)*flux(l, 4) + gl(e, 2)*flux(l, 2)) + &
-                                   gl(e, 3)*flux(l, 5))
-        sums(e, 3) = sums(e, 3) - ((gl(e, 1)*flux(l, 6) + gl(e, 2)*flux(l, 5)) + &
-                                   gl(e, 3)*flux(l, 3))
-#endif
-      end do
-    end do
-  end subroutine gimp_scatter_force
 
 end module DIM(sgmp_chunk)

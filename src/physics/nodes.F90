@@ -122,17 +122,22 @@ contains
     real(dp), intent(inout) :: sums(nodes_sums)
     real(dp) :: m(tile), p(tile, NDIM), f(tile, NDIM), external(tile, NDIM)
     integer :: s, first, n, idx
+    logical :: driven
+    driven = forced .or. any(abs(gravity) > 0.0_dp)
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         call node_moments(field, s, first, n, 1, 1 + NDIM, m, p)
         call node_forces(field, mesh%inverse_h, s, first, n, f)
-        call external_forces(field, s, first, n, m, gravity, forced, external)
-        f(:n, :) = f(:n, :) + external(:n, :)
+        if (driven) then
+          call external_forces(field, s, first, n, m, gravity, forced, external)
+          f(:n, :) = f(:n, :) + external(:n, :)
+        end if
         idx = field%neighbour(0, 0, s) + first
         call solve_tile(n, size(field%node, 1), m, p, f, dt, cutoff, field%node(idx, 1))
         call hold_walls(field, mesh, s, first, n, [1, NDIM + 1])
-        call book_energies(n, size(field%node, 1), m, external, dt, field%node(idx, 1), sums)
+        call book_energies(n, size(field%node, 1), m, dt, field%node(idx, 1), sums)
+        if (driven) call book_power(n, size(field%node, 1), external, dt, field%node(idx, 1), sums)
       end do
     end do
   end subroutine nodes_solve
@@ -163,49 +168,74 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane
     real(dp) :: m(tile), p(tile, NDIM)
-    integer :: s, first, n, i, a, idx
+    integer :: s, first, n, idx
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         call node_moments(field, s, first, n, 2, 1 + NDIM, m, p)
-        idx = field%neighbour(0, 0, s) + first - 1
-        do a = 1, NDIM
-          !$omp simd
-          do i = 1, n
-            field%node(idx + i, a) = p(i, a)*field%node(idx + i, 2*NDIM + 1)
-          end do
-        end do
+        idx = field%neighbour(0, 0, s) + first
+        call divide_tile(n, size(field%node, 1), p, field%node(idx, 1))
         call hold_walls(field, mesh, s, first, n, [1])
       end do
     end do
   end subroutine nodes_remap
 
-  !> Sums of a tile for the energy ledger, over the nodes that take part.
-  pure subroutine book_energies(n, stride, m, external, dt, node, sums)
+  !> v = p/m.
+  pure subroutine divide_tile(n, stride, p, node)
     integer, intent(in) :: n, stride
-    real(dp), intent(in) :: m(tile), external(tile, NDIM), dt
+    real(dp), intent(in) :: p(tile, NDIM)
+    real(dp), intent(inout) :: node(stride, 2*NDIM + 1)
+    integer :: i, a
+    !$omp simd private(a)
+    do i = 1, n
+      do a = 1, NDIM
+        node(i, a) = p(i, a)*node(i, 2*NDIM + 1)
+      end do
+    end do
+  end subroutine divide_tile
+
+  !> Sums of a tile for the energy ledger, over the nodes that take part.
+  pure subroutine book_energies(n, stride, m, dt, node, sums)
+    integer, intent(in) :: n, stride
+    real(dp), intent(in) :: m(tile), dt
     real(dp), intent(in) :: node(stride, 2*NDIM + 1)
     real(dp), intent(inout) :: sums(nodes_sums)
-    real(dp) :: aa, av, ev, active
+    real(dp) :: aa, av, ignored, active
     integer :: i, a
-    do a = 1, NDIM
-      aa = 0.0_dp
-      av = 0.0_dp
-      ev = 0.0_dp
-      !$omp simd reduction(+:aa, av, ev) private(active)
-      do i = 1, n
-        active = merge(m(i), 0.0_dp, node(i, 2*NDIM + 1) > 0.0_dp)
+    aa = 0.0_dp
+    av = 0.0_dp
+    ignored = 0.0_dp
+    !$omp simd reduction(+:aa, av, ignored) private(active, a)
+    do i = 1, n
+      active = merge(m(i), 0.0_dp, node(i, 2*NDIM + 1) > 0.0_dp)
+      ignored = ignored + merge(1.0_dp, 0.0_dp, m(i) - active > 0.0_dp)
+      do a = 1, NDIM
         aa = aa + active*node(i, a)**2
         av = av + active*node(i, a)*(node(i, NDIM + a) - dt*node(i, a))
-        ev = ev + external(i, a)*(node(i, NDIM + a) - 0.5_dp*dt*node(i, a))
       end do
-      sums(sum_mass_aa) = sums(sum_mass_aa) + aa
-      sums(sum_mass_av) = sums(sum_mass_av) + av
-      sums(sum_external) = sums(sum_external) + ev
     end do
-    sums(sum_ignored) = sums(sum_ignored) + count(m(:n) > 0.0_dp .and. &
-                                                  .not. node(:n, 2*NDIM + 1) > 0.0_dp)
+    sums(sum_mass_aa) = sums(sum_mass_aa) + aa
+    sums(sum_mass_av) = sums(sum_mass_av) + av
+    sums(sum_ignored) = sums(sum_ignored) + ignored
   end subroutine book_energies
+
+  !> Power of the external forces at the mid-step velocity.
+  pure subroutine book_power(n, stride, external, dt, node, sums)
+    integer, intent(in) :: n, stride
+    real(dp), intent(in) :: external(tile, NDIM), dt
+    real(dp), intent(in) :: node(stride, 2*NDIM + 1)
+    real(dp), intent(inout) :: sums(nodes_sums)
+    real(dp) :: power
+    integer :: i, a
+    power = 0.0_dp
+    !$omp simd reduction(+:power) private(a)
+    do i = 1, n
+      do a = 1, NDIM
+        power = power + external(i, a)*(node(i, NDIM + a) - 0.5_dp*dt*node(i, a))
+      end do
+    end do
+    sums(sum_external) = sums(sum_external) + power
+  end subroutine book_power
 
   !> Mass (if asked for) and momentum of a tile of nodes (Eqs. 17, 18; MPM Eqs. 9, 10).
   pure subroutine node_moments(field, s, first, n, q1, q2, m, p)
@@ -213,25 +243,33 @@ contains
     integer, intent(in) :: s, first, n        !! work interval, first node, nodes
     integer, intent(in) :: q1, q2             !! columns: from 1 with mass, from 2 without
     real(dp), intent(inout) :: m(tile), p(tile, NDIM)
-    real(dp) :: t(0:tile), u(tile)
-    integer :: q, i
-    do q = q1, q2
-      if (field%kernel == kernel_sgmp) then
-        call row_sum(n, field%moment(1, q), centre_rows(field, s, first), t)
-        do i = 1, n
-          u(i) = 0.5_dp**NDIM*(t(i - 1) + t(i))
-        end do
-      else
-        i = field%neighbour(0, 0, s) + first
-        u(:n) = field%moment(i:i + n - 1, q)
-      end if
-      if (q == 1) then
-        m(:n) = u(:n)
-      else
-        p(:n, q - 1) = u(:n)
-      end if
-    end do
+    integer :: q, i, b(NROW)
+    if (field%kernel == kernel_sgmp) then
+      b = centre_rows(field, s, first)
+      if (q1 == 1) call mean_row(n, field%moment(1, 1), b, m)
+      do q = max(q1, 2), q2
+        call mean_row(n, field%moment(1, q), b, p(1, q - 1))
+      end do
+    else
+      i = field%neighbour(0, 0, s) + first
+      if (q1 == 1) m(:n) = field%moment(i:i + n - 1, 1)
+      do q = max(q1, 2), q2
+        p(:n, q - 1) = field%moment(i:i + n - 1, q)
+      end do
+    end if
   end subroutine node_moments
+
+  !> Means of the centres around the nodes of a row.
+  pure subroutine mean_row(n, column, b, mean)
+    integer, intent(in) :: n, b(NROW)
+    real(dp), intent(in) :: column(*)
+    real(dp), intent(inout) :: mean(n)
+    integer :: i
+    !$omp simd
+    do i = 1, n
+      mean(i) = 0.5_dp**NDIM*(corner_sum(column, b, i - 1) + corner_sum(column, b, i))
+    end do
+  end subroutine mean_row
 
   !> Internal forces of a tile of nodes (Eq. 19; MPM Eq. 11).
   pure subroutine node_forces(field, inverse_h, s, first, n, f)
@@ -239,43 +277,52 @@ contains
     real(dp), intent(in) :: inverse_h
     integer, intent(in) :: s, first, n
     real(dp), intent(inout) :: f(tile, NDIM)
-    real(dp) :: t(0:tile, NDIM), scale
-    integer :: a, b, i, b_row(NROW)
-    if (field%kernel /= kernel_sgmp) then
-      i = field%neighbour(0, 0, s) + first
-      f(:n, :) = field%moment(i:i + n - 1, 2 + NDIM:1 + 2*NDIM)
-      return
-    end if
-    f(:n, :) = 0.0_dp
-    b_row = centre_rows(field, s, first)
-    do a = 1, NDIM
-      do b = a, NDIM
-        call row_sums(n, field%moment(1, 1 + NDIM + flux_column(a, b)), b_row, t)
-        call add_divergence(n, b, t(0, b), f(1, a))
-        if (b > a) call add_divergence(n, a, t(0, a), f(1, b))
-      end do
-    end do
-    scale = inverse_h*0.5_dp**(NDIM - 1)
-    f(:n, :) = scale*f(:n, :)
-  end subroutine node_forces
-
-  !> Adds a row's part of the derivative along an axis: a difference along x, a sum of differences
-  !! across it.
-  pure subroutine add_divergence(n, axis, t, f)
-    integer, intent(in) :: n, axis
-    real(dp), intent(in) :: t(0:tile)
-    real(dp), intent(inout) :: f(tile)
-    integer :: i
-    if (axis == 1) then
-      do i = 1, n
-        f(i) = f(i) + (t(i) - t(i - 1))
+    integer :: a, i
+    if (field%kernel == kernel_sgmp) then
+      do a = 1, NDIM
+        call divergence_row(n, inverse_h*0.5_dp**(NDIM - 1), &
+                            field%moment(1, 1 + NDIM + flux_column(a, 1)), &
+#if NDIM > 1
+                            field%moment(1, 1 + NDIM + flux_column(a, 2)), &
+#endif
+#if NDIM > 2
+                            field%moment(1, 1 + NDIM + flux_column(a, 3)), &
+#endif
+                            centre_rows(field, s, first), f(1, a))
       end do
     else
-      do i = 1, n
-        f(i) = f(i) + (t(i) + t(i - 1))
-      end do
+      i = field%neighbour(0, 0, s) + first
+      f(:n, :) = field%moment(i:i + n - 1, 2 + NDIM:1 + 2*NDIM)
     end if
-  end subroutine add_divergence
+  end subroutine node_forces
+
+  !> One component of the force: derivatives of its fluxes along the axes, summed in their order.
+#if NDIM == 1
+  pure subroutine divergence_row(n, scale, x, b, f)
+    real(dp), intent(in) :: x(*)              !! flux along each axis, at the centres
+#elif NDIM == 2
+  pure subroutine divergence_row(n, scale, x, y, b, f)
+    real(dp), intent(in) :: x(*), y(*)        !! flux along each axis, at the centres
+#else
+  pure subroutine divergence_row(n, scale, x, y, z, b, f)
+    real(dp), intent(in) :: x(*), y(*), z(*)  !! flux along each axis, at the centres
+#endif
+    integer, intent(in) :: n, b(NROW)
+    real(dp), intent(in) :: scale
+    real(dp), intent(inout) :: f(n)
+    integer :: i
+    !$omp simd
+    do i = 1, n
+      f(i) = corner_sum(x, b, i) - corner_sum(x, b, i - 1)
+#if NDIM > 1
+      f(i) = f(i) + (corner_slope_2(y, b, i) + corner_slope_2(y, b, i - 1))
+#endif
+#if NDIM > 2
+      f(i) = f(i) + (corner_slope_3(z, b, i) + corner_slope_3(z, b, i - 1))
+#endif
+      f(i) = scale*f(i)
+    end do
+  end subroutine divergence_row
 
   !> Gravity on the nodes' mass, and the body forces that particles brought (Eq. 20; MPM Eq. 12).
   pure subroutine external_forces(field, s, first, n, m, gravity, forced, f)
@@ -284,16 +331,14 @@ contains
     real(dp), intent(in) :: m(tile), gravity(3)
     logical, intent(in) :: forced
     real(dp), intent(inout) :: f(tile, NDIM)
-    real(dp) :: t(0:tile)
+    real(dp) :: t(tile)
     integer :: a, i
     do a = 1, NDIM
       f(:n, a) = m(:n)*gravity(a)
       if (.not. forced) cycle
       if (field%kernel == kernel_sgmp) then
-        call row_sum(n, field%moment(1, 1 + NDIM + NFLUX + a), centre_rows(field, s, first), t)
-        do i = 1, n
-          f(i, a) = f(i, a) + 0.5_dp**NDIM*(t(i - 1) + t(i))
-        end do
+        call mean_row(n, field%moment(1, 1 + NDIM + NFLUX + a), centre_rows(field, s, first), t)
+        f(:n, a) = f(:n, a) + t(:n)
       else
         i = field%neighbour(0, 0, s) + first
         f(:n, a) = f(:n, a) + field%moment(i:i + n - 1, 1 + 2*NDIM + a)
@@ -320,7 +365,7 @@ contains
     b = b + first - 1
   end function centre_rows
 
-#include "row_sums.inc"
+#include "corner_sums.inc"
 
   !> a = f/m, v = p/m + dt a, 1/m; all zero where the mass is below the cut-off.
   pure subroutine solve_tile(n, stride, m, p, f, dt, cutoff, node)
@@ -329,16 +374,13 @@ contains
     real(dp), intent(inout) :: node(stride, 2*NDIM + 1)
     real(dp) :: inverse
     integer :: i, a
-    !$omp simd private(inverse)
+    !$omp simd private(inverse, a)
     do i = 1, n
       inverse = merge(1.0_dp/merge(m(i), 1.0_dp, m(i) > cutoff), 0.0_dp, m(i) > cutoff)
       node(i, 2*NDIM + 1) = inverse
-    end do
-    do a = 1, NDIM
-      !$omp simd
-      do i = 1, n
-        node(i, a) = f(i, a)*node(i, 2*NDIM + 1)
-        node(i, NDIM + a) = p(i, a)*node(i, 2*NDIM + 1) + dt*node(i, a)
+      do a = 1, NDIM
+        node(i, a) = f(i, a)*inverse
+        node(i, NDIM + a) = p(i, a)*inverse + dt*node(i, a)
       end do
     end do
   end subroutine solve_tile

@@ -17,8 +17,8 @@ module DIM(sgmp_sweep)
   use sgmp_movers, only: movers_reset, movers_t
   use sgmp_plan, only: plan_t, sweep_sums, workspace_t
   use sgmp_rows, only: key_j, key_k
-  use DIM(sgmp_transfer), only: flux_of, gimp_carry, gimp_gradients, gimp_weights, linear_carry, &
-                                linear_gradients, linear_weights
+  use DIM(sgmp_transfer), only: flux_of, linear_carry, linear_gradients, linear_weights
+  use DIM(sgmp_transfer_gimp), only: gimp_carry, gimp_gradients, gimp_weights
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_sgmp
   implicit none
   private
@@ -40,7 +40,7 @@ contains
     integer :: plane, b, slot, nq
     task = task_make(field%kernel, mesh, plan)
     nq = task%nq
-    call prepare(work, task, field%largest_plane, bodies)
+    call prepare(work, task, plan%drift, field%largest_plane, bodies)
     do plane = plane1, plane2
       slot = mod(plane, task%layers) + 1
       work%cleared = field%plane_store(plane)
@@ -58,9 +58,10 @@ contains
   end subroutine sweep_slab
 
   !> Makes a workspace fit for a sweep.
-  subroutine prepare(work, task, largest_plane, bodies)
+  subroutine prepare(work, task, drift, largest_plane, bodies)
     type(workspace_t), intent(inout) :: work
     type(task_t), intent(in) :: task
+    logical, intent(in) :: drift                 !! particles will move
     integer, intent(in) :: largest_plane
     type(body_t), intent(in) :: bodies(:)
     integer :: b
@@ -82,6 +83,7 @@ contains
                                                             task%layers))
     if (.not. allocated(work%movers)) allocate (work%movers(size(bodies)))
     do b = 1, size(bodies)
+      if (.not. drift) exit                      ! keep the room of the lists for the next that does
       call movers_reset(work%movers(b), bodies(b)%particles%na + bodies(b)%particles%nb, &
                         task%values)
     end do
@@ -398,21 +400,22 @@ contains
     end do
   end subroutine add_two_below
 
-  !> Adds particles that changed bins to the moments, one after the other in the order of their
-  !! ids. Weights are
+  !> Adds particles that changed bins to some columns of the moments, one after the other in the
+  !! order of their ids. Threads take columns, so that each sum keeps that order. Weights are
   !! computed for as many at a time as a chunk has lanes.
-  subroutine sweep_add_movers(mesh, field, body, plan, movers)
+  subroutine sweep_add_movers(mesh, field, body, plan, movers, column1, column2)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: field
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(movers_t), intent(in) :: movers         !! in their new bins
+    integer, intent(in) :: column1, column2      !! columns to add to
     type(task_t) :: task
     real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
-    integer :: r, l, n, first_force, who(lanes)
+    integer :: r, l, n, who(lanes), at(largest_stencil)
+    logical :: forces
     task = task_make(field%kernel, mesh, plan)
-    first_force = 0
-    if (plan%stress .and. field%kernel /= kernel_sgmp) first_force = 2 + NDIM
+    forces = plan%stress .and. field%kernel /= kernel_sgmp
     r = 1
     do while (r <= movers%n)
       n = 0
@@ -424,14 +427,29 @@ contains
         r = r + 1
       end do
       if (n == 0) exit
-      call mover_weights(mesh%inverse_h, field%kernel, body, first_force > 0, movers, who(:n), w, g)
+      call mover_weights(mesh%inverse_h, field%kernel, body, forces, movers, who(:n), w, g)
       do l = 1, n
-        call add_mover(field, body, plan, task, movers%row(who(l)), movers%bin(who(l)), &
-            movers%values(:, who(l)), l, &
-                       w, first_force, g)
+        call mover_points(body, task, movers%row(who(l)), movers%bin(who(l)), at)
+        call add_mover(task, forces, plan%first_column, column1, column2, at, l, w, g, &
+                       movers%values(1, who(l)), size(field%moment, 1), field%moment)
       end do
     end do
   end subroutine sweep_add_movers
+
+  !> Points of the stencil of a bin, x outermost.
+  pure subroutine mover_points(body, task, row, bin, at)
+    type(body_t), intent(in) :: body
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: row, bin              !! interval and bin
+    integer, intent(out) :: at(largest_stencil)
+    integer :: x, r, first
+    first = bin - body%particles%bin_start(row)
+    do x = 0, task%width - 1
+      do r = 1, task%rows
+        at(x*task%rows + r) = body%particles%place(r, row) + first + x
+      end do
+    end do
+  end subroutine mover_points
 
   !> Weights of some movers in their new bins, and where forces are scattered their gradients.
   pure subroutine mover_weights(inverse_h, kernel, body, gradients, movers, who, w, g)
@@ -442,7 +460,7 @@ contains
     type(movers_t), intent(in) :: movers
     integer, intent(in) :: who(:)                !! (<= lanes) movers
     real(dp), intent(out) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
-    real(dp) :: xi(lanes, NDIM), half(lanes, NDIM), b(lanes, body%particles%nb), &
+    real(dp) :: xi(lanes, NDIM), size_of(lanes, NDIM, 2), b(lanes, body%particles%nb), &
         slopes(lanes, NCORNER, NDIM)
     integer :: l, d
     xi = 0.5_dp
@@ -456,9 +474,9 @@ contains
       if (kernel == kernel_gimp) b(l, :) = movers%state(2*NDIM + 2:, who(l))
     end do
     if (kernel == kernel_gimp) then
-      call particle_size(body, body%particles%nb, b, half)
-      call gimp_weights(xi, half, w)
-      if (gradients) call gimp_gradients(xi, half, inverse_h, g)
+      call particle_size(body, body%particles%nb, b, size_of)
+      call gimp_weights(xi, size_of, w)
+      if (gradients) call gimp_gradients(xi, size_of, inverse_h, g)
     else
       call linear_weights(xi, w)
       if (gradients) call linear_gradients(xi, inverse_h, slopes)
@@ -467,34 +485,31 @@ contains
   end subroutine mover_weights
 
   !> One particle.
-  pure subroutine add_mover(field, body, plan, task, row, bin, values, lane, w, first_force, g)
-    type(field_t), intent(inout) :: field
-    type(body_t), intent(in) :: body
-    type(plan_t), intent(in) :: plan
+  pure subroutine add_mover(task, forces, first, column1, column2, at, lane, w, g, values, points, &
+                            moment)
     type(task_t), intent(in) :: task
-    integer, intent(in) :: row, bin, lane         !! new interval and bin; lane of the weights
-    integer, intent(in) :: first_force            !! first column of a force, 0: none
-    real(dp), intent(in) :: values(:), w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
-    integer :: e, x, r, q, a, b, at, nq
-    nq = plan%last_column - plan%first_column + 1
-    e = 0
-    do x = 0, task%width - 1
-      do r = 1, task%rows
-        e = e + 1
-        at = body%particles%place(r, row) + (bin - body%particles%bin_start(row)) + x
-        do q = 1, nq
-          field%moment(at, plan%first_column + q - 1) = field%moment(at, plan%first_column + q &
-                                                                     - 1) &
-                                                        + w(lane, e)*values(q)
-        end do
-        if (first_force == 0) cycle
-        do a = 1, NDIM
-          do b = 1, NDIM
-            field%moment(at, first_force + a - 1) = field%moment(at, first_force + a - 1) &
-                                                    - g(lane, e, b)*values(nq + flux_of(b, a))
+    logical, intent(in) :: forces                 !! MPM, GIMP: columns behind task%forces are forces
+    integer, intent(in) :: first                  !! column of the first value
+    integer, intent(in) :: column1, column2, at(largest_stencil)
+    integer, intent(in) :: lane, points           !! lane of the weights; extent of the moments
+    real(dp), intent(in) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
+    real(dp), intent(in) :: values(task%values)
+    real(dp), intent(inout) :: moment(points, column2)
+    integer :: e, q, a, b
+    do q = column1, column2
+      a = q - first + 1 - task%forces             ! axis of the force, if it is one
+      if (forces .and. a >= 1 .and. a <= NDIM) then
+        do b = 1, NDIM
+          do e = 1, task%width*task%rows
+            moment(at(e), q) = moment(at(e), q) &
+                               - g(lane, e, b)*values(task%flux + flux_of(b, a))
           end do
         end do
-      end do
+      else
+        do e = 1, task%width*task%rows
+          moment(at(e), q) = moment(at(e), q) + w(lane, e)*values(q - first + 1)
+        end do
+      end if
     end do
   end subroutine add_mover
 

@@ -1,20 +1,19 @@
 ! dimension-generic
 #include "dimension.inc"
-!> Particle-grid transfers of one chunk of particles: weights, gather (grid to particle), scatter
-!! (particle to grid).
+!> Particle-grid transfers of one chunk of particles with linear weights: gather (grid to particle),
+!! scatter (particle to grid).
 !!
 !! A chunk is `lanes` particles of one bin. Gathers run over the lanes, so every grid value is a
 !! broadcast; scatters run over the stencil's points, so every particle value is a broadcast and
 !! nothing collides. Points of a stencil are numbered with the slowest axis fastest, then y, then x
 !! outermost: a whole x-layer is contiguous, and moving to the next bin of the row shifts the
-!! accumulator by one layer (`linear_carry`, `gimp_carry`).
+!! accumulator by one layer (`linear_carry`).
 module DIM(sgmp_transfer)
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
-  public :: linear_weights, linear_gradients, linear_gather, linear_scatter, linear_scatter_force
-  public :: gimp_weights, gimp_gradients, gimp_gather, gimp_scatter, gimp_function, gimp_slope
-  public :: linear_carry, gimp_carry, flux_of
+  public :: linear_weights, linear_gradients, linear_gather, linear_gather_gradient
+  public :: linear_scatter, linear_scatter_force, linear_carry, flux_of
 
   !> Number of the flux component that acts along one axis across another.
 #if NDIM == 1
@@ -164,6 +163,59 @@ contains
     end do
   end subroutine linear_gather
 
+  !> Velocity gradient at the particles, row by row: derivatives of the trilinear interpolant.
+  !!
+  !! Axis by axis: a difference taken along x is the same for all lanes, and what is interpolated
+  !! along one axis serves the derivatives along the others.
+  pure subroutine linear_gather_gradient(xi, inverse_h, stride, grid, row, gradient)
+    real(dp), intent(in) :: xi(lanes, NDIM), inverse_h
+    integer, intent(in) :: stride, row(NROW)       !! as in linear_gather
+    real(dp), intent(in) :: grid(stride, *)        !! grid records that begin with the velocity
+    real(dp), intent(out) :: gradient(lanes, NDIM, NDIM)  !! (:, b, a): component a along axis b
+    integer :: l, a
+#if NDIM == 2
+    real(dp) :: v1, v2
+#elif NDIM == 3
+    real(dp) :: v1, v2, v3, v4, slope1, slope2
+#endif
+    do a = 1, NDIM
+#if NDIM == 1
+      do l = 1, lanes
+        gradient(l, 1, 1) = inverse_h*(grid(1, row(1) + 1) - grid(1, row(1)))
+      end do
+#elif NDIM == 2
+      associate (g1 => grid(a, row(1)), g2 => grid(a, row(2)), d1 => grid(a, row(1) + 1) - &
+                 grid(a, row(1)), d2 => grid(a, row(2) + 1) - grid(a, row(2)))
+        !$omp simd simdlen(8) private(v1, v2)
+        do l = 1, lanes
+          v1 = g1 + xi(l, 1)*d1
+          v2 = g2 + xi(l, 1)*d2
+          gradient(l, 1, a) = inverse_h*(d1 + xi(l, 2)*(d2 - d1))
+          gradient(l, 2, a) = inverse_h*(v2 - v1)
+        end do
+      end associate
+#else
+      associate (d1 => grid(a, row(1) + 1) - grid(a, row(1)), &
+                 d2 => grid(a, row(2) + 1) - grid(a, row(2)), &
+                 d3 => grid(a, row(3) + 1) - grid(a, row(3)), &
+                 d4 => grid(a, row(4) + 1) - grid(a, row(4)))
+        !$omp simd simdlen(8) private(v1, v2, v3, v4, slope1, slope2)
+        do l = 1, lanes
+          slope1 = d1 + xi(l, 2)*(d3 - d1)
+          slope2 = d2 + xi(l, 2)*(d4 - d2)
+          gradient(l, 1, a) = inverse_h*(slope1 + xi(l, 3)*(slope2 - slope1))
+          v1 = grid(a, row(1)) + xi(l, 1)*d1
+          v2 = grid(a, row(2)) + xi(l, 1)*d2
+          v3 = grid(a, row(3)) + xi(l, 1)*d3
+          v4 = grid(a, row(4)) + xi(l, 1)*d4
+          gradient(l, 2, a) = inverse_h*((v3 - v1) + xi(l, 3)*((v4 - v2) - (v3 - v1)))
+          gradient(l, 3, a) = inverse_h*((v2 - v1) + xi(l, 2)*((v4 - v3) - (v2 - v1)))
+        end do
+      end associate
+#endif
+    end do
+  end subroutine linear_gather_gradient
+
   !> Linear weights of a chunk by stencil point: the scatter's view of `linear_weights`.
   pure subroutine point_weights(xi, w)
     real(dp), intent(in) :: xi(lanes, NDIM)
@@ -221,189 +273,110 @@ contains
     end do
   end subroutine linear_scatter
 
-  !> Adds -grad N . (sigma V) of the particles to the nodal forces of plain MPM (Eq. 11).
-  pure subroutine linear_scatter_force(nl, g, flux, sums)
-    integer, intent(in) :: nl
-    real(dp), intent(in) :: g(lanes, NCORNER, NDIM)  !! weight gradients
+  !> Adds -grad N . (sigma V) of the particles to the nodal forces of plain MPM (Eq. 11); pads must
+  !! bring zeros.
+  !!
+  !! A weight is the product of its part along x and its part across: the derivative along x is the
+  !! same for both x-layers but for the sign, the others are those across, shared between the layers
+  !! in the proportion x.
+  pure subroutine linear_scatter_force(xi, inverse_h, flux, sums)
+    real(dp), intent(in) :: xi(lanes, NDIM), inverse_h
     real(dp), intent(in) :: flux(lanes, NFLUX)       !! sigma V
     real(dp), intent(inout) :: sums(NCORNER, NDIM)   !! force accumulators
-    integer :: l, e
-    do l = 1, nl
-      do e = 1, NCORNER
-#if NDIM == 1
-        sums(e, 1) = sums(e, 1) - g(l, e, 1)*flux(l, 1)
-#elif NDIM == 2
-        sums(e, 1) = sums(e, 1) - (g(l, e, 1)*flux(l, 1) + g(l, e, 2)*flux(l, 3))
-        sums(e, 2) = sums(e, 2) - (g(l, e, 1)*flux(l, 3) + g(l, e, 2)*flux(l, 2))
-#else
-        sums(e, 1) = sums(e, 1) - ((g(l, e, 1)*flux(l, 1) + g(l, e, 2)*flux(l, 4)) + &
-                                   g(l, e, 3)*flux(l, 6))
-        sums(e, 2) = sums(e, 2) - ((g(l, e, 1)*flux(l, 4) + g(l, e, 2)*flux(l, 2)) + &
-                                   g(l, e, 3)*flux(l, 5))
-        sums(e, 3) = sums(e, 3) - ((g(l, e, 1)*flux(l, 6) + g(l, e, 2)*flux(l, 5)) + &
-                                   g(l, e, 3)*flux(l, 3))
+    real(dp) :: along(lanes)
+    integer :: a, l
+#if NDIM > 1
+    real(dp) :: w(NCORNER/2, lanes), slope(NCORNER/2, lanes, NDIM - 1)
+    real(dp) :: across(lanes, NDIM - 1), upper(lanes, NDIM - 1)
+    integer :: b
+    call across_weights(xi, w, slope)
 #endif
+    do a = 1, NDIM
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        along(l) = inverse_h*flux(l, flux_of(1, a))
       end do
+#if NDIM == 1
+      sums(1, a) = sums(1, a) + sum(along)
+      sums(2, a) = sums(2, a) - sum(along)
+#else
+      do b = 1, NDIM - 1
+        !$omp simd simdlen(8)
+        do l = 1, lanes
+          across(l, b) = inverse_h*flux(l, flux_of(b + 1, a))
+          upper(l, b) = xi(l, 1)*across(l, b)
+        end do
+      end do
+      call add_force(w, slope, along, across, upper, sums(1, a))
+#endif
     end do
   end subroutine linear_scatter_force
 
-  !> GIMP function of a node at distance d (cells) from a particle of half-size p (cells), p <= 1/2.
-  elemental function gimp_function(d, p) result(s)
-    real(dp), intent(in) :: d, p
-    real(dp) :: s
-    real(dp) :: r
-    r = abs(d)
-    s = merge(1.0_dp - (r*r + p*p)/(2.0_dp*p), &
-              merge(1.0_dp - r, merge((1.0_dp + p - r)**2/(4.0_dp*p), 0.0_dp, r < 1.0_dp + p), &
-                    r < 1.0_dp - p), r < p)
-  end function gimp_function
-
-  !> Derivative of the GIMP function with respect to the particle's position (1/cell).
-  elemental function gimp_slope(d, p) result(g)
-    real(dp), intent(in) :: d, p  !! d = particle minus node
-    real(dp) :: g
-    real(dp) :: r
-    r = abs(d)
-    g = merge(-d/p, sign(1.0_dp, d)*merge(-1.0_dp, merge(-(1.0_dp + p - r)/(2.0_dp*p), 0.0_dp, &
-                                                         r < 1.0_dp + p), r < 1.0_dp - p), r < p)
-  end function gimp_slope
-
-  !> GIMP weights and slopes per axis of a chunk; nodes of the stencil lie at xi - 1/2 = -1, 0, 1
-  !! from its middle.
-  pure subroutine gimp_axis(xi, half, inverse_h, s, d)
-    real(dp), intent(in) :: xi(lanes, NDIM)        !! position in the bin, the middle node at 1/2
-    real(dp), intent(in) :: half(lanes, NDIM)      !! particle half-size (cells)
-    real(dp), intent(in) :: inverse_h
-    real(dp), intent(out) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM)  !! weights, slopes (1/length)
-    integer :: l, e, axis
-    real(dp) :: p
-    do axis = 1, NDIM
-      do e = 1, 3
-        !$omp simd simdlen(8) private(p)
-        do l = 1, lanes
-          p = merge(half(l, axis), 0.5_dp, half(l, axis) < 0.5_dp)
-          s(l, e, axis) = gimp_function(xi(l, axis) + (1.5_dp - e), p)
-          d(l, e, axis) = inverse_h*gimp_slope(xi(l, axis) + (1.5_dp - e), p)
-        end do
-      end do
-    end do
-  end subroutine gimp_axis
-
-  !> GIMP weights (products over the axes).
-  pure subroutine gimp_weights(xi, half, w)
-    real(dp), intent(in) :: xi(lanes, NDIM), half(lanes, NDIM)
-    real(dp), intent(out) :: w(lanes, NGIMP_PAD)
-    real(dp) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM)
-    call gimp_axis(xi, half, 1.0_dp, s, d)
-    call gimp_product(s, s, s, w)
-  end subroutine gimp_weights
-
-  !> Gradients of the GIMP weights (1/length).
-  pure subroutine gimp_gradients(xi, half, inverse_h, g)
-    real(dp), intent(in) :: xi(lanes, NDIM), half(lanes, NDIM), inverse_h
-    real(dp), intent(out) :: g(lanes, NGIMP_PAD, NDIM)
-    real(dp) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM)
-    call gimp_axis(xi, half, inverse_h, s, d)
-    call gimp_product(d, s, s, g(:, :, 1))
 #if NDIM > 1
-    call gimp_product(s, d, s, g(:, :, 2))
+  !> One component of the force: `along` x both layers get the opposite; of what acts `across` x the
+  !! upper layer gets `upper` and the lower one the rest.
+  pure subroutine add_force(w, slope, along, across, upper, sums)
+    real(dp), intent(in) :: w(NCORNER/2, lanes), slope(NCORNER/2, lanes, NDIM - 1)
+    real(dp), intent(in) :: along(lanes), across(lanes, NDIM - 1), upper(lanes, NDIM - 1)
+    real(dp), intent(inout) :: sums(NCORNER/2, 2)
+    real(dp) :: x, y, y_upper
+#if NDIM == 3
+    real(dp) :: z, z_upper
 #endif
-#if NDIM > 2
-    call gimp_product(s, s, d, g(:, :, 3))
+    integer :: e, l
+    ! Vectors over the points, lanes inside: each sum has a register of its own.
+    !$omp simd private(x, y, y_upper, l)
+    do e = 1, NCORNER/2
+      x = 0.0_dp
+      y = 0.0_dp
+      y_upper = 0.0_dp
+      do l = 1, lanes
+        x = x + w(e, l)*along(l)
+        y = y + slope(e, l, 1)*across(l, 1)
+        y_upper = y_upper + slope(e, l, 1)*upper(l, 1)
+      end do
+#if NDIM == 3
+      z = 0.0_dp
+      z_upper = 0.0_dp
+      do l = 1, lanes
+        z = z + slope(e, l, 2)*across(l, 2)
+        z_upper = z_upper + slope(e, l, 2)*upper(l, 2)
+      end do
+      y = y + z
+      y_upper = y_upper + z_upper
 #endif
-  end subroutine gimp_gradients
-
-  !> Products of one factor per axis, in the stencil's numbering.
-  pure subroutine gimp_product(x, y, z, w)
-    real(dp), intent(in) :: x(lanes, 3, NDIM), y(lanes, 3, NDIM), z(lanes, 3, NDIM)
-      !! the factor of axis d is (:, :, d)
-    real(dp), intent(out) :: w(lanes, NGIMP_PAD)
-    integer :: l, a, e
-#if NDIM == 1
-    do a = 1, 3
-      w(:, a) = x(:, a, 1)
+      sums(e, 1) = sums(e, 1) + (x - (y - y_upper))
+      sums(e, 2) = sums(e, 2) - (x + y_upper)
     end do
-    l = 0
-    e = 3
-#elif NDIM == 2
-    integer :: b
-    e = 0
-    do a = 1, 3
-      do b = 1, 3
-        e = e + 1
-        !$omp simd simdlen(8)
-        do l = 1, lanes
-          w(l, e) = x(l, a, 1)*y(l, b, 2)
-        end do
+  end subroutine add_force
+
+  !> Products of the linear weights of all axes but x, and their derivatives (1/cell), by point.
+  pure subroutine across_weights(xi, w, slope)
+    real(dp), intent(in) :: xi(lanes, NDIM)
+    real(dp), intent(out) :: w(NCORNER/2, lanes), slope(NCORNER/2, lanes, NDIM - 1)
+    integer :: l, e
+#if NDIM == 2
+    real(dp), parameter :: c(2) = [1, 0], s(2) = [-1, 1]
+    do l = 1, lanes
+      do e = 1, 2
+        w(e, l) = c(e) + s(e)*xi(l, 2)
+        slope(e, l, 1) = s(e)
       end do
     end do
 #else
-    integer :: b, c
-    real(dp) :: yz(lanes, 9)
-    e = 0
-    do b = 1, 3
-      do c = 1, 3
-        e = e + 1
-        !$omp simd simdlen(8)
-        do l = 1, lanes
-          yz(l, e) = y(l, b, 2)*z(l, c, 3)
-        end do
-      end do
-    end do
-    e = 0
-    do a = 1, 3
-      do b = 1, 9
-        e = e + 1
-        !$omp simd simdlen(8)
-        do l = 1, lanes
-          w(l, e) = x(l, a, 1)*yz(l, b)
-        end do
+    real(dp), parameter :: cy(4) = [1, 1, 0, 0], sy(4) = [-1, -1, 1, 1]
+    real(dp), parameter :: cz(4) = [1, 0, 1, 0], sz(4) = [-1, 1, -1, 1]
+    do l = 1, lanes
+      !$omp simd simdlen(4)
+      do e = 1, 4
+        w(e, l) = (cy(e) + sy(e)*xi(l, 2))*(cz(e) + sz(e)*xi(l, 3))
+        slope(e, l, 1) = sy(e)*(cz(e) + sz(e)*xi(l, 3))
+        slope(e, l, 2) = sz(e)*(cy(e) + sy(e)*xi(l, 2))
       end do
     end do
 #endif
-    w(:, NGIMP + 1:) = 0.0_dp
-  end subroutine gimp_product
-
-  !> Values at the particles from a GIMP stencil.
-  pure subroutine gimp_gather(n, w, stride, grid, row, values)
-    integer, intent(in) :: n, stride
-    real(dp), intent(in) :: w(lanes, NGIMP_PAD)
-    real(dp), intent(in) :: grid(stride, *)
-    integer, intent(in) :: row(NGIMP/3)  !! record of the stencil's first point in each row
-    real(dp), intent(out) :: values(lanes, *)      !! (lanes, n)
-    integer :: l, q, r, e
-    real(dp) :: total(lanes)
-    do q = 1, n
-      total = 0.0_dp
-      do r = 1, NGIMP/3
-        do e = 0, 2
-          !$omp simd simdlen(8)
-          do l = 1, lanes
-            total(l) = total(l) + w(l, r + e*(NGIMP/3))*grid(q, row(r) + e)
-          end do
-        end do
-      end do
-      values(:, q) = total
-    end do
-  end subroutine gimp_gather
-
-  !> Adds mass-like values and forces of the particles to the accumulator of a GIMP stencil.
-  pure subroutine gimp_scatter(nl, nq, w, values, sums)
-    integer, intent(in) :: nl, nq
-    real(dp), intent(in) :: w(lanes, NGIMP_PAD), values(lanes, nq)
-    real(dp), intent(inout) :: sums(NGIMP_PAD, nq)
-    real(dp) :: wl(NGIMP_PAD)
-    integer :: l, q, e
-    do l = 1, nl
-      wl = w(l, :)
-      do q = 1, nq
-        !$omp simd
-        do e = 1, NGIMP_PAD
-          sums(e, q) = sums(e, q) + wl(e)*values(l, q)
-        end do
-      end do
-    end do
-  end subroutine gimp_scatter
+  end subroutine across_weights
+#endif
 
   !> Flushes the accumulator's first x-layer to the plane buffers and moves the stencil one bin
   !! along the row.
@@ -430,26 +403,5 @@ contains
       end do
     end do
   end subroutine linear_carry
-
-  !> The same for a GIMP stencil.
-  pure subroutine gimp_carry(nq, sums, shift, place, planes)
-    integer, intent(in) :: nq
-    real(dp), intent(inout) :: sums(NGIMP_PAD, nq)
-    integer, intent(in) :: shift, place(GIMP_LINE)
-    real(dp), intent(inout) :: planes(GIMP_LAYER, nq, *)
-    integer :: q, line, e
-    do q = 1, nq
-      do line = 1, GIMP_LINE
-        do e = 1, GIMP_LAYER
-          planes(e, q, place(line) + shift) = planes(e, q, place(line) + shift) + &
-              sums((line - 1)*GIMP_LAYER + e, q)
-        end do
-      end do
-      do e = 1, NGIMP - NGIMP/3
-        sums(e, q) = sums(e + NGIMP/3, q)
-      end do
-      sums(NGIMP - NGIMP/3 + 1:, q) = 0.0_dp
-    end do
-  end subroutine gimp_carry
 
 end module DIM(sgmp_transfer)
