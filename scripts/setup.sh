@@ -38,6 +38,7 @@ has_recent_cmake() {
   [ "$major" -gt 3 ] || { [ "$major" -eq 3 ] && [ "$minor" -ge 21 ]; }
 }
 
+has_c_compiler() { has "${CC:-cc}" || has gcc; }
 has_mpi_compiler() { has mpifort || has mpif90; }
 has_python() { has python3 && python3 -c 'import sys; sys.exit(sys.version_info < (3, 8))'; }
 has_python_venv() { has_python && python3 -c 'import venv, ensurepip' 2> /dev/null; }
@@ -45,10 +46,11 @@ has_python_venv() { has_python && python3 -c 'import venv, ensurepip' 2> /dev/nu
 # check | Debian package | what it is ("optional": the build does without) | how a cluster provides it
 needs() {
   cat << 'LIST'
+has_c_compiler|gcc|a C compiler|module load gcc; spack install gcc; conda install c-compiler
 has gfortran|gfortran|GNU Fortran 10 or later|module load gcc; spack install gcc; conda install gfortran
 has_mpi_compiler|libopenmpi-dev|MPI with Fortran modules (mpifort)|module load openmpi; spack install openmpi; conda install openmpi-mpifort
 has mpiexec|openmpi-bin|mpiexec|module load openmpi; spack install openmpi; conda install openmpi
-has h5pfc|libhdf5-openmpi-dev|optional: parallel HDF5 with Fortran (h5pfc)|module load hdf5-parallel; spack install hdf5+mpi+fortran; conda install "hdf5=*=mpi_openmpi*"
+has h5pfc|libhdf5-openmpi-dev|parallel HDF5 with Fortran (h5pfc)|module load hdf5-parallel; spack install hdf5+mpi+fortran; conda install "hdf5=*=mpi_openmpi*"
 has_muparser|libmuparser-dev|muParser (muParserDLL.h)|module load muparser; spack install muparser; conda install muparser; then CMAKE_PREFIX_PATH
 has_recent_cmake|cmake|CMake 3.21 or later|module load cmake; spack install cmake; pip install cmake
 has make|make|make|module load gmake; spack install gmake; conda install make

@@ -10,8 +10,9 @@ program sgmp
                                command_line_read, command_line_t
   use sgmp_deck, only: deck_read
   use sgmp_deck_errors, only: deck_errors_t
-  use sgmp_errors, only: error_t, exit_deck, exit_ok
+  use sgmp_errors, only: error_t, exit_deck, exit_ok, exit_stopped
   use sgmp_parallel, only: parallel_agree, parallel_end, parallel_rank, parallel_start
+  use sgmp_posix, only: environment_default, signals_watch
   use sgmp_registry_help, only: registry_write_help, registry_write_markdown
   use sgmp_scene, only: scene_free, scene_t
   use sgmp_simulation, only: simulation_check, simulation_run
@@ -27,6 +28,8 @@ program sgmp
   type(command_line_t) :: options
   type(error_t), allocatable :: error
   integer :: status
+  ! Open MPI's own module for files loses data in one of its components (vulcan).
+  call environment_default('OMPI_MCA_io', '^ompio')
   call parallel_start()
   status = exit_ok
   call command_line_read(options, error)
@@ -83,6 +86,7 @@ contains
     if (options%check) then
       call simulation_check(scene, threads, error)
     else
+      call signals_watch()
       call simulation_run(scene, options, threads, output_folder(options), error)
     end if
     call scene_free(scene)
@@ -108,6 +112,10 @@ contains
   subroutine report(error)
     type(error_t), intent(in) :: error
     character(:), allocatable :: where_
+    if (error%code == exit_stopped) then  ! as asked for: no error
+      write (error_unit, '(a)') error%message//'; '//error%remedy
+      return
+    end if
     where_ = ''
     if (len(error%location) > 0) where_ = error%location//': '
     write (error_unit, '(a)') where_//'error: '//error%message

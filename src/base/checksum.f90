@@ -1,9 +1,11 @@
-!> Checksums of particle states that ignore the order of the particles.
+!> Checksums: of particle states, whatever the order of the particles, and of stored data.
 module sgmp_checksum
   use sgmp_kinds, only: dp, i4, i8
   implicit none
   private
-  public :: checksum_add, checksum_particles, checksum_text
+  public :: checksum_add, checksum_particles, checksum_sums, checksum_text, checksum_words
+
+  integer, parameter :: checksum_sums = 4  !! sums that checksum_words fills
 
 contains
 
@@ -37,6 +39,32 @@ contains
     upper = ishft(a, -32) + ishft(b, -32) + ishft(lower, -32)
     total = ior(ishft(upper, 32), iand(lower, low))
   end function checksum_add
+
+  !> Adds words of a data set to its sums: of their lower and upper halves, plain and weighted with
+  !! the place (Fletcher 1982). Every changed or misplaced word changes them, and since only the
+  !! place in the whole counts, parts may be added in any order and by any rank.
+  pure subroutine checksum_words(words, before, sums)
+    integer(i8), intent(in) :: words(:)
+    integer(i8), intent(in) :: before       !! words of the data set before these
+    integer(i8), intent(inout) :: sums(checksum_sums)
+    integer(i8), parameter :: half = int(z'FFFFFFFF', i8), places = 2_i8**20 - 1_i8
+    integer, parameter :: block = 1024      ! so many products of 32 and 21 bits do not overflow
+    integer(i8) :: low, high, place, part(checksum_sums)
+    integer :: first, i
+    do first = 1, size(words), block
+      part = 0_i8
+      do i = first, min(first + block - 1, size(words))
+        low = iand(words(i), half)
+        high = ishft(words(i), -32)
+        place = 1_i8 + iand(before + i, places)
+        part(1) = part(1) + low
+        part(2) = part(2) + high
+        part(3) = part(3) + place*low
+        part(4) = part(4) + place*high
+      end do
+      sums = checksum_add(sums, part)
+    end do
+  end subroutine checksum_words
 
   !> The checksum as 16 hexadecimal digits.
   pure function checksum_text(checksum) result(text)

@@ -1,7 +1,7 @@
 !> Reads a deck: text -> statements -> cards -> scene, with every error of the deck found in one go.
 module sgmp_deck
   use sgmp_cards, only: card_default, card_free, card_parse, deck_card_t
-  use sgmp_deck_echo, only: deck_echo
+  use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
   use sgmp_lexer, only: lexer_read, statement_t
@@ -48,7 +48,10 @@ contains
     call scene_build(cards, scene, errors)
     call scene_check(registry, cards, scene, errors)
     call drop_overridden(cards)
-    if (errors%count() == 0) scene%resolved = deck_echo(registry, parameters, cards)
+    if (errors%count() == 0) then
+      scene%resolved = deck_echo(registry, parameters, cards)
+      call deck_fixed(registry, parameters, cards, scene%fixed)
+    end if
     do i = 1, size(cards)
       call card_free(cards(i))
     end do

@@ -5,11 +5,12 @@ module sgmp_deck_echo
   use sgmp_parameters, only: parameters_t
   use sgmp_registry, only: card_definition_t, kind_expression, kind_integer, kind_interval, &
                            kind_list, kind_logical, kind_real, kind_text, kind_vector, registry_t
+  use sgmp_scene, only: statement_text_t
   use sgmp_text, only: real_text_plain
   use sgmp_words, only: word_is_identifier, word_lower
   implicit none
   private
-  public :: deck_echo
+  public :: deck_echo, deck_fixed
 
   integer, parameter :: line_length = 100
   character(1), parameter :: newline = new_line('a')
@@ -31,6 +32,41 @@ contains
       text = text//card_text(registry%cards(cards(i)%definition), cards(i))//newline
     end do
   end function deck_echo
+
+  !> What a restart may not change: the parameters that formulas use, and the cards and keys that
+  !! are not free.
+  subroutine deck_fixed(registry, parameters, cards, fixed)
+    type(registry_t), intent(in) :: registry
+    type(parameters_t), intent(in) :: parameters
+    type(deck_card_t), intent(in) :: cards(:)
+    type(statement_text_t), allocatable, intent(out) :: fixed(:)
+    integer :: i
+    allocate (fixed(0))
+    do i = 1, size(parameters%list)
+      if (.not. in_formulas(registry, cards, trim(parameters%list(i)%name))) cycle
+      call append(fixed, parameter_text(registry, parameters, i, cards), &
+                  parameters%list(i)%position%text())
+    end do
+    do i = 1, size(cards)
+      associate (definition => registry%cards(cards(i)%definition))
+        if (definition%free) cycle
+        call append(fixed, card_text(definition, cards(i), .true.), cards(i)%position%text())
+      end associate
+    end do
+  end subroutine deck_fixed
+
+  subroutine append(list, text, location)
+    type(statement_text_t), allocatable, intent(inout) :: list(:)
+    character(*), intent(in) :: text, location
+    type(statement_text_t), allocatable :: longer(:)
+    integer :: n
+    n = size(list)
+    allocate (longer(n + 1))
+    longer(:n) = list
+    longer(n + 1)%text = text
+    longer(n + 1)%location = location
+    call move_alloc(longer, list)
+  end subroutine append
 
   !> One parameter, as a comment where no formula needs it any more.
   function parameter_text(registry, parameters, number, cards) result(text)
@@ -86,35 +122,41 @@ contains
   end function contains_word
 
   !> One card; keys without `key=` first, long cards continued.
-  function card_text(definition, card) result(text)
+  function card_text(definition, card, fixed) result(text)
     type(card_definition_t), intent(in) :: definition
     type(deck_card_t), intent(in) :: card
+    logical, intent(in), optional :: fixed  !! only what a restart may not change, in one line
     character(:), allocatable :: text, line
     integer :: i, slot
+    logical :: all_keys
+    all_keys = .true.
+    if (present(fixed)) all_keys = .not. fixed
     line = card%name
     text = ''
     slot = 1
     do
       i = definition%find_slot(slot)
       if (i == 0) exit
-      if (card%values(i)%present) call append(value_text(definition%keys(i)%kind, card%values(i)))
+      if (card%values(i)%present) call append_word(value_text(definition%keys(i)%kind, &
+                                                              card%values(i)))
       slot = slot + 1
     end do
     do i = 1, size(definition%keys)
       if (definition%keys(i)%slot > 0 .or. .not. card%values(i)%present) cycle
-      call append(definition%keys(i)%name//'='// &
-                  value_text(definition%keys(i)%kind, card%values(i)))
+      if (definition%keys(i)%free .and. .not. all_keys) cycle
+      call append_word(definition%keys(i)%name//'='// &
+                       value_text(definition%keys(i)%kind, card%values(i)))
     end do
     text = text//line
   contains
-    subroutine append(word)
+    subroutine append_word(word)
       character(*), intent(in) :: word
-      if (len(line) + len(word) + 3 > line_length) then
+      if (len(line) + len(word) + 3 > line_length .and. all_keys) then
         text = text//line//' &'//newline
         line = '   '
       end if
       line = line//' '//word
-    end subroutine append
+    end subroutine append_word
   end function card_text
 
   !> A value as the deck would write it.

@@ -35,7 +35,7 @@ contains
   subroutine register_general(registry)
     type(registry_t), intent(inout) :: registry
     call registry%card('title', 'What the run is called in its output.', &
-                       'title "Taylor bar"', once=.true.)
+                       'title "Taylor bar"', once=.true., free=.true.)
     call registry%key('text', kind_text, 'the title', slot=1, required=.true.)
     call registry%card('units', "Units of the deck's numbers; labels the output and enables "// &
                        'checks of orders of magnitude. The numbers must be consistent: force '// &
@@ -106,10 +106,10 @@ contains
                       'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
     call registry%card('time', 'Time integration; end or steps must be given.', &
                        'time end=80e-3 cfl=0.8', once=.true.)
-    call registry%key('end', kind_real, 'end time', unit='time', range='(0,inf)')
+    call registry%key('end', kind_real, 'end time', unit='time', range='(0,inf)', free=.true.)
     call registry%key('cfl', kind_real, 'Courant number: dt = cfl*h/(c+|v|); auto: the largest '// &
                       'that is safe for the scheme on this scene', range='(0,inf)', &
-                      choices='auto', default='0.5', source='Eq. 69; doc/time-step.md')
+                      choices='auto', default='0.5', source='Eq. 69; doc/time-step.md', free=.true.)
     call registry%key('dt', kind_real, 'fixed time step instead of the Courant number', &
                       unit='time', &
                       range='(0,inf)')
@@ -118,9 +118,10 @@ contains
                       unit='time', range='(0,inf)')
     call registry%key('growth', kind_real, 'largest ratio of successive steps', range='[1,inf)', &
                       default='1.05')
-    call registry%key('steps', kind_integer, 'stop after so many steps', range='[1,inf)')
+    call registry%key('steps', kind_integer, 'stop after so many steps', range='[1,inf)', &
+                      free=.true.)
     call registry%card('stop', 'Conditions that end a run early.', 'stop kinetic_below=0.01', &
-                       once=.true.)
+                       once=.true., free=.true.)
     call registry%key('energy_growth', kind_real, &
                       'abort when the total energy exceeds its reference this many times', &
                       range='(1,inf)', default='10')
@@ -359,18 +360,20 @@ contains
 
   subroutine register_output(registry)
     type(registry_t), intent(inout) :: registry
-    call registry%card('output', 'Files of particles. vtu and tecplot: at the start, every so '// &
-                       'much time, and at the end; csv: particles_end.csv.', &
-                       'output vtu every=1e-3 fields=stress,pressure', selector='kind')
-    call registry%key('kind', kind_word, 'format', choices='vtu tecplot csv', slot=1, &
+    call registry%card('output', 'Files of particles. vtkhdf (one file), vtu (a file per dump) '// &
+                       'and tecplot: at the start, every so much time, and at the end; csv: '// &
+                       'particles_end.csv.', &
+                       'output vtkhdf every=1e-3 fields=stress,pressure', selector='kind', &
+                       free=.true.)
+    call registry%key('kind', kind_word, 'format', choices='vtkhdf vtu tecplot csv', slot=1, &
                       required=.true.)
     call registry%key('at', kind_word, 'when', choices='end', default='end', when='csv')
     call registry%key('every', kind_real, 'interval; default: start and end only', unit='time', &
-                      range='(0,inf)', when='vtu tecplot')
+                      range='(0,inf)', when='vtkhdf vtu tecplot')
     call registry%key('fields', kind_list, 'fields besides id, body, position and velocity', &
                       choices=field_names)
     call registry%card('history', 'Rows of history.csv and bodies.csv.', 'history steps=10', &
-                       once=.true.)
+                       once=.true., free=.true.)
     call registry%key('steps', kind_integer, 'a row every so many steps', range='[1,inf)', &
                       default='1')
     call registry%key('every', kind_real, 'a row every so much time instead', unit='time', &
@@ -379,6 +382,14 @@ contains
                        'gauge foot point=(0,0,0)')
     call registry%key('name', kind_name_word, 'name in gauges.csv', slot=1, required=.true.)
     call registry%key('point', kind_vector, 'the point', unit='length', required=.true.)
+    call registry%card('checkpoint', 'Files checkpoint_NNNNNNN.h5, from which --restart goes '// &
+                       'on. '// &
+                       'Without this card one is written only when a signal, the time limit or '// &
+                       'the stop file ends the run; with it one more at the end.', &
+                       'checkpoint every=1000 minutes=30', once=.true., free=.true.)
+    call registry%key('every', kind_integer, 'after every so many steps', range='[1,inf)')
+    call registry%key('minutes', kind_real, 'after so many minutes of wall time', range='(0,inf)')
+    call registry%key('keep', kind_integer, 'how many are kept', range='[1,inf)', default='2')
   end subroutine register_output
 
 end module sgmp_deck_table

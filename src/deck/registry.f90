@@ -38,6 +38,7 @@ module sgmp_registry
     logical :: required = .false.
     integer :: slot = 0
       !! place among the words without `key=`; 0: only as `key=value`
+    logical :: free = .false.             !! may be changed when a run is restarted
   end type key_definition_t
 
   !> One card.
@@ -48,6 +49,7 @@ module sgmp_registry
     character(:), allocatable :: selector
       !! name of the key that decides which others exist; '' for none
     logical :: once = .false.             !! may appear once only
+    logical :: free = .false.             !! may be changed when a run is restarted
     type(key_definition_t), allocatable :: keys(:)
   contains
     procedure :: find_key
@@ -68,10 +70,10 @@ module sgmp_registry
 contains
 
   !> Registers a card; the keys that follow belong to it.
-  subroutine register_card(self, name, help, example, once, selector)
+  subroutine register_card(self, name, help, example, once, selector, free)
     class(registry_t), intent(inout) :: self
     character(*), intent(in) :: name, help, example
-    logical, intent(in), optional :: once
+    logical, intent(in), optional :: once, free
     character(*), intent(in), optional :: selector
     type(card_definition_t), allocatable :: longer(:)
     integer :: n
@@ -86,6 +88,7 @@ contains
       card%selector = ''
       if (present(selector)) card%selector = selector
       if (present(once)) card%once = once
+      if (present(free)) card%free = free
       allocate (card%keys(0))
     end associate
     call move_alloc(longer, self%cards)
@@ -93,13 +96,13 @@ contains
 
   !> Registers a key of the card registered last.
   subroutine register_key(self, name, kind, help, unit, default, range, choices, when, source, &
-                          required, slot)
+                          required, slot, free)
     class(registry_t), intent(inout) :: self
     character(*), intent(in) :: name
     integer, intent(in) :: kind
     character(*), intent(in) :: help
     character(*), intent(in), optional :: unit, default, range, choices, when, source
-    logical, intent(in), optional :: required
+    logical, intent(in), optional :: required, free
     integer, intent(in), optional :: slot
     type(key_definition_t), allocatable :: longer(:)
     integer :: n
@@ -119,6 +122,7 @@ contains
         key%source = text_or_empty(source)
         if (present(required)) key%required = required
         if (present(slot)) key%slot = slot
+        if (present(free)) key%free = free
       end associate
       call move_alloc(longer, card%keys)
     end associate

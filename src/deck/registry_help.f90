@@ -51,6 +51,7 @@ contains
       write (unit, '(t24, a)') facts(card%keys(i))
     end do
     if (card%once) write (unit, '(/, a)') 'At most one such card.'
+    if (card%free) write (unit, '(/, a)') 'May be changed when a run is restarted.'
   end subroutine write_card
 
   !> Kind, unit, default and limits of a key in one line.
@@ -65,6 +66,7 @@ contains
     if (key%required) text = text//'; required'
     if (key%when /= '') text = text//'; only for '//key%when
     if (key%slot > 0) text = text//'; may be written without the key'
+    if (key%free) text = text//'; may be changed on restart'
     if (key%source /= '') text = text//' ('//key%source//')'
   end function facts
 
@@ -109,6 +111,7 @@ contains
     integer :: i
     write (unit, '(a)') '## '//card%name, '', card%help
     if (card%once) write (unit, '(a)') 'At most one such card.'
+    if (card%free) write (unit, '(a)') 'May be changed when a run is restarted.'
     write (unit, '(a)') '', '    '//card%example, '', &
       '| key | value | unit | default | range | for | meaning |', &
       '|---|---|---|---|---|---|---|'
@@ -116,7 +119,7 @@ contains
       associate (key => card%keys(i))
         write (unit, '(a)') '| `'//key%name//'`'//slot_mark(key)//' | '//value_cell(key)//' | '// &
           key%unit//' | '//default_cell(key)//' | '//range_cell(key)//' | '//key%when//' | '// &
-          escaped(key%help)//source_cell(key)//' |'
+          escaped(key%help)//source_cell(key)//free_cell(key)//' |'
       end associate
     end do
     write (unit, '(a)') ''
@@ -156,6 +159,13 @@ contains
     text = ''
     if (key%source /= '') text = ' ('//key%source//')'
   end function source_cell
+
+  function free_cell(key) result(text)
+    type(key_definition_t), intent(in) :: key
+    character(:), allocatable :: text
+    text = ''
+    if (key%free) text = '; may be changed on restart'
+  end function free_cell
 
   !> Bars would end a table's cell.
   function escaped(help) result(text)

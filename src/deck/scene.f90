@@ -12,7 +12,8 @@ module sgmp_scene
   public :: contact_card_t, contact_lambda_default
   public :: scene_t, scene_free, grid_card_t, method_card_t, time_card_t, material_card_t, &
     body_card_t, shape_t, bodyforce_card_t, &
-            detonation_card_t, output_card_t, gauge_card_t, stop_card_t
+            detonation_card_t, output_card_t, gauge_card_t, stop_card_t, checkpoint_card_t, &
+            statement_text_t
   public :: wall_free, wall_slip, wall_fixed
   public :: method_mpm, method_gimp, method_cpgimp, method_sgmp, method_names
   public :: update_usf, update_musl, update_usl, update_usavg, update_names
@@ -179,14 +180,27 @@ module sgmp_scene
     real(dp) :: normal(3) = [1.0_dp, 0.0_dp, 0.0_dp]
   end type detonation_card_t
 
+  !> A card as the complete resolved deck has it, and where it stands.
+  type :: statement_text_t
+    character(:), allocatable :: text
+    character(:), allocatable :: location         !! file:line:column
+  end type statement_text_t
+
   !> What is written when.
   type :: output_card_t
-    logical :: vtu = .false., tecplot = .false., csv_end = .false.
+    logical :: vtkhdf = .false., vtu = .false., tecplot = .false., csv_end = .false.
     real(dp) :: every = 0.0_dp                    !! interval in time; 0: start and end only
     character(name_length), allocatable :: fields(:)  !! fields besides id, body, position, velocity
     integer :: history_steps = 1                  !! history and bodies rows every so many steps
     real(dp) :: history_every = 0.0_dp            !! or every so much time (0: by steps)
   end type output_card_t
+
+  !> When checkpoints are written.
+  type :: checkpoint_card_t
+    integer :: every = 0                          !! steps; 0: not by steps
+    real(dp) :: minutes = 0.0_dp                  !! of wall time; 0: not by time
+    integer :: keep = 2
+  end type checkpoint_card_t
 
   !> A history of fields at the particle nearest to a point at t = 0.
   type :: gauge_card_t
@@ -207,6 +221,7 @@ module sgmp_scene
     character(:), allocatable :: title
     character(:), allocatable :: file             !! the deck's path as given
     character(:), allocatable :: resolved         !! echo of the complete resolved deck
+    type(statement_text_t), allocatable :: fixed(:)  !! of it what a restart may not change
     character(8) :: units(3) = ''                 !! length, mass, time; empty: not declared
     integer :: dimension = 3
     type(grid_card_t) :: grid
@@ -221,6 +236,7 @@ module sgmp_scene
     type(output_card_t) :: output
     type(gauge_card_t), allocatable :: gauges(:)
     type(stop_card_t) :: stop
+    type(checkpoint_card_t) :: checkpoint
     logical :: allow_overlap = .false.            !! bodies may overlap at t = 0
   end type scene_t
 

@@ -104,6 +104,10 @@ contains
     case ('history')
       scene%output%history_steps = card%whole('steps')
       scene%output%history_every = card%number('every')
+    case ('checkpoint')
+      scene%checkpoint%every = card%whole('every')
+      scene%checkpoint%minutes = card%number('minutes')
+      scene%checkpoint%keep = card%whole('keep')
     case ('gauge')
       call add_gauge(card, scene, errors)
     case default  ! dimension, material, grid and body are done already
@@ -478,6 +482,8 @@ contains
     integer :: i
     associate (output => scene%output)
       select case (card%word('kind'))
+      case ('vtkhdf')
+        output%vtkhdf = .true.
       case ('vtu')
         output%vtu = .true.
       case ('tecplot')

@@ -32,14 +32,18 @@ module sgmp_build_model
 contains
 
   !> Builds bodies, fields and clock, and takes the first projection.
-  subroutine model_build(scene, threads, model, error)
+  subroutine model_build(scene, threads, model, error, empty)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: threads               !! OpenMP threads to use
     type(model_t), intent(out) :: model
     type(error_t), allocatable, intent(out) :: error
+    logical, intent(in), optional :: empty  !! without particles, which a restart brings
     integer :: b, kernel
     integer(i4) :: next_id
     real(dp) :: heaviest
+    logical :: seeded
+    seeded = .true.
+    if (present(empty)) seeded = .not. empty
     model%mesh = mesh_make(scene%dimension, scene%grid%cell, scene%grid%lower, scene%grid%upper, &
                            scene%grid%open, scene%grid%wall)
     model%threads = merge(1, threads, scene%dimension == 1)
@@ -54,7 +58,7 @@ contains
     next_id = 1
     heaviest = 0.0_dp
     do b = 1, size(scene%bodies)
-      call build_body(scene, b, model%mesh, kernel, next_id, model%bodies(b), error)
+      call build_body(scene, b, model%mesh, kernel, next_id, seeded, model%bodies(b), error)
       if (allocated(error)) return
       next_id = next_id + model%bodies(b)%particles%count
       if (model%bodies(b)%rigid) cycle
@@ -67,6 +71,7 @@ contains
     call contact_pairs(scene, model)
     call build_fields(model, kernel)
     call build_clock(scene, model)
+    if (.not. seeded) return
     call step_start(model)
     call open_ledger(model)
   end subroutine model_build
@@ -92,23 +97,28 @@ contains
     n = ndim + 2 + merge(1, 0, ndim == 3)
   end function stress_count
 
-  subroutine build_body(scene, number, mesh, kernel, first_id, body, error)
+  subroutine build_body(scene, number, mesh, kernel, first_id, seeded, body, error)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: number, kernel
     type(mesh_t), intent(in) :: mesh
     integer(i4), intent(in) :: first_id
+    logical, intent(in) :: seeded
     type(body_t), intent(out) :: body
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: x(:, :), volume(:), file_velocity(:, :)
     integer :: d
     associate (card => scene%bodies(number), &
                material => scene%materials(scene%bodies(number)%material))
-      call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, &
-                            file_velocity)
-      if (.not. allocated(error)) then
-        call seeding_check_overlap(scene%bodies, number, x, mesh%ndim, error)
+      if (seeded) then
+        call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, &
+                              file_velocity)
+        if (.not. allocated(error)) then
+          call seeding_check_overlap(scene%bodies, number, x, mesh%ndim, error)
+        end if
+        if (allocated(error)) return
+      else
+        allocate (x(3, 0), volume(0))
       end if
-      if (allocated(error)) return
       body%name = card%name
       body%first_id = first_id
       body%spacing = card%spacing
@@ -315,7 +325,7 @@ contains
   subroutine build_fields(model, kernel)
     type(model_t), intent(inout) :: model
     integer, intent(in) :: kernel
-    integer :: f
+    integer :: f, t
     allocate (model%fields(contact_fields(model)))
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, &
@@ -323,6 +333,11 @@ contains
                       model%normalised)
     end do
     allocate (model%workspaces(model%threads, size(model%fields)))
+    do f = 1, size(model%fields)
+      do t = 1, model%threads  ! empty lists also for bodies that no sweep ever visits
+        allocate (model%workspaces(t, f)%movers(size(model%bodies)))
+      end do
+    end do
     allocate (model%slabs(model%threads + 1, size(model%fields)))
     call phase_layout(model)
   end subroutine build_fields

@@ -13,8 +13,8 @@ module sgmp_command_line
   integer, parameter :: action_version = 4  !! print the version
 
   character(*), parameter :: known_options = &
-                             '--check --set --output --threads --quiet --verbose --help --version'
-  character(*), parameter :: later_options = '--restart --time-limit'
+                             '--check --set --output --threads --restart --time-limit --quiet '// &
+                             '--verbose --help --version'
 
   !> What the user asked for.
   type :: command_line_t
@@ -24,6 +24,8 @@ module sgmp_command_line
     character(:), allocatable :: settings(:)  !! `NAME=VALUE`
     character(:), allocatable :: output       !! directory; '' for the default
     integer :: threads = 0                    !! 0: as the environment says
+    character(:), allocatable :: restart      !! checkpoint, `latest`, or '' for a new run
+    integer :: time_limit = 0                 !! seconds of wall time; 0: none
     logical :: check = .false.
     logical :: quiet = .false.
     logical :: verbose = .false.
@@ -55,6 +57,7 @@ contains
     options%keyword = ''
     options%output = ''
     options%deck = ''
+    options%restart = ''
     allocate (character(longest(arguments)) :: options%settings(0))
     if (size(arguments) == 0) then
       call error_make(error, exit_usage, 'no deck given', &
@@ -106,7 +109,7 @@ contains
     type(command_line_t), intent(inout) :: options
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: name, value
-    integer :: status, equals
+    integer :: equals
     name = arguments(i)%text
     equals = index(name, '=')
     value = ''
@@ -125,26 +128,11 @@ contains
       options%action = action_help
     case ('--version')
       options%action = action_version
-    case ('--set', '--output', '--threads')
+    case ('--set', '--output', '--threads', '--restart', '--time-limit')
       if (equals == 0) call next_word(arguments, i, name, value, error)
       if (allocated(error)) return
       equals = 0
-      if (name == '--set') then
-        options%settings = [character(len(options%settings)) :: options%settings, value]
-      else if (name == '--output') then
-        options%output = value
-      else
-        status = 1
-        if (verify(value, '0123456789') == 0 .and. len(value) < 6) then
-          read (value, *, iostat=status) options%threads
-        end if
-        if (status /= 0 .or. options%threads < 1) then
-          call error_make(error, exit_usage, "'"//value//"' is not a number of threads", &
-                          'e.g. --threads 2')
-        end if
-      end if
-    case ('--restart', '--time-limit')
-      call not_available(name, error)
+      call take_value(name, value, options, error)
     case default
       call error_make(error, exit_usage, "unknown option '"//name//"'", &
                       suggestion(name, all_options(), 'options'))
@@ -153,6 +141,59 @@ contains
       call error_make(error, exit_usage, name//' takes no value', 'remove ='//value)
     end if
   end subroutine take_option
+
+  !> Takes the value of an option that has one.
+  subroutine take_value(name, value, options, error)
+    character(*), intent(in) :: name, value
+    type(command_line_t), intent(inout) :: options
+    type(error_t), allocatable, intent(out) :: error
+    integer :: status
+    select case (name)
+    case ('--set')
+      options%settings = [character(len(options%settings)) :: options%settings, value]
+    case ('--output')
+      options%output = value
+    case ('--restart')
+      options%restart = value
+      if (value == '') call error_make(error, exit_usage, '--restart needs a value', &
+                                       'e.g. '//example_of(name))
+    case ('--time-limit')
+      options%time_limit = seconds_of(value)
+      if (options%time_limit < 1) then
+        call error_make(error, exit_usage, "'"//value//"' is not a time HH:MM:SS", &
+                        'e.g. '//example_of(name))
+      end if
+    case default  ! --threads
+      status = 1
+      if (verify(value, '0123456789') == 0 .and. len(value) < 6) then
+        read (value, *, iostat=status) options%threads
+      end if
+      if (status /= 0 .or. options%threads < 1) then
+        call error_make(error, exit_usage, "'"//value//"' is not a number of threads", &
+                        'e.g. '//example_of(name))
+      end if
+    end select
+  end subroutine take_value
+
+  !> Seconds of `HH:MM:SS`, `MM:SS` or `SS`; 0 where it is none of these.
+  pure function seconds_of(text) result(seconds)
+    character(*), intent(in) :: text
+    integer :: seconds, first, last, part
+    seconds = 0
+    if (text == '' .or. verify(text, '0123456789:') > 0) return
+    first = 1
+    do while (first <= len(text) + 1)
+      last = index(text(first:)//':', ':') + first - 2
+      if (last < first .or. last - first > 5) then
+        seconds = 0
+        return
+      end if
+      read (text(first:last), *) part
+      if (seconds > 10**6) exit
+      seconds = 60*seconds + part
+      first = last + 2
+    end do
+  end function seconds_of
 
   subroutine next_word(arguments, i, name, value, error)
     type(string_t), intent(in) :: arguments(:)
@@ -176,6 +217,10 @@ contains
       text = '--set h=0.5'
     case ('--threads')
       text = '--threads 2'
+    case ('--restart')
+      text = '--restart latest'
+    case ('--time-limit')
+      text = '--time-limit 23:45:00'
     case default
       text = '--output results'
     end select
@@ -211,7 +256,7 @@ contains
     type(string_t), allocatable :: names(:)
     character(:), allocatable :: words
     integer :: i
-    words = known_options//' '//later_options
+    words = known_options
     allocate (names(word_count(words)))
     do i = 1, size(names)
       names(i)%text = word_item(words, i)
@@ -240,6 +285,9 @@ contains
       '  --set NAME=VALUE    replace the value of a parameter of the deck; may be repeated', &
       '  --output DIR        directory of the results (default: <deck>.out)', &
       '  --threads N         number of threads', &
+      '  --restart FILE      go on from a checkpoint; latest: from the last good one of the '// &
+      'directory', &
+      '  --time-limit T      stop with a checkpoint before HH:MM:SS of wall time are over', &
       '  --quiet, --verbose  less or more on the terminal', '', &
       'exit codes: 0 finished, 2 usage, 3 deck, 4 numerical, 5 input/output, 6 stopped after a '// &
       'checkpoint'

@@ -26,11 +26,12 @@ module sgmp_contact_rows
 contains
 
   !> Starts the table where the model has pairs in contact.
-  subroutine contact_rows_open(rows, model, path, units, error)
+  subroutine contact_rows_open(rows, model, path, units, error, keep_to_step)
     type(contact_rows_t), intent(inout) :: rows
     type(model_t), intent(in) :: model
     character(*), intent(in) :: path, units
     type(error_t), allocatable, intent(out) :: error
+    integer, intent(in), optional :: keep_to_step  !! see history_t; sums are there already
     character(:), allocatable :: names
     integer :: p
     if (size(model%pairs) == 0) return
@@ -40,8 +41,10 @@ contains
         trim(model%bodies(model%pairs(p)%body(1))%name)//' '// &
               trim(model%bodies(model%pairs(p)%body(2))%name)
     end do
-    allocate (rows%impulse(impulses, size(model%pairs)), source=0.0_dp)
-    call rows%file%open(path, contact_columns, units//names, error, contact_integers)
+    if (.not. allocated(rows%impulse)) then
+      allocate (rows%impulse(impulses, size(model%pairs)), source=0.0_dp)
+    end if
+    call rows%file%open(path, contact_columns, units//names, error, contact_integers, keep_to_step)
   end subroutine contact_rows_open
 
   !> Writes a row for each pair.

@@ -16,7 +16,8 @@ module sgmp_outputs
   use sgmp_vtu, only: vtu_series_t
   implicit none
   private
-  public :: outputs_t, outputs_open, outputs_step, outputs_close, outputs_next_time
+  public :: outputs_t, outputs_open, outputs_step, outputs_close, outputs_flush, &
+            outputs_next_time, outputs_stop
 
   !> Writers and their schedules.
   type :: outputs_t
@@ -32,49 +33,99 @@ module sgmp_outputs
     integer :: history_rows = 0                    !! rows due by time that have been written
     integer :: last_dump_step = -1
     integer :: last_row_step = -1
+    real(dp) :: last_dump_time = -huge(1.0_dp)
+    real(dp) :: dump_interval = 0.0_dp, row_interval = 0.0_dp  !! that the counts belong to
   end type outputs_t
 
 contains
 
-  !> Opens the files of a run and writes the initial state.
-  subroutine outputs_open(outputs, scene, model, folder, error)
+  !> Opens the files of a run and writes the initial state; on a restart they are cut back to what
+  !! the checkpoint knows of, and continued.
+  subroutine outputs_open(outputs, scene, model, folder, error, restarted)
     type(outputs_t), intent(inout) :: outputs
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     character(*), intent(in) :: folder
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: units
+    logical, intent(in) :: restarted             !! the counts come from a checkpoint
     outputs%folder = folder
-    units = units_text(trim(scene%units(1)), trim(scene%units(2)), trim(scene%units(3)))
+    if (restarted) call count_anew(outputs, scene, model)
+    outputs%dump_interval = scene%output%every
+    outputs%row_interval = scene%output%history_every
     call directory_make(folder, error)
+    if (.not. allocated(error)) call open_tables(outputs, scene, model, folder, restarted, error)
+    if (.not. allocated(error)) call open_dumps(outputs, scene, model, folder, restarted, error)
+    if (allocated(error) .or. restarted) return
+    call find_gauges(outputs, scene, model)
+    call outputs_step(outputs, scene, model, .false., error)
+  end subroutine outputs_open
+
+  !> Tables that grow row by row.
+  subroutine open_tables(outputs, scene, model, folder, restarted, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: folder
+    logical, intent(in) :: restarted
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: units
+    integer, allocatable :: step  !! not allocated in a new run: an absent argument below
+    if (restarted) step = outputs%last_row_step
+    units = units_text(trim(scene%units(1)), trim(scene%units(2)), trim(scene%units(3)))
+    call outputs%history%open(folder//'/history.csv', history_columns, units, error, &
+                              keep_to_step=step)
     if (allocated(error)) return
-    call outputs%history%open(folder//'/history.csv', history_columns, units, error)
+    call outputs%bodies%open(folder//'/bodies.csv', bodies_columns, units, error, bodies_integers, &
+                             step)
     if (allocated(error)) return
-    call outputs%bodies%open(folder//'/bodies.csv', bodies_columns, units, error, bodies_integers)
-    if (allocated(error)) return
-    call contact_rows_open(outputs%contact, model, folder//'/contact.csv', units, error)
+    call contact_rows_open(outputs%contact, model, folder//'/contact.csv', units, error, step)
     if (allocated(error)) return
     if (size(scene%gauges) > 0) then
       call outputs%gauges%open(folder//'/gauges.csv', &
                                [character(column_length) :: gauges_columns, gauge_fields()], &
-                               units, error, gauges_integers)
-      if (allocated(error)) return
+                               units, error, gauges_integers, step)
     end if
+  end subroutine open_tables
+
+  !> Files of all particles.
+  subroutine open_dumps(outputs, scene, model, folder, restarted, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: folder
+    logical, intent(in) :: restarted
+    type(error_t), allocatable, intent(out) :: error
+    real(dp), allocatable :: time  !! not allocated in a new run: an absent argument below
+    if (restarted) time = outputs%last_dump_time
     allocate (outputs%fields(0))
     if (allocated(scene%output%fields)) outputs%fields = scene%output%fields
     if (any(outputs%fields == 'initial_position') .or. any(outputs%fields == 'displacement')) then
       call gather_initial_positions(scene, model, outputs%initial, error)
       if (allocated(error)) return
     end if
-    if (scene%output%vtu) call outputs%vtu%open(folder, 'particles', error)
+    if (scene%output%vtu) call outputs%vtu%open(folder, 'particles', error, time)
     if (allocated(error)) return
     if (scene%output%tecplot) then
-      call outputs%tecplot%open(folder//'/particles.dat', scene%title, error)
+      call outputs%tecplot%open(folder//'/particles.dat', scene%title, error, time)
     end if
-    if (allocated(error)) return
-    call find_gauges(outputs, scene, model)
-    call outputs_step(outputs, scene, model, .false., error)
-  end subroutine outputs_open
+  end subroutine open_dumps
+
+  !> After a change of an interval: the counts of the new one.
+  pure subroutine count_anew(outputs, scene, model)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    if (abs(scene%output%every - outputs%dump_interval) > 0.0_dp) then
+      outputs%dumps = 1
+      if (scene%output%every > 0.0_dp) outputs%dumps = int(model%clock%time/scene%output%every) + 1
+    end if
+    if (abs(scene%output%history_every - outputs%row_interval) > 0.0_dp) then
+      outputs%history_rows = 0
+      if (scene%output%history_every > 0.0_dp) then
+        outputs%history_rows = int(model%clock%time/scene%output%history_every) + 1
+      end if
+    end if
+  end subroutine count_anew
 
   !> Fields recorded at gauges besides position and velocity.
   pure function gauge_fields() result(names)
@@ -163,6 +214,7 @@ contains
     type(snapshot_t) :: snapshot
     outputs%dumps = outputs%dumps + 1
     outputs%last_dump_step = model%clock%step
+    outputs%last_dump_time = model%clock%time
     if (.not. writes_dumps(scene)) return
     call gather_snapshot(model, outputs%fields, outputs%initial, snapshot)
     if (scene%output%vtu) call outputs%vtu%dump(snapshot, error)
@@ -226,6 +278,16 @@ contains
     end do
   end subroutine write_gauges
 
+  !> Makes all rows written so far safe on the disk, as far as a checkpoint counts on them.
+  subroutine outputs_flush(outputs, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(error_t), allocatable, intent(out) :: error
+    call outputs%history%flush(error, .true.)
+    if (.not. allocated(error)) call outputs%bodies%flush(error, .true.)
+    if (.not. allocated(error)) call outputs%contact%file%flush(error, .true.)
+    if (.not. allocated(error)) call outputs%gauges%flush(error, .true.)
+  end subroutine outputs_flush
+
   !> Writes the final state and closes all files.
   subroutine outputs_close(outputs, scene, model, error)
     type(outputs_t), intent(inout) :: outputs
@@ -234,6 +296,13 @@ contains
     type(error_t), allocatable, intent(out) :: error
     call outputs_step(outputs, scene, model, .true., error)
     if (allocated(error)) return
+    call outputs_stop(outputs, error)
+  end subroutine outputs_close
+
+  !> Closes all files as they are, to be continued.
+  subroutine outputs_stop(outputs, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(error_t), allocatable, intent(out) :: error
     call outputs%history%close(error)
     if (allocated(error)) return
     call outputs%bodies%close(error)
@@ -242,7 +311,7 @@ contains
     if (allocated(error)) return
     if (outputs%gauges%is_open()) call outputs%gauges%close(error)
     if (allocated(error)) return
-    if (scene%output%tecplot) call outputs%tecplot%close(error)
-  end subroutine outputs_close
+    call outputs%tecplot%close(error)
+  end subroutine outputs_stop
 
 end module sgmp_outputs

@@ -3,7 +3,7 @@ module sgmp_report
   use sgmp_checksum, only: checksum_text
   use sgmp_command_line, only: command_line_t
   use sgmp_energy, only: ledger_total
-  use sgmp_errors, only: error_t, exit_ok
+  use sgmp_errors, only: error_t, exit_ok, exit_stopped
   use sgmp_gathering, only: gather_checksum
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
@@ -26,6 +26,8 @@ module sgmp_report
     real(dp) :: wall = 0.0_dp              !! seconds since the start
     real(dp) :: solving = 0.0_dp           !! seconds in the time loop, output left out
     integer(i8) :: particle_steps = 0_i8   !! sum of the particles over the steps
+    integer(i8) :: earlier_particle_steps = 0_i8  !! the same, before the restart
+    character(:), allocatable :: restart   !! checkpoint that the run went on from, or ''
   end type effort_t
 
 contains
@@ -81,19 +83,21 @@ contains
   end function report_fraction
 
   !> Seconds that the rest of the run takes if it goes on like this.
-  pure function report_remaining(scene, model, elapsed) result(eta)
+  pure function report_remaining(scene, model, elapsed, before) result(eta)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    real(dp), intent(in) :: elapsed              !! seconds spent so far
-    real(dp) :: eta
-    eta = elapsed*(1.0_dp/max(report_fraction(scene, model), 1.0e-9_dp) - 1.0_dp)
+    real(dp), intent(in) :: elapsed              !! seconds spent since the start or restart
+    real(dp), intent(in) :: before               !! part of the run that was done then
+    real(dp) :: eta, done
+    done = report_fraction(scene, model)
+    eta = elapsed*(1.0_dp - done)/max(done - before, 1.0e-9_dp)
   end function report_remaining
 
   !> A row of the log's table.
-  function report_row(scene, model, elapsed) result(row)
+  function report_row(scene, model, elapsed, before) result(row)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    real(dp), intent(in) :: elapsed              !! seconds spent so far
+    real(dp), intent(in) :: elapsed, before      !! see report_remaining
     type(log_row_t) :: row
     row%step = model%clock%step
     row%time = model%clock%time
@@ -110,7 +114,7 @@ contains
     row%active_cells = sum(int(model%fields%points, i8))
     row%lost = int(model%lost, i8)
     row%fraction = report_fraction(scene, model)
-    row%eta = report_remaining(scene, model, elapsed)
+    row%eta = report_remaining(scene, model, elapsed, before)
   end function report_row
 
   !> Last lines of the log: where the time went, what it cost, how it ended.
@@ -128,7 +132,12 @@ contains
       call log%warning(integer_text(model%lost)//' particles left the grid and were removed')
     end if
     call warn_of_growth(log, model)
-    if (allocated(error)) call log%line('FAILED: '//error%message)
+    if (.not. allocated(error)) return
+    if (error%code == exit_stopped) then
+      call log%line(error%message)
+    else
+      call log%line('FAILED: '//error%message)
+    end if
   end subroutine report_end
 
   !> Says so when the total energy has grown beyond what the external work explains.
@@ -206,7 +215,8 @@ contains
     integer :: k
     call summary%set('steps', model%clock%step)
     call summary%set('time', model%clock%time)
-    call summary%set('particle_steps', effort%particle_steps)
+    call summary%set('particle_steps', effort%earlier_particle_steps + effort%particle_steps)
+    call summary%set('restarted_from', effort%restart)
     call summary%set('wall_seconds', effort%wall)
     call summary%set('solve_seconds', effort%solving)
     call summary%set('ns_per_particle_step', cost(effort))

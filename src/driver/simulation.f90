@@ -3,19 +3,24 @@ module sgmp_simulation
   use sgmp_bill, only: bill_write
   use sgmp_body, only: body_number
   use sgmp_build_model, only: model_build
+  use sgmp_checkpoint, only: checkpoint_bytes, checkpoint_path, checkpoint_set_aside, &
+                             checkpoint_write
   use sgmp_command_line, only: command_line_t
   use sgmp_energy, only: ledger_total
-  use sgmp_errors, only: error_make, error_t, exit_numerical
+  use sgmp_errors, only: error_make, error_t, exit_numerical, exit_stopped
   use sgmp_file_tools, only: directory_make
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
-  use sgmp_outputs, only: outputs_close, outputs_next_time, outputs_open, outputs_step, outputs_t
+  use sgmp_outputs, only: outputs_close, outputs_flush, outputs_next_time, outputs_open, &
+                          outputs_step, outputs_stop, outputs_t
   use sgmp_report, only: effort_t, report_banner, report_courant, report_end, report_fraction, &
                          report_level, report_remaining, report_row, report_start, summary_write
+  use sgmp_restart, only: restart_find, restart_read
   use sgmp_run_log, only: log_t
   use sgmp_scene, only: scene_t
   use sgmp_stability, only: stability_choose
   use sgmp_step, only: step_take
+  use sgmp_stopping, only: stopping_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: clock_advance, clock_choose
   use sgmp_timers, only: phase_output, phase_probe, timers_start, timers_stop, timers_t, wall_time
@@ -38,7 +43,7 @@ contains
     call bill_write(scene, model)
   end subroutine simulation_check
 
-  !> Runs a scene from its initial state to its end.
+  !> Runs a scene from its initial state, or a checkpoint, to its end.
   subroutine simulation_run(scene, options, threads, folder, error)
     type(scene_t), intent(in) :: scene
     type(command_line_t), intent(in) :: options
@@ -50,24 +55,34 @@ contains
     type(log_t) :: log
     type(error_t), allocatable :: problem
     type(effort_t) :: effort
+    type(stopping_t) :: stopping
     real(dp) :: started, solving
     started = wall_time()
     effort%threads = threads
     allocate (model, outputs)
     call directory_make(folder, error)
     if (allocated(error)) return
-    call log%open(folder//'/run.log', report_level(options), error)
+    call log%open(folder//'/run.log', report_level(options), error, options%restart /= '')
     if (allocated(error)) return
     call report_banner(log, scene, threads)
-    call model_build(scene, threads, model, error)
-    if (.not. allocated(error)) call outputs_open(outputs, scene, model, folder, error)
+    call begin(scene, options, threads, folder, log, model, outputs, effort, error)
     if (allocated(error)) return
     call report_start(log, scene, model)
+    call stopping%start(started, options%time_limit, scene%checkpoint, folder, &
+                        real(checkpoint_bytes(model), dp))
     model%timers = timers_t()
     solving = wall_time()
-    call time_loop(scene, model, outputs, log, effort%particle_steps, error)
+    call time_loop(scene, model, outputs, log, stopping, effort, error)
     effort%solving = wall_time() - solving - model%timers%seconds(phase_output)
-    call outputs_close(outputs, scene, model, problem)
+    if (allocated(error)) then
+      if (error%code == exit_stopped) then
+        call outputs_stop(outputs, problem)
+      else
+        call outputs_close(outputs, scene, model, problem)
+      end if
+    else
+      call outputs_close(outputs, scene, model, problem)
+    end if
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
     effort%wall = wall_time() - started
     call report_end(log, model, effort, error)
@@ -76,17 +91,52 @@ contains
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
   end subroutine simulation_run
 
-  !> Steps until the end, a stop condition or a failure.
-  subroutine time_loop(scene, model, outputs, log, particle_steps, error)
+  !> The model and the files as they are at the start: new, or from the checkpoint asked for.
+  subroutine begin(scene, options, threads, folder, log, model, outputs, effort, error)
+    type(scene_t), intent(in) :: scene
+    type(command_line_t), intent(in) :: options
+    integer, intent(in) :: threads
+    character(*), intent(in) :: folder
+    type(log_t), intent(inout) :: log
+    type(model_t), intent(out) :: model
+    type(outputs_t), intent(inout) :: outputs
+    type(effort_t), intent(inout) :: effort
+    type(error_t), allocatable, intent(out) :: error
+    effort%restart = ''
+    if (options%restart /= '') then
+      call restart_find(options%restart, folder, log, effort%restart, error)
+      if (allocated(error)) return
+      if (effort%restart == '') call log%warning("no checkpoint in '"//folder// &
+                                                 "': starting from the beginning")
+    end if
+    if (effort%restart == '') then
+      call model_build(scene, threads, model, error)
+      if (.not. allocated(error)) call checkpoint_set_aside(folder, -1_i8, error)
+    else
+      call restart_read(effort%restart, scene, threads, model, outputs, &
+                        effort%earlier_particle_steps, error)
+      if (allocated(error)) return
+      call checkpoint_set_aside(folder, int(model%clock%step, i8), error)
+      call log%line("restarted from '"//effort%restart//"': step "// &
+                    integer_text(model%clock%step)//', time '//real_text(model%clock%time))
+    end if
+    if (allocated(error)) return
+    call outputs_open(outputs, scene, model, folder, error, effort%restart /= '')
+  end subroutine begin
+
+  !> Steps until the end, a stop condition, a stop that was asked for, or a failure.
+  subroutine time_loop(scene, model, outputs, log, stopping, effort, error)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(inout) :: model
     type(outputs_t), intent(inout) :: outputs
     type(log_t), intent(inout) :: log
-    integer(i8), intent(inout) :: particle_steps
+    type(stopping_t), intent(inout) :: stopping
+    type(effort_t), intent(inout) :: effort
     type(error_t), allocatable, intent(out) :: error
-    real(dp) :: target, started, shown
-    logical :: ok, found
+    real(dp) :: target, started, shown, before
+    logical :: ok, last, found
     started = wall_time()
+    before = report_fraction(scene, model)
     shown = started - 1.0e9_dp
     do while (.not. finished(scene, model))
       target = outputs_next_time(outputs, scene)
@@ -101,7 +151,7 @@ contains
       end if
       call step_take(model)
       call clock_advance(model%clock, target)
-      particle_steps = particle_steps + sum(int(model%bodies%particles%count, i8))
+      effort%particle_steps = effort%particle_steps + sum(int(model%bodies%particles%count, i8))
       call guard(scene, model)
       if (allocated(model%failure)) then
         call move_alloc(model%failure, error)
@@ -112,14 +162,52 @@ contains
       if (allocated(error)) return
       if (wall_time() - shown > 5.0_dp) then
         shown = wall_time()
-        call log%step_row(report_row(scene, model, shown - started))
+        call log%step_row(report_row(scene, model, shown - started, before))
       end if
       call log%progress(report_fraction(scene, model), model%clock%step, model%clock%time, &
-                        report_remaining(scene, model, wall_time() - started))
+                        report_remaining(scene, model, wall_time() - started, before))
+      last = finished(scene, model)
+      if (stopping%look(model%clock%step) .or. (last .and. wants_checkpoints(scene))) then
+        call save(scene, model, outputs, log, stopping, effort, error)
+        if (allocated(error)) return
+      end if
       call timers_stop(model%timers, phase_output)
+      if (stopping%stops() .and. .not. last) then
+        call error_make(error, exit_stopped, 'stopped by '//stopping%reason()//' in step '// &
+                        integer_text(model%clock%step), 'go on with --restart latest')
+        return
+      end if
     end do
-    call log%step_row(report_row(scene, model, wall_time() - started))
+    call log%step_row(report_row(scene, model, wall_time() - started, before))
   end subroutine time_loop
+
+  pure function wants_checkpoints(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    yes = scene%checkpoint%every > 0 .or. scene%checkpoint%minutes > 0.0_dp
+  end function wants_checkpoints
+
+  !> Writes a checkpoint, with all that it counts on in the other files.
+  subroutine save(scene, model, outputs, log, stopping, effort, error)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(inout) :: model
+    type(outputs_t), intent(inout) :: outputs
+    type(log_t), intent(inout) :: log
+    type(stopping_t), intent(inout) :: stopping
+    type(effort_t), intent(inout) :: effort
+    type(error_t), allocatable, intent(out) :: error
+    integer(i8) :: particle_steps
+    real(dp) :: started
+    started = wall_time()
+    particle_steps = effort%earlier_particle_steps + effort%particle_steps
+    call outputs_flush(outputs, error)
+    if (.not. allocated(error)) call checkpoint_write(scene, model, outputs, particle_steps, &
+                                                      outputs%folder, error)
+    if (allocated(error)) return
+    call stopping%written(wall_time() - started)
+    call log%line('checkpoint of step '//integer_text(model%clock%step)//' at time '// &
+                  real_text(model%clock%time)//', '//real_text(wall_time() - started)//' s')
+  end subroutine save
 
   !> Whether the run has reached its end.
   pure function finished(scene, model) result(yes)

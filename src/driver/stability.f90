@@ -54,14 +54,16 @@ contains
     real(dp) :: part
     if (present(found)) found = .false.
     associate (clock => model%clock)
-      if (.not. clock%automatic .or. clock%step < clock%next_probe) return
-      clock%limit = stability_limit(model)
+      if (.not. clock%automatic) return
+      if (clock%step >= clock%next_probe) then
+        clock%limit = stability_limit(model)
+        clock%next_probe = clock%step + interval
+        if (present(found)) found = .true.
+      end if
       part = merge(safety_mpm(model%update), safety(model%update), &
                    model%fields(1)%kernel == kernel_mpm)
       if (size(model%pairs) > 0) part = min(part, safety_contact)
       clock%cfl = part*clock%limit
-      clock%next_probe = clock%step + interval
-      if (present(found)) found = .true.
     end associate
   end subroutine stability_choose
 

@@ -12,7 +12,7 @@ module sgmp_file_tools
   implicit none
   private
   public :: output_file_t, directory_make, file_exists, file_lines, file_remove, file_rename, &
-    io_error, line_t, is_terminal
+    io_error, line_t, is_terminal, system_message
 
   character(1), parameter, public :: newline = achar(10)
 

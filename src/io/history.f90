@@ -8,6 +8,7 @@ module sgmp_history
   use sgmp_errors, only: error_make, error_t, exit_io
   use sgmp_file_tools, only: file_exists, file_lines, io_error, line_t, output_file_t
   use sgmp_kinds, only: dp, i8
+  use sgmp_posix, only: file_sync
   use sgmp_text, only: integer_text, row_text
   implicit none
   private
@@ -128,11 +129,16 @@ contains
     end if
   end subroutine history_write_row
 
-  !> Makes all rows visible to readers.
-  subroutine history_flush(self, error)
+  !> Makes all rows visible to readers, and with `safe` survive a crash of the machine; harmless if
+  !! the table was never opened.
+  subroutine history_flush(self, error, safe)
     class(history_t), intent(inout) :: self
     type(error_t), allocatable, intent(out) :: error
+    logical, intent(in), optional :: safe
     call self%file%flush(error)
+    if (allocated(error) .or. .not. present(safe) .or. .not. self%is_open()) return
+    if (.not. safe) return
+    if (.not. file_sync(self%file%name())) call io_error(error, 'write', self%file%name())
   end subroutine history_flush
 
   !> Ends the table; harmless if it was never opened.

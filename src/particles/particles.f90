@@ -12,7 +12,7 @@ module sgmp_particles
   implicit none
   private
   public :: particles_t, particles_fill, particles_bytes, particles_bin_of, &
-    particles_number_bins, bin_coordinates
+    particles_lay_out, particles_number_bins, particles_pad, bin_coordinates
   public :: chunk_take, chunk_free, chunk_pad
 
   !> Chunks and bins of a body.
@@ -120,8 +120,31 @@ contains
         particles%b(:, p, c) = history(p - 1)
       end do
     end do
-    call pad_bins(particles)
+    call particles_pad(particles)
   end subroutine particles_fill
+
+  !> Makes room for particles that are already known by bin: bins, chunks and lanes, whose contents
+  !! the caller fills in and ends with `particles_pad`. Columns and pads stay as they are.
+  pure subroutine particles_lay_out(particles, bins, sizes, slot)
+    type(particles_t), intent(inout) :: particles
+    type(rows_t), intent(in) :: bins
+    integer, intent(in) :: sizes(:)                 !! (bins) particles of each
+    integer, allocatable, intent(out) :: slot(:)  !! lane + lanes*(chunk - 1), in the bins' order
+    integer :: capacity
+    particles%bins = bins
+    call particles_number_bins(particles)
+    particles%size = sizes
+    particles%count = sum(sizes)
+    particles%chunks = sum((sizes + lanes - 1)/lanes)
+    particles%free_chunk = 0
+    capacity = particles%chunks + particles%chunks/64 + 4
+    deallocate (particles%a, particles%b, particles%id, particles%next)
+    allocate (particles%id(lanes, capacity), particles%next(capacity), source=0)
+    allocate (particles%a(lanes, particles%na, capacity), particles%b(lanes, particles%nb, &
+                                                                      capacity))
+    allocate (slot(particles%count))
+    call chain_bins(particles, slot)
+  end subroutine particles_lay_out
 
   !> Gives every bin its chunks, one after the other, and every particle its lane.
   pure subroutine chain_bins(particles, slot)
@@ -274,7 +297,7 @@ contains
   end subroutine chunk_pad
 
   !> Pads the last chunk of every bin.
-  pure subroutine pad_bins(particles)
+  pure subroutine particles_pad(particles)
     type(particles_t), intent(inout) :: particles
     integer :: number, chunk, live
     do number = 1, size(particles%size)
@@ -286,6 +309,6 @@ contains
       end do
       if (live > 0) call chunk_pad(particles, chunk, live + 1)
     end do
-  end subroutine pad_bins
+  end subroutine particles_pad
 
 end module sgmp_particles

@@ -45,7 +45,7 @@ EXPECTED = {
     "no_particles": [r"{d}:6:1: .*body 'bar' has no particles"],
     "not_constant": [r"{d}:3:11: error: .*depends on position or time"],
     "normalised": [r"{d}:6:1: error: normalised stress exists for method sgmp only"],
-    "not_yet": [r"{d}:7:1: error: unknown card 'checkpoint'"],
+    "not_yet": [r"{d}:7:1: error: unknown card 'import'"],
     "only_comments": [r"{d}: error: the file has no cards"],
     "open_wall": [r"{d}:7:9: error: a wall on y-, which is open", r"grid y=lower:open"],
     "output_field": [r"{d}:7:26: error: 'stres'", r"did you mean 'stress'"],

@@ -1,0 +1,297 @@
+!> Going on from a checkpoint: finding it, making sure that it is whole and belongs to the deck, and
+!! taking the state of the run from it.
+module sgmp_restart
+  use sgmp_build_model, only: model_build
+  use sgmp_checkpoint, only: block_columns, checkpoint_fixed_text, checkpoint_format, &
+                             checkpoint_path, checkpoint_prefix, checkpoint_suffix
+  use sgmp_errors, only: error_make, error_t, exit_deck, exit_io
+  use sgmp_field, only: field_t
+  use sgmp_file_tools, only: newline
+  use sgmp_hdf5_file, only: hdf5_file_t
+  use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_model, only: model_t
+  use sgmp_outputs, only: outputs_t
+  use sgmp_parallel, only: parallel_agree
+  use sgmp_particles, only: particles_lay_out, particles_pad, particles_t
+  use sgmp_phases, only: phase_layout
+  use sgmp_posix, only: file_number
+  use sgmp_record, only: record_t
+  use sgmp_rows, only: rows_contains, rows_points, rows_t
+  use sgmp_run_log, only: log_t
+  use sgmp_scene, only: scene_t
+  use sgmp_state, only: state_pass
+  use sgmp_text, only: integer_text
+  implicit none
+  private
+  public :: restart_find, restart_read
+
+contains
+
+  !> The checkpoint that `--restart` means: a path, or with `latest` the newest of the output folder
+  !! that is whole; '' where the folder has none at all. Fails where none of them is whole.
+  subroutine restart_find(wanted, folder, log, path, error)
+    character(*), intent(in) :: wanted, folder
+    type(log_t), intent(inout) :: log
+    character(:), allocatable, intent(out) :: path
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: problem
+    integer(i8) :: number
+    path = ''
+    if (wanted /= 'latest') then
+      path = wanted
+      call check_file(path, error)
+      return
+    end if
+    number = huge(number)
+    do
+      number = file_number(folder, checkpoint_prefix, checkpoint_suffix, number)
+      if (number < 0) exit
+      path = checkpoint_path(folder, number)
+      call check_file(path, problem)
+      if (.not. allocated(problem)) return
+      call log%warning(problem%message//'; trying the one before')
+    end do
+    if (.not. allocated(problem)) return
+    call error_make(error, exit_io, "no checkpoint in '"//folder//"' is whole", &
+                    'remove them and start without --restart')
+  end subroutine restart_find
+
+  !> Reads all of a file and compares its checksums.
+  subroutine check_file(path, error)
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+    type(hdf5_file_t) :: file
+    type(error_t), allocatable :: problem
+    character(:), allocatable :: format
+    call file%open(path, shared=.true., writable=.false.)
+    if (file%good()) then
+      if (.not. file%has('/format')) then
+        call error_make(error, exit_io, "cannot read '"//path//"': it is not a checkpoint of sgmp")
+      else
+        call file%get_text('/format', format)
+        if (file%good() .and. format /= checkpoint_format) then
+          call error_make(error, exit_io, "cannot read '"//path//"': its format is '"//format// &
+                          "', not '"//checkpoint_format//"'", &
+                          'go on with the version of sgmp that wrote it')
+        end if
+      end if
+      if (.not. allocated(error)) call file%verify()
+    end if
+    call file%close(problem)
+    if (.not. allocated(error)) call move_alloc(problem, error)
+    if (allocated(error)) then
+      if (error%remedy == '' .or. index(error%remedy, 'space left') > 0) error%remedy = &
+        'take another checkpoint; --restart latest looks for the newest that is whole'
+    end if
+    call parallel_agree(error)
+  end subroutine check_file
+
+  !> Builds the model of a scene with the state of a checkpoint that has been found whole.
+  subroutine restart_read(path, scene, threads, model, outputs, particle_steps, error)
+    character(*), intent(in) :: path
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: threads
+    type(model_t), intent(out) :: model
+    type(outputs_t), intent(inout) :: outputs
+    integer(i8), intent(out) :: particle_steps
+    type(error_t), allocatable, intent(out) :: error
+    type(hdf5_file_t) :: file
+    type(error_t), allocatable :: problem
+    call file%open(path, shared=.true., writable=.false.)
+    call compare_decks(file, path, scene, error)
+    if (.not. allocated(error)) call model_build(scene, threads, model, error, empty=.true.)
+    if (.not. allocated(error)) call take_state(file, model, outputs, particle_steps, path, error)
+    call file%close(problem)
+    if (.not. allocated(error)) call move_alloc(problem, error)
+    call parallel_agree(error)
+  end subroutine restart_read
+
+  !> Refuses a deck that differs from the checkpoint's in more than a restart may change.
+  subroutine compare_decks(file, path, scene, error)
+    type(hdf5_file_t), intent(inout) :: file
+    character(*), intent(in) :: path
+    type(scene_t), intent(in) :: scene
+    type(error_t), allocatable, intent(out) :: error
+    character(*), parameter :: free = &
+      'a restart may change: time end, cfl and steps; title, output, history, checkpoint, stop'
+    character(:), allocatable :: before
+    integer :: i, last
+    call file%get_text('/fixed', before)
+    if (.not. file%good() .or. before == checkpoint_fixed_text(scene%fixed)) return
+    do i = 1, size(scene%fixed)
+      last = index(before, newline) - 1
+      if (last < 0) exit
+      if (before(:last) /= scene%fixed(i)%text) then
+        call error_make(error, exit_deck, 'the deck says `'//scene%fixed(i)%text// &
+                        "`, that of '"//path//"' said `"//before(:last)//'`', free, &
+                        scene%fixed(i)%location)
+        return
+      end if
+      before = before(last + 2:)
+    end do
+    if (i <= size(scene%fixed)) then
+      call error_make(error, exit_deck, "the deck of '"//path//"' did not have `"// &
+                      scene%fixed(i)%text//'`', free, scene%fixed(i)%location)
+    else
+      call error_make(error, exit_deck, "the deck of '"//path//"' had `"// &
+                      before(:index(before, newline) - 1)//'`, which this one has not', free, &
+                      scene%file)
+    end if
+  end subroutine compare_decks
+
+  !> Particles, grid sums and everything else.
+  subroutine take_state(file, model, outputs, particle_steps, path, error)
+    type(hdf5_file_t), intent(inout) :: file
+    type(model_t), intent(inout) :: model
+    type(outputs_t), intent(inout) :: outputs
+    integer(i8), intent(out) :: particle_steps
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+    type(record_t) :: record
+    logical :: fits
+    integer :: b, f
+    particle_steps = 0_i8
+    call get_record(file, record)
+    if (file%good()) call state_pass(record, model, outputs, particle_steps)
+    fits = record%ended()
+    do b = 1, size(model%bodies)
+      call get_particles(file, '/body_'//integer_text(b), model%bodies(b)%particles, fits)
+      if (.not. (fits .and. file%good())) exit
+    end do
+    if (fits .and. file%good()) call phase_layout(model)
+    do f = 1, size(model%fields)
+      if (.not. (fits .and. file%good())) exit
+      call get_field(file, '/field_'//integer_text(f), model%fields(f), fits)
+    end do
+    if (.not. fits) call error_make(error, exit_io, "cannot read '"//path// &
+                                    "': it does not fit the model of this deck")
+  end subroutine take_state
+
+  subroutine get_record(file, record)
+    type(hdf5_file_t), intent(inout) :: file
+    type(record_t), intent(inout) :: record
+    real(dp), allocatable :: reals(:, :)
+    integer(i8), allocatable :: wholes(:, :)
+    integer(i8) :: n, m
+    integer :: rows
+    call file%extent('/reals', rows, n)
+    call file%extent('/wholes', rows, m)
+    allocate (reals(1, max(n, 0_i8)), wholes(1, max(m, 0_i8)))
+    call file%get('/reals', reals, 0_i8)
+    call file%get('/wholes', wholes, 0_i8)
+    call record%start()
+    record%reading = .true.
+    record%reals = reals(1, :)
+    record%wholes = wholes(1, :)
+  end subroutine get_record
+
+  !> A set of rows.
+  subroutine get_rows(file, name, rows)
+    type(hdf5_file_t), intent(inout) :: file
+    character(*), intent(in) :: name
+    type(rows_t), intent(out) :: rows
+    integer(i8), allocatable :: table(:, :)
+    integer(i8) :: n
+    integer :: three
+    call file%extent(name, three, n)
+    allocate (table(3, max(n, 0_i8)), source=0_i8)
+    call file%get(name, table, 0_i8)
+    rows%n = size(table, 2)
+    rows%key = table(1, :)
+    rows%first = int(table(2, :))
+    rows%last = int(table(3, :))
+  end subroutine get_rows
+
+  !> The particles of a body in their bins.
+  subroutine get_particles(file, name, particles, fits)
+    type(hdf5_file_t), intent(inout) :: file
+    character(*), intent(in) :: name
+    type(particles_t), intent(inout) :: particles
+    logical, intent(inout) :: fits
+    type(rows_t) :: bins
+    integer(i8), allocatable :: sizes(:, :)
+    integer, allocatable :: slot(:)
+    integer(i8) :: n
+    integer :: rows
+    call get_rows(file, name//'/bins', bins)
+    allocate (sizes(1, rows_points(bins)), source=0_i8)
+    call file%extent(name//'/sizes', rows, n)
+    fits = fits .and. n == size(sizes)
+    call file%extent(name//'/particles', rows, n)
+    fits = fits .and. rows == particles%na + particles%nb
+    if (.not. (fits .and. file%good())) return
+    call file%get(name//'/sizes', sizes, 0_i8)
+    fits = sum(sizes) == n
+    if (.not. fits) return
+    call particles_lay_out(particles, bins, int(sizes(1, :)), slot)
+    call get_columns(file, name, particles, slot, 0_i8)
+    call particles_pad(particles)
+  end subroutine get_particles
+
+  !> Fills the lanes with the particles behind the first `before` of the file.
+  subroutine get_columns(file, name, particles, slot, before)
+    type(hdf5_file_t), intent(inout) :: file
+    character(*), intent(in) :: name
+    type(particles_t), intent(inout) :: particles
+    integer, intent(in) :: slot(:)         !! see particles_lay_out
+    integer(i8), intent(in) :: before
+    integer(i8), allocatable :: ids(:, :)
+    real(dp), allocatable :: columns(:, :)
+    integer :: first, n, p, l, c
+    allocate (ids(1, min(block_columns, size(slot))))
+    allocate (columns(particles%na + particles%nb, size(ids)))
+    do first = 1, size(slot), block_columns
+      n = min(block_columns, size(slot) - first + 1)
+      call file%get(name//'/ids', ids(:, :n), before + first - 1)
+      call file%get(name//'/particles', columns(:, :n), before + first - 1)
+      do p = 1, n
+        l = mod(slot(first + p - 1) - 1, lanes) + 1
+        c = (slot(first + p - 1) - 1)/lanes + 1
+        particles%id(l, c) = int(ids(1, p))
+        particles%a(l, :, c) = columns(:particles%na, p)
+        particles%b(l, :, c) = columns(particles%na + 1:, p)
+      end do
+    end do
+  end subroutine get_columns
+
+  !> The projected sums of a field at the points that it computes here.
+  subroutine get_field(file, name, field, fits)
+    type(hdf5_file_t), intent(inout) :: file
+    character(*), intent(in) :: name
+    type(field_t), intent(inout) :: field
+    logical, intent(inout) :: fits
+    type(rows_t) :: points
+    real(dp), allocatable :: columns(:, :)
+    integer(i8), allocatable :: before(:)  !! points in front of each interval of the file
+    integer(i8) :: total, place, first, last
+    integer :: rows, s, w, i
+    call get_rows(file, name//'/points', points)
+    call file%extent(name//'/moments', rows, total)
+    fits = fits .and. rows == field%nmoment .and. total == rows_points(points)
+    if (.not. (fits .and. file%good())) return
+    allocate (columns(rows, min(total, int(block_columns, i8))), before(points%n))
+    place = 0_i8
+    do s = 1, points%n
+      before(s) = place
+      place = place + points%last(s) - points%first(s) + 1
+    end do
+    first = 0_i8
+    last = 0_i8                            ! columns holds the points first + 1 to last
+    do w = 1, field%work%n
+      s = rows_contains(points, field%work%key(w), field%work%first(w))
+      fits = s > 0
+      if (fits) fits = points%last(s) >= field%work%last(w)
+      if (.not. fits) return
+      do i = field%work%first(w), field%work%last(w)
+        place = before(s) + i - points%first(s) + 1
+        if (place <= first .or. place > last) then
+          first = place - 1
+          last = min(total, first + size(columns, 2))
+          call file%get(name//'/moments', columns(:, :int(last - first)), first)
+        end if
+        field%moment(field%neighbour(0, 0, w) + i, :) = columns(:, int(place - first))
+      end do
+    end do
+  end subroutine get_field
+
+end module sgmp_restart

@@ -1,0 +1,86 @@
+"""What the tests of restarts share: a straight run with checkpoints, and one that goes on from one of them."""
+import filecmp
+import os
+import shutil
+import subprocess
+
+from _runs import ENVIRONMENT, INPUT, SCRATCH, SGMP, Run, run
+
+# Same in both runs, byte by byte; run.log and summary.json hold wall times.
+DIFFERENT = ("run.log", "summary.json")
+
+
+def deck(name, extra=""):
+    """A deck of input/ with further cards."""
+    return f'include "{os.path.join(INPUT, name)}"\n{extra}\n'
+
+
+def clear(name):
+    """An empty folder of results."""
+    folder = os.path.join(SCRATCH, name)
+    shutil.rmtree(folder, ignore_errors=True)
+    return folder
+
+
+def command(name, text, options=(), settings=None, threads=1):
+    """The command line of a run in a folder of its own."""
+    path = os.path.join(SCRATCH, name + ".inp")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    line = [SGMP, path, "--quiet", "--threads", str(threads), "--output", os.path.join(SCRATCH, name), *options]
+    for key, value in (settings or {}).items():
+        line += ["--set", f"{key}={value}"]
+    return line
+
+
+def execute(line, name, launcher=(), timeout=300):
+    """Runs a command line to its end."""
+    done = subprocess.run([*launcher, *line], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout, check=False,
+                          env=ENVIRONMENT)
+    return Run(done.returncode, done.stdout.decode("utf-8", "replace"), os.path.join(SCRATCH, name))
+
+
+def checkpoints(folder):
+    """The steps of the checkpoints in a folder."""
+    if not os.path.isdir(folder):
+        return []
+    return sorted(int(name[11:-3]) for name in os.listdir(folder)
+                  if name.startswith("checkpoint_") and name.endswith(".h5"))
+
+
+def path_of(folder, step):
+    """The checkpoint of a step."""
+    return os.path.join(folder, f"checkpoint_{step:07d}.h5")
+
+
+def same_files(report, first, second, title):
+    """Two folders with the same results."""
+    names = {name for folder in (first, second) for name in os.listdir(folder)} - set(DIFFERENT)
+    for name in sorted(names):
+        paths = [os.path.join(folder, name) for folder in (first, second)]
+        if report.check(all(os.path.exists(path) for path in paths), f"{title}: {name} is in one folder only"):
+            report.check(filecmp.cmp(*paths, shallow=False), f"{title}: {name} differs")
+
+
+def straight(report, name, text, threads=1, **settings):
+    """A run from start to end."""
+    clear(name)
+    result = run(name, text, threads=threads, **settings)
+    report.finished(result, name)
+    return result
+
+
+def goes_on(report, reference, name, text, step, threads=1, launcher=(), **settings):
+    """Restarts a copy of a finished run from the checkpoint of a step; the results must be those of the run."""
+    folder = clear(name)
+    shutil.copytree(reference.folder, folder)
+    for later in [other for other in checkpoints(folder) if other > step]:
+        os.remove(path_of(folder, later))
+    os.remove(os.path.join(folder, "summary.json"))
+    result = execute(command(name, text, ["--restart", "latest"], settings, threads), name, launcher)
+    if report.finished(result, name):
+        report.check(result["restarted_from"].endswith(f"_{step:07d}.h5"), f"{name}: started from {result['restarted_from']}")
+        for key in ("checksum", "steps", "particle_steps", "energy.total", "energy.remainder", "particles_lost"):
+            report.check(result[key] == reference[key], f"{name}: {key} {result[key]}, straight {reference[key]}")
+        same_files(report, reference.folder, folder, name)
+    return result
