@@ -19,8 +19,7 @@ module sgmp_build_contact
   real(dp), parameter :: contact_no_surface = -1.0e3_dp
   real(dp), parameter :: outside = 0.05_dp   !! part of the spacing by which a particle may lie out
   real(dp), parameter :: near = 0.75_dp      !! see contact_pair_t, in spacings; at least 0.71 in 3D
-  real(dp), parameter :: deepest = 1.0_dp    !! largest offset, in spacings
-  real(dp), parameter :: interior = 0.3_dp   !! particles deeper by this never are outermost
+  real(dp), parameter :: interior = 0.95_dp  !! particles with a larger offset never are outermost
 
 contains
 
@@ -92,10 +91,10 @@ contains
           x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%a(l, :n, c))
           offset = surface_depth(card%shapes, seeding_turned(card, x, -1), n)/body%spacing - 0.5_dp
         end if
-        if (offset < -outside .or. offset > deepest + interior) then
+        if (offset < -outside .or. offset > interior) then
           offset = contact_no_surface
         else
-          offset = min(max(offset, 0.0_dp), deepest)*body%spacing*mesh%inverse_h
+          offset = max(offset, 0.0_dp)*body%spacing*mesh%inverse_h
         end if
         body%particles%b(l, body%law%slots%surface, c) = offset
       end do

@@ -11,7 +11,8 @@ module sgmp_contact_phases
   use sgmp_field, only: field_base, field_t
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
-  use sgmp_shared_nodes, only: contact_pair_t, shared_build, shared_detect, shared_nodes_t
+  use sgmp_shared_nodes, only: clouds_t, shared_build, shared_detect, shared_nodes_t
+  use sgmp_surface_particles, only: surface_pack
   use sgmp_transfer_kinds, only: kernel_sgmp
   implicit none
   private
@@ -30,15 +31,22 @@ contains
   !> Finds normals and touching pairs at all shared nodes.
   subroutine contact_detect(model)
     type(model_t), intent(inout) :: model
-    integer :: n
-    if (size(model%pairs) == 0) return
-    !$omp parallel do schedule(dynamic, 16) num_threads(model%threads) default(none) &
-    !$omp& shared(model) private(n)
+    type(clouds_t) :: clouds
+    integer :: n, b
+    if (model%shared%nodes == 0) return
+    do b = 1, size(model%bodies)
+      call surface_pack(model%shared%surface(b), model%bodies(b)%particles, &
+                        model%moved > 0, model%bodies(b)%law%slots%surface, model%threads)
+    end do
+    !$omp parallel num_threads(model%threads) if(model%threads > 1) default(none) &
+    !$omp& shared(model) private(n, clouds)
+    !$omp do schedule(dynamic, 16)
     do n = 1, model%shared%nodes
       call shared_detect(model%shared, n, model%mesh, model%fields, model%bodies, model%pairs, &
-        model%cutoff)
+        model%cutoff, clouds)
     end do
-    !$omp end parallel do
+    !$omp end do nowait
+    !$omp end parallel
   end subroutine contact_detect
 
   !> Contact forces: corrects trial velocity and acceleration (Eqs. 79, 80) and books work and

@@ -42,12 +42,16 @@ module sgmp_phases
 
 contains
 
-  !> Lays out every field for the bins of its bodies and divides the planes among the threads.
-  subroutine phase_layout(model)
+  !> Lays out fields for the bins of their bodies and divides the planes among the threads.
+  subroutine phase_layout(model, changed)
     type(model_t), intent(inout) :: model
+    logical, intent(in), optional :: changed(:)  !! (fields) whose bins are new; absent: all
     type(rows_t) :: bins, more
     integer :: f, b
     do f = 1, size(model%fields)
+      if (present(changed)) then
+        if (.not. changed(f)) cycle
+      end if
       bins%n = 0
       if (allocated(bins%key)) deallocate (bins%key, bins%first, bins%last)
       allocate (bins%key(0), bins%first(0), bins%last(0))
@@ -276,15 +280,15 @@ contains
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
     integer :: b
-    logical :: new_bins, changed
+    logical :: new_bins, changed(size(model%fields))
     changed = .false.
     model%moved = 0
     if (plan%drift) then
       do b = 1, size(model%bodies)
         call rebin_body(model, plan, b, new_bins)
-        changed = changed .or. new_bins
+        if (new_bins) changed(model%bodies(b)%field) = .true.
       end do
-      if (changed) call phase_layout(model)
+      if (any(changed)) call phase_layout(model, changed)
       do b = 1, size(model%bodies)
         call add_movers(model, plan, b)
       end do

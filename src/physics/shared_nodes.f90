@@ -7,20 +7,20 @@
 module sgmp_shared_nodes
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_link_t, contact_normal, normal_separating
-  use sgmp_field, only: field_base, field_t
+  use sgmp_field, only: field_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_particles, only: particles_bin_of
-  use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_intersection, rows_points, &
-    rows_t, rows_union
+  use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_dilate, rows_intersection, &
+    rows_points, rows_t, rows_union
   use sgmp_separation, only: separation
+  use sgmp_surface_particles, only: surface_bins, surface_list, surface_t
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
   implicit none
   private
-  public :: contact_pair_t, shared_nodes_t, shared_build, shared_detect
+  public :: clouds_t, contact_pair_t, shared_nodes_t, shared_build, shared_detect
 
   integer, parameter :: most_rows = 9          !! rows of bins whose particles give to a node
-  real(dp), parameter :: nowhere = -1.0_dp     !! surface offsets below are no surface particle's
   real(dp), parameter :: overlapping = 1.0e-3_dp
     !! distance (cells) below which the shortest line is not trusted
 
@@ -44,6 +44,7 @@ module sgmp_shared_nodes
   !> The shared nodes; members are the fields present at a node, links the pairs among them that
   !! have a contact card.
   type :: shared_nodes_t
+    integer :: ndim = 3
     integer :: nodes = 0, members = 0, links = 0
     integer, allocatable :: point(:, :)         !! (3, nodes) i, j, k
     logical, allocatable :: held(:, :)
@@ -52,12 +53,21 @@ module sgmp_shared_nodes
     integer, allocatable :: body(:)             !! (members)
     integer, allocatable :: field(:)            !! (members)
     integer, allocatable :: record(:)           !! (members) the node in the field
-    integer, allocatable :: rows(:, :)          !! (most_rows, members) of bins, see rows_around
+    integer, allocatable :: interval(:)         !! (members) of the field's work rows
+    integer, allocatable :: bins(:, :, :)
+      !! (2, most_rows, members) first and last bin, in the surface's list, of each row around
+    type(surface_t), allocatable :: surface(:)  !! (bodies) surface particles around shared nodes
     integer, allocatable :: link_start(:)       !! (nodes + 1)
     integer, allocatable :: pair(:)             !! (links)
     type(contact_link_t), allocatable :: link(:)  !! (links) members counted within the node
     logical, allocatable :: touching(:)         !! (links) close enough for contact
   end type shared_nodes_t
+
+  !> Room for the surface particles of two bodies around a node, kept from node to node.
+  type :: clouds_t
+    real(dp), allocatable :: first(:, :), second(:, :)
+      !! (balls or more, 4) centre relative to the node, 0 along axes that do not exist; radius
+  end type clouds_t
 
 contains
 
@@ -82,21 +92,17 @@ contains
       all = sum_of
     end do
     n = int(rows_points(all))
+    shared%ndim = mesh%ndim
     shared%nodes = n
     allocate (shared%point(3, n), shared%held(3, n), shared%member_start(n + 1), &
       shared%link_start(n + 1))
     call list_points(shared, mesh, all)
     call list_members(shared, fields, pairs, .false.)
     allocate (shared%body(shared%members), shared%field(shared%members), &
-      shared%record(shared%members))
+      shared%record(shared%members), shared%interval(shared%members))
     allocate (shared%pair(shared%links), shared%link(shared%links), shared%touching(shared%links))
     call list_members(shared, fields, pairs, .true.)
-    allocate (shared%rows(most_rows, shared%members))
-    do n = 1, shared%nodes
-      do p = shared%member_start(n), shared%member_start(n + 1) - 1
-        shared%rows(:, p) = rows_around(mesh, bodies(shared%body(p)), shared%point(:, n))
-      end do
-    end do
+    call list_bins(shared, mesh, all, bodies)
   end subroutine shared_build
 
   !> Coordinates of the nodes, and the components that walls hold there.
@@ -137,7 +143,7 @@ contains
     type(field_t), intent(in) :: fields(:)
     type(contact_pair_t), intent(in) :: pairs(:)
     logical, intent(in) :: fill
-    integer :: n, p, m, l, side, at(2), record(2), s
+    integer :: n, p, m, l, side, at(2), record(2), interval(2), s
     m = 0
     l = 0
     do n = 1, shared%nodes
@@ -149,6 +155,7 @@ contains
             s = rows_contains(field%work, row_key(shared%point(2, n), shared%point(3, n)), &
               shared%point(1, n))
             record(side) = 0
+            interval(side) = s
             if (s > 0) record(side) = field%neighbour(0, 0, s) + shared%point(1, n)
           end associate
         end do
@@ -167,6 +174,7 @@ contains
             shared%field(s) = pairs(p)%field(side)
             shared%body(s) = pairs(p)%body(side)
             shared%record(s) = record(side)
+            shared%interval(s) = interval(side)
           end if
           at(side) = s - shared%member_start(n) + 1
         end do
@@ -182,8 +190,48 @@ contains
     shared%links = l
   end subroutine list_members
 
-  !> Normals of all links of a node, and which of them are close enough to touch (Eqs. 86-88).
-  pure subroutine shared_detect(shared, n, mesh, fields, bodies, pairs, cutoff)
+  !> Lists the bins around shared nodes, and which of them are around each node.
+  pure subroutine list_bins(shared, mesh, nodes, bodies)
+    type(shared_nodes_t), intent(inout) :: shared
+    type(mesh_t), intent(in) :: mesh
+    type(rows_t), intent(in) :: nodes
+    type(body_t), intent(in) :: bodies(:)
+    type(rows_t) :: around
+    integer, allocatable :: place(:, :)          !! (most_rows, bodies) see surface_bins
+    integer :: b, n, m, r, j, k, low(3)
+    allocate (shared%surface(size(bodies)), shared%bins(2, most_rows, shared%members))
+    do b = 1, size(bodies)
+      if (.not. any(shared%body == b)) cycle
+      call rows_dilate(nodes, lowest_bin_of(mesh, bodies(b), [0, 0, 0]), [0, 0, 0], around)
+      call surface_list(shared%surface(b), bodies(b)%particles, around)
+    end do
+    allocate (place(most_rows, size(bodies)))
+    do n = 1, shared%nodes
+      if (n == 1) then
+        place = 0
+      else if (any(shared%point(2:, n) /= shared%point(2:, n - 1))) then
+        place = 0
+      end if
+      do m = shared%member_start(n), shared%member_start(n + 1) - 1
+        b = shared%body(m)
+        low = lowest_bin_of(mesh, bodies(b), shared%point(:, n))
+        r = 0
+        do k = low(3), shared%point(3, n)
+          do j = low(2), shared%point(2, n)
+            r = r + 1
+            call surface_bins(shared%surface(b), row_key(j, k), low(1), shared%point(1, n), &
+                              place(r, b), shared%bins(:, r, m))
+          end do
+        end do
+        shared%bins(1, r + 1:, m) = 1
+        shared%bins(2, r + 1:, m) = 0
+      end do
+    end do
+  end subroutine list_bins
+
+  !> Normals of all links of a node, and which of them are close enough to touch (Eqs. 86-88). The
+  !! surface particles must have been packed.
+  pure subroutine shared_detect(shared, n, mesh, fields, bodies, pairs, cutoff, clouds)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n                     !! the node
     type(mesh_t), intent(in) :: mesh
@@ -191,75 +239,201 @@ contains
     type(body_t), intent(in) :: bodies(:)
     type(contact_pair_t), intent(in) :: pairs(:)
     real(dp), intent(in) :: cutoff               !! nodes lighter than this are ignored
-    real(dp) :: gradient(3, shared%member_start(n + 1) - shared%member_start(n))
-    real(dp) :: guess(3), distance
-    integer :: at(2)
-    logical :: there(size(gradient, 2))
-    integer :: l, m, k
-    do k = 1, size(there)
-      m = shared%member_start(n) + k - 1
-      there(k) = node_there(mesh, fields(shared%field(m)), shared%record(m), shared%point(:, n), &
-        cutoff)
-      if (there(k)) then
-        gradient(:, k) = volume_gradient(mesh, fields(shared%field(m)), bodies(shared%body(m)), &
-          shared%point(:, n))
-        where (shared%held(:, n)) gradient(:, k) = 0.0_dp  ! the mirror image cancels it
-      end if
-    end do
+    type(clouds_t), intent(inout) :: clouds
+    integer :: at(2), balls(2), l, side
+    logical :: there
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       shared%touching(l) = .false.
-      associate (link => shared%link(l), pair => pairs(shared%pair(l)))
-        if (.not. (there(link%first) .and. there(link%second))) cycle
-        guess = contact_normal(pair%normal, gradient(:, link%first), gradient(:, link%second))
-        at = shared%member_start(n) - 1 + [link%first, link%second]
-        call measure(shared, n, link, at, mesh, bodies(pair%body(1)), bodies(pair%body(2)), pair, &
-                     guess, distance)
-        shared%touching(l) = distance < pair%lambda
-      end associate
+      at = shared%member_start(n) - 1 + [shared%link(l)%first, shared%link(l)%second]
+      there = .true.
+      do side = 1, 2
+        there = there .and. node_mass(fields(shared%field(at(side))), shared, at(side), n) > cutoff
+      end do
+      if (.not. there) cycle
+      call cloud_around(shared, n, at(1), balls(1), clouds%first)
+      call cloud_around(shared, n, at(2), balls(2), clouds%second)
+      if (any(balls == 0)) cycle
+      call measure(shared, n, l, at, mesh, fields, bodies, pairs(shared%pair(l)), balls, clouds)
     end do
   end subroutine shared_detect
 
-  !> Whether a field has mass at a node.
-  pure function node_there(mesh, field, record, point, cutoff) result(there)
+  !> Normal of a link and whether its bodies touch. The normal is that of the shortest line between
+  !! the surface particles around the node, or where they overlap, or by the deck's choice, that of
+  !! the gradients of volume; the distance is that of the outermost particles along it (Eq. 86).
+  pure subroutine measure(shared, n, l, at, mesh, fields, bodies, pair, balls, clouds)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n, l                  !! node and link
+    integer, intent(in) :: at(2)                 !! members of the link
     type(mesh_t), intent(in) :: mesh
-    type(field_t), intent(in) :: field
-    integer, intent(in) :: record, point(3)
-    real(dp), intent(in) :: cutoff
-    logical :: there
-    if (field%kernel == kernel_sgmp) then
-      there = node_mass(mesh, field, point) > cutoff
-    else
-      there = field%moment(record, 1) > cutoff
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(contact_pair_t), intent(in) :: pair
+    integer, intent(in) :: balls(2)
+    type(clouds_t), intent(in) :: clouds
+    real(dp) :: line(3), gradient(3, 2), length
+    integer :: side
+    length = 0.0_dp
+    if (pair%normal == normal_separating) then
+      call separation(mesh%ndim, balls(1), clouds%first, balls(2), clouds%second, &
+                      middle(balls(2), clouds%second) - middle(balls(1), clouds%first), &
+                      pair%lambda, line)
+      length = norm2(line)
+      if (length > pair%lambda) return
     end if
-  end function node_there
+    associate (normal => shared%link(l)%normal)
+      if (length > overlapping) then
+        normal = line/length
+      else
+        do side = 1, 2
+          gradient(:, side) = volume_gradient(mesh, fields(shared%field(at(side))), shared, &
+            at(side), bodies(shared%body(at(side))), shared%point(:, n))
+          where (shared%held(:, n)) gradient(:, side) = 0.0_dp  ! the mirror image cancels it
+        end do
+        normal = contact_normal(pair%normal, gradient(:, 1), gradient(:, 2))
+        if (all(abs(normal) <= 0.0_dp)) return
+      end if
+      shared%touching(l) = -(reach(size(clouds%second, 1), balls(2), clouds%second, -normal, &
+        pair%near) + reach(size(clouds%first, 1), balls(1), clouds%first, normal, pair%near)) &
+        < pair%lambda
+    end associate
+  end subroutine measure
 
-  !> Mass that centres give to a node (Eq. 17).
-  pure function node_mass(mesh, field, point) result(mass)
-    type(mesh_t), intent(in) :: mesh
+  !> Mean position of balls.
+  pure function middle(n, balls) result(mean)
+    integer, intent(in) :: n                     !! a multiple of `lanes`
+    real(dp), intent(in), contiguous :: balls(:, :)
+    real(dp) :: mean(3), part(lanes)
+    integer :: d, p
+    do d = 1, 3
+      part = 0.0_dp
+      do p = 0, n - lanes, lanes
+        part = part + balls(p + 1:p + lanes, d)
+      end do
+      mean(d) = sum(part)/n
+    end do
+  end function middle
+
+  !> How far balls that are `near` the axis through the origin reach along it; minus a lot where
+  !! there are none.
+  pure function reach(stride, n, balls, axis, near) result(furthest)
+    integer, intent(in) :: stride, n
+    real(dp), intent(in) :: balls(stride, 4), axis(3), near
+    real(dp) :: furthest
+    real(dp) :: top(lanes), along, aside
+    integer :: p, l
+    top = -1.0e30_dp
+    do p = 0, n - lanes, lanes
+      !$omp simd private(along, aside)
+      do l = 1, lanes
+        along = balls(p + l, 1)*axis(1) + balls(p + l, 2)*axis(2) + balls(p + l, 3)*axis(3)
+        aside = (balls(p + l, 1)**2 + balls(p + l, 2)**2 + balls(p + l, 3)**2) - along**2
+        along = along + balls(p + l, 4)
+        top(l) = merge(along, top(l), aside <= near**2 .and. along > top(l))
+      end do
+    end do
+    furthest = maxval(top)
+  end function reach
+
+  !> Surface particles of a member around a node. The rest of the last group repeats the last
+  !! particle. Where the node is held, particles are put onto its planes.
+  pure subroutine cloud_around(shared, n, m, balls, x)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, m                  !! node and member
+    integer, intent(out) :: balls
+    real(dp), allocatable, intent(inout) :: x(:, :)
+    real(dp) :: node(4)
+    integer :: r, d, p, last, last_row
+    associate (surface => shared%surface(shared%body(m)), bins => shared%bins(:, :, m))
+      balls = 0
+      last_row = 0
+      do r = 1, most_rows
+        p = surface%start(bins(2, r) + 1) - surface%start(bins(1, r))
+        if (p > 0) last_row = r
+        balls = balls + p
+      end do
+      if (balls == 0) return
+      call make_room(balls + 2*lanes, x)
+      node = 0.0_dp
+      node(1) = real(shared%point(1, n), dp)
+      if (shared%ndim == 2) node(2) = real(shared%point(3, n), dp)
+      if (shared%ndim == 3) node(2:3) = real(shared%point(2:3, n), dp)
+      balls = 0
+      do r = 1, last_row
+        last = surface%start(bins(2, r) + 1) - 1
+        ! Whole groups; what is too much is overwritten.
+        do p = surface%start(bins(1, r)), last, lanes
+          call copy_group(size(surface%x, 1), surface%x, p - 1, node, size(x, 1), x, balls)
+          balls = balls + min(lanes, last - p + 1)
+        end do
+      end do
+    end associate
+    do d = 1, 3
+      if (shared%held(d, n)) x(:balls, d) = 0.0_dp
+    end do
+    do d = 1, 4
+      x(balls + 1:balls + lanes, d) = x(balls, d)
+    end do
+    balls = lanes*((balls + lanes - 1)/lanes)
+  end subroutine cloud_around
+
+  !> A group of balls, its positions relative to a node.
+  pure subroutine copy_group(stride, from, behind, node, stride_to, to, behind_to)
+    integer, intent(in) :: stride, behind, stride_to, behind_to
+    real(dp), intent(in) :: from(stride, 4), node(4)
+    real(dp), intent(inout) :: to(stride_to, 4)
+    integer :: l
+    !$omp simd
+    do l = 1, lanes
+      to(behind_to + l, 1) = from(behind + l, 1) - node(1)
+      to(behind_to + l, 2) = from(behind + l, 2) - node(2)
+      to(behind_to + l, 3) = from(behind + l, 3) - node(3)
+      to(behind_to + l, 4) = from(behind + l, 4)
+    end do
+  end subroutine copy_group
+
+  pure subroutine make_room(n, x)
+    integer, intent(in) :: n
+    real(dp), allocatable, intent(inout) :: x(:, :)
+    if (allocated(x)) then
+      if (size(x, 1) >= n) return
+      deallocate (x)
+    end if
+    allocate (x(2*n, 4))
+  end subroutine make_room
+
+  !> Mass of a member at a node (Eq. 17).
+  pure function node_mass(field, shared, m, n) result(mass)
     type(field_t), intent(in) :: field
-    integer, intent(in) :: point(3)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: m, n
     real(dp) :: mass
-    integer :: j, k, base
+    integer :: dj, dk, base
+    if (field%kernel /= kernel_sgmp) then
+      mass = field%moment(shared%record(m), 1)
+      return
+    end if
     mass = 0.0_dp
-    do k = point(3) - merge(1, 0, mesh%ndim >= 2), point(3)
-      do j = point(2) - merge(1, 0, mesh%ndim == 3), point(2)
-        base = field_base(field, j, k, point(1)) + point(1)
+    do dk = -merge(1, 0, field%ndim >= 2), 0
+      do dj = -merge(1, 0, field%ndim == 3), 0
+        base = field%neighbour(dj, dk, shared%interval(m)) + shared%point(1, n)
         mass = mass + (field%moment(base - 1, 1) + field%moment(base, 1))
       end do
     end do
-    mass = mass*0.5_dp**mesh%ndim
+    mass = mass*0.5_dp**field%ndim
   end function node_mass
 
   !> Outward direction of a body at a node: sum of V grad N over centres (SGMP, Eq. 88) or particles
   !! (Eq. 87).
-  pure function volume_gradient(mesh, field, body, point) result(gradient)
+  pure function volume_gradient(mesh, field, shared, m, body, point) result(gradient)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(in) :: field
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: m
     type(body_t), intent(in) :: body
     integer, intent(in) :: point(3)
     real(dp) :: gradient(3)
     if (field%kernel == kernel_sgmp) then
-      gradient = centre_gradient(mesh, field, point)
+      gradient = centre_gradient(field, shared%interval(m), point(1))
     else
       gradient = particle_gradient(mesh, field%kernel, body, point)
     end if
@@ -267,29 +441,25 @@ contains
   end function volume_gradient
 
   !> Sum of m_c grad N_Ic (Eq. 88), in units of mass per cell.
-  pure function centre_gradient(mesh, field, point) result(gradient)
-    type(mesh_t), intent(in) :: mesh
+  pure function centre_gradient(field, interval, i) result(gradient)
     type(field_t), intent(in) :: field
-    integer, intent(in) :: point(3)
+    integer, intent(in) :: interval, i
     real(dp) :: gradient(3)
     real(dp) :: left, right
-    integer :: j, k, base
+    integer :: dj, dk, base
     gradient = 0.0_dp
-    do k = point(3) - merge(1, 0, mesh%ndim >= 2), point(3)
-      do j = point(2) - merge(1, 0, mesh%ndim == 3), point(2)
-        base = field_base(field, j, k, point(1)) + point(1)
+    do dk = -merge(1, 0, field%ndim >= 2), 0
+      do dj = -merge(1, 0, field%ndim == 3), 0
+        base = field%neighbour(dj, dk, interval) + i
         left = field%moment(base - 1, 1)
         right = field%moment(base, 1)
         gradient(1) = gradient(1) + (left - right)
-        if (mesh%ndim == 2) gradient(2) = gradient(2) + merge(left + right, -(left + right), &
-          k < point(3))
-        if (mesh%ndim == 3) gradient(2) = gradient(2) + merge(left + right, -(left + right), &
-          j < point(2))
-        if (mesh%ndim == 3) gradient(3) = gradient(3) + merge(left + right, -(left + right), &
-          k < point(3))
+        if (field%ndim == 2) gradient(2) = gradient(2) + sign(left + right, -dk - 0.5_dp)
+        if (field%ndim == 3) gradient(2) = gradient(2) + sign(left + right, -dj - 0.5_dp)
+        if (field%ndim == 3) gradient(3) = gradient(3) + sign(left + right, -dk - 0.5_dp)
       end do
     end do
-    gradient = gradient*0.5_dp**(mesh%ndim - 1)
+    gradient = gradient*0.5_dp**(field%ndim - 1)
   end function centre_gradient
 
   !> Range of bins whose particles give to a node: lower corner, the upper one is the node itself.
@@ -367,175 +537,6 @@ contains
     end if
   end subroutine weight
 
-  !> Normal and distance (cells) of a link: the shortest line between the bodies around the node,
-  !! or the guess from gradients; distance between the outermost particles along it (Eq. 86).
-  pure subroutine measure(shared, n, link, at, mesh, first, second, pair, guess, distance)
-    type(shared_nodes_t), intent(in) :: shared
-    integer, intent(in) :: n               !! the node
-    type(contact_link_t), intent(inout) :: link
-    integer, intent(in) :: at(2)           !! its members
-    type(mesh_t), intent(in) :: mesh
-    type(body_t), intent(in) :: first, second
-    type(contact_pair_t), intent(in) :: pair
-    real(dp), intent(in) :: guess(3)       !! normal from the gradients of volume
-    real(dp), intent(out) :: distance
-    integer :: na, nb
-    distance = huge(1.0_dp)
-    call surface_around(mesh, first, shared%point(:, n), shared%rows(:, at(1)), shared%held(:, n), &
-                        na)
-    call surface_around(mesh, second, shared%point(:, n), shared%rows(:, at(2)), &
-                        shared%held(:, n), nb)
-    if (na == 0 .or. nb == 0) return
-    block
-      real(dp) :: a(na, mesh%ndim + 1), b(nb, mesh%ndim + 1)
-      integer :: ma, mb
-      call surface_around(mesh, first, shared%point(:, n), shared%rows(:, at(1)), &
-                          shared%held(:, n), ma, a)
-      call surface_around(mesh, second, shared%point(:, n), shared%rows(:, at(2)), &
-                          shared%held(:, n), mb, b)
-      if (ma == 0 .or. mb == 0) return
-      call gap(mesh%ndim, a(:ma, :), b(:mb, :), pair, guess, link%normal, distance)
-    end block
-  end subroutine measure
-
-  !> Normal and distance of two sets of surface particles.
-  pure subroutine gap(ndim, a, b, pair, guess, normal, distance)
-    integer, intent(in) :: ndim
-    real(dp), intent(in), contiguous :: a(:, :), b(:, :)
-      !! (particles, ndim + 1) see surface_around
-    type(contact_pair_t), intent(in) :: pair
-    real(dp), intent(in) :: guess(3)
-    real(dp), intent(out) :: normal(3)     !! from the first to the second
-    real(dp), intent(out) :: distance
-    real(dp) :: start(ndim), line(ndim)
-    normal = guess
-    distance = huge(1.0_dp)
-    if (pair%normal == normal_separating) then
-      start = guess(:ndim)
-      if (all(abs(start) <= 0.0_dp)) then
-        start = sum(b(:, :ndim), 1)/size(b, 1) - sum(a(:, :ndim), 1)/size(a, 1)
-      end if
-      call separation(ndim, a, b, start, line)
-      if (norm2(line) > overlapping) then
-        normal = 0.0_dp
-        normal(:ndim) = line/norm2(line)
-      end if
-    end if
-    if (all(abs(normal) <= 0.0_dp)) return
-    line = normal(:ndim)
-    distance = -(reach(ndim, b, -line, pair%near) + reach(ndim, a, line, pair%near))
-  end subroutine gap
-
-  !> How far points within a distance of the axis through the origin reach along it; minus a lot
-  !! where there are none.
-  pure function reach(ndim, points, axis, near) result(furthest)
-    integer, intent(in) :: ndim
-    real(dp), intent(in) :: points(:, :), axis(:), near
-    real(dp) :: furthest
-    real(dp) :: along(size(points, 1)), square(size(points, 1))
-    integer :: d
-    along = 0.0_dp
-    square = 0.0_dp
-    do d = 1, ndim
-      along = along + points(:, d)*axis(d)
-      square = square + points(:, d)**2
-    end do
-    furthest = maxval(merge(along + points(:, ndim + 1), -1.0e30_dp, square - along**2 <= near**2))
-  end function reach
-
-  !> Intervals of a body's bins that start the rows around a node, 0 where a row is empty.
-  pure function rows_around(mesh, body, point) result(rows)
-    type(mesh_t), intent(in) :: mesh
-    type(body_t), intent(in) :: body
-    integer, intent(in) :: point(3)
-    integer :: rows(most_rows)
-    integer :: low(3), j, k, n
-    low = lowest_bin_of(mesh, body, point)
-    rows = 0
-    n = 0
-    do k = low(3), point(3)
-      do j = low(2), point(2)
-        n = n + 1
-        rows(n) = rows_contains_from(body%particles%bins, row_key(j, k), low(1), point(1))
-      end do
-    end do
-  end function rows_around
-
-  !> Surface particles of a body around a node: positions relative to it, surface offsets (cells).
-  !! Without `x` only their largest number is found. The rest of the last group repeats a particle.
-  pure subroutine surface_around(mesh, body, point, rows, held, n, x)
-    type(mesh_t), intent(in) :: mesh
-    type(body_t), intent(in) :: body
-    integer, intent(in) :: point(3)
-    integer, intent(in) :: rows(most_rows)
-    logical, intent(in) :: held(3)
-    integer, intent(out) :: n
-    real(dp), intent(inout), optional :: x(:, :)
-    integer :: first, i, r, s, chunk, l, d, column
-    n = 0
-    first = lowest_first(mesh, body, point)
-    column = body%law%slots%surface
-    associate (particles => body%particles)
-      do r = 1, most_rows
-        if (rows(r) == 0) cycle
-        do s = rows(r), particles%bins%n
-          if (particles%bins%key(s) /= particles%bins%key(rows(r))) exit
-          do i = max(first, particles%bins%first(s)), min(point(1), particles%bins%last(s))
-            if (.not. present(x)) then
-              n = n + (particles%size(particles%bin_start(s) + i) + lanes - 1)/lanes
-              cycle
-            end if
-            chunk = particles%first(particles%bin_start(s) + i)
-            do while (chunk > 0)
-              if (any(particles%b(:, column, chunk) > nowhere)) then
-                do l = 1, lanes
-                  if (particles%b(l, column, chunk) <= nowhere) cycle
-                  n = n + 1
-                  do d = 1, mesh%ndim
-                    x(n, d) = particles%a(l, d, chunk) - real(point(row_axis(d, mesh%ndim)), dp)
-                  end do
-                  x(n, mesh%ndim + 1) = particles%b(l, column, chunk)
-                end do
-              end if
-              chunk = particles%next(chunk)
-            end do
-          end do
-        end do
-      end do
-    end associate
-    if (.not. present(x)) then
-      n = lanes*n
-      return
-    end if
-    if (n > 0) call fill_group(held(:mesh%ndim), n, x)
-  end subroutine surface_around
-
-  !> Puts particles onto the node's planes where it is held, and fills the last group with copies of
-  !! the last particle.
-  pure subroutine fill_group(held, n, x)
-    logical, intent(in) :: held(:)
-    integer, intent(inout) :: n
-    real(dp), intent(inout) :: x(:, :)
-    integer :: d, l
-    do d = 1, size(held)
-      if (held(d)) x(:n, d) = 0.0_dp
-    end do
-    do l = n + 1, lanes*((n + lanes - 1)/lanes)
-      x(l, :) = x(n, :)
-    end do
-    n = lanes*((n + lanes - 1)/lanes)
-  end subroutine fill_group
-
-  !> First i of the bins around a node.
-  pure function lowest_first(mesh, body, point) result(first)
-    type(mesh_t), intent(in) :: mesh
-    type(body_t), intent(in) :: body
-    integer, intent(in) :: point(3)
-    integer :: first, low(3)
-    low = lowest_bin_of(mesh, body, point)
-    first = low(1)
-  end function lowest_first
-
   pure function lowest_bin_of(mesh, body, point) result(bin)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
@@ -544,27 +545,5 @@ contains
     bin = lowest_bin(merge(kernel_sgmp, kernel_mpm, body%particles%shift > 0.25_dp), mesh%ndim, &
       point)
   end function lowest_bin_of
-
-  !> First interval of a row that has points in first..last, 0 if none.
-  pure function rows_contains_from(rows, key, first, last) result(s)
-    type(rows_t), intent(in) :: rows
-    integer(kind(rows%key)), intent(in) :: key
-    integer, intent(in) :: first, last
-    integer :: s, low, high, middle
-    low = 1
-    high = rows%n
-    do while (low <= high)
-      middle = (low + high)/2
-      if (rows%key(middle) < key .or. (rows%key(middle) == key .and. rows%last(middle) < first)) &
-        then
-        low = middle + 1
-      else
-        high = middle - 1
-      end if
-    end do
-    s = 0
-    if (low > rows%n) return
-    if (rows%key(low) == key .and. rows%first(low) <= last) s = low
-  end function rows_contains_from
 
 end module sgmp_shared_nodes

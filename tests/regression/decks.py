@@ -21,6 +21,7 @@ SHORT = {
     "sphere_slope.inp": ({"h": 0.8, "t_end": 0.04}, 0.5),
     "taylor_bar.inp": ({"h": 1.9, "t_end": 0.002, "cfl": 0.3}, 0.05),
     "tnt_slab.inp": ({"h": 1, "t_end": 0.0005}, 0.02),
+    "two_blocks.inp": ({"width": 3, "length": 5, "steps": 20}, 0.15),
     "vortex.inp": ({"cells": 8, "part": 0.3, "cfl": 0.2}, 0.2),
 }
 VARIANTS = [("block.inp", {"material": "j2"}), ("block.inp", {"material": "johnson_cook"}),

@@ -35,6 +35,7 @@ SCENES = [
     ("beam", "beam.inp", {"h": 1.25, "t_end": 0.003}),
     ("jwl_2d", PLANE, {}),
     ("jwl_3d", SPACE, {}),
+    ("contact", "two_blocks.inp", {"width": 5, "length": 4, "steps": 60, "drift": 0.3, "speed": 0.05}),
     ("bar", "bar.inp", {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1}),
 ]
 
