@@ -113,8 +113,8 @@ def read_particles_csv(path: Path) -> Particles:
     for base, suffixes in (("initial_position", "x0 y0 z0"), ("velocity", "velocity_x velocity_y velocity_z"),
                            ("stress", " ".join(f"stress_{c}" for c in ("xx", "yy", "zz", "xy", "yz", "xz")))):
         group = suffixes.split()
-        if all(name in columns for name in group):
-            particles.fields[base] = np.column_stack([columns.pop(name) for name in group])
+        if group[0] in columns:  # shear stresses that vanish in one and two dimensions are not written
+            particles.fields[base] = np.column_stack([columns.pop(name, np.zeros(len(points))) for name in group])
             particles.components[base] = [name[len(base) + 1:] if base != "initial_position" else name[0] for name in group]
     for name, column in columns.items():
         particles.fields[name] = column.astype(int) if name in ("id", "body") else column
