@@ -254,22 +254,11 @@ contains
   pure subroutine gimp_spread(s, d, spread)
     real(dp), intent(in) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM)  !! weights, slopes per axis
     type(gimp_spread_t), intent(out) :: spread
-    integer :: l
 #if NDIM == 3
-    integer :: x, y
+    integer :: l, x, y
 #endif
-    do l = 1, lanes
-      spread%weight(1, l) = s(l, 1, NDIM)
-      spread%weight(2, l) = s(l, 2, NDIM)
-      spread%weight(3, l) = s(l, 3, NDIM)
-      spread%weight(4, l) = 0.0_dp
-    end do
-    do l = 1, lanes
-      spread%slope(1, l) = d(l, 1, NDIM)
-      spread%slope(2, l) = d(l, 2, NDIM)
-      spread%slope(3, l) = d(l, 3, NDIM)
-      spread%slope(4, l) = 0.0_dp
-    end do
+    call by_point(s(1, 1, NDIM), spread%weight)
+    call by_point(d(1, 1, NDIM), spread%slope)
 #if NDIM == 1
     spread%across = 1.0_dp
 #elif NDIM == 2
@@ -288,6 +277,23 @@ contains
     end do
 #endif
   end subroutine gimp_spread
+
+  !> Factors of one axis by point, padded. Transposed in registers, so that points are stored whole:
+  !! a load does not have to wait for four small stores.
+  pure subroutine by_point(factor, points)
+    real(dp), intent(in) :: factor(lanes, 3)
+    real(dp), intent(out) :: points(4, lanes)
+    real(dp) :: padded(lanes, 4)
+    integer :: l
+    padded(:, :3) = factor
+    padded(:, 4) = 0.0_dp
+    do l = 1, lanes
+      points(1, l) = padded(l, 1)
+      points(2, l) = padded(l, 2)
+      points(3, l) = padded(l, 3)
+      points(4, l) = padded(l, 4)
+    end do
+  end subroutine by_point
 
   !> Adds the particles' values to the accumulator of their stencil (MPM Eqs. 9, 10); pads must
   !! bring zeros.
@@ -360,34 +366,35 @@ contains
   !! along the row, as linear_carry does.
   pure subroutine gimp_carry(nq, sums, shift, place, planes)
     integer, intent(in) :: nq
-#if NDIM == 1
-    real(dp), intent(inout) :: sums(4, nq)
-#else
-    real(dp), intent(inout) :: sums(4, GIMP_LINE, 3, nq)
-#endif
+    real(dp), intent(inout) :: sums(4, NACROSS, nq)
     integer, intent(in) :: shift, place(GIMP_LINE)
     real(dp), intent(inout) :: planes(GIMP_LAYER, nq, *)
     integer :: q, e
 #if NDIM == 1
     do q = 1, nq
-      planes(1, q, place(1) + shift) = planes(1, q, place(1) + shift) + sums(1, q)
+      planes(1, q, place(1) + shift) = planes(1, q, place(1) + shift) + sums(1, 1, q)
       do e = 1, 3
-        sums(e, q) = sums(e + 1, q)
+        sums(e, 1, q) = sums(e + 1, 1, q)
       end do
-      sums(4, q) = 0.0_dp
+      sums(4, 1, q) = 0.0_dp
     end do
 #else
     integer :: line
     do q = 1, nq
       do line = 1, GIMP_LINE
         do e = 1, GIMP_LAYER
-          planes(e, q, place(line) + shift) = planes(e, q, place(line) + shift) &
-                                              + sums(e, line, 1, q)
+          planes(e, q, place(line) + shift) = planes(e, q, place(line) + shift) + sums(e, line, q)
         end do
       end do
-      sums(:, :, 1, q) = sums(:, :, 2, q)
-      sums(:, :, 2, q) = sums(:, :, 3, q)
-      sums(:, :, 3, q) = 0.0_dp
+      ! Rows of four stay vectors: a load of what was stored in smaller pieces would have to wait.
+      do line = 1, GIMP_LINE
+        !$omp simd simdlen(4)
+        do e = 1, 4
+          sums(e, line, q) = sums(e, line + GIMP_LINE, q)
+          sums(e, line + GIMP_LINE, q) = sums(e, line + 2*GIMP_LINE, q)
+          sums(e, line + 2*GIMP_LINE, q) = 0.0_dp
+        end do
+      end do
     end do
 #endif
   end subroutine gimp_carry
