@@ -283,31 +283,32 @@ contains
     real(dp), intent(in) :: xi(lanes, NDIM), inverse_h
     real(dp), intent(in) :: flux(lanes, NFLUX)       !! sigma V
     real(dp), intent(inout) :: sums(NCORNER, NDIM)   !! force accumulators
-    real(dp) :: along(lanes)
+    real(dp) :: along(lanes, NDIM)
     integer :: a, l
 #if NDIM > 1
     real(dp) :: w(NCORNER/2, lanes), slope(NCORNER/2, lanes, NDIM - 1)
-    real(dp) :: across(lanes, NDIM - 1), upper(lanes, NDIM - 1)
+    real(dp) :: across(lanes, NDIM - 1, NDIM), upper(lanes, NDIM - 1, NDIM)
     integer :: b
     call across_weights(xi, w, slope)
 #endif
     do a = 1, NDIM
       !$omp simd simdlen(8)
       do l = 1, lanes
-        along(l) = inverse_h*flux(l, flux_of(1, a))
-      end do
-#if NDIM == 1
-      sums(1, a) = sums(1, a) + sum(along)
-      sums(2, a) = sums(2, a) - sum(along)
-#else
-      do b = 1, NDIM - 1
-        !$omp simd simdlen(8)
-        do l = 1, lanes
-          across(l, b) = inverse_h*flux(l, flux_of(b + 1, a))
-          upper(l, b) = xi(l, 1)*across(l, b)
+        along(l, a) = inverse_h*flux(l, flux_of(1, a))
+#if NDIM > 1
+        do b = 1, NDIM - 1
+          across(l, b, a) = inverse_h*flux(l, flux_of(b + 1, a))
+          upper(l, b, a) = xi(l, 1)*across(l, b, a)
         end do
+#endif
       end do
-      call add_force(w, slope, along, across, upper, sums(1, a))
+    end do
+    do a = 1, NDIM  ! apart, so that values are broadcast from memory and not permuted
+#if NDIM == 1
+      sums(1, a) = sums(1, a) + sum(along(:, a))
+      sums(2, a) = sums(2, a) - sum(along(:, a))
+#else
+      call add_force(w, slope, along(1, a), across(1, 1, a), upper(1, 1, a), sums(1, a))
 #endif
     end do
   end subroutine linear_scatter_force
