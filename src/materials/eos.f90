@@ -38,7 +38,7 @@ contains
     real(dp), intent(in) :: da, db, b0  !! terms of the equation of state at v
     real(dp), intent(in) :: fraction    !! burn fraction f
     real(dp) :: speed_squared
-    speed_squared = fraction*v*v*(pressure*b0 - da - db*energy)/density0
+    speed_squared = fraction*v*v*(pressure*b0 - da - db*energy)*(1.0_dp/density0)
   end function eos_sound_speed_squared
 
   !> Lane kernel of eos_energy: energy and pressure after the step.

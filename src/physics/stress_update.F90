@@ -270,7 +270,7 @@ contains
     do l = 1, lanes
       density(l) = mass(l)/volume(l)
       speed(l) = sqrt(speed2(l))
-      rate(l) = trace(l)/dt
+      rate(l) = trace(l)*(1.0_dp/dt)
     end do
     call viscosity_lanes(law%viscosity, law%h, density, speed, rate, q)
   end subroutine viscosity
