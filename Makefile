@@ -59,7 +59,7 @@ debug: setup build/debug/.configured ## Build build/debug/sgmp with all run-time
 test-debug: debug ## Run all tests on the debug build
 	ctest --test-dir build/debug --parallel $(JOBS) --output-on-failure --no-tests=error
 
-bench: build ## Measure nanoseconds per particle and step
+bench: build ## Measure nanoseconds per particle and step beside targets and what the machine can do (minutes)
 	$(PYTHON) scripts/bench.py build/release/sgmp
 
 lint: setup-dev ## Check the sources against the house style

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Nanoseconds per particle and step of the solver on this machine, beside the targets.
+"""Nanoseconds per particle and step of the solver on this machine, beside targets and ceilings.
 
-usage: bench.py SGMP [--quick] [--runs N] [--output DIR]
+usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT] [--prefix COMMAND] [--output DIR]
 
-Each case is run several times; the median of the solver's own solve_seconds counts (reading the deck and writing files do
-not). Writes results.json and prints a table. Speeds on shared machines scatter: compare medians of two builds in one
-sitting (scripts/compare_bench.py).
+In one sitting it measures the machine (multiply-adds from registers, a triad through memory, a plain scalar loop of the
+same method: tests/bench), then every case several times. The median of the solver's own solve_seconds counts (reading the
+deck and making the particles does not). Writes results.json and prints a table; scripts/compare_bench.py puts two of them
+side by side, scripts/plot_bench.py draws the roofline. How flops and bytes are counted: doc/performance.md.
 """
 import argparse
 import json
@@ -13,6 +14,7 @@ import os
 import pathlib
 import platform
 import re
+import shlex
 import shutil
 import statistics
 import subprocess
@@ -20,58 +22,123 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-BLOCK = ("block.inp", {"cells": 64, "steps": 12})
 
-# name, deck, parameters, {threads: target in ns per particle-step}
+
+class Case:
+    """A scene, its parameters, and what is known of its particles."""
+
+    def __init__(self, name, deck, targets=None, ndim=3, stencil=2, history=1, output=False, ppc=8, block=False, **parameters):
+        self.name, self.deck, self.targets = name, deck, targets or {}
+        self.ndim, self.stencil, self.ppc, self.block, self.output = ndim, stencil, ppc, block, output
+        self.history = history  # columns that a particle stores beside its stress
+        self.parameters = parameters
+
+    def flops(self):
+        """Additions and multiplications of a MUSL step with an elastic law, per particle."""
+        d, p = self.ndim, self.stencil**self.ndim
+        flux = d*(d + 1)//2
+        weights = 8*p
+        gather = 2*p*d + 2*p*(d + d*d)
+        scatter = 2*p*d + 2*p*(1 + d + flux)
+        motion = (8*d + 4) + 5*d + 2*d + 6
+        stress = {1: 20, 2: 62, 3: 140}[d]
+        q = 2**d
+        grid = ((1 + d)*q + d*d*q + 12*d + d*(q + 1) + 2*d*q + d*d*q)/self.ppc
+        return weights + gather + scatter + motion + stress + grid
+
+    def bytes(self):
+        """Bytes of particle data that the two sweeps read and write, per particle."""
+        d = self.ndim
+        stream_a, stream_b = 2*d + 1, {1: 3, 2: 4, 3: 6}[d] + self.history
+        return 8*((stream_a + d) + (stream_a + stream_b) + (d + stream_b))
+
+
+def block(name, targets=None, **more):
+    """A case of the dense block; history=… tells stored columns beside the stress, the rest goes to the deck."""
+    return Case(name, "block.inp", targets, block=True, **more)
+
+
+# Targets in nanoseconds by threads, measured on one 3.66 GHz Zen 4 core with AVX-512 (doc/performance.md).
 CASES = [
-    ("block sgmp elastic", *BLOCK, {}, {1: 60.0, 2: 33.0}),
-    ("block mpm elastic", *BLOCK, {"method": "mpm"}, {}),
-    ("block gimp elastic", *BLOCK, {"method": "gimp", "steps": 6}, {}),
-    ("block sgmp j2", *BLOCK, {"material": "j2"}, {}),
-    ("block sgmp johnson_cook", *BLOCK, {"material": "johnson_cook"}, {}),
-    ("block sgmp normalised", *BLOCK, {"stress": "normalised"}, {}),
-    ("block sgmp, cells changed", *BLOCK, {"drift": 0.05}, {}),
-    ("taylor bar", "taylor_bar.inp", {}, {"cfl": 1.8}, {1: 557.0/6.0}),
-    ("two blocks in contact", "two_blocks.inp", {"steps": 40}, {}, {}),
-    ("two blocks that stick", "two_blocks.inp", {"steps": 40}, {"without": "contact"}, {}),
-    ("bar 1D, 2 per cell", "bar.inp", {"cells": 4096, "steps": 200}, {}, {}),
-    ("beam 2D, 4 per cell", "beam.inp", {"t_end": 0.005}, {}, {}),
+    block("block sgmp elastic", {1: 32, 2: 17}),
+    block("block sgmp j2", {1: 32, 2: 17}, history=2, material="j2"),
+    block("block sgmp johnson-cook, eos", {1: 48, 2: 26}, history=4, material="impact"),
+    block("block mpm elastic", {1: 28, 2: 15}, method="mpm"),
+    block("block gimp elastic", {1: 80, 2: 42}, stencil=3, method="gimp"),
+    block("block cpgimp elastic", stencil=3, history=4, method="cpgimp"),
+    block("block sgmp, 5 % change cell", {1: 45, 2: 24}, drift=0.05),
+    block("block sgmp normalised", stress="normalised"),
+    Case("taylor bar", "taylor_bar.inp", history=3, cfl=1.8),
+    Case("taylor bar, its output", "taylor_bar.inp", history=3, output=True, cfl=1.8),
+    Case("rings 2D, contact", "rings.inp", ndim=2, ppc=4, history=5, t_end=0.6),
+    Case("bar 1D, 2 per cell", "bar.inp", ndim=1, ppc=2, cells=4096, steps=300),
+    Case("beam 2D, 4 per cell", "beam.inp", ndim=2, ppc=4, t_end=0.005),
 ]
 
 
-def run(sgmp, deck, parameters, threads, scratch):
-    """One run of a deck without its outputs (and the cards named by `without`); its summary."""
-    text = (ROOT/"input"/deck).read_text()
-    parameters = dict(parameters)
-    without = parameters.pop("without", "output")
-    bare = pathlib.Path(scratch)/deck
-    bare.write_text(re.sub(rf"^(output|gauge|{without})[^\n]*", "", text, flags=re.M))
+def call(prefix, command, threads=1):
+    """Standard output of a command, or the end."""
+    environment = dict(os.environ, OMP_NUM_THREADS=str(threads))
+    done = subprocess.run(prefix + command, capture_output=True, text=True, env=environment)
+    if done.returncode:
+        sys.exit(f"bench: {shlex.join(command)}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def solve(sgmp, case, cells, threads, prefix, scratch):
+    """One run of a case; its summary."""
+    text = (ROOT/"input"/case.deck).read_text()
+    if not case.output:
+        text = re.sub(r"^(output|gauge)[^\n]*", "", text, flags=re.M)
+    deck = pathlib.Path(scratch)/case.deck
+    deck.write_text(text)
     folder = pathlib.Path(scratch)/"out"
-    command = [sgmp, str(bare), "--quiet", "--threads", str(threads), "--output", str(folder)]
+    parameters = dict(case.parameters)
+    if case.block:
+        parameters.update(cells=cells, steps=6 if case.stencil == 3 else 10)
+    command = [sgmp, str(deck), "--quiet", "--threads", str(threads), "--output", str(folder)]
     for name, value in parameters.items():
         command += ["--set", f"{name}={value}"]
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode:
-        sys.exit(f"bench: {' '.join(command)}\n{done.stderr}")
+    call(prefix, command, threads)
     summary = json.loads((folder/"summary.json").read_text())
     shutil.rmtree(folder)
     return summary
 
 
-def measure(sgmp, case, threads, runs, scratch):
-    """Median over several runs of one case."""
-    name, deck, base, more, targets = case
-    summaries = [run(sgmp, deck, {**base, **more}, threads, scratch) for _ in range(runs)]
+def measure(sgmp, case, threads, options, machine, scratch):
+    """Median over several runs of one case, and its ratios to what the machine can do."""
+    prefix = shlex.split(options.prefix)
+    summaries = [solve(sgmp, case, options.cells, threads, prefix, scratch) for _ in range(options.runs)]
     costs = [summary["ns_per_particle_step"] for summary in summaries]
     best = min(summaries, key=lambda summary: summary["ns_per_particle_step"])
-    total = sum(best["phase_seconds"].values())
+    cost = statistics.median(costs)
+    ceiling = machine["ceilings"][str(min(threads, len(machine["ceilings"])))]
     return {
-        "case": name, "threads": threads, "particles": best["particles"], "steps": best["steps"],
-        "ns_median": statistics.median(costs), "ns_min": min(costs), "ns_max": max(costs),
-        "target": targets.get(threads), "peak_memory_bytes": best["peak_memory_bytes"],
-        "phases_percent": {phase: 100.0*seconds/total for phase, seconds in best["phase_seconds"].items()},
+        "case": case.name, "threads": threads, "particles": best["particles"], "steps": best["steps"],
+        "ns_median": cost, "ns_min": min(costs), "ns_max": max(costs), "target": case.targets.get(threads),
+        "flops": case.flops(), "bytes": case.bytes(),
+        "share_of_peak": case.flops()/(cost*ceiling["gigaflops"]),
+        "share_of_bandwidth": case.bytes()/(cost*ceiling["gigabytes_per_second"]),
+        "gain_over_reference": machine["reference_ns"]/cost,
+        "memory_bytes_per_particle": best["peak_memory_bytes"]/best["particles"],
+        "phases_percent": best["phase_percent"],
         "checksum": best["checksum"],
     }
+
+
+def measure_machine(options, tools, scratch):
+    """Ceilings, and the plain scalar loop - after a look whether it computes what the solver does."""
+    prefix = shlex.split(options.prefix)
+    threads = max(options.threads)
+    ceilings = json.loads(call(prefix, [str(tools/"bench_ceilings")], threads))
+    reference = json.loads(call(prefix, [str(tools/"bench_reference"), "32", "8"]))
+    plain = json.loads(call([], [str(tools/"bench_reference"), "8", "19"]))
+    scene = Case("check", "block.inp", cells=8, steps=20)
+    energy = solve(options.sgmp, scene, 8, 1, [], scratch)["energy"]
+    share = energy["kinetic"]/energy["initial_total"]
+    if abs(plain["kinetic_share"] - share) > 1e-6:
+        sys.exit(f"bench: the reference loop keeps {plain['kinetic_share']} of the kinetic energy, the solver {share}")
+    return {"ceilings": ceilings, "reference_ns": reference["ns"]}
 
 
 def processor():
@@ -87,36 +154,76 @@ def processor():
 
 def show(row):
     """One line of the table."""
-    target = f"{row['target']:8.0f}" if row["target"] else "        "
+    target = f"{row['target']:6d} {row['ns_median']/row['target']:5.2f}" if row["target"] else " "*12
     phases = " ".join(f"{percent:3.0f}" for percent in row["phases_percent"].values())
-    print(f"{row['case']:28s} {row['threads']:2d} {row['ns_median']:8.1f} {row['ns_min']:8.1f} {row['ns_max']:8.1f}"
-          f" {target}   {phases}", flush=True)
+    print(f"{row['case']:28s} {row['threads']:2d} {row['ns_median']:7.1f} {row['ns_min']:7.1f} {target}"
+          f" {100*row['share_of_peak']:5.0f} % {100*row['share_of_bandwidth']:5.0f} % {row['gain_over_reference']:6.1f}"
+          f"   {phases}", flush=True)
+
+
+def ratios(rows):
+    """Targets that are ratios of two figures: (what, value, target)."""
+    found = {(row["case"], row["threads"]): row for row in rows}
+
+    def cost(name, threads=1):
+        row = found.get((name, threads))
+        return row["ns_median"] if row else None
+
+    def per_flop(name):
+        row = found.get((name, 1))
+        return row["ns_median"]/row["flops"] if row else None
+
+    def divide(a, b):
+        return a/b if a and b else None
+
+    dense = cost("block sgmp elastic")
+    return [entry for entry in [
+        ("sgmp over mpm, 1 thread", divide(dense, cost("block mpm elastic")), "<= 1.20"),
+        ("taylor bar over dense block with johnson-cook, eos", divide(cost("taylor bar"), cost("block sgmp johnson-cook, eos")),
+         "<= 1.30"),
+        ("two threads' efficiency", divide(dense, 2*(cost("block sgmp elastic", 2) or 0)), ">= 0.92"),
+        ("1D over 3D, per flop", divide(per_flop("bar 1D, 2 per cell"), per_flop("block sgmp elastic")), "<= 1.50"),
+        ("2D over 3D, per flop", divide(per_flop("beam 2D, 4 per cell"), per_flop("block sgmp elastic")), "<= 1.50"),
+        ("taylor bar, output on over off", divide(cost("taylor bar, its output"), cost("taylor bar")), ""),
+    ] if entry[1]]
 
 
 def main():
-    """Runs all cases on one and two threads."""
+    """Measures the machine, then all cases on one and two threads."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sgmp", help="path of the executable")
     parser.add_argument("--runs", type=int, default=3, help="runs per case (default 3)")
-    parser.add_argument("--quick", action="store_true", help="one run per case")
+    parser.add_argument("--cells", type=int, default=64, help="cells along the dense block's edge (default 64)")
+    parser.add_argument("--only", default="", help="only cases whose name contains this text")
+    parser.add_argument("--prefix", default="", help="command to start every run with, such as `taskset -c 2,3`")
     parser.add_argument("--threads", type=int, nargs="*", default=[1, 2], help="numbers of threads (default 1 2)")
     parser.add_argument("--output", default=str(ROOT/"build"/"bench"), help="folder of results.json")
     options = parser.parse_args()
-    runs = 1 if options.quick else options.runs
-    print(f"{processor()}, {os.cpu_count()} processors; ns per particle and step; phases in percent:"
-          " momentum sweep, stress sweep, grid, re-binning, output")
-    print(f"{'case':28s} th   median      min      max   target")
+    options.sgmp = str(pathlib.Path(options.sgmp).resolve())
     rows = []
     with tempfile.TemporaryDirectory() as scratch:
+        machine = measure_machine(options, pathlib.Path(options.sgmp).parent/"tests", scratch)
+        print(f"{processor()}, {os.cpu_count()} processors")
+        for threads, ceiling in machine["ceilings"].items():
+            print(f"{threads} thread(s): {ceiling['gigaflops']:.1f} Gflop/s of multiply-adds,"
+                  f" {ceiling['gigabytes_per_second']:.1f} GB/s (triad)")
+        print(f"plain scalar loop of sgmp, elastic: {machine['reference_ns']:.0f} ns per particle and step")
+        print("\nns per particle and step; phases in percent: momentum sweep, stress sweep, grid, re-binning, output")
+        print(f"{'case':28s} th  median   least target ratio    peak  memory   gain")
         for case in CASES:
             for threads in options.threads:
-                if case[1] == "bar.inp" and threads > 1:
+                if options.only not in case.name or (case.ndim == 1 and threads > 1):
                     continue  # one row of cells is one thread's work
-                rows.append(measure(str(pathlib.Path(options.sgmp).resolve()), case, threads, runs, scratch))
+                rows.append(measure(options.sgmp, case, threads, options, machine, scratch))
                 show(rows[-1])
+    print()
+    for what, value, target in ratios(rows):
+        print(f"{what:52s} {value:6.2f}  {target}")
     folder = pathlib.Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
-    (folder/"results.json").write_text(json.dumps({"processor": processor(), "rows": rows}, indent=1))
+    results = {"processor": processor(), **machine, "rows": rows,
+               "ratios": [{"what": what, "value": value, "target": target} for what, value, target in ratios(rows)]}
+    (folder/"results.json").write_text(json.dumps(results, indent=1))
     print(f"written: {folder/'results.json'}")
 
 

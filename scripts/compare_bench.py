@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Two results of bench.py side by side, with the ratio of their medians.
+"""Two results of bench.py side by side, with the ratio of their medians; where the machines (or their moods) differ, also
+the ratio of the gains over the plain scalar loop that each measured in its own sitting.
 
 usage: compare_bench.py OLD/results.json NEW/results.json
 """
@@ -18,11 +19,13 @@ def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     old, new = rows(sys.argv[1]), rows(sys.argv[2])
-    print(f"{'case':28s} th      old      new  new/old")
+    print(f"{'case':28s} th      old      new  new/old  gain/gain")
     for key in old:
         if key in new:
             a, b = old[key]["ns_median"], new[key]["ns_median"]
-            print(f"{key[0]:28s} {key[1]:2d} {a:8.1f} {b:8.1f} {b/a:8.2f}")
+            gains = old[key].get("gain_over_reference"), new[key].get("gain_over_reference")
+            gain = f"{gains[1]/gains[0]:10.2f}" if all(gains) else ""
+            print(f"{key[0]:28s} {key[1]:2d} {a:8.1f} {b:8.1f} {b/a:8.2f} {gain}")
 
 
 if __name__ == "__main__":

@@ -212,6 +212,7 @@ contains
     type(summary_t), intent(inout) :: summary
     type(model_t), intent(in) :: model
     type(effort_t), intent(in) :: effort
+    real(dp) :: total
     integer :: k
     call summary%set('steps', model%clock%step)
     call summary%set('time', model%clock%time)
@@ -223,8 +224,12 @@ contains
     call summary%set('ranks', 1)
     call summary%set('threads', effort%threads)
     call summary%set('peak_memory_bytes', peak_memory_bytes())
+    total = max(sum(model%timers%seconds), tiny(total))
     do k = 1, phase_count
       call summary%set('phase_seconds.'//trim(phase_names(k)), model%timers%seconds(k))
+    end do
+    do k = 1, phase_count
+      call summary%set('phase_percent.'//trim(phase_names(k)), 100.0_dp*model%timers%seconds(k)/total)
     end do
   end subroutine summarise_effort
 
