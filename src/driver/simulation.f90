@@ -102,6 +102,8 @@ contains
     type(outputs_t), intent(inout) :: outputs
     type(effort_t), intent(inout) :: effort
     type(error_t), allocatable, intent(out) :: error
+    real(dp) :: started
+    started = wall_time()
     effort%restart = ''
     if (options%restart /= '') then
       call restart_find(options%restart, folder, log, effort%restart, error)
@@ -118,7 +120,8 @@ contains
       if (allocated(error)) return
       call checkpoint_set_aside(folder, int(model%clock%step, i8), error)
       call log%line("restarted from '"//effort%restart//"': step "// &
-                    integer_text(model%clock%step)//', time '//real_text(model%clock%time))
+                    integer_text(model%clock%step)//', time '//real_text(model%clock%time)//', '// &
+                    real_text(wall_time() - started)//' s')
     end if
     if (allocated(error)) return
     call outputs_open(outputs, scene, model, folder, error, effort%restart /= '')

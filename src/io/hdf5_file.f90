@@ -466,11 +466,13 @@ contains
     character(*), intent(in) :: name
     integer(i8), intent(in), target, contiguous :: values(:, :)
     integer(i8), intent(in) :: before
+    integer(i8), pointer :: words(:)
     if (size(values) == 0) return
     call put_columns(self, name, hdf5_long, c_loc(values), size(values, 1), &
                      size(values, 2, kind=i8), before)
-    if (self%summed) call add_sums(self, name, reshape(values, [size(values)]), &
-                                   before*size(values, 1))
+    if (.not. self%summed) return
+    call c_f_pointer(c_loc(values), words, [size(values)])
+    call add_sums(self, name, words, before*size(values, 1))
   end subroutine put_longs
 
   !> 32-bit numbers, a plain list; not for summed files.
@@ -633,7 +635,8 @@ contains
   subroutine add_sums(self, name, words, before)
     class(hdf5_file_t), intent(inout) :: self
     character(*), intent(in) :: name
-    integer(i8), intent(in) :: words(:), before
+    integer(i8), intent(in), contiguous :: words(:)
+    integer(i8), intent(in) :: before
     integer :: n
     do n = size(self%names), 1, -1
       if (self%names(n)%text == name) exit
@@ -730,7 +733,7 @@ contains
     character(*), intent(in) :: name
     integer, intent(in) :: kind
     integer(i8), intent(inout) :: sums(checksum_sums)
-    integer(i8), allocatable, target :: words(:, :)
+    integer(i8), allocatable, target :: words(:)
     integer(i8) :: total, first, last, step
     integer :: rows
     call self%extent(name, rows, total)
@@ -738,12 +741,12 @@ contains
     step = max(1, block_words/rows)
     first = total*parallel_rank()/parallel_ranks()
     last = total*(parallel_rank() + 1)/parallel_ranks()
-    allocate (words(rows, min(step, max(last - first, 0_i8))))
+    allocate (words(rows*min(step, max(last - first, 0_i8))))
     do while (first < last)
       step = min(step, last - first)
       call get_columns(self, name, kind, c_loc(words), rows, step, first)
       if (allocated(self%failure)) return
-      call checksum_words(reshape(words(:, :step), [rows*int(step)]), first*rows, sums)
+      call checksum_words(words(:rows*step), first*rows, sums)
       first = first + step
     end do
   end subroutine sum_columns
