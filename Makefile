@@ -18,7 +18,7 @@ MAKEFLAGS += --no-print-directory
 # Threads that wait for others give their core away: on a busy machine spinning makes small runs several times slower.
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help setup setup-dev build run verify verify-full test debug test-debug bench lint format coverage doc install clean
+.PHONY: help setup setup-test setup-dev build run verify verify-full test test-full debug test-debug bench lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
 
 help: ## List the targets
@@ -27,6 +27,9 @@ help: ## List the targets
 
 setup: ## Install what is missing (compiler, MPI, HDF5, muParser, CMake, Python packages)
 	@scripts/setup.sh
+
+setup-test: # What only tests use
+	@scripts/setup.sh --test
 
 setup-dev: # The tools of lint, format, coverage and doc
 	@scripts/setup.sh --dev
@@ -50,13 +53,16 @@ verify: build ## Compare the paper's examples with their references (minutes): b
 verify-full: build ## The same with all sizes and figures, and the copy in doc/verification/
 	$(PYTHON) verification/verify.py --full
 
-test: build ## Build and run all tests
+test: build setup-test ## Build and run all tests
 	ctest --test-dir build/release --parallel $(JOBS) --output-on-failure --no-tests=error
+
+test-full: build setup-test ## The same with more kills, damaged bits and layouts (minutes)
+	SGMP_TEST_FULL=1 ctest --test-dir build/release --parallel $(JOBS) --output-on-failure --no-tests=error
 
 debug: setup build/debug/.configured ## Build build/debug/sgmp with all run-time checks
 	cmake --build build/debug --parallel $(JOBS)
 
-test-debug: debug ## Run all tests on the debug build
+test-debug: debug setup-test ## Run all tests on the debug build
 	ctest --test-dir build/debug --parallel $(JOBS) --output-on-failure --no-tests=error
 
 bench: build ## Measure nanoseconds per particle and step beside targets and what the machine can do (minutes)

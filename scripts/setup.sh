@@ -2,6 +2,7 @@
 # Installs what the build needs and is missing; does nothing, quickly, where nothing is.
 #
 #   scripts/setup.sh         compiler, MPI, HDF5, muParser, CMake; Python packages in build/venv
+#   scripts/setup.sh --test  packages that only tests use in build/venv; without them those tests are skipped
 #   scripts/setup.sh --dev   the tools of make lint, format, coverage and doc in build/venv
 #
 # On Debian and Ubuntu, as root or with a passwordless sudo, system packages come from apt. Elsewhere it says what is
@@ -157,6 +158,11 @@ install_python_packages() {
   echo "  cluster: module load scipy-stack or python-scientific; spack install py-numpy py-matplotlib; conda install numpy matplotlib" >&2
 }
 
+install_test_packages() {
+  install_requirements scripts/requirements-test.txt && return 0
+  echo "setup: pip could not install scripts/requirements-test.txt; the tests that need it will be skipped" >&2
+}
+
 install_developer_tools() {
   install_requirements scripts/requirements-dev.txt && return 0
   echo "setup: could not install the tools of scripts/requirements-dev.txt into $venv:" >&2
@@ -166,6 +172,7 @@ install_developer_tools() {
 
 case "${1:-}" in
   "") install_system_packages && install_python_packages ;;
+  --test) install_test_packages ;;
   --dev) install_developer_tools ;;
-  *) echo "usage: scripts/setup.sh [--dev]" >&2; exit 2 ;;
+  *) echo "usage: scripts/setup.sh [--test | --dev]" >&2; exit 2 ;;
 esac

@@ -10,7 +10,7 @@ program sgmp
                                command_line_read, command_line_t
   use sgmp_deck, only: deck_read
   use sgmp_deck_errors, only: deck_errors_t
-  use sgmp_errors, only: error_t, exit_deck, exit_ok, exit_stopped
+  use sgmp_errors, only: error_t, exit_deck, exit_io, exit_ok, exit_stopped
   use sgmp_parallel, only: parallel_agree, parallel_end, parallel_rank, parallel_start
   use sgmp_posix, only: environment_default, signals_watch
   use sgmp_registry_help, only: registry_write_help, registry_write_markdown
@@ -24,6 +24,11 @@ program sgmp
       implicit none
       integer(c_int), value :: status
     end subroutine c_exit
+    subroutine c_exit_at_once(status) bind(c, name='_exit')
+      import :: c_int
+      implicit none
+      integer(c_int), value :: status
+    end subroutine c_exit_at_once
   end interface
   type(command_line_t) :: options
   type(error_t), allocatable :: error
@@ -38,6 +43,12 @@ program sgmp
   if (allocated(error)) then
     if (parallel_rank() == 0) call report(error)
     status = error%code
+  end if
+  if (status == exit_io) then
+    ! MPI would close HDF5, which trips over a file that it could not write.
+    flush (output_unit)
+    flush (error_unit)
+    call c_exit_at_once(int(status, c_int))
   end if
   call parallel_end()
   call c_exit(int(status, c_int))

@@ -44,25 +44,29 @@ contains
   !! the place (Fletcher 1982). Every changed or misplaced word changes them, and since only the
   !! place in the whole counts, parts may be added in any order and by any rank.
   pure subroutine checksum_words(words, before, sums)
-    integer(i8), intent(in) :: words(:)
+    integer(i8), intent(in), contiguous :: words(:)
     integer(i8), intent(in) :: before       !! words of the data set before these
     integer(i8), intent(inout) :: sums(checksum_sums)
     integer(i8), parameter :: half = int(z'FFFFFFFF', i8), places = 2_i8**20 - 1_i8
     integer, parameter :: block = 1024      ! so many products of 32 and 21 bits do not overflow
-    integer(i8) :: low, high, place, part(checksum_sums)
+    integer(i8) :: low, high, place, lows, highs, low_places, high_places
     integer :: first, i
     do first = 1, size(words), block
-      part = 0_i8
+      lows = 0_i8
+      highs = 0_i8
+      low_places = 0_i8
+      high_places = 0_i8
+      !$omp simd private(low, high, place) reduction(+:lows, highs, low_places, high_places)
       do i = first, min(first + block - 1, size(words))
         low = iand(words(i), half)
         high = ishft(words(i), -32)
         place = 1_i8 + iand(before + i, places)
-        part(1) = part(1) + low
-        part(2) = part(2) + high
-        part(3) = part(3) + place*low
-        part(4) = part(4) + place*high
+        lows = lows + low
+        highs = highs + high
+        low_places = low_places + place*low
+        high_places = high_places + place*high
       end do
-      sums = checksum_add(sums, part)
+      sums = checksum_add(sums, [lows, highs, low_places, high_places])
     end do
   end subroutine checksum_words
 

@@ -191,7 +191,7 @@ contains
     integer(i8), allocatable :: ids(:, :)
     real(dp), allocatable :: columns(:, :)
     integer(i8) :: place
-    integer :: bin, chunk, left, live, n, na
+    integer :: bin, chunk, left, live, n, na, l, q
     na = particles%na
     allocate (ids(1, block_columns + lanes), columns(na + particles%nb, block_columns + lanes))
     place = before
@@ -202,8 +202,14 @@ contains
       do while (left > 0)
         live = min(left, lanes)
         ids(1, n + 1:n + live) = int(particles%id(:live, chunk), i8)
-        columns(:na, n + 1:n + live) = transpose(particles%a(:live, :, chunk))
-        columns(na + 1:, n + 1:n + live) = transpose(particles%b(:live, :, chunk))
+        do l = 1, live
+          do q = 1, na
+            columns(q, n + l) = particles%a(l, q, chunk)
+          end do
+          do q = 1, particles%nb
+            columns(na + q, n + l) = particles%b(l, q, chunk)
+          end do
+        end do
         n = n + live
         left = left - live
         chunk = particles%next(chunk)

@@ -8,11 +8,12 @@ module sgmp_outputs
   use sgmp_gathering, only: gather_body_row, gather_initial_positions, gather_snapshot
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
                           gauges_integers, history_columns, history_t, units_text
-  use sgmp_kinds, only: dp
+  use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_scene, only: name_length, scene_t
   use sgmp_snapshot, only: snapshot_t
   use sgmp_tecplot, only: tecplot_t
+  use sgmp_vtkhdf, only: vtkhdf_t
   use sgmp_vtu, only: vtu_series_t
   implicit none
   private
@@ -26,6 +27,7 @@ module sgmp_outputs
     type(contact_rows_t) :: contact
     type(vtu_series_t) :: vtu
     type(tecplot_t) :: tecplot
+    type(vtkhdf_t) :: vtkhdf
     character(name_length), allocatable :: fields(:)
     real(dp), allocatable :: initial(:, :)  !! initial positions by id, where a field needs them
     integer, allocatable :: gauge_ids(:)
@@ -103,6 +105,10 @@ contains
       call gather_initial_positions(scene, model, outputs%initial, error)
       if (allocated(error)) return
     end if
+    if (scene%output%vtkhdf) then
+      call outputs%vtkhdf%open(folder//'/particles.vtkhdf', expected_dumps(scene), error, time)
+      if (allocated(error)) return
+    end if
     if (scene%output%vtu) call outputs%vtu%open(folder, 'particles', error, time)
     if (allocated(error)) return
     if (scene%output%tecplot) then
@@ -151,8 +157,22 @@ contains
   pure function writes_dumps(scene) result(yes)
     type(scene_t), intent(in) :: scene
     logical :: yes
-    yes = scene%output%vtu .or. scene%output%tecplot
+    yes = scene%output%vtkhdf .or. scene%output%vtu .or. scene%output%tecplot
   end function writes_dumps
+
+  !> Dumps that a run will write, as far as its deck tells.
+  pure function expected_dumps(scene) result(n)
+    type(scene_t), intent(in) :: scene
+    integer :: n
+    integer, parameter :: unknown = 16, most = 10**7
+    real(dp) :: intervals
+    n = 2
+    if (scene%output%every <= 0.0_dp) return
+    n = unknown
+    if (scene%time%end <= 0.0_dp) return
+    intervals = scene%time%end/scene%output%every
+    n = 1 + ceiling(min(intervals*(1.0_dp - 1.0e-12_dp), real(most, dp)))
+  end function expected_dumps
 
   !> Writes what is due at the model's time; at the end everything that has not been written.
   subroutine outputs_step(outputs, scene, model, at_end, error)
@@ -217,6 +237,9 @@ contains
     outputs%last_dump_time = model%clock%time
     if (.not. writes_dumps(scene)) return
     call gather_snapshot(model, outputs%fields, outputs%initial, snapshot)
+    if (scene%output%vtkhdf) call outputs%vtkhdf%dump(snapshot, 0_i8, size(snapshot%id, kind=i8), &
+                                                      error)
+    if (allocated(error)) return
     if (scene%output%vtu) call outputs%vtu%dump(snapshot, error)
     if (allocated(error)) return
     if (scene%output%tecplot) call outputs%tecplot%dump(snapshot, error)
@@ -294,8 +317,14 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
+    type(snapshot_t) :: snapshot
     call outputs_step(outputs, scene, model, .true., error)
     if (allocated(error)) return
+    if (outputs%vtkhdf%has_room()) then
+      call gather_snapshot(model, outputs%fields, outputs%initial, snapshot)
+      call outputs%vtkhdf%trim(snapshot, error)
+      if (allocated(error)) return
+    end if
     call outputs_stop(outputs, error)
   end subroutine outputs_close
 

@@ -237,7 +237,7 @@ contains
     integer(i8), intent(in) :: before
     integer(i8), allocatable :: ids(:, :)
     real(dp), allocatable :: columns(:, :)
-    integer :: first, n, p, l, c
+    integer :: first, n, p, l, c, q
     allocate (ids(1, min(block_columns, size(slot))))
     allocate (columns(particles%na + particles%nb, size(ids)))
     do first = 1, size(slot), block_columns
@@ -248,8 +248,12 @@ contains
         l = mod(slot(first + p - 1) - 1, lanes) + 1
         c = (slot(first + p - 1) - 1)/lanes + 1
         particles%id(l, c) = int(ids(1, p))
-        particles%a(l, :, c) = columns(:particles%na, p)
-        particles%b(l, :, c) = columns(particles%na + 1:, p)
+        do q = 1, particles%na
+          particles%a(l, q, c) = columns(q, p)
+        end do
+        do q = 1, particles%nb
+          particles%b(l, q, c) = columns(particles%na + q, p)
+        end do
       end do
     end do
   end subroutine get_columns

@@ -7,7 +7,7 @@ module sgmp_simulation
                              checkpoint_write
   use sgmp_command_line, only: command_line_t
   use sgmp_energy, only: ledger_total
-  use sgmp_errors, only: error_make, error_t, exit_numerical, exit_stopped
+  use sgmp_errors, only: error_make, error_t, exit_io, exit_numerical, exit_stopped
   use sgmp_file_tools, only: directory_make
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
@@ -75,7 +75,7 @@ contains
     call time_loop(scene, model, outputs, log, stopping, effort, error)
     effort%solving = wall_time() - solving - model%timers%seconds(phase_output)
     if (allocated(error)) then
-      if (error%code == exit_stopped) then
+      if (any(error%code == [exit_stopped, exit_io])) then
         call outputs_stop(outputs, problem)
       else
         call outputs_close(outputs, scene, model, problem)
@@ -102,6 +102,8 @@ contains
     type(outputs_t), intent(inout) :: outputs
     type(effort_t), intent(inout) :: effort
     type(error_t), allocatable, intent(out) :: error
+    real(dp) :: started
+    started = wall_time()
     effort%restart = ''
     if (options%restart /= '') then
       call restart_find(options%restart, folder, log, effort%restart, error)
@@ -118,7 +120,8 @@ contains
       if (allocated(error)) return
       call checkpoint_set_aside(folder, int(model%clock%step, i8), error)
       call log%line("restarted from '"//effort%restart//"': step "// &
-                    integer_text(model%clock%step)//', time '//real_text(model%clock%time))
+                    integer_text(model%clock%step)//', time '//real_text(model%clock%time)//', '// &
+                    real_text(wall_time() - started)//' s')
     end if
     if (allocated(error)) return
     call outputs_open(outputs, scene, model, folder, error, effort%restart /= '')

@@ -9,16 +9,16 @@
 module sgmp_hdf5_file
   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int8_t, c_loc, c_ptr
   use hdf5, only: h5_integer_kind, h5_real_kind, h5aclose_f, h5acreate_f, h5aexists_f, h5aopen_f, &
-                  h5awrite_f, h5d_alloc_time_early_f, h5d_fill_time_never_f, h5dclose_f, &
-                  h5dcreate_f, h5dget_space_f, h5dget_type_f, h5dont_atexit_f, h5dopen_f, &
-                  h5dread_f, h5dwrite_f, h5eset_auto_f, h5f_acc_rdonly_f, h5f_acc_rdwr_f, &
-                  h5f_acc_trunc_f, h5f_libver_latest_f, h5f_scope_global_f, h5fclose_f, &
-                  h5fcreate_f, h5fflush_f, h5fopen_f, h5gclose_f, h5gcreate_f, h5kind_to_type, &
-                  h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, h5p_dataset_create_f, &
-                  h5p_file_access_f, h5p_file_create_f, h5p_group_create_f, h5pclose_f, &
-                  h5pcreate_f, h5pset_alloc_time_f, h5pset_fapl_mpio_f, h5pset_fill_time_f, &
-                  h5pset_libver_bounds_f, h5pset_obj_track_times_f, h5s_scalar_f, &
-                  h5s_select_set_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
+                  h5aread_f, h5awrite_f, h5d_alloc_time_early_f, h5d_fill_time_never_f, &
+                  h5dclose_f, h5dcreate_f, h5dget_space_f, h5dget_type_f, h5dont_atexit_f, &
+                  h5dopen_f, h5dread_f, h5dwrite_f, h5eset_auto_f, h5f_acc_rdonly_f, &
+                  h5f_acc_rdwr_f, h5f_acc_trunc_f, h5f_libver_latest_f, h5f_scope_global_f, &
+                  h5fclose_f, h5fcreate_f, h5fflush_f, h5fopen_f, h5gclose_f, h5gcreate_f, &
+                  h5kind_to_type, h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, &
+                  h5p_dataset_create_f, h5p_file_access_f, h5p_file_create_f, h5p_group_create_f, &
+                  h5pclose_f, h5pcreate_f, h5pset_alloc_time_f, h5pset_fapl_mpio_f, &
+                  h5pset_fill_time_f, h5pset_libver_bounds_f, h5pset_obj_track_times_f, &
+                  h5s_scalar_f, h5s_select_set_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
                   h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
                   h5sselect_hyperslab_f, h5t_float_f, h5t_fortran_s1, h5t_ieee_f64le, &
                   h5t_std_i32le, h5t_std_i64le, h5t_std_u8le, h5t_str_nullpad_f, h5t_string_f, &
@@ -59,7 +59,8 @@ module sgmp_hdf5_file
     procedure :: flush => flush_file
     procedure :: good
     procedure :: add_group
-    procedure :: set_text, set_whole
+    procedure :: set_text, set_whole, get_whole
+    procedure :: refuse => fail
     procedure :: declare
     procedure :: extent
     procedure, private :: put_reals, put_longs, put_integers, put_bytes
@@ -278,6 +279,30 @@ contains
     call h5oclose_f(owner, status)
   end subroutine set_whole
 
+  !> A whole number that an object has as an attribute.
+  subroutine get_whole(self, object, name, value)
+    class(hdf5_file_t), intent(inout) :: self
+    character(*), intent(in) :: object, name
+    integer, intent(out) :: value
+    integer(i8), target :: long(1)
+    integer(hid_t) :: owner, attribute
+    type(c_ptr) :: buffer
+    integer :: status
+    value = 0
+    if (allocated(self%failure)) return
+    call h5oopen_f(self%id, object, owner, status)
+    if (status >= 0) call h5aopen_f(owner, name, attribute, status)
+    if (status < 0) then
+      call fail(self, 'read', "it has no attribute '"//name//"'")
+      return
+    end if
+    buffer = c_loc(long)
+    call h5aread_f(attribute, memory_kind(hdf5_long), buffer, status)
+    value = int(long(1))
+    call h5aclose_f(attribute, status)
+    call h5oclose_f(owner, status)
+  end subroutine get_whole
+
   !> Declares a data set of `total` columns with `rows` values each (0: a plain list); `early` puts
   !! it into the file at once, where it stays.
   subroutine declare(self, name, kind, total, rows, early)
@@ -441,11 +466,13 @@ contains
     character(*), intent(in) :: name
     integer(i8), intent(in), target, contiguous :: values(:, :)
     integer(i8), intent(in) :: before
+    integer(i8), pointer :: words(:)
     if (size(values) == 0) return
     call put_columns(self, name, hdf5_long, c_loc(values), size(values, 1), &
                      size(values, 2, kind=i8), before)
-    if (self%summed) call add_sums(self, name, reshape(values, [size(values)]), &
-                                   before*size(values, 1))
+    if (.not. self%summed) return
+    call c_f_pointer(c_loc(values), words, [size(values)])
+    call add_sums(self, name, words, before*size(values, 1))
   end subroutine put_longs
 
   !> 32-bit numbers, a plain list; not for summed files.
@@ -608,7 +635,8 @@ contains
   subroutine add_sums(self, name, words, before)
     class(hdf5_file_t), intent(inout) :: self
     character(*), intent(in) :: name
-    integer(i8), intent(in) :: words(:), before
+    integer(i8), intent(in), contiguous :: words(:)
+    integer(i8), intent(in) :: before
     integer :: n
     do n = size(self%names), 1, -1
       if (self%names(n)%text == name) exit
@@ -705,7 +733,7 @@ contains
     character(*), intent(in) :: name
     integer, intent(in) :: kind
     integer(i8), intent(inout) :: sums(checksum_sums)
-    integer(i8), allocatable, target :: words(:, :)
+    integer(i8), allocatable, target :: words(:)
     integer(i8) :: total, first, last, step
     integer :: rows
     call self%extent(name, rows, total)
@@ -713,12 +741,12 @@ contains
     step = max(1, block_words/rows)
     first = total*parallel_rank()/parallel_ranks()
     last = total*(parallel_rank() + 1)/parallel_ranks()
-    allocate (words(rows, min(step, max(last - first, 0_i8))))
+    allocate (words(rows*min(step, max(last - first, 0_i8))))
     do while (first < last)
       step = min(step, last - first)
       call get_columns(self, name, kind, c_loc(words), rows, step, first)
       if (allocated(self%failure)) return
-      call checksum_words(reshape(words(:, :step), [rows*int(step)]), first*rows, sums)
+      call checksum_words(words(:rows*step), first*rows, sums)
       first = first + step
     end do
   end subroutine sum_columns

@@ -2,14 +2,16 @@
 !! times.
 !!
 !! VTK XML UnstructuredGrid, one vertex cell per particle, appended raw data with UInt64 block
-!! sizes. Chosen over temporal VTKHDF for readers older than VTK 9.3 (ParaView 5.11).
+!! sizes; for readers older than VTK 9.3 (ParaView 5.11), which do not know temporal VTKHDF.
 module sgmp_vtu
   use, intrinsic :: iso_c_binding, only: c_int8_t
   use sgmp_errors, only: error_t
-  use sgmp_file_tools, only: file_exists, file_lines, line_t, output_file_t
+  use sgmp_file_tools, only: file_exists, file_lines, file_remove, line_t, output_file_t
   use sgmp_kinds, only: dp, i4, i8
   use sgmp_snapshot, only: snapshot_field_t, snapshot_t
   use sgmp_text, only: integer_text, real_text_full
+  use sgmp_vtk_fields, only: tensor_order, vector_order, vtk_components, vtk_field_values, &
+                             vtk_is_tensor, vtk_is_vector
   implicit none
   private
   public :: vtu_series_t, vtu_write
@@ -30,10 +32,6 @@ module sgmp_vtu
     procedure :: dump => series_dump
   end type vtu_series_t
 
-  !> Order of VTK's symmetric tensors.
-  character(2), parameter :: tensor_order(*) = ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']
-  character(2), parameter :: vector_order(*) = ['_x', '_y', '_z']
-
 contains
 
   !> Starts a collection; with `keep_to_time`, entries of an existing one up to that time stay.
@@ -49,7 +47,7 @@ contains
     allocate (self%entries(0))
     if (.not. present(keep_to_time)) return
     path = self%folder//'/'//self%name//'.pvd'
-    if (file_exists(path)) call read_entries(path, keep_to_time, self%entries, error)
+    if (file_exists(path)) call read_entries(self%folder, path, keep_to_time, self%entries, error)
   end subroutine series_open
 
   !> Writes one dump, then the collection; both replace their predecessors in one step.
@@ -191,84 +189,24 @@ contains
     integer, intent(in) :: n
     integer(i8), intent(inout) :: offset
     character(:), allocatable :: attributes
-    integer, allocatable :: source(:)
-    call field_layout(field, source)
-    if (is_tensor(field)) then
+    if (vtk_is_tensor(field)) then
       attributes = component_attributes(tensor_order)
-    else if (is_vector(field)) then
+    else if (vtk_is_vector(field)) then
       attributes = component_attributes(vector_order)
     else
       attributes = component_attributes(field%components)
     end if
-    call declare(file, 'Float64', trim(field%name), 8_i8*size(source)*n, offset, attributes)
+    call declare(file, 'Float64', trim(field%name), 8_i8*vtk_components(field)*n, offset, attributes)
   end subroutine declare_field
 
   subroutine put_field(file, field)
     type(output_file_t), intent(inout) :: file
     type(snapshot_field_t), intent(in) :: field
     real(dp), allocatable :: values(:, :)
-    integer, allocatable :: source(:)
-    integer :: i
-    call field_layout(field, source)
-    allocate (values(size(source), size(field%values, 2)), source=0.0_dp)
-    do i = 1, size(source)
-      if (source(i) > 0) values(i, :) = field%values(source(i), :)
-    end do
+    call vtk_field_values(field, values)
     call file%put([8*size(values, kind=i8)])
     call file%put(values)
   end subroutine put_field
-
-  !> For each component in the file, the one of the field it comes from; 0: absent in this
-  !! dimension.
-  pure subroutine field_layout(field, source)
-    type(snapshot_field_t), intent(in) :: field
-    integer, allocatable, intent(out) :: source(:)
-    character(2) :: suffix
-    integer :: i, j
-    if (.not. (is_tensor(field) .or. is_vector(field))) then
-      allocate (source(size(field%components)))
-      source(:) = [(i, i=1, size(source))]
-      return
-    end if
-    allocate (source(merge(6, 3, is_tensor(field))), source=0)
-    do i = 1, size(source)
-      suffix = vector_order(min(i, 3))
-      if (is_tensor(field)) suffix = tensor_order(i)
-      do j = 1, size(field%components)
-        if (last_two(field%components(j)) == suffix) source(i) = j
-      end do
-    end do
-  end subroutine field_layout
-
-  !> Whether all components (two at least) end in xx, yy, …
-  pure function is_tensor(field) result(yes)
-    type(snapshot_field_t), intent(in) :: field
-    logical :: yes
-    integer :: i
-    yes = size(field%components) > 1 .and. size(field%components) <= 6
-    do i = 1, size(field%components)
-      yes = yes .and. any(last_two(field%components(i)) == tensor_order)
-    end do
-  end function is_tensor
-
-  !> Whether all components (two at least) end in _x, _y, _z.
-  pure function is_vector(field) result(yes)
-    type(snapshot_field_t), intent(in) :: field
-    logical :: yes
-    integer :: i
-    yes = size(field%components) > 1 .and. size(field%components) <= 3
-    do i = 1, size(field%components)
-      yes = yes .and. any(last_two(field%components(i)) == vector_order)
-    end do
-  end function is_vector
-
-  pure function last_two(word) result(suffix)
-    character(*), intent(in) :: word
-    character(2) :: suffix
-    integer :: n
-    n = len_trim(word)
-    suffix = word(max(1, n - 1):n)
-  end function last_two
 
   pure function component_attributes(names) result(text)
     character(*), intent(in) :: names(:)
@@ -315,14 +253,15 @@ contains
     end do
   end function escaped
 
-  !> Entries of a collection written by `series_dump`, up to `time`.
-  subroutine read_entries(path, time, entries, error)
-    character(*), intent(in) :: path
+  !> Entries of a collection written by `series_dump`, up to `time`; files of later ones go.
+  subroutine read_entries(folder, path, time, entries, error)
+    character(*), intent(in) :: folder, path
     real(dp), intent(in) :: time
     type(entry_t), allocatable, intent(inout) :: entries(:)
     type(error_t), allocatable, intent(out) :: error
     type(line_t), allocatable :: lines(:)
     type(entry_t) :: entry
+    type(error_t), allocatable :: problem        ! a file that stays harms nobody
     character(:), allocatable :: stamp
     integer :: i, status
     call file_lines(path, lines, error)
@@ -332,9 +271,12 @@ contains
       stamp = attribute(lines(i)%text, 'timestep')
       read (stamp, *, iostat=status) entry%time
       if (status /= 0) cycle
-      if (entry%time > time) cycle
       entry%file = attribute(lines(i)%text, 'file')
-      call set_entry(entries, entry)
+      if (entry%time > time) then
+        call file_remove(folder//'/'//entry%file, problem)
+      else
+        call set_entry(entries, entry)
+      end if
     end do
   end subroutine read_entries
 

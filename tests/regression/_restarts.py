@@ -2,12 +2,18 @@
 import filecmp
 import os
 import shutil
+import signal
 import subprocess
+import time
 
 from _runs import ENVIRONMENT, INPUT, SCRATCH, SGMP, Run, run
 
 # Same in both runs, byte by byte; run.log and summary.json hold wall times.
 DIFFERENT = ("run.log", "summary.json")
+# `make test-full` asks for more.
+FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
+MPIRUN = ["mpirun", "-n", "1"]
+ENVIRONMENT = {**ENVIRONMENT, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
 
 def deck(name, extra=""):
@@ -84,3 +90,56 @@ def goes_on(report, reference, name, text, step, threads=1, launcher=(), **setti
             report.check(result[key] == reference[key], f"{name}: {key} {result[key]}, straight {reference[key]}")
         same_files(report, reference.folder, folder, name)
     return result
+
+
+class Going:
+    """A run in progress, to be interrupted."""
+
+    def __init__(self, line, name, launcher=()):
+        self.name = name
+        self.folder = os.path.join(SCRATCH, name)
+        self.process = subprocess.Popen([*launcher, *line], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=ENVIRONMENT)
+
+    def wait_for(self, condition, seconds=60.0):
+        """Waits until something is true or the run has ended; whether it became true."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if condition():
+                return True
+            if self.process.poll() is not None:
+                return False
+        return False
+
+    def has_steps(self, rows):
+        """Whether history.csv has come so far."""
+        try:
+            with open(os.path.join(self.folder, "history.csv"), "rb") as file:
+                return file.read().count(b"\n") > rows
+        except OSError:
+            return False
+
+    def writes_checkpoint(self):
+        """Whether a checkpoint is being written."""
+        try:
+            return any(name.startswith("checkpoint_") and name.endswith(".part") for name in os.listdir(self.folder))
+        except OSError:
+            return False
+
+    def solvers(self):
+        """Process numbers of the solver itself, below a launcher."""
+        if os.path.basename(self.process.args[0]) == os.path.basename(SGMP):
+            return [self.process.pid]
+        with open(f"/proc/{self.process.pid}/task/{self.process.pid}/children", encoding="ascii") as file:
+            return [int(number) for number in file.read().split()]
+
+    def end(self, number=None):
+        """Sends a signal to the solver, if asked, and waits for the end."""
+        if number is not None and self.process.poll() is None:
+            for pid in self.solvers():
+                os.kill(pid, number)
+        text, _ = self.process.communicate(timeout=300)
+        return Run(self.process.returncode, text.decode("utf-8", "replace"), self.folder)
+
+    def kill(self):
+        """kill -9."""
+        return self.end(signal.SIGKILL)

@@ -6,7 +6,7 @@ usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 from _restarts import checkpoints, deck, goes_on, straight
 from _runs import Report
 
-EVERYTHING = "output vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
+EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
 # Particles leave the grid on two sides, where they are dropped or turned back.
 LEAVING = """
 parameter policy = remove
@@ -20,7 +20,8 @@ body b block material=m lower=(1,0) upper=(6,4) spacing=0.5
 velocity b x="300" y="-40"
 bodyforce b x="1e3*sin(x0)" y="1e3*t*x"
 history every=0.001
-output vtu every=0.0025 fields=initial_position,stress
+output vtkhdf every=0.0025 fields=initial_position,stress
+output vtu every=0.0025
 """
 # Two bodies at rest and one that is pushed, friction, a wall that moves.
 PUSH = """
