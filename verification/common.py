@@ -85,10 +85,10 @@ class Run:
 
     @property
     def loop_seconds(self):
-        """CPU time of the time loop without start and output: the process's CPU time by the loop's share of the wall time, which
-        other processes on the machine stretch but do not change much."""
+        """CPU time of the time loop without start and output. A short loop is seldom interrupted: its wall time. A long one: the
+        process's CPU time by the loop's share of the wall time, which other processes on the machine stretch but do not change much."""
         loop = sum(seconds for phase, seconds in self.summary["phase_seconds"].items() if phase != "output")
-        return self.cpu_seconds * loop / self.summary["wall_seconds"]
+        return loop if loop < 0.2 else self.cpu_seconds * loop / self.summary["wall_seconds"]
 
     @property
     def cpu_ns(self):
@@ -278,7 +278,7 @@ def work_precision(book, name, title, points, error_label, goals):
              yscale="log" if max(times) > 8 * min(times) else "linear")
     axis.invert_xaxis()
     axis.set_title(title, loc="left", fontweight="bold")
-    figure.legend(loc="outside right upper")
+    figure.legend(loc="outside right upper", handlelength=3.2)
     book.figure(name, figure, "CPU time of the time loop, one core, against error; better is lower and further right.")
     book.table(name, ["curve", "setting", "error", "CPU time (s)"],
                [[p["curve"], p["setting"], float(p["error"]), float(p["cpu_seconds"])] for p in points],
@@ -292,9 +292,10 @@ def work_precision(book, name, title, points, error_label, goals):
     book.say(f"<b>Cheapest setting</b> for a given {error_label}: {'; '.join(cheapest)}.")
 
 
-def point(curve, method, setting, run, error, line="-"):
-    """A point of a work-precision diagram."""
-    return {"curve": curve, "method": method, "setting": setting, "cpu_seconds": run.loop_seconds, "error": float(error), "line": line}
+def point(curve, method, setting, run, error, line="-", seconds=None):
+    """A point of a work-precision diagram; its CPU time is the run's unless given."""
+    return {"curve": curve, "method": method, "setting": setting, "cpu_seconds": run.loop_seconds if seconds is None else seconds,
+            "error": float(error), "line": line}
 
 
 def main(check, doc):

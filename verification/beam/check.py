@@ -77,7 +77,7 @@ def accuracy(book, runs, coarse, full):
     curves = [(NAMES[m], m, "-", VARIANTS[m]) for m in ("mpm", "gimp", "cpgimp", "sgmp", "normalised")]
     curves += [(f"SGMP {u.upper()}", "sgmp", LINES.get(u, "-."), {"method": "sgmp", "update": u}) for u in ("usf", "usl", "usavg")]
     curves = [(f"{name}, CFL 0.5", method, line, parameters) for name, method, line, parameters in curves]
-    curves += [(f"{NAMES[m]}, CFL {c}", m, (0, (1, 1)), {**VARIANTS[m], "cfl": c}) for m, c in (("gimp", 1.3), ("sgmp", 2.0), ("normalised", 2.0))]
+    curves += [(f"{NAMES[m]}, CFL {c}", m, (0, (6, 1, 1, 1, 1, 1)), {**VARIANTS[m], "cfl": c}) for m, c in (("gimp", 1.3), ("sgmp", 2.0), ("normalised", 2.0))]
     points = []
     for curve, method, line, parameters in curves:
         for h, run in zip(sizes, solve([Case("beam", h=h, **parameters) for h in sizes], may_fail=True)):
