@@ -13,11 +13,15 @@ body { font: 15px/1.5 system-ui, sans-serif; color: #222; max-width: 1080px; mar
 h1 { font-size: 1.7em; } h2 { margin-top: 2.2em; border-bottom: 2px solid #1f5fb4; padding-bottom: .2em; }
 table { border-collapse: collapse; margin: .8em 0; font-size: 13.5px; }
 td, th { padding: .2em .7em; border-bottom: 1px solid #ddd; text-align: right; } th { background: #f2f5fa; }
-td:first-child, th:first-child, td.word { text-align: left; }
+td:first-child, th:first-child, .word { text-align: left; }
+summary { color: #1f5fb4; cursor: pointer; font-size: 13.5px; }
 .pass { color: #17803d; font-weight: 600; } .fail { color: #c0182a; font-weight: 600; } .deviates { color: #b36b00; font-weight: 600; }
 figure { margin: 1em 0; } figure img { max-width: 100%; } figcaption, caption { color: #555; font-size: 13.5px; text-align: left; }
 pre { background: #f5f5f5; padding: .7em; overflow-x: auto; font-size: 12.5px; } nav a { margin-right: 1.1em; }
 """
+
+
+LONG = 16  # a table of more rows is folded away until the reader opens it
 
 
 def number(value):
@@ -30,11 +34,12 @@ def number(value):
 
 
 def table_html(header, rows, caption):
-    lines = ["<table>", f"<caption>{html.escape(caption)}</caption>", "<tr>" + "".join(f"<th>{html.escape(h)}</th>" for h in header) + "</tr>"]
+    lines = ["<table>", f"<caption>{html.escape(caption)}</caption>", "<tr>" + "".join(f"<th{' class=word' if rows and isinstance(rows[0][i], str) else ''}>{html.escape(h)}</th>" for i, h in enumerate(header)) + "</tr>"]
     for row in rows:
         cells = "".join(f"<td{' class=word' if isinstance(c, str) else ''}>{html.escape(number(c))}</td>" for c in row)
         lines.append(f"<tr>{cells}</tr>")
-    return "\n".join(lines + ["</table>"])
+    folded = len(rows) > LONG
+    return "\n".join([f"<details><summary>{html.escape(caption)} ({len(rows)} rows)</summary>"] * folded + lines + ["</table>"] + ["</details>"] * folded)
 
 
 def results_html(results):

@@ -21,7 +21,7 @@ from pathlib import Path
 import report
 from common import BUILD, ROOT, Book, forget_old_runs
 
-EXAMPLES = ("bar", "bar_rotated", "bar_stability", "beam", "energy", "tnt_slab", "taylor_bar")
+EXAMPLES = ("bar", "bar_rotated", "bar_stability", "beam", "energy", "tnt_slab", "vortex", "taylor_bar", "normalised")
 
 
 def load(example):

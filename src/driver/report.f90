@@ -147,7 +147,7 @@ contains
     real(dp) :: excess, reference
     associate (ledger => model%ledger)
       excess = ledger_total(ledger) - ledger%initial_total - ledger%external_work
-      reference = max(abs(ledger%initial_total), abs(ledger%external_work))
+      reference = max(abs(ledger%initial_total), abs(ledger%external_work), ledger%largest_kinetic)
     end associate
     if (.not. (excess > 0.05_dp*reference .and. reference > 0.0_dp)) return
     call log%warning('the total energy has grown by '//real_text(100.0_dp*excess/reference)// &

@@ -48,7 +48,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane
     real(dp), intent(in) :: interior
-    real(dp) :: least(0:tile + 1), factor(tile), cell
+    real(dp) :: least(0:tile + 1), factor(tile), cell, around
     integer :: s, first, n, i, q, idx
     cell = mesh%h**NDIM
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
@@ -56,11 +56,11 @@ contains
         n = min(tile, field%work%last(s) - first + 1)
         call least_volume(field, mesh, s, first, n, cell, least)
         idx = field%neighbour(0, 0, s) + first - 1
+        !$omp simd private(around)
         do i = 1, n
-          factor(i) = 1.0_dp
-          if (min(least(i - 1), least(i), least(i + 1)) > interior*cell) then
-            factor(i) = cell/field%moment(idx + i, field%volume_column)
-          end if
+          around = min(least(i - 1), least(i), least(i + 1))
+          factor(i) = cell/merge(field%moment(idx + i, field%volume_column), cell, &
+                                 around > interior*cell)
         end do
         do q = 2 + NDIM, 1 + NDIM + NFLUX
           !$omp simd

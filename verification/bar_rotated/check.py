@@ -6,10 +6,12 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parent.parent), str(Path(__file__).resolve().parent.parent / "bar")]
 import numpy as np  # noqa: E402
-from common import COLOURS, MARKERS, NAMES, Case, cell_ticks, main, slope_triangle, slopes, solve, subplots, work_precision  # noqa: E402
+from common import COLOURS, MARKERS, NAMES, Case, cell_ticks, main, point, slope_triangle, slopes, solve, subplots, work_precision  # noqa: E402
 from exact import error_along  # noqa: E402
 
 METHODS = ("mpm", "gimp", "sgmp")
+SCHEMES = (("SGMP USF", "--", {"update": "usf"}), ("SGMP USL", ":", {"update": "usl"}), ("SGMP USAVG", "-.", {"update": "usavg"}),
+           ("SGMP, normalised stress", "-", {"stress": "normalised"}))
 
 
 def convergence(book, full):
@@ -36,9 +38,14 @@ def convergence(book, full):
     book.table("bar_rotated", ["cells"] + [NAMES[m] for m in METHODS], [[n] + [errors[m][i] for m in METHODS] for i, n in enumerate(sizes)],
                "Errors at t = 0.02 s (m).")
     book.command(*[runs[m][0].case for m in METHODS])
-    work_precision(book, "bar_rotated_work_precision", "Bar at 45 degrees, t = 0.02 s",
-                   [{"curve": NAMES[m], "method": m, "setting": f"h = 1/{n}", "cpu_seconds": run.cpu_seconds, "error": e}
-                    for m in METHODS for n, run, e in zip(sizes, runs[m], errors[m])], "error e (m)", (1e-5, 3e-6, 1e-6))
+    points = [point(NAMES[m], m, f"h = 1/{n}", run, e) for m in METHODS for n, run, e in zip(sizes, runs[m], errors[m])]
+    if full:
+        for curve, line, parameters in SCHEMES:
+            used = sizes[:-1]
+            method = "normalised" if "stress" in parameters else "sgmp"
+            for n, run in zip(used, solve([Case("bar_rotated", cells=n, method="sgmp", **parameters) for n in used])):
+                points.append(point(curve, method, f"h = 1/{n}", run, error_along(run, 0.02), line))
+    work_precision(book, "bar_rotated_work_precision", "Bar at 45 degrees, t = 0.02 s, dt = 10 µs", points, "error e (m)", (1e-5, 3e-6, 1e-6))
 
 
 def twisting(book):

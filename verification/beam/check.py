@@ -7,7 +7,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import numpy as np  # noqa: E402
-from common import COLOURS, NAMES, Case, main, solve, subplots  # noqa: E402
+from common import COLOURS, NAMES, VARIANTS, Case, main, point, slopes, solve, subplots, work_precision  # noqa: E402
 
 SCHEMES = ("usf", "musl", "usl")
 LINES = {"usf": "--", "musl": "-", "usl": ":"}
@@ -47,6 +47,43 @@ def linearity(y, stress):
     line = np.polyfit(y, stress, 1)
     rest = stress - np.polyval(line, y)
     return 1 - np.sum(rest**2) / np.sum((stress - stress.mean())**2), 5.0 * line[0]
+
+
+def deflection_error(run):
+    """Root mean square (mm) of the middle line's deflection at 50 us less that of finite elements (reference/deflection.csv)."""
+    with open(Path(__file__).with_name("reference") / "deflection.csv") as stream:
+        rows = list(csv.DictReader(stream))
+    particles = run.particles()
+    start = particles.fields["initial_position"]
+    near = np.flatnonzero(np.abs(start[:, 1] - 5.0) < 0.75 * run.summary["spacing"])  # one row on either side, or the row on the line
+    columns, which = np.unique(start[near, 0].round(6), return_inverse=True)
+    moved = particles.points[near, 1] - start[near, 1]
+    middle = np.bincount(which, moved) / np.bincount(which)
+    exact = np.interp(columns, [float(row["x_mm"]) for row in rows], [float(row["u_y_mm"]) for row in rows])
+    return float(np.sqrt(np.mean((middle - exact)**2)))
+
+
+def accuracy(book, runs, coarse, full):
+    """Error over the cell size, and its price."""
+    sizes = (1.0, 0.5, 0.3125)
+    errors = [deflection_error(run) for run in (coarse["musl", 1.0], coarse["musl", 0.5], runs["sgmp", "musl"])]
+    book.at_least("beam", "order of SGMP MUSL in the deflection, 1 to 0.3125 mm", slopes([sizes[0], sizes[-1]], [errors[0], errors[-1]])[0], 1.8,
+                  "finite elements, reference/finite_elements.py")
+    book.at_most("beam", "deflection of SGMP MUSL at h = 0.3125 mm less that of finite elements, rms (mm; largest 0.487)", errors[-1], 0.003)
+    book.say("<b>Error norm.</b> The deflection of the middle line at 50 µs against finite elements (total Lagrangian, two meshes extrapolated): "
+             "verification/beam/reference/finite_elements.py, good to about 0.0001 mm.")
+    if not full:
+        return
+    curves = [(NAMES[m], m, "-", VARIANTS[m]) for m in ("mpm", "gimp", "cpgimp", "sgmp", "normalised")]
+    curves += [(f"SGMP {u.upper()}", "sgmp", LINES.get(u, "-."), {"method": "sgmp", "update": u}) for u in ("usf", "usl", "usavg")]
+    curves = [(f"{name}, CFL 0.5", method, line, parameters) for name, method, line, parameters in curves]
+    curves += [(f"{NAMES[m]}, CFL {c}", m, (0, (6, 1, 1, 1, 1, 1)), {**VARIANTS[m], "cfl": c}) for m, c in (("gimp", 1.3), ("sgmp", 2.0), ("normalised", 2.0))]
+    points = []
+    for curve, method, line, parameters in curves:
+        for h, run in zip(sizes, solve([Case("beam", h=h, **parameters) for h in sizes], may_fail=True)):
+            if run.exit_code == 0:
+                points.append(point(curve, method, f"h = {h} mm", run, deflection_error(run), line))
+    work_precision(book, "beam_work_precision", "Beam, 50 µs", points, "error of the deflection (mm)", (0.02, 0.005, 0.002, 0.001))
 
 
 def draw_energies(book, runs):
@@ -146,6 +183,7 @@ def check(book, full):
     book.near("beam", "SGMP USL: energy lost at h = 1 mm (%)", -next(r[3] for r in rows if r[:2] == ["SGMP USL", 1.0]), 14.0, 1.5)
     book.table("beam", ["scheme", "h (mm)", "period (µs)", "energy change (%)", "R² of stress", "CPU time (s)"], rows,
                "SGMP over the cell size; CFL 0.5.")
+    accuracy(book, runs, coarse, full)
     if full:
         shifted = solve([Case("beam", method=m, update="usf", shift_x=0.078125, shift_y=0.078125) for m in ("mpm", "sgmp")], may_fail=True)
         for m, run in zip(("MPM", "SGMP"), shifted):

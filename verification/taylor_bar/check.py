@@ -44,17 +44,10 @@ def sound(run):
     return run.exit_code == 0 and growth(run) <= GROWTH and run.summary["particles_lost"] == 0
 
 
-def loop_seconds(run):
-    """CPU time of the time loop without output: the process's CPU time by the loop's share of the wall time, which other
-    processes on the machine stretch but do not change much."""
-    loop = sum(seconds for phase, seconds in run.summary["phase_seconds"].items() if phase != "output")
-    return run.cpu_seconds * loop / run.summary["wall_seconds"]
-
-
 def timed(repeats, **parameters):
     """The least of several runs one after the other: (run, CPU seconds, ns per particle-step), both of the loop."""
     runs = [solve([Case("taylor_bar", tag=f"timed {i}", **parameters)], workers=1)[0] for i in range(repeats)]
-    seconds = min(loop_seconds(run) for run in runs)
+    seconds = min(run.loop_seconds for run in runs)
     return runs[0], seconds, 1e9 * seconds / runs[0].summary["particle_steps"]
 
 
