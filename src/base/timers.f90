@@ -3,9 +3,9 @@ module sgmp_timers
   use sgmp_kinds, only: dp, i8
   implicit none
   private
-  public :: timers_t, timers_start, timers_stop, wall_time, phase_names
+  public :: timers_t, timers_start, timers_stop, timers_move, wall_time, phase_names
   public :: phase_kick, phase_drift, phase_grid, phase_rebin, phase_output, phase_probe, &
-            phase_count
+            phase_halo, phase_balance, phase_count
 
   integer, parameter :: phase_kick = 1   !! momentum sweep over the particles
   integer, parameter :: phase_drift = 2  !! stress sweep over the particles
@@ -13,10 +13,12 @@ module sgmp_timers
   integer, parameter :: phase_rebin = 4  !! particles that change bins, new grid rows
   integer, parameter :: phase_output = 5
   integer, parameter :: phase_probe = 6  !! search for the largest stable step (cfl=auto)
-  integer, parameter :: phase_count = 6
+  integer, parameter :: phase_halo = 7   !! messages between ranks, and waiting for them
+  integer, parameter :: phase_balance = 8  !! new cuts between ranks
+  integer, parameter :: phase_count = 8
   character(16), parameter :: phase_names(phase_count) = &
       [character(16) :: 'momentum sweep', 'stress sweep', 'grid', 're-binning', 'output', &
-                          'step limit']
+       'step limit', 'halo', 'balancing']
 
   !> Seconds spent in each phase.
   type :: timers_t
@@ -49,5 +51,16 @@ contains
     timers%seconds(phase) = timers%seconds(phase) + now - timers%started
     timers%started = now
   end subroutine timers_stop
+
+  !> Books the time since `since` on a phase and takes it out of the one that is being timed.
+  subroutine timers_move(timers, phase, since)
+    type(timers_t), intent(inout) :: timers
+    integer, intent(in) :: phase
+    real(dp), intent(in) :: since
+    real(dp) :: spent
+    spent = wall_time() - since
+    timers%seconds(phase) = timers%seconds(phase) + spent
+    timers%started = timers%started + spent
+  end subroutine timers_move
 
 end module sgmp_timers

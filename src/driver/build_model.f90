@@ -16,18 +16,24 @@ module sgmp_build_model
   use sgmp_material_jc, only: jc_init, jc_set_failure, jc_set_thermal
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t, stencil_shift
   use sgmp_model, only: body_sums_t, model_t
+  use sgmp_parallel, only: parallel_agree, parallel_exact_sums, parallel_max, parallel_rank, &
+                           parallel_ranks
   use sgmp_particles, only: particles_fill
   use sgmp_phases, only: phase_layout
+  use sgmp_ranks, only: ranks_hold, ranks_renew_bins, ranks_share, ranks_slab
   use sgmp_scene, only: body_card_t, eos_gruneisen, eos_jwl, eos_none, hardening_linear, &
                         hardening_perfect, material_card_t, material_elastic, &
                         material_explosive, material_johnson_cook, material_neo_hookean, &
                         material_j2, method_cpgimp, method_gimp, method_mpm, method_sgmp, scene_t
-  use sgmp_seeding, only: seeding_check_overlap, seeding_generate
+  use sgmp_seeding, only: seeding_check_overlap, seeding_generate, survey_t
+  use sgmp_share, only: share_make
   use sgmp_step, only: step_start
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
   implicit none
   private
   public :: model_build
+
+  integer, parameter :: body_terms = 9  !! of the initial sums over a body
 
 contains
 
@@ -38,6 +44,7 @@ contains
     type(model_t), intent(out) :: model
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: empty  !! without particles, which a restart brings
+    type(survey_t), allocatable :: surveys(:)
     integer :: b, kernel
     integer(i4) :: next_id
     real(dp) :: heaviest
@@ -55,20 +62,35 @@ contains
     model%lost_policy = scene%grid%lost
     kernel = kernel_of(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%body_sums(size(scene%bodies)))
+    call share_make(model%share, model%mesh, kernel, model%normalised, parallel_rank(), &
+                    parallel_ranks())
+    call ranks_share(scene, model, kernel, surveys, error)
+    if (allocated(error)) return
     next_id = 1
     heaviest = 0.0_dp
     do b = 1, size(scene%bodies)
-      call build_body(scene, b, model%mesh, kernel, next_id, seeded, model%bodies(b), error)
+      call build_body(scene, b, model, kernel, next_id, seeded, surveys, model%bodies(b), error)
+      call parallel_agree(error)
       if (allocated(error)) return
-      next_id = next_id + model%bodies(b)%particles%count
+      if (model%share%ranks > 1) then
+        next_id = next_id + sum(surveys(b)%points)
+      else
+        next_id = next_id + model%bodies(b)%particles%count
+      end if
       if (model%bodies(b)%rigid) cycle
       associate (particles => model%bodies(b)%particles)
         heaviest = max(heaviest, maxval(particles%a(:, particles%na, :particles%chunks), &
                                         mask=particles%id(:, :particles%chunks) > 0))
       end associate
     end do
-    model%cutoff = scene%method%mass_cutoff*heaviest
+    model%cutoff = scene%method%mass_cutoff*parallel_max(heaviest)
     call contact_pairs(scene, model)
+    if (size(model%pairs) > 0 .and. model%share%ranks > 1) then
+      call error_make(error, exit_deck, &
+                      'contact between bodies does not run on several ranks yet', &
+                      'run this deck on one rank, with as many threads as there are cores')
+      return
+    end if
     call build_fields(model, kernel)
     call build_clock(scene, model)
     if (.not. seeded) return
@@ -97,28 +119,33 @@ contains
     n = ndim + 2 + merge(1, 0, ndim == 3)
   end function stress_count
 
-  subroutine build_body(scene, number, mesh, kernel, first_id, seeded, body, error)
+  subroutine build_body(scene, number, model, kernel, first_id, seeded, surveys, body, error)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: number, kernel
-    type(mesh_t), intent(in) :: mesh
+    type(model_t), intent(in) :: model
     integer(i4), intent(in) :: first_id
     logical, intent(in) :: seeded
+    type(survey_t), intent(in) :: surveys(:)     !! (bodies), where there are several ranks
     type(body_t), intent(out) :: body
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: x(:, :), volume(:), file_velocity(:, :)
+    integer(i4), allocatable :: ids(:)
     integer :: d
-    associate (card => scene%bodies(number), &
+    associate (card => scene%bodies(number), mesh => model%mesh, &
                material => scene%materials(scene%bodies(number)%material))
-      if (seeded) then
+      if (.not. seeded) then
+        allocate (x(3, 0), volume(0))
+      else if (model%share%ranks > 1) then
+        call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, &
+                              file_velocity, ranks_slab(model, kernel), surveys(number), ids)
+      else
         call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, &
                               file_velocity)
-        if (.not. allocated(error)) then
-          call seeding_check_overlap(scene%bodies, number, x, mesh%ndim, error)
-        end if
-        if (allocated(error)) return
-      else
-        allocate (x(3, 0), volume(0))
       end if
+      if (seeded .and. .not. allocated(error)) then
+        call seeding_check_overlap(scene%bodies, number, x, mesh%ndim, error)
+      end if
+      if (allocated(error)) return
       body%name = card%name
       body%first_id = first_id
       body%spacing = card%spacing
@@ -141,7 +168,9 @@ contains
         x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
       end do
       call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, material%density, &
-                          volume, first_history(card, material, body%law, mesh%ndim), first_id)
+                          volume, first_history(card, material, body%law, mesh%ndim), first_id, &
+                          ids)
+      call ranks_hold(model%share, body%particles)
       call set_velocities(card, mesh, file_velocity, body)
       call fill_positions(scene, mesh, body)
       call contact_fill_slot(card, mesh, body)
@@ -339,6 +368,8 @@ contains
       end do
     end do
     allocate (model%slabs(model%threads + 1, size(model%fields)))
+    allocate (model%below(size(model%fields)), model%above(size(model%fields)))
+    call ranks_renew_bins(model)
     call phase_layout(model)
   end subroutine build_fields
 
@@ -353,34 +384,48 @@ contains
     model%clock%smallest = scene%time%dt_min
   end subroutine build_clock
 
-  !> Energies and sums of the initial state.
+  !> Energies and sums of the initial state: sums over each chunk, put together exactly.
   subroutine open_ledger(model)
     type(model_t), intent(inout) :: model
-    integer :: b, c, l, n
-    real(dp) :: m
-    n = model%mesh%ndim
+    real(dp), allocatable :: terms(:, :)
+    real(dp) :: totals(body_terms)
+    integer :: b, c
     do b = 1, size(model%bodies)
-      associate (particles => model%bodies(b)%particles, slots => model%bodies(b)%law%slots, &
-                 sums => model%body_sums(b))
-        sums = body_sums_t()
+      associate (particles => model%bodies(b)%particles, sums => model%body_sums(b))
+        allocate (terms(body_terms, particles%chunks))
         do c = 1, particles%chunks
-          do l = 1, lanes
-            if (particles%id(l, c) == 0) cycle
-            m = particles%a(l, particles%na, c)
-            sums%mass = sums%mass + m
-            sums%moment(:n) = sums%moment(:n) + m*particles%a(l, :n, c)
-            sums%momentum(:n) = sums%momentum(:n) + m*particles%a(l, n + 1:2*n, c)
-            sums%kinetic = sums%kinetic + 0.5_dp*m*sum(particles%a(l, n + 1:2*n, c)**2)
-            if (slots%energy > 0) then
-              sums%internal = sums%internal + particles%b(l, slots%energy, c)*particles%b(l, 1, c)
-            end if
-          end do
+          terms(:, c) = chunk_terms(model%bodies(b), model%mesh%ndim, c)
         end do
+        call parallel_exact_sums(terms, totals)
+        deallocate (terms)
+        sums = body_sums_t(mass=totals(1), moment=totals(2:4), momentum=totals(5:7), &
+                           kinetic=totals(8), internal=totals(9))
       end associate
     end do
     call ledger_open(model%ledger, sum(model%body_sums%kinetic, mask=.not. model%bodies%rigid), &
                      sum(model%body_sums%internal), &
                      [(sum(model%body_sums%momentum(c), mask=.not. model%bodies%rigid), c=1, 3)])
   end subroutine open_ledger
+
+  !> Mass, moment, momentum, kinetic and internal energy of a chunk.
+  pure function chunk_terms(body, n, c) result(terms)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: n, c                  !! dimension, chunk
+    real(dp) :: terms(body_terms)
+    real(dp) :: m
+    integer :: l
+    terms = 0.0_dp
+    associate (particles => body%particles, energy => body%law%slots%energy)
+      do l = 1, lanes
+        if (particles%id(l, c) == 0) cycle
+        m = particles%a(l, particles%na, c)
+        terms(1) = terms(1) + m
+        terms(2:1 + n) = terms(2:1 + n) + m*particles%a(l, :n, c)
+        terms(5:4 + n) = terms(5:4 + n) + m*particles%a(l, n + 1:2*n, c)
+        terms(8) = terms(8) + 0.5_dp*m*sum(particles%a(l, n + 1:2*n, c)**2)
+        if (energy > 0) terms(9) = terms(9) + particles%b(l, energy, c)*particles%b(l, 1, c)
+      end do
+    end associate
+  end function chunk_terms
 
 end module sgmp_build_model

@@ -7,13 +7,15 @@ module sgmp_gathering
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_mesh, only: mesh_position
   use sgmp_model, only: model_t
+  use sgmp_parallel, only: parallel_deal, parallel_sum
   use sgmp_scene, only: scene_t
   use sgmp_seeding, only: seeding_generate
   use sgmp_snapshot, only: snapshot_field_t, snapshot_t
+  use sgmp_sorting, only: sort_order
   implicit none
   private
-  public :: gather_snapshot, gather_body_row, gather_checksum, gather_initial_positions, &
-            gather_field_known, field_names
+  public :: gather_whole, gather_snapshot, gather_body_row, gather_checksum, &
+            gather_initial_positions, gather_field_known, field_names
 
   character(16), parameter :: field_names(*) = &
     [character(16) :: 'stress', 'pressure', 'density', 'volume', 'mass', 'plastic_strain', &
@@ -77,6 +79,76 @@ contains
       snapshot%initial_position = initial(:, snapshot%id)
     end if
   end subroutine gather_snapshot
+
+  !> A snapshot on the first rank of all ranks' particles, or of those with certain ids; empty on
+  !! the others. All ranks must call it.
+  subroutine gather_whole(model, names, initial, snapshot, ids)
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: names(:)
+    real(dp), allocatable, intent(in) :: initial(:, :)
+    type(snapshot_t), intent(out) :: snapshot
+    integer, intent(in), optional :: ids(:)
+    real(dp), allocatable :: columns(:, :), whole(:, :)
+    integer, allocatable :: order(:), chosen(:)
+    integer :: p
+    call gather_snapshot(model, names, initial, snapshot)
+    if (model%share%ranks == 1) return
+    chosen = [(p, p=1, size(snapshot%id))]
+    if (present(ids)) chosen = pack(chosen, [(any(snapshot%id(p) == ids), p=1, size(snapshot%id))])
+    call snapshot_columns(snapshot, columns)
+    columns = columns(:, chosen)
+    call parallel_deal(columns, [(0, p=1, size(chosen))], whole)
+    allocate (order(size(whole, 2)))
+    call sort_order(nint(whole(1, :), i8), order)
+    whole = whole(:, order)
+    call snapshot_fill(snapshot, whole)
+  end subroutine gather_whole
+
+  !> All values of a snapshot, a column for each particle.
+  pure subroutine snapshot_columns(snapshot, columns)
+    type(snapshot_t), intent(in) :: snapshot
+    real(dp), allocatable, intent(out) :: columns(:, :)
+    integer :: f, q, n
+    n = 8
+    if (allocated(snapshot%initial_position)) n = n + 3
+    n = n + sum([(size(snapshot%fields(f)%values, 1), f=1, size(snapshot%fields))])
+    allocate (columns(n, size(snapshot%id)))
+    columns(1, :) = snapshot%id
+    columns(2, :) = snapshot%body
+    columns(3:5, :) = snapshot%position
+    columns(6:8, :) = snapshot%velocity
+    q = 8
+    if (allocated(snapshot%initial_position)) then
+      columns(9:11, :) = snapshot%initial_position
+      q = 11
+    end if
+    do f = 1, size(snapshot%fields)
+      n = size(snapshot%fields(f)%values, 1)
+      columns(q + 1:q + n, :) = snapshot%fields(f)%values
+      q = q + n
+    end do
+  end subroutine snapshot_columns
+
+  !> Gives a snapshot the particles of such columns.
+  pure subroutine snapshot_fill(snapshot, columns)
+    type(snapshot_t), intent(inout) :: snapshot
+    real(dp), intent(in) :: columns(:, :)
+    integer :: f, q, n
+    snapshot%id = nint(columns(1, :))
+    snapshot%body = nint(columns(2, :))
+    snapshot%position = columns(3:5, :)
+    snapshot%velocity = columns(6:8, :)
+    q = 8
+    if (allocated(snapshot%initial_position)) then
+      snapshot%initial_position = columns(9:11, :)
+      q = 11
+    end if
+    do f = 1, size(snapshot%fields)
+      n = size(snapshot%fields(f)%values, 1)
+      snapshot%fields(f)%values = columns(q + 1:q + n, :)
+      q = q + n
+    end do
+  end subroutine snapshot_fill
 
   !> Place of each id in the output: ids ascending, lost particles left out.
   subroutine order_of_ids(model, place)
@@ -202,7 +274,7 @@ contains
       centroid = mesh_position(model%mesh%origin, model%mesh%h, sums%moment/sums%mass)
       centroid(model%mesh%ndim + 1:) = 0.0_dp
       row = [model%clock%time, real(b, dp), sums%mass, centroid, sums%momentum/sums%mass, &
-             sums%kinetic, sums%internal, real(model%bodies(b)%particles%count, dp)]
+             sums%kinetic, sums%internal, real(model%counts(b), dp)]
     end associate
   end function gather_body_row
 
@@ -231,6 +303,7 @@ contains
         deallocate (values)
       end associate
     end do
+    checksum = parallel_sum(checksum)
   end function gather_checksum
 
   !> Initial positions by id, by seeding once more: nothing is stored during the run.

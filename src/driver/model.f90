@@ -4,10 +4,13 @@ module sgmp_model
   use sgmp_energy, only: ledger_t, step_sums_t
   use sgmp_errors, only: error_t
   use sgmp_field, only: field_t
-  use sgmp_kinds, only: dp, i4
+  use sgmp_kinds, only: dp, i4, i8
   use sgmp_mesh, only: mesh_t
+  use sgmp_neighbours, only: neighbours_t, traffic_t
   use sgmp_plan, only: workspace_t
+  use sgmp_share, only: share_t
   use sgmp_shared_nodes, only: contact_pair_t, shared_nodes_t
+  use sgmp_tally, only: tally_t
   use sgmp_time_step, only: clock_t
   use sgmp_timers, only: timers_t
   implicit none
@@ -29,6 +32,13 @@ module sgmp_model
     type(body_t), allocatable :: bodies(:)
     type(workspace_t), allocatable :: workspaces(:, :)  !! (threads, fields)
     integer, allocatable :: slabs(:, :)  !! (threads + 1, fields) first plane of each thread's slab
+    type(share_t) :: share                           !! planes that this rank owns
+    type(workspace_t), allocatable :: below(:), above(:)  !! (fields) what neighbours sent
+    type(neighbours_t) :: swap                       !! messages to and from them
+    type(traffic_t) :: traffic                       !! sent so far
+    integer(i8), allocatable :: counts(:)            !! (bodies) particles on all ranks
+    integer(i8) :: points = 0_i8                     !! grid points stored on all ranks
+    type(tally_t) :: tally                           !! sums of the step, being formed
     type(contact_pair_t), allocatable :: pairs(:)  !! bodies in contact; none: one field for all
     type(shared_nodes_t) :: shared                 !! nodes where their fields meet
     integer :: threads = 1
@@ -39,12 +49,15 @@ module sgmp_model
     real(dp) :: interior = 0.0_dp  !! filling of interior cells, for normalised stress
     real(dp) :: cutoff = 0.0_dp                      !! node mass below which a node is ignored
     integer :: lost_policy = 1                       !! one of lost_*
-    integer :: lost = 0                              !! particles removed so far
+    integer :: lost = 0                              !! particles removed so far, on all ranks
+    integer :: lost_here = 0                         !! of these, by this rank in this step
     integer :: lost_before = 0                       !! of these, before the last kinetic sum
     integer :: moved = 0                             !! particles that changed bins in the last step
     type(clock_t) :: clock
     real(dp) :: fastest = 0.0_dp                     !! largest c + |v|
     integer(i4) :: fastest_id = 0
+    integer :: fastest_field = 0
+    real(dp) :: fastest_before = 0.0_dp              !! at the start of the step
     type(ledger_t) :: ledger
     type(step_sums_t) :: sums                        !! of the step at hand
     type(body_sums_t), allocatable :: body_sums(:)   !! (bodies)

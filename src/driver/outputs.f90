@@ -5,11 +5,12 @@ module sgmp_outputs
   use sgmp_energy, only: ledger_total
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: directory_make
-  use sgmp_gathering, only: gather_body_row, gather_initial_positions, gather_snapshot
+  use sgmp_gathering, only: gather_body_row, gather_initial_positions, gather_whole
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
                           gauges_integers, history_columns, history_t, units_text
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
+  use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_sum
   use sgmp_scene, only: name_length, scene_t
   use sgmp_snapshot, only: snapshot_t
   use sgmp_tecplot, only: tecplot_t
@@ -50,17 +51,43 @@ contains
     character(*), intent(in) :: folder
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in) :: restarted             !! the counts come from a checkpoint
+    real(dp), allocatable :: time  !! not allocated in a new run: an absent argument below
     outputs%folder = folder
     if (restarted) call count_anew(outputs, scene, model)
     outputs%dump_interval = scene%output%every
     outputs%row_interval = scene%output%history_every
-    call directory_make(folder, error)
-    if (.not. allocated(error)) call open_tables(outputs, scene, model, folder, restarted, error)
-    if (.not. allocated(error)) call open_dumps(outputs, scene, model, folder, restarted, error)
-    if (allocated(error) .or. restarted) return
+    if (parallel_rank() == 0) call open_files(outputs, scene, model, restarted, error)
+    call parallel_agree(error)
+    if (allocated(error)) return
+    allocate (outputs%fields(0))
+    if (allocated(scene%output%fields)) outputs%fields = scene%output%fields
+    if (any(outputs%fields == 'initial_position') .or. any(outputs%fields == 'displacement')) then
+      call gather_initial_positions(scene, model, outputs%initial, error)
+      if (allocated(error)) return
+    end if
+    if (scene%output%vtkhdf) then
+      if (restarted) time = outputs%last_dump_time
+      call outputs%vtkhdf%open(folder//'/particles.vtkhdf', expected_dumps(scene), error, time)
+      if (allocated(error)) return
+    end if
+    if (restarted) return
     call find_gauges(outputs, scene, model)
     call outputs_step(outputs, scene, model, .false., error)
   end subroutine outputs_open
+
+  !> Opens the files, on the first rank.
+  subroutine open_files(outputs, scene, model, restarted, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    logical, intent(in) :: restarted
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: folder
+    folder = outputs%folder
+    call directory_make(folder, error)
+    if (.not. allocated(error)) call open_tables(outputs, scene, model, folder, restarted, error)
+    if (.not. allocated(error)) call open_dumps(outputs, scene, folder, restarted, error)
+  end subroutine open_files
 
   !> Tables that grow row by row.
   subroutine open_tables(outputs, scene, model, folder, restarted, error)
@@ -90,25 +117,14 @@ contains
   end subroutine open_tables
 
   !> Files of all particles.
-  subroutine open_dumps(outputs, scene, model, folder, restarted, error)
+  subroutine open_dumps(outputs, scene, folder, restarted, error)
     type(outputs_t), intent(inout) :: outputs
     type(scene_t), intent(in) :: scene
-    type(model_t), intent(in) :: model
     character(*), intent(in) :: folder
     logical, intent(in) :: restarted
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: time  !! not allocated in a new run: an absent argument below
     if (restarted) time = outputs%last_dump_time
-    allocate (outputs%fields(0))
-    if (allocated(scene%output%fields)) outputs%fields = scene%output%fields
-    if (any(outputs%fields == 'initial_position') .or. any(outputs%fields == 'displacement')) then
-      call gather_initial_positions(scene, model, outputs%initial, error)
-      if (allocated(error)) return
-    end if
-    if (scene%output%vtkhdf) then
-      call outputs%vtkhdf%open(folder//'/particles.vtkhdf', expected_dumps(scene), error, time)
-      if (allocated(error)) return
-    end if
     if (scene%output%vtu) call outputs%vtu%open(folder, 'particles', error, time)
     if (allocated(error)) return
     if (scene%output%tecplot) then
@@ -206,8 +222,19 @@ contains
     type(outputs_t), intent(inout) :: outputs
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
-    integer :: b
     outputs%last_row_step = model%clock%step
+    if (parallel_rank() == 0) call write_sums(outputs, model, error)
+    call parallel_agree(error)
+    if (allocated(error)) return
+    if (size(outputs%gauge_ids) > 0) call write_gauges(outputs, model, error)
+  end subroutine write_rows
+
+  !> Rows of what all ranks know.
+  subroutine write_sums(outputs, model, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    integer :: b
     associate (l => model%ledger)
       call outputs%history%write_row( &
         model%clock%step, [model%clock%time, model%clock%dt, l%kinetic, l%internal, &
@@ -221,9 +248,7 @@ contains
       if (allocated(error)) return
     end do
     call contact_rows_write(outputs%contact, model, error)
-    if (allocated(error)) return
-    if (size(outputs%gauge_ids) > 0) call write_gauges(outputs, model, error)
-  end subroutine write_rows
+  end subroutine write_sums
 
   !> One dump of the fields.
   subroutine dump(outputs, scene, model, error)
@@ -232,17 +257,24 @@ contains
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
     type(snapshot_t) :: snapshot
+    integer(i8) :: total
     outputs%dumps = outputs%dumps + 1
     outputs%last_dump_step = model%clock%step
     outputs%last_dump_time = model%clock%time
     if (.not. writes_dumps(scene)) return
-    call gather_snapshot(model, outputs%fields, outputs%initial, snapshot)
-    if (scene%output%vtkhdf) call outputs%vtkhdf%dump(snapshot, 0_i8, size(snapshot%id, kind=i8), &
-                                                      error)
-    if (allocated(error)) return
-    if (scene%output%vtu) call outputs%vtu%dump(snapshot, error)
-    if (allocated(error)) return
-    if (scene%output%tecplot) call outputs%tecplot%dump(snapshot, error)
+    call gather_whole(model, outputs%fields, outputs%initial, snapshot)
+    if (scene%output%vtkhdf) then
+      total = parallel_sum(size(snapshot%id, kind=i8))
+      call outputs%vtkhdf%dump(snapshot, merge(0_i8, total, parallel_rank() == 0), total, error)
+      if (allocated(error)) return
+    end if
+    if (parallel_rank() == 0) then
+      if (scene%output%vtu) call outputs%vtu%dump(snapshot, error)
+      if (scene%output%tecplot .and. .not. allocated(error)) then
+        call outputs%tecplot%dump(snapshot, error)
+      end if
+    end if
+    call parallel_agree(error)
   end subroutine dump
 
   subroutine write_csv(outputs, model, error)
@@ -250,8 +282,11 @@ contains
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
     type(snapshot_t) :: snapshot
-    call gather_snapshot(model, outputs%fields, outputs%initial, snapshot)
-    call csv_write(outputs%folder//'/particles_end.csv', snapshot, error)
+    call gather_whole(model, outputs%fields, outputs%initial, snapshot)
+    if (parallel_rank() == 0) then
+      call csv_write(outputs%folder//'/particles_end.csv', snapshot, error)
+    end if
+    call parallel_agree(error)
   end subroutine write_csv
 
   !> The particle nearest to each gauge at the start.
@@ -264,11 +299,16 @@ contains
     integer :: g, nearest
     allocate (outputs%gauge_ids(size(scene%gauges)))
     if (size(scene%gauges) == 0) return
-    call gather_snapshot(model, none, outputs%initial, snapshot)
-    do g = 1, size(scene%gauges)
-      nearest = minloc(distance2(snapshot%position, scene%gauges(g)%point, model%mesh%ndim), 1)
-      outputs%gauge_ids(g) = snapshot%id(nearest)
-    end do
+    call gather_whole(model, none, outputs%initial, snapshot)
+    if (parallel_rank() == 0) then
+      do g = 1, size(scene%gauges)
+        nearest = minloc(distance2(snapshot%position, scene%gauges(g)%point, model%mesh%ndim), 1)
+        outputs%gauge_ids(g) = snapshot%id(nearest)
+      end do
+    else
+      outputs%gauge_ids = 0
+    end if
+    outputs%gauge_ids = int(parallel_sum(int(outputs%gauge_ids, i8)))
   end subroutine find_gauges
 
   pure function distance2(position, point, ndim) result(d)
@@ -289,16 +329,17 @@ contains
     type(snapshot_t) :: snapshot
     real(dp), allocatable :: values(:)
     integer :: g, p, f
-    call gather_snapshot(model, gauge_fields(), outputs%initial, snapshot)
-    do g = 1, size(outputs%gauge_ids)
+    call gather_whole(model, gauge_fields(), outputs%initial, snapshot, outputs%gauge_ids)
+    do g = 1, merge(size(outputs%gauge_ids), 0, parallel_rank() == 0)
       p = findloc(snapshot%id, outputs%gauge_ids(g), 1)
       if (p == 0) cycle
       values = [(snapshot%fields(f)%values(1, p), f=1, size(snapshot%fields))]
       call outputs%gauges%write_row( &
         model%clock%step, [model%clock%time, real(g, dp), real(outputs%gauge_ids(g), dp), &
                            snapshot%position(:, p), snapshot%velocity(:, p), values], error)
-      if (allocated(error)) return
+      if (allocated(error)) exit
     end do
+    call parallel_agree(error)
   end subroutine write_gauges
 
   !> Makes all rows written so far safe on the disk, as far as a checkpoint counts on them.
@@ -321,11 +362,12 @@ contains
     call outputs_step(outputs, scene, model, .true., error)
     if (allocated(error)) return
     if (outputs%vtkhdf%has_room()) then
-      call gather_snapshot(model, outputs%fields, outputs%initial, snapshot)
+      call gather_whole(model, outputs%fields, outputs%initial, snapshot)
       call outputs%vtkhdf%trim(snapshot, error)
       if (allocated(error)) return
     end if
-    call outputs_stop(outputs, error)
+    if (parallel_rank() == 0) call outputs_stop(outputs, error)
+    call parallel_agree(error)
   end subroutine outputs_close
 
   !> Closes all files as they are, to be continued.

@@ -1,15 +1,19 @@
 !> The phases of a step over all fields and threads: who does which planes, in which order results
 !! are put together.
 module sgmp_phases
-  use sgmp_body, only: body_forced, body_number, body_place, body_t
+  use sgmp_body, only: body_forced, body_number, body_place
+  use sgmp_buffer, only: buffer_left, buffer_put, buffer_t, buffer_whole
   use sgmp_contact_phases, only: contact_detect, contact_layout, contact_trial, contact_velocity, &
                                  rigid_choose_speed, rigid_field, rigid_solve, rigid_velocity
+  use sgmp_energy, only: step_sums_t
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_build, field_forces, field_t
-  use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_halo, only: halo_own_planes, halo_planes, halo_read_sums, halo_write_sums
+  use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_mesh, only: stencil_width
   use sgmp_model, only: model_t
-  use sgmp_movers, only: movers_append, movers_t
+  use sgmp_movers, only: movers_append, movers_read, movers_t, movers_write
+  use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
   use sgmp_nodes_1d, only: nodes_remap_1d => nodes_remap, nodes_solve_1d => nodes_solve, &
                            nodes_normalise_1d => nodes_normalise, &
                            nodes_velocity_1d => nodes_velocity
@@ -20,8 +24,10 @@ module sgmp_phases
                            nodes_normalise_3d => nodes_normalise, nodes_sums, &
                            nodes_velocity_3d => nodes_velocity, sum_external, sum_ignored, &
                            node_sum_aa => sum_mass_aa, node_sum_av => sum_mass_av
+  use sgmp_parallel, only: parallel_agree, parallel_collect, parallel_max_place
+  use sgmp_particles, only: bin_coordinates
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
-                       sum_viscous, sweep_sums
+                       sum_viscous, sweep_sums, workspace_t
   use sgmp_rebinning, only: particles_rebin
   use sgmp_rows, only: rows_t, rows_union
   use sgmp_scene, only: lost_reflect, lost_remove, update_usf
@@ -31,12 +37,14 @@ module sgmp_phases
                            sweep_slab_2d => sweep_slab
   use sgmp_sweep_3d, only: sweep_add_movers_3d => sweep_add_movers, sweep_join_3d => sweep_join, &
                            sweep_slab_3d => sweep_slab
+  use sgmp_tally, only: tally_add, tally_reset, tally_total
   use sgmp_text, only: integer_text, real_text
+  use sgmp_timers, only: phase_halo, timers_move, wall_time
   use sgmp_walls, only: has_walls, walls_fold, walls_mirror
   implicit none
   private
   public :: phase_layout, phase_normalise, phase_sweep, phase_rebin_particles, phase_solve, &
-            phase_velocity, phase_remap, phase_mirror
+            phase_velocity, phase_remap, phase_mirror, phase_open_sums, phase_close_sums
 
   character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
 
@@ -75,13 +83,13 @@ contains
     integer, intent(in) :: f
     integer(i8), allocatable :: load(:)
     integer(i8) :: total, before
-    integer :: p, t, b, s, first, last, least, planes
-    planes = model%fields(f)%planes
-    allocate (load(planes), source=0_i8)
+    integer :: p, t, b, s, first, last, least, p1, p2
+    call halo_own_planes(model%fields(f), model%share, p1, p2)
+    allocate (load(p1:p2), source=0_i8)
     do b = 1, size(model%bodies)
       if (model%bodies(b)%field /= f) cycle
       associate (particles => model%bodies(b)%particles)
-        do p = 1, planes
+        do p = p1, p2
           do s = particles%plane_row(p), particles%plane_row(p + 1) - 1
             first = particles%bin_start(s) + particles%bins%first(s)
             last = particles%bin_start(s) + particles%bins%last(s)
@@ -92,13 +100,13 @@ contains
     end do
     least = stencil_width(model%fields(f)%kernel) - 1
     total = sum(load)
-    model%slabs(:, f) = planes + 1
-    model%slabs(1, f) = 1
+    model%slabs(:, f) = p2 + 1
+    model%slabs(1, f) = p1
     before = 0_i8
     t = 1
-    do p = 1, planes
+    do p = p1, p2
       if (t < model%threads .and. before*model%threads >= total*t .and. &
-          p - model%slabs(t, f) >= least .and. planes - p + 1 >= least) then
+          p - model%slabs(t, f) >= least .and. p2 - p + 1 >= least) then
         t = t + 1
         model%slabs(t, f) = p
       end if
@@ -128,32 +136,78 @@ contains
     real(dp), allocatable :: sums(:, :, :)
     type(plan_t) :: own
     integer :: t, b, p
+    logical :: alone
     own = plan
     call choose_columns(own, model%fields(f))
+    alone = model%share%ranks == 1
     allocate (sums(sweep_sums, model%fields(f)%planes, size(model%bodies)), source=0.0_dp)
     ! One region for both: each that is opened costs a meeting of the threads more.
     !$omp parallel num_threads(model%threads) if(model%threads > 1) &
-    !$omp& default(none) shared(model, own, f, sums) private(t)
+    !$omp& default(none) shared(model, own, f, sums, alone) private(t)
     !$omp do schedule(static, 1)
     do t = 1, model%threads
       call sweep_own_slab(model, own, f, t, sums)
     end do
     !$omp end do
     !$omp do schedule(static, 1)
-    do t = 1, model%threads
+    do t = merge(1, 2, alone), model%threads
       call join_own_slab(model, own, f, t)
     end do
     !$omp end do nowait
     !$omp end parallel
+    if (.not. alone) call join_ranks(model, own, f)
     do b = 1, size(model%bodies)
       if (model%bodies(b)%field /= f) cycle
-      do p = 2, model%fields(f)%planes
-        sums(:, 1, b) = sums(:, 1, b) + sums(:, p, b)
+      do p = model%slabs(1, f), model%slabs(model%threads + 1, f) - 1
+        call tally_add(model%tally, 1 + (b - 1)*sweep_sums, sums(:, p, b))
       end do
-      call book(model, plan, b, sums(:, 1, b))
     end do
     call collect_findings(model, plan, f)
   end subroutine sweep_field
+
+  !> Joins the own planes with those of the neighbours, as slabs of threads are joined.
+  subroutine join_ranks(model, plan, f)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: f
+    real(dp) :: since
+    integer :: t, last, p1, p2, columns(2)
+    logical :: complete
+    since = wall_time()
+    columns = [plan%first_column, plan%last_column]
+    last = 1
+    do t = 2, model%threads
+      if (model%slabs(t + 1, f) > model%slabs(t, f)) last = t
+    end do
+    associate (field => model%fields(f), work => model%workspaces(:, f), swap => model%swap)
+      call halo_write_sums(field, model%share, columns, work(1), work(last), swap%to_below, &
+                           swap%to_above)
+      call neighbours_send(swap, model%traffic)
+      call neighbours_receive(swap)
+      call halo_read_sums(field, model%share, columns, size(work(1)%planes, 1), swap%from_below, &
+                          swap%from_above, model%below(f), model%above(f), complete)
+      call neighbours_wait(swap)
+      if (.not. complete) call misplaced(model)
+      call halo_own_planes(field, model%share, p1, p2)
+      if (p2 >= p1) then
+        call join_slab(model, plan, f, p1, model%slabs(2, f) - 1, work(1), model%below(f))
+        if (p2 < field%planes) then
+          call join_slab(model, plan, f, p2 + 1, min(p2 + 2, field%planes), model%above(f), &
+                         work(last))
+        end if
+      end if
+    end associate
+    call timers_move(model%timers, phase_halo, since)
+  end subroutine join_ranks
+
+  !> A neighbour sent a value for a point that is not stored here.
+  subroutine misplaced(model)
+    type(model_t), intent(inout) :: model
+    if (allocated(model%failure)) return
+    call error_make(model%failure, exit_numerical, 'a rank has no place for what its neighbour '// &
+                    'sent in step '//integer_text(model%clock%step + 1), &
+                    'this is a fault of the program: report it')
+  end subroutine misplaced
 
   !> Columns of the moments that a sweep fills.
   pure subroutine choose_columns(plan, field)
@@ -201,53 +255,105 @@ contains
     p2 = model%slabs(t + 1, f) - 1
     if (p2 < p1) return
     if (t > 1) then
-      select case (model%mesh%ndim)
-      case (1)
-        call sweep_join_1d(model%fields(f), plan, p1, p2, model%workspaces(t, f), &
-                           model%workspaces(t - 1, f))
-      case (2)
-        call sweep_join_2d(model%fields(f), plan, p1, p2, model%workspaces(t, f), &
-                           model%workspaces(t - 1, f))
-      case default
-        call sweep_join_3d(model%fields(f), plan, p1, p2, model%workspaces(t, f), &
-                           model%workspaces(t - 1, f))
-      end select
+      call join_slab(model, plan, f, p1, p2, model%workspaces(t, f), model%workspaces(t - 1, f))
     else
-      select case (model%mesh%ndim)
-      case (1)
-        call sweep_join_1d(model%fields(f), plan, p1, p2, model%workspaces(t, f))
-      case (2)
-        call sweep_join_2d(model%fields(f), plan, p1, p2, model%workspaces(t, f))
-      case default
-        call sweep_join_3d(model%fields(f), plan, p1, p2, model%workspaces(t, f))
-      end select
+      call join_slab(model, plan, f, p1, p2, model%workspaces(t, f))
     end if
   end subroutine join_own_slab
 
-  !> Adds a body's sums to those of the step.
-  pure subroutine book(model, plan, b, sums)
+  !> Completes the first planes of a slab with what the slab below gave to them.
+  subroutine join_slab(model, plan, f, p1, p2, own, below)
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
+    integer, intent(in) :: f, p1, p2
+    type(workspace_t), intent(in) :: own
+    type(workspace_t), intent(in), optional :: below
+    select case (model%mesh%ndim)
+    case (1)
+      call sweep_join_1d(model%fields(f), plan, p1, p2, own, below)
+    case (2)
+      call sweep_join_2d(model%fields(f), plan, p1, p2, own, below)
+    case default
+      call sweep_join_3d(model%fields(f), plan, p1, p2, own, below)
+    end select
+  end subroutine join_slab
+
+  !> Forgets the sums of the step before.
+  subroutine phase_open_sums(model)
+    type(model_t), intent(inout) :: model
+    model%sums = step_sums_t()
+    call tally_reset(model%tally, size(model%bodies)*sweep_sums + nodes_sums)
+  end subroutine phase_open_sums
+
+  !> Puts together what the ranks have found in a step: sums, particles, the fastest of them, and
+  !! whether anything failed; with `book` the sums are those of a whole step.
+  subroutine phase_close_sums(model, book)
+    type(model_t), intent(inout) :: model
+    logical, intent(in) :: book
+    real(dp) :: totals(size(model%bodies)*sweep_sums + nodes_sums), since
+    integer(i8) :: counts(size(model%bodies) + 3)
+    integer :: b, n
+    since = wall_time()
+    n = size(model%bodies)
+    counts(:n) = int(model%bodies%particles%count, i8)
+    counts(n + 1) = int(model%lost_here, i8)
+    counts(n + 2) = merge(1_i8, 0_i8, allocated(model%failure))
+    counts(n + 3) = own_points(model)
+    call tally_total(model%tally, totals, counts)
+    call parallel_max_place(model%fastest, model%fastest_id, model%fastest_field)
+    if (counts(n + 2) > 0_i8) call parallel_agree(model%failure)
+    model%counts = counts(:n)
+    model%points = counts(n + 3)
+    model%lost = model%lost + int(counts(n + 1))
+    model%lost_here = 0
+    if (book) then
+      do b = 1, n
+        call book_body(model, b, totals((b - 1)*sweep_sums + 1:b*sweep_sums))
+      end do
+      call book_nodes(model, totals(n*sweep_sums + 1:))
+    end if
+    if (model%share%ranks > 1) call timers_move(model%timers, phase_halo, since)
+  end subroutine phase_close_sums
+
+  !> Grid points stored in the planes of this rank.
+  pure function own_points(model) result(points)
+    type(model_t), intent(in) :: model
+    integer(i8) :: points
+    integer :: f, p1, p2
+    points = 0_i8
+    do f = 1, size(model%fields)
+      call halo_own_planes(model%fields(f), model%share, p1, p2)
+      points = points + model%fields(f)%plane_start(p2 + 1) - model%fields(f)%plane_start(p1)
+    end do
+  end function own_points
+
+  !> Adds a body's sums to those of the step.
+  pure subroutine book_body(model, b, sums)
+    type(model_t), intent(inout) :: model
     integer, intent(in) :: b
     real(dp), intent(in) :: sums(sweep_sums)
-    if (model%bodies(b)%rigid) then
-      if (plan%drift) model%body_sums(b)%moment = sums(sum_moment:sum_moment + 2)
-      if (plan%kick) model%body_sums(b)%momentum = sums(sum_momentum:sum_momentum + 2)
-      if (plan%kick) model%body_sums(b)%kinetic = sums(sum_kinetic)
-      return  ! its energy and momentum belong to whoever moves it
-    end if
-    if (plan%kick) then
-      model%sums%kinetic = model%sums%kinetic + sums(sum_kinetic)
-      model%sums%particles_aa = model%sums%particles_aa + sums(sum_mass_aa)
-      model%sums%momentum = model%sums%momentum + sums(sum_momentum:sum_momentum + 2)
-      model%body_sums(b)%kinetic = sums(sum_kinetic)
-      model%body_sums(b)%momentum = sums(sum_momentum:sum_momentum + 2)
-    end if
-    if (plan%drift) model%body_sums(b)%moment = sums(sum_moment:sum_moment + 2)
+    if (model%bodies(b)%at_rest) return
+    model%body_sums(b)%moment = sums(sum_moment:sum_moment + 2)
+    model%body_sums(b)%momentum = sums(sum_momentum:sum_momentum + 2)
+    model%body_sums(b)%kinetic = sums(sum_kinetic)
+    if (model%bodies(b)%rigid) return  ! its energy and momentum belong to whoever moves it
     model%body_sums(b)%internal = model%body_sums(b)%internal + sums(sum_internal)
+    model%sums%kinetic = model%sums%kinetic + sums(sum_kinetic)
+    model%sums%particles_aa = model%sums%particles_aa + sums(sum_mass_aa)
+    model%sums%momentum = model%sums%momentum + sums(sum_momentum:sum_momentum + 2)
     model%sums%internal = model%sums%internal + sums(sum_internal)
     model%sums%viscous = model%sums%viscous + sums(sum_viscous)
-  end subroutine book
+  end subroutine book_body
+
+  !> Adds the nodes' sums.
+  pure subroutine book_nodes(model, sums)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: sums(nodes_sums)
+    model%sums%nodes_aa = model%sums%nodes_aa + sums(node_sum_aa)
+    model%sums%power_before = model%sums%power_before + sums(node_sum_av)
+    model%sums%external_power = model%sums%external_power + sums(sum_external)
+    model%sums%ignored_nodes = model%sums%ignored_nodes + sums(sum_ignored)
+  end subroutine book_nodes
 
   !> Puts the threads' findings together: the fastest particle, and the first one out of its senses.
   subroutine collect_findings(model, plan, f)
@@ -261,6 +367,7 @@ contains
         if (work%fastest > model%fastest) then
           model%fastest = work%fastest
           model%fastest_id = work%fastest_id
+          model%fastest_field = f
         end if
         if (work%bad_id > 0 .and. .not. allocated(model%failure)) then
           call error_make(model%failure, exit_numerical, 'particle '//integer_text(work%bad_id)// &
@@ -285,7 +392,11 @@ contains
     model%moved = 0
     if (plan%drift) then
       do b = 1, size(model%bodies)
-        call rebin_body(model, plan, b, new_bins)
+        call list_movers(model, plan, b)
+      end do
+      if (model%share%ranks > 1) call swap_movers(model)
+      do b = 1, size(model%bodies)
+        call rebin_body(model, b, new_bins)
         if (new_bins) changed(model%bodies(b)%field) = .true.
       end do
       if (any(changed)) call phase_layout(model, changed)
@@ -296,28 +407,114 @@ contains
     call fold(model, plan)
   end subroutine phase_rebin_particles
 
-  !> Moves the particles of one body; their list is left with the first thread.
-  subroutine rebin_body(model, plan, b, new_bins)
+  !> Puts the threads' movers of one body into the list of the first thread.
+  subroutine list_movers(model, plan, b)
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
     integer, intent(in) :: b
-    logical, intent(out) :: new_bins
     integer :: t
-    new_bins = .false.
     associate (work => model%workspaces(:, model%bodies(b)%field))
       do t = 2, model%threads
         if (allocated(work(t)%movers)) call movers_append(work(1)%movers(b), work(t)%movers(b))
       end do
-      associate (movers => work(1)%movers(b))
-        if (movers%n == 0) return
-        call guard_grid(model, b, plan, movers)
-        associate (particles => model%bodies(b)%particles)
-          call particles_rebin(particles, movers, model%mesh%lower - particles%shift, &
-                               model%mesh%upper + particles%shift, new_bins)
-        end associate
-        model%moved = model%moved + movers%n
-        model%lost = model%lost + count(movers%gone(:movers%n))
+      call guard_grid(model, b, plan, work(1)%movers(b))
+      model%moved = model%moved + work(1)%movers(b)%n
+    end associate
+  end subroutine list_movers
+
+  !> Tells the neighbours of the particles that have moved into their planes, or next to them.
+  !!
+  !! Where particles may cross more than a cell, every rank tells all others.
+  subroutine swap_movers(model)
+    type(model_t), intent(inout) :: model
+    type(buffer_t) :: all
+    real(dp) :: since
+    integer :: b, m, n, plane, bin(3)
+    logical :: far
+    since = wall_time()
+    far = model%clock%dt*model%fastest_before*model%mesh%inverse_h > 1.0_dp
+    do b = 1, size(model%bodies)
+      associate (movers => model%workspaces(1, model%bodies(b)%field)%movers(b), &
+                 particles => model%bodies(b)%particles, share => model%share)
+        do m = 1, movers%n
+          bin = bin_coordinates(movers%state(:, m), particles%shift, particles%ndim)
+          plane = bin(3)
+          if (far) then
+            call write_mover(b, movers, m, all)
+            cycle
+          end if
+          if (plane < share%own(1) + share%bins(2)) then
+            call write_mover(b, movers, m, model%swap%to_below)
+          end if
+          if (plane > share%own(2) - share%bins(1)) then
+            call write_mover(b, movers, m, model%swap%to_above)
+          end if
+          if (plane < share%own(1) - 1 .or. plane > share%own(2) + 1) then
+            call moved_too_far(model, b, movers%id(m))
+          end if
+        end do
       end associate
+    end do
+    if (far) then
+      if (.not. allocated(all%values)) allocate (all%values(0))
+      n = all%n
+      call parallel_collect(all%values(:n), model%swap%from_below%values)
+      model%swap%from_below%n = size(model%swap%from_below%values)
+      model%swap%from_below%read = 0
+      call read_movers(model, model%swap%from_below)
+    else
+      call neighbours_send(model%swap, model%traffic)
+      call neighbours_receive(model%swap)
+      call read_movers(model, model%swap%from_below)
+      call read_movers(model, model%swap%from_above)
+      call neighbours_wait(model%swap)
+    end if
+    call timers_move(model%timers, phase_halo, since)
+  end subroutine swap_movers
+
+  pure subroutine write_mover(b, movers, m, buffer)
+    integer, intent(in) :: b, m
+    type(movers_t), intent(in) :: movers
+    type(buffer_t), intent(inout) :: buffer
+    call buffer_put(buffer, [real(b, dp)])
+    call movers_write(movers, m, buffer)
+  end subroutine write_mover
+
+  subroutine read_movers(model, buffer)
+    type(model_t), intent(inout) :: model
+    type(buffer_t), intent(inout) :: buffer
+    integer :: b
+    do while (buffer_left(buffer))
+      call buffer_whole(buffer, b)
+      call movers_read(model%workspaces(1, model%bodies(b)%field)%movers(b), buffer)
+    end do
+  end subroutine read_movers
+
+  !> A particle has crossed more than a cell although the time step should not let it.
+  subroutine moved_too_far(model, b, id)
+    type(model_t), intent(inout) :: model
+    integer, intent(in) :: b
+    integer(i4), intent(in) :: id
+    if (allocated(model%failure)) return
+    call error_make(model%failure, exit_numerical, 'particle '//integer_text(id)//' of body '// &
+                    trim(model%bodies(b)%name)//' has crossed more than a cell in step '// &
+                    integer_text(model%clock%step + 1), &
+                    'reduce cfl or dt; see the last dump for where it is')
+  end subroutine moved_too_far
+
+  !> Moves the particles of one body; their list is left with the first thread.
+  subroutine rebin_body(model, b, new_bins)
+    type(model_t), intent(inout) :: model
+    integer, intent(in) :: b
+    logical, intent(out) :: new_bins
+    new_bins = .false.
+    associate (movers => model%workspaces(1, model%bodies(b)%field)%movers(b), &
+               particles => model%bodies(b)%particles)
+      if (movers%n == 0) return
+      call particles_rebin(particles, movers, model%mesh%lower - particles%shift, &
+                           model%mesh%upper + particles%shift, new_bins)
+      model%lost_here = model%lost_here + count(movers%gone(:movers%n) .and. &
+                                                movers%chunk(:movers%n) > 0)
     end associate
   end subroutine rebin_body
 
@@ -454,12 +651,13 @@ contains
   !> Volume-normalised stress at all centres, where the scene asks for it.
   subroutine phase_normalise(model)
     type(model_t), intent(inout) :: model
-    integer :: f, p
+    integer :: f, p, p1, p2
     if (.not. model%normalised) return
     do f = 1, size(model%fields)
+      call halo_planes(model%fields(f), model%share%own + [-1, model%share%nodes], p1, p2)
       !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
-      !$omp& default(none) shared(model, f) private(p)
-      do p = 1, model%fields(f)%planes
+      !$omp& default(none) shared(model, f, p1, p2) private(p)
+      do p = p1, p2
         select case (model%mesh%ndim)
         case (1)
           call nodes_normalise_1d(model%fields(f), model%mesh, p, model%interior)
@@ -473,12 +671,20 @@ contains
     end do
   end subroutine phase_normalise
 
+  !> Planes of nodes that this rank's particles read.
+  pure subroutine node_planes(model, f, p1, p2)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: f
+    integer, intent(out) :: p1, p2
+    call halo_planes(model%fields(f), model%share%own + [0, model%share%nodes], p1, p2)
+  end subroutine node_planes
+
   !> Momentum equation at all nodes (Eqs. 33, 34).
   subroutine phase_solve(model, dt)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt
     real(dp), allocatable :: sums(:, :)
-    integer :: f, p, b
+    integer :: f, p, b, p1, p2
     logical :: forced
     call rigid_choose_speed(model)
     do f = 1, size(model%fields)
@@ -489,9 +695,10 @@ contains
       end if
       allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)
       forced = body_forced(model%bodies, f)
+      call node_planes(model, f, p1, p2)
       !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
-      !$omp& default(none) shared(model, f, dt, forced, sums) private(p)
-      do p = 1, model%fields(f)%planes
+      !$omp& default(none) shared(model, f, dt, forced, sums, p1, p2) private(p)
+      do p = p1, p2
         select case (model%mesh%ndim)
         case (1)
           call nodes_solve_1d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, &
@@ -505,11 +712,9 @@ contains
         end select
       end do
       !$omp end parallel do
-      do p = 1, model%fields(f)%planes
-        model%sums%nodes_aa = model%sums%nodes_aa + sums(node_sum_aa, p)
-        model%sums%power_before = model%sums%power_before + sums(node_sum_av, p)
-        model%sums%external_power = model%sums%external_power + sums(sum_external, p)
-        model%sums%ignored_nodes = model%sums%ignored_nodes + sums(sum_ignored, p)
+      call halo_own_planes(model%fields(f), model%share, p1, p2)
+      do p = p1, p2
+        call tally_add(model%tally, 1 + size(model%bodies)*sweep_sums, sums(:, p))
       end do
       deallocate (sums)
     end do
@@ -521,16 +726,17 @@ contains
   !> Nodal velocity before the stress update (USF).
   subroutine phase_velocity(model)
     type(model_t), intent(inout) :: model
-    integer :: f, p, b
+    integer :: f, p, b, p1, p2
     do f = 1, size(model%fields)
       b = rigid_field(model, f)
       if (b > 0) then
         call rigid_velocity(model, f, b, model%mesh%ndim + 1)
         cycle
       end if
+      call node_planes(model, f, p1, p2)
       !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
-      !$omp& default(none) shared(model, f) private(p)
-      do p = 1, model%fields(f)%planes
+      !$omp& default(none) shared(model, f, p1, p2) private(p)
+      do p = p1, p2
         select case (model%mesh%ndim)
         case (1)
           call nodes_velocity_1d(model%fields(f), model%mesh, p, model%cutoff)
@@ -550,16 +756,17 @@ contains
   !> Nodal velocity re-mapped from the updated particles (MUSL).
   subroutine phase_remap(model)
     type(model_t), intent(inout) :: model
-    integer :: f, p, b
+    integer :: f, p, b, p1, p2
     do f = 1, size(model%fields)
       b = rigid_field(model, f)
       if (b > 0) then
         call rigid_velocity(model, f, b, 1)
         cycle
       end if
+      call node_planes(model, f, p1, p2)
       !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
-      !$omp& default(none) shared(model, f) private(p)
-      do p = 1, model%fields(f)%planes
+      !$omp& default(none) shared(model, f, p1, p2) private(p)
+      do p = p1, p2
         select case (model%mesh%ndim)
         case (1)
           call nodes_remap_1d(model%fields(f), model%mesh, p)

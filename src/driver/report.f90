@@ -7,18 +7,19 @@ module sgmp_report
   use sgmp_gathering, only: gather_checksum
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
+  use sgmp_parallel, only: parallel_agree, parallel_collect, parallel_ranks, parallel_sum
   use sgmp_process, only: peak_memory_bytes
   use sgmp_run_log, only: level_normal, level_quiet, level_verbose, log_row_t, log_t
   use sgmp_scene, only: method_names, scene_t, update_names
   use sgmp_summary, only: summary_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: limit_courant, limit_names
-  use sgmp_timers, only: phase_count, phase_names
+  use sgmp_timers, only: phase_count, phase_halo, phase_names
   use sgmp_version, only: commit_hash, compiler_string, version_string
   implicit none
   private
-  public :: effort_t, report_banner, report_courant, report_end, report_fraction, report_level, &
-            report_remaining, report_row, report_start, summary_write
+  public :: effort_t, effort_share, report_banner, report_courant, report_end, report_fraction, &
+            report_level, report_remaining, report_row, report_start, summary_write
 
   !> What a run has cost.
   type :: effort_t
@@ -28,9 +29,32 @@ module sgmp_report
     integer(i8) :: particle_steps = 0_i8   !! sum of the particles over the steps
     integer(i8) :: earlier_particle_steps = 0_i8  !! the same, before the restart
     character(:), allocatable :: restart   !! checkpoint that the run went on from, or ''
+    integer(i8) :: memory = 0_i8           !! peak of all ranks together (bytes)
+    ! seconds in each phase: least, mean and most of all ranks
+    real(dp) :: least(phase_count) = 0.0_dp
+    real(dp) :: mean(phase_count) = 0.0_dp, most(phase_count) = 0.0_dp
+    real(dp) :: messages = 0.0_dp, bytes = 0.0_dp  !! between neighbours, of the rank that sent most
   end type effort_t
 
 contains
+
+  !> Puts the ranks' efforts together.
+  subroutine effort_share(effort, model)
+    type(effort_t), intent(inout) :: effort
+    type(model_t), intent(in) :: model
+    real(dp), allocatable :: own(:), others(:), all(:, :)
+    integer(i8) :: memory
+    memory = peak_memory_bytes()
+    effort%memory = parallel_sum(memory)
+    own = [model%timers%seconds, real(model%traffic%messages, dp), real(model%traffic%bytes, dp)]
+    call parallel_collect(own, others)
+    all = reshape([own, others], [size(own), model%share%ranks])
+    effort%least = minval(all(:phase_count, :), dim=2)
+    effort%mean = sum(all(:phase_count, :), dim=2)/model%share%ranks
+    effort%most = maxval(all(:phase_count, :), dim=2)
+    effort%messages = maxval(all(phase_count + 1, :))
+    effort%bytes = maxval(all(phase_count + 2, :))
+  end subroutine effort_share
 
   !> How much the log shows on the terminal.
   pure function report_level(options) result(level)
@@ -47,7 +71,9 @@ contains
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: threads
     call log%line('sgmp '//version_string//' ('//commit_hash//'), '//compiler_string// &
-                  ', 1 rank x '//integer_text(threads)//' threads')
+                  ', '//integer_text(parallel_ranks())//' '// &
+                  trim(merge('rank ', 'ranks', parallel_ranks() == 1))//' x '// &
+                  integer_text(threads)//' threads')
     call log%line('deck '//scene%file//': '//scene%title)
     if (allocated(scene%resolved)) call log%line(scene%resolved, level_verbose)
   end subroutine report_banner
@@ -60,8 +86,11 @@ contains
     call log%line(integer_text(scene%dimension)//'D, '// &
                   trim(method_names(scene%method%kind))//'-'// &
                   trim(update_names(scene%method%update))//', '// &
-                  integer_text(sum(model%bodies%particles%count))//' particles, '// &
-                  integer_text(sum(model%fields%points))//' grid points')
+                  integer_text(sum(model%counts))//' particles, '// &
+                  integer_text(model%points)//' grid points')
+    if (model%share%ranks > 1 .and. .not. model%share%divisible) then
+      call log%warning('a scene in 1D is not divided: the first rank does all the work')
+    end if
   end subroutine report_start
 
   !> The Courant number that the program has found.
@@ -111,7 +140,7 @@ contains
     row%total = ledger_total(model%ledger)
     row%drift = (row%total - model%ledger%initial_total - model%ledger%external_work) &
                 /max(abs(model%ledger%initial_total), abs(row%total), tiny(1.0_dp))
-    row%active_cells = sum(int(model%fields%points, i8))
+    row%active_cells = model%points
     row%lost = int(model%lost, i8)
     row%fraction = report_fraction(scene, model)
     row%eta = report_remaining(scene, model, elapsed, before)
@@ -123,11 +152,15 @@ contains
     type(model_t), intent(in) :: model
     type(effort_t), intent(in) :: effort
     type(error_t), allocatable, intent(in) :: error  !! what ended the run early
-    call log%phase_table(phase_names, model%timers%seconds, model%timers%seconds, &
-                         model%timers%seconds, effort%wall)
+    call log%phase_table(phase_names, effort%least, effort%mean, effort%most, effort%wall)
     call log%line(integer_text(model%clock%step)//' steps, '//real_text(cost(effort))// &
                   ' ns per particle-step, '//real_text(effort%solving)//' s solving, '// &
-                  real_text(real(peak_memory_bytes(), dp)/1048576.0_dp)//' MiB peak')
+                  real_text(real(effort%memory, dp)/1048576.0_dp)//' MiB peak')
+    if (model%share%ranks > 1) then
+      call log%line('halo: '//real_text(effort%messages/max(model%clock%step, 1))// &
+                    ' messages and '//real_text(effort%bytes/max(model%clock%step, 1))// &
+                    ' bytes per step from the rank that sends most')
+    end if
     if (model%lost > 0) then
       call log%warning(integer_text(model%lost)//' particles left the grid and were removed')
     end if
@@ -179,7 +212,8 @@ contains
     call summarise_effort(summary, model, effort)
     call summary%set('checksum', checksum_text(gather_checksum(model)))
     call summarise_energy(summary, model)
-    call summary%write(path, problem)
+    if (model%share%rank == 0) call summary%write(path, problem)
+    call parallel_agree(problem)
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
   end subroutine summary_write
 
@@ -199,9 +233,9 @@ contains
     call summary%set('cfl_limit', model%clock%limit)
     call summary%set('h', scene%grid%cell)
     call summary%set('spacing', model%bodies(1)%spacing)
-    call summary%set('particles', sum(model%bodies%particles%count))
+    call summary%set('particles', sum(model%counts))
     call summary%set('particles_lost', model%lost)
-    call summary%set('grid_points', sum(model%fields%points))
+    call summary%set('grid_points', model%points)
     call summary%set('units.length', trim(scene%units(1)))
     call summary%set('units.mass', trim(scene%units(2)))
     call summary%set('units.time', trim(scene%units(3)))
@@ -221,16 +255,21 @@ contains
     call summary%set('wall_seconds', effort%wall)
     call summary%set('solve_seconds', effort%solving)
     call summary%set('ns_per_particle_step', cost(effort))
-    call summary%set('ranks', 1)
+    call summary%set('ranks', model%share%ranks)
     call summary%set('threads', effort%threads)
-    call summary%set('peak_memory_bytes', peak_memory_bytes())
-    total = max(sum(model%timers%seconds), tiny(total))
+    call summary%set('peak_memory_bytes', effort%memory)
+    total = max(sum(effort%mean), tiny(total))
     do k = 1, phase_count
-      call summary%set('phase_seconds.'//trim(phase_names(k)), model%timers%seconds(k))
+      call summary%set('phase_seconds.'//trim(phase_names(k)), effort%mean(k))
     end do
     do k = 1, phase_count
-      call summary%set('phase_percent.'//trim(phase_names(k)), 100.0_dp*model%timers%seconds(k)/total)
+      call summary%set('phase_percent.'//trim(phase_names(k)), 100.0_dp*effort%mean(k)/total)
     end do
+    if (model%share%ranks == 1) return
+    call summary%set('halo.share', effort%mean(phase_halo)/max(effort%solving, tiny(1.0_dp)))
+    call summary%set('halo.messages_per_step', effort%messages/max(model%clock%step, 1))
+    call summary%set('halo.bytes_per_step', effort%bytes/max(model%clock%step, 1))
+    call summary%set('halo.seconds_per_step', effort%mean(phase_halo)/max(model%clock%step, 1))
   end subroutine summarise_effort
 
   !> The energy ledger at the end.

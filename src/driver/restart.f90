@@ -13,7 +13,7 @@ module sgmp_restart
   use sgmp_outputs, only: outputs_t
   use sgmp_parallel, only: parallel_agree
   use sgmp_particles, only: particles_lay_out, particles_pad, particles_t
-  use sgmp_phases, only: phase_layout
+  use sgmp_phases, only: phase_close_sums, phase_layout, phase_open_sums
   use sgmp_posix, only: file_number
   use sgmp_record, only: record_t
   use sgmp_rows, only: rows_contains, rows_points, rows_t
@@ -163,8 +163,13 @@ contains
       if (.not. (fits .and. file%good())) exit
       call get_field(file, '/field_'//integer_text(f), model%fields(f), fits)
     end do
-    if (.not. fits) call error_make(error, exit_io, "cannot read '"//path// &
-                                    "': it does not fit the model of this deck")
+    if (.not. fits) then
+      call error_make(error, exit_io, "cannot read '"//path//"': it does not fit the model of "// &
+                      'this deck')
+      return
+    end if
+    call phase_open_sums(model)
+    call phase_close_sums(model, .false.)
   end subroutine take_state
 
   subroutine get_record(file, record)

@@ -13,8 +13,10 @@ module sgmp_simulation
   use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_close, outputs_flush, outputs_next_time, outputs_open, &
                           outputs_step, outputs_stop, outputs_t
-  use sgmp_report, only: effort_t, report_banner, report_courant, report_end, report_fraction, &
-                         report_level, report_remaining, report_row, report_start, summary_write
+  use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_ranks
+  use sgmp_report, only: effort_share, effort_t, report_banner, report_courant, report_end, &
+                         report_fraction, report_level, report_remaining, report_row, &
+                         report_start, summary_write
   use sgmp_restart, only: restart_find, restart_read
   use sgmp_run_log, only: log_t
   use sgmp_scene, only: scene_t
@@ -38,9 +40,10 @@ contains
     type(model_t), allocatable :: model
     allocate (model)
     call model_build(scene, threads, model, error)
+    call parallel_agree(error)
     if (allocated(error)) return
     call stability_choose(model)
-    call bill_write(scene, model)
+    if (model%share%rank == 0) call bill_write(scene, model)
   end subroutine simulation_check
 
   !> Runs a scene from its initial state, or a checkpoint, to its end.
@@ -60,12 +63,11 @@ contains
     started = wall_time()
     effort%threads = threads
     allocate (model, outputs)
-    call directory_make(folder, error)
-    if (allocated(error)) return
-    call log%open(folder//'/run.log', report_level(options), error, options%restart /= '')
+    call open_log(log, folder, options, error)
     if (allocated(error)) return
     call report_banner(log, scene, threads)
     call begin(scene, options, threads, folder, log, model, outputs, effort, error)
+    call parallel_agree(error)
     if (allocated(error)) return
     call report_start(log, scene, model)
     call stopping%start(started, options%time_limit, scene%checkpoint, folder, &
@@ -76,7 +78,8 @@ contains
     effort%solving = wall_time() - solving - model%timers%seconds(phase_output)
     if (allocated(error)) then
       if (any(error%code == [exit_stopped, exit_io])) then
-        call outputs_stop(outputs, problem)
+        if (parallel_rank() == 0) call outputs_stop(outputs, problem)
+        call parallel_agree(problem)
       else
         call outputs_close(outputs, scene, model, problem)
       end if
@@ -85,11 +88,27 @@ contains
     end if
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
     effort%wall = wall_time() - started
+    call effort_share(effort, model)
     call report_end(log, model, effort, error)
     call summary_write(scene, model, effort, folder//'/summary.json', error)
     call log%close(problem)
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
   end subroutine simulation_run
+
+  !> Makes the folder and the log in it, on the first rank.
+  subroutine open_log(log, folder, options, error)
+    type(log_t), intent(inout) :: log
+    character(*), intent(in) :: folder
+    type(command_line_t), intent(in) :: options
+    type(error_t), allocatable, intent(out) :: error
+    if (parallel_rank() == 0) then
+      call directory_make(folder, error)
+      if (.not. allocated(error)) then
+        call log%open(folder//'/run.log', report_level(options), error, options%restart /= '')
+      end if
+    end if
+    call parallel_agree(error)
+  end subroutine open_log
 
   !> The model and the files as they are at the start: new, or from the checkpoint asked for.
   subroutine begin(scene, options, threads, folder, log, model, outputs, effort, error)
@@ -106,6 +125,8 @@ contains
     started = wall_time()
     effort%restart = ''
     if (options%restart /= '') then
+      call one_rank_only('a restart', error)
+      if (allocated(error)) return
       call restart_find(options%restart, folder, log, effort%restart, error)
       if (allocated(error)) return
       if (effort%restart == '') call log%warning("no checkpoint in '"//folder// &
@@ -113,6 +134,7 @@ contains
     end if
     if (effort%restart == '') then
       call model_build(scene, threads, model, error)
+      call parallel_agree(error)
       if (.not. allocated(error)) call checkpoint_set_aside(folder, -1_i8, error)
     else
       call restart_read(effort%restart, scene, threads, model, outputs, &
@@ -126,6 +148,15 @@ contains
     if (allocated(error)) return
     call outputs_open(outputs, scene, model, folder, error, effort%restart /= '')
   end subroutine begin
+
+  !> Refuses what is not yet written for several ranks.
+  subroutine one_rank_only(what, error)
+    character(*), intent(in) :: what
+    type(error_t), allocatable, intent(out) :: error
+    if (parallel_ranks() == 1) return
+    call error_make(error, exit_io, what//' works on one rank only so far', &
+                    'run on one rank, with as many threads as there are cores')
+  end subroutine one_rank_only
 
   !> Steps until the end, a stop condition, a stop that was asked for, or a failure.
   subroutine time_loop(scene, model, outputs, log, stopping, effort, error)
@@ -154,7 +185,7 @@ contains
       end if
       call step_take(model)
       call clock_advance(model%clock, target)
-      effort%particle_steps = effort%particle_steps + sum(int(model%bodies%particles%count, i8))
+      effort%particle_steps = effort%particle_steps + sum(model%counts)
       call guard(scene, model)
       if (allocated(model%failure)) then
         call move_alloc(model%failure, error)
@@ -201,6 +232,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer(i8) :: particle_steps
     real(dp) :: started
+    call one_rank_only('a checkpoint', error)
+    if (allocated(error)) return
     started = wall_time()
     particle_steps = effort%earlier_particle_steps + effort%particle_steps
     call outputs_flush(outputs, error)
@@ -224,7 +257,7 @@ contains
     if (model%clock%step > 0 .and. scene%stop%kinetic_below > 0.0_dp) then
       yes = yes .or. model%ledger%kinetic < scene%stop%kinetic_below*model%ledger%largest_kinetic
     end if
-    yes = yes .or. sum(model%bodies%particles%count) == 0
+    yes = yes .or. sum(model%counts) == 0_i8
   end function finished
 
   !> Energy growth beyond the deck's limit, or beyond all sense, is a failure.

@@ -14,6 +14,7 @@
 module sgmp_stability
   use sgmp_contact_phases, only: rigid_field
   use sgmp_field, only: field_t
+  use sgmp_halo, only: halo_own_planes, halo_planes
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_nodes_1d, only: nodes_remap_1d => nodes_remap, nodes_solve_1d => nodes_solve, &
@@ -105,7 +106,8 @@ contains
                          (model%mesh%h*sqrt(largest_eigenvalue(alpha(:n), beta(2:n))))
   end function stability_limit
 
-  !> From the acceleration a of `now`: the next vector A now - alpha now - beta before, in the nodes.
+  !> From the acceleration a of `now`: the next vector A now - alpha now - beta before, in the
+  !! nodes.
   subroutine step_lanczos(model, smoothing, now, before, beta, part, alpha)
     type(model_t), intent(inout) :: model
     logical, intent(in) :: smoothing
@@ -130,14 +132,16 @@ contains
   !! axis, of the node's place alone.
   subroutine start(model)
     type(model_t), intent(inout) :: model
-    integer :: f, s, i, d, n
+    integer :: f, s, i, d, n, p1, p2
     integer(i8) :: hash
     n = model%mesh%ndim
     do f = 1, size(model%fields)
       associate (field => model%fields(f))
         field%node = 0.0_dp
         if (rigid_field(model, f) > 0) cycle
-        do s = 1, field%work%n
+        call halo_planes(field, model%share%own + [0, model%share%nodes], p1, p2)
+        if (p2 < p1) cycle
+        do s = field%plane_work(p1), field%plane_work(p2 + 1) - 1
           do i = field%work%first(s), field%work%last(s)
             do d = 1, n
               hash = i*73856093_i8 + key_j(field%work%key(s))*19349663_i8 + &
@@ -157,7 +161,7 @@ contains
     type(model_t), intent(inout) :: model
     type(plan_t) :: plan
     real(dp) :: sums(nodes_sums)
-    integer :: f, p
+    integer :: f, p, p1, p2
     call phase_mirror(model, [1])
     plan%probe = .true.
     plan%stress = .true.
@@ -168,7 +172,8 @@ contains
     call phase_normalise(model)
     do f = 1, size(model%fields)
       if (rigid_field(model, f) > 0) cycle
-      do p = 1, model%fields(f)%planes
+      call halo_planes(model%fields(f), model%share%own + [0, model%share%nodes], p1, p2)
+      do p = p1, p2
         select case (model%mesh%ndim)
         case (1)
           call nodes_solve_1d(model%fields(f), model%mesh, p, 0.0_dp, [0.0_dp, 0.0_dp, 0.0_dp], &
@@ -188,7 +193,7 @@ contains
   subroutine smooth(model)
     type(model_t), intent(inout) :: model
     type(plan_t) :: plan
-    integer :: f, p
+    integer :: f, p, p1, p2
     call phase_mirror(model, [1])
     plan%probe = .true.
     plan%momentum = .true.
@@ -197,7 +202,8 @@ contains
     call phase_rebin_particles(model, plan)
     do f = 1, size(model%fields)
       if (rigid_field(model, f) > 0) cycle
-      do p = 1, model%fields(f)%planes
+      call halo_planes(model%fields(f), model%share%own + [0, model%share%nodes], p1, p2)
+      do p = p1, p2
         select case (model%mesh%ndim)
         case (1)
           call nodes_remap_1d(model%fields(f), model%mesh, p)
@@ -217,14 +223,15 @@ contains
     real(dp) :: product
     real(dp), allocatable :: terms(:, :)
     real(dp) :: total(1)
-    integer :: f, p, s, i, n, place
+    integer :: f, p, p1, p2, s, i, n, place
     n = model%mesh%ndim
     product = 0.0_dp
     do f = 1, size(model%fields)
       if (rigid_field(model, f) > 0) cycle
       associate (field => model%fields(f))
-        allocate (terms(1, field%planes), source=0.0_dp)
-        do p = 1, field%planes
+        call halo_own_planes(field, model%share, p1, p2)
+        allocate (terms(1, p1:max(p2, p1)), source=0.0_dp)
+        do p = p1, p2
           do s = field%plane_work(p), field%plane_work(p + 1) - 1
             do i = field%work%first(s), field%work%last(s)
               place = field%neighbour(0, 0, s) + i

@@ -4,11 +4,12 @@
 !! A sweep ends with the projection of the new state, so the first half of step k+1 has been done
 !! when step k ends.
 module sgmp_step
-  use sgmp_energy, only: ledger_step, step_sums_t
+  use sgmp_energy, only: ledger_step
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
-  use sgmp_phases, only: phase_normalise, phase_rebin_particles, phase_remap, phase_solve, &
-                         phase_sweep, phase_velocity
+  use sgmp_phases, only: phase_close_sums, phase_normalise, phase_open_sums, &
+                         phase_rebin_particles, phase_remap, phase_solve, phase_sweep, &
+                         phase_velocity
   use sgmp_plan, only: plan_t
   use sgmp_scene, only: update_musl, update_usavg, update_usf
   use sgmp_time_step, only: clock_kick_step
@@ -29,7 +30,9 @@ contains
     plan%stress = model%update /= update_usf
     plan%dt_strain = tiny(1.0_dp)**0.25_dp
     allocate (plan%vectors(0))
+    call phase_open_sums(model)
     call sweep_and_rebin(model, plan, phase_drift)
+    call phase_close_sums(model, .false.)
   end subroutine step_start
 
   !> Advances the model by clock%dt.
@@ -39,7 +42,8 @@ contains
     integer :: known
     known = model%lost
     dt_kick = clock_kick_step(model%clock)
-    model%sums = step_sums_t()
+    model%fastest_before = model%fastest
+    call phase_open_sums(model)
     select case (model%update)
     case (update_musl)
       call step_musl(model, dt_kick)
@@ -50,6 +54,7 @@ contains
     case default  ! update_usl
       call step_usl(model, dt_kick)
     end select
+    call phase_close_sums(model, .true.)
     call ledger_step(model%ledger, model%sums, dt_kick, &
                      exact=model%flip >= 1.0_dp .and. known == model%lost_before)
     model%lost_before = known

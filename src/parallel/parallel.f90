@@ -4,12 +4,13 @@
 !! never starts MPI, such as a unit test, is a run of one rank, for which every procedure returns at
 !! once.
 module sgmp_parallel
-  use mpi_f08, only: mpi_allreduce, mpi_alltoall, mpi_alltoallv, mpi_bcast, mpi_character, mpi_comm, &
-                     mpi_comm_rank, mpi_comm_size, mpi_comm_world, mpi_datatype, &
-                     mpi_double_precision, mpi_exscan, mpi_finalize, mpi_in_place, &
-                     mpi_init_thread, mpi_integer, mpi_integer4, mpi_integer8, mpi_logical, &
-                     mpi_lor, mpi_max, mpi_maxloc, mpi_min, mpi_sum, mpi_thread_funneled, &
-                     mpi_2double_precision, mpi_type_commit, mpi_type_contiguous, mpi_type_free
+  use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_alltoall, mpi_alltoallv, &
+                     mpi_bcast, mpi_character, mpi_comm, mpi_comm_rank, mpi_comm_size, &
+                     mpi_comm_world, mpi_datatype, mpi_double_precision, mpi_exscan, &
+                     mpi_finalize, mpi_in_place, mpi_init_thread, mpi_integer, mpi_integer8, &
+                     mpi_logical, mpi_lor, mpi_max, mpi_maxloc, mpi_min, mpi_sum, &
+                     mpi_thread_funneled, mpi_2double_precision, mpi_type_commit, &
+                     mpi_type_contiguous, mpi_type_free
   use sgmp_errors, only: error_t
   use sgmp_exact_sum, only: exact_add, exact_digits, exact_total
   use sgmp_kinds, only: dp, i4, i8
@@ -18,7 +19,9 @@ module sgmp_parallel
   public :: parallel_start, parallel_end, parallel_attach
   public :: parallel_rank, parallel_ranks, parallel_communicator
   public :: parallel_any, parallel_sum, parallel_min, parallel_max, parallel_max_place
-  public :: parallel_exact_sums, parallel_scan, parallel_agree, parallel_deal
+  public :: parallel_exact_sums, parallel_scan, parallel_agree, parallel_deal, parallel_collect
+
+  real(dp), parameter :: place_stride = 2.0_dp**31
 
   type(mpi_comm) :: communicator
   integer :: own_rank = 0, all_ranks = 1
@@ -117,15 +120,14 @@ contains
   subroutine parallel_max_place(value, place, order)
     real(dp), intent(inout) :: value
     integer(i4), intent(inout) :: place      !! goes along with the value, e.g. a particle's id
-    integer, intent(in) :: order
+    integer, intent(in) :: order             !! >= 0, times the ranks below 2^21
     real(dp) :: own(2), best(2)
-    integer :: winner
     if (all_ranks == 1) return
-    own = [value, real(order, dp)*all_ranks + own_rank]
+    ! Order, rank and place in one number: whole numbers up to 2^53 are exact.
+    own = [value, (real(order, dp)*all_ranks + own_rank)*place_stride + place]
     call mpi_allreduce(own, best, 1, mpi_2double_precision, mpi_maxloc, communicator)
-    winner = mod(nint(best(2)), all_ranks)
     value = best(1)
-    call mpi_bcast(place, 1, mpi_integer4, winner, communicator)
+    place = int(mod(best(2), place_stride), i4)
   end subroutine parallel_max_place
 
   !> Sums over all columns of all ranks with one rounding, so that they do not depend on the order
@@ -220,6 +222,22 @@ contains
                        offsets(theirs), column, communicator)
     call mpi_type_free(column)
   end subroutine parallel_deal
+
+  !> The values of all other ranks, one rank after the other.
+  subroutine parallel_collect(values, others)
+    real(dp), intent(in) :: values(:)
+    real(dp), allocatable, intent(out) :: others(:)
+    integer :: counts(0:all_ranks - 1)
+    if (all_ranks == 1) then
+      allocate (others(0))
+      return
+    end if
+    call mpi_allgather(size(values), 1, mpi_integer, counts, 1, mpi_integer, communicator)
+    allocate (others(sum(counts)))
+    call mpi_allgatherv(values, size(values), mpi_double_precision, others, counts, &
+                        offsets(counts), mpi_double_precision, communicator)
+    others = [others(:sum(counts(:own_rank - 1))), others(sum(counts(:own_rank)) + 1:)]
+  end subroutine parallel_collect
 
   !> Sums of the counts before each.
   pure function offsets(counts) result(before)

@@ -3,17 +3,19 @@
 !! The sweep copies a mover's state while its chunk is in the cache. Lists keep the order of the
 !! sweep, in which movers from one bin follow each other; `order` sorts them by id.
 module sgmp_movers
+  use sgmp_buffer, only: buffer_get, buffer_put, buffer_t, buffer_whole
   use sgmp_kinds, only: dp, i4, i8
   use sgmp_sorting, only: sort_order
   implicit none
   private
-  public :: movers_t, movers_add, movers_append, movers_reset, movers_sort
+  public :: movers_t, movers_add, movers_append, movers_reset, movers_sort, &
+            movers_read, movers_write
 
   !> A list of movers.
   type :: movers_t
     integer :: n = 0
     integer(i4), allocatable :: id(:)
-    integer, allocatable :: chunk(:), lane(:)  !! where they were
+    integer, allocatable :: chunk(:), lane(:)  !! where they were; 0: on another rank
     integer, allocatable :: row(:), bin(:)  !! interval of bins and bin: in the sweep those they
                                             !! left, after re-binning those they are in
     logical, allocatable :: gone(:)         !! outside the grid, removed
@@ -103,6 +105,25 @@ contains
     to%state(:, before + 1:before + n) = from%state(:, :n)
     to%values(:, before + 1:before + n) = from%values(:, :n)
   end subroutine copy_list
+
+  !> Appends a mover to a message.
+  pure subroutine movers_write(movers, m, buffer)
+    type(movers_t), intent(in) :: movers
+    integer, intent(in) :: m
+    type(buffer_t), intent(inout) :: buffer
+    call buffer_put(buffer, [real(movers%id(m), dp), movers%state(:, m), movers%values(:, m)])
+  end subroutine movers_write
+
+  !> Reads a mover from a message; it comes from no chunk of this rank.
+  pure subroutine movers_read(movers, buffer)
+    type(movers_t), intent(inout) :: movers
+    type(buffer_t), intent(inout) :: buffer
+    integer :: id
+    call buffer_whole(buffer, id)
+    call movers_add(movers, int(id, i4), 0, 0, 1, 0)
+    call buffer_get(buffer, movers%state(:, movers%n))
+    call buffer_get(buffer, movers%values(:, movers%n))
+  end subroutine movers_read
 
   !> Finds the order of the ids.
   pure subroutine movers_sort(movers)

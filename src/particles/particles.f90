@@ -7,6 +7,7 @@
 module sgmp_particles
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_large_pages, only: large_pages_ask
+  use sgmp_mesh, only: mesh_coordinate
   use sgmp_rows, only: row_key, rows_contains, rows_from_points, rows_t
   use sgmp_sorting, only: sort_order
   implicit none
@@ -14,6 +15,17 @@ module sgmp_particles
   public :: particles_t, particles_fill, particles_bytes, particles_bin_of, &
     particles_lay_out, particles_number_bins, particles_pad, bin_coordinates
   public :: chunk_take, chunk_free, chunk_pad
+  public :: far_plane, slab_t, slab_plane, slab_holds
+
+  integer, parameter :: far_plane = huge(1)/4       !! no plane has a number as large as this
+
+  !> A range of planes of bins along the slowest axis, and how positions are sorted into them.
+  type :: slab_t
+    integer :: axis = 0                             !! the slowest axis; 0 in 1D: all in plane 0
+    real(dp) :: origin = 0.0_dp, h = 1.0_dp         !! of the grid (length)
+    real(dp) :: shift = 0.5_dp                      !! see particles_t
+    integer :: own(2) = [-far_plane, far_plane]     !! first and last plane
+  end type slab_t
 
   !> Chunks and bins of a body.
   type :: particles_t
@@ -24,6 +36,9 @@ module sgmp_particles
     integer :: chunks = 0                           !! chunks in use or on the free list
     integer :: free_chunk = 0                       !! head of the free list
     real(dp) :: shift = 0.5_dp                      !! bin of X is floor(X - shift)
+    integer :: own(2) = [-far_plane, far_plane]     !! planes whose particles are held here
+    integer :: held(2) = [-far_plane, far_plane]
+      !! planes with bins; those outside `own` stand for other ranks' and are empty
     real(dp), allocatable :: a(:, :, :)  !! (lanes, na, chunk); X in cells from the grid origin
     real(dp), allocatable :: b(:, :, :)             !! (lanes, nb, chunk)
     integer(i4), allocatable :: id(:, :)            !! (lanes, chunk); 0 in pads
@@ -53,6 +68,27 @@ contains
     if (ndim == 3) bin(2:3) = floor(x(2:3) - shift)
   end function bin_coordinates
 
+  !> Plane of bins of a position.
+  pure function slab_plane(slab, point) result(plane)
+    type(slab_t), intent(in) :: slab
+    real(dp), intent(in) :: point(3)      !! position (length)
+    integer :: plane
+    plane = 0
+    if (slab%axis > 0) then
+      plane = floor(mesh_coordinate(slab%origin, slab%h, point(slab%axis)) - slab%shift)
+    end if
+  end function slab_plane
+
+  !> Whether a position belongs to the slab.
+  pure function slab_holds(slab, point) result(yes)
+    type(slab_t), intent(in) :: slab
+    real(dp), intent(in) :: point(3)
+    logical :: yes
+    integer :: plane
+    plane = slab_plane(slab, point)
+    yes = plane >= slab%own(1) .and. plane <= slab%own(2)
+  end function slab_holds
+
   !> Number of the bin with given coordinates, 0 if it does not exist.
   pure function particles_bin_of(particles, bin) result(number)
     type(particles_t), intent(in) :: particles
@@ -75,7 +111,7 @@ contains
   !> Puts particles at rest into bins; `history` gives the first values of the columns of b behind
   !! the volume. The positions are given up on the way, so that both streams and they are never held
   !! at the same time.
-  pure subroutine particles_fill(particles, ndim, shift, x, density, volume, history, first_id)
+  pure subroutine particles_fill(particles, ndim, shift, x, density, volume, history, first_id, ids)
     type(particles_t), intent(out) :: particles
     integer, intent(in) :: ndim
     real(dp), intent(in) :: shift
@@ -84,6 +120,8 @@ contains
     real(dp), intent(in) :: volume(:)               !! (n)
     real(dp), intent(in) :: history(:)              !! (nb - 1)
     integer(i4), intent(in) :: first_id             !! id of the first particle
+    integer(i4), intent(in), optional :: ids(:)     !! (n) ascending places in the body, from 1,
+                                                    !! where they are not consecutive
     integer, allocatable :: order(:), slot(:)
     integer :: p, l, c
     particles%ndim = ndim
@@ -108,6 +146,7 @@ contains
       l = mod(slot(p) - 1, lanes) + 1
       c = (slot(p) - 1)/lanes + 1
       particles%id(l, c) = first_id + order(p) - 1
+      if (present(ids)) particles%id(l, c) = first_id + ids(order(p)) - 1
       particles%a(l, 1:ndim, c) = x(1:ndim, order(p))
       particles%a(l, particles%na, c) = density*volume(order(p))
     end do

@@ -8,15 +8,18 @@ module sgmp_rebinning
   use sgmp_movers, only: movers_sort, movers_t
   use sgmp_particles, only: bin_coordinates, chunk_free, chunk_pad, chunk_take, &
                             particles_number_bins, particles_t
-  use sgmp_rows, only: row_key, rows_contains, rows_from_points, rows_t, rows_union
+  use sgmp_rows, only: key_k, row_key, rows_contains, rows_from_points, rows_t, rows_union
   use sgmp_sorting, only: sort_order
   implicit none
   private
-  public :: particles_rebin
+  public :: particles_rebin, particles_renew_bins
 
 contains
 
   !> Moves particles to the bins of their new positions.
+  !!
+  !! Movers that come from another rank have no chunk; those that go to one leave, and are given a
+  !! bin where one is held for them, so that what they give to the grid can be added here.
   pure subroutine particles_rebin(particles, movers, lower, upper, new_bins)
     type(particles_t), intent(inout) :: particles
     type(movers_t), intent(inout) :: movers      !! in: row and bin they left; out: their new ones
@@ -33,14 +36,33 @@ contains
     end if
     do r = 1, movers%n
       m = movers%order(r)
+      if (movers%chunk(m) > 0) particles%count = particles%count - 1
       if (movers%gone(m)) cycle
+      if (.not. within(plane_of(particles, movers, m), particles%own)) cycle
+      particles%count = particles%count + 1
       call insert(particles, movers%bin(m), movers%id(m), movers%state(:, m))
     end do
   end subroutine particles_rebin
 
+  !> Plane of bins that a mover belongs to now.
+  pure function plane_of(particles, movers, m) result(plane)
+    type(particles_t), intent(in) :: particles
+    type(movers_t), intent(in) :: movers
+    integer, intent(in) :: m
+    integer :: plane, bin(3)
+    bin = bin_coordinates(movers%state(:, m), particles%shift, particles%ndim)
+    plane = bin(3)
+  end function plane_of
+
+  pure function within(plane, range) result(yes)
+    integer, intent(in) :: plane, range(2)
+    logical :: yes
+    yes = plane >= range(1) .and. plane <= range(2)
+  end function within
+
   !> Finds the movers that have left the grid.
   pure subroutine find_gone(particles, movers, lower, upper)
-    type(particles_t), intent(inout) :: particles
+    type(particles_t), intent(in) :: particles
     type(movers_t), intent(inout) :: movers
     real(dp), intent(in) :: lower(3), upper(3)
     integer :: m, d
@@ -50,7 +72,6 @@ contains
           movers%gone(m) = .true.
         end if
       end do
-      if (movers%gone(m)) particles%count = particles%count - 1
     end do
   end subroutine find_gone
 
@@ -64,8 +85,9 @@ contains
     do m = 1, movers%n
       if (movers%gone(m)) cycle
       bin = bin_coordinates(movers%state(:, m), particles%shift, particles%ndim)
-      movers%row(m) = row_near(particles%bins, movers%row(m), row_key(bin(2), bin(3)), bin(1))
       movers%bin(m) = 0
+      if (.not. within(bin(3), particles%held)) cycle
+      movers%row(m) = row_near(particles%bins, movers%row(m), row_key(bin(2), bin(3)), bin(1))
       if (movers%row(m) > 0) movers%bin(m) = particles%bin_start(movers%row(m)) + bin(1)
       if (present(missing)) missing = missing .or. movers%bin(m) == 0
     end do
@@ -90,10 +112,11 @@ contains
     type(movers_t), intent(in) :: movers
     integer :: m, bin
     do m = 1, movers%n
-      particles%id(movers%lane(m), movers%chunk(m)) = 0
+      if (movers%chunk(m) > 0) particles%id(movers%lane(m), movers%chunk(m)) = 0
     end do
     bin = 0
     do m = 1, movers%n
+      if (movers%chunk(m) == 0) cycle
       if (movers%bin(m) /= bin) call close_bin(particles, movers%bin(m))
       bin = movers%bin(m)
     end do
@@ -206,20 +229,51 @@ contains
   pure subroutine extend_bins(particles, movers)
     type(particles_t), intent(inout) :: particles
     type(movers_t), intent(in) :: movers
-    type(rows_t) :: wanted, kept, old
-    integer, allocatable :: old_start(:), old_first(:), old_size(:)
-    integer :: s, t, i, shift
+    type(rows_t) :: wanted, kept
     call wanted_bins(particles, movers, wanted)
-    if (8*count(particles%size == 0) > size(particles%size)) then
-      call occupied_bins(particles, kept)
+    if (8*empty_bins(particles) > size(particles%size)) then
+      call occupied_bins(particles, .true., kept)
     else
       kept = particles%bins
     end if
+    call change_bins(particles, kept, wanted)
+  end subroutine extend_bins
+
+  !> Renews the bins that stand for other ranks': `others` instead of all that are outside the own
+  !! planes; own ones that are empty go, too.
+  pure subroutine particles_renew_bins(particles, others)
+    type(particles_t), intent(inout) :: particles
+    type(rows_t), intent(in) :: others
+    type(rows_t) :: kept
+    call occupied_bins(particles, .false., kept)
+    call change_bins(particles, kept, others)
+  end subroutine particles_renew_bins
+
+  !> Own bins without particles.
+  pure function empty_bins(particles) result(empty)
+    type(particles_t), intent(in) :: particles
+    integer :: empty, s
+    empty = 0
+    do s = 1, particles%bins%n
+      if (.not. within(key_k(particles%bins%key(s)), particles%own)) cycle
+      empty = empty + count(particles%size(particles%bin_start(s) + particles%bins%first(s): &
+                                           particles%bin_start(s) + particles%bins%last(s)) == 0)
+    end do
+  end function empty_bins
+
+  !> A new set of bins, with all that are occupied in the first of two sets; the particles stay in
+  !! their chunks.
+  pure subroutine change_bins(particles, kept, more)
+    type(particles_t), intent(inout) :: particles
+    type(rows_t), intent(in) :: kept, more
+    type(rows_t) :: old
+    integer, allocatable :: old_start(:), old_first(:), old_size(:)
+    integer :: s, t, i, shift
     old = particles%bins
     call move_alloc(particles%bin_start, old_start)
     call move_alloc(particles%first, old_first)
     call move_alloc(particles%size, old_size)
-    call rows_union(kept, wanted, particles%bins)
+    call rows_union(kept, more, particles%bins)
     call particles_number_bins(particles)
     t = 1
     do s = 1, old%n
@@ -231,7 +285,7 @@ contains
         particles%size(shift) = old_size(old_start(s) + i)
       end do
     end do
-  end subroutine extend_bins
+  end subroutine change_bins
 
   !> Interval, at `start` or behind it, that holds point i of row `key`, which must exist.
   pure function row_from(rows, start, key, i) result(s)
@@ -260,8 +314,9 @@ contains
       if (movers%bin(m) > 0) then
         if (particles%size(movers%bin(m)) > 0) cycle
       end if
-      n = n + 1
       bin = bin_coordinates(movers%state(:, m), particles%shift, particles%ndim)
+      if (.not. within(bin(3), particles%held)) cycle
+      n = n + 1
       i(n) = bin(1)
       key(n) = row_key(bin(2), bin(3))
     end do
@@ -275,9 +330,10 @@ contains
     call rows_from_points(key(order), i(order), wanted)
   end subroutine wanted_bins
 
-  !> The bins that hold particles.
-  pure subroutine occupied_bins(particles, occupied)
+  !> The bins that hold particles, and where `all` those that stand for other ranks'.
+  pure subroutine occupied_bins(particles, all, occupied)
     type(particles_t), intent(in) :: particles
+    logical, intent(in) :: all
     type(rows_t), intent(out) :: occupied
     integer(i8), allocatable :: key(:)
     integer, allocatable :: i(:)
@@ -286,7 +342,9 @@ contains
     n = 0
     do s = 1, particles%bins%n
       do m = particles%bins%first(s), particles%bins%last(s)
-        if (particles%size(particles%bin_start(s) + m) == 0) cycle
+        if (particles%size(particles%bin_start(s) + m) == 0) then
+          if (.not. all .or. within(key_k(particles%bins%key(s)), particles%own)) cycle
+        end if
         n = n + 1
         key(n) = particles%bins%key(s)
         i(n) = m

@@ -6,14 +6,15 @@
 !! thickness in 2D. Everything is reproducible; the jitter is a hash of the lattice indices.
 module sgmp_seeding
   use sgmp_errors, only: error_make, error_t, exit_deck, exit_io
-  use sgmp_kinds, only: dp, i8, pi
+  use sgmp_kinds, only: dp, i4, i8, pi
+  use sgmp_particles, only: slab_holds, slab_plane, slab_t
   use sgmp_scene, only: body_card_t, combine_difference, combine_union, &
                         layout_file, layout_gauss, shape_block, shape_cone, shape_halfspace, &
                         shape_ogive, shape_ring, shape_sphere, shape_t
   implicit none
   private
   public :: seeding_generate, seeding_check_overlap, seeding_overlap, seeding_inside, &
-            seeding_gauss_points, seeding_turned
+            seeding_gauss_points, seeding_turned, seeding_survey, survey_t
 
   real(dp), parameter :: tolerance = 1.0e-9_dp     !! of boundaries, in lattice constants
   real(dp), parameter :: infinite = 0.1_dp*huge(1.0_dp)
@@ -31,12 +32,20 @@ module sgmp_seeding
     logical :: turn_after = .false.                !! points are turned after membership is decided
   end type candidates_t
 
+  !> Where a body's particles are, before any of them is made.
+  type :: survey_t
+    integer, allocatable :: points(:)              !! (layers of the lattice) particles
+    integer, allocatable :: lowest(:), highest(:)  !! (layers) planes of bins they are in
+    integer :: first = 0                           !! first plane of `load`
+    integer, allocatable :: load(:)                !! (planes) particles
+  end type survey_t
+
 contains
 
   !> Fills a body with particles; an error where it is unbounded, empty, too large or its file is
   !! wrong.
   subroutine seeding_generate(body, cell, grid_lower, dimension, positions, volumes, error, &
-                              velocities)
+                              velocities, slab, survey, ids)
     type(body_card_t), intent(in) :: body
     real(dp), intent(in) :: cell                      !! side of a grid cell (length)
     real(dp), intent(in) :: grid_lower(3)             !! a corner of the grid (length)
@@ -45,15 +54,26 @@ contains
     real(dp), allocatable, intent(out) :: volumes(:)  !! (n) (length**dimension)
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable, intent(out), optional :: velocities(:, :)
-      !! (3, n), allocated if the file has them
+      !! (3, n), allocated if the file has them; all of them, also with a slab
+    type(slab_t), intent(in), optional :: slab        !! only the particles in these planes
+    type(survey_t), intent(in), optional :: survey    !! comes with the slab
+    integer(i4), allocatable, intent(out), optional :: ids(:)
+      !! (n) which particles of the whole body they are, from 1; comes with the slab
     type(candidates_t) :: candidates
     integer :: n
     if (body%layout == layout_file) then
       call read_particles(body, positions, volumes, error, velocities)
+      if (present(slab) .and. .not. allocated(error)) then
+        call keep_slab(slab, positions, volumes, ids)
+      end if
       return
     end if
     call list_candidates(body, cell, grid_lower, dimension, candidates, error)
     if (allocated(error)) return
+    if (present(slab)) then
+      call select_slab(body, candidates, dimension, slab, survey, positions, volumes, ids)
+      return
+    end if
     call select_points(body, candidates, dimension, .false., n, positions, volumes)
     if (n == 0) then
       call error_make(error, exit_deck, "body '"//trim(body%name)//"' has no particles", &
@@ -63,6 +83,146 @@ contains
     allocate (positions(3, n), volumes(n))
     call select_points(body, candidates, dimension, .true., n, positions, volumes)
   end subroutine seeding_generate
+
+  !> Counts a body's particles layer by layer of its lattice and plane by plane of the grid, each of
+  !! several sharers doing some of the layers; the sum of their surveys is that of the body.
+  subroutine seeding_survey(body, cell, grid_lower, dimension, slab, sharer, sharers, survey, error)
+    type(body_card_t), intent(in) :: body
+    real(dp), intent(in) :: cell, grid_lower(3)       !! as for seeding_generate
+    integer, intent(in) :: dimension
+    type(slab_t), intent(in) :: slab                  !! how positions are sorted into planes
+    integer, intent(in) :: sharer, sharers            !! from 0; how many
+    type(survey_t), intent(out) :: survey
+    type(error_t), allocatable, intent(out) :: error
+    type(candidates_t) :: candidates
+    real(dp), allocatable :: positions(:, :), volumes(:)
+    real(dp) :: point(3)
+    integer :: layer, line, i, p, ijk(3)
+    logical :: inside
+    if (body%layout == layout_file) then
+      call read_particles(body, positions, volumes, error)
+      if (allocated(error)) return
+      call survey_open(survey, 1)
+      do p = 1, merge(size(volumes), 0, sharer == 0)
+        call survey_note(survey, 1, slab_plane(slab, positions(:, p)))
+      end do
+      return
+    end if
+    call list_candidates(body, cell, grid_lower, dimension, candidates, error)
+    if (allocated(error)) return
+    call survey_open(survey, layers_of(candidates, dimension))
+    do layer = 1 + sharer, size(survey%points), sharers
+      do line = 1, lines_of(candidates, dimension)
+        do i = 1, candidates%count(1)
+          ijk = [i, line, layer]
+          if (dimension == 2) ijk = [i, layer, 1]
+          call candidate_point(body, candidates, ijk, dimension, inside, point)
+          if (inside) call survey_note(survey, layer, slab_plane(slab, point))
+        end do
+      end do
+    end do
+  end subroutine seeding_survey
+
+  !> An empty survey.
+  pure subroutine survey_open(survey, layers)
+    type(survey_t), intent(out) :: survey
+    integer, intent(in) :: layers
+    allocate (survey%points(layers), survey%lowest(layers), survey%highest(layers), source=0)
+    allocate (survey%load(0))
+  end subroutine survey_open
+
+  !> Counts one particle.
+  pure subroutine survey_note(survey, layer, plane)
+    type(survey_t), intent(inout) :: survey
+    integer, intent(in) :: layer, plane
+    integer, allocatable :: longer(:)
+    integer :: low, high
+    if (survey%points(layer) == 0) then
+      survey%lowest(layer) = plane
+      survey%highest(layer) = plane
+    end if
+    survey%points(layer) = survey%points(layer) + 1
+    survey%lowest(layer) = min(survey%lowest(layer), plane)
+    survey%highest(layer) = max(survey%highest(layer), plane)
+    if (size(survey%load) == 0) survey%first = plane
+    low = min(survey%first, plane)
+    high = max(survey%first + size(survey%load) - 1, plane)
+    if (high - low + 1 > size(survey%load)) then
+      allocate (longer(high - low + 1), source=0)
+      longer(survey%first - low + 1:survey%first - low + size(survey%load)) = survey%load
+      call move_alloc(longer, survey%load)
+      survey%first = low
+    end if
+    survey%load(plane - survey%first + 1) = survey%load(plane - survey%first + 1) + 1
+  end subroutine survey_note
+
+  !> Layers of the lattice, the slowest of its axes; in 1D its points.
+  pure function layers_of(candidates, dimension) result(layers)
+    type(candidates_t), intent(in) :: candidates
+    integer, intent(in) :: dimension
+    integer :: layers
+    layers = 1
+    if (dimension > 1) layers = candidates%count(dimension)
+  end function layers_of
+
+  !> Lines of candidates in a layer.
+  pure function lines_of(candidates, dimension) result(lines)
+    type(candidates_t), intent(in) :: candidates
+    integer, intent(in) :: dimension
+    integer :: lines
+    lines = merge(candidates%count(2), 1, dimension == 3)
+  end function lines_of
+
+  !> Counts, then stores the particles of a slab, in the layers that reach into it.
+  subroutine select_slab(body, candidates, dimension, slab, survey, positions, volumes, ids)
+    type(body_card_t), intent(in) :: body
+    type(candidates_t), intent(in) :: candidates
+    integer, intent(in) :: dimension
+    type(slab_t), intent(in) :: slab
+    type(survey_t), intent(in) :: survey
+    real(dp), allocatable, intent(out) :: positions(:, :), volumes(:)
+    integer(i4), allocatable, intent(out) :: ids(:)
+    real(dp) :: point(3)
+    integer :: pass, layer, line, i, n, ijk(3)
+    integer(i4) :: id
+    logical :: inside
+    do pass = 1, 2
+      n = 0
+      do layer = 1, size(survey%points)
+        if (survey%points(layer) == 0) cycle
+        if (survey%highest(layer) < slab%own(1) .or. survey%lowest(layer) > slab%own(2)) cycle
+        id = sum(survey%points(:layer - 1))
+        do line = 1, lines_of(candidates, dimension)
+          do i = 1, candidates%count(1)
+            ijk = [i, line, layer]
+            if (dimension == 2) ijk = [i, layer, 1]
+            call candidate_point(body, candidates, ijk, dimension, inside, point)
+            if (.not. inside) cycle
+            id = id + 1
+            if (.not. slab_holds(slab, point)) cycle
+            n = n + 1
+            if (pass == 1) cycle
+            positions(:, n) = point
+            volumes(n) = candidate_volume(candidates, ijk)
+            ids(n) = id
+          end do
+        end do
+      end do
+      if (pass == 1) allocate (positions(3, n), volumes(n), ids(n))
+    end do
+  end subroutine select_slab
+
+  !> Leaves only the particles of a slab.
+  pure subroutine keep_slab(slab, positions, volumes, ids)
+    type(slab_t), intent(in) :: slab
+    real(dp), allocatable, intent(inout) :: positions(:, :), volumes(:)
+    integer(i4), allocatable, intent(out) :: ids(:)
+    integer :: p
+    ids = pack([(p, p=1, size(volumes))], &
+               [(slab_holds(slab, positions(:, p)), p=1, size(volumes))])
+    positions = positions(:, ids)
+    volumes = volumes(ids)
+  end subroutine keep_slab
 
   !> An error where another body's shape contains one of these particles and neither body allows it.
   subroutine seeding_check_overlap(bodies, own, positions, dimension, error)
@@ -274,27 +434,52 @@ contains
     integer, intent(out) :: n
     real(dp), allocatable, intent(inout) :: positions(:, :)  !! (3, n)
     real(dp), allocatable, intent(inout) :: volumes(:)      !! (n)
-    real(dp) :: point(3), tested(3)
+    real(dp) :: point(3)
     integer :: i, j, k
+    logical :: inside
     n = 0
     do k = 1, candidates%count(3)
       do j = 1, candidates%count(2)
         do i = 1, candidates%count(1)
-          point = [candidates%coordinate(i, 1), candidates%coordinate(j, 2), &
-            candidates%coordinate(k, 3)]
-          tested = point
-          if (candidates%turn_before) tested = seeding_turned(body, point, -1)
-          if (.not. seeding_inside(body%shapes, tested, dimension, candidates%margin)) cycle
+          call candidate_point(body, candidates, [i, j, k], dimension, inside, point)
+          if (.not. inside) cycle
           n = n + 1
           if (.not. store) cycle
-          call displace(candidates, [i, j, k], dimension, point)
-          if (candidates%turn_after) point = seeding_turned(body, point, 1)
           positions(:, n) = point
-          volumes(n) = candidates%length(i, 1)*candidates%length(j, 2)*candidates%length(k, 3)
+          volumes(n) = candidate_volume(candidates, [i, j, k])
         end do
       end do
     end do
   end subroutine select_points
+
+  !> A candidate: whether it is inside the body, and if so the position of its particle.
+  pure subroutine candidate_point(body, candidates, ijk, dimension, inside, point)
+    type(body_card_t), intent(in) :: body
+    type(candidates_t), intent(in) :: candidates
+    integer, intent(in) :: ijk(3)   !! number of the candidate along each axis
+    integer, intent(in) :: dimension
+    logical, intent(out) :: inside
+    real(dp), intent(out) :: point(3)
+    real(dp) :: tested(3)
+    integer :: axis
+    do axis = 1, 3
+      point(axis) = candidates%coordinate(ijk(axis), axis)
+    end do
+    tested = point
+    if (candidates%turn_before) tested = seeding_turned(body, point, -1)
+    inside = seeding_inside(body%shapes, tested, dimension, candidates%margin)
+    if (.not. inside) return
+    call displace(candidates, ijk, dimension, point)
+    if (candidates%turn_after) point = seeding_turned(body, point, 1)
+  end subroutine candidate_point
+
+  !> Volume of a candidate's particle.
+  pure function candidate_volume(candidates, ijk) result(volume)
+    type(candidates_t), intent(in) :: candidates
+    integer, intent(in) :: ijk(3)
+    real(dp) :: volume
+    volume = candidates%length(ijk(1), 1)*candidates%length(ijk(2), 2)*candidates%length(ijk(3), 3)
+  end function candidate_volume
 
   !> Moves a point by its reproducible jitter.
   pure subroutine displace(candidates, ijk, dimension, point)

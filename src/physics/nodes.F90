@@ -8,7 +8,7 @@
 !! tile stay in the first-level cache.
 module DIM(sgmp_nodes)
   use sgmp_field, only: field_t
-  use sgmp_kinds, only: dp
+  use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rows, only: key_j, key_k
   use sgmp_transfer_kinds, only: kernel_sgmp
@@ -119,11 +119,13 @@ contains
     real(dp), intent(in) :: gravity(3)
     real(dp), intent(in) :: cutoff            !! nodes lighter than this are ignored
     logical, intent(in) :: forced             !! the moments carry an external force
-    real(dp), intent(inout) :: sums(nodes_sums)
+    real(dp), intent(inout) :: sums(nodes_sums)  !! of the plane, added to
     real(dp) :: m(tile), p(tile, NDIM), f(tile, NDIM), external(tile, NDIM)
+    real(dp) :: lane_sums(lanes, sum_external)
     integer :: s, first, n, idx
     logical :: driven
     driven = forced .or. any(abs(gravity) > 0.0_dp)
+    lane_sums = 0.0_dp
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
@@ -136,10 +138,11 @@ contains
         idx = field%neighbour(0, 0, s) + first
         call solve_tile(n, size(field%node, 1), m, p, f, dt, cutoff, field%node(idx, 1))
         call hold_walls(field, mesh, s, first, n, [1, NDIM + 1])
-        call book_energies(n, size(field%node, 1), m, dt, field%node(idx, 1), sums)
-        if (driven) call book_power(n, size(field%node, 1), external, dt, field%node(idx, 1), sums)
+        call book_energies(n, first, driven, size(field%node, 1), m, external, dt, &
+                           field%node(idx, 1), lane_sums, sums(sum_ignored))
       end do
     end do
+    sums(:sum_external) = sums(:sum_external) + sum(lane_sums, dim=1)
   end subroutine nodes_solve
 
   !> Nodal velocity from the projected momentum alone (USF).
@@ -195,47 +198,64 @@ contains
   end subroutine divide_tile
 
   !> Sums of a tile for the energy ledger, over the nodes that take part.
-  pure subroutine book_energies(n, stride, m, dt, node, sums)
-    integer, intent(in) :: n, stride
-    real(dp), intent(in) :: m(tile), dt
+  !!
+  !! Nodes go to the lane of their place along the grid, not along the tile: empty nodes beside
+  !! them, of which ranks may store different ones, then change nothing.
+  pure subroutine book_energies(n, first, driven, stride, m, external, dt, node, sums, ignored)
+    integer, intent(in) :: n, first, stride      !! nodes, place of the first, stride of `node`
+    logical, intent(in) :: driven                !! there are external forces
+    real(dp), intent(in) :: m(tile), external(tile, NDIM), dt
     real(dp), intent(in) :: node(stride, 2*NDIM + 1)
-    real(dp), intent(inout) :: sums(nodes_sums)
-    real(dp) :: aa, av, ignored, active
-    integer :: i, a
-    aa = 0.0_dp
-    av = 0.0_dp
-    ignored = 0.0_dp
-    !$omp simd reduction(+:aa, av, ignored) private(active, a)
+    real(dp), intent(inout) :: sums(lanes, sum_external), ignored
+    real(dp), dimension(0:tile + 2*lanes) :: aa, av, ev
+    real(dp) :: active, a2, v2, light
+    integer :: i, a, before
+    before = modulo(first, lanes)
+    aa(:before) = 0.0_dp
+    av(:before) = 0.0_dp
+    aa(before + n:before + n + lanes - 2) = 0.0_dp
+    av(before + n:before + n + lanes - 2) = 0.0_dp
+    light = 0.0_dp
+    !$omp simd reduction(+:light) private(active, a, a2, v2)
     do i = 1, n
       active = merge(m(i), 0.0_dp, node(i, 2*NDIM + 1) > 0.0_dp)
-      ignored = ignored + merge(1.0_dp, 0.0_dp, m(i) - active > 0.0_dp)
+      light = light + merge(1.0_dp, 0.0_dp, m(i) - active > 0.0_dp)
+      a2 = 0.0_dp
+      v2 = 0.0_dp
       do a = 1, NDIM
-        aa = aa + active*node(i, a)**2
-        av = av + active*node(i, a)*(node(i, NDIM + a) - dt*node(i, a))
+        a2 = a2 + node(i, a)**2
+        v2 = v2 + node(i, a)*(node(i, NDIM + a) - dt*node(i, a))
       end do
+      aa(before + i - 1) = active*a2
+      av(before + i - 1) = active*v2
     end do
-    sums(sum_mass_aa) = sums(sum_mass_aa) + aa
-    sums(sum_mass_av) = sums(sum_mass_av) + av
-    sums(sum_ignored) = sums(sum_ignored) + ignored
+    ignored = ignored + light
+    call add_lanes(before + n, aa, sums(1, sum_mass_aa))
+    call add_lanes(before + n, av, sums(1, sum_mass_av))
+    if (.not. driven) return
+    ev(:before) = 0.0_dp
+    ev(before + n:before + n + lanes - 2) = 0.0_dp
+    !$omp simd private(a, v2)
+    do i = 1, n
+      v2 = 0.0_dp
+      do a = 1, NDIM
+        v2 = v2 + external(i, a)*(node(i, NDIM + a) - 0.5_dp*dt*node(i, a))
+      end do
+      ev(before + i - 1) = v2
+    end do
+    call add_lanes(before + n, ev, sums(1, sum_external))
   end subroutine book_energies
 
-  !> Power of the external forces at the mid-step velocity.
-  pure subroutine book_power(n, stride, external, dt, node, sums)
-    integer, intent(in) :: n, stride
-    real(dp), intent(in) :: external(tile, NDIM), dt
-    real(dp), intent(in) :: node(stride, 2*NDIM + 1)
-    real(dp), intent(inout) :: sums(nodes_sums)
-    real(dp) :: power
-    integer :: i, a
-    power = 0.0_dp
-    !$omp simd reduction(+:power) private(a)
-    do i = 1, n
-      do a = 1, NDIM
-        power = power + external(i, a)*(node(i, NDIM + a) - 0.5_dp*dt*node(i, a))
-      end do
+  !> Adds terms to the sums of their lanes; behind the last there are zeros.
+  pure subroutine add_lanes(n, terms, sums)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: terms(lanes, *)
+    real(dp), intent(inout) :: sums(lanes)
+    integer :: i
+    do i = 1, (n + lanes - 1)/lanes
+      sums = sums + terms(:, i)
     end do
-    sums(sum_external) = sums(sum_external) + power
-  end subroutine book_power
+  end subroutine add_lanes
 
   !> Mass (if asked for) and momentum of a tile of nodes (Eqs. 17, 18; MPM Eqs. 9, 10).
   pure subroutine node_moments(field, s, first, n, q1, q2, m, p)

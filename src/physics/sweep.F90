@@ -131,18 +131,18 @@ contains
     real(dp) :: lane_sums(lanes, sweep_sums), stencil(task%points, task%nq)
     integer :: s, i, first, last, row(most_rows), place(GIMP_LINE)
     lane_sums = 0.0_dp
+    stencil = 0.0_dp
     do s = body%particles%plane_row(plane), body%particles%plane_row(plane + 1) - 1
       first = body%particles%bins%first(s)
       last = body%particles%bins%last(s)
       call clear_rows(field, plane, task%layers*task%nq, key_j(body%particles%bins%key(s)) + &
                       task%lines - 1, work%cleared, planes)
       call place_row(field, body, task, plane, s, row, place)
-      stencil = 0.0_dp
       do i = 0, last - first
         call sweep_bin(mesh, body, plan, task, s, i, row, stencil, lane_sums, movers, work)
         call carry(task, stencil, i, place, planes)
       end do
-      do i = last - first + 1, last - first + task%width - 1
+      do i = last - first + 1, last - first + bins_to(body, s, task%width - 1)
         call carry(task, stencil, i, place, planes)
       end do
     end do
@@ -150,6 +150,22 @@ contains
       sums(i) = sum(lane_sums(:, i))
     end do
   end subroutine sweep_plane
+
+  !> Bins between the end of an interval and the next in its row, at most `most`, behind which the
+  !! accumulator is empty.
+  !!
+  !! If the next one is nearer, the accumulator goes on into it as it would through empty bins: sums
+  !! must not depend on which of those happen to be stored.
+  pure function bins_to(body, s, most) result(bins)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: s, most
+    integer :: bins
+    bins = most
+    associate (rows => body%particles%bins)
+      if (s == rows%n) return
+      if (rows%key(s + 1) == rows%key(s)) bins = min(most, rows%first(s + 1) - rows%last(s) - 1)
+    end associate
+  end function bins_to
 
   !> Where the stencils of a row's first bin lie: in the records read, and in the plane buffers.
   pure subroutine place_row(field, body, task, plane, s, row, place)
@@ -420,7 +436,7 @@ contains
     do while (r <= movers%n)
       n = 0
       do while (r <= movers%n .and. n < lanes)
-        if (.not. movers%gone(movers%order(r))) then
+        if (.not. movers%gone(movers%order(r)) .and. movers%bin(movers%order(r)) > 0) then
           n = n + 1
           who(n) = movers%order(r)
         end if
@@ -488,7 +504,7 @@ contains
   pure subroutine add_mover(task, forces, first, column1, column2, at, lane, w, g, values, points, &
                             moment)
     type(task_t), intent(in) :: task
-    logical, intent(in) :: forces                 !! MPM, GIMP: columns behind task%forces are forces
+    logical, intent(in) :: forces                 !! MPM, GIMP: columns from task%forces on
     integer, intent(in) :: first                  !! column of the first value
     integer, intent(in) :: column1, column2, at(largest_stencil)
     integer, intent(in) :: lane, points           !! lane of the weights; extent of the moments

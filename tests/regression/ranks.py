@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+"""The same bits for every layout of ranks and threads: particles, energies, histories and files.
+
+usage: ranks.py SGMP SOURCE_DIR SCRATCH_DIR [--full]
+"""
+import filecmp
+import json
+import os
+import re
+import subprocess
+import sys
+
+from _runs import ENVIRONMENT, INPUT, SCRATCH, SGMP, Report, Run
+
+FULL = "--full" in sys.argv[4:]
+LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]
+FEW = [(1, 1), (2, 1), (3, 2)]
+MPI = {**ENVIRONMENT, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
+       "OMPI_MCA_mpi_yield_when_idle": "1"}
+MPI.pop("OMPI_MCA_ess_singleton_isolated", None)
+
+# A charge between walls on both sides of the slowest axis: folding and mirror images near the cuts.
+WALLS = """
+parameter method = sgmp
+parameter update = musl
+parameter stress = plain
+dimension {dimension}
+grid cell=1 x=0:open y=0:{top}{z}
+wall x-=fixed y-=slip {walls}
+method $method update=$update stress=$stress
+time end=0.0012 cfl=0.3
+material tnt explosive density=1.63e-3 detonation_speed=6930 burn_cells=2
+eos tnt jwl a=371200 b=3210 r1=4.15 r2=0.95 omega=0.30 energy0=6993
+viscosity tnt quadratic=1.5 linear=0.06
+body charge block material=tnt lower=(0,0,0) upper=({size}) spacing=0.5
+detonation point=(0,0,0)
+output csv at=end fields=stress,density,displacement,initial_position
+output vtu every=0.0005 fields=stress,pressure
+output tecplot
+output vtkhdf every=0.0005 fields=stress
+history every=0.0001
+gauge near point=(1,1,1)
+gauge far point=({size})
+"""
+PLANE = WALLS.format(dimension=2, top=18, z="", walls="y+=slip", size="10,18,0")
+SPACE = WALLS.format(dimension=3, top="open", z=" z=0:16", walls="z-=fixed z+=slip", size="5,6,16")
+# Particles that cross several cells in a step, some of which leave the grid.
+FAST = """
+dimension 2
+grid cell=1 x=0:40 y=0:40
+lost remove
+method sgmp
+time dt=0.4 steps=12
+material m elastic density=1 young=1e-3 poisson=0.2
+body a block material=m lower=(4,2,0) upper=(12,20,0) ppc=2
+body b block material=m lower=(20,2,0) upper=(24,20,0) ppc=2
+velocity a y=8
+velocity b x=4 y=-0.5
+output csv at=end
+"""
+# Blocks that drift and spin across the cuts, at less than a cell a step.
+CLIMB = """
+parameter method = sgmp
+parameter update = musl
+dimension 3
+grid cell=1 x=open:open y=open:open z=0:open
+method $method update=$update
+time dt=0.1 steps=40
+material m elastic density=1 young=1 poisson=0.2
+body a block material=m lower=(2,2,2) upper=(8,8,12) ppc=2 jitter=0.3
+body b block material=m lower=(2,9,22) upper=(8,15,30) ppc=2
+velocity a x="0.3*(z-7)" y=0.4 z="3-0.3*(x-5)"
+velocity b z=-2.5
+output csv at=end
+"""
+# A rigid plate, a body force that uses the initial position, gravity, particles from Gauss points.
+RIGID = """
+dimension 2
+grid cell=1 x=0:open y=0:open
+wall y-=slip
+method gimp update=usf
+time end=4 cfl=0.3
+gravity (0,-0.01)
+material m elastic density=1 young=1 poisson=0.2
+body a block material=m lower=(1,0,0) upper=(9,12,0) layout=gauss ppc=3
+body b block material=m lower=(14,2,0) upper=(18,4,0) ppc=2
+velocity b y=0.5
+bodyforce a x="0.01*x0*sin(t)" y="0.002*y0"
+output csv at=end
+"""
+# name, deck, settings, layouts
+SCENES = [
+    ("elastic", "block.inp", {"cells": 10, "steps": 24, "drift": 0.3, "jitter": 0.4}, LAYOUTS),
+    ("gimp", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "jitter": 0.4, "method": "gimp", "update": "usf"}, FEW),
+    ("mpm", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "method": "mpm", "update": "usl"}, FEW),
+    ("cpgimp", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "method": "cpgimp", "update": "usavg"}, FEW),
+    ("johnson_cook", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "material": "johnson_cook"}, FEW),
+    ("taylor_bar", "taylor_bar.inp", {"h": 1.9, "t_end": 0.01}, LAYOUTS),
+    ("beam", "beam.inp", {"h": 1.25, "t_end": 0.003}, LAYOUTS),
+    ("bar", "bar.inp", {"cells": 32, "steps": 40, "dt": 1e-3, "v0": 1}, LAYOUTS),
+    ("tnt_slab", "tnt_slab.inp", {"t_end": 2e-4}, LAYOUTS),
+    ("vortex", "vortex.inp", {"cells": 8, "part": 0.05}, FEW),
+    ("plane", PLANE, {}, LAYOUTS),
+    ("plane_normalised", PLANE, {"stress": "normalised"}, FEW),
+    ("plane_gimp", PLANE, {"method": "gimp", "update": "musl"}, FEW),
+    ("space", SPACE, {"update": "usf"}, FEW),
+    ("space_normalised", SPACE, {"stress": "normalised"}, FEW),
+    ("climb", CLIMB, {}, LAYOUTS),
+    ("climb_gimp", CLIMB, {"method": "gimp", "update": "usl"}, FEW),
+    ("climb_cpgimp", CLIMB, {"method": "cpgimp", "update": "usf"}, FEW),
+    ("climb_mpm", CLIMB, {"method": "mpm", "update": "usavg"}, FEW),
+    ("fast", FAST, {}, LAYOUTS),
+    ("rigid", RIGID, {}, FEW),
+]
+# Shortened so that a run takes a second or two; every method and update for some.
+DECKS = {
+    "taylor_bar.inp": {"h": 1.9, "t_end": 0.01},
+    "bar.inp": {"cells": 32, "steps": 40, "dt": 1e-3, "v0": 1},
+    "bar_large.inp": {"cells": 16, "t_end": 0.002},
+    "bar_rotated.inp": {"cells": 16, "steps": 60, "dt": 2e-3},
+    "bar_stability.inp": {"cells": 16, "t_end": 0.2},
+    "beam.inp": {"h": 1.25, "t_end": 0.003},
+    "tnt_slab.inp": {"t_end": 3e-4},
+    "block.inp": {"cells": 10, "steps": 24, "drift": 0.3, "jitter": 0.4},
+    "vortex.inp": {"cells": 8, "part": 0.1},
+}
+# What differs from run to run and not because of the layout.
+OWN_WORDS = ("summary.json", "run.log")
+
+
+def run_on(name, deck, ranks, threads, settings, timeout=300):
+    """Runs a deck of input/, or one of this script's, on some ranks with some threads each."""
+    folder = os.path.join(SCRATCH, f"{name}_{ranks}x{threads}")
+    subprocess.run(["rm", "-rf", folder], check=True)
+    path = os.path.join(INPUT, deck)
+    if "\n" in deck:
+        path = os.path.join(SCRATCH, name + ".inp")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(deck)
+    command = ["mpirun", "-n", str(ranks), SGMP, path, "--quiet", "--threads", str(threads), "--output", folder]
+    for key, value in settings.items():
+        command += ["--set", f"{key}={value}"]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout, check=False, env=MPI)
+    return Run(done.returncode, done.stdout.decode("utf-8", "replace"), folder)
+
+
+def same_files(report, title, first, other):
+    """All files of two runs have the same bytes, but for those that speak of the run itself."""
+    names = sorted(os.listdir(first.folder))
+    report.check(names == sorted(os.listdir(other.folder)), f"{title}: files {names} and {sorted(os.listdir(other.folder))}")
+    for name in names:
+        if name in OWN_WORDS:
+            continue
+        report.check(filecmp.cmp(os.path.join(first.folder, name), os.path.join(other.folder, name), shallow=False),
+                     f"{title}: {name} differs")
+
+
+def figures(result):
+    """What must not depend on the layout."""
+    return json.dumps([result[key] for key in ("checksum", "steps", "time", "particle_steps", "particles", "particles_lost", "energy")])
+
+
+def same_everywhere(report, name, deck, settings, layouts):
+    """One scene on all its layouts."""
+    first = None
+    for ranks, threads in layouts:
+        title = f"{name} on {ranks}x{threads}"
+        result = run_on(name, deck, ranks, threads, settings)
+        if not report.finished(result, title):
+            continue
+        report.check(result["ranks"] == ranks, f"{title}: {result['ranks']} ranks")
+        if first is None:
+            first = result
+            continue
+        report.check(figures(result) == figures(first), f"{title}: {figures(result)}\nis not {figures(first)}")
+        same_files(report, title, first, result)
+
+
+def one_message(report):
+    """A failure of one rank ends all of them with one message and its own exit code."""
+    blow_up = {"cells": 8, "steps": 400, "dt": 0.0012, "jitter": 0.3, "drift": 0.1}
+    messages = {}
+    for ranks in (1, 3):
+        result = run_on("failure", "block.inp", ranks, 1, blow_up)
+        report.check(result.code == 4, f"blow-up on {ranks} ranks: exit code {result.code}\n{result.text}")
+        found = re.findall(r"^error: .*$", result.text, re.MULTILINE)
+        report.check(len(found) == 1, f"blow-up on {ranks} ranks: {len(found)} messages\n{result.text}")
+        messages[ranks] = found
+    report.check(messages[1] == messages[3], f"{messages}")
+    wrong = run_on("wrong", "block.inp", 2, 1, {"cells": "nonsense"})
+    report.check(wrong.code == 3 and wrong.text.count("nonsense") >= 1, f"deck error: exit code {wrong.code}\n{wrong.text}")
+
+
+def main():
+    """The scenes of `make test`, or with --full all decks with all methods."""
+    report = Report()
+    if FULL:
+        for deck, settings in DECKS.items():
+            for method in ("sgmp", "gimp", "mpm", "cpgimp"):
+                for update in ("musl", "usf", "usl", "usavg"):
+                    layouts = LAYOUTS if (method, update) == ("sgmp", "musl") else FEW
+                    name = f"{deck.split('.')[0]}_{method}_{update}"
+                    same_everywhere(report, name, deck, {**settings, "method": method, "update": update}, layouts)
+    for name, deck, settings, layouts in SCENES:
+        same_everywhere(report, name, deck, settings, layouts)
+    one_message(report)
+    report.end()
+
+
+main()
