@@ -47,6 +47,8 @@ contains
     type(clock_t), intent(inout) :: clock
     call record%pass(clock%step)
     call record%pass(clock%limited_by)
+    call record%pass(clock%next_probe)
+    call record%pass(clock%limit)
     call record%pass(clock%time)
     call record%pass(clock%dt)
     call record%pass(clock%dt_before)

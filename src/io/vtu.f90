@@ -196,7 +196,8 @@ contains
     else
       attributes = component_attributes(field%components)
     end if
-    call declare(file, 'Float64', trim(field%name), 8_i8*vtk_components(field)*n, offset, attributes)
+    call declare(file, 'Float64', trim(field%name), 8_i8*vtk_components(field)*n, offset, &
+                 attributes)
   end subroutine declare_field
 
   subroutine put_field(file, field)
