@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Nanoseconds per particle and step of the solver on this machine, beside targets and ceilings.
 
-usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT] [--prefix COMMAND] [--output DIR]
+usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT | --options] [--prefix COMMAND] [--output DIR]
 
 In one sitting it measures the machine (multiply-adds from registers, a triad through memory, a plain scalar loop of the
 same method: tests/bench), then every case several times. The median of the solver's own solve_seconds counts (reading the
@@ -27,8 +27,10 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 class Case:
     """A scene, its parameters, and what is known of its particles."""
 
-    def __init__(self, name, deck, targets=None, ndim=3, stencil=2, history=1, output=False, ppc=8, block=False, **parameters):
+    def __init__(self, name, deck, targets=None, ndim=3, stencil=2, history=1, output=False, ppc=8, block=False, cards="",
+                 **parameters):
         self.name, self.deck, self.targets = name, deck, targets or {}
+        self.cards = cards  # lines added to the deck
         self.ndim, self.stencil, self.ppc, self.block, self.output = ndim, stencil, ppc, block, output
         self.history = history  # columns that a particle stores beside its stress
         self.parameters = parameters
@@ -76,6 +78,21 @@ CASES = [
 ]
 
 
+# What options cost, as ratios to the plain case: measured with --options on a smaller block, one thread.
+OPTIONS = [
+    block("plain"),
+    block("update=usl", update="usl"),
+    block("update=usf", update="usf"),
+    block("update=usavg", update="usavg"),
+    block("method flip=0.99", cards="flip"),
+    block("stress=normalised", stress="normalised"),
+    block("gravity", cards="gravity (0,0,-9.81e-3)"),
+    block("viscosity", cards="viscosity"),
+    block("bodyforce, a formula", cards='bodyforce block x="1e-3*sin(x)"'),
+    block("history every step", cards="history"),
+]
+
+
 def call(prefix, command, threads=1):
     """Standard output of a command, or the end."""
     environment = dict(os.environ, OMP_NUM_THREADS=str(threads))
@@ -90,12 +107,16 @@ def solve(sgmp, case, cells, threads, prefix, scratch):
     text = (ROOT/"input"/case.deck).read_text()
     if not case.output:
         text = re.sub(r"^(output|gauge)[^\n]*", "", text, flags=re.M)
+    if case.cards == "flip":
+        text = text.replace("stress=$stress", "stress=$stress flip=0.99")
+    elif case.cards == "history":
+        text = text.replace("history steps=10", "history steps=1")
     deck = pathlib.Path(scratch)/case.deck
-    deck.write_text(text)
+    deck.write_text(text + ("" if case.cards in ("flip", "history") else case.cards) + "\n")
     folder = pathlib.Path(scratch)/"out"
     parameters = dict(case.parameters)
     if case.block:
-        parameters.update(cells=cells, steps=6 if case.stencil == 3 else 10)
+        parameters.update(cells=cells, steps=6 if case.stencil == 3 else 12)
     command = [sgmp, str(deck), "--quiet", "--threads", str(threads), "--output", str(folder)]
     for name, value in parameters.items():
         command += ["--set", f"{name}={value}"]
@@ -139,6 +160,19 @@ def measure_machine(options, tools, scratch):
     if abs(plain["kinetic_share"] - share) > 1e-6:
         sys.exit(f"bench: the reference loop keeps {plain['kinetic_share']} of the kinetic energy, the solver {share}")
     return {"ceilings": ceilings, "reference_ns": reference["ns"]}
+
+
+def measure_options(options, scratch):
+    """Cost of each option over the plain case, medians of runs that take turns."""
+    costs = {case.name: [] for case in OPTIONS}
+    for _ in range(options.runs + 2):
+        for case in OPTIONS:
+            costs[case.name].append(solve(options.sgmp, case, min(options.cells, 32), 1, shlex.split(options.prefix), scratch)
+                                    ["ns_per_particle_step"])
+    plain = statistics.median(costs["plain"])
+    print("\ncost of options, sgmp elastic, 1 thread")
+    for name, values in costs.items():
+        print(f"{name:28s} {statistics.median(values):7.1f} ns {statistics.median(values)/plain:6.2f}")
 
 
 def processor():
@@ -194,6 +228,7 @@ def main():
     parser.add_argument("sgmp", help="path of the executable")
     parser.add_argument("--runs", type=int, default=3, help="runs per case (default 3)")
     parser.add_argument("--cells", type=int, default=64, help="cells along the dense block's edge (default 64)")
+    parser.add_argument("--options", action="store_true", help="measure what options cost, nothing else")
     parser.add_argument("--only", default="", help="only cases whose name contains this text")
     parser.add_argument("--prefix", default="", help="command to start every run with, such as `taskset -c 2,3`")
     parser.add_argument("--threads", type=int, nargs="*", default=[1, 2], help="numbers of threads (default 1 2)")
@@ -201,6 +236,10 @@ def main():
     options = parser.parse_args()
     options.sgmp = str(pathlib.Path(options.sgmp).resolve())
     rows = []
+    if options.options:
+        with tempfile.TemporaryDirectory() as scratch:
+            measure_options(options, scratch)
+        return
     with tempfile.TemporaryDirectory() as scratch:
         machine = measure_machine(options, pathlib.Path(options.sgmp).parent/"tests", scratch)
         print(f"{processor()}, {os.cpu_count()} processors")

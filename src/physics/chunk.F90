@@ -452,7 +452,7 @@ contains
       if (stress) call linear_scatter_force(xi, task%inverse_h, values(1, task%flux + 1), &
                                             stencil(1, plain + 1))
     else
-      call gimp_spread(axes, axes(1, 1, 1, 2), spread)
+      call gimp_spread(axes, axes(1, 1, 1, 2), stress, spread)
       if (plain > 0) call gimp_scatter(plain, spread, values, stencil)
       if (rest < task%nq) call gimp_scatter(task%nq - rest, spread, values(1, rest + 1), &
                                             stencil(1, rest + 1))

@@ -251,32 +251,42 @@ contains
   end function three
 
   !> What the scatters need of a chunk's weights.
-  pure subroutine gimp_spread(s, d, spread)
+  pure subroutine gimp_spread(s, d, forces, spread)
     real(dp), intent(in) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM)  !! weights, slopes per axis
+    logical, intent(in) :: forces                  !! gimp_scatter_force will come, too
     type(gimp_spread_t), intent(out) :: spread
-#if NDIM == 3
-    integer :: l, x, y
-#endif
     call by_point(s(1, 1, NDIM), spread%weight)
+    call products_across(s, s, spread%across(1, 1, 1))
+    if (.not. forces) return
     call by_point(d(1, 1, NDIM), spread%slope)
+#if NDIM > 1
+    call products_across(d, s, spread%across(1, 1, 2))
+#endif
+#if NDIM > 2
+    call products_across(s, d, spread%across(1, 1, 3))
+#endif
+  end subroutine gimp_spread
+
+  !> Products of the factors of all axes but the slowest.
+  pure subroutine products_across(x, y, across)
+    real(dp), intent(in) :: x(lanes, 3, NDIM), y(lanes, 3, NDIM)  !! factors of the first, second axis
+    real(dp), intent(out) :: across(lanes, NACROSS)
 #if NDIM == 1
-    spread%across = 1.0_dp
+    across = 1.0_dp
 #elif NDIM == 2
-    spread%across(:, :, 1) = s(:, :, 1)
-    spread%across(:, :, 2) = d(:, :, 1)
+    across = x(:, :, 1)
 #else
-    do x = 1, 3
-      do y = 1, 3
+    integer :: l, a, b
+    do a = 1, 3
+      do b = 1, 3
         !$omp simd simdlen(8)
         do l = 1, lanes
-          spread%across(l, 3*(x - 1) + y, 1) = s(l, x, 1)*s(l, y, 2)
-          spread%across(l, 3*(x - 1) + y, 2) = d(l, x, 1)*s(l, y, 2)
-          spread%across(l, 3*(x - 1) + y, 3) = s(l, x, 1)*d(l, y, 2)
+          across(l, 3*(a - 1) + b) = x(l, a, 1)*y(l, b, 2)
         end do
       end do
     end do
 #endif
-  end subroutine gimp_spread
+  end subroutine products_across
 
   !> Factors of one axis by point, padded. Transposed in registers, so that points are stored whole:
   !! a load does not have to wait for four small stores.

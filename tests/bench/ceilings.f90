@@ -5,9 +5,9 @@ program ceilings
   !$ use omp_lib, only: omp_get_max_threads
   implicit none
   integer, parameter :: chain = 48        !! sums at a time: enough to hide the latency
-  integer, parameter :: rounds = 2000000
+  integer, parameter :: rounds = 5000000
   integer, parameter :: length = 2**23    !! numbers in each array of the triad: far above any cache
-  integer, parameter :: trials = 8        !! the best of them counts
+  integer, parameter :: trials = 40       !! the best of them counts
   integer :: threads, most
   most = 1
   !$ most = omp_get_max_threads()
