@@ -229,7 +229,8 @@ contains
       call summary%set('phase_seconds.'//trim(phase_names(k)), model%timers%seconds(k))
     end do
     do k = 1, phase_count
-      call summary%set('phase_percent.'//trim(phase_names(k)), 100.0_dp*model%timers%seconds(k)/total)
+      call summary%set('phase_percent.'//trim(phase_names(k)), &
+                       100.0_dp*model%timers%seconds(k)/total)
     end do
   end subroutine summarise_effort
 

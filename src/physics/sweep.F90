@@ -488,7 +488,7 @@ contains
   pure subroutine add_mover(task, forces, first, column1, column2, at, lane, w, g, values, points, &
                             moment)
     type(task_t), intent(in) :: task
-    logical, intent(in) :: forces                 !! MPM, GIMP: columns behind task%forces are forces
+    logical, intent(in) :: forces                 !! MPM, GIMP: there are columns of forces
     integer, intent(in) :: first                  !! column of the first value
     integer, intent(in) :: column1, column2, at(largest_stencil)
     integer, intent(in) :: lane, points           !! lane of the weights; extent of the moments
