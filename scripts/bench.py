@@ -5,8 +5,8 @@ usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT | --options] [--prefix 
 
 In one sitting it measures the machine (multiply-adds from registers, a triad through memory, a plain scalar loop of the
 same method: tests/bench), then every case several times. The median of the solver's own solve_seconds counts (reading the
-deck and making the particles does not). Writes results.json and prints a table; scripts/compare_bench.py puts two of them
-side by side, scripts/plot_bench.py draws the roofline. How flops and bytes are counted: doc/performance.md.
+deck and making the particles does not). Writes results.json and table.md and prints the table; scripts/compare_bench.py
+puts two results side by side, scripts/plot_bench.py draws the roofline. How flops and bytes are counted: doc/performance.md.
 """
 import argparse
 import json
@@ -195,6 +195,18 @@ def show(row):
           f"   {phases}", flush=True)
 
 
+def markdown(rows):
+    """The table of doc/performance.md and README.md."""
+    lines = ["| case | threads | ns, median (least) | target | ratio | of multiply-add peak | of bandwidth | gain over plain loop |",
+             "|---|---|---|---|---|---|---|---|"]
+    for row in rows:
+        target = f"{row['target']} | {row['ns_median']/row['target']:.2f}" if row["target"] else " | "
+        lines.append(f"| {row['case']} | {row['threads']} | {row['ns_median']:.1f} ({row['ns_min']:.1f}) | {target} "
+                     f"| {100*row['share_of_peak']:.0f} % | {100*row['share_of_bandwidth']:.0f} % "
+                     f"| {row['gain_over_reference']:.1f} |")
+    return "\n".join(lines) + "\n"
+
+
 def ratios(rows):
     """Targets that are ratios of two figures: (what, value, target)."""
     found = {(row["case"], row["threads"]): row for row in rows}
@@ -263,7 +275,8 @@ def main():
     results = {"processor": processor(), **machine, "rows": rows,
                "ratios": [{"what": what, "value": value, "target": target} for what, value, target in ratios(rows)]}
     (folder/"results.json").write_text(json.dumps(results, indent=1))
-    print(f"written: {folder/'results.json'}")
+    (folder/"table.md").write_text(markdown(rows))
+    print(f"written: {folder/'results.json'}, {folder/'table.md'}")
 
 
 if __name__ == "__main__":

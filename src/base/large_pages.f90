@@ -14,6 +14,7 @@ module sgmp_large_pages
     !> POSIX; its status is of no interest, for the advice changes no result. Pure for that reason.
     pure subroutine madvise(address, length, advice) bind(c, name='madvise')
       import :: c_int, c_intptr_t, c_size_t
+      implicit none
       integer(c_intptr_t), value :: address
       integer(c_size_t), value :: length
       integer(c_int), value :: advice

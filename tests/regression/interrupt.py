@@ -239,9 +239,10 @@ def other_decks(report, reference):
     name = "deck"
     folder = clear(name)
     shutil.copytree(reference.folder, folder)
+    body = next(number for number, card in enumerate(DECK.splitlines(), 1) if card.startswith("body "))
     refused = execute(line(name, "--restart", "latest", settings={**SETTINGS, "material": "j2"}), name)
     report.check(refused.code == WRONG_DECK and "material=j2" in refused.text and "material=elastic" in refused.text and
-                 "block.inp:" in refused.text, f"other material: exit code {refused.code}\n{refused.text}")
+                 f"block.inp:{body}:1" in refused.text, f"other material: exit code {refused.code}\n{refused.text}")
     for wrong in (DECK + "gravity (0,0,-1)\n", DECK.replace("gauge g point=(1,1,1)\n", ""), DECK + "gauge g2 point=(2,2,2)\n"):
         refused = execute(line(name, "--restart", "latest", text=wrong), name)
         report.check(refused.code == WRONG_DECK and "a restart may change" in refused.text,
