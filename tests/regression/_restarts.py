@@ -12,7 +12,6 @@ from _runs import ENVIRONMENT, INPUT, SCRATCH, SGMP, Run, run
 DIFFERENT = ("run.log", "summary.json")
 # `make test-full` asks for more.
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
-MPIRUN = ["mpirun", "-n", "1"]
 ENVIRONMENT = {**ENVIRONMENT, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
 
@@ -113,7 +112,10 @@ class Going:
     def __init__(self, line, name, launcher=()):
         self.name = name
         self.folder = os.path.join(SCRATCH, name)
-        self.process = subprocess.Popen([*launcher, *line], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=ENVIRONMENT)
+        environment = dict(ENVIRONMENT)
+        if launcher:
+            environment.pop("OMPI_MCA_ess_singleton_isolated", None)
+        self.process = subprocess.Popen([*launcher, *line], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment)
 
     def wait_for(self, condition, seconds=60.0):
         """Waits until something is true or the run has ended; whether it became true."""
