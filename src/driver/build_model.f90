@@ -64,15 +64,19 @@ contains
     allocate (model%bodies(size(scene%bodies)), model%body_sums(size(scene%bodies)))
     call share_make(model%share, model%mesh, kernel, model%normalised, parallel_rank(), &
                     parallel_ranks())
-    call ranks_share(scene, model, kernel, surveys, error)
-    if (allocated(error)) return
+    if (seeded) then
+      call ranks_share(scene, model, kernel, surveys, error)
+      if (allocated(error)) return
+    else
+      allocate (surveys(size(scene%bodies)))
+    end if
     next_id = 1
     heaviest = 0.0_dp
     do b = 1, size(scene%bodies)
       call build_body(scene, b, model, kernel, next_id, seeded, surveys, model%bodies(b), error)
       call parallel_agree(error)
       if (allocated(error)) return
-      if (model%share%ranks > 1) then
+      if (model%share%ranks > 1 .and. seeded) then
         next_id = next_id + sum(surveys(b)%points)
       else
         next_id = next_id + model%bodies(b)%particles%count

@@ -20,7 +20,7 @@ module sgmp_checkpoint
   use sgmp_particles, only: particles_t
   use sgmp_posix, only: file_number, file_reserve, file_sync
   use sgmp_record, only: record_t
-  use sgmp_rows, only: rows_points, rows_t
+  use sgmp_rows, only: key_k, rows_points, rows_t
   use sgmp_scene, only: scene_t, statement_text_t
   use sgmp_state, only: state_pass
   use sgmp_text, only: integer_text
@@ -29,11 +29,13 @@ module sgmp_checkpoint
   private
   public :: checkpoint_bytes, checkpoint_fixed_text, checkpoint_path, checkpoint_set_aside, &
             checkpoint_write
-  public :: checkpoint_format, checkpoint_prefix, checkpoint_suffix, block_columns
+  public :: checkpoint_format, checkpoint_prefix, checkpoint_suffix, block_columns, &
+            plane_columns
 
   character(*), parameter :: checkpoint_format = 'sgmp checkpoint 1'
   character(*), parameter :: checkpoint_prefix = 'checkpoint_', checkpoint_suffix = '.h5'
   integer, parameter :: block_columns = 8192  !! particles or grid points put or got at a time
+  integer, parameter :: plane_columns = 4     !! of the tables of planes
   integer(i8), parameter :: overhead = 2_i8**18  !! bytes allowed for the structure of a file
 
 contains
@@ -120,7 +122,7 @@ contains
       call put_particles(file, '/body_'//integer_text(b), model%bodies(b)%particles)
     end do
     do f = 1, size(model%fields)
-      call put_field(file, '/field_'//integer_text(f), model%fields(f))
+      call put_field(file, '/field_'//integer_text(f), model%fields(f), model%share%own)
     end do
     call file%close(error)
     call parallel_agree(error)
@@ -148,32 +150,74 @@ contains
                                      [1, record%whole_place]), 0_i8)
   end subroutine put_record
 
-  !> Rows of a set as columns key, first, last; ranks follow each other.
-  subroutine put_rows(file, name, rows)
+  !> Intervals of a set whose planes a rank owns: they follow each other.
+  pure function own_intervals(rows, own) result(range)
+    type(rows_t), intent(in) :: rows
+    integer, intent(in) :: own(2)          !! first and last plane
+    integer :: range(2), s
+    range = [rows%n + 1, rows%n]
+    do s = 1, rows%n
+      if (key_k(rows%key(s)) < own(1)) cycle
+      if (key_k(rows%key(s)) > own(2)) then
+        range(2) = s - 1
+        exit
+      end if
+      range(1) = min(range(1), s)
+    end do
+  end function own_intervals
+
+  !> The own rows of a set as columns key, first, last; ranks follow each other. A table of the
+  !! planes tells a reader where in the file each begins: k, intervals, points, particles.
+  subroutine put_rows(file, name, rows, range, particles)
     type(hdf5_file_t), intent(inout) :: file
     character(*), intent(in) :: name
     type(rows_t), intent(in) :: rows
-    integer(i8), allocatable :: table(:, :)
-    integer :: s
-    allocate (table(3, rows%n))
-    do s = 1, rows%n
-      table(:, s) = [rows%key(s), int(rows%first(s), i8), int(rows%last(s), i8)]
+    integer, intent(in) :: range(2)        !! see own_intervals
+    type(particles_t), intent(in), optional :: particles  !! whose bins they are
+    integer(i8), allocatable :: table(:, :), planes(:, :)
+    integer(i8) :: n
+    integer :: s, p
+    n = range(2) - range(1) + 1
+    allocate (table(3, n), planes(plane_columns, n), source=0_i8)
+    p = 0
+    do s = range(1), range(2)
+      table(:, s - range(1) + 1) = [rows%key(s), int(rows%first(s), i8), int(rows%last(s), i8)]
+      if (p > 0) then
+        if (planes(1, p) /= key_k(rows%key(s))) p = -p
+      end if
+      if (p <= 0) then
+        p = 1 - p
+        planes(1, p) = key_k(rows%key(s))
+      end if
+      planes(2:3, p) = planes(2:3, p) + [1_i8, int(rows%last(s) - rows%first(s) + 1, i8)]
+      if (present(particles)) planes(4, p) = planes(4, p) + sum(particles%size( &
+        particles%bin_start(s) + rows%first(s):particles%bin_start(s) + rows%last(s)))
     end do
-    call file%declare(name, hdf5_long, parallel_sum(int(rows%n, i8)), 3)
-    call file%put(name, table, parallel_scan(int(rows%n, i8)))
+    call file%declare(name, hdf5_long, parallel_sum(n), 3)
+    call file%put(name, table, parallel_scan(n))
+    call file%declare(name//'_planes', hdf5_long, parallel_sum(int(p, i8)), plane_columns)
+    call file%put(name//'_planes', planes(:, :p), parallel_scan(int(p, i8)))
   end subroutine put_rows
 
-  !> Bins with their particles, in the order of the bins.
+  !> Own bins with their particles, in the order of the bins.
   subroutine put_particles(file, name, particles)
     type(hdf5_file_t), intent(inout) :: file
     character(*), intent(in) :: name
     type(particles_t), intent(in) :: particles
     integer(i8) :: bins, before
+    integer :: range(2), first, last
     call file%add_group(name)
-    call put_rows(file, name//'/bins', particles%bins)
-    bins = size(particles%size, kind=i8)
+    range = own_intervals(particles%bins, particles%own)
+    call put_rows(file, name//'/bins', particles%bins, range, particles)
+    first = 1
+    last = 0
+    if (range(1) <= range(2)) then
+      first = particles%bin_start(range(1)) + particles%bins%first(range(1))
+      last = particles%bin_start(range(2)) + particles%bins%last(range(2))
+    end if
+    bins = last - first + 1
     call file%declare(name//'/sizes', hdf5_long, parallel_sum(bins), 1)
-    call file%put(name//'/sizes', reshape(int(particles%size, i8), [1, size(particles%size)]), &
+    call file%put(name//'/sizes', reshape(int(particles%size(first:last), i8), [1, int(bins)]), &
                   parallel_scan(bins))
     call file%declare(name//'/ids', hdf5_long, parallel_sum(int(particles%count, i8)), 1)
     call file%declare(name//'/particles', hdf5_real, parallel_sum(int(particles%count, i8)), &
@@ -226,22 +270,25 @@ contains
     end subroutine put_block
   end subroutine put_columns
 
-  !> Projected sums at the points that a field computes.
-  subroutine put_field(file, name, field)
+  !> Projected sums at the points that a field computes on the own planes.
+  subroutine put_field(file, name, field, own)
     type(hdf5_file_t), intent(inout) :: file
     character(*), intent(in) :: name
     type(field_t), intent(in) :: field
+    integer, intent(in) :: own(2)
     real(dp), allocatable :: columns(:, :)
-    integer(i8) :: place
-    integer :: s, first, last, step, base, n
+    integer(i8) :: place, points
+    integer :: s, first, last, step, base, n, range(2)
     call file%add_group(name)
-    call put_rows(file, name//'/points', field%work)
-    call file%declare(name//'/moments', hdf5_real, parallel_sum(rows_points(field%work)), &
-                      field%nmoment)
-    place = parallel_scan(rows_points(field%work))
+    range = own_intervals(field%work, own)
+    call put_rows(file, name//'/points', field%work, range)
+    points = sum(int(field%work%last(range(1):range(2)) - field%work%first(range(1):range(2)) + 1, &
+                     i8))
+    call file%declare(name//'/moments', hdf5_real, parallel_sum(points), field%nmoment)
+    place = parallel_scan(points)
     allocate (columns(field%nmoment, block_columns))
     n = 0
-    do s = 1, field%work%n
+    do s = range(1), range(2)
       base = field%neighbour(0, 0, s)
       first = field%work%first(s)
       do while (first <= field%work%last(s))

@@ -7,14 +7,14 @@ module sgmp_gathering
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_mesh, only: mesh_position
   use sgmp_model, only: model_t
-  use sgmp_parallel, only: parallel_deal, parallel_sum
+  use sgmp_parallel, only: parallel_deal, parallel_max, parallel_scan, parallel_sum
   use sgmp_scene, only: scene_t
   use sgmp_seeding, only: seeding_generate
   use sgmp_snapshot, only: snapshot_field_t, snapshot_t
   use sgmp_sorting, only: sort_order
   implicit none
   private
-  public :: gather_whole, gather_snapshot, gather_body_row, gather_checksum, &
+  public :: gather_whole, gather_slice, gather_snapshot, gather_body_row, gather_checksum, &
             gather_initial_positions, gather_field_known, field_names
 
   character(16), parameter :: field_names(*) = &
@@ -88,21 +88,49 @@ contains
     real(dp), allocatable, intent(in) :: initial(:, :)
     type(snapshot_t), intent(out) :: snapshot
     integer, intent(in), optional :: ids(:)
-    real(dp), allocatable :: columns(:, :), whole(:, :)
-    integer, allocatable :: order(:), chosen(:)
+    integer, allocatable :: chosen(:)
     integer :: p
     call gather_snapshot(model, names, initial, snapshot)
     if (model%share%ranks == 1) return
     chosen = [(p, p=1, size(snapshot%id))]
     if (present(ids)) chosen = pack(chosen, [(any(snapshot%id(p) == ids), p=1, size(snapshot%id))])
+    call deal_snapshot(snapshot, chosen, [(0, p=1, size(chosen))])
+  end subroutine gather_whole
+
+  !> A snapshot of particles dealt out by id: each rank gets a range of ids, behind the `before`
+  !! particles of lower ranks. All ranks must call it.
+  subroutine gather_slice(model, names, initial, snapshot, before, total)
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: names(:)
+    real(dp), allocatable, intent(in) :: initial(:, :)
+    type(snapshot_t), intent(out) :: snapshot
+    integer(i8), intent(out) :: before, total    !! total: of all ranks
+    integer :: p, largest
+    call gather_snapshot(model, names, initial, snapshot)
+    if (model%share%ranks > 1) then
+      largest = nint(parallel_max(real(maxval([0, snapshot%id]), dp)))
+      call deal_snapshot(snapshot, [(p, p=1, size(snapshot%id))], &
+                         int((snapshot%id - 1_i8)*model%share%ranks/max(1, largest)))
+    end if
+    before = parallel_scan(size(snapshot%id, kind=i8))
+    total = parallel_sum(size(snapshot%id, kind=i8))
+  end subroutine gather_slice
+
+  !> Sends particles of a snapshot to other ranks; what arrives is ordered by id.
+  subroutine deal_snapshot(snapshot, chosen, destination)
+    type(snapshot_t), intent(inout) :: snapshot
+    integer, intent(in) :: chosen(:)             !! which particles
+    integer, intent(in) :: destination(:)        !! (chosen) rank, from 0
+    real(dp), allocatable :: columns(:, :), received(:, :)
+    integer, allocatable :: order(:)
     call snapshot_columns(snapshot, columns)
     columns = columns(:, chosen)
-    call parallel_deal(columns, [(0, p=1, size(chosen))], whole)
-    allocate (order(size(whole, 2)))
-    call sort_order(nint(whole(1, :), i8), order)
-    whole = whole(:, order)
-    call snapshot_fill(snapshot, whole)
-  end subroutine gather_whole
+    call parallel_deal(columns, destination, received)
+    allocate (order(size(received, 2)))
+    call sort_order(nint(received(1, :), i8), order)
+    received = received(:, order)
+    call snapshot_fill(snapshot, received)
+  end subroutine deal_snapshot
 
   !> All values of a snapshot, a column for each particle.
   pure subroutine snapshot_columns(snapshot, columns)

@@ -5,7 +5,8 @@ module sgmp_outputs
   use sgmp_energy, only: ledger_total
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: directory_make
-  use sgmp_gathering, only: gather_body_row, gather_initial_positions, gather_whole
+  use sgmp_gathering, only: gather_body_row, gather_initial_positions, gather_slice, &
+                            gather_whole
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
                           gauges_integers, history_columns, history_t, units_text
   use sgmp_kinds, only: dp, i8
@@ -257,17 +258,18 @@ contains
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
     type(snapshot_t) :: snapshot
-    integer(i8) :: total
+    integer(i8) :: before, total
     outputs%dumps = outputs%dumps + 1
     outputs%last_dump_step = model%clock%step
     outputs%last_dump_time = model%clock%time
     if (.not. writes_dumps(scene)) return
-    call gather_whole(model, outputs%fields, outputs%initial, snapshot)
     if (scene%output%vtkhdf) then
-      total = parallel_sum(size(snapshot%id, kind=i8))
-      call outputs%vtkhdf%dump(snapshot, merge(0_i8, total, parallel_rank() == 0), total, error)
+      call gather_slice(model, outputs%fields, outputs%initial, snapshot, before, total)
+      call outputs%vtkhdf%dump(snapshot, before, total, error)
       if (allocated(error)) return
     end if
+    if (.not. (scene%output%vtu .or. scene%output%tecplot)) return
+    call gather_whole(model, outputs%fields, outputs%initial, snapshot)
     if (parallel_rank() == 0) then
       if (scene%output%vtu) call outputs%vtu%dump(snapshot, error)
       if (scene%output%tecplot .and. .not. allocated(error)) then

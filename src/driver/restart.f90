@@ -3,7 +3,7 @@
 module sgmp_restart
   use sgmp_build_model, only: model_build
   use sgmp_checkpoint, only: block_columns, checkpoint_fixed_text, checkpoint_format, &
-                             checkpoint_path, checkpoint_prefix, checkpoint_suffix
+                             checkpoint_path, checkpoint_prefix, checkpoint_suffix, plane_columns
   use sgmp_errors, only: error_make, error_t, exit_deck, exit_io
   use sgmp_field, only: field_t
   use sgmp_file_tools, only: newline
@@ -11,14 +11,16 @@ module sgmp_restart
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_t
-  use sgmp_parallel, only: parallel_agree
+  use sgmp_parallel, only: parallel_agree, parallel_any
   use sgmp_particles, only: particles_lay_out, particles_pad, particles_t
   use sgmp_phases, only: phase_close_sums, phase_layout, phase_open_sums
   use sgmp_posix, only: file_number
+  use sgmp_ranks, only: ranks_hold, ranks_renew_bins
   use sgmp_record, only: record_t
-  use sgmp_rows, only: rows_contains, rows_points, rows_t
+  use sgmp_rows, only: key_k, rows_contains, rows_points, rows_t
   use sgmp_run_log, only: log_t
   use sgmp_scene, only: scene_t
+  use sgmp_share, only: share_cut, share_t
   use sgmp_state, only: state_pass
   use sgmp_text, only: integer_text
   implicit none
@@ -153,24 +155,51 @@ contains
     particle_steps = 0_i8
     call get_record(file, record)
     if (file%good()) call state_pass(record, model, outputs, particle_steps)
-    fits = record%ended()
+    fits = record%ended() .and. file%good()
+    if (fits) call cut_planes(file, model)
     do b = 1, size(model%bodies)
-      call get_particles(file, '/body_'//integer_text(b), model%bodies(b)%particles, fits)
-      if (.not. (fits .and. file%good())) exit
+      if (fits) call get_particles(file, '/body_'//integer_text(b), model%bodies(b)%particles, fits)
     end do
-    if (fits .and. file%good()) call phase_layout(model)
-    do f = 1, size(model%fields)
-      if (.not. (fits .and. file%good())) exit
-      call get_field(file, '/field_'//integer_text(f), model%fields(f), fits)
-    end do
-    if (.not. fits) then
-      call error_make(error, exit_io, "cannot read '"//path//"': it does not fit the model of "// &
-                      'this deck')
-      return
+    fits = .not. parallel_any(.not. (fits .and. file%good()))
+    if (fits) then
+      call ranks_renew_bins(model)
+      call phase_layout(model)
+      do f = 1, size(model%fields)
+        if (fits) call get_field(file, '/field_'//integer_text(f), model%fields(f), model%share, &
+                                 fits)
+      end do
     end if
-    call phase_open_sums(model)
-    call phase_close_sums(model, .false.)
+    if (.not. fits) call error_make(error, exit_io, "cannot read '"//path// &
+                                    "': it does not fit the model of this deck")
   end subroutine take_state
+
+  !> Gives every rank planes with about as many particles.
+  subroutine cut_planes(file, model)
+    type(hdf5_file_t), intent(inout) :: file
+    type(model_t), intent(inout) :: model
+    integer(i8), allocatable :: planes(:, :)
+    real(dp), allocatable :: load(:)
+    integer :: b, p, low, high, pass
+    low = huge(1)
+    high = -huge(1)
+    do pass = 1, 2
+      if (pass == 2) allocate (load(low:max(low - 1, high)), source=0.0_dp)
+      do b = 1, size(model%bodies)
+        call get_table(file, '/body_'//integer_text(b)//'/bins_planes', plane_columns, planes)
+        if (size(planes, 2) == 0) cycle
+        low = min(low, int(planes(1, 1)))
+        high = max(high, int(planes(1, size(planes, 2))))
+        if (pass == 1) cycle
+        do p = 1, size(planes, 2)
+          load(planes(1, p)) = load(planes(1, p)) + planes(4, p)
+        end do
+      end do
+    end do
+    if (high >= low) call share_cut(model%share, low, load)
+    do b = 1, size(model%bodies)
+      call ranks_hold(model%share, model%bodies(b)%particles)
+    end do
+  end subroutine cut_planes
 
   subroutine get_record(file, record)
     type(hdf5_file_t), intent(inout) :: file
@@ -190,24 +219,53 @@ contains
     record%wholes = wholes(1, :)
   end subroutine get_record
 
-  !> A set of rows.
-  subroutine get_rows(file, name, rows)
+  !> A table of whole numbers, all of it.
+  subroutine get_table(file, name, columns, table)
     type(hdf5_file_t), intent(inout) :: file
     character(*), intent(in) :: name
-    type(rows_t), intent(out) :: rows
-    integer(i8), allocatable :: table(:, :)
+    integer, intent(in) :: columns
+    integer(i8), allocatable, intent(out) :: table(:, :)
     integer(i8) :: n
-    integer :: three
-    call file%extent(name, three, n)
-    allocate (table(3, max(n, 0_i8)), source=0_i8)
-    call file%get(name, table, 0_i8)
-    rows%n = size(table, 2)
+    integer :: rows
+    call file%extent(name, rows, n)
+    allocate (table(columns, max(n, 0_i8)), source=0_i8)
+    if (rows == columns) call file%get(name, table, 0_i8)
+  end subroutine get_table
+
+  !> The rows of a set on some planes, and how many points and particles of the file come before.
+  subroutine get_rows(file, name, held, rows, points_before, particles_before)
+    type(hdf5_file_t), intent(inout) :: file
+    character(*), intent(in) :: name
+    integer, intent(in) :: held(2)         !! first and last plane
+    type(rows_t), intent(out) :: rows
+    integer(i8), intent(out) :: points_before, particles_before
+    integer(i8), allocatable :: planes(:, :), table(:, :)
+    integer(i8) :: before, n
+    integer :: p
+    call get_table(file, name//'_planes', plane_columns, planes)
+    before = 0_i8
+    points_before = 0_i8
+    particles_before = 0_i8
+    n = 0_i8
+    do p = 1, size(planes, 2)
+      if (planes(1, p) > held(2)) exit
+      if (planes(1, p) < held(1)) then
+        before = before + planes(2, p)
+        points_before = points_before + planes(3, p)
+        particles_before = particles_before + planes(4, p)
+      else
+        n = n + planes(2, p)
+      end if
+    end do
+    allocate (table(3, n), source=0_i8)
+    call file%get(name, table, before)
+    rows%n = int(n)
     rows%key = table(1, :)
     rows%first = int(table(2, :))
     rows%last = int(table(3, :))
   end subroutine get_rows
 
-  !> The particles of a body in their bins.
+  !> The particles of a body in their bins, those of the own planes.
   subroutine get_particles(file, name, particles, fits)
     type(hdf5_file_t), intent(inout) :: file
     character(*), intent(in) :: name
@@ -216,20 +274,18 @@ contains
     type(rows_t) :: bins
     integer(i8), allocatable :: sizes(:, :)
     integer, allocatable :: slot(:)
-    integer(i8) :: n
+    integer(i8) :: n, bins_before, before
     integer :: rows
-    call get_rows(file, name//'/bins', bins)
-    allocate (sizes(1, rows_points(bins)), source=0_i8)
-    call file%extent(name//'/sizes', rows, n)
-    fits = fits .and. n == size(sizes)
+    call get_rows(file, name//'/bins', particles%own, bins, bins_before, before)
     call file%extent(name//'/particles', rows, n)
-    fits = fits .and. rows == particles%na + particles%nb
-    if (.not. (fits .and. file%good())) return
-    call file%get(name//'/sizes', sizes, 0_i8)
-    fits = sum(sizes) == n
+    fits = rows == particles%na + particles%nb .and. file%good()
+    if (.not. fits) return
+    allocate (sizes(1, rows_points(bins)), source=0_i8)
+    call file%get(name//'/sizes', sizes, bins_before)
+    fits = before + sum(sizes) <= n .and. file%good()
     if (.not. fits) return
     call particles_lay_out(particles, bins, int(sizes(1, :)), slot)
-    call get_columns(file, name, particles, slot, 0_i8)
+    call get_columns(file, name, particles, slot, before)
     call particles_pad(particles)
   end subroutine get_particles
 
@@ -263,23 +319,24 @@ contains
     end do
   end subroutine get_columns
 
-  !> The projected sums of a field at the points that it computes here.
-  subroutine get_field(file, name, field, fits)
+  !> The projected sums of a field at the points of the own planes and of those held beside them.
+  subroutine get_field(file, name, field, share, fits)
     type(hdf5_file_t), intent(inout) :: file
     character(*), intent(in) :: name
     type(field_t), intent(inout) :: field
+    type(share_t), intent(in) :: share
     logical, intent(inout) :: fits
     type(rows_t) :: points
     real(dp), allocatable :: columns(:, :)
-    integer(i8), allocatable :: before(:)  !! points in front of each interval of the file
+    integer(i8), allocatable :: before(:)  !! points in front of each interval
     integer(i8) :: total, place, first, last
-    integer :: rows, s, w, i
-    call get_rows(file, name//'/points', points)
+    integer :: held(2), rows, s, w, i, k
+    held = share%own + [-share%moments(1), share%moments(2)]
+    call get_rows(file, name//'/points', held, points, place, first)
     call file%extent(name//'/moments', rows, total)
-    fits = fits .and. rows == field%nmoment .and. total == rows_points(points)
-    if (.not. (fits .and. file%good())) return
+    fits = rows == field%nmoment .and. place + rows_points(points) <= total .and. file%good()
+    if (.not. fits) return
     allocate (columns(rows, min(total, int(block_columns, i8))), before(points%n))
-    place = 0_i8
     do s = 1, points%n
       before(s) = place
       place = place + points%last(s) - points%first(s) + 1
@@ -287,10 +344,14 @@ contains
     first = 0_i8
     last = 0_i8                            ! columns holds the points first + 1 to last
     do w = 1, field%work%n
-      s = rows_contains(points, field%work%key(w), field%work%first(w))
-      fits = s > 0
-      if (fits) fits = points%last(s) >= field%work%last(w)
-      if (.not. fits) return
+      k = key_k(field%work%key(w))
+      if (k < held(1) .or. k > held(2)) cycle
+      s = interval_around(points, field%work%key(w), field%work%first(w), field%work%last(w))
+      if (s == 0) then
+        fits = k < share%own(1) .or. k > share%own(2)  ! elsewhere nobody reads such points
+        if (.not. fits) return
+        cycle
+      end if
       do i = field%work%first(w), field%work%last(w)
         place = before(s) + i - points%first(s) + 1
         if (place <= first .or. place > last) then
@@ -302,5 +363,16 @@ contains
       end do
     end do
   end subroutine get_field
+
+  !> Interval that holds the points first to last of a row, 0 if none.
+  pure function interval_around(rows, key, first, last) result(s)
+    type(rows_t), intent(in) :: rows
+    integer(i8), intent(in) :: key
+    integer, intent(in) :: first, last
+    integer :: s
+    s = rows_contains(rows, key, first)
+    if (s == 0) return
+    if (rows%last(s) < last) s = 0
+  end function interval_around
 
 end module sgmp_restart

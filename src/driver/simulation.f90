@@ -13,7 +13,7 @@ module sgmp_simulation
   use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_close, outputs_flush, outputs_next_time, outputs_open, &
                           outputs_step, outputs_stop, outputs_t
-  use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_ranks
+  use sgmp_parallel, only: parallel_agree, parallel_rank
   use sgmp_report, only: effort_share, effort_t, report_banner, report_courant, report_end, &
                          report_fraction, report_level, report_remaining, report_row, &
                          report_start, summary_write
@@ -125,8 +125,6 @@ contains
     started = wall_time()
     effort%restart = ''
     if (options%restart /= '') then
-      call one_rank_only('a restart', error)
-      if (allocated(error)) return
       call restart_find(options%restart, folder, log, effort%restart, error)
       if (allocated(error)) return
       if (effort%restart == '') call log%warning("no checkpoint in '"//folder// &
@@ -148,15 +146,6 @@ contains
     if (allocated(error)) return
     call outputs_open(outputs, scene, model, folder, error, effort%restart /= '')
   end subroutine begin
-
-  !> Refuses what is not yet written for several ranks.
-  subroutine one_rank_only(what, error)
-    character(*), intent(in) :: what
-    type(error_t), allocatable, intent(out) :: error
-    if (parallel_ranks() == 1) return
-    call error_make(error, exit_io, what//' works on one rank only so far', &
-                    'run on one rank, with as many threads as there are cores')
-  end subroutine one_rank_only
 
   !> Steps until the end, a stop condition, a stop that was asked for, or a failure.
   subroutine time_loop(scene, model, outputs, log, stopping, effort, error)
@@ -232,11 +221,10 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer(i8) :: particle_steps
     real(dp) :: started
-    call one_rank_only('a checkpoint', error)
-    if (allocated(error)) return
     started = wall_time()
     particle_steps = effort%earlier_particle_steps + effort%particle_steps
     call outputs_flush(outputs, error)
+    call parallel_agree(error)
     if (.not. allocated(error)) call checkpoint_write(scene, model, outputs, particle_steps, &
                                                       outputs%folder, error)
     if (allocated(error)) return

@@ -452,12 +452,14 @@ contains
     character(*), intent(in) :: name
     real(dp), intent(in), target, contiguous :: values(:, :)
     integer(i8), intent(in) :: before
-    integer(i8), pointer :: words(:)
+    integer(i8), pointer, contiguous :: words(:)
+    integer :: n(1)
     if (size(values) == 0) return
     call put_columns(self, name, hdf5_real, c_loc(values), size(values, 1), &
                      size(values, 2, kind=i8), before)
     if (.not. self%summed) return
-    call c_f_pointer(c_loc(values), words, [size(values)])
+    n(1) = size(values)
+    call c_f_pointer(c_loc(values), words, n)
     call add_sums(self, name, words, before*size(values, 1))
   end subroutine put_reals
 
@@ -466,12 +468,14 @@ contains
     character(*), intent(in) :: name
     integer(i8), intent(in), target, contiguous :: values(:, :)
     integer(i8), intent(in) :: before
-    integer(i8), pointer :: words(:)
+    integer(i8), pointer, contiguous :: words(:)
+    integer :: n(1)
     if (size(values) == 0) return
     call put_columns(self, name, hdf5_long, c_loc(values), size(values, 1), &
                      size(values, 2, kind=i8), before)
     if (.not. self%summed) return
-    call c_f_pointer(c_loc(values), words, [size(values)])
+    n(1) = size(values)
+    call c_f_pointer(c_loc(values), words, n)
     call add_sums(self, name, words, before*size(values, 1))
   end subroutine put_longs
 

@@ -11,7 +11,7 @@ import signal
 import subprocess
 import time
 
-from _restarts import (ENVIRONMENT, FULL, MPIRUN, Going, checkpoints, clear, command, deck, execute, path_of, same_files,
+from _restarts import (ENVIRONMENT, FULL, Going, checkpoints, clear, command, deck, execute, mpirun, path_of, same_files,
                        straight)
 from _runs import SCRATCH, Report, Run
 
@@ -67,7 +67,8 @@ def requests(report, reference):
     stops(report, reference, "sigterm", lambda going: going.end(signal.SIGTERM))
     stops(report, reference, "sigusr1", lambda going: going.end(signal.SIGUSR1), threads=2)
     stops(report, reference, "sigxcpu", lambda going: going.end(signal.SIGXCPU))
-    stops(report, reference, "mpirun", lambda going: going.end(signal.SIGTERM), MPIRUN)
+    stops(report, reference, "mpirun", lambda going: going.end(signal.SIGTERM), mpirun(1))
+    stops(report, reference, "ranks", lambda going: going.end(signal.SIGTERM), mpirun(2))
     stops(report, reference, "file", by_file)
     report.check(not os.path.exists(os.path.join(SCRATCH, "stop_file", "stop")), "the stop file is still there")
     name = "time_limit"

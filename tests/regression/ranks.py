@@ -12,7 +12,7 @@ import sys
 
 from _runs import ENVIRONMENT, INPUT, SCRATCH, SGMP, Report, Run
 
-FULL = "--full" in sys.argv[4:]
+FULL = "--full" in sys.argv[4:] or os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]
 FEW = [(1, 1), (2, 1), (3, 2)]
 MPI = {**ENVIRONMENT, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",

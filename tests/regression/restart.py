@@ -3,7 +3,7 @@
 
 usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 """
-from _restarts import checkpoints, deck, goes_on, straight
+from _restarts import FULL, checkpoints, deck, goes_on, mpirun, straight
 from _runs import Report
 
 EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
@@ -71,9 +71,30 @@ def variants(name):
         yield method, "musl"
 
 
+def other_ranks(report):
+    """Checkpoints of some ranks, continued by others."""
+    wanted = {"block", "leaving", "normalised", "taylor_bar", "bar", "automatic"} if FULL else {"block", "leaving"}
+    for name, text, settings, steps, _ in SCENES:
+        if name not in wanted:
+            continue
+        for method in ("sgmp", "gimp", "mpm") if name == "block" else ("sgmp",):
+            choice = {"method": method} if "include" in text else {}
+            card = text + f"checkpoint every={max(2, steps//5)} keep=100\n"
+            title = f"ranks_{name}_{method}"
+            reference = straight(report, title, card, **settings, **choice)
+            middle = checkpoints(reference.folder)[1]
+            for before, after, threads in ((1, 2, 1), (3, 1, 2), (2, 3, 1)) if FULL or method == "sgmp" else ((2, 3, 1),):
+                source = None
+                if before > 1:
+                    source = straight(report, f"{title}_{before}", card, launcher=mpirun(before), **settings, **choice)
+                goes_on(report, reference, f"{title}_{before}_{after}", card, middle, threads, mpirun(after), source,
+                        **settings, **choice)
+
+
 def main():
     """Straight and interrupted runs of all scenes."""
     report = Report()
+    other_ranks(report)
     for name, text, settings, steps, threads in SCENES:
         for method, update in variants(name):
             choice = {"method": method, "update": update} if "include" in text else {}
