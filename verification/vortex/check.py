@@ -76,7 +76,7 @@ def check(book, full):
             if at == part:
                 axis.loglog([1 / n for n in plan[amplitude][:len(values)]], values, styles[amplitude], color=COLOURS[method], marker=MARKERS[method],
                             markersize=4, label=f"{NAMES[method]}, A = {amplitude}")
-        slope_triangle(axis, 1 / plan[0.25][-1] * 1.3, 0.5 * min(errors[0.25, "normalised", 0.5]), 2)
+        slope_triangle(axis, 1 / plan[0.25][-1] * 1.3, 0.5 * min(errors[0.25, "normalised", 0.5]), 2, 2.0 if full else 1.3)
         cell_ticks(axis, plan[0.25])
         axis.set(xlabel="cell size h (m)")
         axis.set_title(title, loc="left", fontweight="bold")
