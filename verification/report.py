@@ -60,14 +60,14 @@ def anchor(title):
     return "".join(c if c.isalnum() else "-" for c in title.lower())
 
 
-def write(book, command, version):
+def write(book, command, version, took):
     """report.html and results.json of a book."""
     passed = sum(r["pass"] for r in book.results)
     failed = len(book.failed())
     body = ["<!doctype html><html lang=en><head><meta charset=utf-8><title>sgmp: verification</title>", f"<style>{STYLE}</style></head><body>",
             "<h1>sgmp: the examples of the SGMP paper beside their references</h1>",
             f"<p>{html.escape(version)} · <code>{html.escape(command)}</code> · {time.strftime('%Y-%m-%d')} · "
-            f"{html.escape(platform.machine())}, one core per run</p>",
+            f"{html.escape(platform.machine())}, one core per run, {took}</p>",
             f"<p class={'fail' if failed else 'pass'}>{len(book.results)} checks: {passed} pass, {len(book.results) - passed - failed} deviate for a "
             f"known reason, {failed} fail.</p>",
             "<nav>" + "".join(f"<a href='#{anchor(s.title)}'>{html.escape(s.title)}</a>" for s in book.sections) + "<a href='#checks'>All checks</a></nav>"]
@@ -93,12 +93,12 @@ def write(book, command, version):
                                                           "checks": len(book.results), "passed": passed, "failed": failed, "results": book.results}, indent=1))
 
 
-def publish(book, folder, command, version):
+def publish(book, folder, command, version, took):
     """A copy of figures and tables, with the results as a page of Markdown."""
     folder = Path(folder)
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    lines = ["# Verification report", "", f"Written by `{command}` on {time.strftime('%Y-%m-%d')}, {version}; do not edit.",
+    lines = ["# Verification report", "", f"Written by `{command}` on {time.strftime('%Y-%m-%d')} in {took}, {version}; do not edit.",
              "The run also leaves `build/verification/report.html`, one page with all of this.", ""]
     for section in book.sections:
         lines += [f"## {section.title}", ""]

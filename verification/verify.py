@@ -13,6 +13,7 @@ if a check fails, 2 if an example could not be run. Needs numpy and matplotlib, 
 import argparse
 import importlib.util
 import json
+import os
 import sys
 import time
 import traceback
@@ -60,9 +61,10 @@ def main():
     command = "make verify-full" if arguments.full else "make verify"
     if arguments.examples:
         command = " ".join(["verification/verify.py", *arguments.examples] + ["--full"] * arguments.full)
-    report.write(book, command, version())
+    took = f"{(time.time() - start) / 60:.0f} minutes on {os.cpu_count()} cores"
+    report.write(book, command, version(), took)
     if arguments.full and not arguments.examples:
-        report.publish(book, ROOT / "doc/verification", command, version())
+        report.publish(book, ROOT / "doc/verification", command, version(), took)
     failed = book.failed()
     passed = sum(result["pass"] for result in book.results)
     print(f"\n{len(book.results)} checks: {passed} pass, {len(book.results) - passed - len(failed)} known deviations, {len(failed)} fail; "

@@ -37,6 +37,9 @@ SCENES = [
     ("jwl_3d", SPACE, {}),
     ("contact", "two_blocks.inp", {"width": 5, "length": 4, "steps": 60, "drift": 0.3, "speed": 0.05}),
     ("bar", "bar.inp", {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1}),
+    ("normalised_block", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3, "jitter": 0.4, "stress": "normalised"}),
+    ("normalised_beam", "beam.inp", {"h": 1.25, "t_end": 0.003, "stress": "normalised"}),
+    ("normalised_bar", "bar.inp", {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1, "stress": "normalised"}),
 ]
 
 
@@ -45,7 +48,7 @@ def same_for_threads(report):
     for name, deck, settings in SCENES:
         everything = name in ("jittered", "rotated_bar")
         for method in ("sgmp", "gimp", "mpm", "cpgimp") if everything else ("sgmp",):
-            for update in ("musl", "usf", "usl") if everything and method in ("sgmp", "gimp") else ("musl",):
+            for update in ("musl", "usf", "usl", "usavg") if everything and method in ("sgmp", "gimp") else ("musl",):
                 sums = {}
                 for threads in (1, 2, 3) + ((7,) if name == "jittered" and update == "musl" else ()):
                     title = f"{name}_{method}_{update}_{threads}"

@@ -45,6 +45,11 @@ def convergence(book, full):
             method = "normalised" if "stress" in parameters else "sgmp"
             for n, run in zip(used, solve([Case("bar_rotated", cells=n, method="sgmp", **parameters) for n in used])):
                 points.append(point(curve, method, f"h = 1/{n}", run, error_along(run, 0.02), line))
+            if method == "normalised":
+                found = [p["error"] for p in points if p["method"] == method]
+                book.at_least("bar at 45 degrees", "least order of SGMP with normalised stress, 1/16 to 1/128", min(slopes([1 / n for n in used], found)), 1.9)
+                book.at_most("bar at 45 degrees", "error with normalised stress against plain, largest relative difference",
+                             max(abs(a / b - 1) for a, b in zip(found, errors["sgmp"])), 0.02)
     work_precision(book, "bar_rotated_work_precision", "Bar at 45 degrees, t = 0.02 s, dt = 10 µs", points, "error e (m)", (1e-5, 3e-6, 1e-6))
 
 

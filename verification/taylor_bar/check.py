@@ -7,7 +7,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import numpy as np  # noqa: E402
-from common import COLOURS, NAMES, Case, main, solve, subplots, work_precision  # noqa: E402
+from common import COLOURS, NAMES, Case, main, point, solve, subplots, work_precision  # noqa: E402
 from taylor_bar_report import measure  # noqa: E402
 
 METHODS = ("mpm", "gimp", "sgmp")
@@ -128,7 +128,7 @@ def table4(book, sizes, repeats):
             base_seconds, base_ns = cost["mpm", h]
             rows.append([NAMES[method], h, run.summary["particles"], SOUND[method], run.summary["steps"], seconds, seconds / base_seconds - 1,
                          ns, ns / base_ns - 1, 100 * error])
-            points.append({"curve": NAMES[method], "method": method, "setting": f"h = {h} mm, CFL {SOUND[method]}", "cpu_seconds": seconds, "error": error})
+            points.append(point(NAMES[method], method, f"h = {h} mm, CFL {SOUND[method]}", run, error, seconds=seconds))
     book.table("taylor_bar_cost", ["method", "h (mm)", "particles", "CFL", "steps", "T (s)", "T / MPM - 1", "ns per particle-step", "TPS / MPM - 1", "e (%)"],
                rows, f"Cost (Table 4): CPU time T of the time loop without output, in all and per particle and step; the least of {repeats} runs, one core.")
     work_precision(book, "taylor_bar_work_precision", "Taylor bar, 80 µs", points, "error e", (0.025, 0.015))

@@ -32,8 +32,10 @@ def error(run, part):
     raise ValueError(f"no dump at t = {part} in {run.folder}")
 
 
-def runs_of(method, amplitude, sizes):
-    return solve([Case("vortex", keep_dumps=True, amplitude=amplitude, cells=n, cfl=CFL, **VARIANTS[method]) for n in sizes])
+def case_of(method, amplitude, cells):
+    """With A = 1 only half a period is run: after that, particles of all methods go astray and the time step with them."""
+    part = {"part": 0.5} if amplitude == 1.0 else {}
+    return Case("vortex", keep_dumps=True, amplitude=amplitude, cells=cells, cfl=CFL, **part, **VARIANTS[method])
 
 
 def check(book, full):
@@ -41,21 +43,29 @@ def check(book, full):
     book.say("Rings of a neo-Hookean block turn about its centre and back, driven by the body force that makes α = (A/2)(1 - cos 2πt/T)(1 - 16 (R-1)²)³ exact. "
              "The block goes on on both sides of the ring that moves, so no free surface limits the order; the walls are far. The largest shear is 6.9 A. "
              f"Two particles per cell and axis, ν = 0.3, CFL {CFL} (0.4 changes the error at 1/32 by less than 1 %).")
-    plan = {0.25: (16, 32, 64, 128), 0.5: (16, 32, 64), 1.0: (16, 32)} if full else {0.25: (16, 32)}
+    plan = {0.25: (16, 32, 64, 128), 0.5: (16, 32), 1.0: (16, 32)} if full else {0.25: (16, 32)}
+    keys = [(amplitude, method, n) for amplitude, sizes in plan.items() for method in METHODS for n in sizes
+            if method != "cpgimp" or (amplitude == 0.25 and n < 64)]
+    keys.sort(key=lambda key: -key[2])                      # the long runs first, so that no core waits for them in the end
+    runs = dict(zip(keys, solve([case_of(method, amplitude, n) for amplitude, method, n in keys])))
     rows, points, errors = [], [], {}
     for amplitude, sizes in plan.items():
+        parts = (0.5,) if amplitude == 1.0 else (0.5, 1.0)
         for method in METHODS:
-            used = sizes if method != "cpgimp" else tuple(n for n in sizes if n < 128)
-            runs = runs_of(method, amplitude, used)
-            book.command(runs[0].case)
-            for part in (0.5, 1.0):
-                errors[amplitude, method, part] = [error(run, part) for run in runs]
-            half, whole = (errors[amplitude, method, part] for part in (0.5, 1.0))
-            for i, (n, run) in enumerate(zip(used, runs)):
-                order = [f"{slopes([1 / used[i - 1], 1 / n], e[i - 1:i + 1])[0]:.2f}" if i else "" for e in (half, whole)]
-                rows.append([NAMES[method], amplitude, f"1/{n}", half[i], order[0], whole[i], order[1], run.loop_seconds, run.cpu_ns])
+            used = [n for n in sizes if (amplitude, method, n) in runs]
+            if not used:
+                continue
+            book.command(runs[amplitude, method, used[0]].case)
+            for part in parts:
+                errors[amplitude, method, part] = [error(runs[amplitude, method, n], part) for n in used]
+            for i, n in enumerate(used):
+                run, cells = runs[amplitude, method, n], []
+                for part in (0.5, 1.0):
+                    e = errors.get((amplitude, method, part))
+                    cells += [e[i], f"{slopes([1 / used[i - 1], 1 / n], e[i - 1:i + 1])[0]:.2f}" if i else ""] if e else ["", ""]
+                rows.append([NAMES[method], amplitude, f"1/{n}", *cells, run.loop_seconds, run.cpu_ns])
                 if amplitude == 0.25:
-                    points.append(point(NAMES[method], method, f"h = 1/{n}", run, whole[i]))
+                    points.append(point(NAMES[method], method, f"h = 1/{n}", run, errors[amplitude, method, 1.0][i]))
     book.table("vortex", ["method", "A", "h (m)", "e(T/2) (m)", "order", "e(T) (m)", "order", "CPU time (s)", "ns per particle-step"], rows,
                "Root mean square error of the positions of all particles. Most of the time is spent in evaluating the body force.")
     judge(book, full, errors)
@@ -66,7 +76,7 @@ def check(book, full):
             if at == part:
                 axis.loglog([1 / n for n in plan[amplitude][:len(values)]], values, styles[amplitude], color=COLOURS[method], marker=MARKERS[method],
                             markersize=4, label=f"{NAMES[method]}, A = {amplitude}")
-        slope_triangle(axis, 1 / plan[0.25][-1] * 1.3, 0.5 * min(errors[0.25, "normalised", 0.5]), 2)
+        slope_triangle(axis, 1 / plan[0.25][-1] * 1.3, 0.5 * min(errors[0.25, "normalised", 0.5]), 2, 2.0 if full else 1.3)
         cell_ticks(axis, plan[0.25])
         axis.set(xlabel="cell size h (m)")
         axis.set_title(title, loc="left", fontweight="bold")
