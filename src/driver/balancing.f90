@@ -14,7 +14,7 @@ module sgmp_balancing
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
   use sgmp_rebinning, only: particles_rebin
   use sgmp_rows, only: key_k
-  use sgmp_scene, only: balance_card_t
+  use sgmp_scene, only: balance_card_t, update_usavg, update_usf
   use sgmp_share, only: share_cut, share_imbalance, share_loads, share_owner, share_t
   use sgmp_timers, only: phase_balance, phase_drift, phase_grid, phase_kick, timers_start, &
                          timers_stop
@@ -164,14 +164,24 @@ contains
     call ranks_renew_bins(model)
     call phase_layout(model)
     do f = 1, size(model%fields)
-      columns = [1, model%fields(f)%nmoment]
-      call halo_clear(model%fields(f), 1, model%fields(f)%planes, columns)
+      columns = columns_alive(model, f)
+      call halo_clear(model%fields(f), 1, model%fields(f)%planes, [1, model%fields(f)%nmoment])
       call halo_get_planes(model%fields(f), columns, none, sums(f), complete)
       if (complete .or. allocated(model%failure)) cycle
       call error_make(model%failure, exit_numerical, 'grid sums got lost between ranks', &
                       'this is a fault of the program: report it')
     end do
   end subroutine move
+
+  !> Columns of the moments that the next step reads: where it begins with a stress update, the
+  !! stresses are those of the last one, for bins that particles have left.
+  pure function columns_alive(model, f) result(columns)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: f
+    integer :: columns(2)
+    columns = [1, model%fields(f)%nmoment]
+    if (any(model%update == [update_usf, update_usavg])) columns(2) = 1 + model%mesh%ndim
+  end function columns_alive
 
   !> Sends the sums of the own planes to all ranks that will hold them, own or beside their own.
   subroutine trade_sums(model, new, f, received)
@@ -189,7 +199,7 @@ contains
           if (k < new%cuts(r) - new%moments(1)) cycle
           if (k > new%cuts(r + 1) - 1 + new%moments(2)) cycle
         end associate
-        call halo_put_moments(model%fields(f), p, [1, model%fields(f)%nmoment], all)
+        call halo_put_moments(model%fields(f), p, columns_alive(model, f), all)
       end do
       counts(r) = all%n - before
     end do

@@ -18,8 +18,8 @@ module sgmp_report
   use sgmp_version, only: commit_hash, compiler_string, version_string
   implicit none
   private
-  public :: effort_t, effort_share, report_balance, report_banner, report_courant, report_end, report_fraction, &
-            report_level, report_remaining, report_row, report_start, summary_write
+  public :: effort_t, effort_share, report_balance, report_banner, report_courant, report_end, &
+            report_fraction, report_level, report_remaining, report_row, report_start, summary_write
 
   !> What a run has cost.
   type :: effort_t
