@@ -390,6 +390,13 @@ contains
     call registry%key('every', kind_integer, 'after every so many steps', range='[1,inf)')
     call registry%key('minutes', kind_real, 'after so many minutes of wall time', range='(0,inf)')
     call registry%key('keep', kind_integer, 'how many are kept', range='[1,inf)', default='2')
+    call registry%card('balance', 'How work is divided anew among the ranks of a parallel run, '// &
+                       'which changes no result.', 'balance every=100 gain=0.1', once=.true., &
+                       free=.true.)
+    call registry%key('every', kind_integer, 'look after every so many steps; 0: never', &
+                      range='[0,inf)', default='16')
+    call registry%key('gain', kind_real, 'cut anew if the largest load shrinks by this part', &
+                      range='[0,1)', default='0.05')
   end subroutine register_output
 
 end module sgmp_deck_table

@@ -13,6 +13,7 @@ module sgmp_scene
   public :: scene_t, scene_free, grid_card_t, method_card_t, time_card_t, material_card_t, &
     body_card_t, shape_t, bodyforce_card_t, &
             detonation_card_t, output_card_t, gauge_card_t, stop_card_t, checkpoint_card_t, &
+            balance_card_t, &
             statement_text_t
   public :: wall_free, wall_slip, wall_fixed
   public :: method_mpm, method_gimp, method_cpgimp, method_sgmp, method_names
@@ -195,6 +196,12 @@ module sgmp_scene
     real(dp) :: history_every = 0.0_dp            !! or every so much time (0: by steps)
   end type output_card_t
 
+  !> When the cuts between ranks are moved.
+  type :: balance_card_t
+    integer :: every = 16              !! steps between looks; 0: never
+    real(dp) :: gain = 0.05_dp         !! part by which the largest load must shrink
+  end type balance_card_t
+
   !> When checkpoints are written.
   type :: checkpoint_card_t
     integer :: every = 0                          !! steps; 0: not by steps
@@ -237,6 +244,7 @@ module sgmp_scene
     type(gauge_card_t), allocatable :: gauges(:)
     type(stop_card_t) :: stop
     type(checkpoint_card_t) :: checkpoint
+    type(balance_card_t) :: balance
     logical :: allow_overlap = .false.            !! bodies may overlap at t = 0
   end type scene_t
 

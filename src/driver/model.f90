@@ -15,7 +15,7 @@ module sgmp_model
   use sgmp_timers, only: timers_t
   implicit none
   private
-  public :: model_t, body_sums_t
+  public :: model_t, body_sums_t, balance_t
 
   !> Sums over one body, kept up to date by the sweeps.
   type :: body_sums_t
@@ -25,6 +25,14 @@ module sgmp_model
     real(dp) :: kinetic = 0.0_dp, internal = 0.0_dp
   end type body_sums_t
 
+  !> Looks at the loads of the ranks.
+  type :: balance_t
+    integer :: cuts = 0                !! times the cuts were moved
+    integer(i8) :: moved = 0_i8        !! particles that changed ranks for it
+    real(dp) :: imbalance = 1.0_dp     !! most particles of a rank over the mean, at the last look
+    real(dp) :: largest = 1.0_dp       !! the largest of all looks
+  end type balance_t
+
   !> State of a simulation.
   type :: model_t
     type(mesh_t) :: mesh
@@ -33,6 +41,7 @@ module sgmp_model
     type(workspace_t), allocatable :: workspaces(:, :)  !! (threads, fields)
     integer, allocatable :: slabs(:, :)  !! (threads + 1, fields) first plane of each thread's slab
     type(share_t) :: share                           !! planes that this rank owns
+    type(balance_t) :: balance                       !! how evenly, and what was done about it
     type(workspace_t), allocatable :: below(:), above(:)  !! (fields) what neighbours sent
     type(neighbours_t) :: swap                       !! messages to and from them
     type(traffic_t) :: traffic                       !! sent so far

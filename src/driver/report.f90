@@ -14,12 +14,12 @@ module sgmp_report
   use sgmp_summary, only: summary_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: limit_courant, limit_names
-  use sgmp_timers, only: phase_count, phase_halo, phase_names
+  use sgmp_timers, only: phase_balance, phase_count, phase_halo, phase_names
   use sgmp_version, only: commit_hash, compiler_string, version_string
   implicit none
   private
-  public :: effort_t, effort_share, report_banner, report_courant, report_end, report_fraction, &
-            report_level, report_remaining, report_row, report_start, summary_write
+  public :: effort_t, effort_share, report_balance, report_banner, report_courant, report_end, &
+            report_fraction, report_level, report_remaining, report_row, report_start, summary_write
 
   !> What a run has cost.
   type :: effort_t
@@ -121,6 +121,15 @@ contains
     done = report_fraction(scene, model)
     eta = elapsed*(1.0_dp - done)/max(done - before, 1.0e-9_dp)
   end function report_remaining
+
+  !> The line about new cuts between ranks.
+  function report_balance(model) result(line)
+    type(model_t), intent(in) :: model
+    character(:), allocatable :: line
+    line = 'step '//integer_text(model%clock%step)//': cuts between ranks moved for the '// &
+           integer_text(model%balance%cuts)//'. time, most particles on a rank now '// &
+           real_text(model%balance%imbalance)//' of the mean'
+  end function report_balance
 
   !> A row of the log's table.
   function report_row(scene, model, elapsed, before) result(row)
@@ -269,6 +278,11 @@ contains
     call summary%set('halo.share', effort%mean(phase_halo)/max(effort%solving, tiny(1.0_dp)))
     call summary%set('halo.messages_per_step', effort%messages/max(model%clock%step, 1))
     call summary%set('halo.bytes_per_step', effort%bytes/max(model%clock%step, 1))
+    call summary%set('balance.cuts', model%balance%cuts)
+    call summary%set('balance.particles_moved', model%balance%moved)
+    call summary%set('balance.imbalance', model%balance%imbalance)
+    call summary%set('balance.largest_imbalance', model%balance%largest)
+    call summary%set('balance.share', effort%mean(phase_balance)/max(effort%solving, tiny(1.0_dp)))
     call summary%set('halo.seconds_per_step', effort%mean(phase_halo)/max(model%clock%step, 1))
   end subroutine summarise_effort
 

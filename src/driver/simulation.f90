@@ -1,5 +1,6 @@
 !> A run: time loop, guards, output, log and summary.
 module sgmp_simulation
+  use sgmp_balancing, only: balancing_look
   use sgmp_bill, only: bill_write
   use sgmp_body, only: body_number
   use sgmp_build_model, only: model_build
@@ -13,9 +14,9 @@ module sgmp_simulation
   use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_close, outputs_flush, outputs_next_time, outputs_open, &
                           outputs_step, outputs_stop, outputs_t
-  use sgmp_parallel, only: parallel_agree, parallel_rank
-  use sgmp_report, only: effort_share, effort_t, report_banner, report_courant, report_end, &
-                         report_fraction, report_level, report_remaining, report_row, &
+  use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_ranks
+  use sgmp_report, only: effort_share, effort_t, report_balance, report_banner, report_courant, &
+                         report_end, report_fraction, report_level, report_remaining, report_row, &
                          report_start, summary_write
   use sgmp_restart, only: restart_find, restart_read
   use sgmp_run_log, only: log_t
@@ -157,16 +158,13 @@ contains
     type(effort_t), intent(inout) :: effort
     type(error_t), allocatable, intent(out) :: error
     real(dp) :: target, started, shown, before
-    logical :: ok, last, found
+    logical :: ok, last
     started = wall_time()
     before = report_fraction(scene, model)
     shown = started - 1.0e9_dp
     do while (.not. finished(scene, model))
       target = outputs_next_time(outputs, scene)
-      call timers_start(model%timers)
-      call stability_choose(model, found)
-      if (found) call log%line(report_courant(model))
-      call timers_stop(model%timers, phase_probe)
+      call look_ahead(scene, model, log)
       call clock_choose(model%clock, model%mesh%h, model%fastest, target, ok)
       if (.not. ok) then
         call step_too_small(scene, model, error)
@@ -203,6 +201,20 @@ contains
     end do
     call log%step_row(report_row(scene, model, wall_time() - started, before))
   end subroutine time_loop
+
+  !> Before a step: who does which part of it, and how long it may be.
+  subroutine look_ahead(scene, model, log)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(inout) :: model
+    type(log_t), intent(inout) :: log
+    logical :: found
+    call balancing_look(model, scene%balance, found)
+    if (found) call log%line(report_balance(model))
+    call timers_start(model%timers)
+    call stability_choose(model, found)
+    if (found) call log%line(report_courant(model))
+    call timers_stop(model%timers, phase_probe)
+  end subroutine look_ahead
 
   pure function wants_checkpoints(scene) result(yes)
     type(scene_t), intent(in) :: scene

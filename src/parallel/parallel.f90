@@ -19,7 +19,8 @@ module sgmp_parallel
   public :: parallel_start, parallel_end, parallel_attach
   public :: parallel_rank, parallel_ranks, parallel_communicator
   public :: parallel_any, parallel_sum, parallel_min, parallel_max, parallel_max_place
-  public :: parallel_exact_sums, parallel_scan, parallel_agree, parallel_deal, parallel_collect
+  public :: parallel_exact_sums, parallel_scan, parallel_agree, parallel_deal, parallel_collect, &
+            parallel_trade
 
   real(dp), parameter :: place_stride = 2.0_dp**31
 
@@ -238,6 +239,22 @@ contains
                         offsets(counts), mpi_double_precision, communicator)
     others = [others(:sum(counts(:own_rank - 1))), others(sum(counts(:own_rank)) + 1:)]
   end subroutine parallel_collect
+
+  !> Sends every rank its part of a list; what arrives follows the order of the ranks.
+  subroutine parallel_trade(values, counts, received)
+    real(dp), intent(in) :: values(:)    !! the parts, one rank after the other
+    integer, intent(in) :: counts(:)     !! (ranks) values for each
+    real(dp), allocatable, intent(out) :: received(:)
+    integer :: theirs(all_ranks)
+    if (all_ranks == 1) then
+      received = values
+      return
+    end if
+    call mpi_alltoall(counts, 1, mpi_integer, theirs, 1, mpi_integer, communicator)
+    allocate (received(sum(theirs)))
+    call mpi_alltoallv(values, counts, offsets(counts), mpi_double_precision, received, theirs, &
+                       offsets(theirs), mpi_double_precision, communicator)
+  end subroutine parallel_trade
 
   !> Sums of the counts before each.
   pure function offsets(counts) result(before)

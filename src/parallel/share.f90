@@ -104,9 +104,8 @@ contains
     begin = first
     taken = 0.0_dp
     do k = first, first + size(load) - 1
-      if (taken + load(k - first + 1) > most .and. r < share%ranks .and. k - begin >= share%least &
-          .and. k >= share%allowed(1) .and. k <= share%allowed(2) .and. &
-          first + size(load) - k >= share%least) then
+      if (taken + load(k - first + 1) > most .and. r < share%ranks .and. &
+          k - begin >= share%least .and. k >= share%allowed(1) .and. k <= share%allowed(2)) then
         r = r + 1
         share%cuts(r) = k
         begin = k

@@ -17,6 +17,7 @@ SHORT = {
     "bar_stability.inp": ({"cells": 16, "cfl": 0.2, "t_end": 1e-4}, 0.03),
     "beam.inp": ({"h": 1.25, "t_end": 0.001}, 0.02),
     "block.inp": ({"cells": 4, "steps": 20}, 0.15),
+    "projectile.inp": ({"h": 4, "t_end": 0.004}, 0.2),
     "rings.inp": ({"h": 4, "t_end": 0.2}, 0.1),
     "sphere_slope.inp": ({"h": 0.8, "t_end": 0.04}, 0.5),
     "taylor_bar.inp": ({"h": 1.9, "t_end": 0.002, "cfl": 0.3}, 0.05),

@@ -109,6 +109,8 @@ SCENES = [
     ("climb_gimp", CLIMB, {"method": "gimp", "update": "usl"}, FEW),
     ("climb_cpgimp", CLIMB, {"method": "cpgimp", "update": "usf"}, FEW),
     ("climb_mpm", CLIMB, {"method": "mpm", "update": "usavg"}, FEW),
+    ("climb_balanced", CLIMB + "balance every=3 gain=0\n", {}, FEW),
+    ("climb_gimp_balanced", CLIMB + "balance every=4 gain=0\n", {"method": "gimp", "update": "usf"}, FEW),
     ("fast", FAST, {}, LAYOUTS),
     ("rigid", RIGID, {}, FEW),
 ]
@@ -123,6 +125,8 @@ DECKS = {
     "tnt_slab.inp": {"t_end": 3e-4},
     "block.inp": {"cells": 10, "steps": 24, "drift": 0.3, "jitter": 0.4},
     "vortex.inp": {"cells": 8, "part": 0.1},
+    "projectile.inp": {"h": 4, "t_end": 0.02, "gain": 0.0, "every": 3},
+    "two_blocks.inp": {"width": 3, "length": 5, "steps": 20},
 }
 # What differs from run to run and not because of the layout.
 OWN_WORDS = ("summary.json", "run.log")
@@ -191,6 +195,23 @@ def one_message(report):
     report.check(wrong.code == 3 and wrong.text.count("nonsense") >= 1, f"deck error: exit code {wrong.code}\n{wrong.text}")
 
 
+def balanced(report):
+    """A projectile crosses the planes: the cuts follow it, which changes no bit; without that they do not."""
+    settings = {"h": 2}
+    follows = run_on("projectile", "projectile.inp", 4, 1, settings)
+    stays = run_on("projectile_stays", "projectile.inp", 4, 1, {**settings, "gain": 0.99})
+    alone = run_on("projectile_alone", "projectile.inp", 1, 1, settings)
+    if not all([report.finished(run, "projectile") for run in (follows, stays, alone)]):
+        return
+    for other in (follows, stays):
+        report.check(figures(other) == figures(alone), f"projectile: {figures(other)}\nis not {figures(alone)}")
+    print(f"projectile on 4 ranks: most particles of a rank over the mean {follows['balance.largest_imbalance']:.3f} with "
+          f"{follows['balance.cuts']} new cuts, {stays['balance.largest_imbalance']:.3f} without")
+    report.check(follows["balance.largest_imbalance"] < 1.2, f"imbalance {follows['balance.largest_imbalance']}")
+    report.check(follows["balance.cuts"] > 0 and stays["balance.cuts"] == 0, "cuts that do not follow, or that do")
+    report.check(stays["balance.largest_imbalance"] > 1.2, f"nothing to balance: {stays['balance.largest_imbalance']}")
+
+
 def main():
     """The scenes of `make test`, or with --full all decks with all methods."""
     report = Report()
@@ -203,6 +224,7 @@ def main():
                     same_everywhere(report, name, deck, {**settings, "method": method, "update": update}, layouts)
     for name, deck, settings, layouts in SCENES:
         same_everywhere(report, name, deck, settings, layouts)
+    balanced(report)
     one_message(report)
     report.end()
 

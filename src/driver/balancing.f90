@@ -1,0 +1,269 @@
+!> New cuts between ranks when loads have moved: particles and sums of the grid go to their new
+!! owners as they are, so that nothing depends on when it happens.
+module sgmp_balancing
+  use sgmp_buffer, only: buffer_t
+  use sgmp_errors, only: error_make, exit_numerical
+  use sgmp_halo, only: halo_clear, halo_get_planes, halo_own_planes, halo_put_moments
+  use sgmp_kinds, only: dp, i4, i8, lanes
+  use sgmp_model, only: model_t
+  use sgmp_movers, only: movers_add, movers_reset, movers_t
+  use sgmp_parallel, only: parallel_collect, parallel_deal, parallel_sum, parallel_trade
+  use sgmp_particles, only: far_plane, particles_t
+  use sgmp_phases, only: phase_layout
+  use sgmp_plan, only: workspace_t
+  use sgmp_ranks, only: ranks_hold, ranks_renew_bins
+  use sgmp_rebinning, only: particles_rebin
+  use sgmp_rows, only: key_k
+  use sgmp_scene, only: balance_card_t, update_usavg, update_usf
+  use sgmp_share, only: share_cut, share_imbalance, share_loads, share_owner, share_t
+  use sgmp_timers, only: phase_balance, phase_drift, phase_grid, phase_kick, timers_start, &
+                         timers_stop
+  implicit none
+  private
+  public :: balancing_look
+
+  !> Work at a grid point over that of a particle, before any has been measured.
+  real(dp), parameter :: usual_weight = 0.3_dp, largest_weight = 2.0_dp
+  integer, parameter :: looks = 2        !! entries in front of a rank's loads: seconds
+
+contains
+
+  !> Moves the cuts where it pays; all ranks decide alike.
+  subroutine balancing_look(model, card, done)
+    type(model_t), intent(inout) :: model
+    type(balance_card_t), intent(in) :: card
+    logical, intent(out) :: done
+    type(share_t) :: new
+    real(dp), allocatable :: particles(:), load(:)
+    integer :: first
+    done = .false.
+    if (model%share%ranks == 1 .or. .not. model%share%divisible .or. card%every == 0) return
+    if (model%clock%step == 0 .or. mod(model%clock%step, card%every) /= 0) return
+    call timers_start(model%timers)
+    call measure(model, first, particles, load)
+    model%balance%imbalance = share_imbalance(share_loads(model%share, first, particles))
+    model%balance%largest = max(model%balance%largest, model%balance%imbalance)
+    new = model%share
+    call share_cut(new, first, load)
+    done = share_imbalance(share_loads(new, first, load)) < &
+           (1.0_dp - card%gain)*share_imbalance(share_loads(model%share, first, load))
+    if (done) then
+      call move(model, new)
+      model%balance%cuts = model%balance%cuts + 1
+      model%balance%imbalance = share_imbalance(share_loads(new, first, particles))
+    end if
+    call timers_stop(model%timers, phase_balance)
+  end subroutine balancing_look
+
+  !> Particles and load of every plane, in particles; a grid point counts as what it has cost.
+  subroutine measure(model, first, particles, load)
+    type(model_t), intent(in) :: model
+    integer, intent(out) :: first                !! first plane
+    real(dp), allocatable, intent(out) :: particles(:), load(:)
+    type(buffer_t) :: own
+    real(dp), allocatable :: others(:), all(:), points(:)
+    real(dp) :: seconds(looks), weight
+    integer :: at, k, last
+    call list_planes(model, own)
+    call parallel_collect(own%values(:own%n), others)
+    all = [own%values(:own%n), others]
+    first = far_plane
+    last = -far_plane
+    seconds = 0.0_dp
+    at = 0
+    do while (at < size(all))
+      seconds = seconds + all(at + 1:at + looks)
+      first = min(first, nint(all(at + looks + 1)))
+      last = max(last, nint(all(at + looks + 1)) + nint(all(at + looks + 2)) - 1)
+      at = at + looks + 2 + 2*nint(all(at + looks + 2))
+    end do
+    allocate (particles(max(0, last - first + 1)), points(max(0, last - first + 1)), source=0.0_dp)
+    at = 0
+    do while (at < size(all))
+      k = nint(all(at + looks + 1)) - first
+      associate (n => nint(all(at + looks + 2)), from => at + looks + 2)
+        particles(k + 1:k + n) = particles(k + 1:k + n) + all(from + 1:from + n)
+        points(k + 1:k + n) = points(k + 1:k + n) + all(from + n + 1:from + 2*n)
+        at = from + 2*n
+      end associate
+    end do
+    weight = usual_weight
+    if (minval(seconds) > 0.0_dp .and. sum(points) > 0.0_dp) then
+      weight = min(largest_weight, seconds(2)/sum(points)*sum(particles)/seconds(1))
+    end if
+    load = particles + weight*points
+  end subroutine measure
+
+  !> This rank's seconds in sweeps and on the grid, first plane and number of planes, then particles
+  !! and grid points of each.
+  pure subroutine list_planes(model, own)
+    type(model_t), intent(in) :: model
+    type(buffer_t), intent(out) :: own
+    real(dp), allocatable :: table(:, :)
+    integer :: f, b, s, k, p, p1, p2, first, last
+    first = far_plane
+    last = -far_plane
+    do f = 1, size(model%fields)
+      call halo_own_planes(model%fields(f), model%share, p1, p2)
+      if (p2 < p1) cycle
+      first = min(first, model%fields(f)%plane_k(p1))
+      last = max(last, model%fields(f)%plane_k(p2))
+    end do
+    if (last < first) then
+      own%values = [0.0_dp]
+      own%n = 0
+      return
+    end if
+    allocate (table(first:last, 2), source=0.0_dp)
+    do f = 1, size(model%fields)
+      call halo_own_planes(model%fields(f), model%share, p1, p2)
+      do p = p1, p2
+        k = model%fields(f)%plane_k(p)
+        table(k, 2) = table(k, 2) + model%fields(f)%plane_start(p + 1) - &
+                      model%fields(f)%plane_start(p)
+      end do
+    end do
+    do b = 1, size(model%bodies)
+      associate (particles => model%bodies(b)%particles)
+        do s = 1, particles%bins%n
+          k = key_k(particles%bins%key(s))
+          if (k < model%share%own(1) .or. k > model%share%own(2)) cycle
+          p1 = particles%bin_start(s) + particles%bins%first(s)
+          p2 = particles%bin_start(s) + particles%bins%last(s)
+          table(k, 1) = table(k, 1) + sum(particles%size(p1:p2))
+        end do
+      end associate
+    end do
+    associate (spent => model%timers%seconds)
+      own%values = [spent(phase_kick) + spent(phase_drift), spent(phase_grid), &
+                    real([first, last - first + 1], dp), table(:, 1), table(:, 2)]
+    end associate
+    own%n = size(own%values)
+  end subroutine list_planes
+
+  !> Gives particles and grid sums to the owners that new cuts make.
+  subroutine move(model, new)
+    type(model_t), intent(inout) :: model
+    type(share_t), intent(in) :: new
+    type(workspace_t) :: none
+    type(buffer_t), allocatable :: sums(:)
+    integer(i8) :: moved
+    integer :: b, f, columns(2)
+    logical :: complete
+    allocate (sums(size(model%fields)))
+    do f = 1, size(model%fields)
+      call trade_sums(model, new, f, sums(f))
+    end do
+    moved = 0_i8
+    do b = 1, size(model%bodies)
+      call ranks_hold(new, model%bodies(b)%particles)
+      call trade_particles(new, model%bodies(b)%particles, moved)
+    end do
+    model%balance%moved = model%balance%moved + parallel_sum(moved)
+    model%share = new
+    call ranks_renew_bins(model)
+    call phase_layout(model)
+    do f = 1, size(model%fields)
+      columns = columns_alive(model, f)
+      call halo_clear(model%fields(f), 1, model%fields(f)%planes, [1, model%fields(f)%nmoment])
+      call halo_get_planes(model%fields(f), columns, none, sums(f), complete)
+      if (complete .or. allocated(model%failure)) cycle
+      call error_make(model%failure, exit_numerical, 'grid sums got lost between ranks', &
+                      'this is a fault of the program: report it')
+    end do
+  end subroutine move
+
+  !> Columns of the moments that the next step reads: where it begins with a stress update, the
+  !! stresses are those of the last one, for bins that particles have left.
+  pure function columns_alive(model, f) result(columns)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: f
+    integer :: columns(2)
+    columns = [1, model%fields(f)%nmoment]
+    if (any(model%update == [update_usf, update_usavg])) columns(2) = 1 + model%mesh%ndim
+  end function columns_alive
+
+  !> Sends the sums of the own planes to all ranks that will hold them, own or beside their own.
+  subroutine trade_sums(model, new, f, received)
+    type(model_t), intent(in) :: model
+    type(share_t), intent(in) :: new
+    integer, intent(in) :: f
+    type(buffer_t), intent(out) :: received
+    type(buffer_t) :: all
+    integer :: counts(new%ranks), r, p, p1, p2, before
+    call halo_own_planes(model%fields(f), model%share, p1, p2)
+    do r = 1, new%ranks
+      before = all%n
+      do p = p1, p2
+        associate (k => model%fields(f)%plane_k(p))
+          if (k < new%cuts(r) - new%moments(1)) cycle
+          if (k > new%cuts(r + 1) - 1 + new%moments(2)) cycle
+        end associate
+        call halo_put_moments(model%fields(f), p, columns_alive(model, f), all)
+      end do
+      counts(r) = all%n - before
+    end do
+    if (.not. allocated(all%values)) allocate (all%values(1))
+    call parallel_trade(all%values(:all%n), counts, received%values)
+    received%n = size(received%values)
+  end subroutine trade_sums
+
+  !> Sends the particles outside the planes that are theirs now, and takes those that come.
+  subroutine trade_particles(new, particles, moved)
+    type(share_t), intent(in) :: new
+    type(particles_t), intent(inout) :: particles  !! holds the new range already
+    integer(i8), intent(inout) :: moved
+    type(movers_t) :: movers
+    real(dp), allocatable :: columns(:, :), received(:, :)
+    integer, allocatable :: destination(:)
+    logical :: new_bins
+    integer :: m, n
+    n = particles%na + particles%nb
+    call movers_reset(movers, n, 0)
+    call list_leaving(new, particles, movers, destination)
+    allocate (columns(1 + n, movers%n))
+    do m = 1, movers%n
+      columns(:, m) = [real(movers%id(m), dp), movers%state(:, m)]
+    end do
+    moved = moved + movers%n
+    call parallel_deal(columns, destination, received)
+    do m = 1, size(received, 2)
+      call movers_add(movers, nint(received(1, m), i4), 0, 0, 1, 0)
+      movers%state(:, movers%n) = received(2:, m)
+    end do
+    if (movers%n == 0) return
+    call particles_rebin(particles, movers, spread(-huge(1.0_dp), 1, 3), &
+                         spread(huge(1.0_dp), 1, 3), new_bins)
+  end subroutine trade_particles
+
+  !> Lists the particles in planes of others, bin by bin.
+  subroutine list_leaving(new, particles, movers, destination)
+    type(share_t), intent(in) :: new
+    type(particles_t), intent(in) :: particles
+    type(movers_t), intent(inout) :: movers
+    integer, allocatable, intent(out) :: destination(:)
+    integer :: s, i, number, chunk, left, l, owner
+    allocate (destination(particles%count))
+    do s = 1, particles%bins%n
+      owner = share_owner(new, key_k(particles%bins%key(s)))
+      if (owner == new%rank) cycle
+      do i = particles%bins%first(s), particles%bins%last(s)
+        number = particles%bin_start(s) + i
+        chunk = particles%first(number)
+        left = particles%size(number)
+        do while (left > 0)
+          do l = 1, min(left, lanes)
+            call movers_add(movers, particles%id(l, chunk), chunk, l, s, number)
+            movers%state(:particles%na, movers%n) = particles%a(l, :, chunk)
+            movers%state(particles%na + 1:, movers%n) = particles%b(l, :, chunk)
+            destination(movers%n) = owner
+          end do
+          left = left - lanes
+          chunk = particles%next(chunk)
+        end do
+      end do
+    end do
+    destination = destination(:movers%n)
+  end subroutine list_leaving
+
+end module sgmp_balancing
