@@ -65,6 +65,24 @@ contains
     integer, intent(in) :: largest_plane
     type(body_t), intent(in) :: bodies(:)
     integer :: b
+    call fit_buffers(work, task, largest_plane)
+    if (.not. allocated(work%movers)) allocate (work%movers(size(bodies)))
+    do b = 1, size(bodies)
+      if (.not. drift) exit                      ! keep the room of the lists for the next that does
+      call movers_reset(work%movers(b), bodies(b)%particles%na + bodies(b)%particles%nb, &
+                        task%values)
+    end do
+    work%record_plane = [(0, b=1, task%layers)]
+    work%fastest = 0.0_dp
+    work%fastest_id = 0
+    work%bad_id = 0
+  end subroutine prepare
+
+  !> Makes the buffers as large as a sweep needs them.
+  subroutine fit_buffers(work, task, largest_plane)
+    type(workspace_t), intent(inout) :: work
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: largest_plane
     if (allocated(work%records)) then
       if (size(work%records, 1) /= task%stride .or. &
           size(work%records, 2) < largest_plane*task%layers) then
@@ -81,17 +99,7 @@ contains
     end if
     if (.not. allocated(work%planes)) allocate (work%planes(task%layers, task%nq, largest_plane, &
                                                             task%layers))
-    if (.not. allocated(work%movers)) allocate (work%movers(size(bodies)))
-    do b = 1, size(bodies)
-      if (.not. drift) exit                      ! keep the room of the lists for the next that does
-      call movers_reset(work%movers(b), bodies(b)%particles%na + bodies(b)%particles%nb, &
-                        task%values)
-    end do
-    work%record_plane = [(0, b=1, task%layers)]
-    work%fastest = 0.0_dp
-    work%fastest_id = 0
-    work%bad_id = 0
-  end subroutine prepare
+  end subroutine fit_buffers
 
   !> Sees to it that the records of all planes under the stencils of `plane` are there.
   subroutine fill_records(field, mesh, plan, task, plane, work)
