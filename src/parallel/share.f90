@@ -99,13 +99,16 @@ contains
     logical, intent(out) :: fits
     real(dp) :: taken
     integer :: r, k, begin, beyond
+    logical :: wanted
     fits = .true.
     r = 1
     begin = first
     taken = 0.0_dp
     do k = first, first + size(load) - 1
-      if (taken + load(k - first + 1) > most .and. r < share%ranks .and. &
-          k - begin >= share%least .and. k >= share%allowed(1) .and. k <= share%allowed(2)) then
+      wanted = taken + load(k - first + 1) > most
+      if (k == share%allowed(2)) wanted = taken + sum(load(k - first + 1:)) > most  ! last chance
+      if (wanted .and. r < share%ranks .and. k - begin >= share%least .and. &
+          k >= share%allowed(1) .and. k <= share%allowed(2)) then
         r = r + 1
         share%cuts(r) = k
         begin = k

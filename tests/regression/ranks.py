@@ -1,18 +1,19 @@
 #!/usr/bin/env python3
 """The same bits for every layout of ranks and threads: particles, energies, histories and files.
 
-usage: ranks.py SGMP SOURCE_DIR SCRATCH_DIR [--full]
+With SGMP_TEST_FULL in the environment (`make test-full`) all decks of input/ that have no contact, with all methods and updates.
+
+usage: ranks.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import filecmp
 import json
 import os
 import re
 import subprocess
-import sys
 
 from _runs import ENVIRONMENT, INPUT, SCRATCH, SGMP, Report, Run
 
-FULL = "--full" in sys.argv[4:] or os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
+FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]
 FEW = [(1, 1), (2, 1), (3, 2)]
 MPI = {**ENVIRONMENT, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
@@ -213,7 +214,7 @@ def balanced(report):
 
 
 def main():
-    """The scenes of `make test`, or with --full all decks with all methods."""
+    """The scenes of `make test`, or with SGMP_TEST_FULL all decks with all methods."""
     report = Report()
     if FULL:
         for deck, settings in DECKS.items():
