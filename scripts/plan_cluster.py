@@ -143,7 +143,7 @@ def main():
     parser.add_argument("--ranks", default="64,256,1000,10000,100000")
     parser.add_argument("--ns", type=float, default=54.0, help="per particle and step on one core (make bench)")
     parser.add_argument("--halo-bytes", type=float, default=208.0, help="per grid point of a face and step")
-    parser.add_argument("--messages", type=int, default=6, help="per neighbour and step")
+    parser.add_argument("--messages", type=int, default=3, help="per neighbour and step")
     parser.add_argument("--checkpoint-bytes", type=float, default=133.0, help="per particle")
     parser.add_argument("--network", type=float, default=1.0, help="GB/s of one rank, all talking")
     parser.add_argument("--latency", type=float, default=2.0, help="microseconds of a message")
