@@ -322,7 +322,7 @@ contains
     if (present(below)) then
       call add_two_below(field, plan%first_column, nq, plane1, &
                          below%planes(1, 1, 1, mod(plane1 - 1, 3) + 1), &
-                         below%planes(1, 1, 1, mod(plane1 - 2, 3) + 1))
+                         below%planes(1, 1, 1, modulo(plane1 - 2, 3) + 1))
       if (plane2 > plane1) call add_two_below(field, plan%first_column, nq, plane1 + 1, own%lead, &
                                               below%planes(1, 1, 1, mod(plane1 - 1, 3) + 1))
     else if (plane2 > plane1) then
