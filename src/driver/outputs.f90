@@ -181,12 +181,12 @@ contains
   pure function expected_dumps(scene) result(n)
     type(scene_t), intent(in) :: scene
     integer :: n
-    integer, parameter :: unknown = 16, most = 10**7
+    integer, parameter :: unknown = 16, most = 1000  ! the file grows where these are too few
     real(dp) :: intervals
     n = 2
     if (scene%output%every <= 0.0_dp) return
     n = unknown
-    if (scene%time%end <= 0.0_dp) return
+    if (scene%time%end <= 0.0_dp .or. scene%time%end >= huge(1.0_dp)) return
     intervals = scene%time%end/scene%output%every
     n = 1 + ceiling(min(intervals*(1.0_dp - 1.0e-12_dp), real(most, dp)))
   end function expected_dumps

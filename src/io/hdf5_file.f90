@@ -11,19 +11,19 @@ module sgmp_hdf5_file
   use hdf5, only: h5_integer_kind, h5_real_kind, h5aclose_f, h5acreate_f, h5aexists_f, h5aopen_f, &
                   h5aread_f, h5awrite_f, h5d_alloc_time_early_f, h5d_fill_time_never_f, &
                   h5dclose_f, h5dcreate_f, h5dget_space_f, h5dget_type_f, h5dont_atexit_f, &
-                  h5dopen_f, h5dread_f, h5dwrite_f, h5eset_auto_f, h5f_acc_rdonly_f, &
-                  h5f_acc_rdwr_f, h5f_acc_trunc_f, h5f_libver_latest_f, h5f_scope_global_f, &
-                  h5fclose_f, h5fcreate_f, h5fflush_f, h5fopen_f, h5gclose_f, h5gcreate_f, &
-                  h5kind_to_type, h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, &
+                  h5dopen_f, h5dread_f, h5dset_extent_f, h5dwrite_f, h5eset_auto_f, &
+                  h5f_acc_rdonly_f, h5f_acc_rdwr_f, h5f_acc_trunc_f, h5f_libver_latest_f, &
+                  h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fopen_f, h5gclose_f, &
+                  h5gcreate_f, h5kind_to_type, h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, &
                   h5p_dataset_create_f, h5p_file_access_f, h5p_file_create_f, h5p_group_create_f, &
-                  h5pclose_f, h5pcreate_f, h5pset_alloc_time_f, h5pset_fapl_mpio_f, &
-                  h5pset_fill_time_f, h5pset_libver_bounds_f, h5pset_obj_track_times_f, &
-                  h5s_scalar_f, h5s_select_set_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
-                  h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
-                  h5sselect_hyperslab_f, h5t_float_f, h5t_fortran_s1, h5t_ieee_f64le, &
-                  h5t_std_i32le, h5t_std_i64le, h5t_std_u8le, h5t_str_nullpad_f, h5t_string_f, &
-                  h5tclose_f, h5tcopy_f, h5tget_class_f, h5tget_size_f, h5tset_size_f, &
-                  h5tset_strpad_f, hid_t, hsize_t, size_t
+                  h5pclose_f, h5pcreate_f, h5pset_alloc_time_f, h5pset_chunk_f, &
+                  h5pset_fapl_mpio_f, h5pset_fill_time_f, h5pset_libver_bounds_f, &
+                  h5pset_obj_track_times_f, h5s_scalar_f, h5s_select_set_f, h5sclose_f, &
+                  h5screate_f, h5screate_simple_f, h5sget_simple_extent_dims_f, &
+                  h5sget_simple_extent_ndims_f, h5sselect_hyperslab_f, h5t_float_f, &
+                  h5t_fortran_s1, h5t_ieee_f64le, h5t_std_i32le, h5t_std_i64le, h5t_std_u8le, &
+                  h5t_str_nullpad_f, h5t_string_f, h5tclose_f, h5tcopy_f, h5tget_class_f, &
+                  h5tget_size_f, h5tset_size_f, h5tset_strpad_f, hid_t, hsize_t, size_t
   use mpi_f08, only: mpi_comm, mpi_info_null
   use sgmp_checksum, only: checksum_sums, checksum_words
   use sgmp_errors, only: error_t
@@ -61,7 +61,7 @@ module sgmp_hdf5_file
     procedure :: add_group
     procedure :: set_text, set_whole, get_whole
     procedure :: refuse => fail
-    procedure :: declare
+    procedure :: declare, declare_growing, set_total
     procedure :: extent
     procedure, private :: put_reals, put_longs, put_integers, put_bytes
     generic :: put => put_reals, put_longs, put_integers, put_bytes
@@ -323,11 +323,49 @@ contains
     call h5sclose_f(space, status)
   end subroutine declare
 
-  subroutine make_dataset(self, name, kind, space, early)
+  !> Declares a plain list of one number that may grow to `most`, for which there is room at once.
+  subroutine declare_growing(self, name, kind, most)
+    class(hdf5_file_t), intent(inout) :: self
+    character(*), intent(in) :: name
+    integer, intent(in) :: kind            !! one of hdf5_*
+    integer(i8), intent(in) :: most
+    integer(hid_t) :: space
+    integer(hsize_t) :: extents(1), limits(1)
+    integer :: status
+    if (self%id < 0_hid_t) return
+    extents = 1
+    limits = most
+    call h5screate_simple_f(1, extents, space, status, limits)
+    call make_dataset(self, name, file_kind(kind), space, .true., most)
+    call h5sclose_f(space, status)
+  end subroutine declare_growing
+
+  !> Changes the length of such a list; all that have the file open must do so.
+  subroutine set_total(self, name, total)
+    class(hdf5_file_t), intent(inout) :: self
+    character(*), intent(in) :: name
+    integer(i8), intent(in) :: total
+    integer(hid_t) :: dataset
+    integer(hsize_t) :: extents(1)
+    integer :: status
+    if (allocated(self%failure)) return
+    call h5dopen_f(self%id, name, dataset, status)
+    if (status >= 0) then
+      extents = total
+      call h5dset_extent_f(dataset, extents, status)
+      if (status < 0) call fail(self, 'write')
+      call h5dclose_f(dataset, status)
+    else
+      call fail(self, 'access', "it has no data set '"//name//"'")
+    end if
+  end subroutine set_total
+
+  subroutine make_dataset(self, name, kind, space, early, chunk)
     class(hdf5_file_t), intent(inout) :: self
     character(*), intent(in) :: name
     integer(hid_t), intent(in) :: kind, space
     logical, intent(in), optional :: early
+    integer(i8), intent(in), optional :: chunk  !! numbers that are stored together
     integer(hid_t) :: creation, dataset
     integer :: status
     creation = timeless(h5p_dataset_create_f)
@@ -335,6 +373,7 @@ contains
     if (present(early)) then
       if (early) call h5pset_alloc_time_f(creation, h5d_alloc_time_early_f, status)
     end if
+    if (present(chunk)) call h5pset_chunk_f(creation, 1, [int(chunk, hsize_t)], status)
     call h5dcreate_f(self%id, name, kind, space, dataset, status, dcpl_id=creation)
     if (status < 0) then
       call fail(self, 'write')

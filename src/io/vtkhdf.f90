@@ -81,21 +81,23 @@ contains
     type(hdf5_file_t) :: file
     real(dp), allocatable :: times(:, :)
     integer(i8), allocatable :: part(:, :), counts(:, :)
-    integer(i8) :: n
+    integer(i8) :: n, counted
     integer :: rows, whole
     call file%open(self%path, shared=.true., writable=.true.)
-    call file%extent(steps//'/Values', rows, n)
+    call file%extent(steps//'/PartOffsets', rows, n)
     self%capacity = int(max(n, 0_i8))
+    call file%extent(steps//'/Values', rows, counted)
     call file%extent(root//'/NumberOfPoints', rows, n)
     self%parts_capacity = int(max(n, 0_i8))
     call file%extent(root//'/Connectivity', rows, self%points)
     call file%get_whole(steps, 'NSteps', whole)
-    allocate (times(1, self%capacity), part(1, self%capacity), counts(1, self%parts_capacity))
+    whole = int(max(0_i8, min(int(whole, i8), counted, int(self%capacity, i8))))
+    allocate (times(1, whole), part(1, self%capacity), counts(1, self%parts_capacity))
     call file%get(steps//'/Values', times, 0_i8)
     call file%get(steps//'/PartOffsets', part, 0_i8)
     call file%get(root//'/NumberOfPoints', counts, 0_i8)
     if (file%good()) then
-      do while (self%used < min(whole, self%capacity))
+      do while (self%used < whole)
         if (times(1, self%used + 1) > time) exit
         self%used = self%used + 1
       end do
@@ -104,6 +106,7 @@ contains
       self%made = .true.
     end if
     call file%set_whole(steps, 'NSteps', [int(self%used, i8)], .true.)
+    call file%set_total(steps//'/Values', int(max(1, self%used), i8))
     call file%close(error)
     call parallel_agree(error)
   end subroutine continue_file
@@ -136,28 +139,30 @@ contains
     call check_arrays(self, file)
     call put_particles(self, file, snapshot, self%used*self%points + before)
     if (parallel_rank() == 0) then
-      call put_places(self, file, snapshot%time, total)
+      call put_places(self, file, total)
       if (new_part) call put_vertices(self, file, total)
     end if
     call file%close(error)
     call parallel_agree(error)
-    if (.not. allocated(error)) call count_steps(self, self%used + 1, error)
+    if (.not. allocated(error)) call count_step(self, snapshot%time, error)
   end subroutine vtkhdf_dump
 
-  !> Writes the number of steps, behind everything else.
-  subroutine count_steps(self, n, error)
+  !> Counts a step, behind everything else: VTK wants as many times as there are steps.
+  subroutine count_step(self, time, error)
     class(vtkhdf_t), intent(inout) :: self
-    integer, intent(in) :: n
+    real(dp), intent(in) :: time
     type(error_t), allocatable, intent(out) :: error
     type(hdf5_file_t) :: file
     if (parallel_rank() == 0) then
       call file%open(self%path, shared=.false., writable=.true.)
-      call file%set_whole(steps, 'NSteps', [int(n, i8)], .true.)
+      call file%set_total(steps//'/Values', self%used + 1_i8)
+      call file%put(steps//'/Values', reshape([time], [1, 1]), int(self%used, i8))
+      call file%set_whole(steps, 'NSteps', [self%used + 1_i8], .true.)
       call file%close(error)
     end if
     call parallel_agree(error)
-    if (.not. allocated(error)) self%used = n
-  end subroutine count_steps
+    if (.not. allocated(error)) self%used = self%used + 1
+  end subroutine count_step
 
   !> The arrays of a snapshot and what they are in the file.
   subroutine list_arrays(self, snapshot)
@@ -247,7 +252,7 @@ contains
       call file%declare(root//'/'//trim(per_part(n)), hdf5_long, int(self%parts_capacity, i8), 0, &
                         early=.true.)
     end do
-    call file%declare(steps//'/Values', hdf5_real, int(self%capacity, i8), 0, early=.true.)
+    call file%declare_growing(steps//'/Values', hdf5_real, int(self%capacity, i8))
     do n = 1, size(per_step)
       call file%declare(steps//'/'//trim(per_step(n)), hdf5_long, int(self%capacity, i8), 0, &
                         early=.true.)
@@ -319,6 +324,7 @@ contains
       call copy(from, to, self%arrays(n)%name, self%arrays(n)%kind, self%used*self%points)
       if (n > 1) call copy(from, to, offsets_name(self%arrays(n)), hdf5_long, int(self%used, i8))
     end do
+    call to%set_total(steps//'/Values', int(max(1, self%used), i8))
     call copy(from, to, steps//'/Values', hdf5_real, int(self%used, i8))
     do n = 1, size(lists)
       call copy(from, to, root//'/'//trim(lists(n)), hdf5_long, &
@@ -402,17 +408,15 @@ contains
     end do
   end subroutine put_particles
 
-  !> Time and places of a step; its vertices where there is a new number of them.
-  subroutine put_places(self, file, time, total)
+  !> Places of a step; its vertices where there is a new number of them.
+  subroutine put_places(self, file, total)
     class(vtkhdf_t), intent(in) :: self
     type(hdf5_file_t), intent(inout) :: file
-    real(dp), intent(in) :: time
     integer(i8), intent(in) :: total
     integer(i8) :: part, s
     integer :: n
     s = self%used
     part = self%parts - 1
-    call file%put(steps//'/Values', reshape([time], [1, 1]), s)
     call put_one('Steps/PartOffsets', part, s)
     call put_one('Steps/NumberOfParts', 1_i8, s)
     call put_one('Steps/PointOffsets', s*self%points, s)

@@ -13,7 +13,7 @@ import time
 
 from _restarts import (ENVIRONMENT, FULL, Going, checkpoints, clear, command, deck, execute, mpirun, path_of, same_files,
                        straight)
-from _runs import SCRATCH, Report, Run
+from _runs import INPUT, SCRATCH, Report
 
 DECK = deck("block.inp", "output vtkhdf every=0.002 fields=stress\noutput vtu every=0.002\ngauge g point=(1,1,1)\n"
             "checkpoint every=20\n")
@@ -240,7 +240,8 @@ def other_decks(report, reference):
     name = "deck"
     folder = clear(name)
     shutil.copytree(reference.folder, folder)
-    body = next(number for number, card in enumerate(DECK.splitlines(), 1) if card.startswith("body "))
+    with open(os.path.join(INPUT, "block.inp"), encoding="utf-8") as file:
+        body = next(number for number, card in enumerate(file, 1) if card.startswith("body "))
     refused = execute(line(name, "--restart", "latest", settings={**SETTINGS, "material": "j2"}), name)
     report.check(refused.code == WRONG_DECK and "material=j2" in refused.text and "material=elastic" in refused.text and
                  f"block.inp:{body}:1" in refused.text, f"other material: exit code {refused.code}\n{refused.text}")
