@@ -96,8 +96,9 @@ contains
                       'pure PIC', &
                       range='[0,1]', default='1')
     call registry%key('mass_cutoff', kind_real, &
-                      'nodes lighter than this times the heaviest particle are ignored', &
-                      range='[0,1)', default='1e-12')
+                      'nodes lighter than this times the heaviest particle are ignored; '// &
+                      'default: 1e-12, for gimp and cpgimp 1e-20 (their weights end as a square)', &
+                      range='[0,1)')
     call registry%key('stress', kind_word, 'quadrature of the stress: as in the paper, or '// &
                       'normalised by the volume that particles fill (sgmp only)', &
                       choices='plain normalised', default='plain', &

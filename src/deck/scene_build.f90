@@ -10,8 +10,8 @@ module sgmp_scene_build
                         gauge_card_t, &
                         hardening_linear, hardening_perfect, hardening_power, layout_file, &
                         layout_gauss, layout_lattice, lost_error, material_card_t, material_names, &
-                        method_names, name_length, scene_t, shape_block, shape_halfspace, shape_t, &
-                        update_names
+                        method_cpgimp, method_gimp, method_names, name_length, scene_t, &
+                        shape_block, shape_halfspace, shape_t, update_names
   use sgmp_scene_contact, only: add_contact, set_rigid
   use sgmp_words, only: string_t, suggestion, word_count, word_in_list, word_item
   implicit none
@@ -148,7 +148,12 @@ contains
     scene%method%kind = word_in_list(card%word('kind'), joined(method_names))
     scene%method%update = word_in_list(card%word('update'), joined(update_names))
     scene%method%flip = card%number('flip')
-    scene%method%mass_cutoff = card%number('mass_cutoff')
+    ! At the end of its support a GIMP weight is the square of its gradient: a node lighter by 1e-12
+    ! than a particle still carries 1e-6 of its force, and dropping that is felt in the momentum.
+    if (any(scene%method%kind == [method_gimp, method_cpgimp])) then
+      scene%method%mass_cutoff = 1.0e-20_dp
+    end if
+    scene%method%mass_cutoff = card%number('mass_cutoff', absent=scene%method%mass_cutoff)
     scene%method%normalised = card%word('stress') == 'normalised'
     scene%method%interior = card%number('interior')
   end subroutine set_method

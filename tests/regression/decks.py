@@ -19,6 +19,7 @@ SHORT = {
     "block.inp": ({"cells": 4, "steps": 20}, 0.15),
     "projectile.inp": ({"h": 4, "t_end": 0.004}, 0.2),
     "rings.inp": ({"h": 4, "t_end": 0.2}, 0.1),
+    "rod_plate.inp": ({"h": 1.5, "t_end": 0.001}, 0.15),
     "sphere_slope.inp": ({"h": 0.8, "t_end": 0.04}, 0.5),
     "taylor_bar.inp": ({"h": 1.9, "t_end": 0.002, "cfl": 0.3}, 0.05),
     "tnt_slab.inp": ({"h": 1, "t_end": 0.0005}, 0.02),

@@ -1,36 +1,30 @@
-"""Two bars in one dimension: stress, duration and rebound against the exact solution."""
-import os
+#!/usr/bin/env python3
+"""Two bars that collide in one dimension: stress, duration and momentum against the exact solution."""
 import sys
+from pathlib import Path
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from contact_tools import finding, run  # noqa: E402
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from common import main, solve  # noqa: E402
+from contact import METHODS, NAMES, contact, deck  # noqa: E402
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-
-
-def case(**parameters):
-    """One run; equal wave speeds, so the bars part after 2 L/c; Z = ratio for the second bar."""
-    data = run(os.path.join(HERE, "bars.inp"), **parameters)
-    ratio = parameters.get("ratio", 1)
-    label = " ".join(f"{key}={value}" for key, value in parameters.items())
-    force = 1e-3*ratio/(1 + ratio)
-    middle = [-row["force_x"] for row in data["contact"] if 0.5 < row["time"] < 1.5]
-    results = [finding(label + " stress while in contact", sum(middle)/len(middle)/force - 1, 0.02)]
-    loaded = [row["time"] for row in data["contact"] if -row["force_x"] > 0.5*force]
-    results.append(finding(label + " time of separation", loaded[-1]/2 - 1, 0.02))
-    start = data["history"][0]["momentum_x"]
-    results.append(finding(label + " momentum drift", max(abs(row["momentum_x"]/start - 1) for row in data["history"]), 1e-11))
-    return results
+SPEED = 1e-3
 
 
-def main():
-    """All cases."""
-    results = []
-    for method in ("sgmp", "mpm", "gimp"):
-        for ratio in (1, 4):
-            results += case(method=method, cells=100, ratio=ratio)
-    return results
+def check(book, full):
+    """Impedances 1 : 1 and 1 : 4; equal wave speeds, so the bars part after 2 L/c in both."""
+    book.section("Contact: two bars")
+    cases = [(method, ratio) for method in METHODS for ratio in (1, 4)]
+    runs = solve([deck("contact_bars/bars", method=method, cells=200 if full else 100, ratio=ratio) for method, ratio in cases])
+    for (method, ratio), run in zip(cases, runs):
+        force = SPEED*ratio/(1 + ratio)
+        rows, momentum = contact(run), run.history()["momentum_x"]
+        name = f"bars, impedance 1:{ratio}, {NAMES[method]}"
+        inside = (rows["time"] > 0.5) & (rows["time"] < 1.5)
+        book.within(name, "stress while in contact", -rows["force_x"][inside].mean(), force, 0.02)
+        book.within(name, "time at which they part", rows["time"][-rows["force_x"] > 0.5*force][-1], 2.0, 0.02)
+        book.at_most(name, "change of momentum, relative", max(abs(momentum/momentum[0] - 1)), 1e-12)
+    book.command(runs[0].case)
 
 
 if __name__ == "__main__":
-    sys.exit(0 if all(result["pass"] for result in main()) else 1)
+    main(check, __doc__)
