@@ -8,7 +8,7 @@ module sgmp_build_model
   use sgmp_energy, only: ledger_open
   use sgmp_eos_gruneisen, only: gruneisen_init
   use sgmp_eos_jwl, only: jwl_init
-  use sgmp_errors, only: error_make, error_t, exit_deck
+  use sgmp_errors, only: error_t
   use sgmp_field, only: field_init
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_material_elastic, only: elastic_init
@@ -62,7 +62,9 @@ contains
     model%lost_policy = scene%grid%lost
     kernel = kernel_of(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%body_sums(size(scene%bodies)))
-    call share_make(model%share, model%mesh, kernel, model%normalised, parallel_rank(), &
+    ! Bodies in contact share nodes with fields of their own, which ranks do not exchange yet.
+    call share_make(model%share, model%mesh, kernel, model%normalised, &
+                    model%mesh%ndim > 1 .and. size(scene%contacts) == 0, parallel_rank(), &
                     parallel_ranks())
     if (seeded) then
       call ranks_share(scene, model, kernel, surveys, error)
@@ -89,12 +91,6 @@ contains
     end do
     model%cutoff = scene%method%mass_cutoff*parallel_max(heaviest)
     call contact_pairs(scene, model)
-    if (size(model%pairs) > 0 .and. model%share%ranks > 1) then
-      call error_make(error, exit_deck, &
-                      'contact between bodies does not run on several ranks yet', &
-                      'run this deck on one rank, with as many threads as there are cores')
-      return
-    end if
     call build_fields(model, kernel)
     call build_clock(scene, model)
     if (.not. seeded) return

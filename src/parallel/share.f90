@@ -24,22 +24,23 @@ module sgmp_share
     integer :: nodes = 0               !! planes of nodes above the own ones that particles read
     integer :: least = 1               !! planes that a rank must own
     integer :: allowed(2) = [-far_plane, far_plane]  !! between these planes cuts may lie
-    logical :: divisible = .true.      !! false in 1D: there is one plane
+    logical :: divisible = .true.      !! false in 1D, where there is one plane, and with contact
   end type share_t
 
 contains
 
   !> The widths that a method needs, and where walls allow cuts; all planes go to the first rank.
-  pure subroutine share_make(share, mesh, kernel, normalised, rank, ranks)
+  pure subroutine share_make(share, mesh, kernel, normalised, divisible, rank, ranks)
     type(share_t), intent(out) :: share
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel            !! one of kernel_*
     logical, intent(in) :: normalised        !! stresses are scaled by the volumes of neighbours
+    logical, intent(in) :: divisible         !! planes may go to other ranks than the first
     integer, intent(in) :: rank, ranks
     integer :: layers, more, r
     share%rank = rank
     share%ranks = ranks
-    share%divisible = mesh%ndim > 1
+    share%divisible = divisible
     layers = stencil_width(kernel)
     more = merge(1, 0, normalised)
     if (kernel == kernel_sgmp) share%moments(1) = 1 + more

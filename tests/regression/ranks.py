@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The same bits for every layout of ranks and threads: particles, energies, histories and files.
 
-With SGMP_TEST_FULL in the environment (`make test-full`) all decks of input/ that have no contact, with all methods and updates.
+With SGMP_TEST_FULL in the environment (`make test-full`) the decks of input/, with all methods and updates.
 
 usage: ranks.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -114,6 +114,7 @@ SCENES = [
     ("climb_gimp_balanced", CLIMB + "balance every=4 gain=0\n", {"method": "gimp", "update": "usf"}, FEW),
     ("fast", FAST, {}, LAYOUTS),
     ("rigid", RIGID, {}, FEW),
+    ("rings", "rings.inp", {"h": 2, "t_end": 0.6}, FEW),
 ]
 # Shortened so that a run takes a second or two; every method and update for some.
 DECKS = {
@@ -126,6 +127,8 @@ DECKS = {
     "tnt_slab.inp": {"t_end": 3e-4},
     "block.inp": {"cells": 10, "steps": 24, "drift": 0.3, "jitter": 0.4},
     "vortex.inp": {"cells": 8, "part": 0.1},
+    "rings.inp": {"h": 2, "t_end": 1},
+    "sphere_slope.inp": {"h": 0.4, "t_end": 0.02},
     "projectile.inp": {"h": 4, "t_end": 0.02, "gain": 0.0, "every": 3},
     "two_blocks.inp": {"width": 3, "length": 5, "steps": 20},
 }
