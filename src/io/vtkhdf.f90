@@ -105,6 +105,8 @@ contains
       if (self%parts > 0) self%last_count = counts(1, self%parts)
       self%made = .true.
     end if
+    ! No rank may cut the file while another still reads it.
+    call parallel_agree(error)
     call file%set_whole(steps, 'NSteps', [int(self%used, i8)], .true.)
     call file%set_total(steps//'/Values', int(max(1, self%used), i8))
     call file%close(error)
