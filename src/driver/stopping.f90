@@ -13,7 +13,7 @@ module sgmp_stopping
   public :: stopping_t
 
   integer, parameter :: nothing = 0, due = 1, by_signal = 2, by_file = 3, by_time = 4
-  real(dp), parameter :: glance = 0.5_dp   !! seconds between looks for the stop file
+  real(dp), parameter :: glance = 0.1_dp   !! seconds between looks for the stop file
   real(dp), parameter :: slow_disk = 1.0e8_dp  !! bytes per second assumed before the first write
 
   !> What the decisions rest on.
