@@ -8,7 +8,7 @@ import numpy as np
 sys.path[:0] = [str(Path(__file__).resolve().parent.parent), str(Path(__file__).resolve().parent)]
 from common import main, solve, subplots  # noqa: E402
 from contact import contact, deck  # noqa: E402
-from exact import curve, hertz  # noqa: E402
+from elastic_sphere import curve, hertz  # noqa: E402
 
 DEPTH = 0.02
 KNOWN = {(24, 0): 1.20, (24, 1): 1.076, (48, 0): 1.06}  # cells per radius, band: too coarse for the contact circle
@@ -30,7 +30,7 @@ def check(book, full):
     book.section("Contact: Hertz")
     exact = curve()
     book.say("Hertz takes the sphere for a half-space. The model is a sphere between two plates, measured from its centre: linear elasticity "
-             "(Legendre series, exact.py) gives 5.3 % more force at d = 1 % of the radius and 7.7 % at 2 %. Means over bands of d, for the elastic "
+             "(Legendre series, elastic_sphere.py) gives 5.3 % more force at d = 1 % of the radius and 7.7 % at 2 %. Means over bands of d, for the elastic "
              "plate of finite size the force rings with it.")
     sizes = (8, 16, 24, 32, 48) if full else (16, 24)
     runs = solve([deck("contact_hertz/hertz", cells=cells) for cells in sizes])
