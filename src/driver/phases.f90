@@ -8,22 +8,15 @@ module sgmp_phases
   use sgmp_energy, only: step_sums_t
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_build, field_forces, field_t
+  use sgmp_field_nodes, only: field_normalise, field_remap, field_solve, field_velocity, nodes_sums
   use sgmp_halo, only: halo_own_planes, halo_planes, halo_read_sums, halo_write_sums
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_mesh, only: stencil_width
   use sgmp_model, only: model_t
   use sgmp_movers, only: movers_append, movers_read, movers_t, movers_write
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
-  use sgmp_nodes_1d, only: nodes_remap_1d => nodes_remap, nodes_solve_1d => nodes_solve, &
-                           nodes_normalise_1d => nodes_normalise, &
-                           nodes_velocity_1d => nodes_velocity
-  use sgmp_nodes_2d, only: nodes_remap_2d => nodes_remap, nodes_solve_2d => nodes_solve, &
-                           nodes_normalise_2d => nodes_normalise, &
-                           nodes_velocity_2d => nodes_velocity
-  use sgmp_nodes_3d, only: nodes_remap_3d => nodes_remap, nodes_solve_3d => nodes_solve, &
-                           nodes_normalise_3d => nodes_normalise, nodes_sums, &
-                           nodes_velocity_3d => nodes_velocity, sum_external, sum_ignored, &
-                           node_sum_aa => sum_mass_aa, node_sum_av => sum_mass_av
+  use sgmp_nodes_3d, only: sum_external, sum_ignored, node_sum_aa => sum_mass_aa, &
+                           node_sum_av => sum_mass_av
   use sgmp_parallel, only: parallel_agree, parallel_collect, parallel_max_place
   use sgmp_particles, only: bin_coordinates
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
@@ -651,33 +644,12 @@ contains
   !> Volume-normalised stress at all centres, where the scene asks for it.
   subroutine phase_normalise(model)
     type(model_t), intent(inout) :: model
-    integer :: f, p, p1, p2
+    integer :: f
     if (.not. model%normalised) return
     do f = 1, size(model%fields)
-      call halo_planes(model%fields(f), model%share%own + [-1, model%share%nodes], p1, p2)
-      !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
-      !$omp& default(none) shared(model, f, p1, p2) private(p)
-      do p = p1, p2
-        select case (model%mesh%ndim)
-        case (1)
-          call nodes_normalise_1d(model%fields(f), model%mesh, p, model%interior)
-        case (2)
-          call nodes_normalise_2d(model%fields(f), model%mesh, p, model%interior)
-        case default
-          call nodes_normalise_3d(model%fields(f), model%mesh, p, model%interior)
-        end select
-      end do
-      !$omp end parallel do
+      call field_normalise(model, f)
     end do
   end subroutine phase_normalise
-
-  !> Planes of nodes that this rank's particles read.
-  pure subroutine node_planes(model, f, p1, p2)
-    type(model_t), intent(in) :: model
-    integer, intent(in) :: f
-    integer, intent(out) :: p1, p2
-    call halo_planes(model%fields(f), model%share%own + [0, model%share%nodes], p1, p2)
-  end subroutine node_planes
 
   !> Momentum equation at all nodes (Eqs. 33, 34).
   subroutine phase_solve(model, dt)
@@ -685,7 +657,6 @@ contains
     real(dp), intent(in) :: dt
     real(dp), allocatable :: sums(:, :)
     integer :: f, p, b, p1, p2
-    logical :: forced
     call rigid_choose_speed(model)
     do f = 1, size(model%fields)
       b = rigid_field(model, f)
@@ -694,24 +665,7 @@ contains
         cycle
       end if
       allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)
-      forced = body_forced(model%bodies, f)
-      call node_planes(model, f, p1, p2)
-      !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
-      !$omp& default(none) shared(model, f, dt, forced, sums, p1, p2) private(p)
-      do p = p1, p2
-        select case (model%mesh%ndim)
-        case (1)
-          call nodes_solve_1d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, &
-                              forced, sums(:, p))
-        case (2)
-          call nodes_solve_2d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, &
-                              forced, sums(:, p))
-        case default
-          call nodes_solve_3d(model%fields(f), model%mesh, p, dt, model%gravity, model%cutoff, &
-                              forced, sums(:, p))
-        end select
-      end do
-      !$omp end parallel do
+      call field_solve(model, f, dt, model%gravity, body_forced(model%bodies, f), sums)
       call halo_own_planes(model%fields(f), model%share, p1, p2)
       do p = p1, p2
         call tally_add(model%tally, 1 + size(model%bodies)*sweep_sums, sums(:, p))
@@ -726,27 +680,14 @@ contains
   !> Nodal velocity before the stress update (USF).
   subroutine phase_velocity(model)
     type(model_t), intent(inout) :: model
-    integer :: f, p, b, p1, p2
+    integer :: f, b
     do f = 1, size(model%fields)
       b = rigid_field(model, f)
       if (b > 0) then
         call rigid_velocity(model, f, b, model%mesh%ndim + 1)
-        cycle
+      else
+        call field_velocity(model, f)
       end if
-      call node_planes(model, f, p1, p2)
-      !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
-      !$omp& default(none) shared(model, f, p1, p2) private(p)
-      do p = p1, p2
-        select case (model%mesh%ndim)
-        case (1)
-          call nodes_velocity_1d(model%fields(f), model%mesh, p, model%cutoff)
-        case (2)
-          call nodes_velocity_2d(model%fields(f), model%mesh, p, model%cutoff)
-        case default
-          call nodes_velocity_3d(model%fields(f), model%mesh, p, model%cutoff)
-        end select
-      end do
-      !$omp end parallel do
     end do
     call contact_detect(model)
     call contact_velocity(model, model%mesh%ndim + 1)
@@ -756,27 +697,14 @@ contains
   !> Nodal velocity re-mapped from the updated particles (MUSL).
   subroutine phase_remap(model)
     type(model_t), intent(inout) :: model
-    integer :: f, p, b, p1, p2
+    integer :: f, b
     do f = 1, size(model%fields)
       b = rigid_field(model, f)
       if (b > 0) then
         call rigid_velocity(model, f, b, 1)
-        cycle
+      else
+        call field_remap(model, f)
       end if
-      call node_planes(model, f, p1, p2)
-      !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
-      !$omp& default(none) shared(model, f, p1, p2) private(p)
-      do p = p1, p2
-        select case (model%mesh%ndim)
-        case (1)
-          call nodes_remap_1d(model%fields(f), model%mesh, p)
-        case (2)
-          call nodes_remap_2d(model%fields(f), model%mesh, p)
-        case default
-          call nodes_remap_3d(model%fields(f), model%mesh, p)
-        end select
-      end do
-      !$omp end parallel do
     end do
     call contact_velocity(model, 1)
     call phase_mirror(model, [1])

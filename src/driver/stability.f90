@@ -14,13 +14,10 @@
 module sgmp_stability
   use sgmp_contact_phases, only: rigid_field
   use sgmp_field, only: field_t
-  use sgmp_halo, only: halo_own_planes, halo_planes
+  use sgmp_field_nodes, only: field_node_planes, field_remap, field_solve, nodes_sums
+  use sgmp_halo, only: halo_own_planes
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
-  use sgmp_nodes_1d, only: nodes_remap_1d => nodes_remap, nodes_solve_1d => nodes_solve, &
-                           nodes_sums
-  use sgmp_nodes_2d, only: nodes_remap_2d => nodes_remap, nodes_solve_2d => nodes_solve
-  use sgmp_nodes_3d, only: nodes_remap_3d => nodes_remap, nodes_solve_3d => nodes_solve
   use sgmp_parallel, only: parallel_exact_sums
   use sgmp_phases, only: phase_mirror, phase_normalise, phase_rebin_particles, phase_sweep
   use sgmp_plan, only: plan_t
@@ -139,7 +136,7 @@ contains
       associate (field => model%fields(f))
         field%node = 0.0_dp
         if (rigid_field(model, f) > 0) cycle
-        call halo_planes(field, model%share%own + [0, model%share%nodes], p1, p2)
+        call field_node_planes(model, f, p1, p2)
         if (p2 < p1) cycle
         do s = field%plane_work(p1), field%plane_work(p2 + 1) - 1
           do i = field%work%first(s), field%work%last(s)
@@ -160,8 +157,8 @@ contains
   subroutine accelerate(model)
     type(model_t), intent(inout) :: model
     type(plan_t) :: plan
-    real(dp) :: sums(nodes_sums)
-    integer :: f, p, p1, p2
+    real(dp), allocatable :: sums(:, :)
+    integer :: f
     call phase_mirror(model, [1])
     plan%probe = .true.
     plan%stress = .true.
@@ -172,20 +169,9 @@ contains
     call phase_normalise(model)
     do f = 1, size(model%fields)
       if (rigid_field(model, f) > 0) cycle
-      call halo_planes(model%fields(f), model%share%own + [0, model%share%nodes], p1, p2)
-      do p = p1, p2
-        select case (model%mesh%ndim)
-        case (1)
-          call nodes_solve_1d(model%fields(f), model%mesh, p, 0.0_dp, [0.0_dp, 0.0_dp, 0.0_dp], &
-                              model%cutoff, .false., sums)
-        case (2)
-          call nodes_solve_2d(model%fields(f), model%mesh, p, 0.0_dp, [0.0_dp, 0.0_dp, 0.0_dp], &
-                              model%cutoff, .false., sums)
-        case default
-          call nodes_solve_3d(model%fields(f), model%mesh, p, 0.0_dp, [0.0_dp, 0.0_dp, 0.0_dp], &
-                              model%cutoff, .false., sums)
-        end select
-      end do
+      allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)  ! ledger: unused
+      call field_solve(model, f, 0.0_dp, [0.0_dp, 0.0_dp, 0.0_dp], .false., sums)
+      deallocate (sums)
     end do
   end subroutine accelerate
 
@@ -193,7 +179,7 @@ contains
   subroutine smooth(model)
     type(model_t), intent(inout) :: model
     type(plan_t) :: plan
-    integer :: f, p, p1, p2
+    integer :: f
     call phase_mirror(model, [1])
     plan%probe = .true.
     plan%momentum = .true.
@@ -201,18 +187,7 @@ contains
     call phase_sweep(model, plan)
     call phase_rebin_particles(model, plan)
     do f = 1, size(model%fields)
-      if (rigid_field(model, f) > 0) cycle
-      call halo_planes(model%fields(f), model%share%own + [0, model%share%nodes], p1, p2)
-      do p = p1, p2
-        select case (model%mesh%ndim)
-        case (1)
-          call nodes_remap_1d(model%fields(f), model%mesh, p)
-        case (2)
-          call nodes_remap_2d(model%fields(f), model%mesh, p)
-        case default
-          call nodes_remap_3d(model%fields(f), model%mesh, p)
-        end select
-      end do
+      if (rigid_field(model, f) == 0) call field_remap(model, f)
     end do
   end subroutine smooth
 
