@@ -10,6 +10,7 @@ module sgmp_build_model
   use sgmp_eos_jwl, only: jwl_init
   use sgmp_errors, only: error_t
   use sgmp_field, only: field_init
+  use sgmp_field_sweep, only: field_slabs
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_material_elastic, only: elastic_init
   use sgmp_material_j2, only: j2_init, j2_linear, j2_perfect, j2_power
@@ -354,20 +355,20 @@ contains
   subroutine build_fields(model, kernel)
     type(model_t), intent(inout) :: model
     integer, intent(in) :: kernel
-    integer :: f, t
+    integer :: f, s
     allocate (model%fields(contact_fields(model)))
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, &
                       model%mesh%ndim*(model%mesh%ndim + 1)/2, any(model%bodies%forced), &
                       model%normalised)
     end do
-    allocate (model%workspaces(model%threads, size(model%fields)))
+    allocate (model%workspaces(field_slabs(model%threads), size(model%fields)))
     do f = 1, size(model%fields)
-      do t = 1, model%threads  ! empty lists also for bodies that no sweep ever visits
-        allocate (model%workspaces(t, f)%movers(size(model%bodies)))
+      do s = 1, size(model%workspaces, 1)  ! empty lists also for bodies that no sweep ever visits
+        allocate (model%workspaces(s, f)%movers(size(model%bodies)))
       end do
     end do
-    allocate (model%slabs(model%threads + 1, size(model%fields)))
+    allocate (model%slabs(field_slabs(model%threads) + 1, size(model%fields)))
     allocate (model%below(size(model%fields)), model%above(size(model%fields)))
     call ranks_renew_bins(model)
     call phase_layout(model)

@@ -39,7 +39,7 @@ contains
     real(dp), allocatable, intent(in) :: initial(:, :)  !! (3, ids), where a field needs it
     type(snapshot_t), intent(out) :: snapshot
     integer, allocatable :: place(:)
-    integer :: b, c, l, p, f, n, nd
+    integer :: b, c, l, p, f, n, nd, visited
     n = sum(model%bodies%particles%count)
     nd = model%mesh%ndim
     snapshot%dimension = nd
@@ -51,12 +51,14 @@ contains
     snapshot%body_names = model%bodies%name
     call order_of_ids(model, place)
     call declare_fields(model, names, n, snapshot%fields)
+    visited = 0
     do b = 1, size(model%bodies)
       associate (body => model%bodies(b))
         do c = 1, body%particles%chunks
           do l = 1, lanes
             if (body%particles%id(l, c) == 0) cycle
-            p = place(body%particles%id(l, c))
+            visited = visited + 1
+            p = place(visited)
             snapshot%id(p) = body%particles%id(l, c)
             snapshot%body(p) = b
             snapshot%position(:nd, p) = mesh_position(model%mesh%origin(:nd), model%mesh%h, &
@@ -178,28 +180,29 @@ contains
     end do
   end subroutine snapshot_fill
 
-  !> Place of each id in the output: ids ascending, lost particles left out.
-  subroutine order_of_ids(model, place)
+  !> Place in the output of each of the rank's particles, in the order of their chunks: ids
+  !! ascending.
+  pure subroutine order_of_ids(model, place)
     type(model_t), intent(in) :: model
     integer, allocatable, intent(out) :: place(:)
-    integer :: b, c, l, i, n
+    integer(i8), allocatable :: ids(:)
+    integer, allocatable :: order(:)
+    integer :: b, c, l, n
+    n = sum(model%bodies%particles%count)
+    allocate (ids(n), order(n), place(n))
     n = 0
-    do b = 1, size(model%bodies)
-      n = max(n, maxval(model%bodies(b)%particles%id))
-    end do
-    allocate (place(n), source=0)
     do b = 1, size(model%bodies)
       do c = 1, model%bodies(b)%particles%chunks
         do l = 1, lanes
-          i = model%bodies(b)%particles%id(l, c)
-          if (i > 0) place(i) = 1
+          if (model%bodies(b)%particles%id(l, c) == 0) cycle
+          n = n + 1
+          ids(n) = model%bodies(b)%particles%id(l, c)
         end do
       end do
     end do
-    n = 0
-    do i = 1, size(place)
-      n = n + place(i)
-      if (place(i) > 0) place(i) = n
+    call sort_order(ids, order)
+    do n = 1, size(order)
+      place(order(n)) = n
     end do
   end subroutine order_of_ids
 

@@ -38,8 +38,8 @@ module sgmp_model
     type(mesh_t) :: mesh
     type(field_t), allocatable :: fields(:)          !! velocity fields
     type(body_t), allocatable :: bodies(:)
-    type(workspace_t), allocatable :: workspaces(:, :)  !! (threads, fields)
-    integer, allocatable :: slabs(:, :)  !! (threads + 1, fields) first plane of each thread's slab
+    type(workspace_t), allocatable :: workspaces(:, :)  !! (slabs, fields)
+    integer, allocatable :: slabs(:, :)  !! (slabs + 1, fields) first planes, see field_divide
     type(share_t) :: share                           !! planes that this rank owns
     type(balance_t) :: balance                       !! how evenly, and what was done about it
     type(workspace_t), allocatable :: below(:), above(:)  !! (fields) what neighbours sent

@@ -7,11 +7,11 @@ module sgmp_phases
                                  rigid_choose_speed, rigid_field, rigid_solve, rigid_velocity
   use sgmp_energy, only: step_sums_t
   use sgmp_errors, only: error_make, exit_numerical
-  use sgmp_field, only: field_build, field_forces, field_t
+  use sgmp_field, only: field_build
   use sgmp_field_nodes, only: field_normalise, field_remap, field_solve, field_velocity, nodes_sums
-  use sgmp_halo, only: halo_own_planes, halo_planes, halo_read_sums, halo_write_sums
-  use sgmp_kinds, only: dp, i4, i8, lanes
-  use sgmp_mesh, only: stencil_width
+  use sgmp_field_sweep, only: field_divide, field_sweep, sweep_columns
+  use sgmp_halo, only: halo_own_planes
+  use sgmp_kinds, only: dp, i4, i8
   use sgmp_model, only: model_t
   use sgmp_movers, only: movers_append, movers_read, movers_t, movers_write
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
@@ -20,16 +20,13 @@ module sgmp_phases
   use sgmp_parallel, only: parallel_agree, parallel_collect, parallel_max_place
   use sgmp_particles, only: bin_coordinates
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
-                       sum_viscous, sweep_sums, workspace_t
+                       sum_viscous, sweep_sums
   use sgmp_rebinning, only: particles_rebin
   use sgmp_rows, only: rows_t, rows_union
   use sgmp_scene, only: lost_reflect, lost_remove, update_usf
-  use sgmp_sweep_1d, only: sweep_add_movers_1d => sweep_add_movers, sweep_join_1d => sweep_join, &
-                           sweep_slab_1d => sweep_slab
-  use sgmp_sweep_2d, only: sweep_add_movers_2d => sweep_add_movers, sweep_join_2d => sweep_join, &
-                           sweep_slab_2d => sweep_slab
-  use sgmp_sweep_3d, only: sweep_add_movers_3d => sweep_add_movers, sweep_join_3d => sweep_join, &
-                           sweep_slab_3d => sweep_slab
+  use sgmp_sweep_1d, only: sweep_add_movers_1d => sweep_add_movers
+  use sgmp_sweep_2d, only: sweep_add_movers_2d => sweep_add_movers
+  use sgmp_sweep_3d, only: sweep_add_movers_3d => sweep_add_movers
   use sgmp_tally, only: tally_add, tally_reset, tally_total
   use sgmp_text, only: integer_text, real_text
   use sgmp_timers, only: phase_halo, timers_move, wall_time
@@ -65,47 +62,10 @@ contains
       do b = 1, size(model%bodies)
         if (model%bodies(b)%field == f) call body_place(model%bodies(b), model%fields(f))
       end do
-      call divide_planes(model, f)
+      call field_divide(model, f)
     end do
     call contact_layout(model)
   end subroutine phase_layout
-
-  !> Slabs of planes with about the same number of chunks each.
-  subroutine divide_planes(model, f)
-    type(model_t), intent(inout) :: model
-    integer, intent(in) :: f
-    integer(i8), allocatable :: load(:)
-    integer(i8) :: total, before
-    integer :: p, t, b, s, first, last, least, p1, p2
-    call halo_own_planes(model%fields(f), model%share, p1, p2)
-    allocate (load(p1:p2), source=0_i8)
-    do b = 1, size(model%bodies)
-      if (model%bodies(b)%field /= f) cycle
-      associate (particles => model%bodies(b)%particles)
-        do p = p1, p2
-          do s = particles%plane_row(p), particles%plane_row(p + 1) - 1
-            first = particles%bin_start(s) + particles%bins%first(s)
-            last = particles%bin_start(s) + particles%bins%last(s)
-            load(p) = load(p) + sum(int((particles%size(first:last) + lanes - 1)/lanes, i8))
-          end do
-        end do
-      end associate
-    end do
-    least = stencil_width(model%fields(f)%kernel) - 1
-    total = sum(load)
-    model%slabs(:, f) = p2 + 1
-    model%slabs(1, f) = p1
-    before = 0_i8
-    t = 1
-    do p = p1, p2
-      if (t < model%threads .and. before*model%threads >= total*t .and. &
-          p - model%slabs(t, f) >= least .and. p2 - p + 1 >= least) then
-        t = t + 1
-        model%slabs(t, f) = p
-      end if
-      before = before + load(p)
-    end do
-  end subroutine divide_planes
 
   !> One sweep over all particles.
   subroutine phase_sweep(model, plan)
@@ -118,158 +78,9 @@ contains
       if (b > 0 .and. model%clock%dt > 0.0_dp) then
         if (model%bodies(b)%at_rest) cycle  ! nothing of it changes after the first projection
       end if
-      call sweep_field(model, plan, f)
+      call field_sweep(model, plan, f)
     end do
   end subroutine phase_sweep
-
-  subroutine sweep_field(model, plan, f)
-    type(model_t), intent(inout) :: model
-    type(plan_t), intent(in) :: plan
-    integer, intent(in) :: f
-    real(dp), allocatable :: sums(:, :, :)
-    type(plan_t) :: own
-    integer :: t, b, p
-    logical :: alone
-    own = plan
-    call choose_columns(own, model%fields(f))
-    alone = model%share%ranks == 1
-    allocate (sums(sweep_sums, model%fields(f)%planes, size(model%bodies)), source=0.0_dp)
-    ! One region for both: each that is opened costs a meeting of the threads more.
-    !$omp parallel num_threads(model%threads) if(model%threads > 1) &
-    !$omp& default(none) shared(model, own, f, sums, alone) private(t)
-    !$omp do schedule(static, 1)
-    do t = 1, model%threads
-      call sweep_own_slab(model, own, f, t, sums)
-    end do
-    !$omp end do
-    !$omp do schedule(static, 1)
-    do t = merge(1, 2, alone), model%threads
-      call join_own_slab(model, own, f, t)
-    end do
-    !$omp end do nowait
-    !$omp end parallel
-    if (.not. alone) call join_ranks(model, own, f)
-    do b = 1, size(model%bodies)
-      if (model%bodies(b)%field /= f) cycle
-      do p = model%slabs(1, f), model%slabs(model%threads + 1, f) - 1
-        call tally_add(model%tally, 1 + (b - 1)*sweep_sums, sums(:, p, b))
-      end do
-    end do
-    call collect_findings(model, plan, f)
-  end subroutine sweep_field
-
-  !> Joins the own planes with those of the neighbours, as slabs of threads are joined.
-  subroutine join_ranks(model, plan, f)
-    type(model_t), intent(inout) :: model
-    type(plan_t), intent(in) :: plan
-    integer, intent(in) :: f
-    real(dp) :: since
-    integer :: t, last, p1, p2, columns(2)
-    logical :: complete
-    since = wall_time()
-    columns = [plan%first_column, plan%last_column]
-    last = 1
-    do t = 2, model%threads
-      if (model%slabs(t + 1, f) > model%slabs(t, f)) last = t
-    end do
-    associate (field => model%fields(f), work => model%workspaces(:, f), swap => model%swap)
-      call halo_write_sums(field, model%share, columns, work(1), work(last), swap%to_below, &
-                           swap%to_above)
-      call neighbours_send(swap, model%traffic)
-      call neighbours_receive(swap)
-      call halo_read_sums(field, model%share, columns, size(work(1)%planes, 1), swap%from_below, &
-                          swap%from_above, model%below(f), model%above(f), complete)
-      call neighbours_wait(swap)
-      if (.not. complete) call misplaced(model)
-      call halo_own_planes(field, model%share, p1, p2)
-      if (p2 >= p1) then
-        call join_slab(model, plan, f, p1, model%slabs(2, f) - 1, work(1), model%below(f))
-        if (p2 < field%planes) then
-          call join_slab(model, plan, f, p2 + 1, min(p2 + 2, field%planes), model%above(f), &
-                         work(last))
-        end if
-      end if
-    end associate
-    call timers_move(model%timers, phase_halo, since)
-  end subroutine join_ranks
-
-  !> A neighbour sent a value for a point that is not stored here.
-  subroutine misplaced(model)
-    type(model_t), intent(inout) :: model
-    if (allocated(model%failure)) return
-    call error_make(model%failure, exit_numerical, 'a rank has no place for what its neighbour '// &
-                    'sent in step '//integer_text(model%clock%step + 1), &
-                    'this is a fault of the program: report it')
-  end subroutine misplaced
-
-  !> Columns of the moments that a sweep fills.
-  pure subroutine choose_columns(plan, field)
-    type(plan_t), intent(inout) :: plan
-    type(field_t), intent(in) :: field
-    if (plan%mass) then
-      plan%first_column = 1
-    else if (plan%momentum) then
-      plan%first_column = 2
-    else
-      plan%first_column = 2 + field%ndim
-    end if
-    plan%last_column = merge(field%nmoment, 1 + field%ndim, plan%stress)
-    if (plan%probe .and. plan%stress) plan%last_column = 1 + field%ndim + field_forces(field)
-    plan%volume = plan%stress .and. field%volume_column > 0 .and. .not. plan%probe
-  end subroutine choose_columns
-
-  subroutine sweep_own_slab(model, plan, f, t, sums)
-    type(model_t), intent(inout) :: model
-    type(plan_t), intent(in) :: plan
-    integer, intent(in) :: f, t
-    real(dp), intent(inout) :: sums(:, :, :)
-    integer :: p1, p2
-    p1 = model%slabs(t, f)
-    p2 = model%slabs(t + 1, f) - 1
-    select case (model%mesh%ndim)
-    case (1)
-      call sweep_slab_1d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, &
-                         sums, model%workspaces(t, f))
-    case (2)
-      call sweep_slab_2d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, &
-                         sums, model%workspaces(t, f))
-    case default
-      call sweep_slab_3d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, &
-                         sums, model%workspaces(t, f))
-    end select
-  end subroutine sweep_own_slab
-
-  subroutine join_own_slab(model, plan, f, t)
-    type(model_t), intent(inout) :: model
-    type(plan_t), intent(in) :: plan
-    integer, intent(in) :: f, t
-    integer :: p1, p2
-    p1 = model%slabs(t, f)
-    p2 = model%slabs(t + 1, f) - 1
-    if (p2 < p1) return
-    if (t > 1) then
-      call join_slab(model, plan, f, p1, p2, model%workspaces(t, f), model%workspaces(t - 1, f))
-    else
-      call join_slab(model, plan, f, p1, p2, model%workspaces(t, f))
-    end if
-  end subroutine join_own_slab
-
-  !> Completes the first planes of a slab with what the slab below gave to them.
-  subroutine join_slab(model, plan, f, p1, p2, own, below)
-    type(model_t), intent(inout) :: model
-    type(plan_t), intent(in) :: plan
-    integer, intent(in) :: f, p1, p2
-    type(workspace_t), intent(in) :: own
-    type(workspace_t), intent(in), optional :: below
-    select case (model%mesh%ndim)
-    case (1)
-      call sweep_join_1d(model%fields(f), plan, p1, p2, own, below)
-    case (2)
-      call sweep_join_2d(model%fields(f), plan, p1, p2, own, below)
-    case default
-      call sweep_join_3d(model%fields(f), plan, p1, p2, own, below)
-    end select
-  end subroutine join_slab
 
   !> Forgets the sums of the step before.
   subroutine phase_open_sums(model)
@@ -348,33 +159,6 @@ contains
     model%sums%ignored_nodes = model%sums%ignored_nodes + sums(sum_ignored)
   end subroutine book_nodes
 
-  !> Puts the threads' findings together: the fastest particle, and the first one out of its senses.
-  subroutine collect_findings(model, plan, f)
-    type(model_t), intent(inout) :: model
-    type(plan_t), intent(in) :: plan
-    integer, intent(in) :: f
-    integer :: t
-    if (.not. plan%strain) return
-    do t = 1, model%threads
-      associate (work => model%workspaces(t, f))
-        if (work%fastest > model%fastest) then
-          model%fastest = work%fastest
-          model%fastest_id = work%fastest_id
-          model%fastest_field = f
-        end if
-        if (work%bad_id > 0 .and. .not. allocated(model%failure)) then
-          call error_make(model%failure, exit_numerical, 'particle '//integer_text(work%bad_id)// &
-                          ' of body '//trim(model%bodies(body_number(model%bodies, &
-                          work%bad_id))%name)// &
-                          ' is inside out or not a number after step '// &
-                          integer_text(model%clock%step + 1), &
-                          'reduce cfl, add bulk viscosity, or use a finer grid; see the last '// &
-                          'dump for where it is')
-        end if
-      end associate
-    end do
-  end subroutine collect_findings
-
   !> Moves particles to their new bins, follows them with the grid, and folds the moments at walls.
   subroutine phase_rebin_particles(model, plan)
     type(model_t), intent(inout) :: model
@@ -400,15 +184,15 @@ contains
     call fold(model, plan)
   end subroutine phase_rebin_particles
 
-  !> Puts the threads' movers of one body into the list of the first thread.
+  !> Puts the movers of one body into the list of the first slab.
   subroutine list_movers(model, plan, b)
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
     integer, intent(in) :: b
-    integer :: t
+    integer :: s
     associate (work => model%workspaces(:, model%bodies(b)%field))
-      do t = 2, model%threads
-        if (allocated(work(t)%movers)) call movers_append(work(1)%movers(b), work(t)%movers(b))
+      do s = 2, size(work)
+        call movers_append(work(1)%movers(b), work(s)%movers(b))
       end do
       call guard_grid(model, b, plan, work(1)%movers(b))
       model%moved = model%moved + work(1)%movers(b)%n
@@ -495,7 +279,7 @@ contains
                     'reduce cfl or dt; see the last dump for where it is')
   end subroutine moved_too_far
 
-  !> Moves the particles of one body; their list is left with the first thread.
+  !> Moves the particles of one body; their list is left with the first slab.
   subroutine rebin_body(model, b, new_bins)
     type(model_t), intent(inout) :: model
     integer, intent(in) :: b
@@ -521,7 +305,7 @@ contains
     f = model%bodies(b)%field
     if (model%workspaces(1, f)%movers(b)%n == 0) return
     own = plan
-    call choose_columns(own, model%fields(f))
+    call sweep_columns(own, model%fields(f))
     columns = own%last_column - own%first_column + 1
     !$omp parallel do schedule(static, 1) num_threads(model%threads) if(model%threads > 1) &
     !$omp& default(none) shared(model, own, b, f, columns) private(t, first, last)
@@ -592,7 +376,7 @@ contains
     integer :: f, axis, p
     do f = 1, size(model%fields)
       own = plan
-      call choose_columns(own, model%fields(f))
+      call sweep_columns(own, model%fields(f))
       do axis = 1, model%mesh%ndim
         if (.not. has_walls(model%mesh, axis)) cycle
         if (axis == model%mesh%ndim) then

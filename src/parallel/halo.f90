@@ -15,7 +15,7 @@ module sgmp_halo
   use sgmp_share, only: share_t
   implicit none
   private
-  public :: halo_own_planes, halo_planes, halo_write_sums, halo_read_sums
+  public :: halo_own_planes, halo_planes, halo_write_below, halo_write_above, halo_read_sums
   public :: halo_put_bins, halo_get_bins
   public :: halo_put_moments, halo_put_node, halo_get_planes, halo_clear
 
@@ -50,37 +50,51 @@ contains
     call halo_planes(field, share%own, p1, p2)
   end subroutine halo_own_planes
 
-  !> Writes the messages of a sweep, when the slabs above the first have been joined: to the rank
-  !! below the first planes, to that above the last ones and the layers that reach beyond them.
-  pure subroutine halo_write_sums(field, share, columns, first, last, down, up)
+  !> Writes the message of a sweep to the rank below: the first planes. In the slab that has them they
+  !! must be complete but for what the rank below adds.
+  pure subroutine halo_write_below(field, share, columns, layers, first, buffer)
     type(field_t), intent(in) :: field
     type(share_t), intent(in) :: share
     integer, intent(in) :: columns(2)            !! first and last column of the moments
+    integer, intent(in) :: layers                !! planes that a particle gives to
     type(workspace_t), intent(in) :: first       !! workspace of the lowest slab
-    type(workspace_t), intent(in) :: last        !! and of the highest
-    type(buffer_t), intent(inout) :: down, up
-    integer :: p, p1, p2, layer, layers
+    type(buffer_t), intent(inout) :: buffer
+    integer :: p, p1, p2
+    if (share%rank == 0) return
     call halo_own_planes(field, share, p1, p2)
     if (p2 < p1) return
-    layers = size(first%planes, 1)
     do p = p1, p2
       if (field%plane_k(p) >= share%own(1) + share%moments(2)) exit
-      call halo_put_moments(field, p, columns, down)
+      call halo_put_moments(field, p, columns, buffer)
     end do
     if (layers == 3 .and. field%plane_k(p1) == share%own(1)) then
-      call put_layer(field, p1, 2, size(first%lead, 2), first%lead, down)
+      call put_layer(field, p1, 2, size(first%lead, 2), first%lead, buffer)
     end if
+  end subroutine halo_write_below
+
+  !> Writes the message of a sweep to the rank above: the last planes, and the layers that reach
+  !! beyond them.
+  pure subroutine halo_write_above(field, share, columns, layers, last, buffer)
+    type(field_t), intent(in) :: field
+    type(share_t), intent(in) :: share
+    integer, intent(in) :: columns(2)            !! first and last column of the moments
+    integer, intent(in) :: layers                !! planes that a particle gives to
+    type(workspace_t), intent(in) :: last        !! workspace of the highest slab
+    type(buffer_t), intent(inout) :: buffer
+    integer :: p, p1, p2, layer
+    if (share%rank == share%ranks - 1) return
+    call halo_own_planes(field, share, p1, p2)
     do p = p1, p2
       if (field%plane_k(p) > share%own(2) - share%moments(1)) then
-        call halo_put_moments(field, p, columns, up)
+        call halo_put_moments(field, p, columns, buffer)
       end if
       do layer = 2, layers
         if (field%plane_k(p) + layer - 1 <= share%own(2)) cycle
         call put_layer(field, p, layer, size(last%planes, 2), &
-                       last%planes(:, :, :, mod(p, layers) + 1), up)
+                       last%planes(:, :, :, mod(p, layers) + 1), buffer)
       end do
     end do
-  end subroutine halo_write_sums
+  end subroutine halo_write_above
 
   !> Reads the messages of a sweep; planes of others hold what they sent, and zero elsewhere.
   pure subroutine halo_read_sums(field, share, columns, layers, from_below, from_above, below, &

@@ -40,7 +40,8 @@ contains
     integer :: plane, b, slot, nq
     task = task_make(field%kernel, mesh, plan)
     nq = task%nq
-    call prepare(work, task, plan%drift, field%largest_plane, bodies)
+    call prepare(work, task, plan%drift, bodies)
+    if (plane2 >= plane1) call fit_buffers(work, task, field%largest_plane)
     do plane = plane1, plane2
       slot = mod(plane, task%layers) + 1
       work%cleared = field%plane_store(plane)
@@ -58,14 +59,12 @@ contains
   end subroutine sweep_slab
 
   !> Makes a workspace fit for a sweep.
-  subroutine prepare(work, task, drift, largest_plane, bodies)
+  subroutine prepare(work, task, drift, bodies)
     type(workspace_t), intent(inout) :: work
     type(task_t), intent(in) :: task
     logical, intent(in) :: drift                 !! particles will move
-    integer, intent(in) :: largest_plane
     type(body_t), intent(in) :: bodies(:)
     integer :: b
-    call fit_buffers(work, task, largest_plane)
     if (.not. allocated(work%movers)) allocate (work%movers(size(bodies)))
     do b = 1, size(bodies)
       if (.not. drift) exit                      ! keep the room of the lists for the next that does
