@@ -50,8 +50,8 @@ contains
     call halo_planes(field, share%own, p1, p2)
   end subroutine halo_own_planes
 
-  !> Writes the message of a sweep to the rank below: the first planes. In the slab that has them they
-  !! must be complete but for what the rank below adds.
+  !> Writes the message of a sweep to the rank below: the first planes. In the slab that has them
+  !! they must be complete but for what the rank below adds.
   pure subroutine halo_write_below(field, share, columns, layers, first, buffer)
     type(field_t), intent(in) :: field
     type(share_t), intent(in) :: share
