@@ -179,8 +179,10 @@ contains
     capacity = particles%chunks + particles%chunks/64 + 4
     deallocate (particles%a, particles%b, particles%id, particles%next)
     allocate (particles%id(lanes, capacity), particles%next(capacity), source=0)
-    allocate (particles%a(lanes, particles%na, capacity), particles%b(lanes, particles%nb, &
-                                                                      capacity))
+    allocate (particles%a(lanes, particles%na, capacity))
+    allocate (particles%b(lanes, particles%nb, capacity))
+    call large_pages_ask(particles%a, size(particles%a, kind=i8))
+    call large_pages_ask(particles%b, size(particles%b, kind=i8))
     allocate (slot(particles%count))
     call chain_bins(particles, slot)
   end subroutine particles_lay_out
