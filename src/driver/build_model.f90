@@ -63,10 +63,8 @@ contains
     model%lost_policy = scene%grid%lost
     kernel = kernel_of(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%body_sums(size(scene%bodies)))
-    ! Bodies in contact share nodes with fields of their own, which ranks do not exchange yet.
-    call share_make(model%share, model%mesh, kernel, model%normalised, &
-                    model%mesh%ndim > 1 .and. size(scene%contacts) == 0, parallel_rank(), &
-                    parallel_ranks())
+    call share_make(model%share, model%mesh, kernel, model%normalised, model%mesh%ndim > 1, &
+                    parallel_rank(), parallel_ranks())
     if (seeded) then
       call ranks_share(scene, model, kernel, surveys, error)
       if (allocated(error)) return

@@ -8,12 +8,13 @@
 module sgmp_contact_phases
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_link_t, contact_resolve
-  use sgmp_field, only: field_base, field_t
+  use sgmp_contact_booking, only: contact_book
+  use sgmp_contact_exchange, only: contact_exchange
+  use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
-  use sgmp_shared_nodes, only: clouds_t, shared_build, shared_detect, shared_nodes_t
-  use sgmp_surface_particles, only: surface_pack
-  use sgmp_transfer_kinds, only: kernel_sgmp
+  use sgmp_shared_nodes, only: clouds_t, shared_build, shared_detect, shared_meet, shared_nodes_t
+  use sgmp_surface_particles, only: surface_count, surface_pack
   implicit none
   private
   public :: contact_layout, contact_detect, contact_trial, contact_velocity
@@ -25,7 +26,8 @@ contains
   subroutine contact_layout(model)
     type(model_t), intent(inout) :: model
     if (size(model%pairs) == 0) return
-    call shared_build(model%shared, model%mesh, model%fields, model%bodies, model%pairs)
+    call shared_build(model%shared, model%mesh, model%fields, model%bodies, model%pairs, &
+                      model%share%own + [0, model%share%nodes])
   end subroutine contact_layout
 
   !> Finds normals and touching pairs at all shared nodes.
@@ -34,16 +36,27 @@ contains
     type(clouds_t) :: clouds
     integer :: n, b
     if (model%shared%nodes == 0) return
+    !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
+    !$omp& default(none) shared(model) private(n)
+    do n = 1, model%shared%nodes
+      call shared_meet(model%shared, n, model%fields, model%cutoff)
+    end do
+    !$omp end parallel do
+    do b = 1, size(model%bodies)
+      call surface_count(model%shared%surface(b), model%bodies(b)%particles, model%moved > 0, &
+                         model%bodies(b)%law%slots%surface, model%threads)
+    end do
+    call contact_exchange(model)
     do b = 1, size(model%bodies)
       call surface_pack(model%shared%surface(b), model%bodies(b)%particles, &
-                        model%moved > 0, model%bodies(b)%law%slots%surface, model%threads)
+                        model%bodies(b)%law%slots%surface, model%threads)
     end do
     !$omp parallel num_threads(model%threads) if(model%threads > 1) default(none) &
     !$omp& shared(model) private(n, clouds)
     !$omp do schedule(dynamic, 16)
     do n = 1, model%shared%nodes
       call shared_detect(model%shared, n, model%mesh, model%fields, model%bodies, model%pairs, &
-        model%cutoff, clouds)
+                         clouds)
     end do
     !$omp end do nowait
     !$omp end parallel
@@ -54,7 +67,7 @@ contains
   subroutine contact_trial(model, dt)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt             !! velocity step dt^k
-    integer :: n, p
+    integer :: n
     if (size(model%pairs) == 0) return
     !$omp parallel do schedule(dynamic, 16) num_threads(model%threads) default(none) &
     !$omp& shared(model, dt) private(n)
@@ -62,13 +75,7 @@ contains
       call resolve_node(model%shared, n, model%bodies, model%fields, model%mesh%ndim + 1, dt)
     end do
     !$omp end parallel do
-    do p = 1, size(model%pairs)
-      model%pairs(p)%shared = 0
-      model%pairs(p)%touching = 0
-    end do
-    do n = 1, model%shared%nodes
-      call book_node(model, n, dt)
-    end do
+    call contact_book(model, dt)
   end subroutine contact_trial
 
   !> Makes another nodal velocity admissible: the re-mapped one of MUSL, or that which strains the
@@ -136,118 +143,6 @@ contains
       end associate
     end do
   end subroutine resolve_node
-
-  !> Books what contact did at one node: impulses of the pairs, dissipation, and the changes of the
-  !! step's sums.
-  subroutine book_node(model, n, dt)
-    type(model_t), intent(inout) :: model
-    integer, intent(in) :: n
-    real(dp), intent(in) :: dt
-    real(dp), dimension(3, model%shared%member_start(n + 1) - &
-      model%shared%member_start(n)) :: gained, middle
-    real(dp) :: impulse(3), position(3), loss
-    integer :: l, k, m, nd
-    logical :: any_contact
-    nd = model%mesh%ndim
-    any_contact = .false.
-    do l = model%shared%link_start(n), model%shared%link_start(n + 1) - 1
-      model%pairs(model%shared%pair(l))%shared = model%pairs(model%shared%pair(l))%shared + 1
-      any_contact = any_contact .or. model%shared%link(l)%normal_impulse > 0.0_dp
-    end do
-    if (.not. any_contact) return
-    position = 0.0_dp
-    position(:nd) = real(model%shared%point([1, merge(3, 2, nd == 2), 3], n), dp)
-    position(:nd) = model%mesh%origin(:nd) + model%mesh%h*position(:nd)
-    gained = 0.0_dp
-    middle = 0.0_dp
-    do k = 1, size(gained, 2)
-      m = model%shared%member_start(n) + k - 1
-      associate (node => model%fields(model%shared%field(m))%node, i => model%shared%record(m))
-        middle(:nd, k) = node(i, nd + 1:2*nd) - 0.5_dp*dt*node(i, 1:nd)
-        if (model%bodies(model%shared%body(m))%rigid) middle(:nd, k) = node(i, nd + 1:2*nd)
-      end associate
-    end do
-    do l = model%shared%link_start(n), model%shared%link_start(n + 1) - 1
-      associate (link => model%shared%link(l), pair => model%pairs(model%shared%pair(l)))
-        if (link%normal_impulse <= 0.0_dp) cycle
-        impulse = link%normal_impulse*link%normal + link%tangent_impulse
-        gained(:, link%first) = gained(:, link%first) - impulse
-        gained(:, link%second) = gained(:, link%second) + impulse
-        pair%touching = pair%touching + 1
-        pair%impulse = pair%impulse - impulse
-        pair%angular_impulse = pair%angular_impulse - cross(position, impulse)
-        loss = dot_product(impulse, middle(:, link%first) - middle(:, link%second))
-        pair%dissipation = pair%dissipation + loss
-        model%sums%contact = model%sums%contact + loss
-        if (model%bodies(pair%body(1))%rigid) then
-          model%sums%rigid_work = model%sums%rigid_work + &
-                                  dot_product(impulse, middle(:, link%first))
-        end if
-        if (model%bodies(pair%body(2))%rigid) then
-          model%sums%rigid_work = model%sums%rigid_work - &
-                                  dot_product(impulse, middle(:, link%second))
-        end if
-      end associate
-    end do
-    do k = 1, size(gained, 2)
-      m = model%shared%member_start(n) + k - 1
-      if (model%bodies(model%shared%body(m))%rigid) cycle
-      call book_member(model, model%fields(model%shared%field(m)), model%shared%record(m), &
-        model%shared%point(:, n), &
-                       gained(:nd, k), middle(:nd, k), dt)
-    end do
-  end subroutine book_node
-
-  !> What a contact impulse adds to the sums that were taken before contact.
-  subroutine book_member(model, field, record, point, gained, middle, dt)
-    type(model_t), intent(inout) :: model
-    type(field_t), intent(in) :: field
-    integer, intent(in) :: record, point(3)
-    real(dp), intent(in) :: gained(:), middle(:), dt
-    real(dp) :: change(size(gained)), acceleration(size(gained)), inverse
-    inverse = field%node(record, 2*field%ndim + 1)
-    if (inverse <= 0.0_dp) return
-    change = gained*inverse/dt
-    acceleration = field%node(record, 1:field%ndim)
-    associate (sums => model%sums)
-      sums%nodes_aa = sums%nodes_aa + dot_product(gained/dt, 2.0_dp*acceleration - change)
-      sums%power_before = sums%power_before + dot_product(gained/dt, middle - &
-        0.5_dp*dt*acceleration)
-      sums%external_power = sums%external_power &
-        + 0.5_dp*dt*dot_product(change, model%gravity(:field%ndim)/inverse + body_force(field, &
-          record, point))
-    end associate
-  end subroutine book_member
-
-  !> Body force at a node, as the momentum equation takes it from the moments.
-  pure function body_force(field, record, point) result(force)
-    type(field_t), intent(in) :: field
-    integer, intent(in) :: record, point(3)
-    real(dp) :: force(field%ndim)
-    integer :: column, last, j, k, base
-    force = 0.0_dp
-    column = 2 + field%ndim + merge(field%ndim*(field%ndim + 1)/2, field%ndim, &
-      field%kernel == kernel_sgmp)
-    last = column + field%ndim - 1
-    if (last > field%nmoment - merge(1, 0, field%volume_column > 0)) return
-    if (field%kernel /= kernel_sgmp) then
-      force = field%moment(record, column:last)
-      return
-    end if
-    do k = point(3) - merge(1, 0, field%ndim >= 2), point(3)
-      do j = point(2) - merge(1, 0, field%ndim == 3), point(2)
-        base = field_base(field, j, k, point(1)) + point(1)
-        force = force + (field%moment(base - 1, column:last) + field%moment(base, column:last))
-      end do
-    end do
-    force = force*0.5_dp**field%ndim
-  end function body_force
-
-  pure function cross(a, b) result(c)
-    real(dp), intent(in) :: a(3), b(3)
-    real(dp) :: c(3)
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 
   !> The rigid body that a field belongs to, 0 if it has none.
   pure function rigid_field(model, f) result(b)

@@ -1,6 +1,7 @@
 !> Everything a simulation consists of while it runs; passed as an argument, never global.
 module sgmp_model
   use sgmp_body, only: body_t
+  use sgmp_buffer, only: buffer_t
   use sgmp_energy, only: ledger_t, step_sums_t
   use sgmp_errors, only: error_t
   use sgmp_field, only: field_t
@@ -50,6 +51,7 @@ module sgmp_model
     type(tally_t) :: tally                           !! sums of the step, being formed
     type(contact_pair_t), allocatable :: pairs(:)  !! bodies in contact; none: one field for all
     type(shared_nodes_t) :: shared                 !! nodes where their fields meet
+    type(buffer_t) :: booked                       !! what contact did in the step, own planes
     integer :: threads = 1
     integer :: update = 0                            !! one of update_*
     real(dp) :: flip = 1.0_dp

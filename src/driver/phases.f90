@@ -3,6 +3,7 @@
 module sgmp_phases
   use sgmp_body, only: body_forced, body_number, body_place
   use sgmp_buffer, only: buffer_left, buffer_put, buffer_t, buffer_whole
+  use sgmp_contact_booking, only: contact_close
   use sgmp_contact_phases, only: contact_detect, contact_layout, contact_trial, contact_velocity, &
                                  rigid_choose_speed, rigid_field, rigid_solve, rigid_velocity
   use sgmp_energy, only: step_sums_t
@@ -86,6 +87,7 @@ contains
   subroutine phase_open_sums(model)
     type(model_t), intent(inout) :: model
     model%sums = step_sums_t()
+    model%booked%n = 0
     call tally_reset(model%tally, size(model%bodies)*sweep_sums + nodes_sums)
   end subroutine phase_open_sums
 
@@ -95,7 +97,7 @@ contains
     type(model_t), intent(inout) :: model
     logical, intent(in) :: book
     real(dp) :: totals(size(model%bodies)*sweep_sums + nodes_sums), since
-    integer(i8) :: counts(size(model%bodies) + 3)
+    integer(i8) :: counts(size(model%bodies) + 4)
     integer :: b, n
     since = wall_time()
     n = size(model%bodies)
@@ -103,6 +105,7 @@ contains
     counts(n + 1) = int(model%lost_here, i8)
     counts(n + 2) = merge(1_i8, 0_i8, allocated(model%failure))
     counts(n + 3) = own_points(model)
+    counts(n + 4) = int(model%booked%n, i8)
     call tally_total(model%tally, totals, counts)
     call parallel_max_place(model%fastest, model%fastest_id, model%fastest_field)
     if (counts(n + 2) > 0_i8) call parallel_agree(model%failure)
@@ -115,6 +118,7 @@ contains
         call book_body(model, b, totals((b - 1)*sweep_sums + 1:b*sweep_sums))
       end do
       call book_nodes(model, totals(n*sweep_sums + 1:))
+      call contact_close(model, counts(n + 4) > 0_i8)
     end if
     if (model%share%ranks > 1) call timers_move(model%timers, phase_halo, since)
   end subroutine phase_close_sums
@@ -173,6 +177,9 @@ contains
       end do
       if (model%share%ranks > 1) call swap_movers(model)
       do b = 1, size(model%bodies)
+        model%moved = model%moved + model%workspaces(1, model%bodies(b)%field)%movers(b)%n
+      end do
+      do b = 1, size(model%bodies)
         call rebin_body(model, b, new_bins)
         if (new_bins) changed(model%bodies(b)%field) = .true.
       end do
@@ -195,7 +202,6 @@ contains
         call movers_append(work(1)%movers(b), work(s)%movers(b))
       end do
       call guard_grid(model, b, plan, work(1)%movers(b))
-      model%moved = model%moved + work(1)%movers(b)%n
     end associate
   end subroutine list_movers
 

@@ -89,8 +89,7 @@ contains
                   integer_text(sum(model%counts))//' particles, '// &
                   integer_text(model%points)//' grid points')
     if (model%share%ranks > 1 .and. .not. model%share%divisible) then
-      call log%warning('a scene in 1D or with contact is not divided: the first rank does '// &
-                       'all the work; use threads')
+      call log%warning('a scene in 1D is not divided: the first rank does all the work')
     end if
   end subroutine report_start
 

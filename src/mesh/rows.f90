@@ -9,7 +9,7 @@ module sgmp_rows
   private
   public :: rows_t, row_key, key_j, key_k
   public :: rows_from_points, rows_union, rows_intersection, rows_dilate, rows_locate, &
-    rows_points, rows_contains
+    rows_points, rows_contains, rows_planes
 
   integer(i8), parameter :: key_stride = 2_i8**32
 
@@ -127,6 +127,20 @@ contains
       end if
     end do
   end subroutine rows_intersection
+
+  !> The part of a set that lies in a range of planes.
+  pure subroutine rows_planes(rows, planes, part)
+    type(rows_t), intent(in) :: rows
+    integer, intent(in) :: planes(2)     !! first and last k
+    type(rows_t), intent(out) :: part
+    integer :: s, k
+    call rows_reserve(part, rows%n)
+    do s = 1, rows%n
+      k = key_k(rows%key(s))
+      if (k < planes(1) .or. k > planes(2)) cycle
+      call rows_append(part, rows%key(s), rows%first(s), rows%last(s))
+    end do
+  end subroutine rows_planes
 
   !> The set widened by lower..upper points along (i, j, k).
   pure subroutine rows_dilate(rows, lower, upper, wide)

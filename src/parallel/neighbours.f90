@@ -35,13 +35,17 @@ contains
 
   !> Sends what has been written for both sides; the buffers must not be touched before
   !! `neighbours_wait`.
-  subroutine neighbours_send(swap, traffic)
+  subroutine neighbours_send(swap, traffic, sides)
     type(neighbours_t), intent(inout), target, asynchronous :: swap
     type(traffic_t), intent(inout) :: traffic
-    if (parallel_rank() > 0) then
+    logical, intent(in), optional :: sides(2)  !! below, above: as the ranks there see it, too;
+                                               !! absent: both
+    logical :: there(2)
+    there = sides_with_ranks(sides)
+    if (there(1)) then
       call send(swap%to_below, parallel_rank() - 1, swap%request(1), swap%open(1), traffic)
     end if
-    if (parallel_rank() < parallel_ranks() - 1) then
+    if (there(2)) then
       call send(swap%to_above, parallel_rank() + 1, swap%request(2), swap%open(2), traffic)
     end if
   end subroutine neighbours_send
@@ -60,17 +64,26 @@ contains
     traffic%bytes = traffic%bytes + int(storage_size(1.0_dp)/8, i8)*buffer%n
   end subroutine send
 
+  !> Sides on which there is a rank, among those asked for.
+  function sides_with_ranks(sides) result(there)
+    logical, intent(in), optional :: sides(2)
+    logical :: there(2)
+    there = [parallel_rank() > 0, parallel_rank() < parallel_ranks() - 1]
+    if (present(sides)) there = there .and. sides
+  end function sides_with_ranks
+
   !> Receives what the neighbours sent; nothing from where there is none.
-  subroutine neighbours_receive(swap)
+  subroutine neighbours_receive(swap, sides)
     type(neighbours_t), intent(inout) :: swap
+    logical, intent(in), optional :: sides(2)  !! see neighbours_send
+    logical :: there(2)
+    there = sides_with_ranks(sides)
     swap%from_below%n = 0
     swap%from_above%n = 0
     swap%from_below%read = 0
     swap%from_above%read = 0
-    if (parallel_rank() > 0) call receive(swap%from_below, parallel_rank() - 1)
-    if (parallel_rank() < parallel_ranks() - 1) then
-      call receive(swap%from_above, parallel_rank() + 1)
-    end if
+    if (there(1)) call receive(swap%from_below, parallel_rank() - 1)
+    if (there(2)) call receive(swap%from_above, parallel_rank() + 1)
   end subroutine neighbours_receive
 
   subroutine receive(buffer, rank)

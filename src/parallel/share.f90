@@ -24,7 +24,7 @@ module sgmp_share
     integer :: nodes = 0               !! planes of nodes above the own ones that particles read
     integer :: least = 1               !! planes that a rank must own
     integer :: allowed(2) = [-far_plane, far_plane]  !! between these planes cuts may lie
-    logical :: divisible = .true.      !! false in 1D, where there is one plane, and with contact
+    logical :: divisible = .true.      !! false in 1D, where there is one plane
   end type share_t
 
 contains

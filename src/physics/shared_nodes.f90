@@ -2,23 +2,23 @@
 !! and distances.
 !!
 !! The list is rebuilt with the layout of the fields and holds nothing for bodies that are apart.
-!! Everything at one node
-!! depends on that node alone, so nodes can be visited in any order and by any thread.
+!! Everything at one node depends on that node alone, so nodes can be visited in any order and by
+!! any thread, and two ranks that both solve a node find the same.
 module sgmp_shared_nodes
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_link_t, contact_normal, normal_separating
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
-  use sgmp_particles, only: particles_bin_of
   use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_dilate, rows_intersection, &
-    rows_points, rows_t, rows_union
+    rows_planes, rows_points, rows_t, rows_union
   use sgmp_separation, only: separation
   use sgmp_surface_particles, only: surface_bins, surface_list, surface_t
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
   implicit none
   private
-  public :: clouds_t, contact_pair_t, shared_nodes_t, shared_build, shared_detect
+  public :: clouds_t, contact_pair_t, shared_nodes_t, shared_build, shared_detect, shared_meet, &
+            shared_mark
 
   integer, parameter :: most_rows = 9          !! rows of bins whose particles give to a node
   real(dp), parameter :: overlapping = 1.0e-3_dp
@@ -38,7 +38,7 @@ module sgmp_shared_nodes
     real(dp) :: impulse(3) = 0.0_dp        !! on the first body
     real(dp) :: angular_impulse(3) = 0.0_dp  !! on the first body, about the origin
     real(dp) :: dissipation = 0.0_dp
-    integer :: shared = 0, touching = 0    !! nodes in the last step
+    integer :: shared = 0, touching = 0    !! nodes in the last step: with both masses, in contact
   end type contact_pair_t
 
   !> The shared nodes; members are the fields present at a node, links the pairs among them that
@@ -60,6 +60,7 @@ module sgmp_shared_nodes
     integer, allocatable :: link_start(:)       !! (nodes + 1)
     integer, allocatable :: pair(:)             !! (links)
     type(contact_link_t), allocatable :: link(:)  !! (links) members counted within the node
+    logical, allocatable :: meets(:)            !! (links) both bodies have mass at the node
     logical, allocatable :: touching(:)         !! (links) close enough for contact
   end type shared_nodes_t
 
@@ -71,13 +72,14 @@ module sgmp_shared_nodes
 
 contains
 
-  !> Lists the nodes that fields of contact pairs share.
-  pure subroutine shared_build(shared, mesh, fields, bodies, pairs)
+  !> Lists the nodes that fields of contact pairs share in a range of planes.
+  pure subroutine shared_build(shared, mesh, fields, bodies, pairs, planes)
     type(shared_nodes_t), intent(out) :: shared
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(in) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
     type(contact_pair_t), intent(in) :: pairs(:)
+    integer, intent(in) :: planes(2)             !! first and last k
     type(rows_t) :: all, common, sum_of
     integer :: p, n
     allocate (all%key(0), all%first(0), all%last(0))
@@ -91,6 +93,8 @@ contains
       call rows_union(all, common, sum_of)
       all = sum_of
     end do
+    call rows_planes(all, planes, common)
+    all = common
     n = int(rows_points(all))
     shared%ndim = mesh%ndim
     shared%nodes = n
@@ -100,7 +104,8 @@ contains
     call list_members(shared, fields, pairs, .false.)
     allocate (shared%body(shared%members), shared%field(shared%members), &
       shared%record(shared%members), shared%interval(shared%members))
-    allocate (shared%pair(shared%links), shared%link(shared%links), shared%touching(shared%links))
+    allocate (shared%pair(shared%links), shared%link(shared%links))
+    allocate (shared%meets(shared%links), shared%touching(shared%links), source=.false.)
     call list_members(shared, fields, pairs, .true.)
     call list_bins(shared, mesh, all, bodies)
   end subroutine shared_build
@@ -229,27 +234,85 @@ contains
     end do
   end subroutine list_bins
 
-  !> Normals of all links of a node, and which of them are close enough to touch (Eqs. 86-88). The
-  !! surface particles must have been packed.
-  pure subroutine shared_detect(shared, n, mesh, fields, bodies, pairs, cutoff, clouds)
+  !> Finds the links of a node at which both bodies have mass.
+  pure subroutine shared_meet(shared, n, fields, cutoff)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n                     !! the node
+    type(field_t), intent(in) :: fields(:)
+    real(dp), intent(in) :: cutoff               !! nodes lighter than this are ignored
+    integer :: at(2), l, side
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      at = members_of(shared, n, l)
+      shared%meets(l) = .true.
+      do side = 1, 2
+        shared%meets(l) = shared%meets(l) .and. &
+          node_mass(fields(shared%field(at(side))), shared, at(side), n) > cutoff
+      end do
+    end do
+  end subroutine shared_meet
+
+  !> Marks the bins of all bodies around the nodes of a range of planes where bodies meet, and tells
+  !! whether any do.
+  pure subroutine shared_mark(shared, planes, any_meet)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: planes(2)             !! first and last k
+    logical, intent(out) :: any_meet
+    integer :: b, n, l
+    any_meet = .false.
+    do n = 1, shared%nodes
+      if (shared%point(3, n) < planes(1)) cycle
+      if (shared%point(3, n) > planes(2)) exit
+      do l = shared%link_start(n), shared%link_start(n + 1) - 1
+        if (.not. shared%meets(l)) cycle
+        if (.not. any_meet) then
+          do b = 1, size(shared%surface)
+            if (shared%surface(b)%bins > 0) shared%surface(b)%marked = .false.
+          end do
+        end if
+        any_meet = .true.
+        call mark_around(shared, members_of(shared, n, l))
+      end do
+    end do
+  end subroutine shared_mark
+
+  !> Marks the bins around a node of the two members of a link.
+  pure subroutine mark_around(shared, at)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: at(2)                 !! members
+    integer :: side, r
+    do side = 1, 2
+      associate (bins => shared%bins(:, :, at(side)), &
+                 surface => shared%surface(shared%body(at(side))))
+        do r = 1, most_rows
+          surface%marked(bins(1, r):bins(2, r)) = .true.
+        end do
+      end associate
+    end do
+  end subroutine mark_around
+
+  !> The members of a link.
+  pure function members_of(shared, n, l) result(at)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, l                  !! node and link
+    integer :: at(2)
+    at = shared%member_start(n) - 1 + [shared%link(l)%first, shared%link(l)%second]
+  end function members_of
+
+  !> Normals of all links of a node, and which of them are close enough to touch (Eqs. 86-88).
+  !! Which of them meet must be known, and the surface particles packed.
+  pure subroutine shared_detect(shared, n, mesh, fields, bodies, pairs, clouds)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n                     !! the node
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(in) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
     type(contact_pair_t), intent(in) :: pairs(:)
-    real(dp), intent(in) :: cutoff               !! nodes lighter than this are ignored
     type(clouds_t), intent(inout) :: clouds
-    integer :: at(2), balls(2), l, side
-    logical :: there
+    integer :: at(2), balls(2), l
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       shared%touching(l) = .false.
-      at = shared%member_start(n) - 1 + [shared%link(l)%first, shared%link(l)%second]
-      there = .true.
-      do side = 1, 2
-        there = there .and. node_mass(fields(shared%field(at(side))), shared, at(side), n) > cutoff
-      end do
-      if (.not. there) cycle
+      if (.not. shared%meets(l)) cycle
+      at = members_of(shared, n, l)
       call cloud_around(shared, n, at(1), balls(1), clouds%first)
       call cloud_around(shared, n, at(2), balls(2), clouds%second)
       if (any(balls == 0)) cycle
@@ -435,7 +498,8 @@ contains
     if (field%kernel == kernel_sgmp) then
       gradient = centre_gradient(field, shared%interval(m), point(1))
     else
-      gradient = particle_gradient(mesh, field%kernel, body, point)
+      gradient = particle_gradient(mesh, field%kernel, body, &
+                                   shared%surface(shared%body(m)), shared%bins(:, :, m), point)
     end if
     gradient = gradient/body%law%density
   end function volume_gradient
@@ -471,48 +535,64 @@ contains
   end function lowest_bin
 
   !> Sum of m_p grad S_Ip (Eq. 87), in units of mass per cell.
-  pure function particle_gradient(mesh, kernel, body, point) result(gradient)
+  pure function particle_gradient(mesh, kernel, body, surface, bins, point) result(gradient)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel
     type(body_t), intent(in) :: body
+    type(surface_t), intent(in) :: surface       !! of the body
+    integer, intent(in) :: bins(:, :)            !! (2, rows) the bins around the node in its list
     integer, intent(in) :: point(3)
     real(dp) :: gradient(3)
-    real(dp) :: s(3), g(3), half(3), node(3), m
-    integer :: low(3), i, j, k, number, chunk, left, l, d, nd
+    real(dp) :: half(3), node(3)
+    integer :: r, n, g, number, chunk, left, l, nd
     gradient = 0.0_dp
     nd = mesh%ndim
-    low = lowest_bin(kernel, nd, point)
     node = real(point([1, row_axis(2, nd), 3]), dp)
     half = 0.0_dp
-    s = 1.0_dp
-    g = 0.0_dp
-    do k = low(3), point(3)
-      do j = low(2), point(2)
-        do i = low(1), point(1)
-          number = particles_bin_of(body%particles, [i, j, k])
-          if (number == 0) cycle
-          chunk = body%particles%first(number)
-          left = body%particles%size(number)
-          do while (left > 0)
-            do l = 1, min(left, lanes)
-              m = body%particles%a(l, 2*nd + 1, chunk)
-              if (kernel == kernel_gimp) half = body%half_size
-              do d = 1, nd
-                if (body%law%slots%stretch > 0) half(d) = body%half_size(d) &
-                  *body%particles%b(l, body%law%slots%stretch + d - 1, chunk)
-                call weight(body%particles%a(l, d, chunk) - node(d), half(d), s(d), g(d))
-              end do
-              gradient(1) = gradient(1) + m*(g(1)*s(2)*s(3))
-              if (nd >= 2) gradient(2) = gradient(2) + m*(s(1)*g(2)*s(3))
-              if (nd == 3) gradient(3) = gradient(3) + m*(s(1)*s(2)*g(3))
-            end do
-            left = left - lanes
-            chunk = body%particles%next(chunk)
+    if (kernel == kernel_gimp) half = body%half_size
+    do r = 1, size(bins, 2)
+      do n = bins(1, r), bins(2, r)
+        do g = surface%guest_first(n), surface%guest_first(n) + surface%guest_size(n) - 1
+          associate (guest => surface%guest(:, g))
+            if (kernel == kernel_gimp) half(:nd) = guest(nd + 3:2*nd + 2)
+            call add_gradient(nd, guest(:nd) - node(:nd), half, guest(nd + 2), gradient)
+          end associate
+        end do
+        number = surface%bin(n)
+        chunk = body%particles%first(number)
+        left = body%particles%size(number)
+        do while (left > 0)
+          do l = 1, min(left, lanes)
+            associate (a => body%particles%a(l, :, chunk), b => body%particles%b(l, :, chunk))
+              if (body%law%slots%stretch > 0) half(:nd) = body%half_size(:nd)* &
+                b(body%law%slots%stretch:body%law%slots%stretch + nd - 1)
+              call add_gradient(nd, a(:nd) - node(:nd), half, a(2*nd + 1), gradient)
+            end associate
           end do
+          left = left - lanes
+          chunk = body%particles%next(chunk)
         end do
       end do
     end do
   end function particle_gradient
+
+  !> Adds what one particle gives to the gradient at a node.
+  pure subroutine add_gradient(nd, x, half, mass, gradient)
+    integer, intent(in) :: nd
+    real(dp), intent(in) :: x(nd)                !! particle minus node (cells)
+    real(dp), intent(in) :: half(3), mass
+    real(dp), intent(inout) :: gradient(3)
+    real(dp) :: s(3), g(3)
+    integer :: d
+    s = 1.0_dp
+    g = 0.0_dp
+    do d = 1, nd
+      call weight(x(d), half(d), s(d), g(d))
+    end do
+    gradient(1) = gradient(1) + mass*(g(1)*s(2)*s(3))
+    if (nd >= 2) gradient(2) = gradient(2) + mass*(s(1)*g(2)*s(3))
+    if (nd == 3) gradient(3) = gradient(3) + mass*(s(1)*s(2)*g(3))
+  end subroutine add_gradient
 
   !> Weight and derivative of a node along one axis: GIMP function, or with half-size 0 the hat
   !! function.

@@ -3,27 +3,40 @@
 !!
 !! Bins come in the order of their rows (by plane, row, place) and particles in the order of their
 !! ids, so the particles of neighbouring bins of a row, and those of a plane, follow each other.
+!! Bins of planes that belong to other ranks hold guests: copies of the particles that those ranks
+!! have there, in the same order.
 module sgmp_surface_particles
+  use sgmp_body, only: body_t
+  use sgmp_buffer, only: buffer_get, buffer_put, buffer_t, buffer_take, buffer_whole
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_particles, only: particles_t
-  use sgmp_rows, only: rows_intersection, rows_points, rows_t
+  use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_intersection, rows_points, rows_t
   implicit none
   private
-  public :: surface_t, surface_list, surface_pack, surface_bins
+  public :: surface_t, surface_list, surface_count, surface_pack, surface_bins
+  public :: surface_write, surface_read, surface_forget_guests, surface_columns
 
   real(dp), parameter :: nowhere = -1.0_dp  !! offsets below are no surface particle's
 
   !> Surface particles by bin.
   type :: surface_t
     integer :: bins = 0
-    logical :: counted = .false.          !! `start` is that of the particles as they are
+    logical :: counted = .false.          !! `count` of the own bins is that of the particles
+    integer :: own(2) = [1, 0]            !! first and last bin in planes of this rank
     type(rows_t) :: rows                  !! the bins, as rows
     integer, allocatable :: row_start(:)  !! (rows%n) bin i of a row has number row_start + i here
     integer, allocatable :: bin(:)        !! (bins) number among all bins of the body
+    integer, allocatable :: count(:)      !! (bins) surface particles of each
     integer, allocatable :: start(:)      !! (bins + 1) first particle of each bin
     real(dp), allocatable :: x(:, :)
       !! (particles + lanes or more, 4) position (cells; 0 along axes that do not exist), surface
       !! offset
+    logical, allocatable :: marked(:)     !! (bins) to be sent to another rank
+    integer, allocatable :: guest_first(:), guest_size(:)  !! (bins) guests of each
+    integer :: guests = 0
+    real(dp), allocatable :: guest(:, :)
+      !! (surface_columns, guests or more) position, surface offset, and where the kernel needs them
+      !! mass and half-sizes
   end type surface_t
 
 contains
@@ -35,12 +48,20 @@ contains
     type(rows_t), intent(in) :: around
     integer :: s, t, i, n
     surface%counted = .false.
+    surface%guests = 0
     call rows_intersection(particles%bins, around, surface%rows)
     surface%bins = int(rows_points(surface%rows))
-    if (allocated(surface%bin)) deallocate (surface%bin, surface%start, surface%row_start)
+    if (allocated(surface%bin)) then
+      deallocate (surface%bin, surface%count, surface%start, surface%row_start)
+      deallocate (surface%marked, surface%guest_first, surface%guest_size)
+    end if
     allocate (surface%bin(surface%bins), surface%row_start(surface%rows%n))
+    allocate (surface%count(surface%bins), surface%guest_first(surface%bins), &
+              surface%guest_size(surface%bins), source=0)
     allocate (surface%start(surface%bins + 1), source=1)
+    allocate (surface%marked(surface%bins), source=.false.)
     if (.not. allocated(surface%x)) allocate (surface%x(0, 4))
+    surface%own = [1, 0]
     n = 0
     t = 1
     do s = 1, surface%rows%n
@@ -53,6 +74,8 @@ contains
         n = n + 1
         surface%bin(n) = particles%bin_start(t) + i
       end do
+      if (key_k(surface%rows%key(s)) < particles%own(1)) surface%own = [n + 1, n]
+      if (key_k(surface%rows%key(s)) <= particles%own(2)) surface%own(2) = n
     end do
   end subroutine surface_list
 
@@ -90,48 +113,60 @@ contains
     end do
   end subroutine surface_bins
 
-  !> Packs the surface particles of all listed bins.
-  subroutine surface_pack(surface, particles, moved, column, threads)
+  !> Counts the surface particles of the own bins.
+  subroutine surface_count(surface, particles, moved, column, threads)
     type(surface_t), intent(inout) :: surface
     type(particles_t), intent(in) :: particles
     logical, intent(in) :: moved           !! particles have changed bins since the last time
     integer, intent(in) :: column          !! of the surface offset among the particles' data
     integer, intent(in) :: threads
     integer :: n
+    if (surface%bins == 0 .or. (surface%counted .and. .not. moved)) return
+    !$omp parallel do num_threads(threads) if(threads > 1) default(none) &
+    !$omp& shared(surface, particles, column) private(n)
+    do n = surface%own(1), surface%own(2)
+      surface%count(n) = bin_count(particles, surface%bin(n), column)
+    end do
+    !$omp end parallel do
+    surface%counted = .true.
+  end subroutine surface_count
+
+  !> Packs the surface particles of all listed bins, which must have been counted.
+  subroutine surface_pack(surface, particles, column, threads)
+    type(surface_t), intent(inout) :: surface
+    type(particles_t), intent(in) :: particles
+    integer, intent(in) :: column          !! of the surface offset among the particles' data
+    integer, intent(in) :: threads
+    integer :: n
     if (surface%bins == 0) return
-    if (moved .or. .not. surface%counted) call count_all(surface, particles, column, threads)
+    call make_places(surface)
     !$omp parallel do num_threads(threads) if(threads > 1) default(none) &
     !$omp& shared(surface, particles, column) private(n)
     do n = 1, surface%bins
-      if (surface%start(n + 1) == surface%start(n)) cycle
-      call pack_bin(particles, surface%bin(n), column, surface%start(n), surface%x)
+      if (surface%count(n) == 0) cycle
+      if (n < surface%own(1) .or. n > surface%own(2)) then
+        call pack_guests(surface, n, particles%ndim)
+      else
+        call pack_bin(particles, surface%bin(n), column, surface%start(n), surface%x)
+      end if
     end do
     !$omp end parallel do
   end subroutine surface_pack
 
-  !> Counts the surface particles of all listed bins and makes room for them.
-  subroutine count_all(surface, particles, column, threads)
+  !> First particle of each bin, and room for all of them.
+  pure subroutine make_places(surface)
     type(surface_t), intent(inout) :: surface
-    type(particles_t), intent(in) :: particles
-    integer, intent(in) :: column, threads
     integer :: n
-    !$omp parallel do num_threads(threads) if(threads > 1) default(none) &
-    !$omp& shared(surface, particles, column) private(n)
-    do n = 1, surface%bins
-      surface%start(n + 1) = bin_count(particles, surface%bin(n), column)
-    end do
-    !$omp end parallel do
     surface%start(1) = 1
     do n = 1, surface%bins
-      surface%start(n + 1) = surface%start(n) + surface%start(n + 1)
+      surface%start(n + 1) = surface%start(n) + surface%count(n)
     end do
     n = surface%start(surface%bins + 1) - 1
     if (size(surface%x, 1) < n + lanes) then
       deallocate (surface%x)
       allocate (surface%x(n + n/8 + lanes, 4), source=0.0_dp)
     end if
-    surface%counted = .true.
-  end subroutine count_all
+  end subroutine make_places
 
   !> Surface particles in a bin.
   pure function bin_count(particles, bin, column) result(n)
@@ -167,5 +202,141 @@ contains
       chunk = particles%next(chunk)
     end do
   end subroutine pack_bin
+
+  !> Writes the surface particles among the guests of a bin into the table.
+  pure subroutine pack_guests(surface, bin, ndim)
+    type(surface_t), intent(inout) :: surface
+    integer, intent(in) :: bin, ndim
+    integer :: n, g
+    n = surface%start(bin) - 1
+    do g = surface%guest_first(bin), surface%guest_first(bin) + surface%guest_size(bin) - 1
+      if (surface%guest(ndim + 1, g) <= nowhere) cycle
+      n = n + 1
+      surface%x(n, :ndim) = surface%guest(:ndim, g)
+      surface%x(n, ndim + 1:3) = 0.0_dp
+      surface%x(n, 4) = surface%guest(ndim + 1, g)
+    end do
+  end subroutine pack_guests
+
+  !> Values of a guest: position and surface offset, and with `whole` mass and half-sizes.
+  pure function surface_columns(ndim, whole) result(columns)
+    integer, intent(in) :: ndim
+    logical, intent(in) :: whole
+    integer :: columns
+    columns = ndim + 1 + merge(1 + ndim, 0, whole)
+  end function surface_columns
+
+  !> Appends the particles of the marked own bins to a message: the surface particles, or with
+  !! `whole` all of them.
+  pure subroutine surface_write(surface, body, whole, buffer)
+    type(surface_t), intent(in) :: surface
+    type(body_t), intent(in) :: body
+    logical, intent(in) :: whole
+    type(buffer_t), intent(inout) :: buffer
+    integer :: s, i, n, particles, head
+    call buffer_take(buffer, 1, head)
+    head = head + 1
+    buffer%values(head) = 0.0_dp
+    do s = 1, surface%rows%n
+      do i = surface%rows%first(s), surface%rows%last(s)
+        n = surface%row_start(s) + i
+        if (.not. surface%marked(n) .or. n < surface%own(1) .or. n > surface%own(2)) cycle
+        particles = surface%count(n)
+        if (whole) particles = body%particles%size(surface%bin(n))
+        if (particles == 0) cycle
+        buffer%values(head) = buffer%values(head) + 1.0_dp
+        call buffer_put(buffer, real([key_j(surface%rows%key(s)), key_k(surface%rows%key(s)), i, &
+                                      particles], dp))
+        call write_bin(body, surface%bin(n), whole, buffer)
+      end do
+    end do
+  end subroutine surface_write
+
+  !> Appends the particles of one bin.
+  pure subroutine write_bin(body, bin, whole, buffer)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: bin
+    logical, intent(in) :: whole
+    type(buffer_t), intent(inout) :: buffer
+    real(dp) :: half(3)
+    integer :: l, chunk, left
+    associate (particles => body%particles, slots => body%law%slots)
+      chunk = particles%first(bin)
+      left = particles%size(bin)
+      do while (left > 0)
+        do l = 1, min(left, lanes)
+          associate (n => particles%ndim, offset => particles%b(l, slots%surface, chunk))
+            if (offset <= nowhere .and. .not. whole) cycle
+            call buffer_put(buffer, [particles%a(l, :n, chunk), offset])
+            if (.not. whole) cycle
+            half = body%half_size
+            if (slots%stretch > 0) half(:n) = half(:n)* &
+              particles%b(l, slots%stretch:slots%stretch + n - 1, chunk)
+            call buffer_put(buffer, [particles%a(l, particles%na, chunk), half(:n)])
+          end associate
+        end do
+        left = left - lanes
+        chunk = particles%next(chunk)
+      end do
+    end associate
+  end subroutine write_bin
+
+  !> Forgets all guests.
+  pure subroutine surface_forget_guests(surface)
+    type(surface_t), intent(inout) :: surface
+    surface%guests = 0
+    if (surface%bins == 0) return
+    surface%count(:surface%own(1) - 1) = 0
+    surface%count(surface%own(2) + 1:) = 0
+    surface%guest_size = 0
+  end subroutine surface_forget_guests
+
+  !> Takes what `surface_write` has written as guests; `complete` is false if a bin is not listed
+  !! here.
+  pure subroutine surface_read(surface, ndim, whole, buffer, complete)
+    type(surface_t), intent(inout) :: surface
+    integer, intent(in) :: ndim
+    logical, intent(in) :: whole
+    type(buffer_t), intent(inout) :: buffer
+    logical, intent(inout) :: complete
+    integer :: bins, b, j, k, i, particles, s, n, g, columns
+    columns = surface_columns(ndim, whole)
+    call buffer_whole(buffer, bins)
+    do b = 1, bins
+      call buffer_whole(buffer, j)
+      call buffer_whole(buffer, k)
+      call buffer_whole(buffer, i)
+      call buffer_whole(buffer, particles)
+      s = 0
+      if (surface%bins > 0) s = rows_contains(surface%rows, row_key(j, k), i)
+      if (s == 0) then
+        complete = .false.
+        buffer%read = buffer%read + columns*particles
+        cycle
+      end if
+      call make_room(surface, columns, surface%guests + particles)
+      n = surface%row_start(s) + i
+      surface%guest_first(n) = surface%guests + 1
+      surface%guest_size(n) = particles
+      do g = surface%guests + 1, surface%guests + particles
+        call buffer_get(buffer, surface%guest(:, g))
+      end do
+      surface%guests = surface%guests + particles
+      surface%count(n) = count(surface%guest(ndim + 1, surface%guest_first(n):surface%guests) &
+                               > nowhere)
+    end do
+  end subroutine surface_read
+
+  !> Room for guests; those that are there stay.
+  pure subroutine make_room(surface, columns, guests)
+    type(surface_t), intent(inout) :: surface
+    integer, intent(in) :: columns, guests
+    real(dp), allocatable :: longer(:, :)
+    if (.not. allocated(surface%guest)) allocate (surface%guest(columns, 0))
+    if (size(surface%guest, 2) >= guests) return
+    allocate (longer(columns, 2*guests))
+    longer(:, :surface%guests) = surface%guest(:, :surface%guests)
+    call move_alloc(longer, surface%guest)
+  end subroutine make_room
 
 end module sgmp_surface_particles

@@ -73,11 +73,13 @@ def variants(name):
 
 def other_ranks(report):
     """Checkpoints of some ranks, continued by others."""
-    wanted = {"block", "leaving", "normalised", "taylor_bar", "bar", "automatic"} if FULL else {"block", "leaving"}
+    wanted = {"block", "leaving", "push"}
+    if FULL:
+        wanted |= {"normalised", "taylor_bar", "bar", "automatic", "rings", "sphere_slope"}
     for name, text, settings, steps, _ in SCENES:
         if name not in wanted:
             continue
-        for method in ("sgmp", "gimp", "mpm") if name == "block" else ("sgmp",):
+        for method in ("sgmp", "gimp", "mpm") if name in ("block", "rings") else ("sgmp",):
             choice = {"method": method} if "include" in text else {}
             card = text + f"checkpoint every={max(2, steps//5)} keep=100\n"
             title = f"ranks_{name}_{method}"
