@@ -10,7 +10,8 @@ module sgmp_scene
   implicit none
   private
   public :: contact_card_t, contact_lambda_default
-  public :: scene_t, scene_free, grid_card_t, method_card_t, time_card_t, material_card_t, &
+  public :: scene_at_rest, scene_t, scene_free
+  public :: grid_card_t, method_card_t, time_card_t, material_card_t, &
     body_card_t, shape_t, bodyforce_card_t, &
             detonation_card_t, output_card_t, gauge_card_t, stop_card_t, checkpoint_card_t, &
             balance_card_t, &
@@ -268,5 +269,14 @@ contains
       end if
     end do
   end subroutine scene_free
+
+  !> Whether a body is rigid and never moves.
+  pure function scene_at_rest(card) result(rests)
+    type(body_card_t), intent(in) :: card
+    logical :: rests
+    rests = .false.
+    if (card%rigid) rests = all(card%motion%is_constant) .and. &
+                            all(abs(card%motion%value) <= 0.0_dp)
+  end function scene_at_rest
 
 end module sgmp_scene

@@ -2,12 +2,13 @@
 !! owners as they are, so that nothing depends on when it happens.
 module sgmp_balancing
   use sgmp_buffer, only: buffer_t
+  use sgmp_contact_phases, only: rigid_field
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_halo, only: halo_clear, halo_get_planes, halo_own_planes, halo_put_moments
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_model, only: model_t
   use sgmp_movers, only: movers_add, movers_reset, movers_t
-  use sgmp_parallel, only: parallel_collect, parallel_deal, parallel_sum, parallel_trade
+  use sgmp_parallel, only: parallel_deal, parallel_gather, parallel_sum, parallel_trade
   use sgmp_particles, only: far_plane, particles_t
   use sgmp_phases, only: phase_layout
   use sgmp_plan, only: workspace_t
@@ -16,15 +17,15 @@ module sgmp_balancing
   use sgmp_rows, only: key_k
   use sgmp_scene, only: balance_card_t, update_usavg, update_usf
   use sgmp_share, only: share_cut, share_imbalance, share_loads, share_owner, share_t
-  use sgmp_timers, only: phase_balance, phase_drift, phase_grid, phase_kick, timers_start, &
-                         timers_stop
+  use sgmp_timers, only: phase_balance, phase_contact, phase_drift, phase_grid, phase_kick, &
+                         timers_start, timers_stop
   implicit none
   private
   public :: balancing_look
 
   !> Work at a grid point over that of a particle, before any has been measured.
   real(dp), parameter :: usual_weight = 0.3_dp, largest_weight = 2.0_dp
-  integer, parameter :: looks = 2        !! entries in front of a rank's loads: seconds
+  integer, parameter :: columns = 3      !! what a plane has: particles, grid points, pairs at nodes
 
 contains
 
@@ -55,52 +56,66 @@ contains
     call timers_stop(model%timers, phase_balance)
   end subroutine balancing_look
 
-  !> Particles and load of every plane, in particles; a grid point counts as what it has cost.
+  !> Particles and load of every plane, in particles; a grid point and a pair of bodies at a node
+  !! count as what they have cost.
   subroutine measure(model, first, particles, load)
     type(model_t), intent(in) :: model
     integer, intent(out) :: first                !! first plane
     real(dp), allocatable, intent(out) :: particles(:), load(:)
     type(buffer_t) :: own
-    real(dp), allocatable :: others(:), all(:), points(:)
-    real(dp) :: seconds(looks), weight
-    integer :: at, k, last
+    real(dp), allocatable :: all(:), table(:, :)
+    real(dp) :: seconds(columns)
+    integer :: at, c, k, last, n
     call list_planes(model, own)
-    call parallel_collect(own%values(:own%n), others)
-    all = [own%values(:own%n), others]
+    call parallel_gather(own%values(:own%n), all)  ! in one order for all, who must decide alike
     first = far_plane
     last = -far_plane
     seconds = 0.0_dp
     at = 0
     do while (at < size(all))
-      seconds = seconds + all(at + 1:at + looks)
-      first = min(first, nint(all(at + looks + 1)))
-      last = max(last, nint(all(at + looks + 1)) + nint(all(at + looks + 2)) - 1)
-      at = at + looks + 2 + 2*nint(all(at + looks + 2))
+      seconds = seconds + all(at + 1:at + columns)
+      first = min(first, nint(all(at + columns + 1)))
+      n = nint(all(at + columns + 2))
+      last = max(last, nint(all(at + columns + 1)) + n - 1)
+      at = at + columns + 2 + columns*n
     end do
-    allocate (particles(max(0, last - first + 1)), points(max(0, last - first + 1)), source=0.0_dp)
+    allocate (table(max(0, last - first + 1), columns), source=0.0_dp)
     at = 0
     do while (at < size(all))
-      k = nint(all(at + looks + 1)) - first
-      associate (n => nint(all(at + looks + 2)), from => at + looks + 2)
-        particles(k + 1:k + n) = particles(k + 1:k + n) + all(from + 1:from + n)
-        points(k + 1:k + n) = points(k + 1:k + n) + all(from + n + 1:from + 2*n)
-        at = from + 2*n
-      end associate
+      k = nint(all(at + columns + 1)) - first
+      n = nint(all(at + columns + 2))
+      at = at + columns + 2
+      do c = 1, columns
+        table(k + 1:k + n, c) = table(k + 1:k + n, c) + all(at + 1:at + n)
+        at = at + n
+      end do
     end do
-    weight = usual_weight
-    if (minval(seconds) > 0.0_dp .and. sum(points) > 0.0_dp) then
-      weight = min(largest_weight, seconds(2)/sum(points)*sum(particles)/seconds(1))
-    end if
-    load = particles + weight*points
+    particles = table(:, 1)
+    load = particles + min(largest_weight, weight_of(2, usual_weight))*table(:, 2) + &
+           weight_of(3, 0.0_dp)*table(:, 3)
+
+  contains
+
+    !> What one of a column costs over what a particle costs.
+    pure function weight_of(column, usual) result(weight)
+      integer, intent(in) :: column
+      real(dp), intent(in) :: usual              !! before anything has been measured
+      real(dp) :: weight, number(2)
+      number = [sum(table(:, 1)), sum(table(:, column))]
+      weight = usual
+      if (min(seconds(1), seconds(column), minval(number)) <= 0.0_dp) return
+      weight = seconds(column)/number(2)*number(1)/seconds(1)
+    end function weight_of
+
   end subroutine measure
 
-  !> This rank's seconds in sweeps and on the grid, first plane and number of planes, then particles
-  !! and grid points of each.
+  !> This rank's seconds in sweeps, on the grid and in contact, first plane and number of planes,
+  !! then of each plane the particles that move, the grid points and the pairs that meet at nodes.
   pure subroutine list_planes(model, own)
     type(model_t), intent(in) :: model
     type(buffer_t), intent(out) :: own
     real(dp), allocatable :: table(:, :)
-    integer :: f, b, s, k, p, p1, p2, first, last
+    integer :: f, p1, p2, first, last
     first = far_plane
     last = -far_plane
     do f = 1, size(model%fields)
@@ -110,36 +125,73 @@ contains
       last = max(last, model%fields(f)%plane_k(p2))
     end do
     if (last < first) then
-      own%values = [0.0_dp]
+      allocate (own%values(0))
       own%n = 0
       return
     end if
-    allocate (table(first:last, 2), source=0.0_dp)
-    do f = 1, size(model%fields)
-      call halo_own_planes(model%fields(f), model%share, p1, p2)
-      do p = p1, p2
-        k = model%fields(f)%plane_k(p)
-        table(k, 2) = table(k, 2) + model%fields(f)%plane_start(p + 1) - &
-                      model%fields(f)%plane_start(p)
-      end do
-    end do
+    allocate (table(first:last, columns), source=0.0_dp)
+    call count_particles(model, first, table(:, 1))
+    call count_points(model, first, table(:, 2))
+    call count_meetings(model, first, table(:, 3))
+    associate (spent => model%timers%seconds)
+      own%values = [spent(phase_kick) + spent(phase_drift), spent(phase_grid), &
+                    spent(phase_contact), real([first, last - first + 1], dp), table]
+    end associate
+    own%n = size(own%values)
+  end subroutine list_planes
+
+  !> Particles of bodies that move, by plane.
+  pure subroutine count_particles(model, first, number)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: first
+    real(dp), intent(inout) :: number(first:)
+    integer :: b, s, k, n1, n2
     do b = 1, size(model%bodies)
+      if (model%bodies(b)%at_rest) cycle
       associate (particles => model%bodies(b)%particles)
         do s = 1, particles%bins%n
           k = key_k(particles%bins%key(s))
           if (k < model%share%own(1) .or. k > model%share%own(2)) cycle
-          p1 = particles%bin_start(s) + particles%bins%first(s)
-          p2 = particles%bin_start(s) + particles%bins%last(s)
-          table(k, 1) = table(k, 1) + sum(particles%size(p1:p2))
+          n1 = particles%bin_start(s) + particles%bins%first(s)
+          n2 = particles%bin_start(s) + particles%bins%last(s)
+          number(k) = number(k) + sum(particles%size(n1:n2))
         end do
       end associate
     end do
-    associate (spent => model%timers%seconds)
-      own%values = [spent(phase_kick) + spent(phase_drift), spent(phase_grid), &
-                    real([first, last - first + 1], dp), table(:, 1), table(:, 2)]
+  end subroutine count_particles
+
+  !> Grid points of the fields that are solved, by plane.
+  pure subroutine count_points(model, first, number)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: first
+    real(dp), intent(inout) :: number(first:)
+    integer :: f, p, p1, p2, k
+    do f = 1, size(model%fields)
+      if (rigid_field(model, f) > 0) cycle
+      call halo_own_planes(model%fields(f), model%share, p1, p2)
+      do p = p1, p2
+        k = model%fields(f)%plane_k(p)
+        number(k) = number(k) + model%fields(f)%plane_start(p + 1) - &
+                    model%fields(f)%plane_start(p)
+      end do
+    end do
+  end subroutine count_points
+
+  !> Pairs of bodies that meet at the nodes of each plane.
+  pure subroutine count_meetings(model, first, number)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: first
+    real(dp), intent(inout) :: number(first:)
+    integer :: n, k
+    associate (shared => model%shared)
+      do n = 1, shared%nodes
+        k = shared%point(3, n)
+        if (k < model%share%own(1) .or. k > model%share%own(2)) cycle
+        number(k) = number(k) + &
+                    count(shared%meets(shared%link_start(n):shared%link_start(n + 1) - 1))
+      end do
     end associate
-    own%n = size(own%values)
-  end subroutine list_planes
+  end subroutine count_meetings
 
   !> Gives particles and grid sums to the owners that new cuts make.
   subroutine move(model, new)

@@ -25,7 +25,8 @@ module sgmp_build_model
   use sgmp_scene, only: body_card_t, eos_gruneisen, eos_jwl, eos_none, hardening_linear, &
                         hardening_perfect, material_card_t, material_elastic, &
                         material_explosive, material_johnson_cook, material_neo_hookean, &
-                        material_j2, method_cpgimp, method_gimp, method_mpm, method_sgmp, scene_t
+                        material_j2, method_cpgimp, method_gimp, method_mpm, method_sgmp, &
+                        scene_at_rest, scene_t
   use sgmp_seeding, only: seeding_check_overlap, seeding_generate, survey_t
   use sgmp_share, only: share_make
   use sgmp_step, only: step_start
@@ -154,7 +155,7 @@ contains
       body%rigid = card%rigid
       if (body%rigid) then
         body%motion = card%motion
-        body%at_rest = all(body%motion%is_constant) .and. all(abs(body%motion%value) <= 0.0_dp)
+        body%at_rest = scene_at_rest(card)
         do d = 1, mesh%ndim
           body%speed(d) = body%motion(d)%evaluate(spread(0.0_dp, 1, 3), spread(0.0_dp, 1, 3), &
                                                   0.0_dp)

@@ -8,7 +8,7 @@ module sgmp_contact_booking
   use sgmp_field, only: field_base, field_t
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
-  use sgmp_parallel, only: parallel_collect
+  use sgmp_parallel, only: parallel_gather
   use sgmp_transfer_kinds, only: kernel_sgmp
   implicit none
   private
@@ -26,7 +26,7 @@ module sgmp_contact_booking
     real(dp) :: external_power = 0.0_dp
   end type booking_t
 
-  integer, parameter :: entry = 15         !! numbers of a booking, with its plane and pair
+  integer, parameter :: entry = 14         !! numbers of a booking, with its pair
 
 contains
 
@@ -46,17 +46,17 @@ contains
       end if
       do p = 1, size(table)
         if (.not. table(p)%used) cycle
-        call write_booking(table(p), plane, p, model%booked)
+        call write_booking(table(p), p, model%booked)
         table(p) = booking_t()
       end do
     end do
   end subroutine contact_book
 
-  pure subroutine write_booking(booking, plane, pair, buffer)
+  pure subroutine write_booking(booking, pair, buffer)
     type(booking_t), intent(in) :: booking
-    integer, intent(in) :: plane, pair
+    integer, intent(in) :: pair
     type(buffer_t), intent(inout) :: buffer
-    call buffer_put(buffer, [real([plane, pair, booking%shared, booking%touching], dp), &
+    call buffer_put(buffer, [real([pair, booking%shared, booking%touching], dp), &
                              booking%impulse, booking%angular_impulse, booking%dissipation, &
                              booking%rigid_work, booking%nodes_aa, booking%power_before, &
                              booking%external_power])
@@ -160,7 +160,7 @@ contains
   subroutine contact_close(model, anywhere)
     type(model_t), intent(inout) :: model
     logical, intent(in) :: anywhere        !! some rank has booked something
-    real(dp), allocatable :: others(:)
+    real(dp), allocatable :: all(:)
     integer :: p, e
     do p = 1, size(model%pairs)
       model%pairs(p)%shared = 0
@@ -168,18 +168,10 @@ contains
     end do
     if (.not. anywhere) return
     if (.not. allocated(model%booked%values)) allocate (model%booked%values(0))
-    associate (own => model%booked%values(:model%booked%n))
-      call parallel_collect(own, others)
-      do e = 1, size(others), entry
-        if (nint(others(e)) < model%share%own(1)) call add_entry(model, others(e:e + entry - 1))
-      end do
-      do e = 1, size(own), entry
-        call add_entry(model, own(e:e + entry - 1))
-      end do
-      do e = 1, size(others), entry
-        if (nint(others(e)) > model%share%own(2)) call add_entry(model, others(e:e + entry - 1))
-      end do
-    end associate
+    call parallel_gather(model%booked%values(:model%booked%n), all)  ! ranks own ascending planes
+    do e = 1, size(all), entry
+      call add_entry(model, all(e:e + entry - 1))
+    end do
     model%booked%n = 0
   end subroutine contact_close
 
@@ -187,17 +179,17 @@ contains
   subroutine add_entry(model, values)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: values(entry)
-    associate (pair => model%pairs(nint(values(2))), sums => model%sums)
-      pair%shared = pair%shared + nint(values(3))
-      pair%touching = pair%touching + nint(values(4))
-      pair%impulse = pair%impulse + values(5:7)
-      pair%angular_impulse = pair%angular_impulse + values(8:10)
-      pair%dissipation = pair%dissipation + values(11)
-      sums%contact = sums%contact + values(11)
-      sums%rigid_work = sums%rigid_work + values(12)
-      sums%nodes_aa = sums%nodes_aa + values(13)
-      sums%power_before = sums%power_before + values(14)
-      sums%external_power = sums%external_power + values(15)
+    associate (pair => model%pairs(nint(values(1))), sums => model%sums)
+      pair%shared = pair%shared + nint(values(2))
+      pair%touching = pair%touching + nint(values(3))
+      pair%impulse = pair%impulse + values(4:6)
+      pair%angular_impulse = pair%angular_impulse + values(7:9)
+      pair%dissipation = pair%dissipation + values(10)
+      sums%contact = sums%contact + values(10)
+      sums%rigid_work = sums%rigid_work + values(11)
+      sums%nodes_aa = sums%nodes_aa + values(12)
+      sums%power_before = sums%power_before + values(13)
+      sums%external_power = sums%external_power + values(14)
     end associate
   end subroutine add_entry
 

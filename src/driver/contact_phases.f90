@@ -15,6 +15,7 @@ module sgmp_contact_phases
   use sgmp_model, only: model_t
   use sgmp_shared_nodes, only: clouds_t, shared_build, shared_detect, shared_meet, shared_nodes_t
   use sgmp_surface_particles, only: surface_count, surface_pack
+  use sgmp_timers, only: phase_contact, timers_move, wall_time
   implicit none
   private
   public :: contact_layout, contact_detect, contact_trial, contact_velocity
@@ -34,8 +35,10 @@ contains
   subroutine contact_detect(model)
     type(model_t), intent(inout) :: model
     type(clouds_t) :: clouds
+    real(dp) :: since
     integer :: n, b
     if (model%shared%nodes == 0) return
+    since = wall_time()
     !$omp parallel do schedule(static) num_threads(model%threads) if(model%threads > 1) &
     !$omp& default(none) shared(model) private(n)
     do n = 1, model%shared%nodes
@@ -46,7 +49,9 @@ contains
       call surface_count(model%shared%surface(b), model%bodies(b)%particles, model%moved > 0, &
                          model%bodies(b)%law%slots%surface, model%threads)
     end do
+    call timers_move(model%timers, phase_contact, since)
     call contact_exchange(model)
+    since = wall_time()
     do b = 1, size(model%bodies)
       call surface_pack(model%shared%surface(b), model%bodies(b)%particles, &
                         model%bodies(b)%law%slots%surface, model%threads)
@@ -60,6 +65,7 @@ contains
     end do
     !$omp end do nowait
     !$omp end parallel
+    call timers_move(model%timers, phase_contact, since)
   end subroutine contact_detect
 
   !> Contact forces: corrects trial velocity and acceleration (Eqs. 79, 80) and books work and
@@ -67,8 +73,10 @@ contains
   subroutine contact_trial(model, dt)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt             !! velocity step dt^k
+    real(dp) :: since
     integer :: n
-    if (size(model%pairs) == 0) return
+    if (model%shared%nodes == 0) return
+    since = wall_time()
     !$omp parallel do schedule(dynamic, 16) num_threads(model%threads) default(none) &
     !$omp& shared(model, dt) private(n)
     do n = 1, model%shared%nodes
@@ -76,6 +84,7 @@ contains
     end do
     !$omp end parallel do
     call contact_book(model, dt)
+    call timers_move(model%timers, phase_contact, since)
   end subroutine contact_trial
 
   !> Makes another nodal velocity admissible: the re-mapped one of MUSL, or that which strains the
@@ -83,14 +92,17 @@ contains
   subroutine contact_velocity(model, column)
     type(model_t), intent(inout) :: model
     integer, intent(in) :: column          !! first column of the velocity
+    real(dp) :: since
     integer :: n
-    if (size(model%pairs) == 0) return
+    if (model%shared%nodes == 0) return
+    since = wall_time()
     !$omp parallel do schedule(dynamic, 16) num_threads(model%threads) default(none) &
     !$omp& shared(model, column) private(n)
     do n = 1, model%shared%nodes
       call resolve_node(model%shared, n, model%bodies, model%fields, column, 0.0_dp)
     end do
     !$omp end parallel do
+    call timers_move(model%timers, phase_contact, since)
   end subroutine contact_velocity
 
   !> Contact at one node; with a time step the acceleration follows.

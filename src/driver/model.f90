@@ -30,7 +30,7 @@ module sgmp_model
   type :: balance_t
     integer :: cuts = 0                !! times the cuts were moved
     integer(i8) :: moved = 0_i8        !! particles that changed ranks for it
-    real(dp) :: imbalance = 1.0_dp     !! most particles of a rank over the mean, at the last look
+    real(dp) :: imbalance = 1.0_dp     !! most moving particles of a rank over the mean, last look
     real(dp) :: largest = 1.0_dp       !! the largest of all looks
   end type balance_t
 

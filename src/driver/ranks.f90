@@ -11,7 +11,7 @@ module sgmp_ranks
   use sgmp_particles, only: far_plane, particles_t, slab_t
   use sgmp_rebinning, only: particles_renew_bins
   use sgmp_rows, only: rows_t, rows_union
-  use sgmp_scene, only: scene_t
+  use sgmp_scene, only: scene_at_rest, scene_t
   use sgmp_seeding, only: seeding_survey, survey_t
   use sgmp_share, only: share_cut, share_t
   implicit none
@@ -20,7 +20,8 @@ module sgmp_ranks
 
 contains
 
-  !> Counts the particles of all bodies plane by plane, and cuts so that ranks get as many each.
+  !> Counts the particles plane by plane, and cuts so that ranks get as many each of those that
+  !! move.
   subroutine ranks_share(scene, model, kernel, surveys, error)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(inout) :: model        !! its share is set
@@ -50,7 +51,7 @@ contains
           if (allocated(scene%bodies(b)%location)) error%location = scene%bodies(b)%location
           return
         end if
-        if (size(survey%load) == 0) cycle
+        if (size(survey%load) == 0 .or. scene_at_rest(scene%bodies(b))) cycle
         low = min(low, survey%first)
         high = max(high, survey%first + size(survey%load) - 1)
       end associate
@@ -59,6 +60,7 @@ contains
     high = nint(parallel_max(real(high, dp)))
     allocate (counts(low:high), source=0_i8)
     do b = 1, size(surveys)
+      if (scene_at_rest(scene%bodies(b))) cycle
       associate (survey => surveys(b))
         counts(survey%first:survey%first + size(survey%load) - 1) = &
           counts(survey%first:survey%first + size(survey%load) - 1) + int(survey%load, i8)

@@ -173,7 +173,7 @@ contains
                                     "': it does not fit the model of this deck")
   end subroutine take_state
 
-  !> Gives every rank planes with about as many particles.
+  !> Gives every rank planes with about as many particles that move.
   subroutine cut_planes(file, model)
     type(hdf5_file_t), intent(inout) :: file
     type(model_t), intent(inout) :: model
@@ -185,6 +185,7 @@ contains
     do pass = 1, 2
       if (pass == 2) allocate (load(low:max(low - 1, high)), source=0.0_dp)
       do b = 1, size(model%bodies)
+        if (model%bodies(b)%at_rest) cycle
         call get_table(file, '/body_'//integer_text(b)//'/bins_planes', plane_columns, planes)
         if (size(planes, 2) == 0) cycle
         low = min(low, int(planes(1, 1)))

@@ -20,7 +20,7 @@ module sgmp_parallel
   public :: parallel_rank, parallel_ranks, parallel_communicator
   public :: parallel_any, parallel_sum, parallel_min, parallel_max, parallel_max_place
   public :: parallel_exact_sums, parallel_scan, parallel_agree, parallel_deal, parallel_collect, &
-            parallel_trade
+            parallel_gather, parallel_trade
 
   real(dp), parameter :: place_stride = 2.0_dp**31
 
@@ -224,20 +224,32 @@ contains
     call mpi_type_free(column)
   end subroutine parallel_deal
 
+  !> The values of all ranks, one rank after the other.
+  subroutine parallel_gather(values, all, before)
+    real(dp), intent(in) :: values(:)
+    real(dp), allocatable, intent(out) :: all(:)
+    integer, intent(out), optional :: before  !! how many of them are of lower ranks
+    integer :: counts(all_ranks)
+    if (present(before)) before = 0
+    if (all_ranks == 1) then
+      all = values
+      return
+    end if
+    call mpi_allgather(size(values), 1, mpi_integer, counts, 1, mpi_integer, communicator)
+    allocate (all(sum(counts)))
+    call mpi_allgatherv(values, size(values), mpi_double_precision, all, counts, offsets(counts), &
+                        mpi_double_precision, communicator)
+    if (present(before)) before = sum(counts(:own_rank))
+  end subroutine parallel_gather
+
   !> The values of all other ranks, one rank after the other.
   subroutine parallel_collect(values, others)
     real(dp), intent(in) :: values(:)
     real(dp), allocatable, intent(out) :: others(:)
-    integer :: counts(0:all_ranks - 1)
-    if (all_ranks == 1) then
-      allocate (others(0))
-      return
-    end if
-    call mpi_allgather(size(values), 1, mpi_integer, counts, 1, mpi_integer, communicator)
-    allocate (others(sum(counts)))
-    call mpi_allgatherv(values, size(values), mpi_double_precision, others, counts, &
-                        offsets(counts), mpi_double_precision, communicator)
-    others = [others(:sum(counts(:own_rank - 1))), others(sum(counts(:own_rank)) + 1:)]
+    real(dp), allocatable :: all(:)
+    integer :: before
+    call parallel_gather(values, all, before)
+    others = [all(:before), all(before + size(values) + 1:)]
   end subroutine parallel_collect
 
   !> Sends every rank its part of a list; what arrives follows the order of the ranks.
