@@ -333,9 +333,9 @@ contains
     integer, intent(in) :: columns, guests
     real(dp), allocatable :: longer(:, :)
     if (.not. allocated(surface%guest)) allocate (surface%guest(columns, 0))
-    if (size(surface%guest, 2) >= guests) return
+    if (size(surface%guest, 1) == columns .and. size(surface%guest, 2) >= guests) return
     allocate (longer(columns, 2*guests))
-    longer(:, :surface%guests) = surface%guest(:, :surface%guests)
+    if (surface%guests > 0) longer(:, :surface%guests) = surface%guest(:, :surface%guests)
     call move_alloc(longer, surface%guest)
   end subroutine make_room
 
