@@ -20,6 +20,8 @@ module sgmp_particles
 
   integer, parameter :: far_plane = huge(1)/4       !! no plane has a number as large as this
 
+  integer, parameter :: many_chunks = 2**14         !! 15 MB
+
   !> A range of planes of bins along the slowest axis, and how positions are sorted into them.
   type :: slab_t
     integer :: axis = 0                             !! the slowest axis; 0 in 1D: all in plane 0
@@ -359,12 +361,13 @@ contains
     particles%id(lane:, chunk) = 0
   end subroutine chunk_pad
 
-  !> Has the memory of a chunk (0: none) fetched into the cache; stream b only where wanted.
+  !> Has the memory of a chunk (0: none) fetched into the cache; stream b only where wanted. Bodies
+  !! that caches hold anyway are left alone.
   pure subroutine chunk_prefetch(particles, chunk, both)
     type(particles_t), intent(in) :: particles
     integer, intent(in) :: chunk
     logical, intent(in) :: both
-    if (chunk == 0) return
+    if (chunk == 0 .or. particles%chunks < many_chunks) return
     call prefetch(particles%a(1, 1, chunk), 8*lanes*particles%na)
     if (both) call prefetch(particles%b(1, 1, chunk), 8*lanes*particles%nb)
   end subroutine chunk_prefetch
