@@ -5,7 +5,7 @@
 program sgmp
   use, intrinsic :: iso_c_binding, only: c_int
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-  use omp_lib, only: omp_get_max_threads
+  use omp_lib, only: omp_get_max_threads, omp_set_num_threads
   use sgmp_command_line, only: action_help, action_markdown, action_run, action_version, &
                                command_line_read, command_line_t
   use sgmp_deck, only: deck_read
@@ -94,6 +94,7 @@ contains
     end if
     threads = options%threads
     if (threads == 0) threads = omp_get_max_threads()
+    call omp_set_num_threads(threads)
     if (options%check) then
       call simulation_check(scene, threads, error)
     else

@@ -6,6 +6,7 @@ module sgmp_sorting
   public :: sort_order
 
   integer, parameter :: digit_bits = 11
+  integer, parameter :: few = 32  !! keys that are sorted before a radix sort has cleared its counts
 
 contains
 
@@ -20,7 +21,10 @@ contains
     do p = 1, size(keys)
       order(p) = p
     end do
-    if (size(keys) < 2) return
+    if (size(keys) <= few) then
+      call sort_few(keys, order)
+      return
+    end if
     largest = maxval(keys)
     allocate (other(size(keys)))
     shift = 0
@@ -46,6 +50,20 @@ contains
       shift = shift + digit_bits
     end do
   end subroutine sort_order
+
+  !> The same for a handful of keys: by insertion.
+  pure subroutine sort_few(keys, order)
+    integer(i8), intent(in) :: keys(:)
+    integer, intent(inout) :: order(:)
+    integer :: p, q
+    do p = 2, size(keys)
+      do q = p, 2, -1
+        if (keys(order(q - 1)) <= keys(p)) exit
+        order(q) = order(q - 1)
+      end do
+      order(q) = p
+    end do
+  end subroutine sort_few
 
   pure function digit_of(key, shift) result(digit)
     integer(i8), intent(in) :: key

@@ -1,6 +1,7 @@
 !> New cuts between ranks when loads have moved: particles and sums of the grid go to their new
 !! owners as they are, so that nothing depends on when it happens.
 module sgmp_balancing
+  use sgmp_bin_change, only: bin_close
   use sgmp_buffer, only: buffer_t
   use sgmp_contact_phases, only: rigid_field
   use sgmp_errors, only: error_make, exit_numerical
@@ -13,7 +14,7 @@ module sgmp_balancing
   use sgmp_phases, only: phase_layout
   use sgmp_plan, only: workspace_t
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
-  use sgmp_rebinning, only: particles_rebin
+  use sgmp_rebinning, only: arrivals_t, particles_rebin
   use sgmp_rows, only: key_k
   use sgmp_scene, only: balance_card_t, update_usavg, update_usf
   use sgmp_share, only: share_cut, share_imbalance, share_loads, share_owner, share_t
@@ -265,33 +266,34 @@ contains
     type(share_t), intent(in) :: new
     type(particles_t), intent(inout) :: particles  !! holds the new range already
     integer(i8), intent(inout) :: moved
-    type(movers_t) :: movers
+    type(movers_t) :: movers(1)
+    type(arrivals_t) :: arrivals(1)
     real(dp), allocatable :: columns(:, :), received(:, :)
     integer, allocatable :: destination(:)
     logical :: new_bins
     integer :: m, n
     n = particles%na + particles%nb
-    call movers_reset(movers, n, 0)
-    call list_leaving(new, particles, movers, destination)
-    allocate (columns(1 + n, movers%n))
-    do m = 1, movers%n
-      columns(:, m) = [real(movers%id(m), dp), movers%state(:, m)]
+    call movers_reset(movers(1), n, 0)
+    call take_leaving(new, particles, movers(1), destination)
+    allocate (columns(1 + n, movers(1)%n))
+    do m = 1, movers(1)%n
+      columns(:, m) = [real(movers(1)%id(m), dp), movers(1)%state(:, m)]
     end do
-    moved = moved + movers%n
+    moved = moved + movers(1)%n
     call parallel_deal(columns, destination, received)
     do m = 1, size(received, 2)
-      call movers_add(movers, nint(received(1, m), i4), 0, 0, 1, 0)
-      movers%state(:, movers%n) = received(2:, m)
+      call movers_add(movers(1), nint(received(1, m), i4), .false., 1)
+      movers(1)%state(:, movers(1)%n) = received(2:, m)
     end do
-    if (movers%n == 0) return
+    if (movers(1)%n == 0) return
     call particles_rebin(particles, movers, spread(-huge(1.0_dp), 1, 3), &
-                         spread(huge(1.0_dp), 1, 3), new_bins)
+                         spread(huge(1.0_dp), 1, 3), arrivals, new_bins)
   end subroutine trade_particles
 
-  !> Lists the particles in planes of others, bin by bin.
-  subroutine list_leaving(new, particles, movers, destination)
+  !> Takes the particles in planes of others out of their bins.
+  subroutine take_leaving(new, particles, movers, destination)
     type(share_t), intent(in) :: new
-    type(particles_t), intent(in) :: particles
+    type(particles_t), intent(inout) :: particles
     type(movers_t), intent(inout) :: movers
     integer, allocatable, intent(out) :: destination(:)
     integer :: s, i, number, chunk, left, l, owner
@@ -305,7 +307,8 @@ contains
         left = particles%size(number)
         do while (left > 0)
           do l = 1, min(left, lanes)
-            call movers_add(movers, particles%id(l, chunk), chunk, l, s, number)
+            call movers_add(movers, particles%id(l, chunk), .true., s)
+            particles%id(l, chunk) = 0
             movers%state(:particles%na, movers%n) = particles%a(l, :, chunk)
             movers%state(particles%na + 1:, movers%n) = particles%b(l, :, chunk)
             destination(movers%n) = owner
@@ -313,9 +316,10 @@ contains
           left = left - lanes
           chunk = particles%next(chunk)
         end do
+        call bin_close(particles, number, movers)
       end do
     end do
     destination = destination(:movers%n)
-  end subroutine list_leaving
+  end subroutine take_leaving
 
 end module sgmp_balancing

@@ -17,6 +17,7 @@ module sgmp_build_model
   use sgmp_material_jc, only: jc_init, jc_set_failure, jc_set_thermal
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t, stencil_shift
   use sgmp_model, only: body_sums_t, model_t
+  use sgmp_movers, only: movers_reset
   use sgmp_parallel, only: parallel_agree, parallel_exact_sums, parallel_max, parallel_rank, &
                            parallel_ranks
   use sgmp_particles, only: particles_fill
@@ -354,7 +355,7 @@ contains
   subroutine build_fields(model, kernel)
     type(model_t), intent(inout) :: model
     integer, intent(in) :: kernel
-    integer :: f, s
+    integer :: f, b, s
     allocate (model%fields(contact_fields(model)))
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, &
@@ -362,9 +363,10 @@ contains
                       model%normalised)
     end do
     allocate (model%workspaces(field_slabs(model%threads), size(model%fields)))
-    do f = 1, size(model%fields)
-      do s = 1, size(model%workspaces, 1)  ! empty lists also for bodies that no sweep ever visits
-        allocate (model%workspaces(s, f)%movers(size(model%bodies)))
+    allocate (model%movers(size(model%bodies), field_slabs(model%threads) + 1))
+    do s = 1, size(model%movers, 2)
+      do b = 1, size(model%bodies)  ! empty lists also for bodies that no sweep ever visits
+        call movers_reset(model%movers(b, s), 0, 0)
       end do
     end do
     allocate (model%slabs(field_slabs(model%threads) + 1, size(model%fields)))

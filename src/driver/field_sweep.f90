@@ -11,6 +11,7 @@ module sgmp_field_sweep
   use sgmp_halo, only: halo_own_planes, halo_read_sums, halo_write_above, &
                        halo_write_below
   use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_leaving, only: leaving_check
   use sgmp_mesh, only: stencil_width
   use sgmp_model, only: model_t
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
@@ -208,14 +209,15 @@ contains
     select case (model%mesh%ndim)
     case (1)
       call sweep_slab_1d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, &
-                         sums, model%workspaces(s, f))
+                         sums, model%movers(:, s), model%workspaces(s, f))
     case (2)
       call sweep_slab_2d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, &
-                         sums, model%workspaces(s, f))
+                         sums, model%movers(:, s), model%workspaces(s, f))
     case default
       call sweep_slab_3d(model%mesh, model%fields(f), f, model%bodies, plan, p1, p2, &
-                         sums, model%workspaces(s, f))
+                         sums, model%movers(:, s), model%workspaces(s, f))
     end select
+    if (plan%drift) call leaving_check(model, plan, f, s)
   end subroutine sweep_slab
 
   !> Joins a slab with the one below it; the lowest one waits for the rank below.

@@ -7,6 +7,7 @@ module sgmp_model
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp, i4, i8
   use sgmp_mesh, only: mesh_t
+  use sgmp_movers, only: movers_t
   use sgmp_neighbours, only: neighbours_t, traffic_t
   use sgmp_plan, only: workspace_t
   use sgmp_share, only: share_t
@@ -40,6 +41,8 @@ module sgmp_model
     type(field_t), allocatable :: fields(:)          !! velocity fields
     type(body_t), allocatable :: bodies(:)
     type(workspace_t), allocatable :: workspaces(:, :)  !! (slabs, fields)
+    type(movers_t), allocatable :: movers(:, :)  !! (bodies, slabs + 1) who left their bins, and
+                                                 !! who came from other ranks
     integer, allocatable :: slabs(:, :)  !! (slabs + 1, fields) first planes, see field_divide
     type(share_t) :: share                           !! planes that this rank owns
     type(balance_t) :: balance                       !! how evenly, and what was done about it

@@ -2,7 +2,6 @@
 !! are put together.
 module sgmp_phases
   use sgmp_body, only: body_forced, body_number, body_place
-  use sgmp_buffer, only: buffer_left, buffer_put, buffer_t, buffer_whole
   use sgmp_contact_booking, only: contact_close
   use sgmp_contact_phases, only: contact_detect, contact_layout, contact_trial, contact_velocity, &
                                  rigid_choose_speed, rigid_field, rigid_solve, rigid_velocity
@@ -14,30 +13,20 @@ module sgmp_phases
   use sgmp_halo, only: halo_own_planes
   use sgmp_kinds, only: dp, i4, i8
   use sgmp_model, only: model_t
-  use sgmp_movers, only: movers_append, movers_read, movers_t, movers_write
-  use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
   use sgmp_nodes_3d, only: sum_external, sum_ignored, node_sum_aa => sum_mass_aa, &
                            node_sum_av => sum_mass_av
-  use sgmp_parallel, only: parallel_agree, parallel_collect, parallel_max_place
-  use sgmp_particles, only: bin_coordinates
+  use sgmp_parallel, only: parallel_agree, parallel_max_place
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sum_viscous, sweep_sums
-  use sgmp_rebinning, only: particles_rebin
   use sgmp_rows, only: rows_t, rows_union
-  use sgmp_scene, only: lost_reflect, lost_remove, update_usf
-  use sgmp_sweep_1d, only: sweep_add_movers_1d => sweep_add_movers
-  use sgmp_sweep_2d, only: sweep_add_movers_2d => sweep_add_movers
-  use sgmp_sweep_3d, only: sweep_add_movers_3d => sweep_add_movers
+  use sgmp_scene, only: update_usf
   use sgmp_tally, only: tally_add, tally_reset, tally_total
-  use sgmp_text, only: integer_text, real_text
   use sgmp_timers, only: phase_halo, timers_move, wall_time
   use sgmp_walls, only: has_walls, walls_fold, walls_mirror
   implicit none
   private
-  public :: phase_layout, phase_normalise, phase_sweep, phase_rebin_particles, phase_solve, &
+  public :: phase_layout, phase_normalise, phase_sweep, phase_fold, phase_solve, &
             phase_velocity, phase_remap, phase_mirror, phase_open_sums, phase_close_sums
-
-  character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
 
 contains
 
@@ -163,219 +152,8 @@ contains
     model%sums%ignored_nodes = model%sums%ignored_nodes + sums(sum_ignored)
   end subroutine book_nodes
 
-  !> Moves particles to their new bins, follows them with the grid, and folds the moments at walls.
-  subroutine phase_rebin_particles(model, plan)
-    type(model_t), intent(inout) :: model
-    type(plan_t), intent(in) :: plan
-    integer :: b
-    logical :: new_bins, changed(size(model%fields))
-    changed = .false.
-    model%moved = 0
-    if (plan%drift) then
-      do b = 1, size(model%bodies)
-        call list_movers(model, plan, b)
-      end do
-      if (model%share%ranks > 1) call swap_movers(model)
-      do b = 1, size(model%bodies)
-        model%moved = model%moved + model%workspaces(1, model%bodies(b)%field)%movers(b)%n
-      end do
-      do b = 1, size(model%bodies)
-        call rebin_body(model, b, new_bins)
-        if (new_bins) changed(model%bodies(b)%field) = .true.
-      end do
-      if (any(changed)) call phase_layout(model, changed)
-      do b = 1, size(model%bodies)
-        call add_movers(model, plan, b)
-      end do
-    end if
-    call fold(model, plan)
-  end subroutine phase_rebin_particles
-
-  !> Puts the movers of one body into the list of the first slab.
-  subroutine list_movers(model, plan, b)
-    type(model_t), intent(inout) :: model
-    type(plan_t), intent(in) :: plan
-    integer, intent(in) :: b
-    integer :: s
-    associate (work => model%workspaces(:, model%bodies(b)%field))
-      do s = 2, size(work)
-        call movers_append(work(1)%movers(b), work(s)%movers(b))
-      end do
-      call guard_grid(model, b, plan, work(1)%movers(b))
-    end associate
-  end subroutine list_movers
-
-  !> Tells the neighbours of the particles that have moved into their planes, or next to them.
-  !!
-  !! Where particles may cross more than a cell, every rank tells all others.
-  subroutine swap_movers(model)
-    type(model_t), intent(inout) :: model
-    type(buffer_t) :: all
-    real(dp) :: since
-    integer :: b, m, n, plane, bin(3)
-    logical :: far
-    since = wall_time()
-    far = model%clock%dt*model%fastest_before*model%mesh%inverse_h > 1.0_dp
-    do b = 1, size(model%bodies)
-      associate (movers => model%workspaces(1, model%bodies(b)%field)%movers(b), &
-                 particles => model%bodies(b)%particles, share => model%share)
-        do m = 1, movers%n
-          bin = bin_coordinates(movers%state(:, m), particles%shift, particles%ndim)
-          plane = bin(3)
-          if (far) then
-            call write_mover(b, movers, m, all)
-            cycle
-          end if
-          if (plane < share%own(1) + share%bins(2)) then
-            call write_mover(b, movers, m, model%swap%to_below)
-          end if
-          if (plane > share%own(2) - share%bins(1)) then
-            call write_mover(b, movers, m, model%swap%to_above)
-          end if
-          if (plane < share%own(1) - 1 .or. plane > share%own(2) + 1) then
-            call moved_too_far(model, b, movers%id(m))
-          end if
-        end do
-      end associate
-    end do
-    if (far) then
-      if (.not. allocated(all%values)) allocate (all%values(0))
-      n = all%n
-      call parallel_collect(all%values(:n), model%swap%from_below%values)
-      model%swap%from_below%n = size(model%swap%from_below%values)
-      model%swap%from_below%read = 0
-      call read_movers(model, model%swap%from_below)
-    else
-      call neighbours_send(model%swap, model%traffic)
-      call neighbours_receive(model%swap)
-      call read_movers(model, model%swap%from_below)
-      call read_movers(model, model%swap%from_above)
-      call neighbours_wait(model%swap)
-    end if
-    call timers_move(model%timers, phase_halo, since)
-  end subroutine swap_movers
-
-  pure subroutine write_mover(b, movers, m, buffer)
-    integer, intent(in) :: b, m
-    type(movers_t), intent(in) :: movers
-    type(buffer_t), intent(inout) :: buffer
-    call buffer_put(buffer, [real(b, dp)])
-    call movers_write(movers, m, buffer)
-  end subroutine write_mover
-
-  subroutine read_movers(model, buffer)
-    type(model_t), intent(inout) :: model
-    type(buffer_t), intent(inout) :: buffer
-    integer :: b
-    do while (buffer_left(buffer))
-      call buffer_whole(buffer, b)
-      call movers_read(model%workspaces(1, model%bodies(b)%field)%movers(b), buffer)
-    end do
-  end subroutine read_movers
-
-  !> A particle has crossed more than a cell although the time step should not let it.
-  subroutine moved_too_far(model, b, id)
-    type(model_t), intent(inout) :: model
-    integer, intent(in) :: b
-    integer(i4), intent(in) :: id
-    if (allocated(model%failure)) return
-    call error_make(model%failure, exit_numerical, 'particle '//integer_text(id)//' of body '// &
-                    trim(model%bodies(b)%name)//' has crossed more than a cell in step '// &
-                    integer_text(model%clock%step + 1), &
-                    'reduce cfl or dt; see the last dump for where it is')
-  end subroutine moved_too_far
-
-  !> Moves the particles of one body; their list is left with the first slab.
-  subroutine rebin_body(model, b, new_bins)
-    type(model_t), intent(inout) :: model
-    integer, intent(in) :: b
-    logical, intent(out) :: new_bins
-    new_bins = .false.
-    associate (movers => model%workspaces(1, model%bodies(b)%field)%movers(b), &
-               particles => model%bodies(b)%particles)
-      if (movers%n == 0) return
-      call particles_rebin(particles, movers, model%mesh%lower - particles%shift, &
-                           model%mesh%upper + particles%shift, new_bins)
-      model%lost_here = model%lost_here + count(movers%gone(:movers%n) .and. &
-                                                movers%chunk(:movers%n) > 0)
-    end associate
-  end subroutine rebin_body
-
-  !> Adds the movers of one body to the grid, every thread some columns of the moments.
-  subroutine add_movers(model, plan, b)
-    type(model_t), intent(inout) :: model
-    type(plan_t), intent(in) :: plan
-    integer, intent(in) :: b
-    type(plan_t) :: own
-    integer :: f, t, first, last, columns
-    f = model%bodies(b)%field
-    if (model%workspaces(1, f)%movers(b)%n == 0) return
-    own = plan
-    call sweep_columns(own, model%fields(f))
-    columns = own%last_column - own%first_column + 1
-    !$omp parallel do schedule(static, 1) num_threads(model%threads) if(model%threads > 1) &
-    !$omp& default(none) shared(model, own, b, f, columns) private(t, first, last)
-    do t = 1, model%threads
-      first = own%first_column + columns*(t - 1)/model%threads
-      last = own%first_column + columns*t/model%threads - 1
-      associate (movers => model%workspaces(1, f)%movers(b))
-        select case (model%mesh%ndim)
-        case (1)
-          call sweep_add_movers_1d(model%mesh, model%fields(f), model%bodies(b), own, movers, &
-                                   first, last)
-        case (2)
-          call sweep_add_movers_2d(model%mesh, model%fields(f), model%bodies(b), own, movers, &
-                                   first, last)
-        case default
-          call sweep_add_movers_3d(model%mesh, model%fields(f), model%bodies(b), own, movers, &
-                                   first, last)
-        end select
-      end associate
-    end do
-    !$omp end parallel do
-  end subroutine add_movers
-
-  !> Applies the deck's policy to movers that are leaving the grid: an error, reflection, or (later)
-  !! removal.
-  !!
-  !! A particle is outside once its bin is: half a cell beyond the face with SGMP and GIMP, at the
-  !! face with MPM.
-  subroutine guard_grid(model, b, plan, movers)
-    type(model_t), intent(inout) :: model
-    integer, intent(in) :: b
-    type(plan_t), intent(in) :: plan
-    type(movers_t), intent(inout) :: movers
-    integer :: m, d
-    if (model%lost_policy == lost_remove) return
-    associate (mesh => model%mesh, shift => model%bodies(b)%particles%shift)
-      do m = 1, movers%n
-        do d = 1, mesh%ndim
-          associate (x => movers%state(d, m), v => movers%state(mesh%ndim + d, m))
-            if (x >= mesh%lower(d) .and. x <= mesh%upper(d)) cycle
-            if (model%lost_policy == lost_reflect) then
-              x = merge(2*mesh%lower(d), 2*mesh%upper(d), x < mesh%lower(d)) - x
-              v = -v
-              associate (momentum => movers%values(merge(1, 0, plan%mass) + d, m))
-                momentum = -momentum
-              end associate
-            else if (.not. allocated(model%failure)) then
-              if (x >= mesh%lower(d) - shift .and. x <= mesh%upper(d) + shift) cycle
-              call error_make(model%failure, exit_numerical, 'particle '// &
-                              integer_text(movers%id(m))//' of body '// &
-                              trim(model%bodies(b)%name)//' left the grid along '// &
-                              axis_names(d)//' at '//real_text(mesh%origin(d) + mesh%h*x)// &
-                              ' in step '//integer_text(model%clock%step + 1), &
-                              'extend the grid, leave that face open, or choose '// &
-                              '`lost policy=remove` or `reflect`')
-            end if
-          end associate
-        end do
-      end do
-    end associate
-  end subroutine guard_grid
-
   !> Folds what was just scattered behind walls.
-  subroutine fold(model, plan)
+  subroutine phase_fold(model, plan)
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
     type(plan_t) :: own
@@ -399,7 +177,7 @@ contains
         end if
       end do
     end do
-  end subroutine fold
+  end subroutine phase_fold
 
   !> Fills nodes behind walls with their mirror images, in all fields that the walls act on.
   subroutine phase_mirror(model, columns)

@@ -19,8 +19,9 @@ module sgmp_stability
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_exact_sums
-  use sgmp_phases, only: phase_mirror, phase_normalise, phase_rebin_particles, phase_sweep
+  use sgmp_phases, only: phase_mirror, phase_normalise, phase_sweep
   use sgmp_plan, only: plan_t
+  use sgmp_rebin_phases, only: phase_rebin_particles
   use sgmp_rows, only: key_j, key_k
   use sgmp_scene, only: update_usl
   use sgmp_transfer_kinds, only: kernel_mpm

@@ -7,10 +7,10 @@ module sgmp_step
   use sgmp_energy, only: ledger_step
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
-  use sgmp_phases, only: phase_close_sums, phase_normalise, phase_open_sums, &
-                         phase_rebin_particles, phase_remap, phase_solve, phase_sweep, &
-                         phase_velocity
+  use sgmp_phases, only: phase_close_sums, phase_normalise, phase_open_sums, phase_remap, &
+                         phase_solve, phase_sweep, phase_velocity
   use sgmp_plan, only: plan_t
+  use sgmp_rebin_phases, only: phase_rebin_particles
   use sgmp_scene, only: update_musl, update_usavg, update_usf
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_drift, phase_grid, phase_kick, phase_rebin, timers_start, timers_stop

@@ -66,7 +66,7 @@ contains
   end subroutine field_init
 
   !> Lays the field out for a set of occupied bins; values that are already there move along.
-  pure subroutine field_build(field, bins)
+  subroutine field_build(field, bins)
     type(field_t), intent(inout) :: field
     type(rows_t), intent(in) :: bins     !! bins with particles of the field's bodies
     type(field_t) :: new
@@ -92,11 +92,24 @@ contains
     allocate (new%moment(new%points, new%nmoment), new%node(new%points, 2*new%ndim + 1))
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))
-    new%moment = 0.0_dp
-    new%node = 0.0_dp
+    call field_clear(new)
     call field_move(field, new)
     call field_swap(new, field)
   end subroutine field_build
+
+  !> Zeroes all values, every thread those of some planes, so that their memory lies near it.
+  subroutine field_clear(field)
+    type(field_t), intent(inout) :: field
+    integer :: p, first, last
+    !$omp parallel do schedule(static) default(none) shared(field) private(p, first, last)
+    do p = 1, field%planes
+      first = field%plane_start(p)
+      last = field%plane_start(p + 1) - 1
+      field%moment(first:last, :) = 0.0_dp
+      field%node(first:last, :) = 0.0_dp
+    end do
+    !$omp end parallel do
+  end subroutine field_clear
 
   !> Columns of the moments behind mass and momentum that hold internal forces: sigma V at auxiliary
   !! nodes (SGMP), forces at nodes (MPM, GIMP).

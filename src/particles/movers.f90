@@ -1,27 +1,29 @@
 !> Particles that have left their bin in a sweep, with all that is needed to put them elsewhere.
 !!
-!! The sweep copies a mover's state while its chunk is in the cache. Lists keep the order of the
-!! sweep, in which movers from one bin follow each other; `order` sorts them by id.
+!! The sweep copies a mover's state while its chunk is in the cache. Every thread has a list of its
+!! own, in the order of its sweep.
 module sgmp_movers
   use sgmp_buffer, only: buffer_get, buffer_put, buffer_t, buffer_whole
-  use sgmp_kinds, only: dp, i4, i8
-  use sgmp_sorting, only: sort_order
+  use sgmp_kinds, only: dp, i4
   implicit none
   private
-  public :: movers_t, movers_add, movers_append, movers_reset, movers_sort, &
-            movers_read, movers_write
+  public :: movers_t, movers_add, movers_free_chunk, movers_reset, movers_read, movers_write
 
-  !> A list of movers.
+  !> A list of movers, and the chunks that they have left empty.
   type :: movers_t
     integer :: n = 0
     integer(i4), allocatable :: id(:)
-    integer, allocatable :: chunk(:), lane(:)  !! where they were; 0: on another rank
-    integer, allocatable :: row(:), bin(:)  !! interval of bins and bin: in the sweep those they
-                                            !! left, after re-binning those they are in
+    logical, allocatable :: here(:)         !! from a bin of this rank, not from a message
     logical, allocatable :: gone(:)         !! outside the grid, removed
-    integer, allocatable :: order(:)        !! by ascending id, after movers_sort
+    integer, allocatable :: row(:)          !! interval of bins: in the sweep that which they left,
+                                            !! after re-binning that which they are in
+    integer, allocatable :: bin(:)          !! after re-binning: their bin, 0 where none is held
     real(dp), allocatable :: state(:, :)    !! (columns of both streams, n)
     real(dp), allocatable :: values(:, :)   !! (values, n) what they give to the grid
+    logical :: homeless = .false.           !! some have no bin although one should be held
+    integer :: culprit(2) = 0               !! first that must not leave the grid, and the axis
+    integer :: freed = 0
+    integer, allocatable :: chunk(:)        !! (freed) chunks without particles, in no bin
   end type movers_t
 
 contains
@@ -31,6 +33,9 @@ contains
     type(movers_t), intent(inout) :: movers
     integer, intent(in) :: nstate, nvalues
     movers%n = 0
+    movers%freed = 0
+    movers%homeless = .false.
+    movers%culprit = 0
     if (allocated(movers%id)) then
       if (size(movers%state, 1) == nstate .and. size(movers%values, 1) == nvalues) return
     end if
@@ -40,71 +45,76 @@ contains
   pure subroutine movers_allocate(movers, nstate, nvalues, capacity)
     type(movers_t), intent(out) :: movers
     integer, intent(in) :: nstate, nvalues, capacity
-    allocate (movers%id(capacity), movers%chunk(capacity), movers%lane(capacity))
-    allocate (movers%row(capacity), movers%bin(capacity), movers%order(capacity))
-    allocate (movers%gone(capacity), source=.false.)
+    allocate (movers%id(capacity), movers%row(capacity), movers%bin(capacity))
+    allocate (movers%here(capacity), movers%gone(capacity))
     allocate (movers%state(nstate, capacity), movers%values(nvalues, capacity))
+    allocate (movers%chunk(64))
   end subroutine movers_allocate
 
   !> Notes a particle; the caller fills in its state and values.
-  pure subroutine movers_add(movers, id, chunk, lane, row, bin)
+  pure subroutine movers_add(movers, id, here, row)
     type(movers_t), intent(inout) :: movers
     integer(i4), intent(in) :: id
-    integer, intent(in) :: chunk, lane, row, bin
+    logical, intent(in) :: here
+    integer, intent(in) :: row
     if (movers%n == size(movers%id)) call movers_reserve(movers, 2*movers%n)
     movers%n = movers%n + 1
     movers%id(movers%n) = id
-    movers%chunk(movers%n) = chunk
-    movers%lane(movers%n) = lane
-    movers%row(movers%n) = row
-    movers%bin(movers%n) = bin
+    movers%here(movers%n) = here
     movers%gone(movers%n) = .false.
+    movers%row(movers%n) = row
+    movers%bin(movers%n) = 0
   end subroutine movers_add
 
-  !> Appends one list to another.
-  pure subroutine movers_append(movers, more)
+  !> Notes a chunk that no bin uses any more.
+  pure subroutine movers_free_chunk(movers, chunk)
     type(movers_t), intent(inout) :: movers
-    type(movers_t), intent(in) :: more
-    if (more%n == 0) return
-    if (movers%n + more%n > size(movers%id)) call movers_reserve(movers, 2*(movers%n + more%n))
-    call copy_list(more, movers, movers%n)
-    movers%n = movers%n + more%n
-  end subroutine movers_append
+    integer, intent(in) :: chunk
+    integer, allocatable :: more(:)
+    if (movers%freed == size(movers%chunk)) then
+      allocate (more(2*movers%freed))
+      more(:movers%freed) = movers%chunk
+      call move_alloc(more, movers%chunk)
+    end if
+    movers%freed = movers%freed + 1
+    movers%chunk(movers%freed) = chunk
+  end subroutine movers_free_chunk
 
   pure subroutine movers_reserve(movers, capacity)
     type(movers_t), intent(inout) :: movers
     integer, intent(in) :: capacity
     type(movers_t) :: new
+    integer :: n
     call movers_allocate(new, size(movers%state, 1), size(movers%values, 1), capacity)
-    call copy_list(movers, new, 0)
-    new%n = movers%n
-    call move_alloc(new%id, movers%id)
-    call move_alloc(new%chunk, movers%chunk)
-    call move_alloc(new%lane, movers%lane)
-    call move_alloc(new%row, movers%row)
-    call move_alloc(new%bin, movers%bin)
-    call move_alloc(new%gone, movers%gone)
-    call move_alloc(new%order, movers%order)
-    call move_alloc(new%state, movers%state)
-    call move_alloc(new%values, movers%values)
+    n = movers%n
+    new%n = n
+    new%id(:n) = movers%id(:n)
+    new%here(:n) = movers%here(:n)
+    new%gone(:n) = movers%gone(:n)
+    new%row(:n) = movers%row(:n)
+    new%bin(:n) = movers%bin(:n)
+    new%state(:, :n) = movers%state(:, :n)
+    new%values(:, :n) = movers%values(:, :n)
+    new%freed = movers%freed
+    call move_alloc(movers%chunk, new%chunk)
+    call movers_swap(new, movers)
   end subroutine movers_reserve
 
-  !> Copies a list behind entry `before` of another.
-  pure subroutine copy_list(from, to, before)
-    type(movers_t), intent(in) :: from
-    type(movers_t), intent(inout) :: to
-    integer, intent(in) :: before
-    integer :: n
-    n = from%n
-    to%id(before + 1:before + n) = from%id(:n)
-    to%chunk(before + 1:before + n) = from%chunk(:n)
-    to%lane(before + 1:before + n) = from%lane(:n)
-    to%row(before + 1:before + n) = from%row(:n)
-    to%bin(before + 1:before + n) = from%bin(:n)
-    to%gone(before + 1:before + n) = from%gone(:n)
-    to%state(:, before + 1:before + n) = from%state(:, :n)
-    to%values(:, before + 1:before + n) = from%values(:, :n)
-  end subroutine copy_list
+  !> Hands a list over.
+  pure subroutine movers_swap(from, to)
+    type(movers_t), intent(inout) :: from
+    type(movers_t), intent(out) :: to
+    to%n = from%n
+    to%freed = from%freed
+    call move_alloc(from%id, to%id)
+    call move_alloc(from%here, to%here)
+    call move_alloc(from%gone, to%gone)
+    call move_alloc(from%row, to%row)
+    call move_alloc(from%bin, to%bin)
+    call move_alloc(from%state, to%state)
+    call move_alloc(from%values, to%values)
+    call move_alloc(from%chunk, to%chunk)
+  end subroutine movers_swap
 
   !> Appends a mover to a message.
   pure subroutine movers_write(movers, m, buffer)
@@ -114,21 +124,15 @@ contains
     call buffer_put(buffer, [real(movers%id(m), dp), movers%state(:, m), movers%values(:, m)])
   end subroutine movers_write
 
-  !> Reads a mover from a message; it comes from no chunk of this rank.
+  !> Reads a mover from a message; it comes from no bin of this rank.
   pure subroutine movers_read(movers, buffer)
     type(movers_t), intent(inout) :: movers
     type(buffer_t), intent(inout) :: buffer
     integer :: id
     call buffer_whole(buffer, id)
-    call movers_add(movers, int(id, i4), 0, 0, 1, 0)
+    call movers_add(movers, int(id, i4), .false., 1)
     call buffer_get(buffer, movers%state(:, movers%n))
     call buffer_get(buffer, movers%values(:, movers%n))
   end subroutine movers_read
-
-  !> Finds the order of the ids.
-  pure subroutine movers_sort(movers)
-    type(movers_t), intent(inout) :: movers
-    call sort_order(int(movers%id(:movers%n), i8), movers%order(:movers%n))
-  end subroutine movers_sort
 
 end module sgmp_movers

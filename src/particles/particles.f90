@@ -8,16 +8,19 @@ module sgmp_particles
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_large_pages, only: large_pages_ask
   use sgmp_mesh, only: mesh_coordinate
+  use sgmp_prefetch, only: prefetch
   use sgmp_rows, only: row_key, rows_contains, rows_from_points, rows_t
   use sgmp_sorting, only: sort_order
   implicit none
   private
   public :: particles_t, particles_fill, particles_bytes, particles_bin_of, &
     particles_lay_out, particles_number_bins, particles_pad, bin_coordinates
-  public :: chunk_take, chunk_free, chunk_pad
+  public :: chunks_take, chunks_make_room, chunks_give_back, chunk_pad, chunk_prefetch
   public :: far_plane, slab_t, slab_plane, slab_holds
 
   integer, parameter :: far_plane = huge(1)/4       !! no plane has a number as large as this
+
+  integer, parameter :: many_chunks = 2**14         !! 15 MB
 
   !> A range of planes of bins along the slowest axis, and how positions are sorted into them.
   type :: slab_t
@@ -33,8 +36,8 @@ module sgmp_particles
     integer :: na = 7                               !! columns of `a`: X (ndim), v (ndim), mass
     integer :: nb = 7                               !! columns of `b`: volume, stress, history
     integer :: count = 0                            !! live particles
-    integer :: chunks = 0                           !! chunks in use or on the free list
-    integer :: free_chunk = 0                       !! head of the free list
+    integer :: chunks = 0                           !! chunks in use or spare
+    integer :: spares = 0
     real(dp) :: shift = 0.5_dp                      !! bin of X is floor(X - shift)
     integer :: own(2) = [-far_plane, far_plane]     !! planes whose particles are held here
     integer :: held(2) = [-far_plane, far_plane]
@@ -43,6 +46,7 @@ module sgmp_particles
     real(dp), allocatable :: b(:, :, :)             !! (lanes, nb, chunk)
     integer(i4), allocatable :: id(:, :)            !! (lanes, chunk); 0 in pads
     integer, allocatable :: next(:)                 !! chunk that continues the bin, 0: none
+    integer, allocatable :: spare(:)                !! (spares) chunks that no bin uses
     real(dp), allocatable :: pad(:)                 !! (nb) harmless values of b in pads
     real(dp) :: pad_mass = 1.0_dp
     type(rows_t) :: bins                            !! rows of bins
@@ -99,19 +103,18 @@ contains
     if (s > 0) number = particles%bin_start(s) + bin(1)
   end function particles_bin_of
 
-  !> Bytes held by the particles of a body.
+  !> Bytes that the particles of a body have written.
   pure function particles_bytes(particles) result(bytes)
     type(particles_t), intent(in) :: particles
     integer(i8) :: bytes
-    bytes = 8_i8*(size(particles%a, kind=i8) + size(particles%b, kind=i8)) &
-            + 4_i8*(size(particles%id, kind=i8) + size(particles%next, kind=i8) &
-                    + size(particles%first, kind=i8) + size(particles%size, kind=i8))
+    bytes = particles%chunks*(8_i8*lanes*(particles%na + particles%nb) + 4_i8*(lanes + 1)) &
+            + 4_i8*(size(particles%first, kind=i8) + size(particles%size, kind=i8))
   end function particles_bytes
 
   !> Puts particles at rest into bins; `history` gives the first values of the columns of b behind
   !! the volume. The positions are given up on the way, so that both streams and they are never held
   !! at the same time.
-  pure subroutine particles_fill(particles, ndim, shift, x, density, volume, history, first_id, ids)
+  subroutine particles_fill(particles, ndim, shift, x, density, volume, history, first_id, ids)
     type(particles_t), intent(out) :: particles
     integer, intent(in) :: ndim
     real(dp), intent(in) :: shift
@@ -135,13 +138,8 @@ contains
     call order_by_bin(particles, x, order)
     call count_bins(particles, x, order)
     particles%chunks = sum((particles%size + lanes - 1)/lanes)
-    c = particles%chunks + particles%chunks/64 + 4
-    allocate (particles%id(lanes, c), particles%next(c), source=0)
+    call allocate_chunks(particles)
     call chain_bins(particles, slot)
-    allocate (particles%a(lanes, particles%na, c))
-    call large_pages_ask(particles%a, size(particles%a, kind=i8))
-    particles%a = 0.0_dp
-    particles%a(:, particles%na, :) = density
     do p = 1, particles%count
       l = mod(slot(p) - 1, lanes) + 1
       c = (slot(p) - 1)/lanes + 1
@@ -151,9 +149,7 @@ contains
       particles%a(l, particles%na, c) = density*volume(order(p))
     end do
     deallocate (x, order, slot)
-    allocate (particles%b(lanes, particles%nb, size(particles%next)))
-    call large_pages_ask(particles%b, size(particles%b, kind=i8))
-    do c = 1, size(particles%next)
+    do c = 1, particles%chunks
       particles%b(:, 1, c) = particles%a(:, particles%na, c)/density
       do p = 2, particles%nb
         particles%b(:, p, c) = history(p - 1)
@@ -162,27 +158,44 @@ contains
     call particles_pad(particles)
   end subroutine particles_fill
 
+  !> Room for the chunks of a body and half as many: as they fill unevenly where particles change
+  !! bins at random, that is as many as there ever will be. What is not written takes no memory;
+  !! the threads write first what they will later work on, so that it lies near them.
+  subroutine allocate_chunks(particles)
+    type(particles_t), intent(inout) :: particles
+    integer :: capacity, c
+    capacity = particles%chunks + particles%chunks/2 + 16
+    allocate (particles%id(lanes, capacity), particles%next(capacity))
+    allocate (particles%a(lanes, particles%na, capacity))
+    allocate (particles%b(lanes, particles%nb, capacity))
+    call large_pages_ask(particles%a, size(particles%a, kind=i8))
+    call large_pages_ask(particles%b, size(particles%b, kind=i8))
+    !$omp parallel do schedule(static) default(none) shared(particles) private(c)
+    do c = 1, particles%chunks
+      particles%id(:, c) = 0
+      particles%next(c) = 0
+      particles%a(:, :, c) = 0.0_dp
+      particles%a(:, particles%na, c) = particles%pad_mass
+      particles%b(:, :, c) = 0.0_dp
+    end do
+    !$omp end parallel do
+  end subroutine allocate_chunks
+
   !> Makes room for particles that are already known by bin: bins, chunks and lanes, whose contents
   !! the caller fills in and ends with `particles_pad`. Columns and pads stay as they are.
-  pure subroutine particles_lay_out(particles, bins, sizes, slot)
+  subroutine particles_lay_out(particles, bins, sizes, slot)
     type(particles_t), intent(inout) :: particles
     type(rows_t), intent(in) :: bins
     integer, intent(in) :: sizes(:)                 !! (bins) particles of each
     integer, allocatable, intent(out) :: slot(:)  !! lane + lanes*(chunk - 1), in the bins' order
-    integer :: capacity
     particles%bins = bins
     call particles_number_bins(particles)
     particles%size = sizes
     particles%count = sum(sizes)
     particles%chunks = sum((sizes + lanes - 1)/lanes)
-    particles%free_chunk = 0
-    capacity = particles%chunks + particles%chunks/64 + 4
+    particles%spares = 0
     deallocate (particles%a, particles%b, particles%id, particles%next)
-    allocate (particles%id(lanes, capacity), particles%next(capacity), source=0)
-    allocate (particles%a(lanes, particles%na, capacity))
-    allocate (particles%b(lanes, particles%nb, capacity))
-    call large_pages_ask(particles%a, size(particles%a, kind=i8))
-    call large_pages_ask(particles%b, size(particles%b, kind=i8))
+    call allocate_chunks(particles)
     allocate (slot(particles%count))
     call chain_bins(particles, slot)
   end subroutine particles_lay_out
@@ -270,53 +283,64 @@ contains
     allocate (particles%first(next - 1), particles%size(next - 1), source=0)
   end subroutine particles_number_bins
 
-  !> More room for chunks; one stream at a time, so that no more than one is held twice.
-  pure subroutine grow_chunks(particles)
+  !> Makes room for some more chunks; one stream at a time, so that no more than one is held twice.
+  pure subroutine chunks_make_room(particles, more)
     type(particles_t), intent(inout) :: particles
+    integer, intent(in) :: more
     real(dp), allocatable :: stream(:, :, :)
     integer(i4), allocatable :: id(:, :)
     integer, allocatable :: next(:)
     integer :: old, capacity
-    old = size(particles%next)
-    capacity = old + old/8 + 16
+    old = particles%chunks
+    capacity = old + old/8 + 16 + more
     allocate (stream(lanes, particles%na, capacity))
     call large_pages_ask(stream, size(stream, kind=i8))
-    stream(:, :, :old) = particles%a
+    stream(:, :, :old) = particles%a(:, :, :old)
     call move_alloc(stream, particles%a)
     allocate (stream(lanes, particles%nb, capacity))
     call large_pages_ask(stream, size(stream, kind=i8))
-    stream(:, :, :old) = particles%b
+    stream(:, :, :old) = particles%b(:, :, :old)
     call move_alloc(stream, particles%b)
-    allocate (id(lanes, capacity), next(capacity), source=0)
-    id(:, :old) = particles%id
-    next(:old) = particles%next
+    allocate (id(lanes, capacity), next(capacity))
+    id(:, :old) = particles%id(:, :old)
+    next(:old) = particles%next(:old)
     call move_alloc(id, particles%id)
     call move_alloc(next, particles%next)
-  end subroutine grow_chunks
+  end subroutine chunks_make_room
 
-  !> A chunk from the free list, or a new one.
-  pure subroutine chunk_take(particles, chunk)
+  !> Chunks for new use: spare ones, then new ones; `done`: there was room. One thread at a time.
+  pure subroutine chunks_take(particles, taken, done)
     type(particles_t), intent(inout) :: particles
-    integer, intent(out) :: chunk
-    if (particles%free_chunk > 0) then
-      chunk = particles%free_chunk
-      particles%free_chunk = particles%next(chunk)
-    else
-      if (particles%chunks == size(particles%next)) call grow_chunks(particles)
-      particles%chunks = particles%chunks + 1
-      chunk = particles%chunks
+    integer, intent(out) :: taken(:)
+    logical, intent(out) :: done
+    integer :: n, new, c
+    n = min(size(taken), particles%spares)
+    new = size(taken) - n
+    done = particles%chunks + new <= size(particles%next)
+    if (.not. done) return
+    taken(:n) = particles%spare(particles%spares - n + 1:particles%spares)
+    taken(n + 1:) = [(particles%chunks + c, c=1, new)]
+    particles%spares = particles%spares - n
+    particles%chunks = particles%chunks + new
+    particles%next(taken) = 0
+  end subroutine chunks_take
+
+  !> Takes chunks back that no bin uses any more.
+  pure subroutine chunks_give_back(particles, chunks)
+    type(particles_t), intent(inout) :: particles
+    integer, intent(in) :: chunks(:)
+    integer, allocatable :: more(:)
+    integer :: n
+    n = particles%spares + size(chunks)
+    if (.not. allocated(particles%spare)) allocate (particles%spare(n))
+    if (n > size(particles%spare)) then
+      allocate (more(2*n))
+      more(:particles%spares) = particles%spare(:particles%spares)
+      call move_alloc(more, particles%spare)
     end if
-    particles%next(chunk) = 0
-  end subroutine chunk_take
-
-  !> Puts a chunk on the free list.
-  pure subroutine chunk_free(particles, chunk)
-    type(particles_t), intent(inout) :: particles
-    integer, intent(in) :: chunk
-    particles%id(:, chunk) = 0
-    particles%next(chunk) = particles%free_chunk
-    particles%free_chunk = chunk
-  end subroutine chunk_free
+    particles%spare(particles%spares + 1:n) = chunks
+    particles%spares = n
+  end subroutine chunks_give_back
 
   !> Makes the lanes from `lane` (> 1) on harmless: at rest, unstressed, of the body's density, and
   !! where the particle before them sits. They receive nothing from the grid, so they stay there,
@@ -336,6 +360,17 @@ contains
     end do
     particles%id(lane:, chunk) = 0
   end subroutine chunk_pad
+
+  !> Has the memory of a chunk (0: none) fetched into the cache; stream b only where wanted. Bodies
+  !! that caches hold anyway are left alone.
+  pure subroutine chunk_prefetch(particles, chunk, both)
+    type(particles_t), intent(in) :: particles
+    integer, intent(in) :: chunk
+    logical, intent(in) :: both
+    if (chunk == 0 .or. particles%chunks < many_chunks) return
+    call prefetch(particles%a(1, 1, chunk), 8*lanes*particles%na)
+    if (both) call prefetch(particles%b(1, 1, chunk), 8*lanes*particles%nb)
+  end subroutine chunk_prefetch
 
   !> Pads the last chunk of every bin.
   pure subroutine particles_pad(particles)

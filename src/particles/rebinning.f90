@@ -1,97 +1,95 @@
 !> Moves particles between bins.
 !!
-!! Bins stay ordered by id, so that nothing depends on the way a particle came. The set of bins
-!! grows when a mover needs a new one; bins that run empty are dropped when they have become many,
-!! for a new set means a new layout of the grid.
+!! Bins stay ordered by id, so that nothing depends on the way a particle came. A sweep closes the
+!! gaps that its movers leave. Here every thread takes a range of bins, sorts the movers that come
+!! into them, and merges them with the particles that are there, one bin after the other.
+!!
+!! The set of bins grows when a mover needs a new one; bins that run empty are dropped when they
+!! have become many, for a new set means a new layout of the grid.
 module sgmp_rebinning
-  use sgmp_kinds, only: dp, i4, i8, lanes
-  use sgmp_movers, only: movers_sort, movers_t
-  use sgmp_particles, only: bin_coordinates, chunk_free, chunk_pad, chunk_take, &
-                            particles_number_bins, particles_t
+  use sgmp_bin_change, only: bin_insert
+  use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_movers, only: movers_t
+  use sgmp_particles, only: bin_coordinates, chunk_prefetch, chunks_give_back, chunks_make_room, &
+                            chunks_take, particles_number_bins, particles_t
   use sgmp_rows, only: key_k, row_key, rows_contains, rows_from_points, rows_t, rows_union
   use sgmp_sorting, only: sort_order
   implicit none
   private
-  public :: particles_rebin, particles_renew_bins
+  public :: arrivals_t, particles_rebin, particles_renew_bins
+  public :: particles_find_bins, particles_extend_bins, particles_close_lists, &
+            particles_receive, particles_receive_rest
+
+  !> Movers that come into a range of bins, ordered by bin, in each by id.
+  type :: arrivals_t
+    integer :: n = 0
+    integer, allocatable :: list(:), at(:)  !! (n) list of each, and its place in there
+    integer, allocatable :: bin(:)          !! (n) its bin
+    integer :: first = 1                    !! from which on they are inserted
+    integer :: owned = 0                    !! of these, those that are now particles of this rank
+    integer, allocatable :: chunk(:)        !! chunks that their bins need beside those they have
+    logical :: waiting = .false.            !! there was no room for those chunks
+  end type arrivals_t
+
+  integer, parameter :: prefetch_ahead = 6  !! movers
 
 contains
 
-  !> Moves particles to the bins of their new positions.
+  !> Moves particles to the bins of their new positions; the bins that they have left are closed.
   !!
-  !! Movers that come from another rank have no chunk; those that go to one leave, and are given a
-  !! bin where one is held for them, so that what they give to the grid can be added here.
-  pure subroutine particles_rebin(particles, movers, lower, upper, new_bins)
+  !! Those that go to other ranks leave. The same as the procedures below in their order, which
+  !! threads may share: all have their lists of movers and their ranges of bins.
+  subroutine particles_rebin(particles, lists, lower, upper, arrivals, new_bins)
     type(particles_t), intent(inout) :: particles
-    type(movers_t), intent(inout) :: movers      !! in: row and bin they left; out: their new ones
+    type(movers_t), intent(inout) :: lists(:)    !! in: row they left; out: new rows and bins
     real(dp), intent(in) :: lower(3), upper(3)   !! particles outside this box (cells) are removed
-    logical, intent(out) :: new_bins             !! the set of bins has changed: so must the layout
-    integer :: m, r
-    call movers_sort(movers)
-    call find_gone(particles, movers, lower, upper)
-    call close_bins(particles, movers)
-    call find_bins(particles, movers, new_bins)
-    if (new_bins) then
-      call extend_bins(particles, movers)
-      call find_bins(particles, movers)
-    end if
-    do r = 1, movers%n
-      m = movers%order(r)
-      if (movers%chunk(m) > 0) particles%count = particles%count - 1
-      if (movers%gone(m)) cycle
-      if (.not. within(plane_of(particles, movers, m), particles%own)) cycle
-      particles%count = particles%count + 1
-      call insert(particles, movers%bin(m), movers%id(m), movers%state(:, m))
+    type(arrivals_t), intent(inout) :: arrivals(:)  !! those with a bin now, bins ascending
+    logical, intent(out) :: new_bins             !! the set of bins has changed
+    integer :: t, bins(3)
+    do t = 1, size(lists)
+      call particles_find_bins(particles, lower, upper, lists(t))
     end do
+    new_bins = any(lists%homeless)
+    if (new_bins) call particles_extend_bins(particles, lists, lower, upper)
+    call particles_close_lists(particles, lists)
+    do t = 1, size(arrivals)
+      bins(2) = 1 + int(size(particles%size, kind=i8)*(t - 1)/size(arrivals))
+      bins(3) = int(size(particles%size, kind=i8)*t/size(arrivals))
+      bins(1) = bins(2)
+      call particles_receive(particles, lists, bins, arrivals(t))
+    end do
+    call particles_receive_rest(particles, lists, arrivals)
   end subroutine particles_rebin
 
-  !> Plane of bins that a mover belongs to now.
-  pure function plane_of(particles, movers, m) result(plane)
+  !> Row and bin of each mover, and which have left the grid. Those that go to another rank are
+  !! given a bin where one is held for them, so that what they give to the grid can be added here.
+  pure subroutine particles_find_bins(particles, lower, upper, movers)
     type(particles_t), intent(in) :: particles
-    type(movers_t), intent(in) :: movers
-    integer, intent(in) :: m
-    integer :: plane, bin(3)
-    bin = bin_coordinates(movers%state(:, m), particles%shift, particles%ndim)
-    plane = bin(3)
-  end function plane_of
-
-  pure function within(plane, range) result(yes)
-    integer, intent(in) :: plane, range(2)
-    logical :: yes
-    yes = plane >= range(1) .and. plane <= range(2)
-  end function within
-
-  !> Finds the movers that have left the grid.
-  pure subroutine find_gone(particles, movers, lower, upper)
-    type(particles_t), intent(in) :: particles
+    real(dp), intent(in) :: lower(3), upper(3)   !! of the grid (cells)
     type(movers_t), intent(inout) :: movers
-    real(dp), intent(in) :: lower(3), upper(3)
-    integer :: m, d
+    integer :: m, bin(3), d
+    d = particles%ndim
+    movers%homeless = .false.
     do m = 1, movers%n
-      do d = 1, particles%ndim
-        if (movers%state(d, m) < lower(d) .or. movers%state(d, m) > upper(d)) then
-          movers%gone(m) = .true.
-        end if
-      end do
-    end do
-  end subroutine find_gone
-
-  !> Row and bin of each mover; `missing`: some of them have none yet.
-  pure subroutine find_bins(particles, movers, missing)
-    type(particles_t), intent(in) :: particles
-    type(movers_t), intent(inout) :: movers
-    logical, intent(out), optional :: missing
-    integer :: m, bin(3)
-    if (present(missing)) missing = .false.
-    do m = 1, movers%n
-      if (movers%gone(m)) cycle
-      bin = bin_coordinates(movers%state(:, m), particles%shift, particles%ndim)
       movers%bin(m) = 0
+      movers%gone(m) = any(movers%state(:d, m) < lower(:d) .or. movers%state(:d, m) > upper(:d))
+      if (movers%gone(m)) cycle
+      bin = bin_coordinates(movers%state(:, m), particles%shift, d)
       if (.not. within(bin(3), particles%held)) cycle
       movers%row(m) = row_near(particles%bins, movers%row(m), row_key(bin(2), bin(3)), bin(1))
-      if (movers%row(m) > 0) movers%bin(m) = particles%bin_start(movers%row(m)) + bin(1)
-      if (present(missing)) missing = missing .or. movers%bin(m) == 0
+      if (movers%row(m) > 0) then
+        movers%bin(m) = particles%bin_start(movers%row(m)) + bin(1)
+      else
+        movers%homeless = .true.
+      end if
     end do
-  end subroutine find_bins
+  end subroutine particles_find_bins
+
+  pure function within(number, range) result(yes)
+    integer, intent(in) :: number, range(2)
+    logical :: yes
+    yes = number >= range(1) .and. number <= range(2)
+  end function within
 
   !> Interval of rows that holds point i of row `key`, 0: none; looked for at `guess` and beside it
   !! first, where most movers go.
@@ -106,138 +104,173 @@ contains
     s = rows_contains(rows, key, i)
   end function row_near
 
-  !> Closes the gaps in bins that particles have left.
-  pure subroutine close_bins(particles, movers)
+  !> Takes back the chunks that movers have left empty, and forgets the movers.
+  pure subroutine particles_close_lists(particles, lists)
     type(particles_t), intent(inout) :: particles
-    type(movers_t), intent(in) :: movers
-    integer :: m, bin
-    do m = 1, movers%n
-      if (movers%chunk(m) > 0) particles%id(movers%lane(m), movers%chunk(m)) = 0
+    type(movers_t), intent(inout) :: lists(:)
+    integer :: t
+    do t = 1, size(lists)
+      call chunks_give_back(particles, lists(t)%chunk(:lists(t)%freed))
+      lists(t)%freed = 0
+      particles%count = particles%count - count(lists(t)%here(:lists(t)%n))
     end do
-    bin = 0
-    do m = 1, movers%n
-      if (movers%chunk(m) == 0) cycle
-      if (movers%bin(m) /= bin) call close_bin(particles, movers%bin(m))
-      bin = movers%bin(m)
-    end do
-  end subroutine close_bins
+  end subroutine particles_close_lists
 
-  !> Moves the particles of one bin up to the front of its chain.
-  pure subroutine close_bin(particles, bin)
+  !> Puts movers into bins(2)..bins(3), and lists those that come into bins(1)..bins(3). Threads do
+  !! that at the same time, each with bins(2)..bins(3) of its own.
+  subroutine particles_receive(particles, lists, bins, arrivals)
     type(particles_t), intent(inout) :: particles
-    integer, intent(in) :: bin
-    integer :: c, l, left, to_c, to_l, live
-    c = particles%first(bin)
-    to_c = c
-    to_l = 0
-    live = 0
-    left = particles%size(bin)
-    do while (left > 0)
-      do l = 1, min(left, lanes)
-        if (particles%id(l, c) == 0) cycle
-        if (to_l == lanes) then
-          to_c = particles%next(to_c)
-          to_l = 0
-        end if
-        to_l = to_l + 1
-        live = live + 1
-        if (to_c /= c .or. to_l /= l) call copy_lane(particles, l, c, to_l, to_c)
+    type(movers_t), intent(in) :: lists(:)
+    integer, intent(in) :: bins(3)
+    type(arrivals_t), intent(out) :: arrivals
+    logical :: room
+    call sort_arrivals(lists, bins([1, 3]), arrivals)
+    do while (arrivals%first <= arrivals%n)
+      if (arrivals%bin(arrivals%first) >= bins(2)) exit
+      arrivals%first = arrivals%first + 1
+    end do
+    call count_chunks(particles, lists, arrivals)
+    !$omp critical (taking_chunks)
+    call chunks_take(particles, arrivals%chunk, room)
+    !$omp end critical (taking_chunks)
+    arrivals%waiting = .not. room
+    if (room) call insert_arrivals(particles, lists, arrivals)
+  end subroutine particles_receive
+
+  !> Puts movers into bins for which there was no room, and counts all that have come.
+  pure subroutine particles_receive_rest(particles, lists, arrivals)
+    type(particles_t), intent(inout) :: particles
+    type(movers_t), intent(in) :: lists(:)
+    type(arrivals_t), intent(inout) :: arrivals(:)
+    logical :: room
+    integer :: t
+    do t = 1, size(arrivals)
+      particles%count = particles%count + arrivals(t)%owned
+      if (.not. arrivals(t)%waiting) cycle
+      call chunks_make_room(particles, size(arrivals(t)%chunk))
+      call chunks_take(particles, arrivals(t)%chunk, room)
+      if (room) call insert_arrivals(particles, lists, arrivals(t))
+      arrivals(t)%waiting = .false.
+    end do
+  end subroutine particles_receive_rest
+
+  !> Sorts the movers that come into a range of bins.
+  pure subroutine sort_arrivals(lists, range, arrivals)
+    type(movers_t), intent(in) :: lists(:)
+    integer, intent(in) :: range(2)
+    type(arrivals_t), intent(inout) :: arrivals
+    integer(i8), allocatable :: id(:), bin(:)
+    integer, allocatable :: by_id(:), by_bin(:)
+    integer :: t, m, n
+    n = 0
+    do t = 1, size(lists)
+      do m = 1, lists(t)%n
+        if (within(lists(t)%bin(m), range)) n = n + 1
       end do
-      left = left - lanes
-      c = particles%next(c)
     end do
-    call cut_chain(particles, bin, live, to_c, to_l)
-  end subroutine close_bin
+    arrivals%n = n
+    allocate (arrivals%list(n), arrivals%at(n), id(n), bin(n), by_id(n), by_bin(n))
+    n = 0
+    do t = 1, size(lists)
+      do m = 1, lists(t)%n
+        if (.not. within(lists(t)%bin(m), range)) cycle
+        n = n + 1
+        arrivals%list(n) = t
+        arrivals%at(n) = m
+        id(n) = lists(t)%id(m)
+        bin(n) = lists(t)%bin(m) - range(1)
+      end do
+    end do
+    call sort_order(id - minval(id), by_id)
+    call sort_order(bin(by_id), by_bin)
+    by_bin = by_id(by_bin)
+    arrivals%list = arrivals%list(by_bin)
+    arrivals%at = arrivals%at(by_bin)
+    arrivals%bin = range(1) + int(bin(by_bin))
+  end subroutine sort_arrivals
 
-  !> Ends a bin's chain behind its last particle.
-  pure subroutine cut_chain(particles, bin, live, chunk, lane)
-    type(particles_t), intent(inout) :: particles
-    integer, intent(in) :: bin, live   !! particles that are left
-    integer, intent(in) :: chunk, lane  !! of the last of them
-    integer :: c, next
-    particles%size(bin) = live
-    if (live == 0) then
-      c = particles%first(bin)
-      particles%first(bin) = 0
-    else
-      c = particles%next(chunk)
-      particles%next(chunk) = 0
-      call chunk_pad(particles, chunk, lane + 1)
-    end if
-    do while (c > 0)
-      next = particles%next(c)
-      call chunk_free(particles, c)
-      c = next
-    end do
-  end subroutine cut_chain
-
-  pure subroutine copy_lane(particles, from_lane, from_chunk, to_lane, to_chunk)
-    type(particles_t), intent(inout) :: particles
-    integer, intent(in) :: from_lane, from_chunk, to_lane, to_chunk
-    integer :: q
-    do q = 1, particles%na
-      particles%a(to_lane, q, to_chunk) = particles%a(from_lane, q, from_chunk)
-    end do
-    do q = 1, particles%nb
-      particles%b(to_lane, q, to_chunk) = particles%b(from_lane, q, from_chunk)
-    end do
-    particles%id(to_lane, to_chunk) = particles%id(from_lane, from_chunk)
-  end subroutine copy_lane
-
-  !> Inserts a particle into a bin at its place in the order of ids.
-  pure subroutine insert(particles, bin, id, state)
-    type(particles_t), intent(inout) :: particles
-    integer, intent(in) :: bin
-    integer(i4), intent(in) :: id
-    real(dp), intent(in) :: state(:)             !! (na + nb)
-    integer :: chain(0:particles%size(bin)/lanes), n, c, t, q
-    n = particles%size(bin)
-    c = particles%first(bin)
-    do t = 0, (n - 1)/lanes
-      if (n == 0) exit
-      chain(t) = c
-      c = particles%next(c)
-    end do
-    if (mod(n, lanes) == 0) then
-      call chunk_take(particles, c)
-      chain(n/lanes) = c
-      if (n == 0) then
-        particles%first(bin) = c
-      else
-        particles%next(chain(n/lanes - 1)) = c
+  !> Counts the chunks that bins need for their arrivals.
+  pure subroutine count_chunks(particles, lists, arrivals)
+    type(particles_t), intent(in) :: particles
+    type(movers_t), intent(in) :: lists(:)
+    type(arrivals_t), intent(inout) :: arrivals
+    integer :: r, r2, wanted, n
+    wanted = 0
+    r = arrivals%first
+    do while (r <= arrivals%n)
+      r2 = last_of_bin(arrivals, r)
+      if (owned(particles, lists, arrivals, r)) then
+        n = particles%size(arrivals%bin(r))
+        wanted = wanted + (n + (r2 - r + 1) + lanes - 1)/lanes - (n + lanes - 1)/lanes
+        arrivals%owned = arrivals%owned + (r2 - r + 1)
       end if
-    end if
-    do t = n, 1, -1                              ! t + 1 is free
-      if (particles%id(mod(t - 1, lanes) + 1, chain((t - 1)/lanes)) < id) exit
-      call copy_lane(particles, mod(t - 1, lanes) + 1, chain((t - 1)/lanes), &
-                     mod(t, lanes) + 1, chain(t/lanes))
+      r = r2 + 1
     end do
-    c = chain(t/lanes)
-    t = mod(t, lanes) + 1
-    do q = 1, particles%na
-      particles%a(t, q, c) = state(q)
+    allocate (arrivals%chunk(wanted))
+  end subroutine count_chunks
+
+  !> Last of the arrivals that have the bin of arrival r.
+  pure function last_of_bin(arrivals, r) result(last)
+    type(arrivals_t), intent(in) :: arrivals
+    integer, intent(in) :: r
+    integer :: last
+    last = r
+    do while (last < arrivals%n)
+      if (arrivals%bin(last + 1) /= arrivals%bin(r)) return
+      last = last + 1
     end do
-    do q = 1, particles%nb
-      particles%b(t, q, c) = state(particles%na + q)
+  end function last_of_bin
+
+  !> Whether arrival r comes into a plane of this rank.
+  pure function owned(particles, lists, arrivals, r) result(yes)
+    type(particles_t), intent(in) :: particles
+    type(movers_t), intent(in) :: lists(:)
+    type(arrivals_t), intent(in) :: arrivals
+    integer, intent(in) :: r
+    logical :: yes
+    yes = within(key_k(particles%bins%key(lists(arrivals%list(r))%row(arrivals%at(r)))), &
+                 particles%own)
+  end function owned
+
+  !> Merges arrivals with the particles of their bins.
+  pure subroutine insert_arrivals(particles, lists, arrivals)
+    type(particles_t), intent(inout) :: particles
+    type(movers_t), intent(in) :: lists(:)
+    type(arrivals_t), intent(in) :: arrivals
+    integer :: r, r2, used
+    used = 0
+    r = arrivals%first
+    do while (r <= arrivals%n)
+      r2 = last_of_bin(arrivals, r)
+      if (owned(particles, lists, arrivals, r)) then
+        associate (ahead => arrivals%bin(min(r2 + prefetch_ahead, arrivals%n)))
+          call chunk_prefetch(particles, particles%first(ahead), .true.)
+        end associate
+        call bin_insert(particles, arrivals%bin(r), lists, arrivals%list(r:r2), &
+                        arrivals%at(r:r2), arrivals%chunk, used)
+      end if
+      r = r2 + 1
     end do
-    particles%id(t, c) = id
-    particles%size(bin) = n + 1
-    if (mod(n, lanes) == 0) call chunk_pad(particles, chain(n/lanes), 2)
-  end subroutine insert
+  end subroutine insert_arrivals
 
   !> Adds the bins that movers need; drops the empty ones where they are more than an eighth.
-  pure subroutine extend_bins(particles, movers)
+  pure subroutine particles_extend_bins(particles, lists, lower, upper)
     type(particles_t), intent(inout) :: particles
-    type(movers_t), intent(in) :: movers
+    type(movers_t), intent(inout) :: lists(:)
+    real(dp), intent(in) :: lower(3), upper(3)   !! see particles_find_bins
     type(rows_t) :: wanted, kept
-    call wanted_bins(particles, movers, wanted)
+    integer :: t
+    call wanted_bins(particles, lists, wanted)
     if (8*empty_bins(particles) > size(particles%size)) then
       call occupied_bins(particles, .true., kept)
     else
       kept = particles%bins
     end if
     call change_bins(particles, kept, wanted)
-  end subroutine extend_bins
+    do t = 1, size(lists)
+      call particles_find_bins(particles, lower, upper, lists(t))
+    end do
+  end subroutine particles_extend_bins
 
   !> Renews the bins that stand for other ranks': `others` instead of all that are outside the own
   !! planes; own ones that are empty go, too.
@@ -300,25 +333,24 @@ contains
   end function row_from
 
   !> The bins that movers need and that do not exist or are empty.
-  pure subroutine wanted_bins(particles, movers, wanted)
+  pure subroutine wanted_bins(particles, lists, wanted)
     type(particles_t), intent(in) :: particles
-    type(movers_t), intent(in) :: movers
+    type(movers_t), intent(in) :: lists(:)
     type(rows_t), intent(out) :: wanted
     integer, allocatable :: order(:), i(:)
     integer(i8), allocatable :: key(:), sortable(:)
-    integer :: m, n, bin(3)
+    integer :: t, m, n, bin(3)
     n = 0
-    allocate (i(movers%n), key(movers%n), sortable(movers%n))
-    do m = 1, movers%n
-      if (movers%gone(m)) cycle
-      if (movers%bin(m) > 0) then
-        if (particles%size(movers%bin(m)) > 0) cycle
-      end if
-      bin = bin_coordinates(movers%state(:, m), particles%shift, particles%ndim)
-      if (.not. within(bin(3), particles%held)) cycle
-      n = n + 1
-      i(n) = bin(1)
-      key(n) = row_key(bin(2), bin(3))
+    m = sum(lists%n)
+    allocate (i(m), key(m), sortable(m))
+    do t = 1, size(lists)
+      do m = 1, lists(t)%n
+        if (.not. wants_bin(particles, lists(t), m)) cycle
+        bin = bin_coordinates(lists(t)%state(:, m), particles%shift, particles%ndim)
+        n = n + 1
+        i(n) = bin(1)
+        key(n) = row_key(bin(2), bin(3))
+      end do
     end do
     allocate (order(n))
     sortable(:n) = int(i(:n), i8) - minval(i(:n))
@@ -329,6 +361,23 @@ contains
     call sort_order(sortable(:n), order)
     call rows_from_points(key(order), i(order), wanted)
   end subroutine wanted_bins
+
+  !> Whether a mover needs a bin that does not exist or is empty.
+  pure function wants_bin(particles, movers, m) result(yes)
+    type(particles_t), intent(in) :: particles
+    type(movers_t), intent(in) :: movers
+    integer, intent(in) :: m
+    logical :: yes
+    integer :: bin(3)
+    yes = .not. movers%gone(m)
+    if (.not. yes) return
+    if (movers%bin(m) > 0) then
+      yes = particles%size(movers%bin(m)) == 0
+    else
+      bin = bin_coordinates(movers%state(:, m), particles%shift, particles%ndim)
+      yes = within(bin(3), particles%held)
+    end if
+  end function wants_bin
 
   !> The bins that hold particles, and where `all` those that stand for other ranks'.
   pure subroutine occupied_bins(particles, all, occupied)

@@ -20,7 +20,8 @@ module DIM(sgmp_chunk)
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm, kernel_sgmp
   implicit none
   private
-  public :: chunk_advance, particle_size, task_make, task_t, largest_stencil, most_rows
+  public :: chunk_advance, particle_size, task_make, task_t
+  public :: largest_stencil, most_columns, most_rows
 
   integer, parameter :: largest_stencil = NGIMP
   integer, parameter :: most_rows = NACROSS
@@ -78,18 +79,19 @@ contains
 
   !> Advances a chunk.
   ! allow(S902)
-  subroutine chunk_advance(mesh, body, plan, task, home, origin, nl, row, records, nb, a, b, &
+  subroutine chunk_advance(mesh, body, plan, task, s, origin, nl, row, records, nb, id, a, b, &
                            stencil, lane_sums, movers, work)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
-    integer, intent(in) :: home(3)               !! chunk, interval of bins, bin
+    integer, intent(in) :: s                     !! interval of bins
     real(dp), intent(in) :: origin(NDIM)         !! lower corner of the bin
     integer, intent(in) :: nl                    !! particles in the chunk
     integer, intent(in) :: row(most_rows)        !! records of the stencil's rows
     real(dp), intent(in) :: records(task%stride, *)
     integer, intent(in) :: nb
+    integer(i4), intent(inout) :: id(lanes)      !! 0 when the particle has left
     real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), b(lanes, nb)
     real(dp), intent(inout) :: stencil(task%points, task%nq)
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
@@ -117,7 +119,7 @@ contains
       call stress_update(body%law, plan%dt_strain, plan%time, a(1, 2*NDIM + 1), task%live(1, nl), &
                          got(1, task%gradient), nb, b, values(1, task%flux + 1), speed2, jacobian, &
                          lane_sums(1, sum_internal))
-      call check_chunk(body, home(1), nl, task%live(1, nl), a, speed2, jacobian, work)
+      call check_chunk(nl, id, task%live(1, nl), a, speed2, jacobian, work)
     else if (plan%stress) then
       speed2 = 0.0_dp
       call stress_flux(body%law, b(1, 1), speed2, task%live(1, nl), &
@@ -127,8 +129,7 @@ contains
     if (plan%stress .and. (task%kernel /= kernel_sgmp .or. task%nq > task%forces + NFLUX)) then
       call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, a, b, values)
     end if
-    if (outside) call note_movers(task, nl, body%particles%id(1, home(1)), home, nb, a, b, xi, &
-                                  values, movers)
+    if (outside) call note_movers(task, s, nl, nb, a, b, id, xi, values, movers)
     if (task%kernel == kernel_gimp .and. (plan%drift .or. plan%mass)) then
       call particle_axes(body, task%inverse_h, nb, b, xi, axes)
     end if
@@ -293,9 +294,9 @@ contains
   end subroutine drift
 
   !> Largest c + |v| for the time step (Eq. 69), and whether every particle is still in its senses.
-  pure subroutine check_chunk(body, chunk, nl, live, a, speed2, jacobian, work)
-    type(body_t), intent(in) :: body
-    integer, intent(in) :: chunk, nl
+  pure subroutine check_chunk(nl, id, live, a, speed2, jacobian, work)
+    integer, intent(in) :: nl
+    integer(i4), intent(in) :: id(lanes)
     real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1), speed2(lanes), jacobian(lanes)
     type(workspace_t), intent(inout) :: work
     real(dp) :: speed(lanes), square, good, fast
@@ -316,12 +317,12 @@ contains
     if (fast > work%fastest) then
       l = maxloc(speed, 1)
       work%fastest = speed(l)
-      work%fastest_id = body%particles%id(l, chunk)
+      work%fastest_id = id(l)
     end if
     if (good > lanes - 0.5_dp .or. work%bad_id /= 0) return
     do l = 1, nl
       if (jacobian(l) > 0.0_dp .and. speed(l) < 1.0e150_dp) cycle
-      work%bad_id = body%particles%id(l, chunk)
+      work%bad_id = id(l)
       work%bad_jacobian = jacobian(l)
       return
     end do
@@ -403,18 +404,19 @@ contains
     end do
   end subroutine external_force
 
-  !> Takes particles that left the bin out of the scatter and notes them.
-  pure subroutine note_movers(task, nl, id, home, nb, a, b, xi, values, movers)
+  !> Notes particles that left the bin and takes them out of it and of the scatter.
+  pure subroutine note_movers(task, s, nl, nb, a, b, id, xi, values, movers)
     type(task_t), intent(in) :: task
-    integer, intent(in) :: nl, home(3), nb
-    integer(i4), intent(in) :: id(lanes)
+    integer, intent(in) :: s, nl, nb
     real(dp), intent(in) :: a(lanes, 2*NDIM + 1), b(lanes, nb)
+    integer(i4), intent(inout) :: id(lanes)
     real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
     type(movers_t), intent(inout) :: movers
     integer :: l, q, m
     do l = 1, nl
       if (all(xi(l, :) >= 0.0_dp .and. xi(l, :) < 1.0_dp)) cycle
-      call movers_add(movers, id(l), home(1), l, home(2), home(3))
+      call movers_add(movers, id(l), .true., s)
+      id(l) = 0
       m = movers%n
       do q = 1, 2*NDIM + 1
         movers%state(q, m) = a(l, q)

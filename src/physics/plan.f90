@@ -1,7 +1,6 @@
 !> What a sweep over the particles does, and the buffers a thread needs for it.
 module sgmp_plan
   use sgmp_kinds, only: dp, i4
-  use sgmp_movers, only: movers_t
   implicit none
   private
   public :: plan_t, workspace_t
@@ -47,7 +46,6 @@ module sgmp_plan
     real(dp), allocatable :: lead(:, :, :)       !! GIMP: the first plane's sums, kept for the joint
                                                  !! with the slab below
     integer :: cleared = 1                       !! next stored interval to zero in `planes`
-    type(movers_t), allocatable :: movers(:)     !! (bodies) particles that left their bins
     real(dp) :: fastest = 0.0_dp                 !! largest c + |v|
     integer(i4) :: fastest_id = 0                !! its particle
     integer(i4) :: bad_id = 0                    !! first particle with a senseless state, 0: none

@@ -8,14 +8,17 @@
 !! shared memory.
 module DIM(sgmp_sweep)
   use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror
+  use sgmp_bin_change, only: bin_close
   use sgmp_body, only: body_t
-  use DIM(sgmp_chunk), only: chunk_advance, largest_stencil, most_rows, particle_size, task_make, &
-                             task_t
+  use DIM(sgmp_chunk), only: chunk_advance, largest_stencil, most_columns, most_rows, &
+                             particle_size, task_make, task_t
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_movers, only: movers_reset, movers_t
+  use sgmp_particles, only: chunk_prefetch, particles_t
   use sgmp_plan, only: plan_t, sweep_sums, workspace_t
+  use sgmp_rebinning, only: arrivals_t
   use sgmp_rows, only: key_j, key_k
   use DIM(sgmp_transfer), only: flux_of, linear_carry, linear_gradients, linear_weights
   use DIM(sgmp_transfer_gimp), only: gimp_carry, gimp_gradients, gimp_weights
@@ -24,10 +27,17 @@ module DIM(sgmp_sweep)
   private
   public :: sweep_slab, sweep_join, sweep_add_movers
 
+  !> What the movers that come into one bin give to the points of its stencil.
+  type :: pile_t
+    integer :: planes(2) = 0                      !! range of planes of the field to add to
+    integer :: bin = 0, row = 0, plane = 1        !! bin, its interval, its plane
+    real(dp) :: sums(largest_stencil, most_columns) = 0.0_dp  !! (points, x outermost; columns)
+  end type pile_t
+
 contains
 
   !> Sweeps planes plane1..plane2 of field `number`; `sums` are the planes' own sums.
-  subroutine sweep_slab(mesh, field, number, bodies, plan, plane1, plane2, sums, work)
+  subroutine sweep_slab(mesh, field, number, bodies, plan, plane1, plane2, sums, movers, work)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: field        !! its moments are written
     integer, intent(in) :: number
@@ -35,13 +45,18 @@ contains
     type(plan_t), intent(in) :: plan
     integer, intent(in) :: plane1, plane2
     real(dp), intent(inout) :: sums(:, :, :)     !! (sweep_sums, planes of the field, bodies)
+    type(movers_t), intent(inout) :: movers(:)   !! (bodies) particles that leave their bins
     type(workspace_t), intent(inout) :: work
     type(task_t) :: task
     integer :: plane, b, slot, nq
     task = task_make(field%kernel, mesh, plan)
     nq = task%nq
-    call prepare(work, task, plan%drift, bodies)
+    call prepare(work, task)
     if (plane2 >= plane1) call fit_buffers(work, task, field%largest_plane)
+    do b = 1, size(bodies)
+      if (bodies(b)%field /= number .or. .not. plan%drift) cycle
+      call movers_reset(movers(b), bodies(b)%particles%na + bodies(b)%particles%nb, task%values)
+    end do
     do plane = plane1, plane2
       slot = mod(plane, task%layers) + 1
       work%cleared = field%plane_store(plane)
@@ -50,7 +65,7 @@ contains
         if (bodies(b)%particles%plane_row(plane) == bodies(b)%particles%plane_row(plane + 1)) cycle
         call fill_records(field, mesh, plan, task, plane, work)
         call sweep_plane(mesh, field, bodies(b), plan, task, plane, work%planes(1, 1, 1, slot), &
-                         sums(:, plane, b), work%movers(b), work)
+                         sums(:, plane, b), movers(b), work)
       end do
       call clear_rows(field, plane, task%layers*nq, huge(1), work%cleared, &
                       work%planes(1, 1, 1, slot))
@@ -59,19 +74,11 @@ contains
   end subroutine sweep_slab
 
   !> Makes a workspace fit for a sweep.
-  subroutine prepare(work, task, drift, bodies)
+  subroutine prepare(work, task)
     type(workspace_t), intent(inout) :: work
     type(task_t), intent(in) :: task
-    logical, intent(in) :: drift                 !! particles will move
-    type(body_t), intent(in) :: bodies(:)
-    integer :: b
-    if (.not. allocated(work%movers)) allocate (work%movers(size(bodies)))
-    do b = 1, size(bodies)
-      if (.not. drift) exit                      ! keep the room of the lists for the next that does
-      call movers_reset(work%movers(b), bodies(b)%particles%na + bodies(b)%particles%nb, &
-                        task%values)
-    end do
-    work%record_plane = [(0, b=1, task%layers)]
+    integer :: slot
+    work%record_plane = [(0, slot=1, task%layers)]
     work%fastest = 0.0_dp
     work%fastest_id = 0
     work%bad_id = 0
@@ -239,22 +246,35 @@ contains
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
     real(dp) :: origin(NDIM)
-    integer :: home(3), left
-    home(2) = s
-    home(3) = body%particles%bin_start(s) + body%particles%bins%first(s) + i
-    left = body%particles%size(home(3))
+    integer :: bin, chunk, next, left, movers_before
+    bin = body%particles%bin_start(s) + body%particles%bins%first(s) + i
+    left = body%particles%size(bin)
     if (left == 0) return
-    home(1) = body%particles%first(home(3))
+    chunk = body%particles%first(bin)
     origin = bin_origin(body%particles%bins%first(s) + i, body%particles%bins%key(s), task%shift)
+    movers_before = movers%n
     do while (left > 0)
-      call chunk_advance(mesh, body, plan, task, home, origin, min(left, lanes), row, &
-                         work%records(1, 1 + i), body%particles%nb, &
-                         body%particles%a(1, 1, home(1)), body%particles%b(1, 1, home(1)), &
+      next = following(body%particles, bin, chunk)
+      ! What lies behind in memory the processor fetches by itself.
+      if (next /= chunk + 1) call chunk_prefetch(body%particles, next, plan%stress)
+      call chunk_advance(mesh, body, plan, task, s, origin, min(left, lanes), row, &
+                         work%records(1, 1 + i), body%particles%nb, body%particles%id(1, chunk), &
+                         body%particles%a(1, 1, chunk), body%particles%b(1, 1, chunk), &
                          stencil, lane_sums, movers, work)
       left = left - lanes
-      home(1) = body%particles%next(home(1))
+      chunk = body%particles%next(chunk)
     end do
+    if (movers%n > movers_before) call bin_close(body%particles, bin, movers)
   end subroutine sweep_bin
+
+  !> Chunk that will be swept after one of a bin, as far as that is easy to tell; 0: none.
+  pure function following(particles, bin, chunk) result(next)
+    type(particles_t), intent(in) :: particles
+    integer, intent(in) :: bin, chunk
+    integer :: next
+    next = particles%next(chunk)
+    if (next == 0 .and. bin < size(particles%first)) next = particles%first(bin + 1)
+  end function following
 
   !> Lower corner of a bin.
   pure function bin_origin(i, key, shift) result(origin)
@@ -423,78 +443,78 @@ contains
     end do
   end subroutine add_two_below
 
-  !> Adds particles that changed bins to some columns of the moments, one after the other in the
-  !! order of their ids. Threads take columns, so that each sum keeps that order. Weights are
-  !! computed for as many at a time as a chunk has lanes.
-  subroutine sweep_add_movers(mesh, field, body, plan, movers, column1, column2)
+  !> Adds particles that changed bins to some planes of the moments, bin by bin, so that
+  !! each sum has the order of the bins and in each of the ids. Threads take planes; weights are
+  !! computed for as many movers at a time as a chunk has lanes.
+  subroutine sweep_add_movers(mesh, field, body, plan, lists, arrivals, planes)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: field
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
-    type(movers_t), intent(in) :: movers         !! in their new bins
-    integer, intent(in) :: column1, column2      !! columns to add to
+    type(movers_t), intent(in) :: lists(:)       !! in their new bins
+    type(arrivals_t), intent(in) :: arrivals     !! their order; all that reach the planes
+    integer, intent(in) :: planes(2)             !! first and last plane to add to
     type(task_t) :: task
-    real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
-    integer :: r, l, n, who(lanes), at(largest_stencil)
-    logical :: forces
+    type(pile_t) :: pile
+    integer :: r, r2
     task = task_make(field%kernel, mesh, plan)
-    forces = plan%stress .and. field%kernel /= kernel_sgmp
-    r = 1
-    do while (r <= movers%n)
-      n = 0
-      do while (r <= movers%n .and. n < lanes)
-        if (.not. movers%gone(movers%order(r)) .and. movers%bin(movers%order(r)) > 0) then
-          n = n + 1
-          who(n) = movers%order(r)
-        end if
-        r = r + 1
-      end do
-      if (n == 0) exit
-      call mover_weights(mesh%inverse_h, field%kernel, body, forces, movers, who(:n), w, g)
-      do l = 1, n
-        call mover_points(body, task, movers%row(who(l)), movers%bin(who(l)), at)
-        call add_mover(task, forces, plan%first_column, column1, column2, at, l, w, g, &
-                       movers%values(1, who(l)), size(field%moment, 1), field%moment)
-      end do
+    pile%planes = planes
+    do r = 1, arrivals%n, lanes
+      r2 = min(r + lanes - 1, arrivals%n)
+      call pile_movers(mesh, field, body, plan, task, lists, arrivals%list(r:r2), &
+                       arrivals%at(r:r2), pile)
     end do
+    call add_pile(body, plan, task, pile, field)
   end subroutine sweep_add_movers
 
-  !> Points of the stencil of a bin, x outermost.
-  pure subroutine mover_points(body, task, row, bin, at)
+  !> Piles up what some movers give to the grid; a pile is added to the moments when the next bin
+  !! begins.
+  subroutine pile_movers(mesh, field, body, plan, task, lists, list, at, pile)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: field
     type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
-    integer, intent(in) :: row, bin              !! interval and bin
-    integer, intent(out) :: at(largest_stencil)
-    integer :: x, r, first
-    first = bin - body%particles%bin_start(row)
-    do x = 0, task%width - 1
-      do r = 1, task%rows
-        at(x*task%rows + r) = body%particles%place(r, row) + first + x
-      end do
+    type(movers_t), intent(in) :: lists(:)
+    integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
+    type(pile_t), intent(inout) :: pile
+    real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
+    logical :: forces
+    integer :: l
+    forces = plan%stress .and. field%kernel /= kernel_sgmp
+    call mover_weights(mesh%inverse_h, field%kernel, body, forces, lists, list, at, w, g)
+    do l = 1, size(at)
+      associate (movers => lists(list(l)))
+        if (movers%bin(at(l)) /= pile%bin) then
+          call add_pile(body, plan, task, pile, field)
+          pile%bin = movers%bin(at(l))
+          pile%row = movers%row(at(l))
+          pile%sums(:, :task%nq) = 0.0_dp
+        end if
+        call add_mover(task, forces, l, w, g, movers%values(1, at(l)), pile%sums)
+      end associate
     end do
-  end subroutine mover_points
+  end subroutine pile_movers
 
   !> Weights of some movers in their new bins, and where forces are scattered their gradients.
-  pure subroutine mover_weights(inverse_h, kernel, body, gradients, movers, who, w, g)
+  pure subroutine mover_weights(inverse_h, kernel, body, gradients, lists, list, at, w, g)
     real(dp), intent(in) :: inverse_h
     integer, intent(in) :: kernel
     type(body_t), intent(in) :: body
     logical, intent(in) :: gradients
-    type(movers_t), intent(in) :: movers
-    integer, intent(in) :: who(:)                !! (<= lanes) movers
+    type(movers_t), intent(in) :: lists(:)
+    integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
     real(dp), intent(out) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
     real(dp) :: xi(lanes, NDIM), size_of(lanes, NDIM, 2), b(lanes, body%particles%nb), &
         slopes(lanes, NCORNER, NDIM)
-    integer :: l, d
+    integer :: l
     xi = 0.5_dp
     b = 1.0_dp
-    do l = 1, size(who)
-      do d = 1, NDIM
-        xi(l, d) = movers%state(d, who(l))
-        xi(l, d) = (xi(l, d) - real(floor(xi(l, d) - body%particles%shift), dp)) &
-            - body%particles%shift
-      end do
-      if (kernel == kernel_gimp) b(l, :) = movers%state(2*NDIM + 2:, who(l))
+    do l = 1, size(at)
+      xi(l, :) = lists(list(l))%state(:NDIM, at(l))
+      xi(l, :) = (xi(l, :) - real(floor(xi(l, :) - body%particles%shift), dp)) &
+          - body%particles%shift
+      if (kernel == kernel_gimp) b(l, :) = lists(list(l))%state(2*NDIM + 2:, at(l))
     end do
     if (kernel == kernel_gimp) then
       call particle_size(body, body%particles%nb, b, size_of)
@@ -508,32 +528,72 @@ contains
   end subroutine mover_weights
 
   !> One particle.
-  pure subroutine add_mover(task, forces, first, column1, column2, at, lane, w, g, values, points, &
-                            moment)
+  pure subroutine add_mover(task, forces, lane, w, g, values, sums)
     type(task_t), intent(in) :: task
     logical, intent(in) :: forces                 !! MPM, GIMP: columns from task%forces on
-    integer, intent(in) :: first                  !! column of the first value
-    integer, intent(in) :: column1, column2, at(largest_stencil)
-    integer, intent(in) :: lane, points           !! lane of the weights; extent of the moments
+    integer, intent(in) :: lane                   !! of the weights
     real(dp), intent(in) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
     real(dp), intent(in) :: values(task%values)
-    real(dp), intent(inout) :: moment(points, column2)
-    integer :: e, q, a, b
-    do q = column1, column2
-      a = q - first + 1 - task%forces             ! axis of the force, if it is one
+    real(dp), intent(inout) :: sums(largest_stencil, most_columns)
+    real(dp) :: own(largest_stencil, 0:NDIM)
+    integer :: q, a, b, points
+    points = task%width*task%rows
+    own(:points, 0) = w(lane, :points)
+    if (forces) own(:points, 1:) = g(lane, :points, :)
+    do q = 1, task%nq
+      a = q - task%forces                         ! axis of the force, if it is one
       if (forces .and. a >= 1 .and. a <= NDIM) then
         do b = 1, NDIM
-          do e = 1, task%width*task%rows
-            moment(at(e), q) = moment(at(e), q) &
-                               - g(lane, e, b)*values(task%flux + flux_of(b, a))
-          end do
+          call add_product(points, -values(task%flux + flux_of(b, a)), own(1, b), sums(1, q))
         end do
       else
-        do e = 1, task%width*task%rows
-          moment(at(e), q) = moment(at(e), q) + w(lane, e)*values(q - first + 1)
-        end do
+        call add_product(points, values(q), own, sums(1, q))
       end if
     end do
   end subroutine add_mover
+
+  !> sums = sums + value weights, as vectors: linear stencils have a length that the compiler knows.
+  pure subroutine add_product(points, value, weights, sums)
+    integer, intent(in) :: points
+    real(dp), intent(in) :: value, weights(points)
+    real(dp), intent(inout) :: sums(points)
+    if (points == NCORNER) then
+      sums(:NCORNER) = sums(:NCORNER) + value*weights(:NCORNER)
+    else
+      sums = sums + value*weights
+    end if
+  end subroutine add_product
+
+  !> Adds a pile to those points of its bin's stencil that lie in the planes asked for.
+  pure subroutine add_pile(body, plan, task, pile, field)
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    type(pile_t), intent(inout) :: pile
+    type(field_t), intent(inout) :: field
+    integer :: x, r, n, q, e, first, plane, from(largest_stencil), to(largest_stencil)
+    if (pile%bin == 0) return
+    do while (body%particles%plane_row(pile%plane + 1) <= pile%row)
+      pile%plane = pile%plane + 1
+    end do
+    first = pile%bin - body%particles%bin_start(pile%row)
+    n = 0
+    do r = 1, task%rows
+      plane = pile%plane + mod(r - 1, task%layers)
+      if (plane < pile%planes(1) .or. plane > pile%planes(2)) cycle
+      do x = 0, task%width - 1
+        n = n + 1
+        from(n) = x*task%rows + r
+        to(n) = body%particles%place(r, pile%row) + first + x
+      end do
+    end do
+    do q = 1, task%nq
+      do e = 1, n
+        associate (moment => field%moment(to(e), plan%first_column + q - 1))
+          moment = moment + pile%sums(from(e), q)
+        end associate
+      end do
+    end do
+  end subroutine add_pile
 
 end module DIM(sgmp_sweep)
