@@ -161,14 +161,17 @@ contains
     end do
   end subroutine count_particles
 
-  !> Grid points of the fields that are solved, by plane.
+  !> Grid points by plane, but for those of bodies at rest.
   pure subroutine count_points(model, first, number)
     type(model_t), intent(in) :: model
     integer, intent(in) :: first
     real(dp), intent(inout) :: number(first:)
-    integer :: f, p, p1, p2, k
+    integer :: b, f, p, p1, p2, k
     do f = 1, size(model%fields)
-      if (rigid_field(model, f) > 0) cycle
+      b = rigid_field(model, f)
+      if (b > 0) then
+        if (model%bodies(b)%at_rest) cycle
+      end if
       call halo_own_planes(model%fields(f), model%share, p1, p2)
       do p = p1, p2
         k = model%fields(f)%plane_k(p)

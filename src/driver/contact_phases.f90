@@ -190,6 +190,7 @@ contains
     integer, intent(in) :: f, b
     real(dp), intent(in) :: dt
     integer :: d
+    if (rigid_known(model, f, b)) return
     do d = 1, model%mesh%ndim
       model%fields(f)%node(:, d) = (model%bodies(b)%speed(d) - model%bodies(b)%speed_before(d))/dt
     end do
@@ -201,10 +202,21 @@ contains
     type(model_t), intent(inout) :: model
     integer, intent(in) :: f, b, column
     integer :: d
+    if (rigid_known(model, f, b)) return
     do d = 1, model%mesh%ndim
       model%fields(f)%node(:, column + d - 1) = model%bodies(b)%speed(d)
     end do
     model%fields(f)%node(:, 2*model%mesh%ndim + 1) = 1.0_dp
   end subroutine rigid_velocity
+
+  !> Whether the nodes of a body at rest hold what they always will: a new layout sets them to zero.
+  pure function rigid_known(model, f, b) result(known)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: f, b
+    logical :: known
+    known = .false.
+    if (.not. model%bodies(b)%at_rest .or. model%fields(f)%points == 0) return
+    known = model%fields(f)%node(1, 2*model%mesh%ndim + 1) > 0.0_dp
+  end function rigid_known
 
 end module sgmp_contact_phases

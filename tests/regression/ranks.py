@@ -196,8 +196,10 @@ DECKS = {
     "sphere_slope.inp": {"h": 0.4, "t_end": 0.02},
     "projectile.inp": {"h": 4, "t_end": 0.02, "gain": 0.0, "every": 3},
     "two_blocks.inp": {"width": 3, "length": 5, "steps": 20},
-    "rod_plate.inp": {"h": 1.5, "t_end": 0.003},
+    "rod_plate.inp": {"h": 1.5, "t_end": 0.001},
 }
+# What goes wrong on any layout: MPM with USL.
+UNSTABLE = {("rings.inp", "mpm", "usl"), ("pile", "mpm", "usl"), ("tower", "mpm", "usl")}
 METHODS = ("sgmp", "gimp", "mpm", "cpgimp")
 UPDATES = ("musl", "usf", "usl", "usavg")
 # What differs from run to run and not because of the layout.
@@ -253,12 +255,12 @@ def same_everywhere(report, name, deck, settings, layouts):
 
 
 def piles(report):
-    """Contact of many bodies with every method, update and normal. MPM with USL goes wrong in them on any layout."""
+    """Contact of many bodies with every method, update and normal."""
     for title, deck in (("pile", PILE), ("tower", TOWER)):
         for method in METHODS:
             for update in UPDATES:
                 for normal in ("separating", "average", "second"):
-                    if (method, update) != ("mpm", "usl"):
+                    if (title, method, update) not in UNSTABLE:
                         same_everywhere(report, f"{title}_{method}_{update}_{normal}", deck,
                                         {"method": method, "update": update, "normal": normal}, FEW)
 
@@ -302,6 +304,8 @@ def main():
         for deck, settings in DECKS.items():
             for method in METHODS:
                 for update in UPDATES:
+                    if (deck, method, update) in UNSTABLE:
+                        continue
                     layouts = LAYOUTS if (method, update) == ("sgmp", "musl") else FEW
                     name = f"{deck.split('.')[0]}_{method}_{update}"
                     same_everywhere(report, name, deck, {**settings, "method": method, "update": update}, layouts)
