@@ -68,7 +68,8 @@ CASES = [
     block("block mpm elastic", {1: 28, 2: 15}, method="mpm"),
     block("block gimp elastic", {1: 80, 2: 42}, stencil=3, method="gimp"),
     block("block cpgimp elastic", stencil=3, history=4, method="cpgimp"),
-    block("block sgmp, 5 % change cell", {1: 45, 2: 24}, drift=0.05),
+    block("block sgmp, 5 % change cell", {1: 45, 2: 24}, drift=0.05),  # whole layers of the lattice in one step of 12
+    block("block sgmp, 5 % at random", {1: 45, 2: 24}, drift=0.05, jitter=0.49),  # as many in every step
     block("block sgmp normalised", stress="normalised"),
     Case("taylor bar", "taylor_bar.inp", history=3, cfl=1.8),
     Case("taylor bar, its output", "taylor_bar.inp", history=3, output=True, cfl=1.8),

@@ -38,6 +38,8 @@ module sgmp_particles
     integer :: count = 0                            !! live particles
     integer :: chunks = 0                           !! chunks in use or spare
     integer :: spares = 0
+    logical :: scattered = .false.  !! chunks no longer lie in the order of their bins, and caches
+                                    !! do not hold them all
     real(dp) :: shift = 0.5_dp                      !! bin of X is floor(X - shift)
     integer :: own(2) = [-far_plane, far_plane]     !! planes whose particles are held here
     integer :: held(2) = [-far_plane, far_plane]
@@ -325,7 +327,7 @@ contains
     particles%next(taken) = 0
   end subroutine chunks_take
 
-  !> Takes chunks back that no bin uses any more.
+  !> Takes chunks back that no bin uses any more, after which others may take them.
   pure subroutine chunks_give_back(particles, chunks)
     type(particles_t), intent(inout) :: particles
     integer, intent(in) :: chunks(:)
@@ -340,6 +342,7 @@ contains
     end if
     particles%spare(particles%spares + 1:n) = chunks
     particles%spares = n
+    particles%scattered = particles%chunks > many_chunks
   end subroutine chunks_give_back
 
   !> Makes the lanes from `lane` (> 1) on harmless: at rest, unstressed, of the body's density, and
@@ -361,13 +364,12 @@ contains
     particles%id(lane:, chunk) = 0
   end subroutine chunk_pad
 
-  !> Has the memory of a chunk (0: none) fetched into the cache; stream b only where wanted. Bodies
-  !! that caches hold anyway are left alone.
+  !> Has the memory of a chunk (0: none) fetched into the cache; stream b only where wanted.
   pure subroutine chunk_prefetch(particles, chunk, both)
     type(particles_t), intent(in) :: particles
     integer, intent(in) :: chunk
     logical, intent(in) :: both
-    if (chunk == 0 .or. particles%chunks < many_chunks) return
+    if (chunk == 0) return
     call prefetch(particles%a(1, 1, chunk), 8*lanes*particles%na)
     if (both) call prefetch(particles%b(1, 1, chunk), 8*lanes*particles%nb)
   end subroutine chunk_prefetch

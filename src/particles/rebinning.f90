@@ -244,7 +244,7 @@ contains
       r2 = last_of_bin(arrivals, r)
       if (owned(particles, lists, arrivals, r)) then
         associate (ahead => arrivals%bin(min(r2 + prefetch_ahead, arrivals%n)))
-          call chunk_prefetch(particles, particles%first(ahead), .true.)
+          if (particles%scattered) call chunk_prefetch(particles, particles%first(ahead), .true.)
         end associate
         call bin_insert(particles, arrivals%bin(r), lists, arrivals%list(r:r2), &
                         arrivals%at(r:r2), arrivals%chunk, used)

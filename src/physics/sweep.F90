@@ -254,9 +254,11 @@ contains
     origin = bin_origin(body%particles%bins%first(s) + i, body%particles%bins%key(s), task%shift)
     movers_before = movers%n
     do while (left > 0)
-      next = following(body%particles, bin, chunk)
-      ! What lies behind in memory the processor fetches by itself.
-      if (next /= chunk + 1) call chunk_prefetch(body%particles, next, plan%stress)
+      if (body%particles%scattered) then
+        next = following(body%particles, bin, chunk)
+        ! What lies behind in memory the processor fetches by itself.
+        if (next /= chunk + 1) call chunk_prefetch(body%particles, next, plan%stress)
+      end if
       call chunk_advance(mesh, body, plan, task, s, origin, min(left, lanes), row, &
                          work%records(1, 1 + i), body%particles%nb, body%particles%id(1, chunk), &
                          body%particles%a(1, 1, chunk), body%particles%b(1, 1, chunk), &
