@@ -105,6 +105,9 @@ contains
                       source='doc/normalised-stress.md')
     call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
                       'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
+    call registry%key('spin', kind_word, 'whether particles carry the rotation of what is '// &
+                      'around them to the grid, so that what turns keeps turning (sgmp, musl)', &
+                      choices='none carried', default='none', source='doc/spin.md')
     call registry%card('time', 'Time integration; end or steps must be given.', &
                        'time end=80e-3 cfl=0.8', once=.true.)
     call registry%key('end', kind_real, 'end time', unit='time', range='(0,inf)', free=.true.)
@@ -281,6 +284,9 @@ contains
     call registry%key('lambda', kind_real, 'bodies touch where their particles are closer than '// &
                       'this many cells along the normal; default: the mean of their spacings', &
                       range='(0,inf)', source='Eq. 86')
+    call registry%key('depth', kind_real, 'contact acts at nodes no further than this many '// &
+                      'cells from where the surfaces touch; default: at all shared nodes', &
+                      range='[0.5,inf)', source='doc/contact.md')
     call registry%key('normal', kind_word, 'common normal: along the shortest line between the '// &
                       "bodies' particles around a node, or from the gradient of volume of "// &
                       'both bodies, of one, or of the stiffer', &

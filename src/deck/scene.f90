@@ -70,6 +70,7 @@ module sgmp_scene
     real(dp) :: mass_cutoff = 1.0e-12_dp
       !! nodes lighter than this times the largest particle mass are ignored
     logical :: normalised = .false.   !! volume-normalised stress (sgmp only)
+    logical :: spin = .false.         !! particles carry their spin (sgmp only)
     real(dp) :: interior = 0.25_dp    !! filling beyond which a cell counts as interior
   end type method_card_t
 
@@ -164,6 +165,7 @@ module sgmp_scene
     integer :: body(2) = 0                        !! 0: any
     real(dp) :: friction = 0.0_dp                 !! Coulomb's coefficient
     real(dp) :: lambda = contact_lambda_default   !! distance of Eq. 86 in cells
+    real(dp) :: depth = huge(1.0_dp)              !! distance of nodes from the surface (cells)
     integer :: normal = 5                         !! one of normal_* of sgmp_contact
   end type contact_card_t
 

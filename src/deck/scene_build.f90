@@ -156,6 +156,7 @@ contains
     scene%method%mass_cutoff = card%number('mass_cutoff', absent=scene%method%mass_cutoff)
     scene%method%normalised = card%word('stress') == 'normalised'
     scene%method%interior = card%number('interior')
+    scene%method%spin = card%word('spin') == 'carried'
   end subroutine set_method
 
   subroutine set_time(card, scene)

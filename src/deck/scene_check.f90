@@ -5,7 +5,8 @@ module sgmp_scene_check
   use sgmp_deck_table, only: wall_faces
   use sgmp_kinds, only: dp, i8
   use sgmp_registry, only: card_definition_t, kind_real, registry_t
-  use sgmp_scene, only: eos_jwl, eos_none, material_explosive, method_sgmp, scene_t, wall_free
+  use sgmp_scene, only: eos_jwl, eos_none, material_explosive, method_sgmp, scene_t, &
+                        update_musl, wall_free
   use sgmp_scene_contact, only: check_contact
   use sgmp_text, only: integer_text, real_text_plain
   use sgmp_words, only: word_in_list
@@ -65,6 +66,7 @@ contains
       case ('time')
         call check_time(cards(i), errors)
       case ('method')
+        call check_spin(cards(i), scene, errors)
         if (scene%method%normalised .and. scene%method%kind /= method_sgmp) then
           call errors%add(cards(i)%position, 'normalised stress exists for method sgmp only', &
                           'remove stress=normalised or use method sgmp')
@@ -84,6 +86,25 @@ contains
                                                       scene%units, errors)
     end do
   end subroutine scene_check
+
+  !> Carried spin: where it exists.
+  subroutine check_spin(card, scene, errors)
+    type(deck_card_t), intent(in) :: card
+    type(scene_t), intent(in) :: scene
+    type(deck_errors_t), intent(inout) :: errors
+    if (.not. scene%method%spin) return
+    if (scene%method%kind /= method_sgmp .or. scene%method%update /= update_musl) then
+      call errors%add(card%position, 'spin=carried exists for method sgmp update=musl only', &
+                      'remove spin=carried or use method sgmp update=musl')
+    end if
+    if (scene%dimension == 1) then
+      call errors%add(card%position, 'spin=carried needs two dimensions', 'remove spin=carried')
+    end if
+    if (scene%method%flip < 1.0_dp) then
+      call errors%add(card%position, 'spin=carried needs flip=1', &
+                      'remove flip or spin=carried')
+    end if
+  end subroutine check_spin
 
   !> Box: whole number of cells, no extent beyond the dimension.
   subroutine check_grid(card, scene, errors)

@@ -30,6 +30,7 @@ contains
     if (new%body(1) == 0) new%body = new%body([2, 1])
     new%friction = card%number('friction')
     new%lambda = card%number('lambda', absent=new%lambda)
+    new%depth = card%number('depth', absent=new%depth)
     new%normal = word_in_list(card%word('normal'), 'average first second stiffer separating')
     do i = 1, size(scene%contacts)
       associate (body => scene%contacts(i)%body)

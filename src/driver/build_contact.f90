@@ -138,6 +138,7 @@ contains
       pair%lambda = 0.5_dp*sum(model%bodies(pair%body)%spacing)/model%mesh%h
     end if
     pair%near = near*maxval(model%bodies(pair%body)%spacing)/model%mesh%h
+    pair%depth = card%depth
     pair%normal = card%normal
     if (pair%normal == normal_stiffer) then
       pair%normal = merge(normal_first, normal_second, &

@@ -62,6 +62,7 @@ contains
     model%gravity = scene%gravity
     model%normalised = scene%method%normalised
     model%interior = scene%method%interior
+    model%spins = spin_components(scene)
     model%lost_policy = scene%grid%lost
     kernel = kernel_of(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%body_sums(size(scene%bodies)))
@@ -238,8 +239,16 @@ contains
                            energy=card%eos /= eos_none, lighting=card%kind == material_explosive, &
                            deformation=merge(n*n, 0, card%kind == material_neo_hookean), &
                            stretch=merge(n, 0, scene%method%kind == method_cpgimp), &
-                           initial=merge(n, 0, initial))
+                           initial=merge(n, 0, initial), spin=spin_components(scene))
   end subroutine make_law
+
+  !> Components of the spin that particles carry: one in the plane, three in space.
+  pure function spin_components(scene) result(n)
+    type(scene_t), intent(in) :: scene
+    integer :: n
+    n = 0
+    if (scene%method%spin) n = merge(1, 3, scene%dimension == 2)
+  end function spin_components
 
   !> J2 and Johnson-Cook constants.
   subroutine set_plasticity(card, law)
@@ -360,7 +369,7 @@ contains
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, &
                       model%mesh%ndim*(model%mesh%ndim + 1)/2, any(model%bodies%forced), &
-                      model%normalised)
+                      model%normalised, model%spins)
     end do
     allocate (model%workspaces(field_slabs(model%threads), size(model%fields)))
     allocate (model%movers(size(model%bodies), field_slabs(model%threads) + 1))

@@ -200,7 +200,7 @@ contains
     real(dp) :: force(field%ndim)
     integer :: column, last, j, k, base
     force = 0.0_dp
-    column = 2 + field%ndim + merge(field%ndim*(field%ndim + 1)/2, field%ndim, &
+    column = 2 + field%ndim + field%spins + merge(field%ndim*(field%ndim + 1)/2, field%ndim, &
       field%kernel == kernel_sgmp)
     last = column + field%ndim - 1
     if (last > field%nmoment - merge(1, 0, field%volume_column > 0)) return

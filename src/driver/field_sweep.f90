@@ -180,10 +180,13 @@ contains
     else if (plan%momentum) then
       plan%first_column = 2
     else
-      plan%first_column = 2 + field%ndim
+      plan%first_column = 2 + field%ndim + field%spins
     end if
-    plan%last_column = merge(field%nmoment, 1 + field%ndim, plan%stress)
-    if (plan%probe .and. plan%stress) plan%last_column = 1 + field%ndim + field_forces(field)
+    plan%spins = field%spins
+    plan%last_column = merge(field%nmoment, 1 + field%ndim + field%spins, plan%stress)
+    if (plan%probe .and. plan%stress) then
+      plan%last_column = 1 + field%ndim + field%spins + field_forces(field)
+    end if
     plan%volume = plan%stress .and. field%volume_column > 0 .and. .not. plan%probe
   end subroutine sweep_columns
 
@@ -351,8 +354,9 @@ contains
           call error_make(model%failure, exit_numerical, 'particle '//integer_text(work%bad_id)// &
                           ' of body '//trim(model%bodies(body_number(model%bodies, &
                           work%bad_id))%name)// &
-                          ' is inside out or not a number after step '// &
-                          integer_text(model%clock%step + 1), &
+                          trim(merge(' has an imaginary sound speed   ', &
+                                     ' is inside out or not a number  ', work%no_sound))// &
+                          ' after step '//integer_text(model%clock%step + 1), &
                           'reduce cfl, add bulk viscosity, or use a finer grid; see the last '// &
                           'dump for where it is')
         end if

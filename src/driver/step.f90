@@ -18,6 +18,10 @@ module sgmp_step
   private
   public :: step_start, step_take
 
+  !> Part of the carried spin that each step replaces by the rotation of the grid, so that errors
+  !! are forgotten (doc/spin.md). The first step takes all of it from there.
+  real(dp), parameter :: spin_relaxation = 0.02_dp
+
 contains
 
   !> First projection of the particles, which also finds the sound speeds.
@@ -149,6 +153,10 @@ contains
     plan%time = model%clock%time
     plan%vectors = [1]
     if (model%flip < 1.0_dp) plan%vectors = [1, model%mesh%ndim + 1]
+    if (model%spins > 0) then
+      plan%spin_gain = dt_kick
+      plan%gradient = 1
+    end if
   end function plan_kick
 
   !> MUSL, second sweep: positions, strains from the re-mapped velocity, stress; everything
@@ -160,6 +168,10 @@ contains
     plan%drift = .true.
     plan%vectors = [model%mesh%ndim + 1]
     plan%gradient = 1
+    if (model%spins > 0) then
+      plan%spin_gain = merge(1.0_dp, spin_relaxation, model%clock%step == 0)
+      plan%spin_keep = 1.0_dp - plan%spin_gain
+    end if
   end function plan_drift_strain
 
   !> USF, first sweep: stress from the nodal velocity before the kick; the step since the last

@@ -19,6 +19,7 @@ module sgmp_field
     integer :: kernel = kernel_sgmp                 !! one of kernel_*
     integer :: ndim = 3
     integer :: nmoment = 0                          !! columns of `moment`
+    integer :: spins = 0                            !! columns of the spin, behind the momentum
     integer :: volume_column = 0                    !! column of the volume, 0: not carried
     integer :: points = 0                           !! stored points
     type(rows_t) :: work, store
@@ -30,8 +31,9 @@ module sgmp_field
     integer, allocatable :: plane_work(:)  !! (planes + 1): first interval of `work` in each plane
     integer, allocatable :: plane_store(:)  !! (planes + 1): first interval of `store` in each plane
     integer :: largest_plane = 0                    !! records of the largest plane
-    !> (points, nmoment): mass, momentum, then sigma V at auxiliary nodes (SGMP) or force at nodes
-    !! (MPM, GIMP), then the external force where a body force acts.
+    !> (points, nmoment): mass, momentum, the spin times the mass where particles carry it, then
+    !! sigma V at auxiliary nodes (SGMP) or force at nodes (MPM, GIMP), then the external force
+    !! where a body force acts, last the volume where stress is normalised.
     real(dp), allocatable :: moment(:, :)
     !> (points, 2 ndim + 1): acceleration (in MUSL later the re-mapped velocity), velocity, 1/mass
     !! (0: node ignored).
@@ -41,17 +43,20 @@ module sgmp_field
 contains
 
   !> An empty field.
-  pure subroutine field_init(field, mesh, kernel, nflux, body_force, volume)
+  pure subroutine field_init(field, mesh, kernel, nflux, body_force, volume, spins)
     type(field_t), intent(out) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel        !! one of kernel_*
     integer, intent(in) :: nflux         !! stress components that exert a force
     logical, intent(in) :: body_force    !! columns for an external force
     logical, intent(in), optional :: volume  !! a column for the volume (normalised stress)
+    integer, intent(in), optional :: spins   !! columns for the spin that particles carry
     logical :: carries
     field%kernel = kernel
     field%ndim = mesh%ndim
-    field%nmoment = 1 + mesh%ndim + merge(nflux, mesh%ndim, kernel == kernel_sgmp)
+    if (present(spins)) field%spins = spins
+    field%nmoment = 1 + mesh%ndim + field%spins + &
+                    merge(nflux, mesh%ndim, kernel == kernel_sgmp)
     if (body_force) field%nmoment = field%nmoment + mesh%ndim
     carries = .false.
     if (present(volume)) carries = volume
@@ -78,6 +83,7 @@ contains
     new%kernel = field%kernel
     new%ndim = field%ndim
     new%nmoment = field%nmoment
+    new%spins = field%spins
     new%volume_column = field%volume_column
     call rows_dilate(bins, [0, 0, 0], reach, stencil)
     if (field%kernel == kernel_sgmp) then

@@ -25,33 +25,48 @@ contains
   end function has_walls
 
   !> Sign with which a column of the moments is folded at a wall of the given kind and normal axis.
-  pure function moment_parity(column, normal, wall, ndim, kernel) result(parity)
+  pure function moment_parity(column, normal, wall, ndim, kernel, spins) result(parity)
     integer, intent(in) :: column        !! column of field%moment
     integer, intent(in) :: normal        !! axis of the wall's normal
     integer, intent(in) :: wall          !! wall_slip or wall_fixed
     integer, intent(in) :: ndim, kernel
+    integer, intent(in), optional :: spins  !! columns of the spin, behind the momentum
     real(dp) :: parity
-    integer :: flux, nflux
-    integer, parameter :: pair(*, *) = reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 1, 3], [2, 6])
-    integer, parameter :: plane_pair(*, *) = reshape([1, 1, 2, 2, 1, 2], [2, 3])
+    integer :: flux, nflux, before
     parity = 1.0_dp
     nflux = merge(ndim*(ndim + 1)/2, ndim, kernel == kernel_sgmp)
+    before = 1 + ndim
+    if (present(spins)) before = before + spins
     if (column == 1) return
     if (column <= 1 + ndim) then
       if (column - 1 == normal .or. wall == wall_fixed) parity = -1.0_dp
-    else if (column <= 1 + ndim + nflux) then
-      flux = column - 1 - ndim
+    else if (column <= before) then
+      ! An axial vector: a mirror keeps only the rotation about its normal.
+      if (wall /= wall_fixed .and. (column - 1 - ndim /= normal .or. ndim == 2)) parity = -1.0_dp
+    else if (column <= before + nflux) then
+      flux = column - before
       if (kernel /= kernel_sgmp) then
         if (flux == normal .or. wall == wall_fixed) parity = -1.0_dp
       else if (wall /= wall_fixed) then
-        if (ndim == 3) then
-          if (pair(1, flux) /= pair(2, flux) .and. any(pair(:, flux) == normal)) parity = -1.0_dp
-        else if (plane_pair(1, flux) /= plane_pair(2, flux)) then
-          parity = -1.0_dp
-        end if
+        parity = stress_parity(flux, normal, ndim)
       end if
     end if
   end function moment_parity
+
+  !> The same for a stress component at a slip wall: shear stresses at the wall are odd.
+  pure function stress_parity(flux, normal, ndim) result(parity)
+    integer, intent(in) :: flux          !! component
+    integer, intent(in) :: normal, ndim
+    real(dp) :: parity
+    integer, parameter :: pair(*, *) = reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 1, 3], [2, 6])
+    integer, parameter :: plane_pair(*, *) = reshape([1, 1, 2, 2, 1, 2], [2, 3])
+    parity = 1.0_dp
+    if (ndim == 3) then
+      if (pair(1, flux) /= pair(2, flux) .and. any(pair(:, flux) == normal)) parity = -1.0_dp
+    else if (plane_pair(1, flux) /= plane_pair(2, flux)) then
+      parity = -1.0_dp
+    end if
+  end function stress_parity
 
   !> Folds columns q1..q2 of the moments of one axis; planes plane1..plane2 hold the points behind
   !! the wall.
@@ -70,7 +85,8 @@ contains
         call ghost_records(field, s, axis, ghost, image, from, to, n)
         do q = q1, q2
           if (n == 0) exit
-          parity = moment_parity(q, axis, mesh%wall(side, axis), field%ndim, field%kernel)
+          parity = moment_parity(q, axis, mesh%wall(side, axis), field%ndim, field%kernel, &
+                                 field%spins)
           field%moment(to:to + n - 1, q) = field%moment(to:to + n - 1, q) + &
                                            parity*field%moment(from:from + n - 1, q)
           field%moment(from:from + n - 1, q) = 0.0_dp

@@ -12,6 +12,7 @@ module DIM(sgmp_chunk)
   use sgmp_movers, only: movers_add, movers_t
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sweep_sums, workspace_t
+  use DIM(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use DIM(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_scatter, &
                                 linear_scatter_force, linear_weights
@@ -25,7 +26,7 @@ module DIM(sgmp_chunk)
 
   integer, parameter :: largest_stencil = NGIMP
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 2 + 2*NDIM + NFLUX
+  integer, parameter :: most_columns = 2 + 2*NDIM + NSPIN + NFLUX
   integer, parameter :: most_gathered = 2*NDIM + NGRAD
 
   !> What a sweep asks of every chunk of a field, and the extents of the field's stencil.
@@ -34,6 +35,8 @@ module DIM(sgmp_chunk)
     integer :: width = 2, layers = 1, lines = 1, rows = 1, points = 2  !! of the stencil
     real(dp) :: shift = 0.5_dp           !! of the stencil against the grid (cells)
     integer :: nq = 0                    !! columns of the moments that are scattered
+    integer :: spin = 0                  !! columns before the spin; 0: none is carried
+    integer :: momentum = 0              !! columns before the momentum
     integer :: forces = 0                !! columns before the forces (MPM, GIMP)
     integer :: flux = 0                  !! columns before the flux; MPM, GIMP: behind all others
     integer :: values = 0                !! columns that a particle brings, the flux included
@@ -41,7 +44,7 @@ module DIM(sgmp_chunk)
     integer :: stride = 1                !! components of a grid record
     integer :: velocity = 1              !! first component of the grid velocity in a record
     integer :: gradient = 1              !! and of the velocity gradient
-    real(dp) :: inverse_h = 1.0_dp
+    real(dp) :: h = 1.0_dp, inverse_h = 1.0_dp
     real(dp) :: dt_cells = 0.0_dp        !! position step over h
     real(dp) :: live(lanes, 0:lanes) = 0.0_dp  !! 1 for particles, 0 for pads, by how many live
   end type task_t
@@ -64,6 +67,11 @@ contains
     task%shift = stencil_shift(kernel)
     task%nq = plan%last_column - plan%first_column + 1
     task%forces = merge(1, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
+    if (plan%spins > 0 .and. plan%momentum) then
+      task%momentum = merge(1, 0, plan%mass)
+      task%spin = task%forces
+      task%forces = task%forces + plan%spins
+    end if
     task%flux = merge(task%forces, task%nq, kernel == kernel_sgmp)
     task%values = merge(max(task%nq, task%flux + NFLUX), task%nq, plan%stress)
     task%vectors = NDIM*size(plan%vectors)
@@ -71,6 +79,7 @@ contains
     task%velocity = 1 + merge(NDIM, 0, plan%kick)
     task%gradient = 1 + task%vectors
     task%inverse_h = mesh%inverse_h
+    task%h = mesh%h
     task%dt_cells = plan%dt*mesh%inverse_h
     do nl = 1, lanes
       task%live(:nl, nl:) = 1.0_dp
@@ -126,6 +135,9 @@ contains
                        b(1, body%law%slots%stress), values(1, task%flux + 1))
     end if
     call collect(plan%mass, plan%momentum, task%live(1, nl), a, values)
+    if (task%spin > 0) call spin_collect(plan%spin_keep, plan%spin_gain, task%live(1, nl), &
+                                         got(1, task%gradient), a(1, 2*NDIM + 1), &
+                                         b(1, body%law%slots%spin), values(1, task%spin + 1))
     if (plan%stress .and. (task%kernel /= kernel_sgmp .or. task%nq > task%forces + NFLUX)) then
       call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, a, b, values)
     end if
@@ -151,6 +163,7 @@ contains
       do d = 1, NDIM
         values(:, d) = mass*got(:, d)
       end do
+      if (task%spin > 0) values(:, NDIM + 1:NDIM + NSPIN) = 0.0_dp
     end if
   end subroutine probe
 
@@ -293,7 +306,9 @@ contains
     outside = inside < NDIM*lanes - 0.5_dp
   end subroutine drift
 
-  !> Largest c + |v| for the time step (Eq. 69), and whether every particle is still in its senses.
+  !> Largest c + |v| for the time step (Eq. 69), and whether every particle is still in its senses:
+  !! not inside out, slower than anything, and with a sound speed (c^2 turns negative where a
+  !! blown-up state leaves the range of an equation of state).
   pure subroutine check_chunk(nl, id, live, a, speed2, jacobian, work)
     integer, intent(in) :: nl
     integer(i4), intent(in) :: id(lanes)
@@ -309,10 +324,10 @@ contains
       do d = 1, NDIM
         square = square + a(l, NDIM + d)*a(l, NDIM + d)
       end do
-      speed(l) = live(l)*(sqrt(speed2(l)) + sqrt(square))
+      speed(l) = live(l)*(sqrt(max(speed2(l), 0.0_dp)) + sqrt(square))
       fast = max(fast, speed(l))
       good = good + merge(1.0_dp, 0.0_dp, jacobian(l) > 0.0_dp)* &
-             merge(1.0_dp, 0.0_dp, speed(l) < 1.0e150_dp)
+             merge(1.0_dp, 0.0_dp, speed(l) < 1.0e150_dp .and. speed2(l) >= 0.0_dp)
     end do
     if (fast > work%fastest) then
       l = maxloc(speed, 1)
@@ -321,9 +336,9 @@ contains
     end if
     if (good > lanes - 0.5_dp .or. work%bad_id /= 0) return
     do l = 1, nl
-      if (jacobian(l) > 0.0_dp .and. speed(l) < 1.0e150_dp) cycle
+      if (jacobian(l) > 0.0_dp .and. speed(l) < 1.0e150_dp .and. speed2(l) >= 0.0_dp) cycle
       work%bad_id = id(l)
-      work%bad_jacobian = jacobian(l)
+      work%no_sound = jacobian(l) > 0.0_dp .and. speed2(l) < 0.0_dp
       return
     end do
   end subroutine check_chunk
@@ -437,11 +452,15 @@ contains
     type(task_t), intent(in) :: task
     logical, intent(in) :: stress
     real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
-    real(dp), intent(in) :: values(lanes, most_columns + NFLUX)
+    real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
     real(dp), intent(inout) :: stencil(task%points, task%nq)
     type(gimp_spread_t) :: spread
     integer :: plain, rest
     if (task%kernel == kernel_sgmp) then
+      if (task%spin > 0) then
+        call spin_to_origin(task%h, xi, values(1, task%spin + 1), values(1, task%momentum + 1))
+        call spin_to_corners(task%h, xi, values(1, task%spin + 1), stencil(1, task%momentum + 1))
+      end if
       call linear_scatter(task%nq, xi, values, stencil)
       return
     end if

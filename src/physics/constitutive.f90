@@ -25,6 +25,7 @@ module sgmp_constitutive
     integer :: deformation = 0   !! deformation gradient, row by row
     integer :: stretch = 0       !! its diagonal alone, for cpGIMP
     integer :: initial = 0       !! initial position, for body forces that use it
+    integer :: spin = 0          !! first component of the spin that particles carry
     integer :: surface = 0       !! distance to the body's surface, for contact
     integer :: total = 1
   end type slots_t
@@ -54,10 +55,10 @@ contains
 
   !> Assigns columns to the fields that are wanted, in a fixed order.
   pure function slots_make(stresses, plastic, temperature, damage, energy, lighting, deformation, &
-                           stretch, initial) result(slots)
+                           stretch, initial, spin) result(slots)
     integer, intent(in) :: stresses            !! stress components
     logical, intent(in) :: plastic, temperature, damage, energy, lighting
-    integer, intent(in) :: deformation, stretch, initial  !! components wanted
+    integer, intent(in) :: deformation, stretch, initial, spin  !! components wanted
     type(slots_t) :: slots
     slots%volume = 1
     slots%total = 1
@@ -71,6 +72,7 @@ contains
     call take(slots%total, deformation, slots%deformation)
     call take(slots%total, stretch, slots%stretch)
     call take(slots%total, initial, slots%initial)
+    call take(slots%total, spin, slots%spin)
   end function slots_make
 
   !> The next n columns, 0 where none is wanted.

@@ -62,7 +62,7 @@ contains
           factor(i) = cell/merge(field%moment(idx + i, field%volume_column), cell, &
                                  around > interior*cell)
         end do
-        do q = 2 + NDIM, 1 + NDIM + NFLUX
+        do q = 2 + NDIM + field%spins, 1 + NDIM + field%spins + NFLUX
           !$omp simd
           do i = 1, n
             field%moment(idx + i, q) = factor(i)*field%moment(idx + i, q)
@@ -130,6 +130,7 @@ contains
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         call node_moments(field, s, first, n, 1, 1 + NDIM, m, p)
+        if (field%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
         call node_forces(field, mesh%inverse_h, s, first, n, f)
         if (driven) then
           call external_forces(field, s, first, n, m, gravity, forced, external)
@@ -158,6 +159,7 @@ contains
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         call node_moments(field, s, first, n, 1, 1 + NDIM, m, p)
+        if (field%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
         call solve_tile(n, size(field%node, 1), m, p, f, 0.0_dp, cutoff, &
                         field%node(field%neighbour(0, 0, s) + first, 1))
         call hold_walls(field, mesh, s, first, n, [1, NDIM + 1])
@@ -176,6 +178,7 @@ contains
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         call node_moments(field, s, first, n, 2, 1 + NDIM, m, p)
+        if (field%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
         idx = field%neighbour(0, 0, s) + first
         call divide_tile(n, size(field%node, 1), p, field%node(idx, 1))
         call hold_walls(field, mesh, s, first, n, [1])
@@ -279,6 +282,41 @@ contains
     end if
   end subroutine node_moments
 
+  !> Adds to the momentum of a tile of nodes what the spin of the centres around them makes of the
+  !! way from centre to node: sum over the centres of 2^-d s_c x (x_I - x_c), doc/spin.md.
+  pure subroutine add_spin(field, h, s, first, n, p)
+    type(field_t), intent(in) :: field
+    real(dp), intent(in) :: h
+    integer, intent(in) :: s, first, n
+    real(dp), intent(inout) :: p(tile, NDIM)
+#if NDIM > 1
+    real(dp) :: scale
+    integer :: i, b(NROW)
+    b = centre_rows(field, s, first)
+    scale = 0.5_dp**(NDIM + 1)*h
+#if NDIM == 2
+    associate (z => field%moment(:, 2 + NDIM))
+      do i = 1, n
+        p(i, 1) = p(i, 1) + scale*(corner_slope_2(z, b, i - 1) + corner_slope_2(z, b, i))
+        p(i, 2) = p(i, 2) - scale*(corner_sum(z, b, i) - corner_sum(z, b, i - 1))
+      end do
+    end associate
+#else
+    associate (x => field%moment(:, 2 + NDIM), y => field%moment(:, 3 + NDIM), &
+               z => field%moment(:, 4 + NDIM))
+      do i = 1, n
+        p(i, 1) = p(i, 1) + scale*((corner_slope_2(z, b, i - 1) + corner_slope_2(z, b, i)) &
+                                   - (corner_slope_3(y, b, i - 1) + corner_slope_3(y, b, i)))
+        p(i, 2) = p(i, 2) + scale*((corner_slope_3(x, b, i - 1) + corner_slope_3(x, b, i)) &
+                                   - (corner_sum(z, b, i) - corner_sum(z, b, i - 1)))
+        p(i, 3) = p(i, 3) + scale*((corner_sum(y, b, i) - corner_sum(y, b, i - 1)) &
+                                   - (corner_slope_2(x, b, i - 1) + corner_slope_2(x, b, i)))
+      end do
+    end associate
+#endif
+#endif
+  end subroutine add_spin
+
   !> Means of the centres around the nodes of a row.
   pure subroutine mean_row(n, column, b, mean)
     integer, intent(in) :: n, b(NROW)
@@ -297,16 +335,17 @@ contains
     real(dp), intent(in) :: inverse_h
     integer, intent(in) :: s, first, n
     real(dp), intent(inout) :: f(tile, NDIM)
-    integer :: a, i
+    integer :: a, i, before
+    before = 1 + NDIM + field%spins
     if (field%kernel == kernel_sgmp) then
       do a = 1, NDIM
         call divergence_row(n, inverse_h*0.5_dp**(NDIM - 1), &
-                            field%moment(1, 1 + NDIM + flux_column(a, 1)), &
+                            field%moment(1, before + flux_column(a, 1)), &
 #if NDIM > 1
-                            field%moment(1, 1 + NDIM + flux_column(a, 2)), &
+                            field%moment(1, before + flux_column(a, 2)), &
 #endif
 #if NDIM > 2
-                            field%moment(1, 1 + NDIM + flux_column(a, 3)), &
+                            field%moment(1, before + flux_column(a, 3)), &
 #endif
                             centre_rows(field, s, first), f(1, a))
       end do
@@ -357,7 +396,8 @@ contains
       f(:n, a) = m(:n)*gravity(a)
       if (.not. forced) cycle
       if (field%kernel == kernel_sgmp) then
-        call mean_row(n, field%moment(1, 1 + NDIM + NFLUX + a), centre_rows(field, s, first), t)
+        call mean_row(n, field%moment(1, 1 + NDIM + field%spins + NFLUX + a), &
+                      centre_rows(field, s, first), t)
         f(:n, a) = f(:n, a) + t(:n)
       else
         i = field%neighbour(0, 0, s) + first

@@ -28,6 +28,9 @@ module sgmp_plan
                                                  !! fills
     integer, allocatable :: vectors(:)     !! node columns gathered: acceleration and velocity as
                                            !! the sweep needs them
+    integer :: spins = 0                   !! components of the spin that particles carry
+    real(dp) :: spin_keep = 1.0_dp, spin_gain = 0.0_dp
+      !! spin = keep spin + gain (rotation of the vector that `gradient` names)
     integer :: gradient = 0  !! node column of the vector whose gradient strains the particles
     real(dp) :: dt_kick = 0.0_dp           !! velocity step
     real(dp) :: dt = 0.0_dp                !! position step
@@ -49,7 +52,7 @@ module sgmp_plan
     real(dp) :: fastest = 0.0_dp                 !! largest c + |v|
     integer(i4) :: fastest_id = 0                !! its particle
     integer(i4) :: bad_id = 0                    !! first particle with a senseless state, 0: none
-    real(dp) :: bad_jacobian = 0.0_dp
+    logical :: no_sound = .false.                !! its sound speed is imaginary
   end type workspace_t
 
 end module sgmp_plan

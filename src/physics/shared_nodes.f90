@@ -24,6 +24,8 @@ module sgmp_shared_nodes
   real(dp), parameter :: overlapping = 1.0e-3_dp
     !! distance (cells) below which the shortest line is not trusted
 
+  real(dp), parameter :: nowhere = -1.0e30_dp  !! reach of a body that is not there
+
   !> Two bodies with a contact card.
   type :: contact_pair_t
     integer :: body(2) = 0
@@ -33,6 +35,8 @@ module sgmp_shared_nodes
       !! bodies touch where their particles are closer than this (cells), Eq. 86
     real(dp) :: near = 0.5_dp
       !! distance is measured between particles this near to the node's normal (cells)
+    real(dp) :: depth = huge(1.0_dp)
+      !! contact acts at nodes this near to where the bodies touch (cells)
     integer :: normal = normal_separating  !! one of normal_*, the stiffer already resolved
     ! what has happened since the start
     real(dp) :: impulse(3) = 0.0_dp        !! on the first body
@@ -333,7 +337,7 @@ contains
     type(contact_pair_t), intent(in) :: pair
     integer, intent(in) :: balls(2)
     type(clouds_t), intent(in) :: clouds
-    real(dp) :: line(3), gradient(3, 2), length
+    real(dp) :: line(3), gradient(3, 2), length, above, below
     integer :: side
     length = 0.0_dp
     if (pair%normal == normal_separating) then
@@ -355,9 +359,11 @@ contains
         normal = contact_normal(pair%normal, gradient(:, 1), gradient(:, 2))
         if (all(abs(normal) <= 0.0_dp)) return
       end if
-      shared%touching(l) = -(reach(size(clouds%second, 1), balls(2), clouds%second, -normal, &
-        pair%near) + reach(size(clouds%first, 1), balls(1), clouds%first, normal, pair%near)) &
-        < pair%lambda
+      above = -reach(size(clouds%second, 1), balls(2), clouds%second, -normal, pair%near)
+      below = reach(size(clouds%first, 1), balls(1), clouds%first, normal, pair%near)
+      ! Half way between the surfaces, seen from the node, is where the bodies touch.
+      shared%touching(l) = above - below < pair%lambda .and. &
+                           abs(0.5_dp*above + 0.5_dp*below) <= pair%depth
     end associate
   end subroutine measure
 
@@ -384,7 +390,7 @@ contains
     real(dp) :: furthest
     real(dp) :: top(lanes), along, aside
     integer :: p, l
-    top = -1.0e30_dp
+    top = nowhere
     do p = 0, n - lanes, lanes
       !$omp simd private(along, aside)
       do l = 1, lanes
@@ -395,7 +401,39 @@ contains
       end do
     end do
     furthest = maxval(top)
+    if (furthest > nowhere) return
+    furthest = reach_between(stride, n, balls, axis, near)
   end function reach
+
+  !> Mean reach along the axis of the balls around it, for a surface that has been stretched until
+  !! the axis passes between its particles; minus a lot beyond the body's edge, where those within
+  !! twice `near` lie on one side of it.
+  pure function reach_between(stride, n, balls, axis, near) result(mean)
+    integer, intent(in) :: stride, n
+    real(dp), intent(in) :: balls(stride, 4), axis(3), near
+    real(dp) :: mean
+    real(dp) :: along, aside(3), middle(3)
+    integer :: p, found
+    found = 0
+    middle = 0.0_dp
+    mean = 0.0_dp
+    do p = 1, n
+      along = dot_product(balls(p, :3), axis)
+      aside = balls(p, :3) - along*axis
+      if (dot_product(aside, aside) > (2.0_dp*near)**2) cycle
+      if (p > 1) then
+        if (maxval(abs(balls(p, :) - balls(p - 1, :))) <= 0.0_dp) exit  ! the rest repeats the last
+      end if
+      found = found + 1
+      middle = middle + aside
+      mean = mean + (along + balls(p, 4))
+    end do
+    if (found == 0 .or. norm2(middle) > near*found) then
+      mean = nowhere
+    else
+      mean = mean/found
+    end if
+  end function reach_between
 
   !> Surface particles of a member around a node. The rest of the last group repeats the last
   !! particle. Where the node is held, particles are put onto its planes.

@@ -269,7 +269,7 @@ contains
     !$omp simd simdlen(8)
     do l = 1, lanes
       density(l) = mass(l)/volume(l)
-      speed(l) = sqrt(speed2(l))
+      speed(l) = sqrt(max(speed2(l), 0.0_dp))
       rate(l) = trace(l)*(1.0_dp/dt)
     end do
     call viscosity_lanes(law%viscosity, law%h, density, speed, rate, q)

@@ -20,6 +20,7 @@ module DIM(sgmp_sweep)
   use sgmp_plan, only: plan_t, sweep_sums, workspace_t
   use sgmp_rebinning, only: arrivals_t
   use sgmp_rows, only: key_j, key_k
+  use DIM(sgmp_spin), only: spin_lever
   use DIM(sgmp_transfer), only: flux_of, linear_carry, linear_gradients, linear_weights
   use DIM(sgmp_transfer_gimp), only: gimp_carry, gimp_gradients, gimp_weights
   use sgmp_transfer_kinds, only: kernel_gimp, kernel_sgmp
@@ -480,11 +481,11 @@ contains
     type(movers_t), intent(in) :: lists(:)
     integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
     type(pile_t), intent(inout) :: pile
-    real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
+    real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM), xi(lanes, NDIM)
     logical :: forces
     integer :: l
     forces = plan%stress .and. field%kernel /= kernel_sgmp
-    call mover_weights(mesh%inverse_h, field%kernel, body, forces, lists, list, at, w, g)
+    call mover_weights(mesh%inverse_h, field%kernel, body, forces, lists, list, at, xi, w, g)
     do l = 1, size(at)
       associate (movers => lists(list(l)))
         if (movers%bin(at(l)) /= pile%bin) then
@@ -494,20 +495,24 @@ contains
           pile%sums(:, :task%nq) = 0.0_dp
         end if
         call add_mover(task, forces, l, w, g, movers%values(1, at(l)), pile%sums)
+        if (task%spin > 0) call add_mover_spin(task, xi(l, :), w(l, :), movers%values(1, at(l)), &
+                                               pile%sums)
       end associate
     end do
   end subroutine pile_movers
 
   !> Weights of some movers in their new bins, and where forces are scattered their gradients.
-  pure subroutine mover_weights(inverse_h, kernel, body, gradients, lists, list, at, w, g)
+  pure subroutine mover_weights(inverse_h, kernel, body, gradients, lists, list, at, xi, w, &
+                                g)
     real(dp), intent(in) :: inverse_h
     integer, intent(in) :: kernel
     type(body_t), intent(in) :: body
     logical, intent(in) :: gradients
     type(movers_t), intent(in) :: lists(:)
     integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
+    real(dp), intent(out) :: xi(lanes, NDIM)     !! position in the bin
     real(dp), intent(out) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
-    real(dp) :: xi(lanes, NDIM), size_of(lanes, NDIM, 2), b(lanes, body%particles%nb), &
+    real(dp) :: size_of(lanes, NDIM, 2), b(lanes, body%particles%nb), &
         slopes(lanes, NCORNER, NDIM)
     integer :: l
     xi = 0.5_dp
@@ -528,6 +533,38 @@ contains
       if (gradients) g(:, :NCORNER, :) = slopes
     end if
   end subroutine mover_weights
+
+  !> What the spin of one particle adds to the momentum of its stencil's points: m h spin x (way
+  !! from the particle to the point).
+  pure subroutine add_mover_spin(task, xi, w, values, sums)
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: xi(NDIM), w(largest_stencil)
+    real(dp), intent(in) :: values(task%values)
+    real(dp), intent(inout) :: sums(largest_stencil, most_columns)
+    real(dp) :: here
+    integer :: e, d
+    do d = 1, NDIM
+      here = -own_lever(values(task%spin + 1:), xi, d)
+      do e = 1, NCORNER
+        sums(e, task%momentum + d) = sums(e, task%momentum + d) + &
+            w(e)*(task%h*(here + spin_lever(values(task%spin + 1:), e, d)))
+      end do
+    end do
+  end subroutine add_mover_spin
+
+  !> Component d of spin x xi.
+  pure function own_lever(spin, xi, d) result(t)
+    real(dp), intent(in) :: spin(:), xi(NDIM)
+    integer, intent(in) :: d
+    real(dp) :: t
+#if NDIM == 1
+    t = 0.0_dp*spin(1)*xi(d)
+#elif NDIM == 2
+    t = spin(1)*merge(-xi(2), xi(1), d == 1)
+#else
+    t = spin(mod(d, 3) + 1)*xi(mod(d + 1, 3) + 1) - spin(mod(d + 1, 3) + 1)*xi(mod(d, 3) + 1)
+#endif
+  end function own_lever
 
   !> One particle.
   pure subroutine add_mover(task, forces, lane, w, g, values, sums)

@@ -154,6 +154,7 @@ SCENES = [
     ("mpm", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "method": "mpm", "update": "usl"}, FEW),
     ("cpgimp", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "method": "cpgimp", "update": "usavg"}, FEW),
     ("johnson_cook", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "material": "johnson_cook"}, FEW),
+    ("carried", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "jitter": 0.4, "carry": "carried"}, FEW),
     ("taylor_bar", "taylor_bar.inp", {"h": 1.9, "t_end": 0.01}, LAYOUTS),
     ("beam", "beam.inp", {"h": 1.25, "t_end": 0.003}, LAYOUTS),
     ("bar", "bar.inp", {"cells": 32, "steps": 40, "dt": 1e-3, "v0": 1}, LAYOUTS),

@@ -38,6 +38,7 @@ SCENES = [
     ("contact", "two_blocks.inp", {"width": 5, "length": 4, "steps": 60, "drift": 0.3, "speed": 0.05}),
     ("bar", "bar.inp", {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1}),
     ("normalised_block", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3, "jitter": 0.4, "stress": "normalised"}),
+    ("carried_block", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3, "jitter": 0.4, "carry": "carried"}),
     ("normalised_beam", "beam.inp", {"h": 1.25, "t_end": 0.003, "stress": "normalised"}),
     ("normalised_bar", "bar.inp", {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1, "stress": "normalised"}),
 ]
