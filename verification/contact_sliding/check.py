@@ -10,6 +10,9 @@ from common import main, solve  # noqa: E402
 from contact import METHODS, NAMES, body, contact, deck  # noqa: E402
 
 TURNS, G = (0, 30, 45), 10.0
+STIFF = 1e7      # a block of 1e6 Pa bends by half a per cent under its weight: its surface is not that of the plate, and
+                 # friction over normal force, both in the directions of the plate, is off by as much
+SLIDING = 0.1    # (s) by when all of the block slides; before, parts of it still stick and friction is less
 
 
 def axes(turn):
@@ -35,7 +38,9 @@ def incline(book, method, turn, run):
     force = np.array([(rows["force_x"]*span).sum(), (rows["force_y"]*span).sum()])/rows["time"][-1]
     weight = block["mass"][0]*G*np.cos(slope)
     book.within(name, "mean normal force over m g cos", force @ normal/weight, 1.0, 0.02)
-    book.within(name, "mean friction over mean normal force", abs(force @ along)/(force @ normal), 0.3, 0.02)
+    late = rows["time"] > SLIDING
+    force = np.array([(rows["force_x"]*span)[late].sum(), (rows["force_y"]*span)[late].sum()])
+    book.within(name, f"friction over normal force, means from {SLIDING} s on", abs(force @ along)/(force @ normal), 0.3, 0.005)
     # A block that does not turn: the contact's moment about its centroid has the mean 0.
     middle = {axis: 0.5*(block[axis] + np.append(block[axis][0], block[axis][:-1])) for axis in "xy"}
     moment = rows["torque_z"] - (middle["x"]*rows["force_y"] - middle["y"]*rows["force_x"])
@@ -47,7 +52,7 @@ def check(book, full):
     """All methods and angles to the grid."""
     book.section("Contact: sliding block")
     cases = [(method, turn) for method in METHODS for turn in TURNS]
-    runs = solve([deck("contact_sliding/slide", method=method, turn=turn) for method, turn in cases])
+    runs = solve([deck("contact_sliding/slide", method=method, turn=turn, young=STIFF) for method, turn in cases])
     for (method, turn), run in zip(cases, runs):
         incline(book, method, turn, run)
     book.command(runs[0].case)
