@@ -327,7 +327,8 @@ contains
       speed(l) = live(l)*(sqrt(max(speed2(l), 0.0_dp)) + sqrt(square))
       fast = max(fast, speed(l))
       good = good + merge(1.0_dp, 0.0_dp, jacobian(l) > 0.0_dp)* &
-             merge(1.0_dp, 0.0_dp, speed(l) < 1.0e150_dp .and. speed2(l) >= 0.0_dp)
+             merge(1.0_dp, 0.0_dp, speed(l) < 1.0e150_dp)* &
+             merge(1.0_dp, 0.0_dp, speed2(l) >= 0.0_dp)
     end do
     if (fast > work%fastest) then
       l = maxloc(speed, 1)
