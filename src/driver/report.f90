@@ -91,7 +91,31 @@ contains
     if (model%share%ranks > 1 .and. .not. model%share%divisible) then
       call log%warning('a scene in 1D is not divided: the first rank does all the work')
     end if
+    call warn_of_strangers(log, model)
   end subroutine report_start
+
+  !> A warning of bodies in different velocity fields without contact between them.
+  subroutine warn_of_strangers(log, model)
+    type(log_t), intent(inout) :: log
+    type(model_t), intent(in) :: model
+    integer :: a, b, p, first(2), found
+    found = 0
+    do a = 1, size(model%bodies)
+      do b = a + 1, size(model%bodies)
+        if (model%bodies(a)%field == model%bodies(b)%field) cycle
+        if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
+        if (any([(all(model%pairs(p)%body == [a, b]) .or. all(model%pairs(p)%body == [b, a]), &
+                  p=1, size(model%pairs))])) cycle
+        found = found + 1
+        if (found == 1) first = [a, b]
+      end do
+    end do
+    if (found == 0) return
+    call log%warning("no card `contact` is for '"//trim(model%bodies(first(1))%name)//"' and '"// &
+                     trim(model%bodies(first(2))%name)//"' ("//integer_text(found)// &
+                     ' such in all): they pass through each other; `contact all` makes every '// &
+                     'pair touch')
+  end subroutine warn_of_strangers
 
   !> The Courant number that the program has found.
   function report_courant(model) result(line)

@@ -102,11 +102,26 @@ def sliding(executable, scratch):
     return good & check(abs(way/exact - 1) < 0.1, f"the block slid {way:.4f} (exact {exact:.4f})")
 
 
+def strangers(executable, scratch):
+    """A third body without a card for it is warned of, by name; none where every pair has one."""
+    third = BARS.replace("velocity left", "body third block material=one lower=1 upper=1.5\nvelocity left").replace("end=3", "end=0.1")
+    good = True
+    for name, deck, said in (("uncarded", third, True), ("all", third.replace("contact left right", "contact all"), False),
+                             ("pair", BARS.replace("end=3", "end=0.1"), False)):
+        folder = os.path.join(scratch, "strangers_" + name)
+        run(executable, folder, deck)
+        with open(os.path.join(folder, "run.log"), encoding="utf-8") as file:
+            log = file.read()
+        good &= check(("'left' and 'third' (2 such" in log) == said, f"{name}: {'a' if said else 'no'} warning of bodies without a card")
+    return good
+
+
 def main():
     """Runs all checks."""
     executable, _, scratch = sys.argv[1:4]
     good = bars(executable, scratch)
     good &= sliding(executable, scratch)
+    good &= strangers(executable, scratch)
     return 0 if good else 1
 
 
