@@ -45,11 +45,11 @@ contains
     snapshot%dimension = nd
     snapshot%step = model%clock%step
     snapshot%time = model%clock%time
+    call order_of_ids(model, place)  ! first, while there is little else
     allocate (snapshot%id(n), snapshot%body(n), snapshot%position(3, n), snapshot%velocity(3, n))
     snapshot%position = 0.0_dp
     snapshot%velocity = 0.0_dp
     snapshot%body_names = model%bodies%name
-    call order_of_ids(model, place)
     call declare_fields(model, names, n, snapshot%fields)
     visited = 0
     do b = 1, size(model%bodies)

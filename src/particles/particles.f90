@@ -151,18 +151,21 @@ contains
       particles%a(l, particles%na, c) = density*volume(order(p))
     end do
     deallocate (x, order, slot)
+    !$omp parallel do schedule(static) default(none) shared(particles, density, history) private(c, p)
     do c = 1, particles%chunks
       particles%b(:, 1, c) = particles%a(:, particles%na, c)/density
       do p = 2, particles%nb
         particles%b(:, p, c) = history(p - 1)
       end do
     end do
+    !$omp end parallel do
     call particles_pad(particles)
   end subroutine particles_fill
 
   !> Room for the chunks of a body and half as many: as they fill unevenly where particles change
   !! bins at random, that is as many as there ever will be. What is not written takes no memory;
-  !! the threads write first what they will later work on, so that it lies near them.
+  !! the threads write first what they will later work on, so that it lies near them; stream b is
+  !! left to the caller, who may hold much else until then.
   subroutine allocate_chunks(particles)
     type(particles_t), intent(inout) :: particles
     integer :: capacity, c
@@ -178,7 +181,6 @@ contains
       particles%next(c) = 0
       particles%a(:, :, c) = 0.0_dp
       particles%a(:, particles%na, c) = particles%pad_mass
-      particles%b(:, :, c) = 0.0_dp
     end do
     !$omp end parallel do
   end subroutine allocate_chunks
@@ -190,6 +192,7 @@ contains
     type(rows_t), intent(in) :: bins
     integer, intent(in) :: sizes(:)                 !! (bins) particles of each
     integer, allocatable, intent(out) :: slot(:)  !! lane + lanes*(chunk - 1), in the bins' order
+    integer :: c
     particles%bins = bins
     call particles_number_bins(particles)
     particles%size = sizes
@@ -198,6 +201,11 @@ contains
     particles%spares = 0
     deallocate (particles%a, particles%b, particles%id, particles%next)
     call allocate_chunks(particles)
+    !$omp parallel do schedule(static) default(none) shared(particles) private(c)
+    do c = 1, particles%chunks
+      particles%b(:, :, c) = 0.0_dp
+    end do
+    !$omp end parallel do
     allocate (slot(particles%count))
     call chain_bins(particles, slot)
   end subroutine particles_lay_out
