@@ -151,7 +151,8 @@ contains
       particles%a(l, particles%na, c) = density*volume(order(p))
     end do
     deallocate (x, order, slot)
-    !$omp parallel do schedule(static) default(none) shared(particles, density, history) private(c, p)
+    !$omp parallel do schedule(static) default(none) &
+    !$omp& shared(particles, density, history) private(c, p)
     do c = 1, particles%chunks
       particles%b(:, 1, c) = particles%a(:, particles%na, c)/density
       do p = 2, particles%nb
