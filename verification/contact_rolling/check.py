@@ -52,7 +52,7 @@ def spheres(book, full):
     """The stiff sphere in all methods, and as printed (1.24 MPa, which Hertz indents by a third of its radius)."""
     near = {"depth": NEAR}
     both = {"depth": NEAR, "carry": "carried"}
-    cases = [("sgmp", 60, 0.2, 1.24e9, {}), ("mpm", 45, 0.2, 1.24e9, {}), ("sgmp", 45, 0.2, 1.24e9, both)]
+    cases = [("sgmp", 60, 0.2, 1.24e9, {}), ("mpm", 45, 0.2, 1.24e9, {}), ("sgmp", 45, 0.2, 1.24e9, {}), ("sgmp", 45, 0.2, 1.24e9, both)]
     if full:
         cases = [(method, angle, 0.2, 1.24e9, {}) for method in METHODS for angle in (45, 60)]
         cases += [("sgmp", angle, 0.2, 1.24e9, more) for angle in (45, 60) for more in (near, both)]
