@@ -260,7 +260,8 @@ def main():
             print(f"{threads} thread(s): {ceiling['gigaflops']:.1f} Gflop/s of multiply-adds,"
                   f" {ceiling['gigabytes_per_second']:.1f} GB/s (triad)")
         print(f"plain scalar loop of sgmp, elastic: {machine['reference_ns']:.0f} ns per particle and step")
-        print("\nns per particle and step; phases in percent: momentum sweep, stress sweep, grid, re-binning, output")
+        print("\nns per particle and step; phases in percent: momentum sweep, stress sweep, grid, re-binning, output, step limit, halo,"
+              " balancing, contact")
         print(f"{'case':28s} th  median   least target ratio    peak  memory   gain")
         for case in CASES:
             for threads in options.threads:

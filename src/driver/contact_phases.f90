@@ -1,9 +1,8 @@
 !> Contact between fields, and bodies with prescribed motion, as phases of a step.
 !!
 !! Contact changes the trial velocity and the acceleration alike, so that what particles receive is
-!! the contact force; the
-!! re-mapped velocity of MUSL and the velocity that strains the particles in USF are made admissible
-!! by the same rule.
+!! the contact force; the re-mapped velocity of MUSL and the velocity that strains the particles in
+!! USF are made admissible by the same rule.
 !! Normals and distances belong to the positions at the start of the step and are found once.
 module sgmp_contact_phases
   use sgmp_body, only: body_t
