@@ -1,6 +1,6 @@
 # Dimension-generic sources: written once, compiled for one, two and three dimensions.
 #
-# A file X.F90 in src/physics, src/particles or src/mesh with a line that starts with "! dimension-generic" among its first
+# A file X.F90 below src with a line that starts with "! dimension-generic" among its first
 # lines is replaced in the list of sources by generated/…/X_1d.f90, X_2d.f90 and X_3d.f90. Each is X.F90 after the
 # preprocessor with NDIM = 1, 2 or 3; X.F90 itself chooses the name of its module (#if NDIM == 1 …). Preprocessing in a
 # step of its own, and not inside the compilation, is what lets every generator see the right module in the right
@@ -14,13 +14,13 @@ function(sgmp_expand_dimensions sources_variable)
   else()
     set(preprocess -cpp -E)
   endif()
-  set(include_dir "${PROJECT_SOURCE_DIR}/src/physics")
+  set(include_flags "-I${PROJECT_SOURCE_DIR}/src/base" "-I${PROJECT_SOURCE_DIR}/src/transfer")
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/*.inc")
 
   set(expanded)
   foreach(source IN LISTS ${sources_variable})
     set(is_generic FALSE)
-    if(source MATCHES "/src/(physics|particles|mesh)/[^/]*\\.F90$")
+    if(source MATCHES "/src/[^/]*/[^/]*\\.F90$")
       file(STRINGS "${source}" marker REGEX "^! dimension-generic" LIMIT_COUNT 1)
       if(marker)
         set(is_generic TRUE)
@@ -39,7 +39,7 @@ function(sgmp_expand_dimensions sources_variable)
       set(output "${PROJECT_BINARY_DIR}/generated/${folder}/${name}_${dimension}d.f90")
       add_custom_command(
         OUTPUT "${output}"
-        COMMAND "${CMAKE_Fortran_COMPILER}" ${preprocess} "-DNDIM=${dimension}" "-I${include_dir}" "${source}" -o "${output}"
+        COMMAND "${CMAKE_Fortran_COMPILER}" ${preprocess} "-DNDIM=${dimension}" ${include_flags} "${source}" -o "${output}"
         DEPENDS "${source}" ${headers}
         COMMENT "Specialising ${relative} for ${dimension}D" VERBATIM)
       list(APPEND expanded "${output}")

@@ -8,9 +8,9 @@ module sgmp_cards
   use sgmp_registry, only: card_definition_t, key_definition_t, kind_expression, kind_integer, &
                            kind_interval, kind_list, kind_logical, kind_name, kind_name_word, &
                            kind_real, kind_text, kind_vector, kind_word
-  use sgmp_text, only: integer_text, real_text_plain
-  use sgmp_words, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, &
+  use sgmp_spelling, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, &
                         word_item, word_lower
+  use sgmp_text, only: integer_text, real_text_plain
   implicit none
   private
   public :: deck_card_t, value_t, card_parse, card_default, card_free

@@ -10,7 +10,7 @@ module sgmp_deck
   use sgmp_scene, only: scene_free, scene_t
   use sgmp_scene_build, only: scene_build
   use sgmp_scene_check, only: scene_check, scene_check_cards
-  use sgmp_words, only: string_t, suggestion, word_lower
+  use sgmp_spelling, only: string_t, suggestion, word_lower
   implicit none
   private
   public :: deck_read

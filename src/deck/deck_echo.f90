@@ -6,8 +6,8 @@ module sgmp_deck_echo
   use sgmp_registry, only: card_definition_t, kind_expression, kind_integer, kind_interval, &
                            kind_list, kind_logical, kind_real, kind_text, kind_vector, registry_t
   use sgmp_scene, only: statement_text_t
+  use sgmp_spelling, only: word_is_identifier, word_lower
   use sgmp_text, only: real_text_plain
-  use sgmp_words, only: word_is_identifier, word_lower
   implicit none
   private
   public :: deck_echo, deck_fixed

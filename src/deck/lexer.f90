@@ -3,8 +3,8 @@
 module sgmp_lexer
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_kinds, only: i8
+  use sgmp_spelling, only: string_t, word_lower
   use sgmp_text, only: integer_text
-  use sgmp_words, only: string_t, word_lower
   implicit none
   private
   public :: token_t, statement_t, lexer_read, lexer_split

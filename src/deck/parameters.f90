@@ -7,9 +7,9 @@ module sgmp_parameters
                              expression_variables
   use sgmp_kinds, only: dp
   use sgmp_lexer, only: token_t
-  use sgmp_text, only: real_text_plain
-  use sgmp_words, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, &
+  use sgmp_spelling, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, &
                         word_item, word_lower, word_nearest
+  use sgmp_text, only: real_text_plain
   implicit none
   private
   public :: parameters_t, name_size

@@ -4,7 +4,7 @@
 !! defaults, the echo, the
 !! help and the reference are made from it.
 module sgmp_registry
-  use sgmp_words, only: string_t, word_in_list
+  use sgmp_spelling, only: string_t, word_in_list
   implicit none
   private
   public :: registry_t, card_definition_t, key_definition_t, kind_name

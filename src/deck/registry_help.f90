@@ -4,7 +4,7 @@ module sgmp_registry_help
   use sgmp_errors, only: error_make, error_t, exit_usage
   use sgmp_expression, only: expression_functions, expression_variables
   use sgmp_registry, only: card_definition_t, key_definition_t, kind_name, registry_t
-  use sgmp_words, only: suggestion, word_lower
+  use sgmp_spelling, only: suggestion, word_lower
   implicit none
   private
   public :: registry_write_help, registry_write_markdown

@@ -6,47 +6,30 @@
 !! units. Vectors always have three components; those beyond the dimension are ignored.
 module sgmp_scene
   use sgmp_expression, only: expression_free, expression_t
+  use sgmp_kernels, only: method_sgmp
   use sgmp_kinds, only: dp
+  use sgmp_material_kinds, only: eos_none, hardening_perfect, material_elastic
+  use sgmp_shapes, only: shape_t
   implicit none
   private
   public :: contact_card_t, contact_lambda_default
   public :: scene_at_rest, scene_t, scene_free
   public :: grid_card_t, method_card_t, time_card_t, material_card_t, &
-    body_card_t, shape_t, bodyforce_card_t, &
+    body_card_t, bodyforce_card_t, &
             detonation_card_t, output_card_t, gauge_card_t, stop_card_t, checkpoint_card_t, &
             balance_card_t, &
             statement_text_t
   public :: wall_free, wall_slip, wall_fixed
-  public :: method_mpm, method_gimp, method_cpgimp, method_sgmp, method_names
   public :: update_usf, update_musl, update_usl, update_usavg, update_names
-  public :: material_elastic, material_neo_hookean, material_j2, material_johnson_cook, &
-    material_explosive, material_names
-  public :: hardening_perfect, hardening_linear, hardening_power, eos_none, eos_jwl, eos_gruneisen
-  public :: shape_block, shape_cylinder, shape_sphere, shape_ring, shape_cone, shape_ogive, &
-    shape_halfspace
-  public :: combine_union, combine_difference, combine_intersection, layout_lattice, layout_gauss, &
-    layout_file
+  public :: layout_lattice, layout_gauss, layout_file
   public :: lost_error, lost_remove, lost_reflect, name_length
 
   integer, parameter :: name_length = 32
 
   integer, parameter :: wall_free = 0, wall_slip = 1, wall_fixed = 2
-  integer, parameter :: method_mpm = 1, method_gimp = 2, method_cpgimp = 3, method_sgmp = 4
-  character(8), parameter :: method_names(4) = [character(8) :: 'mpm', 'gimp', 'cpgimp', 'sgmp']
   integer, parameter :: update_usf = 1, update_musl = 2, update_usl = 3, update_usavg = 4
   character(8), parameter :: update_names(4) = [character(8) :: 'usf', 'musl', 'usl', 'usavg']
-  integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
-    material_johnson_cook = 4, &
-                        material_explosive = 5
   integer, parameter :: damage_constants = 5
-  character(16), parameter :: material_names(*) = [character(16) :: 'elastic', 'neo_hookean', &
-    'j2', 'johnson_cook', 'explosive']
-  integer, parameter :: hardening_perfect = 1, hardening_linear = 2, hardening_power = 3
-  integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2
-  integer, parameter :: shape_block = 1, shape_cylinder = 2, shape_sphere = 3, shape_ring = 4, &
-    shape_cone = 5, shape_ogive = 6, &
-                        shape_halfspace = 7
-  integer, parameter :: combine_union = 1, combine_difference = 2, combine_intersection = 3
   integer, parameter :: layout_lattice = 1, layout_gauss = 2, layout_file = 3
   real(dp), parameter :: contact_lambda_default = -1.0_dp  !! from the particle spacings
   integer, parameter :: lost_error = 1, lost_remove = 2, lost_reflect = 3
@@ -120,19 +103,6 @@ module sgmp_scene
     ! bulk viscosity of Eq. (q = rho h^2 b1 tr^2 - b2 rho h c tr)
     real(dp) :: viscosity_quadratic = 0.0_dp, viscosity_linear = 0.0_dp
   end type material_card_t
-
-  !> One primitive of constructive solid geometry.
-  type :: shape_t
-    integer :: kind = shape_block
-    integer :: combine = combine_union
-    real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! block: corners
-    real(dp) :: centre(3) = 0.0_dp
-      !! sphere, ring, half-space point; base centre of cylinder, cone, ogive
-    real(dp) :: axis(3) = [0.0_dp, 0.0_dp, 1.0_dp]
-      !! unit axis of cylinder, ring, cone, ogive; outward normal of a half-space
-    real(dp) :: radius = 0.0_dp, radius2 = 0.0_dp     !! outer; inner (ring), top (cone)
-    real(dp) :: length = 0.0_dp                       !! along the axis (huge: infinite, as in 2D)
-  end type shape_t
 
   !> A body: geometry, particle layout, material, initial velocity.
   type :: body_card_t

@@ -4,16 +4,17 @@ module sgmp_scene_build
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: wall_faces
   use sgmp_expression, only: expression_clone, expression_free, expression_t
+  use sgmp_kernels, only: method_cpgimp, method_gimp, method_names
   use sgmp_kinds, only: dp
-  use sgmp_scene, only: body_card_t, bodyforce_card_t, combine_difference, combine_intersection, &
-                        combine_union, detonation_card_t, eos_gruneisen, eos_jwl, eos_none, &
-                        gauge_card_t, &
-                        hardening_linear, hardening_perfect, hardening_power, layout_file, &
-                        layout_gauss, layout_lattice, lost_error, material_card_t, material_names, &
-                        method_cpgimp, method_gimp, method_names, name_length, scene_t, &
-                        shape_block, shape_halfspace, shape_t, update_names
+  use sgmp_material_kinds, only: eos_gruneisen, eos_jwl, eos_none, hardening_linear, &
+                                 hardening_perfect, hardening_power, material_names
+  use sgmp_scene, only: body_card_t, bodyforce_card_t, detonation_card_t, gauge_card_t, &
+                        layout_file, layout_gauss, layout_lattice, lost_error, material_card_t, &
+                        name_length, scene_t, update_names
   use sgmp_scene_contact, only: add_contact, set_rigid
-  use sgmp_words, only: string_t, suggestion, word_count, word_in_list, word_item
+  use sgmp_shapes, only: combine_difference, combine_intersection, combine_union, shape_block, &
+                         shape_halfspace, shape_t
+  use sgmp_spelling, only: string_t, suggestion, word_count, word_in_list, word_item
   implicit none
   private
   public :: scene_build

@@ -3,13 +3,14 @@ module sgmp_scene_check
   use sgmp_cards, only: deck_card_t
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: wall_faces
+  use sgmp_kernels, only: method_sgmp
   use sgmp_kinds, only: dp, i8
+  use sgmp_material_kinds, only: eos_jwl, eos_none, material_explosive
   use sgmp_registry, only: card_definition_t, kind_real, registry_t
-  use sgmp_scene, only: eos_jwl, eos_none, material_explosive, method_sgmp, scene_t, &
-                        update_musl, wall_free
+  use sgmp_scene, only: scene_t, update_musl, wall_free
   use sgmp_scene_contact, only: check_contact
+  use sgmp_spelling, only: word_in_list
   use sgmp_text, only: integer_text, real_text_plain
-  use sgmp_words, only: word_in_list
   implicit none
   private
   public :: scene_check, scene_check_cards

@@ -4,7 +4,7 @@ module sgmp_scene_contact
   use sgmp_deck_errors, only: deck_errors_t
   use sgmp_expression, only: expression_clone, expression_free
   use sgmp_scene, only: contact_card_t, scene_t
-  use sgmp_words, only: string_t, suggestion, word_in_list
+  use sgmp_spelling, only: string_t, suggestion, word_in_list
   implicit none
   private
   public :: add_contact, set_rigid, check_contact

@@ -5,11 +5,11 @@
 !! same widened so that every stencil of a work point falls on stored (if need be empty) points; a
 !! point's record is base + i.
 module sgmp_field
+  use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp, i8
   use sgmp_large_pages, only: large_pages_ask
   use sgmp_mesh, only: mesh_t, stencil_width
   use sgmp_rows, only: key_k, row_key, rows_contains, rows_dilate, rows_locate, rows_t
-  use sgmp_transfer_kinds, only: kernel_sgmp
   implicit none
   private
   public :: field_t, field_init, field_build, field_base, field_bytes, field_forces

@@ -4,8 +4,8 @@
 !! scaling. Node i of an axis sits at X = i, cell centre (auxiliary node) i at X = i + 1/2. A closed
 !! box spans nodes 0..cells.
 module sgmp_mesh
+  use sgmp_kernels, only: kernel_gimp, kernel_mpm
   use sgmp_kinds, only: dp
-  use sgmp_transfer_kinds, only: kernel_gimp, kernel_mpm
   implicit none
   private
   public :: mesh_t, mesh_make, mesh_position, mesh_coordinate

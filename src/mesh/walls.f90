@@ -6,10 +6,10 @@
 !! of edges and corners.
 module sgmp_walls
   use sgmp_field, only: field_base, field_t
+  use sgmp_kernels, only: kernel_mpm, kernel_sgmp
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rows, only: key_j, key_k
-  use sgmp_transfer_kinds, only: kernel_mpm, kernel_sgmp
   implicit none
   private
   public :: walls_fold, walls_mirror, moment_parity, has_walls

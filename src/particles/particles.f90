@@ -7,28 +7,17 @@
 module sgmp_particles
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_large_pages, only: large_pages_ask
-  use sgmp_mesh, only: mesh_coordinate
   use sgmp_prefetch, only: prefetch
   use sgmp_rows, only: row_key, rows_contains, rows_from_points, rows_t
+  use sgmp_slabs, only: far_plane
   use sgmp_sorting, only: sort_order
   implicit none
   private
   public :: particles_t, particles_fill, particles_bytes, particles_bin_of, &
     particles_lay_out, particles_number_bins, particles_pad, bin_coordinates
   public :: chunks_take, chunks_make_room, chunks_give_back, chunk_pad, chunk_prefetch
-  public :: far_plane, slab_t, slab_plane, slab_holds
-
-  integer, parameter :: far_plane = huge(1)/4       !! no plane has a number as large as this
 
   integer, parameter :: many_chunks = 2**14         !! 15 MB
-
-  !> A range of planes of bins along the slowest axis, and how positions are sorted into them.
-  type :: slab_t
-    integer :: axis = 0                             !! the slowest axis; 0 in 1D: all in plane 0
-    real(dp) :: origin = 0.0_dp, h = 1.0_dp         !! of the grid (length)
-    real(dp) :: shift = 0.5_dp                      !! see particles_t
-    integer :: own(2) = [-far_plane, far_plane]     !! first and last plane
-  end type slab_t
 
   !> Chunks and bins of a body.
   type :: particles_t
@@ -73,27 +62,6 @@ contains
     if (ndim == 2) bin(3) = floor(x(2) - shift)
     if (ndim == 3) bin(2:3) = floor(x(2:3) - shift)
   end function bin_coordinates
-
-  !> Plane of bins of a position.
-  pure function slab_plane(slab, point) result(plane)
-    type(slab_t), intent(in) :: slab
-    real(dp), intent(in) :: point(3)      !! position (length)
-    integer :: plane
-    plane = 0
-    if (slab%axis > 0) then
-      plane = floor(mesh_coordinate(slab%origin, slab%h, point(slab%axis)) - slab%shift)
-    end if
-  end function slab_plane
-
-  !> Whether a position belongs to the slab.
-  pure function slab_holds(slab, point) result(yes)
-    type(slab_t), intent(in) :: slab
-    real(dp), intent(in) :: point(3)
-    logical :: yes
-    integer :: plane
-    plane = slab_plane(slab, point)
-    yes = plane >= slab%own(1) .and. plane <= slab%own(2)
-  end function slab_holds
 
   !> Number of the bin with given coordinates, 0 if it does not exist.
   pure function particles_bin_of(particles, bin) result(number)

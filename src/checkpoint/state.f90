@@ -1,0 +1,127 @@
+!> What a run knows besides its particles and its grid: time, sums, motions, counters of its files.
+!!
+!! One procedure names it all, for writing and for reading.
+module sgmp_state
+  use sgmp_archive, only: archive_t
+  use sgmp_body, only: body_t
+  use sgmp_energy, only: ledger_t
+  use sgmp_kinds, only: dp, i8
+  use sgmp_model, only: body_sums_t, model_t
+  use sgmp_outputs, only: outputs_t
+  use sgmp_shared_nodes, only: contact_pair_t
+  use sgmp_time_step, only: clock_t
+  implicit none
+  private
+  public :: state_pass
+
+contains
+
+  !> Writes the state of a run into a archive, or takes it from one.
+  subroutine state_pass(archive, model, outputs, particle_steps)
+    type(archive_t), intent(inout) :: archive
+    type(model_t), intent(inout) :: model
+    type(outputs_t), intent(inout) :: outputs
+    integer(i8), intent(inout) :: particle_steps
+    integer :: b, p
+    call pass_clock(archive, model%clock)
+    call archive%pass(model%cutoff)
+    call archive%pass(model%fastest)
+    call archive%pass(model%fastest_id)
+    call archive%pass(model%fastest_field)
+    call archive%pass(model%fastest_before)
+    call archive%pass(model%lost)
+    call archive%pass(model%lost_before)
+    call archive%pass(model%moved)
+    call archive%pass(particle_steps)
+    call pass_ledger(archive, model%ledger)
+    call archive%pass(model%points)
+    if (.not. allocated(model%counts)) allocate (model%counts(size(model%bodies)))
+    do b = 1, size(model%bodies)
+      call archive%pass(model%counts(b))
+      call pass_body(archive, model%bodies(b), model%body_sums(b))
+    end do
+    do p = 1, size(model%pairs)
+      call pass_pair(archive, model%pairs(p))
+    end do
+    call pass_outputs(archive, outputs, size(model%pairs))
+  end subroutine state_pass
+
+  !> The clock less what the deck sets.
+  subroutine pass_clock(archive, clock)
+    type(archive_t), intent(inout) :: archive
+    type(clock_t), intent(inout) :: clock
+    call archive%pass(clock%step)
+    call archive%pass(clock%limited_by)
+    call archive%pass(clock%next_probe)
+    call archive%pass(clock%limit)
+    call archive%pass(clock%time)
+    call archive%pass(clock%dt)
+    call archive%pass(clock%dt_before)
+    call archive%pass(clock%dt_free)
+    call archive%pass(clock%smallest)
+    call archive%pass(clock%next_probe)
+    call archive%pass(clock%limit)
+  end subroutine pass_clock
+
+  subroutine pass_ledger(archive, ledger)
+    type(archive_t), intent(inout) :: archive
+    type(ledger_t), intent(inout) :: ledger
+    call archive%pass(ledger%kinetic)
+    call archive%pass(ledger%internal)
+    call archive%pass(ledger%initial_total)
+    call archive%pass(ledger%external_work)
+    call archive%pass(ledger%contact_dissipation)
+    call archive%pass(ledger%viscous_dissipation)
+    call archive%pass(ledger%interpolation_error)
+    call archive%pass(ledger%remainder)
+    call archive%pass(ledger%predicted)
+    call archive%pass(ledger%largest_kinetic)
+    call archive%pass(ledger%momentum)
+    call archive%pass(ledger%ignored_nodes)
+  end subroutine pass_ledger
+
+  subroutine pass_body(archive, body, sums)
+    type(archive_t), intent(inout) :: archive
+    type(body_t), intent(inout) :: body
+    type(body_sums_t), intent(inout) :: sums
+    call archive%pass(body%first_id)
+    call archive%pass(body%speed)
+    call archive%pass(body%speed_before)
+    call archive%pass(sums%mass)
+    call archive%pass(sums%moment)
+    call archive%pass(sums%momentum)
+    call archive%pass(sums%kinetic)
+    call archive%pass(sums%internal)
+  end subroutine pass_body
+
+  subroutine pass_pair(archive, pair)
+    type(archive_t), intent(inout) :: archive
+    type(contact_pair_t), intent(inout) :: pair
+    call archive%pass(pair%impulse)
+    call archive%pass(pair%angular_impulse)
+    call archive%pass(pair%dissipation)
+    call archive%pass(pair%shared)
+    call archive%pass(pair%touching)
+  end subroutine pass_pair
+
+  !> How far the files of the run had come.
+  subroutine pass_outputs(archive, outputs, pairs)
+    type(archive_t), intent(inout) :: archive
+    type(outputs_t), intent(inout) :: outputs
+    integer, intent(in) :: pairs
+    call archive%pass(outputs%dumps)
+    call archive%pass(outputs%history_rows)
+    call archive%pass(outputs%last_dump_step)
+    call archive%pass(outputs%last_row_step)
+    call archive%pass(outputs%last_dump_time)
+    call archive%pass(outputs%dump_interval)
+    call archive%pass(outputs%row_interval)
+    call archive%pass(outputs%gauge_ids, .true.)
+    call archive%pass(outputs%contact%step)
+    call archive%pass(outputs%contact%time)
+    if (pairs == 0) return
+    if (.not. allocated(outputs%contact%impulse)) allocate (outputs%contact%impulse(6, pairs))
+    call archive%pass(outputs%contact%impulse)
+  end subroutine pass_outputs
+
+end module sgmp_state

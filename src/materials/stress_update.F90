@@ -1,0 +1,561 @@
+! dimension-generic
+#include "dimension.inc"
+!> Stress update of one chunk of particles: strain and rotation (Jaumann rate), constitutive law,
+!! volume, energy, flux.
+!!
+!! The law is chosen once per chunk; each stage is a loop over the lanes. Volume follows the
+!! determinant of the step's deformation gradient. Internal energy grows by V_old (1/2 (sigma_old +
+!! sigma_new) - q) : deps, which is exact for a linear stress path in one dimension; an equation of
+!! state takes its pressure work from the change of volume.
+module DIM(sgmp_stress_update)
+  use sgmp_burn, only: burn_fraction_lanes
+  use sgmp_constitutive, only: constitutive_t
+  use sgmp_eos, only: eos_energy_pressure, eos_sound_speed_lanes
+  use sgmp_eos_gruneisen, only: gruneisen_lanes
+  use sgmp_eos_jwl, only: jwl_lanes
+  use sgmp_kinds, only: dp, i4, lanes
+  use sgmp_material_j2, only: j2_return
+  use sgmp_material_jc, only: jc_return, jc_return_simple
+  use sgmp_material_kinds, only: eos_jwl, eos_none, material_elastic, material_j2, &
+                                 material_johnson_cook, material_neo_hookean
+  use sgmp_viscosity, only: viscosity_lanes
+  implicit none
+  private
+  public :: stress_update, stress_flux, stress_probe, stress_sums, sum_internal, sum_viscous
+
+  integer, parameter :: stress_sums = 2  !! entries of `sums`
+  integer, parameter :: sum_internal = 1  !! growth of internal energy
+  integer, parameter :: sum_viscous = 2  !! part of it that the bulk viscosity dissipates
+
+  !> Stress component of each flux (and strain) component, and its two axes.
+#if NDIM == 1
+  integer, parameter :: stress_of(NFLUX) = [1]
+  integer, parameter :: strain_pair(2, NFLUX) = reshape([1, 1], [2, NFLUX])
+#elif NDIM == 2
+  integer, parameter :: stress_of(NFLUX) = [1, 2, 4]
+  integer, parameter :: strain_pair(2, NFLUX) = reshape([1, 1, 2, 2, 1, 2], [2, NFLUX])
+#else
+  integer, parameter :: stress_of(NFLUX) = [1, 2, 3, 4, 5, 6]
+  integer, parameter :: strain_pair(2, NFLUX) = &
+    reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 1, 3], [2, NFLUX])
+#endif
+
+contains
+
+  !> Advances volume, stress and history by one step and returns the flux sigma V that the grid
+  !! wants (Eq. 23).
+  ! allow(S902)
+  subroutine stress_update(law, dt, time, mass, live, grad, nb, b, flux, speed2, jacobian, sums)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt                          !! strain step
+    real(dp), intent(in) :: time                        !! at the end of the step
+    real(dp), intent(in) :: mass(lanes), live(lanes)    !! live: 1 for particles, 0 for pads
+    real(dp), intent(in) :: grad(lanes, NGRAD)          !! velocity gradient, row by row
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)             !! volume, stress, history
+    real(dp), intent(out) :: flux(lanes, NFLUX)         !! (sigma - q I) V; 0 in pads
+    real(dp), intent(out) :: speed2(lanes)              !! square of the sound speed
+    real(dp), intent(out) :: jacobian(lanes)  !! determinant of the step's deformation gradient
+    real(dp), intent(inout) :: sums(lanes, stress_sums)
+    real(dp) :: strain(lanes, NFLUX), trace(lanes), old_volume(lanes), work(lanes), q(lanes)
+    real(dp) :: none(lanes, NSTRESS)
+    integer :: l, s
+    if (law%rigid) then
+      flux = 0.0_dp
+      speed2 = 0.0_dp
+      jacobian = 1.0_dp
+      return
+    end if
+    s = law%slots%stress
+    if (law%slots%stretch > 0) call stretch(dt, grad, b(1, law%slots%stretch))
+    select case (law%kind)
+    case (material_elastic)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
+                   trace, jacobian, old_volume, work)
+      call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
+    case (material_neo_hookean)
+      call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
+                   old_volume, work)
+      call neo_hookean(law, dt, mass, grad, strain, trace, b(1, 1), b(1, s), &
+                       b(1, law%slots%deformation), speed2, q, work)
+    case (material_j2, material_johnson_cook)
+      call plastic(law, dt, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
+    case default  ! material_explosive
+      none = 0.0_dp
+      call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), none, strain, trace, jacobian, &
+                   old_volume, work)
+      call explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
+    end select
+    call stress_flux(law, b(1, 1), q, live, b(1, s), flux)
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      work(l) = live(l)*(old_volume(l)*work(l))
+      q(l) = live(l)*(old_volume(l)*(q(l)*trace(l)))
+      sums(l, sum_internal) = sums(l, sum_internal) + (work(l) - q(l))
+      sums(l, sum_viscous) = sums(l, sum_viscous) - q(l)
+    end do
+  end subroutine stress_update
+
+  !> Flux (sigma - q I) V of a chunk; 0 in pads.
+  pure subroutine stress_flux(law, volume, q, live, stress, flux)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: volume(lanes), q(lanes), live(lanes)
+    real(dp), intent(in) :: stress(lanes, NSTRESS)      !! or the mean stress alone, for explosives
+    real(dp), intent(out) :: flux(lanes, NFLUX)
+    real(dp) :: v
+    integer :: l, c
+    if (law%slots%stresses == 1) then
+      do c = 1, NFLUX
+        do l = 1, lanes
+          flux(l, c) = 0.0_dp
+          if (c <= NDIM) flux(l, c) = live(l)*volume(l)*(stress(l, 1) - q(l))
+        end do
+      end do
+      return
+    end if
+    !$omp simd simdlen(8) private(v, c)
+    do l = 1, lanes
+      v = live(l)*volume(l)
+      do c = 1, NDIM
+        flux(l, c) = v*(stress(l, c) - q(l))
+      end do
+      do c = NDIM + 1, NFLUX
+        flux(l, c) = v*stress(l, stress_of(c))
+      end do
+    end do
+  end subroutine stress_flux
+
+  !> Stress of an elastic body of unit wave modulus, times the weight of each lane.
+  pure subroutine stress_probe(law, weight, grad, flux)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: weight(lanes), grad(lanes, NGRAD)
+    real(dp), intent(out) :: flux(lanes, NFLUX)
+    real(dp) :: shear, lame, trace(lanes)
+    integer :: a, b, c
+    shear = 0.0_dp  ! a fluid
+    if (law%elastic%shear > 0.0_dp) then
+      shear = law%elastic%shear/(law%elastic%lambda + 2.0_dp*law%elastic%shear)
+    end if
+    lame = 1.0_dp - 2.0_dp*shear
+    trace = 0.0_dp
+    do a = 1, NDIM
+      trace = trace + grad(:, (a - 1)*NDIM + a)
+    end do
+    do c = 1, NFLUX
+      a = strain_pair(1, c)
+      b = strain_pair(2, c)
+      flux(:, c) = shear*(grad(:, (a - 1)*NDIM + b) + grad(:, (b - 1)*NDIM + a))
+      if (a == b) flux(:, c) = flux(:, c) + lame*trace
+      flux(:, c) = weight*flux(:, c)
+    end do
+  end subroutine stress_probe
+
+  !> Strain increment, new volume, and the trial stress of an elastic step: the stress turned by the
+  !! step's spin (Jaumann rate) plus Hooke's law.
+  !!
+  !! One loop over the lanes, so that nothing on the way goes through memory.
+  ! allow(S902)
+  pure subroutine predict(law, shear, lame, dt, grad, volume, stress, strain, trace, jacobian, &
+                          old_volume, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: shear, lame, dt, grad(lanes, NGRAD)
+    real(dp), intent(inout) :: volume(lanes), stress(lanes, NSTRESS)
+    real(dp), intent(out) :: strain(lanes, NFLUX)   !! shears as engineering strains
+    real(dp), intent(out) :: trace(lanes), jacobian(lanes)  !! of the strain; det(I + L dt)
+    real(dp), intent(out) :: old_volume(lanes)
+    real(dp), intent(out) :: work(lanes)            !! 1/2 old stress : strain
+    real(dp) :: turn, keep, s1, s2, s3, mean, shear2
+    integer :: l
+#if NDIM == 2
+    real(dp) :: xy, yx, s4, w
+#elif NDIM == 3
+    real(dp) :: xx, yy, zz, xy, yx, xz, zx, yz, zy, wxy, wyz, wxz, s4, s5, s6
+#endif
+    ! Numbers, not a merge in the loop: the vectoriser has no condition that is the same for all
+    ! lanes.
+    keep = merge(1.0_dp, 0.0_dp, law%small_strain)
+    turn = 0.5_dp*dt*(1.0_dp - keep)
+    shear2 = 2.0_dp*shear
+#if NDIM == 1
+    !$omp simd simdlen(8) private(s1, s2, s3, mean)
+    do l = 1, lanes
+      strain(l, 1) = dt*grad(l, 1)
+      trace(l) = strain(l, 1)
+      jacobian(l) = 1.0_dp + trace(l)
+      s1 = stress(l, 1)
+      s2 = stress(l, 2)
+      s3 = stress(l, 3)
+      work(l) = 0.5_dp*(s1*strain(l, 1))
+      mean = lame*trace(l)
+      stress(l, 1) = s1 + (mean + shear2*strain(l, 1))
+      stress(l, 2) = s2 + mean
+      stress(l, 3) = s3 + mean
+#elif NDIM == 2
+    !$omp simd simdlen(8) private(s1, s2, s3, s4, xy, yx, w, mean)
+    do l = 1, lanes
+      xy = dt*grad(l, 2)
+      yx = dt*grad(l, 3)
+      strain(l, 1) = dt*grad(l, 1)
+      strain(l, 2) = dt*grad(l, 4)
+      strain(l, 3) = xy + yx
+      trace(l) = strain(l, 1) + strain(l, 2)
+      jacobian(l) = (1.0_dp + strain(l, 1))*(1.0_dp + strain(l, 2)) - xy*yx
+      s1 = stress(l, 1)
+      s2 = stress(l, 2)
+      s3 = stress(l, 3)
+      s4 = stress(l, 4)
+      work(l) = 0.5_dp*(s1*strain(l, 1) + s2*strain(l, 2) + s4*strain(l, 3))
+      mean = lame*trace(l)
+      w = turn*(grad(l, 2) - grad(l, 3))
+      stress(l, 1) = (s1 + 2.0_dp*w*s4) + (mean + shear2*strain(l, 1))
+      stress(l, 2) = (s2 - 2.0_dp*w*s4) + (mean + shear2*strain(l, 2))
+      stress(l, 3) = s3 + mean
+      stress(l, 4) = (s4 + w*(s2 - s1)) + shear*strain(l, 3)
+#else
+    !$omp simd simdlen(8) private(s1, s2, s3, s4, s5, s6, mean, wxy, wyz, wxz) &
+    !$omp& private(xx, yy, zz, xy, yx, xz, zx, yz, zy)
+    do l = 1, lanes
+      xx = dt*grad(l, 1)
+      xy = dt*grad(l, 2)
+      xz = dt*grad(l, 3)
+      yx = dt*grad(l, 4)
+      yy = dt*grad(l, 5)
+      yz = dt*grad(l, 6)
+      zx = dt*grad(l, 7)
+      zy = dt*grad(l, 8)
+      zz = dt*grad(l, 9)
+      strain(l, 1) = xx
+      strain(l, 2) = yy
+      strain(l, 3) = zz
+      strain(l, 4) = xy + yx
+      strain(l, 5) = yz + zy
+      strain(l, 6) = xz + zx
+      trace(l) = (xx + yy) + zz
+      jacobian(l) = (1.0_dp + xx)*((1.0_dp + yy)*(1.0_dp + zz) - yz*zy) &
+                    - xy*(yx*(1.0_dp + zz) - yz*zx) + xz*(yx*zy - (1.0_dp + yy)*zx)
+      s1 = stress(l, 1)
+      s2 = stress(l, 2)
+      s3 = stress(l, 3)
+      s4 = stress(l, 4)
+      s5 = stress(l, 5)
+      s6 = stress(l, 6)
+      work(l) = 0.5_dp*((s1*xx + s2*yy + s3*zz) &
+                        + (s4*strain(l, 4) + s5*strain(l, 5) + s6*strain(l, 6)))
+      mean = lame*trace(l)
+      wxy = turn*(grad(l, 2) - grad(l, 4))
+      wyz = turn*(grad(l, 6) - grad(l, 8))
+      wxz = turn*(grad(l, 3) - grad(l, 7))
+      stress(l, 1) = (s1 + 2.0_dp*(wxy*s4 + wxz*s6)) + (mean + shear2*xx)
+      stress(l, 2) = (s2 + 2.0_dp*(wyz*s5 - wxy*s4)) + (mean + shear2*yy)
+      stress(l, 3) = (s3 - 2.0_dp*(wxz*s6 + wyz*s5)) + (mean + shear2*zz)
+      stress(l, 4) = (s4 + (wxy*(s2 - s1) + wxz*s5 + wyz*s6)) + shear*strain(l, 4)
+      stress(l, 5) = (s5 + (wyz*(s3 - s2) - wxy*s6 - wxz*s4)) + shear*strain(l, 5)
+      stress(l, 6) = (s6 + (wxz*(s3 - s1) + wxy*s5 - wyz*s4)) + shear*strain(l, 6)
+#endif
+      old_volume(l) = volume(l)
+      volume(l) = volume(l)*(keep + (1.0_dp - keep)*jacobian(l))
+    end do
+  end subroutine predict
+
+  !> Bulk viscosity of a chunk; none where the scene has none.
+  pure subroutine viscosity(law, dt, mass, volume, trace, speed2, q)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), volume(lanes), trace(lanes), speed2(lanes)
+    real(dp), intent(out) :: q(lanes)
+    real(dp) :: density(lanes), speed(lanes), rate(lanes)
+    integer :: l
+    q = 0.0_dp
+    if (.not. law%viscous .or. dt <= 0.0_dp) return
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      density(l) = mass(l)/volume(l)
+      speed(l) = sqrt(max(speed2(l), 0.0_dp))
+      rate(l) = trace(l)*(1.0_dp/dt)
+    end do
+    call viscosity_lanes(law%viscosity, law%h, density, speed, rate, q)
+  end subroutine viscosity
+
+  !> What an elastic step leaves to do once the stress is known.
+  pure subroutine elastic(law, dt, mass, strain, trace, volume, stress, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), strain(lanes, NFLUX), trace(lanes), volume(lanes)
+    real(dp), intent(in) :: stress(lanes, NSTRESS)
+    real(dp), intent(out) :: speed2(lanes), q(lanes)
+    real(dp), intent(inout) :: work(lanes)
+    real(dp) :: modulus
+    integer :: l
+    modulus = law%elastic%lambda + 2.0_dp*law%elastic%shear
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      speed2(l) = modulus*volume(l)/mass(l)
+    end do
+    call add_half_work(stress, strain, work)
+    call viscosity(law, dt, mass, volume, trace, speed2, q)
+  end subroutine elastic
+
+  !> work += 1/2 stress : strain.
+  pure subroutine add_half_work(stress, strain, work)
+    real(dp), intent(in) :: stress(lanes, NSTRESS), strain(lanes, NFLUX)
+    real(dp), intent(inout) :: work(lanes)
+    real(dp) :: double
+    integer :: l, c
+    !$omp simd simdlen(8) private(double, c)
+    do l = 1, lanes
+      double = 0.0_dp
+      do c = 1, NFLUX
+        double = double + stress(l, stress_of(c))*strain(l, c)
+      end do
+      work(l) = work(l) + 0.5_dp*double
+    end do
+  end subroutine add_half_work
+
+  !> Compressible neo-Hookean: sigma = (mu (b - I) + lambda ln J I)/J with b = F F^T.
+  pure subroutine neo_hookean(law, dt, mass, grad, strain, trace, volume, stress, f, speed2, q, &
+                              work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), &
+        trace(lanes), volume(lanes)
+    real(dp), intent(inout) :: stress(lanes, NSTRESS), f(lanes, NDIM, NDIM)  !! f(:, b, a) = F_ab
+    real(dp), intent(out) :: speed2(lanes), q(lanes)
+    real(dp), intent(inout) :: work(lanes)
+    real(dp) :: new(lanes, NDIM, NDIM), bij(lanes, NSTRESS), mu, lambda, j
+    integer :: l, a, b, c
+    integer, parameter :: row(6) = [1, 2, 3, 1, 2, 1], col(6) = [1, 2, 3, 2, 3, 3]
+    mu = law%elastic%shear
+    lambda = law%elastic%lambda
+    do a = 1, NDIM
+      do b = 1, NDIM
+        new(:, b, a) = f(:, b, a)
+        do c = 1, NDIM
+          do l = 1, lanes
+            new(l, b, a) = new(l, b, a) + dt*grad(l, (a - 1)*NDIM + c)*f(l, b, c)
+          end do
+        end do
+      end do
+    end do
+    f = new
+    bij = 0.0_dp
+    do c = 1, NSTRESS
+      if (row(c) > NDIM .or. col(c) > NDIM) then
+        bij(:, c) = merge(1.0_dp, 0.0_dp, row(c) == col(c))
+      else
+        do a = 1, NDIM
+          bij(:, c) = bij(:, c) + f(:, a, row(c))*f(:, a, col(c))
+        end do
+      end if
+    end do
+    do l = 1, lanes
+      j = volume(l)*law%density/mass(l)
+      do c = 1, NSTRESS
+        stress(l, c) = mu/j*bij(l, c)
+        if (c <= 3) stress(l, c) = stress(l, c) + (lambda*log(j) - mu)/j
+      end do
+      speed2(l) = (lambda*(1.0_dp - log(j)) + mu)*volume(l)/(j*mass(l)) &
+                  + mu*maxval(bij(l, 1:3))*volume(l)/(j*mass(l))
+    end do
+    call add_half_work(stress, strain, work)
+    call viscosity(law, dt, mass, volume, trace, speed2, q)
+  end subroutine neo_hookean
+
+  !> J2 and Johnson-Cook plasticity by radial return, with linear bulk response or an equation of
+  !! state.
+  ! allow(S902)
+  subroutine plastic(law, dt, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: trace(lanes), jacobian(lanes), old_volume(lanes)
+    real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
+    real(dp) :: strain(lanes, NFLUX), mean(lanes), norm(lanes), factor(lanes), increment(lanes)
+    real(dp) :: ones(lanes), pressure_work(lanes), shear, bulk
+    integer :: l, s
+    s = law%slots%stress
+    shear = law%elastic%shear
+    bulk = law%elastic%bulk
+    call predict(law, shear, -2.0_dp/3.0_dp*shear, dt, grad, b(1, 1), b(1, s), strain, trace, &
+                 jacobian, old_volume, work)
+    call von_mises(b(1, s), mean, norm)
+    call return_to_yield(law, 3.0_dp*shear, dt, norm, mean, nb, b, factor, increment)
+    call relax(factor, mean, strain, trace, b(1, s), work)
+    if (law%eos == eos_none) then
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        speed2(l) = (bulk + 4.0_dp/3.0_dp*shear)*b(l, 1)/mass(l)
+        work(l) = work(l) + (mean(l) + 0.5_dp*bulk*trace(l))*trace(l)
+        mean(l) = mean(l) + bulk*trace(l)
+      end do
+      call viscosity(law, dt, mass, b(1, 1), trace, speed2, q)
+    else
+      ones = 1.0_dp
+      call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, work, &
+                             4.0_dp/3.0_dp*shear, ones, b(1, law%slots%energy), &
+                             mean, speed2, q, pressure_work)
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        work(l) = work(l) + pressure_work(l)
+      end do
+    end if
+    call add_mean(mean, b(1, s))
+  end subroutine plastic
+
+  !> Mean of a stress and von Mises norm of its deviator.
+  pure subroutine von_mises(stress, mean, norm)
+    real(dp), intent(in) :: stress(lanes, NSTRESS)
+    real(dp), intent(out) :: mean(lanes), norm(lanes)
+    real(dp) :: m, square
+    integer :: l, c
+    !$omp simd simdlen(8) private(m, square, c)
+    do l = 1, lanes
+      m = (stress(l, 1) + stress(l, 2) + stress(l, 3))*(1.0_dp/3.0_dp)
+      square = (stress(l, 1) - m)**2 + (stress(l, 2) - m)**2 + (stress(l, 3) - m)**2
+      do c = 4, NSTRESS
+        square = square + 2.0_dp*stress(l, c)**2
+      end do
+      mean(l) = m
+      norm(l) = sqrt(1.5_dp*square)
+    end do
+  end subroutine von_mises
+
+  !> Scales the deviator of the trial stress back to the yield surface.
+  pure subroutine relax(factor, mean, strain, trace, stress, work)
+    real(dp), intent(in) :: factor(lanes), mean(lanes), strain(lanes, NFLUX), trace(lanes)
+    real(dp), intent(inout) :: stress(lanes, NSTRESS)  !! in: trial stress; out: deviator
+    real(dp), intent(inout) :: work(lanes)  !! in: 1/2 old stress : strain; out: work of the
+                                            !! deviator
+    real(dp) :: double
+    integer :: l, c
+    !$omp simd simdlen(8) private(double, c)
+    do l = 1, lanes
+      do c = 1, 3
+        stress(l, c) = factor(l)*(stress(l, c) - mean(l))
+      end do
+      do c = 4, NSTRESS
+        stress(l, c) = factor(l)*stress(l, c)
+      end do
+      double = 0.0_dp
+      do c = 1, NFLUX
+        double = double + stress(l, stress_of(c))*strain(l, c)
+      end do
+      work(l) = (work(l) - 0.5_dp*(mean(l)*trace(l))) + 0.5_dp*double
+    end do
+  end subroutine relax
+
+  !> Adds a mean to a deviator.
+  pure subroutine add_mean(mean, stress)
+    real(dp), intent(in) :: mean(lanes)
+    real(dp), intent(inout) :: stress(lanes, NSTRESS)
+    integer :: l, c
+    !$omp simd simdlen(8) private(c)
+    do l = 1, lanes
+      do c = 1, 3
+        stress(l, c) = stress(l, c) + mean(l)
+      end do
+    end do
+  end subroutine add_mean
+
+  !> Radial return of the law at hand.
+  subroutine return_to_yield(law, shear3, dt, norm, mean, nb, b, factor, increment)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: shear3, dt, norm(lanes), mean(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: factor(lanes), increment(lanes)
+    real(dp) :: damage(lanes), temperature(lanes)
+    if (law%kind == material_j2) then
+      call j2_return(law%j2, shear3, norm, b(1, law%slots%plastic), factor, increment)
+    else if (law%thermal .or. law%failure) then
+      damage = 0.0_dp
+      temperature = law%jc%room
+      if (law%failure) damage = b(:, law%slots%damage)
+      if (law%thermal) temperature = b(:, law%slots%temperature)
+      call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, damage, &
+                     factor, increment)
+      if (law%failure) b(:, law%slots%damage) = damage
+      if (law%thermal) b(:, law%slots%temperature) = temperature
+    else
+      call jc_return_simple(law%jc, shear3, dt, norm, b(1, law%slots%plastic), factor, increment)
+    end if
+  end subroutine return_to_yield
+
+  !> Detonation products: JWL pressure behind the burn front, none ahead of it.
+  subroutine explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, time, mass(lanes), old_volume(lanes), trace(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
+    real(dp) :: burnt(lanes), none(lanes)
+    none = 0.0_dp
+    call burn_fraction_lanes(time, b(1, law%slots%lighting), law%detonation_speed, law%h, &
+                             law%burn_cells, burnt)
+    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, none, 0.0_dp, burnt, &
+                           b(1, law%slots%energy), b(1, law%slots%stress), speed2, q, work)
+  end subroutine explosive
+
+  !> Pressure and energy by an equation of state linear in the energy; `mean` is the mean stress -p.
+  subroutine equation_of_state(law, dt, mass, old_volume, volume, trace, deviatoric_work, &
+                               stiffness, burnt, energy, mean, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), volume(lanes), trace(lanes)
+    real(dp), intent(in) :: deviatoric_work(lanes)      !! per current (old) volume
+    real(dp), intent(in) :: stiffness  !! 4/3 G, of the shear part of the sound speed
+    real(dp), intent(in) :: burnt(lanes)                !! factor on the pressure
+    real(dp), intent(inout) :: energy(lanes), mean(lanes)
+    real(dp), intent(out) :: speed2(lanes), q(lanes)
+    real(dp), intent(out) :: work(lanes)                !! pressure work per old volume
+    real(dp) :: v_old(lanes), v(lanes), p_old(lanes), p(lanes), other(lanes)
+    real(dp) :: a0(lanes), b0(lanes), da(lanes), db(lanes), ones(lanes)
+    real(dp) :: scale, inverse
+    integer(i4) :: imaginary
+    integer :: l
+    inverse = 1.0_dp/law%density
+    !$omp simd simdlen(8) private(scale)
+    do l = 1, lanes
+      scale = law%density/mass(l)
+      v_old(l) = old_volume(l)*scale
+      v(l) = volume(l)*scale
+      p_old(l) = -mean(l)
+    end do
+    select case (law%eos)
+    case (eos_jwl)
+      call jwl_lanes(law%jwl, v, a0, b0, da, db)
+    case default  ! eos_gruneisen
+      call gruneisen_lanes(law%gruneisen, v, a0, b0, da, db)
+    end select
+    p = burnt*(a0 + b0*energy)
+    ones = 1.0_dp
+    imaginary = 0
+    call eos_sound_speed_lanes(law%density, law%slowest**2, v, p, energy, da, db, b0, ones, &
+                               speed2, imaginary)
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      speed2(l) = merge(speed2(l), law%detonation_speed**2, burnt(l) > 0.0_dp) + &
+          (stiffness*inverse)*v(l)
+    end do
+    call viscosity(law, dt, mass, volume, trace, speed2, q)
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      q(l) = merge(q(l), 0.0_dp, burnt(l) > 0.0_dp)
+      other(l) = v_old(l)*(deviatoric_work(l) - q(l)*trace(l))
+    end do
+    p = p_old
+    call eos_energy_pressure(v_old, v, other, burnt, a0, b0, energy, p)
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      work(l) = -0.5_dp*(p_old(l) + p(l))*(v(l) - v_old(l))/v_old(l)
+      mean(l) = -p(l)
+    end do
+  end subroutine equation_of_state
+
+  !> Diagonal of the deformation gradient, for cpGIMP's particle size.
+  pure subroutine stretch(dt, grad, diagonal)
+    real(dp), intent(in) :: dt, grad(lanes, NGRAD)
+    real(dp), intent(inout) :: diagonal(lanes, NDIM)
+    integer :: a
+    do a = 1, NDIM
+      diagonal(:, a) = diagonal(:, a)*(1.0_dp + dt*grad(:, (a - 1)*NDIM + a))
+    end do
+  end subroutine stretch
+
+end module DIM(sgmp_stress_update)

@@ -1,0 +1,390 @@
+!> All files of a run: which rows and dumps are due, and the writers behind them.
+module sgmp_outputs
+  use sgmp_contact_rows, only: contact_rows_open, contact_rows_t, contact_rows_write
+  use sgmp_energy, only: ledger_total
+  use sgmp_errors, only: error_t
+  use sgmp_file_tools, only: directory_make
+  use sgmp_gathering, only: gather_body_row, gather_initial_positions, gather_slice, &
+                            gather_whole
+  use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
+                          gauges_integers, history_columns, history_t, units_text
+  use sgmp_kinds, only: dp, i8
+  use sgmp_model, only: model_t
+  use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_sum
+  use sgmp_particle_table, only: particle_table_write
+  use sgmp_scene, only: name_length, scene_t
+  use sgmp_snapshot, only: snapshot_t
+  use sgmp_tecplot, only: tecplot_t
+  use sgmp_vtkhdf, only: vtkhdf_t
+  use sgmp_vtu, only: vtu_series_t
+  implicit none
+  private
+  public :: outputs_t, outputs_open, outputs_step, outputs_close, outputs_flush, &
+            outputs_next_time, outputs_stop
+
+  !> Writers and their schedules.
+  type :: outputs_t
+    character(:), allocatable :: folder
+    type(history_t) :: history, bodies, gauges
+    type(contact_rows_t) :: contact
+    type(vtu_series_t) :: vtu
+    type(tecplot_t) :: tecplot
+    type(vtkhdf_t) :: vtkhdf
+    character(name_length), allocatable :: fields(:)
+    real(dp), allocatable :: initial(:, :)  !! initial positions by id, where a field needs them
+    integer, allocatable :: gauge_ids(:)
+    integer :: dumps = 0                           !! dumps written
+    integer :: history_rows = 0                    !! rows due by time that have been written
+    integer :: last_dump_step = -1
+    integer :: last_row_step = -1
+    real(dp) :: last_dump_time = -huge(1.0_dp)
+    real(dp) :: dump_interval = 0.0_dp, row_interval = 0.0_dp  !! that the counts belong to
+  end type outputs_t
+
+contains
+
+  !> Opens the files of a run and writes the initial state; on a restart they are cut back to what
+  !! the checkpoint knows of, and continued.
+  subroutine outputs_open(outputs, scene, model, folder, error, restarted)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: folder
+    type(error_t), allocatable, intent(out) :: error
+    logical, intent(in) :: restarted             !! the counts come from a checkpoint
+    real(dp), allocatable :: time  !! not allocated in a new run: an absent argument below
+    outputs%folder = folder
+    if (restarted) call count_anew(outputs, scene, model)
+    outputs%dump_interval = scene%output%every
+    outputs%row_interval = scene%output%history_every
+    if (parallel_rank() == 0) call open_files(outputs, scene, model, restarted, error)
+    call parallel_agree(error)
+    if (allocated(error)) return
+    allocate (outputs%fields(0))
+    if (allocated(scene%output%fields)) outputs%fields = scene%output%fields
+    if (any(outputs%fields == 'initial_position') .or. any(outputs%fields == 'displacement')) then
+      call gather_initial_positions(scene, model, outputs%initial, error)
+      if (allocated(error)) return
+    end if
+    if (scene%output%vtkhdf) then
+      if (restarted) time = outputs%last_dump_time
+      call outputs%vtkhdf%open(folder//'/particles.vtkhdf', expected_dumps(scene), error, time)
+      if (allocated(error)) return
+    end if
+    if (restarted) return
+    call find_gauges(outputs, scene, model)
+    call outputs_step(outputs, scene, model, .false., error)
+  end subroutine outputs_open
+
+  !> Opens the files, on the first rank.
+  subroutine open_files(outputs, scene, model, restarted, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    logical, intent(in) :: restarted
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: folder
+    folder = outputs%folder
+    call directory_make(folder, error)
+    if (.not. allocated(error)) call open_tables(outputs, scene, model, folder, restarted, error)
+    if (.not. allocated(error)) call open_dumps(outputs, scene, folder, restarted, error)
+  end subroutine open_files
+
+  !> Tables that grow row by row.
+  subroutine open_tables(outputs, scene, model, folder, restarted, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: folder
+    logical, intent(in) :: restarted
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: units
+    integer, allocatable :: step  !! not allocated in a new run: an absent argument below
+    if (restarted) step = outputs%last_row_step
+    units = units_text(trim(scene%units(1)), trim(scene%units(2)), trim(scene%units(3)))
+    call outputs%history%open(folder//'/history.csv', history_columns, units, error, &
+                              keep_to_step=step)
+    if (allocated(error)) return
+    call outputs%bodies%open(folder//'/bodies.csv', bodies_columns, units, error, bodies_integers, &
+                             step)
+    if (allocated(error)) return
+    call contact_rows_open(outputs%contact, model, folder//'/contact.csv', units, error, step)
+    if (allocated(error)) return
+    if (size(scene%gauges) > 0) then
+      call outputs%gauges%open(folder//'/gauges.csv', &
+                               [character(column_length) :: gauges_columns, gauge_fields()], &
+                               units, error, gauges_integers, step)
+    end if
+  end subroutine open_tables
+
+  !> Files of all particles.
+  subroutine open_dumps(outputs, scene, folder, restarted, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    character(*), intent(in) :: folder
+    logical, intent(in) :: restarted
+    type(error_t), allocatable, intent(out) :: error
+    real(dp), allocatable :: time  !! not allocated in a new run: an absent argument below
+    if (restarted) time = outputs%last_dump_time
+    if (scene%output%vtu) call outputs%vtu%open(folder, 'particles', error, time)
+    if (allocated(error)) return
+    if (scene%output%tecplot) then
+      call outputs%tecplot%open(folder//'/particles.dat', scene%title, error, time)
+    end if
+  end subroutine open_dumps
+
+  !> After a change of an interval: the counts of the new one.
+  pure subroutine count_anew(outputs, scene, model)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    if (abs(scene%output%every - outputs%dump_interval) > 0.0_dp) then
+      outputs%dumps = 1
+      if (scene%output%every > 0.0_dp) outputs%dumps = int(model%clock%time/scene%output%every) + 1
+    end if
+    if (abs(scene%output%history_every - outputs%row_interval) > 0.0_dp) then
+      outputs%history_rows = 0
+      if (scene%output%history_every > 0.0_dp) then
+        outputs%history_rows = int(model%clock%time/scene%output%history_every) + 1
+      end if
+    end if
+  end subroutine count_anew
+
+  !> Fields recorded at gauges besides position and velocity.
+  pure function gauge_fields() result(names)
+    character(column_length) :: names(3)
+    names = [character(column_length) :: 'pressure', 'von_mises', 'density']
+  end function gauge_fields
+
+  !> Next time that a step has to land on: a dump, a history row due by time, or the end.
+  pure function outputs_next_time(outputs, scene) result(time)
+    type(outputs_t), intent(in) :: outputs
+    type(scene_t), intent(in) :: scene
+    real(dp) :: time
+    time = huge(1.0_dp)
+    if (scene%time%end > 0.0_dp) time = scene%time%end
+    if (scene%output%every > 0.0_dp .and. writes_dumps(scene)) then
+      time = min(time, outputs%dumps*scene%output%every)
+    end if
+    if (scene%output%history_every > 0.0_dp) then
+      time = min(time, outputs%history_rows*scene%output%history_every)
+    end if
+  end function outputs_next_time
+
+  pure function writes_dumps(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    yes = scene%output%vtkhdf .or. scene%output%vtu .or. scene%output%tecplot
+  end function writes_dumps
+
+  !> Dumps that a run will write, as far as its deck tells.
+  pure function expected_dumps(scene) result(n)
+    type(scene_t), intent(in) :: scene
+    integer :: n
+    integer, parameter :: unknown = 16, most = 1000  ! the file grows where these are too few
+    real(dp) :: intervals
+    n = 2
+    if (scene%output%every <= 0.0_dp) return
+    n = unknown
+    if (scene%time%end <= 0.0_dp .or. scene%time%end >= huge(1.0_dp)) return
+    intervals = scene%time%end/scene%output%every
+    n = 1 + ceiling(min(intervals*(1.0_dp - 1.0e-12_dp), real(most, dp)))
+  end function expected_dumps
+
+  !> Writes what is due at the model's time; at the end everything that has not been written.
+  subroutine outputs_step(outputs, scene, model, at_end, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    logical, intent(in) :: at_end
+    type(error_t), allocatable, intent(out) :: error
+    logical :: due
+    if (scene%output%history_every > 0.0_dp) then
+      due = model%clock%time >= outputs%history_rows*scene%output%history_every
+      if (due) outputs%history_rows = outputs%history_rows + 1
+    else
+      due = mod(model%clock%step, max(1, scene%output%history_steps)) == 0
+    end if
+    if ((due .or. at_end) .and. model%clock%step /= outputs%last_row_step) then
+      call write_rows(outputs, model, error)
+    end if
+    if (allocated(error)) return
+    due = model%clock%step == 0
+    if (scene%output%every > 0.0_dp) due = model%clock%time >= outputs%dumps*scene%output%every
+    if ((due .or. at_end) .and. model%clock%step /= outputs%last_dump_step) then
+      call dump(outputs, scene, model, error)
+    end if
+    if (allocated(error)) return
+    if (at_end .and. scene%output%csv_end) call write_csv(outputs, model, error)
+  end subroutine outputs_step
+
+  !> One row of each history.
+  subroutine write_rows(outputs, model, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    outputs%last_row_step = model%clock%step
+    if (parallel_rank() == 0) call write_sums(outputs, model, error)
+    call parallel_agree(error)
+    if (allocated(error)) return
+    if (size(outputs%gauge_ids) > 0) call write_gauges(outputs, model, error)
+  end subroutine write_rows
+
+  !> Rows of what all ranks know.
+  subroutine write_sums(outputs, model, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    integer :: b
+    associate (l => model%ledger)
+      call outputs%history%write_row( &
+        model%clock%step, [model%clock%time, model%clock%dt, l%kinetic, l%internal, &
+                           ledger_total(l), l%external_work, l%contact_dissipation, &
+                           l%viscous_dissipation, l%interpolation_error, l%remainder, &
+                           l%momentum], error)
+    end associate
+    if (allocated(error)) return
+    do b = 1, size(model%bodies)
+      call outputs%bodies%write_row(model%clock%step, gather_body_row(model, b), error)
+      if (allocated(error)) return
+    end do
+    call contact_rows_write(outputs%contact, model, error)
+  end subroutine write_sums
+
+  !> One dump of the fields.
+  subroutine dump(outputs, scene, model, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    type(snapshot_t) :: snapshot
+    integer(i8) :: before, total
+    outputs%dumps = outputs%dumps + 1
+    outputs%last_dump_step = model%clock%step
+    outputs%last_dump_time = model%clock%time
+    if (.not. writes_dumps(scene)) return
+    if (scene%output%vtkhdf) then
+      call gather_slice(model, outputs%fields, outputs%initial, snapshot, before, total)
+      call outputs%vtkhdf%dump(snapshot, before, total, error)
+      if (allocated(error)) return
+    end if
+    if (.not. (scene%output%vtu .or. scene%output%tecplot)) return
+    call gather_whole(model, outputs%fields, outputs%initial, snapshot)
+    if (parallel_rank() == 0) then
+      if (scene%output%vtu) call outputs%vtu%dump(snapshot, error)
+      if (scene%output%tecplot .and. .not. allocated(error)) then
+        call outputs%tecplot%dump(snapshot, error)
+      end if
+    end if
+    call parallel_agree(error)
+  end subroutine dump
+
+  subroutine write_csv(outputs, model, error)
+    type(outputs_t), intent(in) :: outputs
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    type(snapshot_t) :: snapshot
+    call gather_whole(model, outputs%fields, outputs%initial, snapshot)
+    if (parallel_rank() == 0) then
+      call particle_table_write(outputs%folder//'/particles_end.csv', snapshot, error)
+    end if
+    call parallel_agree(error)
+  end subroutine write_csv
+
+  !> The particle nearest to each gauge at the start.
+  subroutine find_gauges(outputs, scene, model)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(snapshot_t) :: snapshot
+    character(name_length) :: none(0)
+    integer :: g, nearest
+    allocate (outputs%gauge_ids(size(scene%gauges)))
+    if (size(scene%gauges) == 0) return
+    call gather_whole(model, none, outputs%initial, snapshot)
+    if (parallel_rank() == 0) then
+      do g = 1, size(scene%gauges)
+        nearest = minloc(distance2(snapshot%position, scene%gauges(g)%point, model%mesh%ndim), 1)
+        outputs%gauge_ids(g) = snapshot%id(nearest)
+      end do
+    else
+      outputs%gauge_ids = 0
+    end if
+    outputs%gauge_ids = int(parallel_sum(int(outputs%gauge_ids, i8)))
+  end subroutine find_gauges
+
+  pure function distance2(position, point, ndim) result(d)
+    real(dp), intent(in) :: position(:, :), point(3)
+    integer, intent(in) :: ndim
+    real(dp) :: d(size(position, 2))
+    integer :: p
+    do p = 1, size(d)
+      d(p) = sum((position(:ndim, p) - point(:ndim))**2)
+    end do
+  end function distance2
+
+  !> One row per gauge.
+  subroutine write_gauges(outputs, model, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    type(snapshot_t) :: snapshot
+    real(dp), allocatable :: values(:)
+    integer :: g, p, f
+    call gather_whole(model, gauge_fields(), outputs%initial, snapshot, outputs%gauge_ids)
+    do g = 1, merge(size(outputs%gauge_ids), 0, parallel_rank() == 0)
+      p = findloc(snapshot%id, outputs%gauge_ids(g), 1)
+      if (p == 0) cycle
+      values = [(snapshot%fields(f)%values(1, p), f=1, size(snapshot%fields))]
+      call outputs%gauges%write_row( &
+        model%clock%step, [model%clock%time, real(g, dp), real(outputs%gauge_ids(g), dp), &
+                           snapshot%position(:, p), snapshot%velocity(:, p), values], error)
+      if (allocated(error)) exit
+    end do
+    call parallel_agree(error)
+  end subroutine write_gauges
+
+  !> Makes all rows written so far safe on the disk, as far as a checkpoint counts on them.
+  subroutine outputs_flush(outputs, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(error_t), allocatable, intent(out) :: error
+    call outputs%history%flush(error, .true.)
+    if (.not. allocated(error)) call outputs%bodies%flush(error, .true.)
+    if (.not. allocated(error)) call outputs%contact%file%flush(error, .true.)
+    if (.not. allocated(error)) call outputs%gauges%flush(error, .true.)
+  end subroutine outputs_flush
+
+  !> Writes the final state and closes all files.
+  subroutine outputs_close(outputs, scene, model, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    type(snapshot_t) :: snapshot
+    call outputs_step(outputs, scene, model, .true., error)
+    if (allocated(error)) return
+    if (outputs%vtkhdf%has_room()) then
+      call gather_whole(model, outputs%fields, outputs%initial, snapshot)
+      call outputs%vtkhdf%trim(snapshot, error)
+      if (allocated(error)) return
+    end if
+    if (parallel_rank() == 0) call outputs_stop(outputs, error)
+    call parallel_agree(error)
+  end subroutine outputs_close
+
+  !> Closes all files as they are, to be continued.
+  subroutine outputs_stop(outputs, error)
+    type(outputs_t), intent(inout) :: outputs
+    type(error_t), allocatable, intent(out) :: error
+    call outputs%history%close(error)
+    if (allocated(error)) return
+    call outputs%bodies%close(error)
+    if (allocated(error)) return
+    if (outputs%contact%file%is_open()) call outputs%contact%file%close(error)
+    if (allocated(error)) return
+    if (outputs%gauges%is_open()) call outputs%gauges%close(error)
+    if (allocated(error)) return
+    call outputs%tecplot%close(error)
+  end subroutine outputs_stop
+
+end module sgmp_outputs

@@ -1,0 +1,120 @@
+!> The bill of materials of a scene (`--check`): what is solved, what is stored and why, what it
+!! will cost.
+module sgmp_cost_estimate
+  use, intrinsic :: iso_fortran_env, only: output_unit
+  use sgmp_body, only: body_t
+  use sgmp_constitutive, only: slots_t
+  use sgmp_field, only: field_bytes
+  use sgmp_kernels, only: method_names
+  use sgmp_kinds, only: dp, i8
+  use sgmp_material_kinds, only: material_names
+  use sgmp_model, only: model_t
+  use sgmp_particles, only: particles_bytes
+  use sgmp_rows, only: rows_points
+  use sgmp_scene, only: scene_t, update_names
+  use sgmp_text, only: integer_text, real_text
+  use sgmp_time_step, only: clock_choose, clock_t, limit_names
+  implicit none
+  private
+  public :: cost_estimate_write
+
+contains
+
+  !> Writes the bill to the terminal.
+  subroutine cost_estimate_write(scene, model)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer(i8) :: bytes, particles
+    integer :: b
+    call put('deck        '//scene%file//': '//scene%title)
+    call put('dimension   '//integer_text(scene%dimension)// &
+             trim(merge(' (plane strain)', '               ', scene%dimension == 2)))
+    call put('method      '//trim(method_names(scene%method%kind))//', '// &
+             trim(update_names(scene%method%update)))
+    call put('grid        cell '//real_text(model%mesh%h)//', active points '// &
+             integer_text(sum(rows_points(model%fields%work)))//' (stored '// &
+             integer_text(sum(model%fields%points))//'), '// &
+             integer_text(model%fields(1)%nmoment + 2*model%mesh%ndim + 1)//' values each, '// &
+             bytes_text(sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])))
+    bytes = sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])
+    particles = 0_i8
+    do b = 1, size(model%bodies)
+      call put_body(scene, model, b)
+      bytes = bytes + particles_bytes(model%bodies(b)%particles)
+      particles = particles + int(model%bodies(b)%particles%count, i8)
+    end do
+    call put('memory      '//bytes_text(bytes)//' for '//integer_text(particles)//' particles: '// &
+             real_text(real(bytes, dp)/real(max(particles, 1_i8), dp))// &
+             ' bytes per particle, grid included')
+    call put_time(scene, model, particles)
+  end subroutine cost_estimate_write
+
+  subroutine put_body(scene, model, b)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    associate (body => model%bodies(b), material => scene%materials(scene%bodies(b)%material))
+      call put('body        '//trim(body%name)//': '//integer_text(body%particles%count)// &
+               ' particles of '//trim(material%name)//' ('//trim(material_names(material%kind))// &
+               '), '//bytes_text(particles_bytes(body%particles)))
+      call put('  stored    position, velocity, mass, volume and id (always)')
+      call put_slots(body%law%slots)
+    end associate
+  end subroutine put_body
+
+  !> Fields of the second stream with the card that asked for them.
+  subroutine put_slots(slots)
+    type(slots_t), intent(in) :: slots
+    call put_slot(slots%stress, integer_text(slots%stresses)// &
+                  ' stress components (dimension, material)')
+    call put_slot(slots%plastic, 'plastic strain (material)')
+    call put_slot(slots%temperature, 'temperature (material with thermal softening)')
+    call put_slot(slots%damage, 'damage (failure)')
+    call put_slot(slots%energy, 'internal energy (eos)')
+    call put_slot(slots%lighting, 'lighting time (explosive, detonation)')
+    call put_slot(slots%deformation, 'deformation gradient (neo-Hookean material)')
+    call put_slot(slots%stretch, 'diagonal of the deformation gradient (method cpgimp)')
+    call put_slot(slots%initial, 'initial position (bodyforce that uses it)')
+  end subroutine put_slots
+
+  subroutine put_slot(column, text)
+    integer, intent(in) :: column
+    character(*), intent(in) :: text
+    if (column > 0) call put('            '//text)
+  end subroutine put_slot
+
+  !> First step, what limits it, how many there will be, and how long they may take.
+  subroutine put_time(scene, model, particles)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer(i8), intent(in) :: particles
+    type(clock_t) :: clock
+    logical :: ok
+    real(dp) :: steps
+    clock = model%clock
+    call clock_choose(clock, model%mesh%h, model%fastest, huge(1.0_dp), ok)
+    call put('time step   '//real_text(clock%dt)//' ('//trim(limit_names(clock%limited_by))// &
+             ', c + |v| = '//real_text(model%fastest)//' at particle '// &
+             integer_text(model%fastest_id)//')')
+    steps = real(scene%time%steps, dp)
+    if (scene%time%end < steps*clock%dt) steps = scene%time%end/clock%dt  ! huge if not given
+    call put('steps       about '//real_text(steps)//', '// &
+             real_text(1.0e-7_dp*steps*real(particles, dp)/model%threads)// &
+             ' s at 100 ns per particle-step on '//integer_text(model%threads)//' threads')
+  end subroutine put_time
+
+  subroutine put(text)
+    character(*), intent(in) :: text
+    write (output_unit, '(a)') text
+  end subroutine put
+
+  pure function bytes_text(bytes) result(text)
+    integer(i8), intent(in) :: bytes
+    character(:), allocatable :: text
+    character(24) :: buffer
+    write (buffer, '(f0.3)') real(bytes, dp)/1048576.0_dp
+    if (buffer(1:1) == '.') buffer = '0'//buffer
+    text = trim(buffer)//' MiB'
+  end function bytes_text
+
+end module sgmp_cost_estimate

@@ -1,0 +1,311 @@
+!> A run: time loop, guards, output, log and summary.
+module sgmp_simulation
+  use sgmp_balancing, only: balancing_look
+  use sgmp_body, only: body_number
+  use sgmp_build_model, only: model_build
+  use sgmp_checkpoint, only: checkpoint_bytes, checkpoint_path, checkpoint_set_aside, &
+                             checkpoint_write
+  use sgmp_command_line, only: command_line_t
+  use sgmp_cost_estimate, only: cost_estimate_write
+  use sgmp_energy, only: ledger_total
+  use sgmp_errors, only: error_make, error_t, exit_io, exit_numerical, exit_stopped
+  use sgmp_file_tools, only: directory_make
+  use sgmp_kinds, only: dp, i8
+  use sgmp_model, only: model_t
+  use sgmp_outputs, only: outputs_close, outputs_flush, outputs_next_time, outputs_open, &
+                          outputs_step, outputs_stop, outputs_t
+  use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_ranks
+  use sgmp_report, only: effort_share, effort_t, report_balance, report_banner, report_courant, &
+                         report_end, report_fraction, report_level, report_remaining, report_row, &
+                         report_start, summary_write
+  use sgmp_restart, only: restart_find, restart_read
+  use sgmp_run_log, only: log_t
+  use sgmp_scene, only: scene_t
+  use sgmp_stability, only: stability_choose
+  use sgmp_step, only: step_take
+  use sgmp_stopping, only: stopping_t
+  use sgmp_text, only: integer_text, real_text
+  use sgmp_time_step, only: clock_advance, clock_choose
+  use sgmp_timers, only: phase_output, phase_probe, timers_start, timers_stop, timers_t, wall_time
+  implicit none
+  private
+  public :: simulation_run, simulation_check
+
+contains
+
+  !> Prints what a scene will cost, and runs nothing.
+  subroutine simulation_check(scene, threads, error)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: threads
+    type(error_t), allocatable, intent(out) :: error
+    type(model_t), allocatable :: model
+    allocate (model)
+    call model_build(scene, threads, model, error)
+    call parallel_agree(error)
+    if (allocated(error)) return
+    call stability_choose(model)
+    if (model%partition%rank == 0) call cost_estimate_write(scene, model)
+  end subroutine simulation_check
+
+  !> Runs a scene from its initial state, or a checkpoint, to its end.
+  subroutine simulation_run(scene, options, threads, folder, error)
+    type(scene_t), intent(in) :: scene
+    type(command_line_t), intent(in) :: options
+    integer, intent(in) :: threads
+    character(*), intent(in) :: folder           !! where the files go
+    type(error_t), allocatable, intent(out) :: error
+    type(model_t), allocatable :: model
+    type(outputs_t), allocatable :: outputs
+    type(log_t) :: log
+    type(error_t), allocatable :: problem
+    type(effort_t) :: effort
+    type(stopping_t) :: stopping
+    real(dp) :: started, solving
+    started = wall_time()
+    effort%threads = threads
+    allocate (model, outputs)
+    call open_log(log, folder, options, error)
+    if (allocated(error)) return
+    call report_banner(log, scene, threads)
+    call begin(scene, options, threads, folder, log, model, outputs, effort, error)
+    call parallel_agree(error)
+    if (allocated(error)) return
+    call report_start(log, scene, model)
+    call stopping%start(started, options%time_limit, scene%checkpoint, folder, &
+                        real(checkpoint_bytes(model), dp))
+    model%timers = timers_t()
+    solving = wall_time()
+    call time_loop(scene, model, outputs, log, stopping, effort, error)
+    effort%solving = wall_time() - solving - model%timers%seconds(phase_output)
+    if (allocated(error)) then
+      if (any(error%code == [exit_stopped, exit_io])) then
+        if (parallel_rank() == 0) call outputs_stop(outputs, problem)
+        call parallel_agree(problem)
+      else
+        call outputs_close(outputs, scene, model, problem)
+      end if
+    else
+      call outputs_close(outputs, scene, model, problem)
+    end if
+    if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
+    effort%wall = wall_time() - started
+    call effort_share(effort, model)
+    call report_end(log, model, effort, error)
+    call summary_write(scene, model, effort, folder//'/summary.json', error)
+    call log%close(problem)
+    if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
+  end subroutine simulation_run
+
+  !> Makes the folder and the log in it, on the first rank.
+  subroutine open_log(log, folder, options, error)
+    type(log_t), intent(inout) :: log
+    character(*), intent(in) :: folder
+    type(command_line_t), intent(in) :: options
+    type(error_t), allocatable, intent(out) :: error
+    if (parallel_rank() == 0) then
+      call directory_make(folder, error)
+      if (.not. allocated(error)) then
+        call log%open(folder//'/run.log', report_level(options), error, options%restart /= '')
+      end if
+    end if
+    call parallel_agree(error)
+  end subroutine open_log
+
+  !> The model and the files as they are at the start: new, or from the checkpoint asked for.
+  subroutine begin(scene, options, threads, folder, log, model, outputs, effort, error)
+    type(scene_t), intent(in) :: scene
+    type(command_line_t), intent(in) :: options
+    integer, intent(in) :: threads
+    character(*), intent(in) :: folder
+    type(log_t), intent(inout) :: log
+    type(model_t), intent(out) :: model
+    type(outputs_t), intent(inout) :: outputs
+    type(effort_t), intent(inout) :: effort
+    type(error_t), allocatable, intent(out) :: error
+    real(dp) :: started
+    started = wall_time()
+    effort%restart = ''
+    if (options%restart /= '') then
+      call restart_find(options%restart, folder, log, effort%restart, error)
+      if (allocated(error)) return
+      if (effort%restart == '') call log%warning("no checkpoint in '"//folder// &
+                                                 "': starting from the beginning")
+    end if
+    if (effort%restart == '') then
+      call model_build(scene, threads, model, error)
+      call parallel_agree(error)
+      if (.not. allocated(error)) call checkpoint_set_aside(folder, -1_i8, error)
+    else
+      call restart_read(effort%restart, scene, threads, model, outputs, &
+                        effort%earlier_particle_steps, error)
+      if (allocated(error)) return
+      call checkpoint_set_aside(folder, int(model%clock%step, i8), error)
+      call log%line("restarted from '"//effort%restart//"': step "// &
+                    integer_text(model%clock%step)//', time '//real_text(model%clock%time)//', '// &
+                    real_text(wall_time() - started)//' s')
+    end if
+    if (allocated(error)) return
+    call outputs_open(outputs, scene, model, folder, error, effort%restart /= '')
+  end subroutine begin
+
+  !> Steps until the end, a stop condition, a stop that was asked for, or a failure.
+  subroutine time_loop(scene, model, outputs, log, stopping, effort, error)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(inout) :: model
+    type(outputs_t), intent(inout) :: outputs
+    type(log_t), intent(inout) :: log
+    type(stopping_t), intent(inout) :: stopping
+    type(effort_t), intent(inout) :: effort
+    type(error_t), allocatable, intent(out) :: error
+    real(dp) :: target, started, shown, before
+    logical :: ok, last
+    started = wall_time()
+    before = report_fraction(scene, model)
+    shown = started - 1.0e9_dp
+    do while (.not. finished(scene, model))
+      target = outputs_next_time(outputs, scene)
+      call look_ahead(scene, model, log)
+      call clock_choose(model%clock, model%mesh%h, model%fastest, target, ok)
+      if (.not. ok) then
+        call step_too_small(scene, model, error)
+        return
+      end if
+      call step_take(model)
+      call clock_advance(model%clock, target)
+      effort%particle_steps = effort%particle_steps + sum(model%counts)
+      call guard(scene, model)
+      if (allocated(model%failure)) then
+        call move_alloc(model%failure, error)
+        return
+      end if
+      call timers_start(model%timers)
+      call outputs_step(outputs, scene, model, .false., error)
+      if (allocated(error)) return
+      if (wall_time() - shown > 5.0_dp) then
+        shown = wall_time()
+        call log%step_row(report_row(scene, model, shown - started, before))
+      end if
+      call log%progress(report_fraction(scene, model), model%clock%step, model%clock%time, &
+                        report_remaining(scene, model, wall_time() - started, before))
+      last = finished(scene, model)
+      if (stopping%look(model%clock%step) .or. (last .and. wants_checkpoints(scene))) then
+        call save(scene, model, outputs, log, stopping, effort, error)
+        if (allocated(error)) return
+      end if
+      call timers_stop(model%timers, phase_output)
+      if (stopping%stops() .and. .not. last) then
+        call error_make(error, exit_stopped, 'stopped by '//stopping%reason()//' in step '// &
+                        integer_text(model%clock%step), 'go on with --restart latest')
+        return
+      end if
+    end do
+    call log%step_row(report_row(scene, model, wall_time() - started, before))
+  end subroutine time_loop
+
+  !> Before a step: who does which part of it, and how long it may be.
+  subroutine look_ahead(scene, model, log)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(inout) :: model
+    type(log_t), intent(inout) :: log
+    logical :: found
+    call balancing_look(model, scene%balance, found)
+    if (found) call log%line(report_balance(model))
+    call timers_start(model%timers)
+    call stability_choose(model, found)
+    if (found) call log%line(report_courant(model))
+    call timers_stop(model%timers, phase_probe)
+  end subroutine look_ahead
+
+  pure function wants_checkpoints(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    yes = scene%checkpoint%every > 0 .or. scene%checkpoint%minutes > 0.0_dp
+  end function wants_checkpoints
+
+  !> Writes a checkpoint, with all that it counts on in the other files.
+  subroutine save(scene, model, outputs, log, stopping, effort, error)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(inout) :: model
+    type(outputs_t), intent(inout) :: outputs
+    type(log_t), intent(inout) :: log
+    type(stopping_t), intent(inout) :: stopping
+    type(effort_t), intent(inout) :: effort
+    type(error_t), allocatable, intent(out) :: error
+    integer(i8) :: particle_steps
+    real(dp) :: started
+    started = wall_time()
+    particle_steps = effort%earlier_particle_steps + effort%particle_steps
+    call outputs_flush(outputs, error)
+    call parallel_agree(error)
+    if (.not. allocated(error)) call checkpoint_write(scene, model, outputs, particle_steps, &
+                                                      outputs%folder, error)
+    if (allocated(error)) return
+    call stopping%written(wall_time() - started)
+    call log%line('checkpoint of step '//integer_text(model%clock%step)//' at time '// &
+                  real_text(model%clock%time)//', '//real_text(wall_time() - started)//' s')
+  end subroutine save
+
+  !> Whether the run has reached its end.
+  pure function finished(scene, model) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    logical :: yes
+    yes = model%clock%step >= scene%time%steps
+    if (scene%time%end > 0.0_dp) then
+      yes = yes .or. model%clock%time >= scene%time%end*(1.0_dp - 1.0e-12_dp)
+    end if
+    if (model%clock%step > 0 .and. scene%stop%kinetic_below > 0.0_dp) then
+      yes = yes .or. model%ledger%kinetic < scene%stop%kinetic_below*model%ledger%largest_kinetic
+    end if
+    yes = yes .or. sum(model%counts) == 0_i8
+  end function finished
+
+  !> Energy growth beyond the deck's limit, or beyond all sense, is a failure.
+  subroutine guard(scene, model)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(inout) :: model
+    real(dp) :: total, reference
+    if (allocated(model%failure)) return
+    total = ledger_total(model%ledger)
+    reference = max(abs(model%ledger%initial_total), abs(model%ledger%external_work))
+    if (total /= total) then
+      call error_make(model%failure, exit_numerical, 'the total energy is not a number in step '// &
+                      integer_text(model%clock%step), &
+                      'reduce cfl; the last dump shows where it started')
+    else if (reference > 0.0_dp .and. total/scene%stop%energy_growth > reference) then
+      call error_make(model%failure, exit_numerical, 'the total energy has grown to '// &
+                      real_text(total/reference)//' times its reference in step '// &
+                      integer_text(model%clock%step)//' at time '// &
+                      real_text(model%clock%time)//'; the fastest is '// &
+                      fastest_particle(scene, model), &
+                      'reduce cfl (now '//real_text(model%clock%cfl)// &
+                      '), or raise `stop energy_growth`')
+    end if
+  end subroutine guard
+
+  !> The failure of a step below the lower bound, with what limits it.
+  subroutine step_too_small(scene, model, error)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    call error_make(error, exit_numerical, 'the time step '//real_text(model%clock%dt_free)// &
+                    ' is below its minimum '//real_text(model%clock%smallest)//' in step '// &
+                    integer_text(model%clock%step + 1)//'; '//fastest_particle(scene, model)// &
+                    ' limits it with c + |v| = '// &
+                    real_text(model%fastest), &
+                    'look at that particle in the last dump; lower `time dt_min` if so small a '// &
+                    'step is meant')
+  end subroutine step_too_small
+
+  !> The fastest particle, with its body and material.
+  pure function fastest_particle(scene, model) result(text)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    character(:), allocatable :: text
+    integer :: b
+    b = body_number(model%bodies, model%fastest_id)
+    text = 'particle '//integer_text(model%fastest_id)//' of body '//trim(model%bodies(b)%name)// &
+           ' ('//trim(scene%materials(scene%bodies(b)%material)%name)//')'
+  end function fastest_particle
+
+end module sgmp_simulation

@@ -1,0 +1,160 @@
+!> From the cards `contact` and `rigid` to pairs of bodies and the fields that they need.
+module sgmp_build_contact
+  use sgmp_body, only: body_t
+  use sgmp_constitutive, only: slots_t
+  use sgmp_contact, only: normal_first, normal_second, normal_stiffer
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_model, only: model_t
+  use sgmp_scene, only: body_card_t, contact_card_t, layout_file, scene_t
+  use sgmp_seeding, only: seeding_turned
+  use sgmp_shapes, only: surface_depth
+  use sgmp_shared_nodes, only: contact_pair_t
+  implicit none
+  private
+  public :: contact_pairs, contact_fields, contact_add_slot, contact_fill_slot, contact_no_surface
+
+  !> Surface offset (cells) of particles that are never outermost: too far out, deep inside, unused
+  !! lanes.
+  real(dp), parameter :: contact_no_surface = -1.0e3_dp
+  real(dp), parameter :: outside = 0.05_dp   !! part of the spacing by which a particle may lie out
+  real(dp), parameter :: near = 0.75_dp      !! see contact_pair_t, in spacings; at least 0.71 in 3D
+  real(dp), parameter :: interior = 0.95_dp  !! particles with a larger offset never are outermost
+
+contains
+
+  !> Lists the pairs of bodies that a card speaks of, and gives each of those bodies a field of its
+  !! own.
+  subroutine contact_pairs(scene, model)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(inout) :: model
+    type(contact_pair_t) :: pair
+    integer :: a, b, card, fields, p
+    logical :: own(size(model%bodies))
+    allocate (model%pairs(0))
+    do a = 1, size(model%bodies)
+      do b = a + 1, size(model%bodies)
+        if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
+        card = best_card(scene%contacts, a, b)
+        if (card == 0) cycle
+        pair = make_pair(scene%contacts(card), a, b, model)
+        model%pairs = [model%pairs, pair]
+      end do
+    end do
+    own = model%bodies%rigid
+    do p = 1, size(model%pairs)
+      own(model%pairs(p)%body) = .true.
+    end do
+    fields = merge(0, 1, all(own))
+    do b = 1, size(model%bodies)
+      model%bodies(b)%field = 1
+      if (.not. own(b)) cycle
+      fields = fields + 1
+      model%bodies(b)%field = fields
+    end do
+    do p = 1, size(model%pairs)
+      model%pairs(p)%field = model%bodies(model%pairs(p)%body)%field
+    end do
+  end subroutine contact_pairs
+
+  !> Adds the column of the surface offset to a body that a contact card speaks of.
+  pure subroutine contact_add_slot(scene, number, slots)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: number
+    type(slots_t), intent(inout) :: slots
+    integer :: c
+    do c = 1, size(scene%contacts)
+      if (.not. any(scene%contacts(c)%body == number .or. scene%contacts(c)%body == 0)) cycle
+      slots%total = slots%total + 1
+      slots%surface = slots%total
+      return
+    end do
+  end subroutine contact_add_slot
+
+  !> Fills it: how much farther than half a spacing a particle is from its body's surface (cells). A
+  !! ball of that radius around every particle makes up the body less half a spacing, of whatever
+  !! shape it is and however the lattice lies in it.
+  pure subroutine contact_fill_slot(card, mesh, body)
+    type(body_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    integer :: c, l, n
+    real(dp) :: x(3), offset
+    if (body%law%slots%surface == 0) return
+    n = mesh%ndim
+    do c = 1, body%particles%chunks
+      do l = 1, lanes
+        if (body%particles%id(l, c) == 0) cycle
+        offset = 0.0_dp  ! particles from a file: the surface is half a spacing away
+        if (card%layout /= layout_file) then
+          x = 0.0_dp
+          x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%a(l, :n, c))
+          offset = surface_depth(card%shapes, seeding_turned(card, x, -1), n)/body%spacing - 0.5_dp
+        end if
+        if (offset < -outside .or. offset > interior) then
+          offset = contact_no_surface
+        else
+          offset = max(offset, 0.0_dp)*body%spacing*mesh%inverse_h
+        end if
+        body%particles%b(l, body%law%slots%surface, c) = offset
+      end do
+    end do
+  end subroutine contact_fill_slot
+
+  !> Number of velocity fields.
+  pure function contact_fields(model) result(fields)
+    type(model_t), intent(in) :: model
+    integer :: fields
+    fields = maxval(model%bodies%field)
+  end function contact_fields
+
+  !> The card that names most of two bodies, 0 if none speaks of them; of equals the first.
+  pure function best_card(cards, a, b) result(best)
+    type(contact_card_t), intent(in) :: cards(:)
+    integer, intent(in) :: a, b
+    integer :: best, c, names, most
+    best = 0
+    most = -1
+    do c = 1, size(cards)
+      if (.not. all(cards(c)%body == 0 .or. cards(c)%body == a .or. cards(c)%body == b)) cycle
+      names = count(cards(c)%body > 0)
+      if (names <= most) cycle
+      most = names
+      best = c
+    end do
+  end function best_card
+
+  !> A pair in the order of its card, so that `first` and `second` mean what the card says.
+  pure function make_pair(card, a, b, model) result(pair)
+    type(contact_card_t), intent(in) :: card
+    integer, intent(in) :: a, b
+    type(model_t), intent(in) :: model
+    type(contact_pair_t) :: pair
+    pair%body = [a, b]
+    if (card%body(1) == b .or. card%body(2) == a) pair%body = [b, a]
+    pair%friction = card%friction
+    pair%lambda = card%lambda
+    if (pair%lambda <= 0.0_dp) then
+      pair%lambda = 0.5_dp*sum(model%bodies(pair%body)%spacing)/model%mesh%h
+    end if
+    pair%near = near*maxval(model%bodies(pair%body)%spacing)/model%mesh%h
+    pair%depth = card%depth
+    pair%normal = card%normal
+    if (pair%normal == normal_stiffer) then
+      pair%normal = merge(normal_first, normal_second, &
+                          stiffness(model, pair%body(1)) >= stiffness(model, pair%body(2)))
+    end if
+  end function make_pair
+
+  !> Stiffness that the option normal=stiffer compares.
+  pure function stiffness(model, b) result(k)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    real(dp) :: k
+    associate (law => model%bodies(b)%law)
+      k = law%elastic%bulk
+      if (law%rigid) k = huge(1.0_dp)
+    end associate
+  end function stiffness
+
+end module sgmp_build_contact

@@ -1,0 +1,444 @@
+!> From the validated description of a scene to a model ready for its first step.
+module sgmp_build_model
+  use sgmp_body, only: body_t
+  use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
+                                contact_no_surface, contact_pairs
+  use sgmp_burn, only: burn_lighting_time, burn_source_t
+  use sgmp_constitutive, only: constitutive_t, slots_make
+  use sgmp_energy, only: ledger_open
+  use sgmp_eos_gruneisen, only: gruneisen_init
+  use sgmp_eos_jwl, only: jwl_init
+  use sgmp_errors, only: error_t
+  use sgmp_field, only: field_init
+  use sgmp_field_sweep, only: field_slabs
+  use sgmp_first_partition, only: partition_first, partition_slab
+  use sgmp_kernels, only: kernel_gimp, kernel_mpm, kernel_sgmp, method_cpgimp, method_gimp, &
+                          method_mpm, method_sgmp
+  use sgmp_kinds, only: dp, i4, lanes
+  use sgmp_material_elastic, only: elastic_init
+  use sgmp_material_j2, only: j2_init, j2_linear, j2_perfect, j2_power
+  use sgmp_material_jc, only: jc_init, jc_set_failure, jc_set_thermal
+  use sgmp_material_kinds, only: eos_gruneisen, eos_jwl, eos_none, hardening_linear, &
+                                 hardening_perfect, material_elastic, material_explosive, &
+                                 material_j2, material_johnson_cook, material_neo_hookean
+  use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t, stencil_shift
+  use sgmp_model, only: body_sums_t, model_t
+  use sgmp_movers, only: movers_reset
+  use sgmp_parallel, only: parallel_agree, parallel_exact_sums, parallel_max, parallel_rank, &
+                           parallel_ranks
+  use sgmp_particles, only: particles_fill
+  use sgmp_partition, only: partition_make
+  use sgmp_phases, only: phase_layout
+  use sgmp_ranks, only: ranks_hold, ranks_renew_bins
+  use sgmp_scene, only: body_card_t, material_card_t, scene_at_rest, scene_t
+  use sgmp_seeding, only: seeding_check_overlap, seeding_generate, survey_t
+  use sgmp_step, only: step_start
+  implicit none
+  private
+  public :: model_build
+
+  integer, parameter :: body_terms = 9  !! of the initial sums over a body
+
+contains
+
+  !> Builds bodies, fields and clock, and takes the first projection.
+  subroutine model_build(scene, threads, model, error, empty)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: threads               !! OpenMP threads to use
+    type(model_t), intent(out) :: model
+    type(error_t), allocatable, intent(out) :: error
+    logical, intent(in), optional :: empty  !! without particles, which a restart brings
+    type(survey_t), allocatable :: surveys(:)
+    integer :: b, kernel
+    integer(i4) :: next_id
+    real(dp) :: heaviest
+    logical :: seeded
+    seeded = .true.
+    if (present(empty)) seeded = .not. empty
+    model%mesh = mesh_make(scene%dimension, scene%grid%cell, scene%grid%lower, scene%grid%upper, &
+                           scene%grid%open, scene%grid%wall)
+    model%threads = merge(1, threads, scene%dimension == 1)
+    model%update = scene%method%update
+    model%flip = scene%method%flip
+    model%gravity = scene%gravity
+    model%normalised = scene%method%normalised
+    model%interior = scene%method%interior
+    model%spins = spin_components(scene)
+    model%lost_policy = scene%grid%lost
+    kernel = kernel_of(scene%method%kind)
+    allocate (model%bodies(size(scene%bodies)), model%body_sums(size(scene%bodies)))
+    call partition_make(model%partition, model%mesh, kernel, model%normalised, &
+      model%mesh%ndim > 1, &
+                    parallel_rank(), parallel_ranks())
+    if (seeded) then
+      call partition_first(scene, model, kernel, surveys, error)
+      if (allocated(error)) return
+    else
+      allocate (surveys(size(scene%bodies)))
+    end if
+    next_id = 1
+    heaviest = 0.0_dp
+    do b = 1, size(scene%bodies)
+      call build_body(scene, b, model, kernel, next_id, seeded, surveys, model%bodies(b), error)
+      call parallel_agree(error)
+      if (allocated(error)) return
+      if (model%partition%ranks > 1 .and. seeded) then
+        next_id = next_id + sum(surveys(b)%points)
+      else
+        next_id = next_id + model%bodies(b)%particles%count
+      end if
+      if (model%bodies(b)%rigid) cycle
+      associate (particles => model%bodies(b)%particles)
+        heaviest = max(heaviest, maxval(particles%a(:, particles%na, :particles%chunks), &
+                                        mask=particles%id(:, :particles%chunks) > 0))
+      end associate
+    end do
+    model%cutoff = scene%method%mass_cutoff*parallel_max(heaviest)
+    call contact_pairs(scene, model)
+    call build_fields(model, kernel)
+    call build_clock(scene, model)
+    if (.not. seeded) return
+    call step_start(model)
+    call open_ledger(model)
+  end subroutine model_build
+
+  !> The transfer that a method uses.
+  pure function kernel_of(method) result(kernel)
+    integer, intent(in) :: method
+    integer :: kernel
+    select case (method)
+    case (method_mpm)
+      kernel = kernel_mpm
+    case (method_gimp, method_cpgimp)
+      kernel = kernel_gimp
+    case default
+      kernel = kernel_sgmp
+    end select
+  end function kernel_of
+
+  !> Stress components stored in each dimension.
+  pure function stress_count(ndim) result(n)
+    integer, intent(in) :: ndim
+    integer :: n
+    n = ndim + 2 + merge(1, 0, ndim == 3)
+  end function stress_count
+
+  subroutine build_body(scene, number, model, kernel, first_id, seeded, surveys, body, error)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: number, kernel
+    type(model_t), intent(in) :: model
+    integer(i4), intent(in) :: first_id
+    logical, intent(in) :: seeded
+    type(survey_t), intent(in) :: surveys(:)     !! (bodies), where there are several ranks
+    type(body_t), intent(out) :: body
+    type(error_t), allocatable, intent(out) :: error
+    real(dp), allocatable :: x(:, :), volume(:), file_velocity(:, :)
+    integer(i4), allocatable :: ids(:)
+    integer :: d
+    associate (card => scene%bodies(number), mesh => model%mesh, &
+               material => scene%materials(scene%bodies(number)%material))
+      if (.not. seeded) then
+        allocate (x(3, 0), volume(0))
+      else if (model%partition%ranks > 1) then
+        call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, &
+                              file_velocity, partition_slab(model, kernel), surveys(number), ids)
+      else
+        call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, &
+                              file_velocity)
+      end if
+      if (seeded .and. .not. allocated(error)) then
+        call seeding_check_overlap(scene%bodies, number, x, mesh%ndim, error)
+      end if
+      if (allocated(error)) return
+      body%name = card%name
+      body%first_id = first_id
+      body%spacing = card%spacing
+      if (body%spacing <= 0.0_dp) body%spacing = scene%grid%cell/card%ppc
+      body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
+      call attach_force(scene, number, body)
+      body%rigid = card%rigid
+      if (body%rigid) then
+        body%motion = card%motion
+        body%at_rest = scene_at_rest(card)
+        do d = 1, mesh%ndim
+          body%speed(d) = body%motion(d)%evaluate(spread(0.0_dp, 1, 3), spread(0.0_dp, 1, 3), &
+                                                  0.0_dp)
+        end do
+      end if
+      call make_law(scene, material, mesh, needs_initial(body), body%law)
+      body%law%rigid = body%rigid
+      call contact_add_slot(scene, number, body%law%slots)
+      do d = 1, mesh%ndim
+        x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
+      end do
+      call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, material%density, &
+                          volume, first_history(card, material, body%law, mesh%ndim), first_id, &
+                          ids)
+      call ranks_hold(model%partition, body%particles)
+      call set_velocities(card, mesh, file_velocity, body)
+      call fill_positions(scene, mesh, body)
+      call contact_fill_slot(card, mesh, body)
+    end associate
+  end subroutine build_body
+
+  !> Body forces that act on a body; a card for the body itself comes before one for all.
+  subroutine attach_force(scene, number, body)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: number
+    type(body_t), intent(inout) :: body
+    integer :: f
+    do f = 1, size(scene%bodyforces)
+      if (scene%bodyforces(f)%body /= 0 .and. scene%bodyforces(f)%body /= number) cycle
+      if (body%forced .and. scene%bodyforces(f)%body == 0) cycle
+      body%forced = .true.
+      body%force = scene%bodyforces(f)%force
+    end do
+  end subroutine attach_force
+
+  !> Whether a body's force refers to the initial position, which must then be stored.
+  pure function needs_initial(body) result(yes)
+    type(body_t), intent(in) :: body
+    logical :: yes
+    yes = body%forced .and. any(body%force%uses_initial_position)
+  end function needs_initial
+
+  !> Constants and history columns of a body.
+  subroutine make_law(scene, card, mesh, initial, law)
+    type(scene_t), intent(in) :: scene
+    type(material_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: initial
+    type(constitutive_t), intent(out) :: law
+    integer :: n
+    logical :: plastic
+    n = mesh%ndim
+    law%kind = card%kind
+    law%eos = card%eos
+    law%density = card%density
+    law%h = mesh%h
+    law%small_strain = card%small_strain
+    law%detonation_speed = card%detonation_speed
+    law%burn_cells = card%burn_cells
+    law%viscous = card%viscosity_quadratic > 0.0_dp .or. card%viscosity_linear > 0.0_dp
+    law%viscosity%quadratic = card%viscosity_quadratic
+    law%viscosity%linear = card%viscosity_linear
+    if (card%kind /= material_explosive) then
+      law%elastic = elastic_init(card%density, card%young, card%poisson)
+    end if
+    call set_plasticity(card, law)
+    select case (card%eos)
+    case (eos_jwl)
+      law%jwl = jwl_init(card%jwl_a, card%jwl_b, card%jwl_r1, card%jwl_r2, card%jwl_omega)
+      law%slowest = 1.0e-3_dp*card%detonation_speed
+    case (eos_gruneisen)
+      law%gruneisen = gruneisen_init(card%density, card%c0, card%s, card%gamma0)
+      law%slowest = 1.0e-3_dp*card%c0
+    case default  ! none: the pressure is elastic
+    end select
+    plastic = card%kind == material_j2 .or. card%kind == material_johnson_cook
+    law%slots = slots_make(stresses=merge(1, stress_count(n), card%kind == material_explosive), &
+                           plastic=plastic, temperature=law%thermal, damage=law%failure, &
+                           energy=card%eos /= eos_none, lighting=card%kind == material_explosive, &
+                           deformation=merge(n*n, 0, card%kind == material_neo_hookean), &
+                           stretch=merge(n, 0, scene%method%kind == method_cpgimp), &
+                           initial=merge(n, 0, initial), spin=spin_components(scene))
+  end subroutine make_law
+
+  !> Components of the spin that particles carry: one in the plane, three in space.
+  pure function spin_components(scene) result(n)
+    type(scene_t), intent(in) :: scene
+    integer :: n
+    n = 0
+    if (scene%method%spin) n = merge(1, 3, scene%dimension == 2)
+  end function spin_components
+
+  !> J2 and Johnson-Cook constants.
+  subroutine set_plasticity(card, law)
+    type(material_card_t), intent(in) :: card
+    type(constitutive_t), intent(inout) :: law
+    select case (card%kind)
+    case (material_j2)
+      select case (card%hardening)
+      case (hardening_perfect)
+        law%j2 = j2_init(j2_perfect, card%yield, 0.0_dp, 1.0_dp)
+      case (hardening_linear)
+        law%j2 = j2_init(j2_linear, card%yield, card%hardening_modulus, 1.0_dp)
+      case default  ! hardening_power
+        law%j2 = j2_init(j2_power, card%yield, card%hardening_modulus, card%hardening_exponent)
+      end select
+    case (material_johnson_cook)
+      law%jc = jc_init(card%yield, card%hardening_modulus, card%hardening_exponent, &
+                       card%rate_coefficient, card%reference_rate)
+      law%thermal = card%thermal
+      law%failure = card%failure
+      if (card%thermal) then
+        call jc_set_thermal(law%jc, card%thermal_exponent, card%room_temperature, &
+                            card%melt_temperature, card%density*card%specific_heat, &
+                            card%taylor_quinney)
+      end if
+      if (card%failure) call jc_set_failure(law%jc, card%damage)
+    case default  ! no plasticity
+    end select
+  end subroutine set_plasticity
+
+  !> First values of the history columns behind the volume.
+  pure function first_history(card, material, law, ndim) result(history)
+    type(body_card_t), intent(in) :: card
+    type(material_card_t), intent(in) :: material
+    type(constitutive_t), intent(in) :: law
+    integer, intent(in) :: ndim
+    real(dp) :: history(law%slots%total - 1)
+    integer :: d
+    history = 0.0_dp
+    if (law%slots%surface > 0) history(law%slots%surface - 1) = contact_no_surface
+    if (law%slots%temperature > 0) history(law%slots%temperature - 1) = &
+      merge(card%temperature, material%room_temperature, card%temperature >= 0.0_dp)
+    if (law%slots%energy > 0) history(law%slots%energy - 1) = material%energy0
+    do d = 1, ndim
+      if (law%slots%deformation > 0) then
+        history(law%slots%deformation - 1 + (d - 1)*(ndim + 1)) = 1.0_dp
+      end if
+      if (law%slots%stretch > 0) history(law%slots%stretch - 2 + d) = 1.0_dp
+    end do
+  end function first_history
+
+  !> Initial velocities: the card's functions of position, plus what a particle file gives.
+  subroutine set_velocities(card, mesh, file_velocity, body)
+    type(body_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    real(dp), allocatable, intent(in) :: file_velocity(:, :)
+    type(body_t), intent(inout) :: body
+    integer :: c, l, d, n
+    real(dp) :: x(3), v
+    n = mesh%ndim
+    associate (particles => body%particles)
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          x = 0.0_dp
+          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%a(l, :n, c))
+          do d = 1, n
+            v = card%velocity(d)%evaluate(x, x, 0.0_dp)
+            if (allocated(file_velocity)) then
+              v = v + file_velocity(d, particles%id(l, c) - body%first_id + 1)
+            end if
+            if (body%rigid) v = body%speed(d)
+            particles%a(l, n + d, c) = v
+          end do
+        end do
+      end do
+    end associate
+  end subroutine set_velocities
+
+  !> History that depends on the initial position: lighting times, and the position itself where a
+  !! force uses it.
+  subroutine fill_positions(scene, mesh, body)
+    type(scene_t), intent(in) :: scene
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    type(burn_source_t), allocatable :: sources(:)
+    integer :: c, l, d
+    real(dp) :: x(3)
+    if (body%law%slots%lighting == 0 .and. body%law%slots%initial == 0) return
+    allocate (sources(size(scene%detonations)))
+    do d = 1, size(sources)
+      sources(d) = burn_source_t(point=scene%detonations(d)%point, time=scene%detonations(d)%time, &
+                                 plane=scene%detonations(d)%plane, &
+                                 normal=scene%detonations(d)%normal)
+    end do
+    do c = 1, body%particles%chunks
+      do l = 1, lanes
+        if (body%particles%id(l, c) == 0) cycle
+        x = 0.0_dp
+        x(:mesh%ndim) = mesh_position(mesh%origin(:mesh%ndim), mesh%h, &
+                                      body%particles%a(l, :mesh%ndim, c))
+        if (body%law%slots%lighting > 0) body%particles%b(l, body%law%slots%lighting, c) = &
+          burn_lighting_time(sources, x, body%law%detonation_speed)
+        if (body%law%slots%initial > 0) then
+          body%particles%b(l, body%law%slots%initial:body%law%slots%initial + mesh%ndim - 1, c) = &
+              x(:mesh%ndim)
+        end if
+      end do
+    end do
+  end subroutine fill_positions
+
+  !> Velocity fields and the threads' workspaces.
+  subroutine build_fields(model, kernel)
+    type(model_t), intent(inout) :: model
+    integer, intent(in) :: kernel
+    integer :: f, b, s
+    allocate (model%fields(contact_fields(model)))
+    do f = 1, size(model%fields)
+      call field_init(model%fields(f), model%mesh, kernel, &
+                      model%mesh%ndim*(model%mesh%ndim + 1)/2, any(model%bodies%forced), &
+                      model%normalised, model%spins)
+    end do
+    allocate (model%workspaces(field_slabs(model%threads), size(model%fields)))
+    allocate (model%movers(size(model%bodies), field_slabs(model%threads) + 1))
+    do s = 1, size(model%movers, 2)
+      do b = 1, size(model%bodies)  ! empty lists also for bodies that no sweep ever visits
+        call movers_reset(model%movers(b, s), 0, 0)
+      end do
+    end do
+    allocate (model%slabs(field_slabs(model%threads) + 1, size(model%fields)))
+    allocate (model%below(size(model%fields)), model%above(size(model%fields)))
+    call ranks_renew_bins(model)
+    call phase_layout(model)
+  end subroutine build_fields
+
+  !> The clock's settings.
+  subroutine build_clock(scene, model)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(inout) :: model
+    model%clock%cfl = scene%time%cfl
+    model%clock%automatic = scene%time%cfl_auto
+    model%clock%fixed = scene%time%dt
+    model%clock%growth = scene%time%growth
+    model%clock%smallest = scene%time%dt_min
+  end subroutine build_clock
+
+  !> Energies and sums of the initial state: sums over each chunk, put together exactly.
+  subroutine open_ledger(model)
+    type(model_t), intent(inout) :: model
+    real(dp), allocatable :: terms(:, :)
+    real(dp) :: totals(body_terms)
+    integer :: b, c
+    do b = 1, size(model%bodies)
+      associate (particles => model%bodies(b)%particles, sums => model%body_sums(b))
+        allocate (terms(body_terms, particles%chunks))
+        do c = 1, particles%chunks
+          terms(:, c) = chunk_terms(model%bodies(b), model%mesh%ndim, c)
+        end do
+        call parallel_exact_sums(terms, totals)
+        deallocate (terms)
+        sums = body_sums_t(mass=totals(1), moment=totals(2:4), momentum=totals(5:7), &
+                           kinetic=totals(8), internal=totals(9))
+      end associate
+    end do
+    call ledger_open(model%ledger, sum(model%body_sums%kinetic, mask=.not. model%bodies%rigid), &
+                     sum(model%body_sums%internal), &
+                     [(sum(model%body_sums%momentum(c), mask=.not. model%bodies%rigid), c=1, 3)])
+  end subroutine open_ledger
+
+  !> Mass, moment, momentum, kinetic and internal energy of a chunk.
+  pure function chunk_terms(body, n, c) result(terms)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: n, c                  !! dimension, chunk
+    real(dp) :: terms(body_terms)
+    real(dp) :: m
+    integer :: l
+    terms = 0.0_dp
+    associate (particles => body%particles, energy => body%law%slots%energy)
+      do l = 1, lanes
+        if (particles%id(l, c) == 0) cycle
+        m = particles%a(l, particles%na, c)
+        terms(1) = terms(1) + m
+        terms(2:1 + n) = terms(2:1 + n) + m*particles%a(l, :n, c)
+        terms(5:4 + n) = terms(5:4 + n) + m*particles%a(l, n + 1:2*n, c)
+        terms(8) = terms(8) + 0.5_dp*m*sum(particles%a(l, n + 1:2*n, c)**2)
+        if (energy > 0) terms(9) = terms(9) + particles%b(l, energy, c)*particles%b(l, 1, c)
+      end do
+    end associate
+  end function chunk_terms
+
+end module sgmp_build_model

@@ -1,0 +1,485 @@
+! dimension-generic
+#include "dimension.inc"
+!> One chunk of particles in a sweep: reads the grid, kicks, drifts, strains, and adds what the
+!! particles give to the accumulator of their stencil.
+!!
+!! Chunks are many and small, so what is the same for all of them is worked out once, in a task.
+module DIM(sgmp_chunk)
+  use sgmp_body, only: body_t
+  use sgmp_constitutive, only: constitutive_t
+  use sgmp_kernels, only: kernel_gimp, kernel_mpm, kernel_sgmp
+  use sgmp_kinds, only: dp, i4, lanes
+  use sgmp_mesh, only: mesh_t, stencil_shift, stencil_width
+  use sgmp_movers, only: movers_add, movers_t
+  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
+                       sweep_sums, workspace_t
+  use DIM(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
+  use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
+  use DIM(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_scatter, &
+                                linear_scatter_force, linear_weights
+  use DIM(sgmp_transfer_gimp), only: gimp_axes, gimp_gather, gimp_gather_gradient, gimp_scatter, &
+                                     gimp_scatter_force, gimp_size, gimp_spread, gimp_spread_t
+  implicit none
+  private
+  public :: chunk_advance, particle_size, task_make, task_t
+  public :: largest_stencil, most_columns, most_rows
+
+  integer, parameter :: largest_stencil = NGIMP
+  integer, parameter :: most_rows = NACROSS
+  integer, parameter :: most_columns = 2 + 2*NDIM + NSPIN + NFLUX
+  integer, parameter :: most_gathered = 2*NDIM + NGRAD
+
+  !> What a sweep asks of every chunk of a field, and the extents of the field's stencil.
+  type :: task_t
+    integer :: kernel = kernel_sgmp
+    integer :: width = 2, layers = 1, lines = 1, rows = 1, points = 2  !! of the stencil
+    real(dp) :: shift = 0.5_dp           !! of the stencil against the grid (cells)
+    integer :: nq = 0                    !! columns of the moments that are scattered
+    integer :: spin = 0                  !! columns before the spin; 0: none is carried
+    integer :: momentum = 0              !! columns before the momentum
+    integer :: forces = 0                !! columns before the forces (MPM, GIMP)
+    integer :: flux = 0                  !! columns before the flux; MPM, GIMP: behind all others
+    integer :: values = 0                !! columns that a particle brings, the flux included
+    integer :: vectors = 0               !! components of the vectors that are gathered
+    integer :: stride = 1                !! components of a grid record
+    integer :: velocity = 1              !! first component of the grid velocity in a record
+    integer :: gradient = 1              !! and of the velocity gradient
+    real(dp) :: h = 1.0_dp, inverse_h = 1.0_dp
+    real(dp) :: dt_cells = 0.0_dp        !! position step over h
+    real(dp) :: live(lanes, 0:lanes) = 0.0_dp  !! 1 for particles, 0 for pads, by how many live
+  end type task_t
+
+contains
+
+  !> The task of a plan.
+  pure function task_make(kernel, mesh, plan) result(task)
+    integer, intent(in) :: kernel
+    type(mesh_t), intent(in) :: mesh
+    type(plan_t), intent(in) :: plan
+    type(task_t) :: task
+    integer :: nl
+    task%kernel = kernel
+    task%width = stencil_width(kernel)
+    task%layers = merge(GIMP_LAYER, NLAYER, kernel == kernel_gimp)
+    task%lines = merge(GIMP_LINE, NLINE, kernel == kernel_gimp)
+    task%rows = task%layers*task%lines
+    task%points = merge(NGIMP_SUM, NCORNER, kernel == kernel_gimp)
+    task%shift = stencil_shift(kernel)
+    task%nq = plan%last_column - plan%first_column + 1
+    task%forces = merge(1, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
+    if (plan%spins > 0 .and. plan%momentum) then
+      task%momentum = merge(1, 0, plan%mass)
+      task%spin = task%forces
+      task%forces = task%forces + plan%spins
+    end if
+    task%flux = merge(task%forces, task%nq, kernel == kernel_sgmp)
+    task%values = merge(max(task%nq, task%flux + NFLUX), task%nq, plan%stress)
+    task%vectors = NDIM*size(plan%vectors)
+    task%stride = max(1, task%vectors + merge(NGRAD, 0, plan%gradient > 0))
+    task%velocity = 1 + merge(NDIM, 0, plan%kick)
+    task%gradient = 1 + task%vectors
+    task%inverse_h = mesh%inverse_h
+    task%h = mesh%h
+    task%dt_cells = plan%dt*mesh%inverse_h
+    do nl = 1, lanes
+      task%live(:nl, nl:) = 1.0_dp
+    end do
+  end function task_make
+
+  !> Advances a chunk.
+  ! allow(S902)
+  subroutine chunk_advance(mesh, body, plan, task, s, origin, nl, row, records, nb, id, a, b, &
+                           stencil, lane_sums, movers, work)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: s                     !! interval of bins
+    real(dp), intent(in) :: origin(NDIM)         !! lower corner of the bin
+    integer, intent(in) :: nl                    !! particles in the chunk
+    integer, intent(in) :: row(most_rows)        !! records of the stencil's rows
+    real(dp), intent(in) :: records(task%stride, *)
+    integer, intent(in) :: nb
+    integer(i4), intent(inout) :: id(lanes)      !! 0 when the particle has left
+    real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), b(lanes, nb)
+    real(dp), intent(inout) :: stencil(task%points, task%nq)
+    real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
+    type(movers_t), intent(inout) :: movers
+    type(workspace_t), intent(inout) :: work
+    real(dp) :: xi(lanes, NDIM), got(lanes, most_gathered)
+    real(dp) :: axes(lanes, 3, NDIM, 2)          !! GIMP: weights per axis, slopes
+    real(dp) :: values(lanes, most_columns + NFLUX), speed2(lanes), jacobian(lanes)
+    logical :: outside
+    outside = .false.
+    call locate(a, origin, xi)
+    if (task%kernel == kernel_gimp) call particle_axes(body, task%inverse_h, nb, b, xi, axes)
+    call gather(task, plan%gradient > 0, xi, axes, row, records, got)
+    if (nl < lanes) call hold_pads(task%stride, task%live(1, nl), got)
+    if (plan%probe) then
+      call probe(body%law, plan%stress, task, task%live(1, nl), a(1, 2*NDIM + 1), got, values)
+      call scatter(task, plan%stress, xi, axes, values, stencil)
+      return
+    end if
+    if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
+                             got(1, task%velocity), a, lane_sums)
+    if (plan%drift) call drift(task%dt_cells, task%live(1, nl), origin, got(1, task%velocity), a, &
+                               xi, lane_sums, outside)
+    if (plan%strain) then
+      call stress_update(body%law, plan%dt_strain, plan%time, a(1, 2*NDIM + 1), task%live(1, nl), &
+                         got(1, task%gradient), nb, b, values(1, task%flux + 1), speed2, jacobian, &
+                         lane_sums(1, sum_internal))
+      call check_chunk(nl, id, task%live(1, nl), a, speed2, jacobian, work)
+    else if (plan%stress) then
+      speed2 = 0.0_dp
+      call stress_flux(body%law, b(1, 1), speed2, task%live(1, nl), &
+                       b(1, body%law%slots%stress), values(1, task%flux + 1))
+    end if
+    call collect(plan%mass, plan%momentum, task%live(1, nl), a, values)
+    if (task%spin > 0) call spin_collect(plan%spin_keep, plan%spin_gain, task%live(1, nl), &
+                                         got(1, task%gradient), a(1, 2*NDIM + 1), &
+                                         b(1, body%law%slots%spin), values(1, task%spin + 1))
+    if (plan%stress .and. (task%kernel /= kernel_sgmp .or. task%nq > task%forces + NFLUX)) then
+      call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, a, b, values)
+    end if
+    if (outside) call note_movers(task, s, nl, nb, a, b, id, xi, values, movers)
+    if (task%kernel == kernel_gimp .and. (plan%drift .or. plan%mass)) then
+      call particle_axes(body, task%inverse_h, nb, b, xi, axes)
+    end if
+    call scatter(task, plan%stress, xi, axes, values, stencil)
+  end subroutine chunk_advance
+
+  !> What particles of wave speed 1 answer to the velocity they read: the stress m C : L, with the
+  !! body's ratio of shear to wave modulus, or the momentum m v.
+  pure subroutine probe(law, stress, task, live, mass, got, values)
+    type(constitutive_t), intent(in) :: law
+    logical, intent(in) :: stress                !! or the momentum
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: live(lanes), mass(lanes), got(lanes, most_gathered)
+    real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
+    integer :: d
+    if (stress) then
+      call stress_probe(law, live*mass, got(1, task%gradient), values(1, task%flux + 1))
+    else
+      do d = 1, NDIM
+        values(:, d) = mass*got(:, d)
+      end do
+      if (task%spin > 0) values(:, NDIM + 1:NDIM + NSPIN) = 0.0_dp
+    end if
+  end subroutine probe
+
+  !> Pads are given nothing, so they stay as they are.
+  pure subroutine hold_pads(n, live, got)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: live(lanes)
+    real(dp), intent(inout) :: got(lanes, n)
+    integer :: l, q
+    do q = 1, n
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        got(l, q) = live(l)*got(l, q)
+      end do
+    end do
+  end subroutine hold_pads
+
+  !> Local coordinates in the bin.
+  pure subroutine locate(a, origin, xi)
+    real(dp), intent(in) :: a(lanes, 2*NDIM + 1), origin(NDIM)
+    real(dp), intent(out) :: xi(lanes, NDIM)
+    integer :: l, d
+    !$omp simd simdlen(8) private(d)
+    do l = 1, lanes
+      do d = 1, NDIM
+        xi(l, d) = a(l, d) - origin(d)
+      end do
+    end do
+  end subroutine locate
+
+  !> GIMP sizes of a chunk: constant, or stretched with the particle (cpGIMP).
+  pure subroutine particle_size(body, nb, b, size_of)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: b(lanes, nb)
+    real(dp), intent(out) :: size_of(lanes, NDIM, 2)  !! as gimp_axes wants them
+    integer :: d
+    do d = 1, NDIM
+      if (body%law%slots%stretch > 0) then
+        call gimp_size(body%half_size(d), b(1, body%law%slots%stretch + d - 1), &
+                       size_of(1, d, 1), size_of(1, d, 2))
+      else
+        size_of(:, d, 1) = min(body%half_size(d), 0.5_dp)
+        size_of(:, d, 2) = 0.5_dp/min(body%half_size(d), 0.5_dp)
+      end if
+    end do
+  end subroutine particle_size
+
+  !> GIMP weights and slopes per axis of a chunk.
+  pure subroutine particle_axes(body, inverse_h, nb, b, xi, axes)
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: inverse_h
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: b(lanes, nb), xi(lanes, NDIM)
+    real(dp), intent(out) :: axes(lanes, 3, NDIM, 2)
+    real(dp) :: size_of(lanes, NDIM, 2)
+    call particle_size(body, nb, b, size_of)
+    call gimp_axes(xi, size_of, inverse_h, axes(1, 1, 1, 1), axes(1, 1, 1, 2))
+  end subroutine particle_axes
+
+  !> Vectors and velocity gradient at the particles, from the records of the grid.
+  pure subroutine gather(task, gradient, xi, axes, row, records, got)
+    type(task_t), intent(in) :: task
+    logical, intent(in) :: gradient              !! of the velocity, too
+    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
+    integer, intent(in) :: row(most_rows)
+    real(dp), intent(in) :: records(task%stride, *)
+    real(dp), intent(out) :: got(lanes, most_gathered)
+    real(dp) :: w(lanes, NCORNER)
+    if (task%vectors == 0 .and. .not. gradient) then
+      got = 0.0_dp
+      return
+    end if
+    if (task%kernel == kernel_gimp) then
+      call gimp_gather(task%vectors, axes, task%stride, records, row, got)
+      if (gradient) call gimp_gather_gradient(axes, axes(1, 1, 1, 2), task%stride, &
+                                              records(task%gradient, 1), row, got(1, task%gradient))
+      return
+    end if
+    call linear_weights(xi, w)
+    if (task%kernel == kernel_sgmp) then
+      call linear_gather(task%stride, w, task%stride, records, row, got)
+      return
+    end if
+    call linear_gather(task%vectors, w, task%stride, records, row, got)
+    if (gradient) call linear_gather_gradient(xi, task%inverse_h, task%stride, &
+                                              records(task%gradient, 1), row, got(1, task%gradient))
+  end subroutine gather
+
+  !> v += a dt (Eq. 29), blended with PIC where asked for; sums for the energy ledger.
+  pure subroutine kick(dt, live, acceleration, flip, grid_velocity, a, lane_sums)
+    real(dp), intent(in) :: dt, live(lanes), acceleration(lanes, NDIM)
+    real(dp), intent(in) :: flip  !! weight of FLIP; below 1 the grid velocity is read
+    real(dp), intent(in) :: grid_velocity(lanes, NDIM)
+    real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), lane_sums(lanes, sweep_sums)
+    real(dp) :: mass, aa, vv
+    integer :: l, d
+    if (flip < 1.0_dp) then
+      do d = 1, NDIM
+        a(:, NDIM + d) = flip*a(:, NDIM + d) + &
+                         (1.0_dp - flip)*(grid_velocity(:, d) - dt*acceleration(:, d))
+      end do
+    end if
+    !$omp simd simdlen(8) private(mass, aa, vv, d)
+    do l = 1, lanes
+      mass = live(l)*a(l, 2*NDIM + 1)
+      aa = 0.0_dp
+      vv = 0.0_dp
+      do d = 1, NDIM
+        a(l, NDIM + d) = a(l, NDIM + d) + dt*acceleration(l, d)
+        aa = aa + acceleration(l, d)*acceleration(l, d)
+        vv = vv + a(l, NDIM + d)*a(l, NDIM + d)
+        lane_sums(l, sum_momentum + d - 1) = lane_sums(l, sum_momentum + d - 1) + &
+            mass*a(l, NDIM + d)
+      end do
+      lane_sums(l, sum_mass_aa) = lane_sums(l, sum_mass_aa) + mass*aa
+      lane_sums(l, sum_kinetic) = lane_sums(l, sum_kinetic) + 0.5_dp*mass*vv
+    end do
+  end subroutine kick
+
+  !> x += v_grid dt (Eq. 31), in cells; whether a lane may have left the bin.
+  pure subroutine drift(dt, live, origin, velocity, a, xi, lane_sums, outside)
+    real(dp), intent(in) :: dt, live(lanes), origin(NDIM), velocity(lanes, NDIM)
+    real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), lane_sums(lanes, sweep_sums)
+    real(dp), intent(out) :: xi(lanes, NDIM)     !! new position in the bin
+    logical, intent(out) :: outside
+    real(dp) :: mass, inside
+    integer :: l, d
+    inside = 0.0_dp
+    !$omp simd simdlen(8) private(mass, d) reduction(+:inside)
+    do l = 1, lanes
+      mass = live(l)*a(l, 2*NDIM + 1)
+      do d = 1, NDIM
+        a(l, d) = a(l, d) + dt*velocity(l, d)
+        xi(l, d) = a(l, d) - origin(d)
+        lane_sums(l, sum_moment + d - 1) = lane_sums(l, sum_moment + d - 1) + mass*a(l, d)
+        inside = inside + merge(1.0_dp, 0.0_dp, abs(xi(l, d) - 0.5_dp) < 0.5_dp)
+      end do
+    end do
+    outside = inside < NDIM*lanes - 0.5_dp
+  end subroutine drift
+
+  !> Largest c + |v| for the time step (Eq. 69), and whether every particle is still in its senses:
+  !! not inside out, slower than anything, and with a sound speed (c^2 turns negative where a
+  !! blown-up state leaves the range of an equation of state).
+  pure subroutine check_chunk(nl, id, live, a, speed2, jacobian, work)
+    integer, intent(in) :: nl
+    integer(i4), intent(in) :: id(lanes)
+    real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1), speed2(lanes), jacobian(lanes)
+    type(workspace_t), intent(inout) :: work
+    real(dp) :: speed(lanes), square, good, fast
+    integer :: l, d
+    good = 0.0_dp
+    fast = 0.0_dp
+    !$omp simd simdlen(8) private(square, d) reduction(+:good) reduction(max:fast)
+    do l = 1, lanes
+      square = 0.0_dp
+      do d = 1, NDIM
+        square = square + a(l, NDIM + d)*a(l, NDIM + d)
+      end do
+      speed(l) = live(l)*(sqrt(max(speed2(l), 0.0_dp)) + sqrt(square))
+      fast = max(fast, speed(l))
+      good = good + merge(1.0_dp, 0.0_dp, jacobian(l) > 0.0_dp)* &
+             merge(1.0_dp, 0.0_dp, speed(l) < 1.0e150_dp)* &
+             merge(1.0_dp, 0.0_dp, speed2(l) >= 0.0_dp)
+    end do
+    if (fast > work%fastest) then
+      l = maxloc(speed, 1)
+      work%fastest = speed(l)
+      work%fastest_id = id(l)
+    end if
+    if (good > lanes - 0.5_dp .or. work%bad_id /= 0) return
+    do l = 1, nl
+      if (jacobian(l) > 0.0_dp .and. speed(l) < 1.0e150_dp .and. speed2(l) >= 0.0_dp) cycle
+      work%bad_id = id(l)
+      work%no_sound = jacobian(l) > 0.0_dp .and. speed2(l) < 0.0_dp
+      return
+    end do
+  end subroutine check_chunk
+
+  !> Mass and momentum, the first columns that go to the grid.
+  pure subroutine collect(with_mass, with_momentum, live, a, values)
+    logical, intent(in) :: with_mass, with_momentum
+    real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1)
+    real(dp), intent(inout) :: values(lanes, *)
+    real(dp) :: mass
+    integer :: n, d, l
+    n = 0
+    if (with_mass) then
+      n = 1
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        values(l, 1) = live(l)*a(l, 2*NDIM + 1)
+      end do
+    end if
+    if (.not. with_momentum) return
+    !$omp simd simdlen(8) private(mass, d)
+    do l = 1, lanes
+      mass = live(l)*a(l, 2*NDIM + 1)
+      do d = 1, NDIM
+        values(l, n + d) = mass*a(l, NDIM + d)
+      end do
+    end do
+  end subroutine collect
+
+  !> The columns behind: forces of MPM and GIMP, which stay open, external forces, volume.
+  subroutine collect_rest(mesh, body, plan, task, live, nb, a, b, values)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1), b(lanes, nb)
+    real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
+    real(dp) :: mass(lanes)
+    integer :: n
+    n = task%forces
+    if (task%kernel == kernel_sgmp) then
+      n = n + NFLUX
+    else
+      values(:, n + 1:n + NDIM) = 0.0_dp
+      n = n + NDIM
+    end if
+    if (plan%volume) values(:, task%nq) = live*b(:, 1)
+    if (n == task%nq - merge(1, 0, plan%volume)) return
+    values(:, n + 1:n + NDIM) = 0.0_dp
+    mass = live*a(:, 2*NDIM + 1)
+    if (body%forced) call external_force(mesh, body, plan, mass, nb, a, b, values(1, n + 1))
+  end subroutine collect_rest
+
+  !> Mass times the body force at the particles (Eq. 24).
+  subroutine external_force(mesh, body, plan, mass, nb, a, b, force)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: mass(lanes), a(lanes, 2*NDIM + 1), b(lanes, nb)
+    real(dp), intent(out) :: force(lanes, NDIM)
+    real(dp) :: x(3), x0(3)
+    integer :: l, d, s
+    s = body%law%slots%initial
+    x = 0.0_dp
+    x0 = 0.0_dp
+    force = 0.0_dp
+    do l = 1, lanes
+      if (mass(l) <= 0.0_dp) cycle
+      do d = 1, NDIM
+        x(d) = mesh%origin(d) + mesh%h*a(l, d)
+        if (s > 0) x0(d) = b(l, s + d - 1)
+      end do
+      do d = 1, NDIM
+        force(l, d) = mass(l)*body%force(d)%evaluate(x, x0, plan%time)
+      end do
+    end do
+  end subroutine external_force
+
+  !> Notes particles that left the bin and takes them out of it and of the scatter.
+  pure subroutine note_movers(task, s, nl, nb, a, b, id, xi, values, movers)
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: s, nl, nb
+    real(dp), intent(in) :: a(lanes, 2*NDIM + 1), b(lanes, nb)
+    integer(i4), intent(inout) :: id(lanes)
+    real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
+    type(movers_t), intent(inout) :: movers
+    integer :: l, q, m
+    do l = 1, nl
+      if (all(xi(l, :) >= 0.0_dp .and. xi(l, :) < 1.0_dp)) cycle
+      call movers_add(movers, id(l), .true., s)
+      id(l) = 0
+      m = movers%n
+      do q = 1, 2*NDIM + 1
+        movers%state(q, m) = a(l, q)
+      end do
+      do q = 1, nb
+        movers%state(2*NDIM + 1 + q, m) = b(l, q)
+      end do
+      do q = 1, task%values
+        movers%values(q, m) = values(l, q)
+        values(l, q) = 0.0_dp
+      end do
+      xi(l, :) = 0.5_dp
+    end do
+  end subroutine note_movers
+
+  !> Adds a chunk to the accumulator of its stencil.
+  pure subroutine scatter(task, stress, xi, axes, values, stencil)
+    type(task_t), intent(in) :: task
+    logical, intent(in) :: stress
+    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
+    real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
+    real(dp), intent(inout) :: stencil(task%points, task%nq)
+    type(gimp_spread_t) :: spread
+    integer :: plain, rest
+    if (task%kernel == kernel_sgmp) then
+      if (task%spin > 0) then
+        call spin_to_origin(task%h, xi, values(1, task%spin + 1), values(1, task%momentum + 1))
+        call spin_to_corners(task%h, xi, values(1, task%spin + 1), stencil(1, task%momentum + 1))
+      end if
+      call linear_scatter(task%nq, xi, values, stencil)
+      return
+    end if
+    plain = task%forces
+    rest = plain + merge(NDIM, 0, stress)
+    if (task%kernel == kernel_mpm) then
+      if (plain > 0) call linear_scatter(plain, xi, values, stencil)
+      if (rest < task%nq) call linear_scatter(task%nq - rest, xi, values(1, rest + 1), &
+                                              stencil(1, rest + 1))
+      if (stress) call linear_scatter_force(xi, task%inverse_h, values(1, task%flux + 1), &
+                                            stencil(1, plain + 1))
+    else
+      call gimp_spread(axes, axes(1, 1, 1, 2), stress, spread)
+      if (plain > 0) call gimp_scatter(plain, spread, values, stencil)
+      if (rest < task%nq) call gimp_scatter(task%nq - rest, spread, values(1, rest + 1), &
+                                            stencil(1, rest + 1))
+      if (stress) call gimp_scatter_force(spread, values(1, task%flux + 1), stencil(1, plain + 1))
+    end if
+  end subroutine scatter
+
+end module DIM(sgmp_chunk)

@@ -1,0 +1,73 @@
+!> What a thread does with the movers of its slab right after the sweep: those that leave the grid,
+!! and the bins of the others.
+module sgmp_lost_particles
+  use sgmp_mesh, only: mesh_t
+  use sgmp_model, only: model_t
+  use sgmp_movers, only: movers_t
+  use sgmp_particles, only: particles_t
+  use sgmp_plan, only: plan_t
+  use sgmp_rebinning, only: particles_find_bins
+  use sgmp_scene, only: lost_reflect, lost_remove
+  implicit none
+  private
+  public :: lost_particles_check, lost_particles_find_bins
+
+contains
+
+  !> Looks after the movers of a field's bodies in list s: one slab's.
+  pure subroutine lost_particles_check(model, plan, f, s)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: f, s
+    integer :: b
+    do b = 1, size(model%bodies)
+      if (model%bodies(b)%field /= f) cycle
+      if (model%lost_policy /= lost_remove) then
+        call guard_grid(model%mesh, model%bodies(b)%particles, model%lost_policy == lost_reflect, &
+                        merge(1, 0, plan%mass), model%movers(b, s))
+      end if
+      call lost_particles_find_bins(model%mesh, model%bodies(b)%particles, model%movers(b, s))
+    end do
+  end subroutine lost_particles_check
+
+  !> Applies the deck's policy to movers that are leaving the grid: reflection, or an error, for
+  !! which the first one is noted.
+  !!
+  !! A particle is outside once its bin is: half a cell beyond the face with SGMP and GIMP, at the
+  !! face with MPM.
+  pure subroutine guard_grid(mesh, particles, reflect, before, movers)
+    type(mesh_t), intent(in) :: mesh
+    type(particles_t), intent(in) :: particles
+    logical, intent(in) :: reflect
+    integer, intent(in) :: before                !! values before the momentum
+    type(movers_t), intent(inout) :: movers
+    integer :: m, d
+    do m = 1, movers%n
+      do d = 1, mesh%ndim
+        associate (x => movers%state(d, m), v => movers%state(mesh%ndim + d, m), &
+                   momentum => movers%values(before + d, m))
+          if (x >= mesh%lower(d) .and. x <= mesh%upper(d)) cycle
+          if (reflect) then
+            x = merge(2*mesh%lower(d), 2*mesh%upper(d), x < mesh%lower(d)) - x
+            v = -v
+            momentum = -momentum
+          else if (x < mesh%lower(d) - particles%shift .or. &
+                   x > mesh%upper(d) + particles%shift) then
+            movers%culprit = [m, d]
+            return
+          end if
+        end associate
+      end do
+    end do
+  end subroutine guard_grid
+
+  !> Finds the bins of movers; those beyond the outermost bins of the grid are gone.
+  pure subroutine lost_particles_find_bins(mesh, particles, movers)
+    type(mesh_t), intent(in) :: mesh
+    type(particles_t), intent(in) :: particles
+    type(movers_t), intent(inout) :: movers
+    call particles_find_bins(particles, mesh%lower - particles%shift, &
+                             mesh%upper + particles%shift, movers)
+  end subroutine lost_particles_find_bins
+
+end module sgmp_lost_particles

@@ -1,0 +1,485 @@
+! dimension-generic
+#include "dimension.inc"
+!> The grid's part of a step: momentum equation at the nodes (Eqs. 17-20, 33, 34) and the MUSL
+!! re-map.
+!!
+!! With SGMP a node gathers from the 2^d centres around it with fixed weights: 1/2 per axis, and
+!! +-1/h along the axis of a derivative. Rows are handled in tiles so that the partial sums of a
+!! tile stay in the first-level cache.
+module DIM(sgmp_nodes)
+  use sgmp_field, only: field_t
+  use sgmp_kernels, only: kernel_sgmp
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
+  use sgmp_rows, only: key_j, key_k
+  implicit none
+  private
+  public :: nodes_normalise, nodes_solve, nodes_velocity, nodes_remap
+  public :: nodes_sums, sum_mass_aa, sum_mass_av, sum_external, sum_ignored
+
+  integer, parameter :: tile = 128
+  integer, parameter :: nodes_sums = 4     !! entries of a plane's sums
+  integer, parameter :: sum_mass_aa = 1    !! sum m_I |a_I|^2
+  integer, parameter :: sum_mass_av = 2    !! sum m_I a_I . v_I at the velocity before the kick
+  integer, parameter :: sum_external = 3   !! power of gravity and body forces at the mid-step
+                                           !! velocity
+  integer, parameter :: sum_ignored = 4    !! nodes below the mass cut-off
+
+  !> Column (after mass and momentum) of stress component (a, b).
+#if NDIM == 1
+  integer, parameter :: flux_column(1, 1) = 1
+#elif NDIM == 2
+  integer, parameter :: flux_column(2, 2) = reshape([1, 3, 3, 2], [2, 2])
+#else
+  integer, parameter :: flux_column(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
+#endif
+
+contains
+
+  !> Volume-normalised stress: multiplies the stress moments of interior centres by h^d/V_c, where
+  !! V_c is the volume that particles gave to the centre, so that it is weighted by the cell's
+  !! volume whatever the particles' positions.
+  !!
+  !! A centre is interior if it and all its neighbours are filled beyond the fraction `interior`;
+  !! what lies behind a wall counts as filled. Volumes are only read and stresses only scaled, so
+  !! planes may be done in any order.
+  pure subroutine nodes_normalise(field, mesh, plane, interior)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane
+    real(dp), intent(in) :: interior
+    real(dp) :: least(0:tile + 1), factor(tile), cell, around
+    integer :: s, first, n, i, q, idx
+    cell = mesh%h**NDIM
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        call least_volume(field, mesh, s, first, n, cell, least)
+        idx = field%neighbour(0, 0, s) + first - 1
+        !$omp simd private(around)
+        do i = 1, n
+          around = min(least(i - 1), least(i), least(i + 1))
+          factor(i) = cell/merge(field%moment(idx + i, field%volume_column), cell, &
+                                 around > interior*cell)
+        end do
+        do q = 2 + NDIM + field%spins, 1 + NDIM + field%spins + NFLUX
+          !$omp simd
+          do i = 1, n
+            field%moment(idx + i, q) = factor(i)*field%moment(idx + i, q)
+          end do
+        end do
+      end do
+    end do
+  end subroutine nodes_normalise
+
+  !> Least volume over the rows around each centre of a tile and its two neighbours.
+  pure subroutine least_volume(field, mesh, s, first, n, cell, least)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp), intent(in) :: cell
+    real(dp), intent(out) :: least(0:tile + 1)
+    integer :: dj, dk, i, b, j, k, side
+    j = key_j(field%work%key(s))
+    k = key_k(field%work%key(s))
+    least = cell
+    do dk = merge(-1, 0, NDIM > 1), merge(1, 0, NDIM > 1)
+      do dj = merge(-1, 0, NDIM > 2), merge(1, 0, NDIM > 2)
+        if (NDIM > 1 .and. behind_wall(mesh, NDIM, k + dk)) cycle
+        if (NDIM > 2 .and. behind_wall(mesh, 2, j + dj)) cycle
+        b = field%neighbour(dj, dk, s) + first - 1
+        !$omp simd
+        do i = 0, n + 1
+          least(i) = min(least(i), field%moment(b + i, field%volume_column))
+        end do
+      end do
+    end do
+    do side = 1, 2
+      if (mesh%wall(side, 1) == wall_free) cycle
+      i = merge(mesh%lower(1) - 1, mesh%upper(1), side == 1) - first + 1
+      if (i >= 0 .and. i <= n + 1) least(i) = cell
+    end do
+  end subroutine least_volume
+
+  !> Whether centres of that index lie behind a wall of the axis.
+  pure function behind_wall(mesh, axis, centre) result(yes)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis, centre
+    logical :: yes
+    yes = (mesh%wall(1, axis) /= wall_free .and. centre == mesh%lower(axis) - 1) .or. &
+          (mesh%wall(2, axis) /= wall_free .and. centre == mesh%upper(axis))
+  end function behind_wall
+
+  !> Acceleration and trial velocity of the nodes of one plane (Eqs. 33, 34).
+  pure subroutine nodes_solve(field, mesh, plane, dt, gravity, cutoff, forced, sums)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane              !! plane of the field
+    real(dp), intent(in) :: dt                !! velocity step dt^k
+    real(dp), intent(in) :: gravity(3)
+    real(dp), intent(in) :: cutoff            !! nodes lighter than this are ignored
+    logical, intent(in) :: forced             !! the moments carry an external force
+    real(dp), intent(inout) :: sums(nodes_sums)  !! of the plane, added to
+    real(dp) :: m(tile), p(tile, NDIM), f(tile, NDIM), external(tile, NDIM)
+    real(dp) :: lane_sums(lanes, sum_external)
+    integer :: s, first, n, idx
+    logical :: driven
+    driven = forced .or. any(abs(gravity) > 0.0_dp)
+    lane_sums = 0.0_dp
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        call node_moments(field, s, first, n, 1, 1 + NDIM, m, p)
+        if (field%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
+        call node_forces(field, mesh%inverse_h, s, first, n, f)
+        if (driven) then
+          call external_forces(field, s, first, n, m, gravity, forced, external)
+          f(:n, :) = f(:n, :) + external(:n, :)
+        end if
+        idx = field%neighbour(0, 0, s) + first
+        call solve_tile(n, size(field%node, 1), m, p, f, dt, cutoff, field%node(idx, 1))
+        call hold_walls(field, mesh, s, first, n, [1, NDIM + 1])
+        call book_energies(n, first, driven, size(field%node, 1), m, external, dt, &
+                           field%node(idx, 1), lane_sums, sums(sum_ignored))
+      end do
+    end do
+    sums(:sum_external) = sums(:sum_external) + sum(lane_sums, dim=1)
+  end subroutine nodes_solve
+
+  !> Nodal velocity from the projected momentum alone (USF).
+  pure subroutine nodes_velocity(field, mesh, plane, cutoff)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane
+    real(dp), intent(in) :: cutoff
+    real(dp) :: m(tile), p(tile, NDIM), f(tile, NDIM)
+    integer :: s, first, n
+    f = 0.0_dp
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        call node_moments(field, s, first, n, 1, 1 + NDIM, m, p)
+        if (field%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
+        call solve_tile(n, size(field%node, 1), m, p, f, 0.0_dp, cutoff, &
+                        field%node(field%neighbour(0, 0, s) + first, 1))
+        call hold_walls(field, mesh, s, first, n, [1, NDIM + 1])
+      end do
+    end do
+  end subroutine nodes_velocity
+
+  !> MUSL: velocity re-mapped from the updated particle momenta, in the place of the acceleration.
+  pure subroutine nodes_remap(field, mesh, plane)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane
+    real(dp) :: m(tile), p(tile, NDIM)
+    integer :: s, first, n, idx
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        call node_moments(field, s, first, n, 2, 1 + NDIM, m, p)
+        if (field%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
+        idx = field%neighbour(0, 0, s) + first
+        call divide_tile(n, size(field%node, 1), p, field%node(idx, 1))
+        call hold_walls(field, mesh, s, first, n, [1])
+      end do
+    end do
+  end subroutine nodes_remap
+
+  !> v = p/m.
+  pure subroutine divide_tile(n, stride, p, node)
+    integer, intent(in) :: n, stride
+    real(dp), intent(in) :: p(tile, NDIM)
+    real(dp), intent(inout) :: node(stride, 2*NDIM + 1)
+    integer :: i, a
+    !$omp simd private(a)
+    do i = 1, n
+      do a = 1, NDIM
+        node(i, a) = p(i, a)*node(i, 2*NDIM + 1)
+      end do
+    end do
+  end subroutine divide_tile
+
+  !> Sums of a tile for the energy ledger, over the nodes that take part.
+  !!
+  !! Nodes go to the lane of their place along the grid, not along the tile: empty nodes beside
+  !! them, of which ranks may store different ones, then change nothing.
+  pure subroutine book_energies(n, first, driven, stride, m, external, dt, node, sums, ignored)
+    integer, intent(in) :: n, first, stride      !! nodes, place of the first, stride of `node`
+    logical, intent(in) :: driven                !! there are external forces
+    real(dp), intent(in) :: m(tile), external(tile, NDIM), dt
+    real(dp), intent(in) :: node(stride, 2*NDIM + 1)
+    real(dp), intent(inout) :: sums(lanes, sum_external), ignored
+    real(dp), dimension(0:tile + 2*lanes) :: aa, av, ev
+    real(dp) :: active, a2, v2, light
+    integer :: i, a, before
+    before = modulo(first, lanes)
+    aa(:before) = 0.0_dp
+    av(:before) = 0.0_dp
+    aa(before + n:before + n + lanes - 2) = 0.0_dp
+    av(before + n:before + n + lanes - 2) = 0.0_dp
+    light = 0.0_dp
+    !$omp simd reduction(+:light) private(active, a, a2, v2)
+    do i = 1, n
+      active = merge(m(i), 0.0_dp, node(i, 2*NDIM + 1) > 0.0_dp)
+      light = light + merge(1.0_dp, 0.0_dp, m(i) - active > 0.0_dp)
+      a2 = 0.0_dp
+      v2 = 0.0_dp
+      do a = 1, NDIM
+        a2 = a2 + node(i, a)**2
+        v2 = v2 + node(i, a)*(node(i, NDIM + a) - dt*node(i, a))
+      end do
+      aa(before + i - 1) = active*a2
+      av(before + i - 1) = active*v2
+    end do
+    ignored = ignored + light
+    call add_lanes(before + n, aa, sums(1, sum_mass_aa))
+    call add_lanes(before + n, av, sums(1, sum_mass_av))
+    if (.not. driven) return
+    ev(:before) = 0.0_dp
+    ev(before + n:before + n + lanes - 2) = 0.0_dp
+    !$omp simd private(a, v2)
+    do i = 1, n
+      v2 = 0.0_dp
+      do a = 1, NDIM
+        v2 = v2 + external(i, a)*(node(i, NDIM + a) - 0.5_dp*dt*node(i, a))
+      end do
+      ev(before + i - 1) = v2
+    end do
+    call add_lanes(before + n, ev, sums(1, sum_external))
+  end subroutine book_energies
+
+  !> Adds terms to the sums of their lanes; behind the last there are zeros.
+  pure subroutine add_lanes(n, terms, sums)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: terms(lanes, *)
+    real(dp), intent(inout) :: sums(lanes)
+    integer :: i
+    do i = 1, (n + lanes - 1)/lanes
+      sums = sums + terms(:, i)
+    end do
+  end subroutine add_lanes
+
+  !> Mass (if asked for) and momentum of a tile of nodes (Eqs. 17, 18; MPM Eqs. 9, 10).
+  pure subroutine node_moments(field, s, first, n, q1, q2, m, p)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first, n        !! work interval, first node, nodes
+    integer, intent(in) :: q1, q2             !! columns: from 1 with mass, from 2 without
+    real(dp), intent(inout) :: m(tile), p(tile, NDIM)
+    integer :: q, i, b(NROW)
+    if (field%kernel == kernel_sgmp) then
+      b = centre_rows(field, s, first)
+      if (q1 == 1) call mean_row(n, field%moment(1, 1), b, m)
+      do q = max(q1, 2), q2
+        call mean_row(n, field%moment(1, q), b, p(1, q - 1))
+      end do
+    else
+      i = field%neighbour(0, 0, s) + first
+      if (q1 == 1) m(:n) = field%moment(i:i + n - 1, 1)
+      do q = max(q1, 2), q2
+        p(:n, q - 1) = field%moment(i:i + n - 1, q)
+      end do
+    end if
+  end subroutine node_moments
+
+  !> Adds to the momentum of a tile of nodes what the spin of the centres around them makes of the
+  !! way from centre to node: sum over the centres of 2^-d s_c x (x_I - x_c), doc/spin.md.
+  pure subroutine add_spin(field, h, s, first, n, p)
+    type(field_t), intent(in) :: field
+    real(dp), intent(in) :: h
+    integer, intent(in) :: s, first, n
+    real(dp), intent(inout) :: p(tile, NDIM)
+#if NDIM > 1
+    real(dp) :: scale
+    integer :: i, b(NROW)
+    b = centre_rows(field, s, first)
+    scale = 0.5_dp**(NDIM + 1)*h
+#if NDIM == 2
+    associate (z => field%moment(:, 2 + NDIM))
+      do i = 1, n
+        p(i, 1) = p(i, 1) + scale*(corner_slope_2(z, b, i - 1) + corner_slope_2(z, b, i))
+        p(i, 2) = p(i, 2) - scale*(corner_sum(z, b, i) - corner_sum(z, b, i - 1))
+      end do
+    end associate
+#else
+    associate (x => field%moment(:, 2 + NDIM), y => field%moment(:, 3 + NDIM), &
+               z => field%moment(:, 4 + NDIM))
+      do i = 1, n
+        p(i, 1) = p(i, 1) + scale*((corner_slope_2(z, b, i - 1) + corner_slope_2(z, b, i)) &
+                                   - (corner_slope_3(y, b, i - 1) + corner_slope_3(y, b, i)))
+        p(i, 2) = p(i, 2) + scale*((corner_slope_3(x, b, i - 1) + corner_slope_3(x, b, i)) &
+                                   - (corner_sum(z, b, i) - corner_sum(z, b, i - 1)))
+        p(i, 3) = p(i, 3) + scale*((corner_sum(y, b, i) - corner_sum(y, b, i - 1)) &
+                                   - (corner_slope_2(x, b, i - 1) + corner_slope_2(x, b, i)))
+      end do
+    end associate
+#endif
+#endif
+  end subroutine add_spin
+
+  !> Means of the centres around the nodes of a row.
+  pure subroutine mean_row(n, column, b, mean)
+    integer, intent(in) :: n, b(NROW)
+    real(dp), intent(in) :: column(*)
+    real(dp), intent(inout) :: mean(n)
+    integer :: i
+    !$omp simd
+    do i = 1, n
+      mean(i) = 0.5_dp**NDIM*(corner_sum(column, b, i - 1) + corner_sum(column, b, i))
+    end do
+  end subroutine mean_row
+
+  !> Internal forces of a tile of nodes (Eq. 19; MPM Eq. 11).
+  pure subroutine node_forces(field, inverse_h, s, first, n, f)
+    type(field_t), intent(in) :: field
+    real(dp), intent(in) :: inverse_h
+    integer, intent(in) :: s, first, n
+    real(dp), intent(inout) :: f(tile, NDIM)
+    integer :: a, i, before
+    before = 1 + NDIM + field%spins
+    if (field%kernel == kernel_sgmp) then
+      do a = 1, NDIM
+        call divergence_row(n, inverse_h*0.5_dp**(NDIM - 1), &
+                            field%moment(1, before + flux_column(a, 1)), &
+#if NDIM > 1
+                            field%moment(1, before + flux_column(a, 2)), &
+#endif
+#if NDIM > 2
+                            field%moment(1, before + flux_column(a, 3)), &
+#endif
+                            centre_rows(field, s, first), f(1, a))
+      end do
+    else
+      i = field%neighbour(0, 0, s) + first
+      f(:n, :) = field%moment(i:i + n - 1, 2 + NDIM:1 + 2*NDIM)
+    end if
+  end subroutine node_forces
+
+  !> One component of the force: derivatives of its fluxes along the axes, summed in their order.
+#if NDIM == 1
+  pure subroutine divergence_row(n, scale, x, b, f)
+    real(dp), intent(in) :: x(*)              !! flux along each axis, at the centres
+#elif NDIM == 2
+  pure subroutine divergence_row(n, scale, x, y, b, f)
+    real(dp), intent(in) :: x(*), y(*)        !! flux along each axis, at the centres
+#else
+  pure subroutine divergence_row(n, scale, x, y, z, b, f)
+    real(dp), intent(in) :: x(*), y(*), z(*)  !! flux along each axis, at the centres
+#endif
+    integer, intent(in) :: n, b(NROW)
+    real(dp), intent(in) :: scale
+    real(dp), intent(inout) :: f(n)
+    integer :: i
+    !$omp simd
+    do i = 1, n
+      f(i) = corner_sum(x, b, i) - corner_sum(x, b, i - 1)
+#if NDIM > 1
+      f(i) = f(i) + (corner_slope_2(y, b, i) + corner_slope_2(y, b, i - 1))
+#endif
+#if NDIM > 2
+      f(i) = f(i) + (corner_slope_3(z, b, i) + corner_slope_3(z, b, i - 1))
+#endif
+      f(i) = scale*f(i)
+    end do
+  end subroutine divergence_row
+
+  !> Gravity on the nodes' mass, and the body forces that particles brought (Eq. 20; MPM Eq. 12).
+  pure subroutine external_forces(field, s, first, n, m, gravity, forced, f)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first, n
+    real(dp), intent(in) :: m(tile), gravity(3)
+    logical, intent(in) :: forced
+    real(dp), intent(inout) :: f(tile, NDIM)
+    real(dp) :: t(tile)
+    integer :: a, i
+    do a = 1, NDIM
+      f(:n, a) = m(:n)*gravity(a)
+      if (.not. forced) cycle
+      if (field%kernel == kernel_sgmp) then
+        call mean_row(n, field%moment(1, 1 + NDIM + field%spins + NFLUX + a), &
+                      centre_rows(field, s, first), t)
+        f(:n, a) = f(:n, a) + t(:n)
+      else
+        i = field%neighbour(0, 0, s) + first
+        f(:n, a) = f(:n, a) + field%moment(i:i + n - 1, 1 + 2*NDIM + a)
+      end if
+    end do
+  end subroutine external_forces
+
+  !> Records of the centre left of node `first` in the rows of centres around a row of nodes.
+  pure function centre_rows(field, s, first) result(b)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first
+    integer :: b(NROW)
+#if NDIM == 1
+    b(1) = field%neighbour(0, 0, s)
+#elif NDIM == 2
+    b(1) = field%neighbour(0, -1, s)
+    b(2) = field%neighbour(0, 0, s)
+#else
+    b(1) = field%neighbour(-1, -1, s)
+    b(2) = field%neighbour(-1, 0, s)
+    b(3) = field%neighbour(0, -1, s)
+    b(4) = field%neighbour(0, 0, s)
+#endif
+    b = b + first - 1
+  end function centre_rows
+
+#include "corner_sums.inc"
+
+  !> a = f/m, v = p/m + dt a, 1/m; all zero where the mass is below the cut-off.
+  pure subroutine solve_tile(n, stride, m, p, f, dt, cutoff, node)
+    integer, intent(in) :: n, stride
+    real(dp), intent(in) :: m(tile), p(tile, NDIM), f(tile, NDIM), dt, cutoff
+    real(dp), intent(inout) :: node(stride, 2*NDIM + 1)
+    real(dp) :: inverse
+    integer :: i, a
+    !$omp simd private(inverse, a)
+    do i = 1, n
+      inverse = merge(1.0_dp/merge(m(i), 1.0_dp, m(i) > cutoff), 0.0_dp, m(i) > cutoff)
+      node(i, 2*NDIM + 1) = inverse
+      do a = 1, NDIM
+        node(i, a) = f(i, a)*inverse
+        node(i, NDIM + a) = p(i, a)*inverse + dt*node(i, a)
+      end do
+    end do
+  end subroutine solve_tile
+
+  !> Zeroes the components that vanish on walls, in the vectors that start at the given columns.
+  pure subroutine hold_walls(field, mesh, s, first, n, columns)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    integer, intent(in) :: columns(:)
+    integer :: c, a
+    do c = 1, size(columns)
+      do a = 1, NDIM
+        call hold_walls_axis(field, mesh, s, first, n, a, columns(c) + a - 1)
+      end do
+    end do
+  end subroutine hold_walls
+
+  !> Zeroes component `a`, stored in `column`, on the wall nodes of a tile where it vanishes.
+  pure subroutine hold_walls_axis(field, mesh, s, first, n, a, column)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n, a, column
+    integer :: axis, side, at, idx, here(3)
+    here = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
+    if (NDIM == 2) here(2) = here(3)
+    do axis = 1, NDIM
+      do side = 1, 2
+        if (mesh%wall(side, axis) == wall_free) cycle
+        if (axis /= a .and. mesh%wall(side, axis) /= wall_fixed) cycle
+        at = merge(mesh%lower(axis), mesh%upper(axis), side == 1)
+        idx = field%neighbour(0, 0, s)
+        if (axis == 1) then
+          if (at >= first .and. at < first + n) field%node(idx + at, column) = 0.0_dp
+        else if (here(axis) == at) then
+          field%node(idx + first:idx + first + n - 1, column) = 0.0_dp
+        end if
+      end do
+    end do
+  end subroutine hold_walls_axis
+
+end module DIM(sgmp_nodes)

@@ -1,0 +1,638 @@
+! dimension-generic
+#include "dimension.inc"
+!> A sweep over the particles of a slab of planes: read the grid, advance, write the grid.
+!!
+!! Bins are visited row by row and plane by plane. Sums travel with the sweep - along the row in the
+!! accumulator, from row to row and plane to plane in buffers - so that every grid value is one
+!! fixed expression of its particles, whatever the number of threads, and nothing is ever added to
+!! shared memory.
+module DIM(sgmp_sweep)
+  use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror
+  use sgmp_bin_change, only: bin_close
+  use sgmp_body, only: body_t
+  use DIM(sgmp_chunk), only: chunk_advance, largest_stencil, most_columns, most_rows, &
+                             particle_size, task_make, task_t
+  use sgmp_field, only: field_t
+  use sgmp_kernels, only: kernel_gimp, kernel_sgmp
+  use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_mesh, only: mesh_t
+  use sgmp_movers, only: movers_reset, movers_t
+  use sgmp_particles, only: chunk_prefetch, particles_t
+  use sgmp_plan, only: plan_t, sweep_sums, workspace_t
+  use sgmp_rebinning, only: arrivals_t
+  use sgmp_rows, only: key_j, key_k
+  use DIM(sgmp_spin), only: spin_lever
+  use DIM(sgmp_transfer), only: flux_of, linear_carry, linear_gradients, linear_weights
+  use DIM(sgmp_transfer_gimp), only: gimp_carry, gimp_gradients, gimp_weights
+  implicit none
+  private
+  public :: sweep_slab, sweep_join, sweep_add_movers
+
+  !> What the movers that come into one bin give to the points of its stencil.
+  type :: pile_t
+    integer :: planes(2) = 0                      !! range of planes of the field to add to
+    integer :: bin = 0, row = 0, plane = 1        !! bin, its interval, its plane
+    real(dp) :: sums(largest_stencil, most_columns) = 0.0_dp  !! (points, x outermost; columns)
+  end type pile_t
+
+contains
+
+  !> Sweeps planes plane1..plane2 of field `number`; `sums` are the planes' own sums.
+  subroutine sweep_slab(mesh, field, number, bodies, plan, plane1, plane2, sums, movers, work)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: field        !! its moments are written
+    integer, intent(in) :: number
+    type(body_t), intent(inout) :: bodies(:)
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: plane1, plane2
+    real(dp), intent(inout) :: sums(:, :, :)     !! (sweep_sums, planes of the field, bodies)
+    type(movers_t), intent(inout) :: movers(:)   !! (bodies) particles that leave their bins
+    type(workspace_t), intent(inout) :: work
+    type(task_t) :: task
+    integer :: plane, b, slot, nq
+    task = task_make(field%kernel, mesh, plan)
+    nq = task%nq
+    call prepare(work, task)
+    if (plane2 >= plane1) call fit_buffers(work, task, field%largest_plane)
+    do b = 1, size(bodies)
+      if (bodies(b)%field /= number .or. .not. plan%drift) cycle
+      call movers_reset(movers(b), bodies(b)%particles%na + bodies(b)%particles%nb, task%values)
+    end do
+    do plane = plane1, plane2
+      slot = mod(plane, task%layers) + 1
+      work%cleared = field%plane_store(plane)
+      do b = 1, size(bodies)
+        if (bodies(b)%field /= number) cycle
+        if (bodies(b)%particles%plane_row(plane) == bodies(b)%particles%plane_row(plane + 1)) cycle
+        call fill_records(field, mesh, plan, task, plane, work)
+        call sweep_plane(mesh, field, bodies(b), plan, task, plane, work%planes(1, 1, 1, slot), &
+                         sums(:, plane, b), movers(b), work)
+      end do
+      call clear_rows(field, plane, task%layers*nq, huge(1), work%cleared, &
+                      work%planes(1, 1, 1, slot))
+      call join_plane(field, plan%first_column, nq, task, plane, plane1, work)
+    end do
+  end subroutine sweep_slab
+
+  !> Makes a workspace fit for a sweep.
+  subroutine prepare(work, task)
+    type(workspace_t), intent(inout) :: work
+    type(task_t), intent(in) :: task
+    integer :: slot
+    work%record_plane = [(0, slot=1, task%layers)]
+    work%fastest = 0.0_dp
+    work%fastest_id = 0
+    work%bad_id = 0
+  end subroutine prepare
+
+  !> Makes the buffers as large as a sweep needs them.
+  subroutine fit_buffers(work, task, largest_plane)
+    type(workspace_t), intent(inout) :: work
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: largest_plane
+    if (allocated(work%records)) then
+      if (size(work%records, 1) /= task%stride .or. &
+          size(work%records, 2) < largest_plane*task%layers) then
+        deallocate (work%records)
+      end if
+    end if
+    if (.not. allocated(work%records)) allocate (work%records(task%stride, &
+                                                              largest_plane*task%layers))
+    if (allocated(work%planes)) then
+      if (size(work%planes, 2) /= task%nq .or. size(work%planes, 3) < largest_plane) then
+        deallocate (work%planes)
+        if (allocated(work%lead)) deallocate (work%lead)
+      end if
+    end if
+    if (.not. allocated(work%planes)) allocate (work%planes(task%layers, task%nq, largest_plane, &
+                                                            task%layers))
+  end subroutine fit_buffers
+
+  !> Sees to it that the records of all planes under the stencils of `plane` are there.
+  subroutine fill_records(field, mesh, plan, task, plane, work)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: plane
+    type(workspace_t), intent(inout) :: work
+    integer :: p, slot
+    if (size(plan%vectors) == 0 .and. plan%gradient == 0) return
+    do p = plane, plane + task%layers - 1
+      slot = mod(p, task%layers) + 1
+      if (work%record_plane(slot) == p) cycle
+      call auxmesh_fill(field, mesh%inverse_h, p, plan%vectors, plan%gradient, &
+                        size(work%records, 1), work%records(1, (slot - 1)*field%largest_plane + 1))
+      if (plan%gradient > 0) then
+        call auxmesh_mirror(field, mesh, p, NDIM*size(plan%vectors), size(work%records, 1), &
+                            work%records(1, (slot - 1)*field%largest_plane + 1))
+      end if
+      work%record_plane(slot) = p
+    end do
+  end subroutine fill_records
+
+  !> All rows of one body in one plane.
+  subroutine sweep_plane(mesh, field, body, plan, task, plane, planes, sums, movers, work)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: field
+    type(body_t), intent(inout) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: plane
+    real(dp), intent(inout) :: planes(task%layers*task%nq, *)
+    real(dp), intent(inout) :: sums(sweep_sums)
+    type(movers_t), intent(inout) :: movers
+    type(workspace_t), intent(inout) :: work
+    real(dp) :: lane_sums(lanes, sweep_sums), stencil(task%points, task%nq)
+    integer :: s, i, first, last, row(most_rows), place(GIMP_LINE)
+    lane_sums = 0.0_dp
+    stencil = 0.0_dp
+    do s = body%particles%plane_row(plane), body%particles%plane_row(plane + 1) - 1
+      first = body%particles%bins%first(s)
+      last = body%particles%bins%last(s)
+      call clear_rows(field, plane, task%layers*task%nq, key_j(body%particles%bins%key(s)) + &
+                      task%lines - 1, work%cleared, planes)
+      call place_row(field, body, task, plane, s, row, place)
+      do i = 0, last - first
+        call sweep_bin(mesh, body, plan, task, s, i, row, stencil, lane_sums, movers, work)
+        call carry(task, stencil, i, place, planes)
+      end do
+      do i = last - first + 1, last - first + bins_to(body, s, task%width - 1)
+        call carry(task, stencil, i, place, planes)
+      end do
+    end do
+    do i = 1, sweep_sums
+      sums(i) = sum(lane_sums(:, i))
+    end do
+  end subroutine sweep_plane
+
+  !> Bins between the end of an interval and the next in its row, at most `most`, behind which the
+  !! accumulator is empty.
+  !!
+  !! If the next one is nearer, the accumulator goes on into it as it would through empty bins: sums
+  !! must not depend on which of those happen to be stored.
+  pure function bins_to(body, s, most) result(bins)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: s, most
+    integer :: bins
+    bins = most
+    associate (rows => body%particles%bins)
+      if (s == rows%n) return
+      if (rows%key(s + 1) == rows%key(s)) bins = min(most, rows%first(s + 1) - rows%last(s) - 1)
+    end associate
+  end function bins_to
+
+  !> Where the stencils of a row's first bin lie: in the records read, and in the plane buffers.
+  pure subroutine place_row(field, body, task, plane, s, row, place)
+    type(field_t), intent(in) :: field
+    type(body_t), intent(in) :: body
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: plane, s
+    integer, intent(out) :: row(most_rows), place(GIMP_LINE)
+    integer :: line, layer, r, p
+    row = 1
+    place = 1
+    do line = 1, task%lines
+      do layer = 1, task%layers
+        r = (line - 1)*task%layers + layer
+        p = plane + layer - 1
+        row(r) = body%particles%bins%first(s) + body%particles%place(r, s) &
+                 - field%plane_start(p) + 1 + mod(p, task%layers)*field%largest_plane
+      end do
+      place(line) = body%particles%bins%first(s) &
+                    + body%particles%place((line - 1)*task%layers + 1, s) &
+                    - field%plane_start(plane) + 1
+    end do
+  end subroutine place_row
+
+  !> Zeroes the plane buffers of all rows up to `line` that have not been yet, just before they are
+  !! first added to.
+  pure subroutine clear_rows(field, plane, n, line, cleared, planes)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: plane, n, line
+    integer, intent(inout) :: cleared            !! next stored interval of the plane
+    real(dp), intent(inout) :: planes(*)         !! n values for each point
+    integer :: first, last
+    do while (cleared < field%plane_store(plane + 1))
+      if (key_j(field%store%key(cleared)) > line) exit
+      first = field%base(cleared) + field%store%first(cleared) - field%plane_start(plane) + 1
+      last = first + field%store%last(cleared) - field%store%first(cleared)
+      planes((first - 1)*n + 1:last*n) = 0.0_dp
+      cleared = cleared + 1
+    end do
+  end subroutine clear_rows
+
+  !> Moves the accumulator one bin along the row.
+  subroutine carry(task, stencil, shift, place, planes)
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: shift, place(GIMP_LINE)
+    real(dp), intent(inout) :: stencil(task%points, task%nq), planes(task%layers*task%nq, *)
+    if (task%kernel == kernel_gimp) then
+      call gimp_carry(task%nq, stencil, shift, place, planes)
+    else
+      call linear_carry(task%nq, stencil, shift, place, planes)
+    end if
+  end subroutine carry
+
+  !> All chunks of one bin.
+  subroutine sweep_bin(mesh, body, plan, task, s, i, row, stencil, lane_sums, movers, work)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: s, i                  !! interval of bins; bin, from its first
+    integer, intent(in) :: row(most_rows)        !! records of the stencil of its first bin
+    real(dp), intent(inout) :: stencil(task%points, task%nq)
+    real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
+    type(movers_t), intent(inout) :: movers
+    type(workspace_t), intent(inout) :: work
+    real(dp) :: origin(NDIM)
+    integer :: bin, chunk, next, left, movers_before
+    bin = body%particles%bin_start(s) + body%particles%bins%first(s) + i
+    left = body%particles%size(bin)
+    if (left == 0) return
+    chunk = body%particles%first(bin)
+    origin = bin_origin(body%particles%bins%first(s) + i, body%particles%bins%key(s), task%shift)
+    movers_before = movers%n
+    do while (left > 0)
+      if (body%particles%scattered) then
+        next = following(body%particles, bin, chunk)
+        ! What lies behind in memory the processor fetches by itself.
+        if (next /= chunk + 1) call chunk_prefetch(body%particles, next, plan%stress)
+      end if
+      call chunk_advance(mesh, body, plan, task, s, origin, min(left, lanes), row, &
+                         work%records(1, 1 + i), body%particles%nb, body%particles%id(1, chunk), &
+                         body%particles%a(1, 1, chunk), body%particles%b(1, 1, chunk), &
+                         stencil, lane_sums, movers, work)
+      left = left - lanes
+      chunk = body%particles%next(chunk)
+    end do
+    if (movers%n > movers_before) call bin_close(body%particles, bin, movers)
+  end subroutine sweep_bin
+
+  !> Chunk that will be swept after one of a bin, as far as that is easy to tell; 0: none.
+  pure function following(particles, bin, chunk) result(next)
+    type(particles_t), intent(in) :: particles
+    integer, intent(in) :: bin, chunk
+    integer :: next
+    next = particles%next(chunk)
+    if (next == 0 .and. bin < size(particles%first)) next = particles%first(bin + 1)
+  end function following
+
+  !> Lower corner of a bin.
+  pure function bin_origin(i, key, shift) result(origin)
+    integer, intent(in) :: i
+    integer(i8), intent(in) :: key               !! of its row
+    real(dp), intent(in) :: shift
+    real(dp) :: origin(NDIM)
+    origin(1) = i + shift
+#if NDIM == 2
+    origin(2) = key_k(key) + shift
+#elif NDIM == 3
+    origin(2) = key_j(key) + shift
+    origin(3) = key_k(key) + shift
+#endif
+  end function bin_origin
+
+  !> Sums the layers that belong to one plane; the contributions of the slab below wait for
+  !! `sweep_join`.
+  pure subroutine join_plane(field, first_column, nq, task, plane, plane1, work)
+    type(field_t), intent(inout) :: field
+    integer, intent(in) :: first_column, nq
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: plane, plane1
+    type(workspace_t), intent(inout) :: work
+    integer :: slot
+    slot = mod(plane, task%layers) + 1
+    if (task%layers == 2 .and. plane > plane1) then
+      if (field%plane_k(plane - 1) == field%plane_k(plane) - 1) then
+        call take_both(field, first_column, nq, plane, work%planes(1, 1, 1, slot), &
+                       work%planes(1, 1, 1, mod(plane - 1, 2) + 1))
+        return
+      end if
+    end if
+    call take_layer(field, first_column, nq, task%layers, plane, work%planes(1, 1, 1, slot))
+    if (task%layers < 3) return
+    if (plane == plane1) then
+      work%lead = work%planes(:, :, :, slot)
+    else if (plane > plane1 + 1) then
+      call add_two_below(field, first_column, nq, plane, &
+                         work%planes(1, 1, 1, mod(plane - 1, 3) + 1), &
+                         work%planes(1, 1, 1, mod(plane - 2, 3) + 1))
+    end if
+  end subroutine join_plane
+
+  !> Completes the first planes of a slab with what the slab below gave to them.
+  pure subroutine sweep_join(field, plan, plane1, plane2, own, below)
+    type(field_t), intent(inout) :: field
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: plane1, plane2
+    type(workspace_t), intent(in) :: own
+    type(workspace_t), intent(in), optional :: below  !! of the slab below; absent for the lowest
+                                                      !! slab
+    integer :: nq, layers
+    layers = merge(GIMP_LAYER, NLAYER, field%kernel == kernel_gimp)
+    nq = plan%last_column - plan%first_column + 1
+    if (layers == 1) return
+    if (layers == 2) then
+      if (present(below)) then
+        call add_below(field, plan%first_column, nq, 2, plane1, &
+                       below%planes(1, 1, 1, mod(plane1 - 1, 2) + 1))
+      end if
+      return
+    end if
+    if (present(below)) then
+      call add_two_below(field, plan%first_column, nq, plane1, &
+                         below%planes(1, 1, 1, mod(plane1 - 1, 3) + 1), &
+                         below%planes(1, 1, 1, modulo(plane1 - 2, 3) + 1))
+      if (plane2 > plane1) call add_two_below(field, plan%first_column, nq, plane1 + 1, own%lead, &
+                                              below%planes(1, 1, 1, mod(plane1 - 1, 3) + 1))
+    else if (plane2 > plane1) then
+      call add_below(field, plan%first_column, nq, 3, plane1 + 1, own%lead)
+    end if
+  end subroutine sweep_join
+
+  !> moment = lowest layer of the plane's own sums.
+  pure subroutine take_layer(field, first_column, nq, layers, plane, planes)
+    type(field_t), intent(inout) :: field
+    integer, intent(in) :: first_column, nq, layers, plane
+    real(dp), intent(in) :: planes(layers, nq, *)
+    integer :: s, i, q, here, to
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      to = field%neighbour(0, 0, s)
+      here = to - field%plane_start(plane) + 1
+      do q = 1, nq
+        do i = field%work%first(s), field%work%last(s)
+          field%moment(to + i, first_column + q - 1) = planes(1, q, here + i)
+        end do
+      end do
+    end do
+  end subroutine take_layer
+
+  !> moment = (second layer of the plane below) + lowest layer of the plane's own sums.
+  pure subroutine take_both(field, first_column, nq, plane, own, below)
+    type(field_t), intent(inout) :: field
+    integer, intent(in) :: first_column, nq, plane
+    real(dp), intent(in) :: own(2, nq, *), below(2, nq, *)
+    integer :: s, q, first, n, to, here, shift
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      first = field%work%first(s)
+      n = field%work%last(s) - first + 1
+      to = field%neighbour(0, 0, s) + first
+      here = to - field%plane_start(plane) + 1
+      shift = field%neighbour(0, -1, s) + first - field%plane_start(plane - 1) + 1
+      do q = 1, nq
+        call add_two(n, 2*nq, below(2, q, shift), own(1, q, here), &
+                     field%moment(to, first_column + q - 1))
+      end do
+    end do
+  end subroutine take_both
+
+  !> Sum of two rows whose points lie `stride` apart.
+  pure subroutine add_two(n, stride, a, b, total)
+    integer, intent(in) :: n, stride
+    real(dp), intent(in) :: a(stride, n), b(stride, n)
+    real(dp), intent(out) :: total(n)
+    integer :: i
+    do i = 1, n
+      total(i) = a(1, i) + b(1, i)
+    end do
+  end subroutine add_two
+
+  !> moment = (second layer of the plane below) + moment.
+  pure subroutine add_below(field, first_column, nq, layers, plane, below)
+    type(field_t), intent(inout) :: field
+    integer, intent(in) :: first_column, nq, layers, plane
+    real(dp), intent(in) :: below(layers, nq, *)
+    integer :: s, i, q, shift
+    if (plane < 2) return
+    if (field%plane_k(plane - 1) /= field%plane_k(plane) - 1) return
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      shift = field%neighbour(0, -1, s) - field%plane_start(plane - 1) + 1
+      do q = 1, nq
+        do i = field%work%first(s), field%work%last(s)
+          field%moment(field%neighbour(0, 0, s) + i, first_column + q - 1) = &
+            below(2, q, shift + i) + &
+            field%moment(field%neighbour(0, 0, s) + i, first_column + q - 1)
+        end do
+      end do
+    end do
+  end subroutine add_below
+
+  !> moment = (third layer of the plane two below + second layer of the plane below) + moment.
+  pure subroutine add_two_below(field, first_column, nq, plane, below, below2)
+    type(field_t), intent(inout) :: field
+    integer, intent(in) :: first_column, nq, plane
+    real(dp), intent(in) :: below(3, nq, *), below2(3, nq, *)
+    integer :: s, i, q, shift, shift2
+    if (plane < 3) then
+      call add_below(field, first_column, nq, 3, plane, below)
+      return
+    end if
+    if (field%plane_k(plane - 2) /= field%plane_k(plane) - 2) then
+      call add_below(field, first_column, nq, 3, plane, below)
+      return
+    end if
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      shift = field%neighbour(0, -1, s) - field%plane_start(plane - 1) + 1
+      shift2 = field%neighbour(0, -2, s) - field%plane_start(plane - 2) + 1
+      do q = 1, nq
+        do i = field%work%first(s), field%work%last(s)
+          field%moment(field%neighbour(0, 0, s) + i, first_column + q - 1) = &
+              (below2(3, q, shift2 + i) + below(2, q, shift + i)) + &
+              field%moment(field%neighbour(0, 0, s) + i, first_column + q - 1)
+        end do
+      end do
+    end do
+  end subroutine add_two_below
+
+  !> Adds particles that changed bins to some planes of the moments, bin by bin, so that
+  !! each sum has the order of the bins and in each of the ids. Threads take planes; weights are
+  !! computed for as many movers at a time as a chunk has lanes.
+  subroutine sweep_add_movers(mesh, field, body, plan, lists, arrivals, planes)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: field
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(movers_t), intent(in) :: lists(:)       !! in their new bins
+    type(arrivals_t), intent(in) :: arrivals     !! their order; all that reach the planes
+    integer, intent(in) :: planes(2)             !! first and last plane to add to
+    type(task_t) :: task
+    type(pile_t) :: pile
+    integer :: r, r2
+    task = task_make(field%kernel, mesh, plan)
+    pile%planes = planes
+    do r = 1, arrivals%n, lanes
+      r2 = min(r + lanes - 1, arrivals%n)
+      call pile_movers(mesh, field, body, plan, task, lists, arrivals%list(r:r2), &
+                       arrivals%at(r:r2), pile)
+    end do
+    call add_pile(body, plan, task, pile, field)
+  end subroutine sweep_add_movers
+
+  !> Piles up what some movers give to the grid; a pile is added to the moments when the next bin
+  !! begins.
+  subroutine pile_movers(mesh, field, body, plan, task, lists, list, at, pile)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: field
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    type(movers_t), intent(in) :: lists(:)
+    integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
+    type(pile_t), intent(inout) :: pile
+    real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM), xi(lanes, NDIM)
+    logical :: forces
+    integer :: l
+    forces = plan%stress .and. field%kernel /= kernel_sgmp
+    call mover_weights(mesh%inverse_h, field%kernel, body, forces, lists, list, at, xi, w, g)
+    do l = 1, size(at)
+      associate (movers => lists(list(l)))
+        if (movers%bin(at(l)) /= pile%bin) then
+          call add_pile(body, plan, task, pile, field)
+          pile%bin = movers%bin(at(l))
+          pile%row = movers%row(at(l))
+          pile%sums(:, :task%nq) = 0.0_dp
+        end if
+        call add_mover(task, forces, l, w, g, movers%values(1, at(l)), pile%sums)
+        if (task%spin > 0) call add_mover_spin(task, xi(l, :), w(l, :), movers%values(1, at(l)), &
+                                               pile%sums)
+      end associate
+    end do
+  end subroutine pile_movers
+
+  !> Weights of some movers in their new bins, and where forces are scattered their gradients.
+  pure subroutine mover_weights(inverse_h, kernel, body, gradients, lists, list, at, xi, w, &
+                                g)
+    real(dp), intent(in) :: inverse_h
+    integer, intent(in) :: kernel
+    type(body_t), intent(in) :: body
+    logical, intent(in) :: gradients
+    type(movers_t), intent(in) :: lists(:)
+    integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
+    real(dp), intent(out) :: xi(lanes, NDIM)     !! position in the bin
+    real(dp), intent(out) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
+    real(dp) :: size_of(lanes, NDIM, 2), b(lanes, body%particles%nb), &
+        slopes(lanes, NCORNER, NDIM)
+    integer :: l
+    xi = 0.5_dp
+    b = 1.0_dp
+    do l = 1, size(at)
+      xi(l, :) = lists(list(l))%state(:NDIM, at(l))
+      xi(l, :) = (xi(l, :) - real(floor(xi(l, :) - body%particles%shift), dp)) &
+          - body%particles%shift
+      if (kernel == kernel_gimp) b(l, :) = lists(list(l))%state(2*NDIM + 2:, at(l))
+    end do
+    if (kernel == kernel_gimp) then
+      call particle_size(body, body%particles%nb, b, size_of)
+      call gimp_weights(xi, size_of, w)
+      if (gradients) call gimp_gradients(xi, size_of, inverse_h, g)
+    else
+      call linear_weights(xi, w)
+      if (gradients) call linear_gradients(xi, inverse_h, slopes)
+      if (gradients) g(:, :NCORNER, :) = slopes
+    end if
+  end subroutine mover_weights
+
+  !> What the spin of one particle adds to the momentum of its stencil's points: m h spin x (way
+  !! from the particle to the point).
+  pure subroutine add_mover_spin(task, xi, w, values, sums)
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: xi(NDIM), w(largest_stencil)
+    real(dp), intent(in) :: values(task%values)
+    real(dp), intent(inout) :: sums(largest_stencil, most_columns)
+    real(dp) :: here
+    integer :: e, d
+    do d = 1, NDIM
+      here = -own_lever(values(task%spin + 1:), xi, d)
+      do e = 1, NCORNER
+        sums(e, task%momentum + d) = sums(e, task%momentum + d) + &
+            w(e)*(task%h*(here + spin_lever(values(task%spin + 1:), e, d)))
+      end do
+    end do
+  end subroutine add_mover_spin
+
+  !> Component d of spin x xi.
+  pure function own_lever(spin, xi, d) result(t)
+    real(dp), intent(in) :: spin(:), xi(NDIM)
+    integer, intent(in) :: d
+    real(dp) :: t
+#if NDIM == 1
+    t = 0.0_dp*spin(1)*xi(d)
+#elif NDIM == 2
+    t = spin(1)*merge(-xi(2), xi(1), d == 1)
+#else
+    t = spin(mod(d, 3) + 1)*xi(mod(d + 1, 3) + 1) - spin(mod(d + 1, 3) + 1)*xi(mod(d, 3) + 1)
+#endif
+  end function own_lever
+
+  !> One particle.
+  pure subroutine add_mover(task, forces, lane, w, g, values, sums)
+    type(task_t), intent(in) :: task
+    logical, intent(in) :: forces                 !! MPM, GIMP: columns from task%forces on
+    integer, intent(in) :: lane                   !! of the weights
+    real(dp), intent(in) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
+    real(dp), intent(in) :: values(task%values)
+    real(dp), intent(inout) :: sums(largest_stencil, most_columns)
+    real(dp) :: own(largest_stencil, 0:NDIM)
+    integer :: q, a, b, points
+    points = task%width*task%rows
+    own(:points, 0) = w(lane, :points)
+    if (forces) own(:points, 1:) = g(lane, :points, :)
+    do q = 1, task%nq
+      a = q - task%forces                         ! axis of the force, if it is one
+      if (forces .and. a >= 1 .and. a <= NDIM) then
+        do b = 1, NDIM
+          call add_product(points, -values(task%flux + flux_of(b, a)), own(1, b), sums(1, q))
+        end do
+      else
+        call add_product(points, values(q), own, sums(1, q))
+      end if
+    end do
+  end subroutine add_mover
+
+  !> sums = sums + value weights, as vectors: linear stencils have a length that the compiler knows.
+  pure subroutine add_product(points, value, weights, sums)
+    integer, intent(in) :: points
+    real(dp), intent(in) :: value, weights(points)
+    real(dp), intent(inout) :: sums(points)
+    if (points == NCORNER) then
+      sums(:NCORNER) = sums(:NCORNER) + value*weights(:NCORNER)
+    else
+      sums = sums + value*weights
+    end if
+  end subroutine add_product
+
+  !> Adds a pile to those points of its bin's stencil that lie in the planes asked for.
+  pure subroutine add_pile(body, plan, task, pile, field)
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    type(pile_t), intent(inout) :: pile
+    type(field_t), intent(inout) :: field
+    integer :: x, r, n, q, e, first, plane, from(largest_stencil), to(largest_stencil)
+    if (pile%bin == 0) return
+    do while (body%particles%plane_row(pile%plane + 1) <= pile%row)
+      pile%plane = pile%plane + 1
+    end do
+    first = pile%bin - body%particles%bin_start(pile%row)
+    n = 0
+    do r = 1, task%rows
+      plane = pile%plane + mod(r - 1, task%layers)
+      if (plane < pile%planes(1) .or. plane > pile%planes(2)) cycle
+      do x = 0, task%width - 1
+        n = n + 1
+        from(n) = x*task%rows + r
+        to(n) = body%particles%place(r, pile%row) + first + x
+      end do
+    end do
+    do q = 1, task%nq
+      do e = 1, n
+        associate (moment => field%moment(to(e), plan%first_column + q - 1))
+          moment = moment + pile%sums(from(e), q)
+        end associate
+      end do
+    end do
+  end subroutine add_pile
+
+end module DIM(sgmp_sweep)

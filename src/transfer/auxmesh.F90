@@ -1,0 +1,180 @@
+! dimension-generic
+#include "dimension.inc"
+!> The auxiliary grid of SGMP: values at cell centres from the nodes around them (Eqs. 25, 26, 32,
+!! 33), as records that the particle sweeps read.
+!!
+!! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
+module DIM(sgmp_auxmesh)
+  use sgmp_field, only: field_t
+  use sgmp_kernels, only: kernel_sgmp
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t, wall_fixed
+  use sgmp_rows, only: key_j, key_k
+  implicit none
+  private
+  public :: auxmesh_fill, auxmesh_mirror
+
+  integer, parameter :: tile = 128
+
+contains
+
+  !> Records of one plane: first the vectors whose node columns are listed, then the gradient of one
+  !! vector.
+  pure subroutine auxmesh_fill(field, inverse_h, plane, vectors, gradient, stride, records)
+    type(field_t), intent(in) :: field
+    real(dp), intent(in) :: inverse_h
+    integer, intent(in) :: plane                 !! plane of the field
+    integer, intent(in) :: vectors(:)            !! first node column of each vector to interpolate
+    integer, intent(in) :: gradient  !! first node column of the vector to differentiate; 0: none
+    integer, intent(in) :: stride                !! components of a record
+    real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
+    integer :: s, first, n, q, v, a, point
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        point = field%neighbour(0, 0, s) + first - field%plane_start(plane) + 1
+        q = 0
+        do v = 1, size(vectors)
+          do a = 0, NDIM - 1
+            q = q + 1
+            call fill_value(field, s, first, n, vectors(v) + a, stride, records(q, point))
+          end do
+        end do
+        if (gradient == 0) cycle
+        do a = 0, NDIM - 1
+          if (field%kernel == kernel_sgmp) then
+            call fill_gradient(field, inverse_h, s, first, n, gradient + a, stride, &
+                               records(q + 1, point))
+            q = q + NDIM
+          else
+            q = q + 1
+            call fill_value(field, s, first, n, gradient + a, stride, records(q, point))
+          end if
+        end do
+      end do
+    end do
+  end subroutine auxmesh_fill
+
+  !> Makes the gradients of one plane even at centres behind fixed walls, as the stress is when it
+  !! is folded (theory 3).
+  !!
+  !! The nodes behind the wall are the odd image of those inside, which leaves the derivatives along
+  !! the wall odd.
+  pure subroutine auxmesh_mirror(field, mesh, plane, before, stride, records)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane                 !! plane of the field
+    integer, intent(in) :: before                !! components of a record before the gradient
+    integer, intent(in) :: stride                !! components of a record
+    real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
+    integer :: s, axis, side, ghost, row(3), first, last, base
+    if (NDIM == 1 .or. field%kernel /= kernel_sgmp) return
+    if (.not. any(mesh%wall(:, :NDIM) == wall_fixed)) return
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      row = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
+      if (NDIM == 2) row(2) = row(3)
+      base = field%neighbour(0, 0, s) - field%plane_start(plane) + 1
+      do axis = 1, NDIM
+        do side = 1, 2
+          if (mesh%wall(side, axis) /= wall_fixed) cycle
+          ghost = merge(mesh%lower(axis) - 1, mesh%upper(axis), side == 1)
+          first = field%work%first(s)
+          last = field%work%last(s)
+          if (axis == 1) then
+            first = max(first, ghost)
+            last = min(last, ghost)
+          else if (row(axis) /= ghost) then
+            cycle
+          end if
+          if (first <= last) then
+            call reverse_along(axis, last - first + 1, before, stride, records(1, base + first))
+          end if
+        end do
+      end do
+    end do
+  end subroutine auxmesh_mirror
+
+  !> Changes the sign of all derivatives but those along `axis`.
+  pure subroutine reverse_along(axis, n, before, stride, records)
+    integer, intent(in) :: axis, n, before, stride
+    real(dp), intent(inout) :: records(stride, n)
+    integer :: a, b
+    do a = 0, NDIM - 1
+      do b = 1, NDIM
+        if (b /= axis) records(before + a*NDIM + b, :) = -records(before + a*NDIM + b, :)
+      end do
+    end do
+  end subroutine reverse_along
+
+  !> One component: mean of the 2^d nodes around each centre (SGMP), or the node itself.
+  pure subroutine fill_value(field, s, first, n, column, stride, records)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first, n, column, stride
+    real(dp), intent(inout) :: records(stride, n)
+    integer :: i
+    if (field%kernel == kernel_sgmp) then
+      call fill_mean(n, field%node(1, column), node_rows(field, s, first), stride, records)
+    else
+      do i = 1, n
+        records(1, i) = field%node(field%neighbour(0, 0, s) + first + i - 1, column)
+      end do
+    end if
+  end subroutine fill_value
+
+  !> Means of the nodes around the centres of a row.
+  pure subroutine fill_mean(n, column, b, stride, records)
+    integer, intent(in) :: n, b(NROW), stride
+    real(dp), intent(in) :: column(*)
+    real(dp), intent(inout) :: records(stride, n)
+    integer :: i
+    do i = 1, n
+      records(1, i) = 0.5_dp**NDIM*(corner_sum(column, b, i - 1) + corner_sum(column, b, i))
+    end do
+  end subroutine fill_mean
+
+  !> Derivatives of one component along all axes at each centre.
+  pure subroutine fill_gradient(field, inverse_h, s, first, n, column, stride, records)
+    type(field_t), intent(in) :: field
+    real(dp), intent(in) :: inverse_h
+    integer, intent(in) :: s, first, n, column, stride
+    real(dp), intent(inout) :: records(stride, n)
+    call fill_slopes(n, inverse_h*0.5_dp**(NDIM - 1), field%node(1, column), &
+                     node_rows(field, s, first), stride, records)
+  end subroutine fill_gradient
+
+  !> Differences of the nodes around the centres of a row, along each axis.
+  pure subroutine fill_slopes(n, scale, column, b, stride, records)
+    integer, intent(in) :: n, b(NROW), stride
+    real(dp), intent(in) :: scale, column(*)
+    real(dp), intent(inout) :: records(stride, n)
+    integer :: i
+    do i = 1, n
+      records(1, i) = scale*(corner_sum(column, b, i) - corner_sum(column, b, i - 1))
+#if NDIM > 1
+      records(2, i) = scale*(corner_slope_2(column, b, i - 1) + corner_slope_2(column, b, i))
+#endif
+#if NDIM > 2
+      records(3, i) = scale*(corner_slope_3(column, b, i - 1) + corner_slope_3(column, b, i))
+#endif
+    end do
+  end subroutine fill_slopes
+
+  !> Records of node `first` in the rows of nodes around a row of centres.
+  pure function node_rows(field, s, first) result(b)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first
+    integer :: b(NROW)
+    b(1) = field%neighbour(0, 0, s)
+#if NDIM == 2
+    b(2) = field%neighbour(0, 1, s)
+#elif NDIM == 3
+    b(2) = field%neighbour(0, 1, s)
+    b(3) = field%neighbour(1, 0, s)
+    b(4) = field%neighbour(1, 1, s)
+#endif
+    b = b + first
+  end function node_rows
+
+#include "corner_sums.inc"
+
+end module DIM(sgmp_auxmesh)
