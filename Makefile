@@ -26,13 +26,13 @@ help: ## List the targets
 	@sed -n 's/^\([a-z][a-z-]*\):.*## /  \1	/p' $(MAKEFILE_LIST) | expand -t 14
 
 setup: ## Install what is missing (compiler, MPI, HDF5, muParser, CMake, Python packages)
-	@scripts/setup.sh
+	@scripts/setup/setup.sh
 
 setup-test: # What only tests use
-	@scripts/setup.sh --test
+	@scripts/setup/setup.sh --test
 
 setup-dev: # The tools of lint, format, coverage and doc
-	@scripts/setup.sh --dev
+	@scripts/setup/setup.sh --dev
 
 build/%/.configured: CMakePresets.json
 	cmake --preset $*
@@ -66,10 +66,10 @@ test-debug: debug setup-test ## Run all tests on the debug build
 	ctest --test-dir build/debug --parallel $(JOBS) --output-on-failure --no-tests=error
 
 bench: build ## Measure nanoseconds per particle and step beside targets and what the machine can do (minutes)
-	$(PYTHON) scripts/bench.py build/release/sgmp
+	$(PYTHON) scripts/bench/bench.py build/release/sgmp
 
 lint: setup-dev ## Check the sources against the house style
-	@$(PYTHON) scripts/lint.py --fortitude build/venv/bin/fortitude src
+	@$(PYTHON) scripts/dev/lint.py --fortitude build/venv/bin/fortitude src
 
 # findent takes "module DIM(name)" of the dimension-generic sources for an array, hence the change and back.
 format: setup-dev ## Indent the sources in place

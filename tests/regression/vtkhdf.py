@@ -17,7 +17,7 @@ try:
     from vtkmodules.vtkIOHDF import vtkHDFReader
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 except ImportError as missing:
-    print(f"SKIPPED: {missing}; scripts/setup.sh --test installs it (pip install -r scripts/requirements-test.txt)")
+    print(f"SKIPPED: {missing}; scripts/setup/setup.sh --test installs it (pip install -r scripts/setup/requirements-test.txt)")
     sys.exit(77)
 
 VERTEX = 1

@@ -4,9 +4,9 @@
 usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT | --options] [--prefix COMMAND] [--output DIR]
 
 In one sitting it measures the machine (multiply-adds from registers, a triad through memory, a plain scalar loop of the
-same method: tests/bench), then every case several times. The median of the solver's own solve_seconds counts (reading the
-deck and making the particles does not). Writes results.json and table.md and prints the table; scripts/compare_bench.py
-puts two results side by side, scripts/plot_bench.py draws the roofline. How flops and bytes are counted: doc/performance.md.
+same method: the Fortran programs beside), then every case several times. The median of the solver's own solve_seconds counts (reading the
+deck and making the particles does not). Writes results.json and table.md and prints the table; scripts/bench/compare_bench.py
+puts two results side by side, scripts/bench/plot_bench.py draws the roofline. How flops and bytes are counted: doc/performance.md.
 """
 import argparse
 import json
@@ -21,7 +21,7 @@ import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 class Case:
@@ -152,9 +152,9 @@ def measure_machine(options, tools, scratch):
     """Ceilings, and the plain scalar loop - after a look whether it computes what the solver does."""
     prefix = shlex.split(options.prefix)
     threads = max(options.threads)
-    ceilings = json.loads(call(prefix, [str(tools/"bench_ceilings")], threads))
-    reference = json.loads(call(prefix, [str(tools/"bench_reference"), "32", "8"]))
-    plain = json.loads(call([], [str(tools/"bench_reference"), "8", "19"]))
+    ceilings = json.loads(call(prefix, [str(tools/"ceilings")], threads))
+    reference = json.loads(call(prefix, [str(tools/"reference"), "32", "8"]))
+    plain = json.loads(call([], [str(tools/"reference"), "8", "19"]))
     scene = Case("check", "block.inp", cells=8, steps=20)
     energy = solve(options.sgmp, scene, 8, 1, [], scratch)["energy"]
     share = energy["kinetic"]/energy["initial_total"]
@@ -254,7 +254,7 @@ def main():
             measure_options(options, scratch)
         return
     with tempfile.TemporaryDirectory() as scratch:
-        machine = measure_machine(options, pathlib.Path(options.sgmp).parent/"tests", scratch)
+        machine = measure_machine(options, pathlib.Path(options.sgmp).parent/"bench", scratch)
         print(f"{processor()}, {os.cpu_count()} processors")
         for threads, ceiling in machine["ceilings"].items():
             print(f"{threads} thread(s): {ceiling['gigaflops']:.1f} Gflop/s of multiply-adds,"

@@ -2,7 +2,7 @@
 #   add_pfunit_ctest(name TEST_SOURCES a.pf … [OTHER_SOURCES …] [LINK_LIBRARIES …] [LABELS …] [MAX_PES n] [WORKING_DIRECTORY dir])
 
 set(funit_dir "${CMAKE_CURRENT_LIST_DIR}")
-set(funit_build_dir "${CMAKE_CURRENT_BINARY_DIR}/framework")
+set(funit_build_dir "${CMAKE_CURRENT_BINARY_DIR}/standin")
 file(MAKE_DIRECTORY "${funit_build_dir}")
 
 add_custom_command(

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # Installs what the build needs and is missing; does nothing, quickly, where nothing is.
 #
-#   scripts/setup.sh         compiler, MPI, HDF5, muParser, CMake; Python packages in build/venv
-#   scripts/setup.sh --test  packages that only tests use in build/venv; without them those tests are skipped
-#   scripts/setup.sh --dev   the tools of make lint, format, coverage and doc in build/venv
+#   scripts/setup/setup.sh         compiler, MPI, HDF5, muParser, CMake; Python packages in build/venv
+#   scripts/setup/setup.sh --test  packages that only tests use in build/venv; without them those tests are skipped
+#   scripts/setup/setup.sh --dev   the tools of make lint, format, coverage and doc in build/venv
 #
 # On Debian and Ubuntu, as root or with a passwordless sudo, system packages come from apt. Elsewhere it says what is
 # missing and how a cluster usually provides it, and ends with code 1.
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 venv=build/venv
 
@@ -146,10 +146,10 @@ install_requirements() {
 }
 
 install_python_packages() {
-  install_requirements scripts/requirements.txt && return 0
-  echo "setup: pip could not install scripts/requirements.txt; looking for the system's own packages" >&2
+  install_requirements scripts/setup/requirements.txt && return 0
+  echo "setup: pip could not install scripts/setup/requirements.txt; looking for the system's own packages" >&2
   if borrow_system_python; then
-    touch "$venv/.requirements.txt.$(cksum < scripts/requirements.txt | tr ' ' '-')"
+    touch "$venv/.requirements.txt.$(cksum < scripts/setup/requirements.txt | tr ' ' '-')"
     return 0
   fi
   # The solver does without them: go on, and let the scripts that draw say so again.
@@ -159,14 +159,14 @@ install_python_packages() {
 }
 
 install_test_packages() {
-  install_requirements scripts/requirements-test.txt && return 0
-  echo "setup: pip could not install scripts/requirements-test.txt; the tests that need it will be skipped" >&2
+  install_requirements scripts/setup/requirements-test.txt && return 0
+  echo "setup: pip could not install scripts/setup/requirements-test.txt; the tests that need it will be skipped" >&2
 }
 
 install_developer_tools() {
-  install_requirements scripts/requirements-dev.txt && return 0
-  echo "setup: could not install the tools of scripts/requirements-dev.txt into $venv:" >&2
-  sed 's/^/  pip install /' scripts/requirements-dev.txt >&2
+  install_requirements scripts/setup/requirements-dev.txt && return 0
+  echo "setup: could not install the tools of scripts/setup/requirements-dev.txt into $venv:" >&2
+  sed 's/^/  pip install /' scripts/setup/requirements-dev.txt >&2
   return 1
 }
 
@@ -174,5 +174,5 @@ case "${1:-}" in
   "") install_system_packages && install_python_packages ;;
   --test) install_test_packages ;;
   --dev) install_developer_tools ;;
-  *) echo "usage: scripts/setup.sh [--test | --dev]" >&2; exit 2 ;;
+  *) echo "usage: scripts/setup/setup.sh [--test | --dev]" >&2; exit 2 ;;
 esac

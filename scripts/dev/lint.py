@@ -78,9 +78,9 @@ def own_rules(paths):
 
 
 # -------------------------------------------------------------------------------------------------- fortitude
-def specialised(path, dimension, include_folder):
+def specialised(path, dimension, include_flags):
     """The source after the preprocessor, every line at its place."""
-    command = [os.environ.get("FC", "gfortran"), "-E", "-cpp", f"-DNDIM={dimension}", f"-I{include_folder}", str(path)]
+    command = [os.environ.get("FC", "gfortran"), "-E", "-cpp", f"-DNDIM={dimension}", *include_flags, str(path)]
     text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     lines = [""] * len(path.read_text(encoding="utf-8").splitlines())
     file, number = None, 0
@@ -99,6 +99,7 @@ def fortitude_errors(program, folder, paths):
     """Runs it over a copy for each dimension; what it says of one line is said once."""
     program = str(pathlib.Path(program).absolute())
     generic = [p for p in paths if p.suffix == ".F90" and GENERIC.search(p.read_text(encoding="utf-8"))]
+    include_flags = [f"-I{place}" for place in sorted({p.parent for p in folder.rglob("*.inc")})]
     found = {}
     for dimension in (3, 2, 1):
         with tempfile.TemporaryDirectory() as scratch:
@@ -106,7 +107,7 @@ def fortitude_errors(program, folder, paths):
                 target = pathlib.Path(scratch, path)
                 target.parent.mkdir(parents=True, exist_ok=True)
                 if path in generic:
-                    target.write_text(specialised(path, dimension, folder / "physics"), encoding="utf-8")
+                    target.write_text(specialised(path, dimension, include_flags), encoding="utf-8")
                 else:
                     shutil.copyfile(path, target)
             shutil.copyfile("fortitude.toml", pathlib.Path(scratch, "fortitude.toml"))

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs sgmp on broken decks: each must end with exit code 3 and say what is wrong and where.
 
-usage: run.py SGMP_EXECUTABLE
+usage: errors.py SGMP_EXECUTABLE
 """
 import os
 import re

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Every file of a folder must be rejected by the preprocessor as its first line says: `! LINE: part of the message`.
 
-usage: check_rejected.py PF_PREPROCESS.py FOLDER
+usage: rejected.py PF_PREPROCESS.py FOLDER
 """
 import pathlib
 import re

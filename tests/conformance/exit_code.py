@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A failing unit test must end with exit code 2 and say so. usage: check_exit_code.py TEST_PROGRAM"""
+"""A failing unit test must end with exit code 2 and say so. usage: exit_code.py TEST_PROGRAM"""
 import subprocess
 import sys
 
