@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Nanoseconds per particle and step of the solver on this machine, beside targets and ceilings.
 
-usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT | --options] [--prefix COMMAND] [--output DIR]
+usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT | --options | --against OTHER] [--prefix COMMAND] [--output DIR]
 
 In one sitting it measures the machine (multiply-adds from registers, a triad through memory, a plain scalar loop of the
 same method: the Fortran programs beside), then every case several times. The median of the solver's own solve_seconds counts (reading the
 deck and making the particles does not). Writes results.json and table.md and prints the table; scripts/bench/compare_bench.py
-puts two results side by side, scripts/bench/plot_bench.py draws the roofline. How flops and bytes are counted: doc/performance.md.
+puts two results side by side, --against takes turns with another executable in one sitting (a busy machine then slows both), scripts/bench/plot_bench.py draws the roofline. How flops and bytes are counted: doc/performance.md.
 """
 import argparse
 import json
@@ -176,6 +176,36 @@ def measure_options(options, scratch):
         print(f"{name:28s} {statistics.median(values):7.1f} ns {statistics.median(values)/plain:6.2f}")
 
 
+def measure_pairs(options, scratch):
+    """Every case by two executables in turns; the median of the ratios pair by pair, and whether both made the same particles."""
+    other = str(pathlib.Path(options.against).resolve())
+    prefix = shlex.split(options.prefix)
+    print(f"{'case':28s} th     this    other   ratio: median least most  checksums")
+    pairs = []
+    for case in CASES:
+        for threads in options.threads:
+            if options.only not in case.name or (case.ndim == 1 and threads > 1):
+                continue
+            costs, sums = [], set()
+            for turn in range(options.runs):
+                couple = {}
+                for program in (options.sgmp, other) if turn % 2 else (other, options.sgmp):
+                    summary = solve(program, case, options.cells, threads, prefix, scratch)
+                    couple[program] = summary["ns_per_particle_step"]
+                    sums.add(summary["checksum"])
+                costs.append((couple[options.sgmp], couple[other]))
+            ratios_of = sorted(this/that for this, that in costs)
+            row = {"case": case.name, "threads": threads, "this": statistics.median(cost[0] for cost in costs),
+                   "other": statistics.median(cost[1] for cost in costs), "ratio": statistics.median(ratios_of),
+                   "least": ratios_of[0], "most": ratios_of[-1], "same": len(sums) == 1}
+            pairs.append(row)
+            print(f"{case.name:28s} {threads:2d} {row['this']:8.1f} {row['other']:8.1f} {row['ratio']:14.3f} {row['least']:5.2f}"
+                  f" {row['most']:4.2f}  {'same' if row['same'] else 'differ'}", flush=True)
+    folder = pathlib.Path(options.output)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder/"pairs.json").write_text(json.dumps(pairs, indent=1))
+
+
 def processor():
     """The processor's name, where the system tells."""
     try:
@@ -242,6 +272,7 @@ def main():
     parser.add_argument("--runs", type=int, default=3, help="runs per case (default 3)")
     parser.add_argument("--cells", type=int, default=64, help="cells along the dense block's edge (default 64)")
     parser.add_argument("--options", action="store_true", help="measure what options cost, nothing else")
+    parser.add_argument("--against", default="", help="another executable: runs take turns, nothing else is measured")
     parser.add_argument("--only", default="", help="only cases whose name contains this text")
     parser.add_argument("--prefix", default="", help="command to start every run with, such as `taskset -c 2,3`")
     parser.add_argument("--threads", type=int, nargs="*", default=[1, 2], help="numbers of threads (default 1 2)")
@@ -249,6 +280,10 @@ def main():
     options = parser.parse_args()
     options.sgmp = str(pathlib.Path(options.sgmp).resolve())
     rows = []
+    if options.against:
+        with tempfile.TemporaryDirectory() as scratch:
+            measure_pairs(options, scratch)
+        return
     if options.options:
         with tempfile.TemporaryDirectory() as scratch:
             measure_options(options, scratch)
