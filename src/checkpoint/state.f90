@@ -4,11 +4,11 @@
 module sgmp_state
   use sgmp_archive, only: archive_t
   use sgmp_body, only: body_t
+  use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_energy, only: ledger_t
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: body_sums_t, model_t
   use sgmp_outputs, only: outputs_t
-  use sgmp_shared_nodes, only: contact_pair_t
   use sgmp_time_step, only: clock_t
   implicit none
   private
@@ -40,10 +40,10 @@ contains
       call archive%pass(model%counts(b))
       call pass_body(archive, model%bodies(b), model%body_sums(b))
     end do
-    do p = 1, size(model%pairs)
-      call pass_pair(archive, model%pairs(p))
+    do p = 1, size(model%contact%pairs)
+      call pass_pair(archive, model%contact%pairs(p))
     end do
-    call pass_outputs(archive, outputs, size(model%pairs))
+    call pass_outputs(archive, outputs, size(model%contact%pairs))
   end subroutine state_pass
 
   !> The clock less what the deck sets.

@@ -1,121 +1,172 @@
-!> Contact of several bodies at one grid node: Coulomb friction between velocity fields (Eqs.
-!! 76-84).
+!> Contact between fields, as phases of a step.
 !!
-!! Each pair of bodies that touch at the node exchanges an impulse. With two bodies it is the closed
-!! form of Eqs. 81-84: the
-!! impulse that makes both velocities equal, its tangential part cut to the friction cone. With
-!! three or more the impulses
-!! depend on each other; they are found by going round the pairs until nothing changes, each pair
-!! correcting its accumulated
-!! impulse (projected Gauss-Seidel), so that in the end no pair approaches, no impulse pulls, and
-!! every one lies in its cone.
-!! Bodies of infinite mass have an inverse mass of zero.
+!! Contact changes the trial velocity and the acceleration alike, so that what particles receive is
+!! the contact force; the re-mapped velocity of MUSL and the velocity that strains the particles in
+!! USF are made admissible by the same rule.
+!! Normals and distances belong to the positions at the start of the step and are found once.
 module sgmp_contact
+  use sgmp_body, only: body_t
+  use sgmp_buffer, only: buffer_t
+  use sgmp_contact_distance, only: clouds_t, distance_detect
+  use sgmp_contact_pairs, only: contact_pair_t
+  use sgmp_contact_resolve, only: contact_link_t, contact_resolve
+  use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t
+  use sgmp_shared_nodes, only: shared_build, shared_meet, shared_nodes_t
+  use sgmp_surface_particles, only: surface_count, surface_pack
   implicit none
   private
-  public :: contact_link_t, contact_resolve, contact_normal
-  public :: normal_average, normal_first, normal_second, normal_stiffer, normal_separating, &
-    normal_names
+  public :: contact_t, contact_layout, contact_meet, contact_detect, contact_trial, &
+            contact_velocity
 
-  integer, parameter :: normal_average = 1  !! from both bodies
-  integer, parameter :: normal_first = 2    !! of the pair's first body
-  integer, parameter :: normal_second = 3   !! of the pair's second body
-  integer, parameter :: normal_stiffer = 4  !! of the stiffer of the two
-  integer, parameter :: normal_separating = 5
-    !! along the shortest line between the bodies around the node
-  character(10), parameter :: normal_names(*) = [character(10) :: 'average', 'first', 'second', &
-    'stiffer', 'separating']
-
-  integer, parameter :: most_rounds = 500
-  real(dp), parameter :: settled = 1.0e-15_dp
-    !! change of velocity, relative, at which the rounds end
-
-  !> Two bodies that touch at a node.
-  type :: contact_link_t
-    integer :: first = 0, second = 0       !! members of the node
-    real(dp) :: normal(3) = 0.0_dp         !! unit normal, from the first to the second
-    real(dp) :: friction = 0.0_dp          !! Coulomb's coefficient
-    real(dp) :: normal_impulse = 0.0_dp    !! accumulated, not negative
-    real(dp) :: tangent_impulse(3) = 0.0_dp  !! accumulated, on the second body
-  end type contact_link_t
+  !> All that contact knows.
+  type :: contact_t
+    type(contact_pair_t), allocatable :: pairs(:)  !! none: one field for all bodies
+    type(shared_nodes_t) :: shared         !! nodes where the fields of pairs meet
+    type(buffer_t) :: terms                !! of the ledger: what contact did in the step, own planes
+  end type contact_t
 
 contains
 
-  !> Velocities after contact, and the impulses that make it: -(normal + tangent) acts on the first,
-  !! + on the second.
-  pure subroutine contact_resolve(links, inverse_mass, velocity)
-    type(contact_link_t), intent(inout) :: links(:)  !! touching pairs; impulses are set
-    real(dp), intent(in) :: inverse_mass(:)          !! (members) 0: prescribed motion
-    real(dp), intent(inout) :: velocity(:, :)
-      !! (3, members) in: trial velocity (Eq. 77), out: admissible (Eq. 80)
-    real(dp) :: scale, change
-    integer :: round, n
-    do n = 1, size(links)
-      links(n)%normal_impulse = 0.0_dp
-      links(n)%tangent_impulse = 0.0_dp
-    end do
-    scale = maxval(abs(velocity))
-    do round = 1, merge(1, most_rounds, size(links) <= 1)
-      change = 0.0_dp
-      do n = 1, size(links)
-        call correct(links(n), inverse_mass, velocity, change)
-      end do
-      if (change <= settled*scale) exit
-    end do
-  end subroutine contact_resolve
+  !> Lists the shared nodes of a new layout.
+  subroutine contact_layout(contact, mesh, fields, bodies, planes)
+    type(contact_t), intent(inout) :: contact
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: planes(2)       !! first and last k that this rank solves
+    if (size(contact%pairs) == 0) return
+    call shared_build(contact%shared, mesh, fields, bodies, contact%pairs, planes)
+  end subroutine contact_layout
 
-  !> One pair's correction of its impulse.
-  pure subroutine correct(link, inverse_mass, velocity, change)
-    type(contact_link_t), intent(inout) :: link
-    real(dp), intent(in) :: inverse_mass(:)
-    real(dp), intent(inout) :: velocity(:, :)
-    real(dp), intent(inout) :: change                !! largest change of a velocity so far
-    real(dp) :: weight, approach(3), before, tangent(3), length, impulse(3)
-    weight = inverse_mass(link%first) + inverse_mass(link%second)
-    if (weight <= 0.0_dp) return
-    approach = velocity(:, link%first) - velocity(:, link%second)
-    before = link%normal_impulse
-    link%normal_impulse = max(0.0_dp, before + dot_product(approach, link%normal)/weight)
-    tangent = link%tangent_impulse + (approach - dot_product(approach, &
-      link%normal)*link%normal)/weight
-    length = norm2(tangent)
-    if (length > link%friction*link%normal_impulse) then
-      tangent = tangent*(link%friction*link%normal_impulse/max(length, tiny(1.0_dp)))
-    end if
-    impulse = (link%normal_impulse - before)*link%normal + (tangent - link%tangent_impulse)
-    link%tangent_impulse = tangent
-    velocity(:, link%first) = velocity(:, link%first) - inverse_mass(link%first)*impulse
-    velocity(:, link%second) = velocity(:, link%second) + inverse_mass(link%second)*impulse
-    change = max(change, weight*maxval(abs(impulse)))
-  end subroutine correct
+  !> Finds where bodies meet, and counts the surface particles around.
+  subroutine contact_meet(contact, fields, bodies, cutoff, moved, threads)
+    type(contact_t), intent(inout) :: contact
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    real(dp), intent(in) :: cutoff         !! nodes lighter than this are ignored
+    logical, intent(in) :: moved           !! particles have changed bins since the last time
+    integer, intent(in) :: threads
+    integer :: n, b
+    !$omp parallel do schedule(static) num_threads(threads) if(threads > 1) &
+    !$omp& default(none) shared(contact, fields, cutoff) private(n)
+    do n = 1, contact%shared%nodes
+      call shared_meet(contact%shared, n, fields, cutoff)
+    end do
+    !$omp end parallel do
+    do b = 1, size(bodies)
+      call surface_count(contact%shared%surface(b), bodies(b)%particles, moved, &
+                         bodies(b)%law%slots%surface, threads)
+    end do
+  end subroutine contact_meet
 
-  !> Common unit normal of a pair from the gradients of the bodies' volumes; zero where they give no
-  !! direction.
-  !!
-  !! The average (g_r - g_s)/|g_r - g_s| is taken of volumes, not masses, so that a dense body does
-  !! not decide alone.
-  pure function contact_normal(choice, first, second) result(normal)
-    integer, intent(in) :: choice
-      !! one of normal_*, the stiffer already resolved
-    real(dp), intent(in) :: first(3), second(3)
-      !! sum of V grad N over what each body has around the node
-    real(dp) :: normal(3)
-    real(dp) :: length
-    select case (choice)
-    case (normal_first)
-      normal = first
-    case (normal_second)
-      normal = -second
-    case default
-      normal = first - second
-    end select
-    length = norm2(normal)
-    if (length > 1.0e-12_dp*(norm2(first) + norm2(second)) .and. length > 0.0_dp) then
-      normal = normal/length
-    else
-      normal = 0.0_dp
-    end if
-  end function contact_normal
+  !> Finds normals and touching pairs at all shared nodes. It must be known where bodies meet, and
+  !! what other ranks have there.
+  subroutine contact_detect(contact, mesh, fields, bodies, threads)
+    type(contact_t), intent(inout) :: contact
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: threads
+    type(clouds_t) :: clouds
+    integer :: n, b
+    do b = 1, size(bodies)
+      call surface_pack(contact%shared%surface(b), bodies(b)%particles, &
+                        bodies(b)%law%slots%surface, threads)
+    end do
+    !$omp parallel num_threads(threads) if(threads > 1) default(none) &
+    !$omp& shared(contact, mesh, fields, bodies) private(n, clouds)
+    !$omp do schedule(dynamic, 16)
+    do n = 1, contact%shared%nodes
+      call distance_detect(contact%shared, n, mesh, fields, bodies, contact%pairs, clouds)
+    end do
+    !$omp end do nowait
+    !$omp end parallel
+  end subroutine contact_detect
+
+  !> Contact forces: corrects trial velocity and acceleration (Eqs. 79, 80).
+  subroutine contact_trial(contact, fields, bodies, dt, threads)
+    type(contact_t), intent(inout) :: contact
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    real(dp), intent(in) :: dt             !! velocity step dt^k
+    integer, intent(in) :: threads
+    integer :: n
+    !$omp parallel do schedule(dynamic, 16) num_threads(threads) default(none) &
+    !$omp& shared(contact, fields, bodies, dt) private(n)
+    do n = 1, contact%shared%nodes
+      call resolve_node(contact%shared, n, bodies, fields, fields(1)%ndim + 1, dt)
+    end do
+    !$omp end parallel do
+  end subroutine contact_trial
+
+  !> Makes another nodal velocity admissible: the re-mapped one of MUSL, or that which strains the
+  !! particles in USF.
+  subroutine contact_velocity(contact, fields, bodies, column, threads)
+    type(contact_t), intent(inout) :: contact
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: column          !! first column of the velocity
+    integer, intent(in) :: threads
+    integer :: n
+    !$omp parallel do schedule(dynamic, 16) num_threads(threads) default(none) &
+    !$omp& shared(contact, fields, bodies, column) private(n)
+    do n = 1, contact%shared%nodes
+      call resolve_node(contact%shared, n, bodies, fields, column, 0.0_dp)
+    end do
+    !$omp end parallel do
+  end subroutine contact_velocity
+
+  !> Contact at one node; with a time step the acceleration follows.
+  subroutine resolve_node(shared, n, bodies, fields, column, dt)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n, column
+    type(body_t), intent(in) :: bodies(:)
+    type(field_t), intent(inout) :: fields(:)
+    real(dp), intent(in) :: dt
+    type(contact_link_t) :: links(shared%link_start(n + 1) - shared%link_start(n))
+    real(dp), dimension(3, shared%member_start(n + 1) - shared%member_start(n)) :: velocity, gained
+    real(dp) :: inverse_mass(size(velocity, 2))
+    integer :: which(size(links))
+    integer :: l, k, m, nd, active
+    active = 0
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      shared%link(l)%normal_impulse = 0.0_dp
+      shared%link(l)%tangent_impulse = 0.0_dp
+      if (.not. shared%touching(l)) cycle
+      active = active + 1
+      which(active) = l
+      links(active) = shared%link(l)
+    end do
+    if (active == 0) return
+    velocity = 0.0_dp
+    do k = 1, size(inverse_mass)
+      m = shared%member_start(n) + k - 1
+      nd = fields(shared%field(m))%ndim
+      velocity(:nd, k) = fields(shared%field(m))%node(shared%record(m), column:column + nd - 1)
+      inverse_mass(k) = fields(shared%field(m))%node(shared%record(m), 2*nd + 1)
+      if (bodies(shared%body(m))%rigid) inverse_mass(k) = 0.0_dp
+    end do
+    call contact_resolve(links(:active), inverse_mass, velocity)
+    gained = 0.0_dp
+    do l = 1, active
+      where (shared%held(:, n)) links(l)%tangent_impulse = 0.0_dp
+      shared%link(which(l)) = links(l)
+      associate (impulse => links(l)%normal_impulse*links(l)%normal + links(l)%tangent_impulse)
+        gained(:, links(l)%first) = gained(:, links(l)%first) - impulse
+        gained(:, links(l)%second) = gained(:, links(l)%second) + impulse
+      end associate
+    end do
+    do k = 1, size(inverse_mass)
+      if (inverse_mass(k) <= 0.0_dp) cycle
+      m = shared%member_start(n) + k - 1
+      associate (node => fields(shared%field(m))%node, i => shared%record(m))
+        node(i, column:column + nd - 1) = node(i, column:column + nd - 1) + &
+          inverse_mass(k)*gained(:nd, k)
+        if (dt > 0.0_dp) node(i, 1:nd) = node(i, 1:nd) + inverse_mass(k)*gained(:nd, k)/dt
+      end associate
+    end do
+  end subroutine resolve_node
 
 end module sgmp_contact

@@ -4,16 +4,15 @@
 !! Both ranks hold the bodies' masses at those nodes and so agree, without a message, on whether
 !! there is anything to tell.
 module sgmp_contact_exchange
+  use sgmp_body, only: body_t
   use sgmp_buffer, only: buffer_left, buffer_put, buffer_t, buffer_whole
-  use sgmp_errors, only: error_make, exit_numerical
   use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp
-  use sgmp_model, only: model_t
-  use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
-  use sgmp_shared_nodes, only: shared_mark
+  use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_t, neighbours_wait, &
+                             traffic_t
+  use sgmp_partition, only: partition_t
+  use sgmp_shared_nodes, only: shared_mark, shared_nodes_t
   use sgmp_surface_particles, only: surface_forget_guests, surface_read, surface_write
-  use sgmp_text, only: integer_text
-  use sgmp_timers, only: phase_halo, timers_move, wall_time
   implicit none
   private
   public :: contact_exchange
@@ -21,70 +20,67 @@ module sgmp_contact_exchange
 contains
 
   !> Swaps particles with both neighbours. It must be known where bodies meet, and own particles
-  !! must have been counted.
-  subroutine contact_exchange(model)
-    type(model_t), intent(inout) :: model
-    logical :: sides(2), complete
+  !! must have been counted. `complete` is false if a rank has no place for what it is told.
+  subroutine contact_exchange(shared, bodies, partition, messages, traffic, complete)
+    type(shared_nodes_t), intent(inout) :: shared
+    type(body_t), intent(in) :: bodies(:)
+    type(partition_t), intent(in) :: partition
+    type(neighbours_t), intent(inout) :: messages
+    type(traffic_t), intent(inout) :: traffic
+    logical, intent(out) :: complete
+    logical :: sides(2)
     integer :: b
-    real(dp) :: since
-    if (model%partition%ranks == 1) return
-    do b = 1, size(model%bodies)
-      call surface_forget_guests(model%shared%surface(b))
+    complete = .true.
+    if (partition%ranks == 1) return
+    do b = 1, size(bodies)
+      call surface_forget_guests(shared%surface(b))
     end do
-    associate (own => model%partition%own, nodes => model%partition%nodes, swap => model%swap)
-      call write_side(model, own(1) + [0, nodes - 1], swap%to_below, sides(1))
-      call write_side(model, own(2) + [1, nodes], swap%to_above, sides(2))
-      if (.not. any(sides)) return
-      since = wall_time()
-      call neighbours_send(swap, model%traffic, sides)
-      call neighbours_receive(swap, sides)
-      complete = .true.
-      call read_side(model, swap%from_below, complete)
-      call read_side(model, swap%from_above, complete)
-      call neighbours_wait(swap)
+    associate (own => partition%own, nodes => partition%nodes)
+      call write_side(shared, bodies, own(1) + [0, nodes - 1], messages%to_below, sides(1))
+      call write_side(shared, bodies, own(2) + [1, nodes], messages%to_above, sides(2))
     end associate
-    if (.not. complete .and. .not. allocated(model%failure)) then
-      call error_make(model%failure, exit_numerical, 'a rank has no place for particles of its '// &
-                      'neighbour in step '//integer_text(model%clock%step + 1), &
-                      'this is a fault of the program: report it')
-    end if
-    call timers_move(model%timers, phase_halo, since)
+    if (.not. any(sides)) return
+    call neighbours_send(messages, traffic, sides)
+    call neighbours_receive(messages, sides)
+    call read_side(shared, messages%from_below, complete)
+    call read_side(shared, messages%from_above, complete)
+    call neighbours_wait(messages)
   end subroutine contact_exchange
 
   !> Writes the message about the planes of nodes that this rank and one neighbour solve.
-  subroutine write_side(model, planes, buffer, any_meet)
-    type(model_t), intent(inout) :: model
+  subroutine write_side(shared, bodies, planes, buffer, any_meet)
+    type(shared_nodes_t), intent(inout) :: shared
+    type(body_t), intent(in) :: bodies(:)
     integer, intent(in) :: planes(2)             !! first and last k
     type(buffer_t), intent(inout) :: buffer
     logical, intent(out) :: any_meet             !! there is a message
     integer :: b
-    call shared_mark(model%shared, planes, any_meet)
+    call shared_mark(shared, planes, any_meet)
     if (.not. any_meet) return
-    do b = 1, size(model%bodies)
-      if (model%shared%surface(b)%bins == 0) cycle
+    do b = 1, size(bodies)
+      if (shared%surface(b)%bins == 0) cycle
       call buffer_put(buffer, [real(b, dp)])
-      call surface_write(model%shared%surface(b), model%bodies(b), whole_particles(model), buffer)
+      call surface_write(shared%surface(b), bodies(b), whole_particles(shared), buffer)
     end do
   end subroutine write_side
 
   !> Reads a message.
-  subroutine read_side(model, buffer, complete)
-    type(model_t), intent(inout) :: model
+  subroutine read_side(shared, buffer, complete)
+    type(shared_nodes_t), intent(inout) :: shared
     type(buffer_t), intent(inout) :: buffer
     logical, intent(inout) :: complete
     integer :: b
     do while (buffer_left(buffer))
       call buffer_whole(buffer, b)
-      call surface_read(model%shared%surface(b), model%mesh%ndim, whole_particles(model), buffer, &
-                        complete)
+      call surface_read(shared%surface(b), shared%ndim, whole_particles(shared), buffer, complete)
     end do
   end subroutine read_side
 
   !> Whether normals are taken from all particles around a node (Eq. 87) and not from centres.
-  pure function whole_particles(model) result(yes)
-    type(model_t), intent(in) :: model
+  pure function whole_particles(shared) result(yes)
+    type(shared_nodes_t), intent(in) :: shared
     logical :: yes
-    yes = model%fields(1)%kernel /= kernel_sgmp
+    yes = shared%kernel /= kernel_sgmp
   end function whole_particles
 
 end module sgmp_contact_exchange

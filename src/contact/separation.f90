@@ -8,6 +8,7 @@
 !! looked for.
 module sgmp_separation
   use sgmp_kinds, only: dp, lanes
+  use sgmp_vectors, only: cross
   implicit none
   private
   public :: separation
@@ -194,11 +195,5 @@ contains
     end select
     mean(1) = 1.0_dp - (mean(2) + mean(3) + mean(4))
   end subroutine affine_mean
-
-  pure function cross(a, b) result(c)
-    real(dp), intent(in) :: a(3), b(3)
-    real(dp) :: c(3)
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 
 end module sgmp_separation

@@ -1,5 +1,6 @@
 !> The table of everything a deck may say: each card and key registered once.
 module sgmp_deck_table
+  use sgmp_contact_pairs, only: normal_words
   use sgmp_registry, only: kind_expression, kind_integer, kind_interval, kind_list, kind_logical, &
                            kind_name_word, kind_real, kind_text, kind_vector, kind_word, registry_t
   implicit none
@@ -290,7 +291,7 @@ contains
     call registry%key('normal', kind_word, 'common normal: along the shortest line between the '// &
                       "bodies' particles around a node, or from the gradient of volume of "// &
                       'both bodies, of one, or of the stiffer', &
-                      choices='separating average first second stiffer', default='separating', &
+                      choices=normal_words, default='separating', &
                       source='Eqs. 87 and 88')
     call registry%card('rigid', 'Gives a body a prescribed velocity and infinite mass.', &
                        'rigid punch y="-v0*sin(pi*t)"')

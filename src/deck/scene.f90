@@ -5,6 +5,7 @@
 !! deck's own consistent
 !! units. Vectors always have three components; those beyond the dimension are ignored.
 module sgmp_scene
+  use sgmp_contact_pairs, only: normal_separating
   use sgmp_expression, only: expression_free, expression_t
   use sgmp_kernels, only: method_sgmp
   use sgmp_kinds, only: dp
@@ -136,7 +137,7 @@ module sgmp_scene
     real(dp) :: friction = 0.0_dp                 !! Coulomb's coefficient
     real(dp) :: lambda = contact_lambda_default   !! distance of Eq. 86 in cells
     real(dp) :: depth = huge(1.0_dp)              !! distance of nodes from the surface (cells)
-    integer :: normal = 5                         !! one of normal_* of sgmp_contact
+    integer :: normal = normal_separating         !! one of normal_*
   end type contact_card_t
 
   !> Body force per unit mass on one body or all, functions of x,y,z (current), x0,y0,z0 (initial),

@@ -1,6 +1,7 @@
 !> The cards `contact` and `rigid`: names to bodies, and what must hold between them.
 module sgmp_scene_contact
   use sgmp_cards, only: deck_card_t
+  use sgmp_contact_pairs, only: normal_words
   use sgmp_deck_errors, only: deck_errors_t
   use sgmp_expression, only: expression_clone, expression_free
   use sgmp_scene, only: contact_card_t, scene_t
@@ -31,7 +32,7 @@ contains
     new%friction = card%number('friction')
     new%lambda = card%number('lambda', absent=new%lambda)
     new%depth = card%number('depth', absent=new%depth)
-    new%normal = word_in_list(card%word('normal'), 'average first second stiffer separating')
+    new%normal = word_in_list(card%word('normal'), normal_words)
     do i = 1, size(scene%contacts)
       associate (body => scene%contacts(i)%body)
         if (.not. (all(body == new%body) .or. all(body == new%body([2, 1])))) cycle

@@ -34,15 +34,15 @@ contains
     integer, intent(in), optional :: keep_to_step  !! see history_t; sums are there already
     character(:), allocatable :: names
     integer :: p
-    if (size(model%pairs) == 0) return
+    if (size(model%contact%pairs) == 0) return
     names = ''
-    do p = 1, size(model%pairs)
+    do p = 1, size(model%contact%pairs)
       names = names//'; pair '//integer_text(p)//': '// &
-        trim(model%bodies(model%pairs(p)%body(1))%name)//' '// &
-              trim(model%bodies(model%pairs(p)%body(2))%name)
+        trim(model%bodies(model%contact%pairs(p)%body(1))%name)//' '// &
+              trim(model%bodies(model%contact%pairs(p)%body(2))%name)
     end do
     if (.not. allocated(rows%impulse)) then
-      allocate (rows%impulse(impulses, size(model%pairs)), source=0.0_dp)
+      allocate (rows%impulse(impulses, size(model%contact%pairs)), source=0.0_dp)
     end if
     call rows%file%open(path, contact_columns, units//names, error, contact_integers, keep_to_step)
   end subroutine contact_rows_open
@@ -54,11 +54,11 @@ contains
     type(error_t), allocatable, intent(out) :: error
     real(dp) :: impulse(impulses), span
     integer :: p
-    if (size(model%pairs) == 0 .or. rows%step == model%clock%step) return
+    if (size(model%contact%pairs) == 0 .or. rows%step == model%clock%step) return
     span = model%clock%time - rows%time
     if (model%clock%step == 0) span = 1.0_dp
-    do p = 1, size(model%pairs)
-      associate (pair => model%pairs(p))
+    do p = 1, size(model%contact%pairs)
+      associate (pair => model%contact%pairs(p))
         impulse = [pair%impulse, pair%angular_impulse]
         call rows%file%write_row(model%clock%step, &
                                  [model%clock%time, real(p, dp), &

@@ -105,8 +105,8 @@ contains
       do b = a + 1, size(model%bodies)
         if (model%bodies(a)%field == model%bodies(b)%field) cycle
         if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
-        if (any([(all(model%pairs(p)%body == [a, b]) .or. all(model%pairs(p)%body == [b, a]), &
-                  p=1, size(model%pairs))])) cycle
+        if (any([(all(model%contact%pairs(p)%body == [a, b]) .or. all(model%contact%pairs(p)%body == [b, a]), &
+                  p=1, size(model%contact%pairs))])) cycle
         found = found + 1
         if (found == 1) first = [a, b]
       end do

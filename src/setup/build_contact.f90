@@ -2,14 +2,13 @@
 module sgmp_build_contact
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: slots_t
-  use sgmp_contact, only: normal_first, normal_second, normal_stiffer
+  use sgmp_contact_pairs, only: contact_pair_t, normal_first, normal_second, normal_stiffer
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_position, mesh_t
   use sgmp_model, only: model_t
   use sgmp_scene, only: body_card_t, contact_card_t, layout_file, scene_t
   use sgmp_seeding, only: seeding_turned
   use sgmp_shapes, only: surface_depth
-  use sgmp_shared_nodes, only: contact_pair_t
   implicit none
   private
   public :: contact_pairs, contact_fields, contact_add_slot, contact_fill_slot, contact_no_surface
@@ -31,19 +30,19 @@ contains
     type(contact_pair_t) :: pair
     integer :: a, b, card, fields, p
     logical :: own(size(model%bodies))
-    allocate (model%pairs(0))
+    allocate (model%contact%pairs(0))
     do a = 1, size(model%bodies)
       do b = a + 1, size(model%bodies)
         if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
         card = best_card(scene%contacts, a, b)
         if (card == 0) cycle
         pair = make_pair(scene%contacts(card), a, b, model)
-        model%pairs = [model%pairs, pair]
+        model%contact%pairs = [model%contact%pairs, pair]
       end do
     end do
     own = model%bodies%rigid
-    do p = 1, size(model%pairs)
-      own(model%pairs(p)%body) = .true.
+    do p = 1, size(model%contact%pairs)
+      own(model%contact%pairs(p)%body) = .true.
     end do
     fields = merge(0, 1, all(own))
     do b = 1, size(model%bodies)
@@ -52,8 +51,8 @@ contains
       fields = fields + 1
       model%bodies(b)%field = fields
     end do
-    do p = 1, size(model%pairs)
-      model%pairs(p)%field = model%bodies(model%pairs(p)%body)%field
+    do p = 1, size(model%contact%pairs)
+      model%contact%pairs(p)%field = model%bodies(model%contact%pairs(p)%body)%field
     end do
   end subroutine contact_pairs
 

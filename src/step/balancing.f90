@@ -3,7 +3,6 @@
 module sgmp_balancing
   use sgmp_bin_change, only: bin_close
   use sgmp_buffer, only: buffer_t
-  use sgmp_contact_phases, only: rigid_field
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_halo, only: halo_clear, halo_get_planes, halo_own_planes, halo_put_moments
   use sgmp_kinds, only: dp, i4, i8, lanes
@@ -17,6 +16,7 @@ module sgmp_balancing
   use sgmp_plan, only: workspace_t
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
   use sgmp_rebinning, only: arrivals_t, particles_rebin
+  use sgmp_rigid_bodies, only: rigid_field
   use sgmp_rows, only: key_k
   use sgmp_scene, only: balance_card_t, update_usavg, update_usf
   use sgmp_slabs, only: far_plane
@@ -171,7 +171,7 @@ contains
     real(dp), intent(inout) :: number(first:)
     integer :: b, f, p, p1, p2, k
     do f = 1, size(model%fields)
-      b = rigid_field(model, f)
+      b = rigid_field(model%bodies, f)
       if (b > 0) then
         if (model%bodies(b)%at_rest) cycle
       end if
@@ -190,7 +190,7 @@ contains
     integer, intent(in) :: first
     real(dp), intent(inout) :: number(first:)
     integer :: n, k
-    associate (shared => model%shared)
+    associate (shared => model%contact%shared)
       do n = 1, shared%nodes
         k = shared%point(3, n)
         if (k < model%partition%own(1) .or. k > model%partition%own(2)) cycle

@@ -1,7 +1,7 @@
 !> Everything a simulation consists of while it runs; passed as an argument, never global.
 module sgmp_model
   use sgmp_body, only: body_t
-  use sgmp_buffer, only: buffer_t
+  use sgmp_contact, only: contact_t
   use sgmp_energy, only: ledger_t, step_sums_t
   use sgmp_errors, only: error_t
   use sgmp_field, only: field_t
@@ -11,7 +11,6 @@ module sgmp_model
   use sgmp_neighbours, only: neighbours_t, traffic_t
   use sgmp_partition, only: partition_t
   use sgmp_plan, only: workspace_t
-  use sgmp_shared_nodes, only: contact_pair_t, shared_nodes_t
   use sgmp_tally, only: tally_t
   use sgmp_time_step, only: clock_t
   use sgmp_timers, only: timers_t
@@ -52,9 +51,7 @@ module sgmp_model
     integer(i8), allocatable :: counts(:)            !! (bodies) particles on all ranks
     integer(i8) :: points = 0_i8                     !! grid points stored on all ranks
     type(tally_t) :: tally                           !! sums of the step, being formed
-    type(contact_pair_t), allocatable :: pairs(:)  !! bodies in contact; none: one field for all
-    type(shared_nodes_t) :: shared                 !! nodes where their fields meet
-    type(buffer_t) :: booked                       !! what contact did in the step, own planes
+    type(contact_t) :: contact                       !! pairs of bodies, nodes where they meet
     integer :: threads = 1
     integer :: update = 0                            !! one of update_*
     real(dp) :: flip = 1.0_dp

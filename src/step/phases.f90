@@ -2,9 +2,10 @@
 !! are put together.
 module sgmp_phases
   use sgmp_body, only: body_forced, body_number, body_place
-  use sgmp_contact_ledger, only: contact_close
-  use sgmp_contact_phases, only: contact_detect, contact_layout, contact_trial, contact_velocity, &
-                                 rigid_choose_speed, rigid_field, rigid_solve, rigid_velocity
+  use sgmp_contact, only: contact_detect, contact_layout, contact_meet, contact_trial, &
+                          contact_velocity
+  use sgmp_contact_exchange, only: contact_exchange
+  use sgmp_contact_ledger, only: contact_add_up, contact_close, contact_sums_t
   use sgmp_energy, only: step_sums_t
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_build
@@ -18,10 +19,12 @@ module sgmp_phases
   use sgmp_parallel, only: parallel_agree, parallel_max_place
   use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sum_viscous, sweep_sums
+  use sgmp_rigid_bodies, only: rigid_choose_speed, rigid_field, rigid_solve, rigid_velocity
   use sgmp_rows, only: rows_t, rows_union
   use sgmp_scene, only: update_usf
   use sgmp_tally, only: tally_add, tally_reset, tally_total
-  use sgmp_timers, only: phase_halo, timers_move, wall_time
+  use sgmp_text, only: integer_text
+  use sgmp_timers, only: phase_contact, phase_halo, timers_move, wall_time
   use sgmp_walls, only: has_walls, walls_fold, walls_mirror
   implicit none
   private
@@ -54,7 +57,8 @@ contains
       end do
       call field_divide(model, f)
     end do
-    call contact_layout(model)
+    call contact_layout(model%contact, model%mesh, model%fields, model%bodies, &
+                        model%partition%own + [0, model%partition%nodes])
   end subroutine phase_layout
 
   !> One sweep over all particles.
@@ -64,7 +68,7 @@ contains
     integer :: f, b
     model%fastest = merge(0.0_dp, model%fastest, plan%strain)
     do f = 1, size(model%fields)
-      b = rigid_field(model, f)
+      b = rigid_field(model%bodies, f)
       if (b > 0 .and. model%clock%dt > 0.0_dp) then
         if (model%bodies(b)%at_rest) cycle  ! nothing of it changes after the first projection
       end if
@@ -76,7 +80,7 @@ contains
   subroutine phase_open_sums(model)
     type(model_t), intent(inout) :: model
     model%sums = step_sums_t()
-    model%booked%n = 0
+    model%contact%terms%n = 0
     call tally_reset(model%tally, size(model%bodies)*sweep_sums + nodes_sums)
   end subroutine phase_open_sums
 
@@ -94,7 +98,7 @@ contains
     counts(n + 1) = int(model%lost_here, i8)
     counts(n + 2) = merge(1_i8, 0_i8, allocated(model%failure))
     counts(n + 3) = own_points(model)
-    counts(n + 4) = int(model%booked%n, i8)
+    counts(n + 4) = int(model%contact%terms%n, i8)
     call tally_total(model%tally, totals, counts)
     call parallel_max_place(model%fastest, model%fastest_id, model%fastest_field)
     if (counts(n + 2) > 0_i8) call parallel_agree(model%failure)
@@ -107,7 +111,7 @@ contains
         call book_body(model, b, totals((b - 1)*sweep_sums + 1:b*sweep_sums))
       end do
       call book_nodes(model, totals(n*sweep_sums + 1:))
-      call contact_close(model, counts(n + 4) > 0_i8)
+      call book_contact(model, counts(n + 4) > 0_i8)
     end if
     if (model%partition%ranks > 1) call timers_move(model%timers, phase_halo, since)
   end subroutine phase_close_sums
@@ -152,6 +156,19 @@ contains
     model%sums%ignored_nodes = model%sums%ignored_nodes + sums(sum_ignored)
   end subroutine book_nodes
 
+  !> Adds what contact did to the sums of the step.
+  subroutine book_contact(model, anywhere)
+    type(model_t), intent(inout) :: model
+    logical, intent(in) :: anywhere        !! on some rank
+    type(contact_sums_t) :: sums
+    call contact_close(model%contact, anywhere, sums)
+    model%sums%contact = model%sums%contact + sums%dissipation
+    model%sums%rigid_work = model%sums%rigid_work + sums%rigid_work
+    model%sums%nodes_aa = model%sums%nodes_aa + sums%nodes_aa
+    model%sums%power_before = model%sums%power_before + sums%power_before
+    model%sums%external_power = model%sums%external_power + sums%external_power
+  end subroutine book_contact
+
   !> Folds what was just scattered behind walls.
   subroutine phase_fold(model, plan)
     type(model_t), intent(inout) :: model
@@ -185,7 +202,7 @@ contains
     integer, intent(in) :: columns(:)
     integer :: f
     do f = 1, size(model%fields)
-      if (rigid_field(model, f) == 0) call mirror(model, f, columns)
+      if (rigid_field(model%bodies, f) == 0) call mirror(model, f, columns)
     end do
   end subroutine phase_mirror
 
@@ -225,11 +242,12 @@ contains
     real(dp), intent(in) :: dt
     real(dp), allocatable :: sums(:, :)
     integer :: f, p, b, p1, p2
-    call rigid_choose_speed(model)
+    call rigid_choose_speed(model%bodies, model%clock%time + 0.5_dp*model%clock%dt, &
+                            model%mesh%ndim)
     do f = 1, size(model%fields)
-      b = rigid_field(model, f)
+      b = rigid_field(model%bodies, f)
       if (b > 0) then
-        call rigid_solve(model, f, b, dt)
+        call rigid_solve(model%bodies(b), model%fields(f), dt)
         cycle
       end if
       allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)
@@ -240,8 +258,8 @@ contains
       end do
       deallocate (sums)
     end do
-    if (model%update /= update_usf) call contact_detect(model)
-    call contact_trial(model, dt)
+    if (model%update /= update_usf) call find_contact(model)
+    call contact_force(model, dt)
     call phase_mirror(model, [1, model%mesh%ndim + 1])
   end subroutine phase_solve
 
@@ -250,15 +268,15 @@ contains
     type(model_t), intent(inout) :: model
     integer :: f, b
     do f = 1, size(model%fields)
-      b = rigid_field(model, f)
+      b = rigid_field(model%bodies, f)
       if (b > 0) then
-        call rigid_velocity(model, f, b, model%mesh%ndim + 1)
+        call rigid_velocity(model%bodies(b), model%fields(f), model%mesh%ndim + 1)
       else
         call field_velocity(model, f)
       end if
     end do
-    call contact_detect(model)
-    call contact_velocity(model, model%mesh%ndim + 1)
+    call find_contact(model)
+    call admit_velocity(model, model%mesh%ndim + 1)
     call phase_mirror(model, [model%mesh%ndim + 1])
   end subroutine phase_velocity
 
@@ -267,15 +285,61 @@ contains
     type(model_t), intent(inout) :: model
     integer :: f, b
     do f = 1, size(model%fields)
-      b = rigid_field(model, f)
+      b = rigid_field(model%bodies, f)
       if (b > 0) then
-        call rigid_velocity(model, f, b, 1)
+        call rigid_velocity(model%bodies(b), model%fields(f), 1)
       else
         call field_remap(model, f)
       end if
     end do
-    call contact_velocity(model, 1)
+    call admit_velocity(model, 1)
     call phase_mirror(model, [1])
   end subroutine phase_remap
+
+  !> Normals and touching pairs at all shared nodes.
+  subroutine find_contact(model)
+    type(model_t), intent(inout) :: model
+    logical :: complete
+    real(dp) :: since
+    if (model%contact%shared%nodes == 0) return
+    since = wall_time()
+    call contact_meet(model%contact, model%fields, model%bodies, model%cutoff, model%moved > 0, &
+                      model%threads)
+    call timers_move(model%timers, phase_contact, since)
+    call contact_exchange(model%contact%shared, model%bodies, model%partition, model%swap, &
+                          model%traffic, complete)
+    if (.not. complete .and. .not. allocated(model%failure)) then
+      call error_make(model%failure, exit_numerical, 'a rank has no place for particles of its '// &
+                      'neighbour in step '//integer_text(model%clock%step + 1), &
+                      'this is a fault of the program: report it')
+    end if
+    call timers_move(model%timers, phase_halo, since)
+    call contact_detect(model%contact, model%mesh, model%fields, model%bodies, model%threads)
+    call timers_move(model%timers, phase_contact, since)
+  end subroutine find_contact
+
+  !> Contact forces at all shared nodes.
+  subroutine contact_force(model, dt)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt             !! velocity step dt^k
+    real(dp) :: since
+    if (model%contact%shared%nodes == 0) return
+    since = wall_time()
+    call contact_trial(model%contact, model%fields, model%bodies, dt, model%threads)
+    call contact_add_up(model%contact, model%mesh, model%fields, model%bodies, &
+                        model%partition%own, model%gravity, dt)
+    call timers_move(model%timers, phase_contact, since)
+  end subroutine contact_force
+
+  !> Makes the velocity in some columns admissible at all shared nodes.
+  subroutine admit_velocity(model, column)
+    type(model_t), intent(inout) :: model
+    integer, intent(in) :: column
+    real(dp) :: since
+    if (model%contact%shared%nodes == 0) return
+    since = wall_time()
+    call contact_velocity(model%contact, model%fields, model%bodies, column, model%threads)
+    call timers_move(model%timers, phase_contact, since)
+  end subroutine admit_velocity
 
 end module sgmp_phases

@@ -12,7 +12,6 @@
 !! by which the Courant number is defined; so the result does not depend on the materials' scale.
 !! Both operators are self-adjoint in the energy norm of K: Lanczos iteration, from below.
 module sgmp_stability
-  use sgmp_contact_phases, only: rigid_field
   use sgmp_field, only: field_t
   use sgmp_field_nodes, only: field_node_planes, field_remap, field_solve, nodes_sums
   use sgmp_halo, only: halo_own_planes
@@ -23,6 +22,7 @@ module sgmp_stability
   use sgmp_phases, only: phase_mirror, phase_normalise, phase_sweep
   use sgmp_plan, only: plan_t
   use sgmp_rebin_phases, only: phase_rebin_particles
+  use sgmp_rigid_bodies, only: rigid_field
   use sgmp_rows, only: key_j, key_k
   use sgmp_scene, only: update_usl
   implicit none
@@ -61,7 +61,7 @@ contains
       end if
       part = merge(safety_mpm(model%update), safety(model%update), &
                    model%fields(1)%kernel == kernel_mpm)
-      if (size(model%pairs) > 0) part = min(part, safety_contact)
+      if (size(model%contact%pairs) > 0) part = min(part, safety_contact)
       clock%cfl = part*clock%limit
     end associate
   end subroutine stability_choose
@@ -136,7 +136,7 @@ contains
     do f = 1, size(model%fields)
       associate (field => model%fields(f))
         field%node = 0.0_dp
-        if (rigid_field(model, f) > 0) cycle
+        if (rigid_field(model%bodies, f) > 0) cycle
         call field_node_planes(model, f, p1, p2)
         if (p2 < p1) cycle
         do s = field%plane_work(p1), field%plane_work(p2 + 1) - 1
@@ -169,7 +169,7 @@ contains
     call phase_rebin_particles(model, plan)
     call phase_normalise(model)
     do f = 1, size(model%fields)
-      if (rigid_field(model, f) > 0) cycle
+      if (rigid_field(model%bodies, f) > 0) cycle
       allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)  ! ledger: unused
       call field_solve(model, f, 0.0_dp, [0.0_dp, 0.0_dp, 0.0_dp], .false., sums)
       deallocate (sums)
@@ -188,7 +188,7 @@ contains
     call phase_sweep(model, plan)
     call phase_rebin_particles(model, plan)
     do f = 1, size(model%fields)
-      if (rigid_field(model, f) == 0) call field_remap(model, f)
+      if (rigid_field(model%bodies, f) == 0) call field_remap(model, f)
     end do
   end subroutine smooth
 
@@ -203,7 +203,7 @@ contains
     n = model%mesh%ndim
     product = 0.0_dp
     do f = 1, size(model%fields)
-      if (rigid_field(model, f) > 0) cycle
+      if (rigid_field(model%bodies, f) > 0) cycle
       associate (field => model%fields(f))
         call halo_own_planes(field, model%partition, p1, p2)
         allocate (terms(1, p1:max(p2, p1)), source=0.0_dp)

@@ -1,0 +1,228 @@
+!> How far two bodies are apart at a node, and in which direction: from the surface particles around
+!! it (Eq. 86).
+module sgmp_contact_distance
+  use sgmp_body, only: body_t
+  use sgmp_contact_normals, only: contact_normal, volume_gradient
+  use sgmp_contact_pairs, only: contact_pair_t, normal_separating
+  use sgmp_field, only: field_t
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_mesh, only: mesh_t
+  use sgmp_separation, only: separation
+  use sgmp_shared_nodes, only: most_rows, shared_members, shared_nodes_t
+  implicit none
+  private
+  public :: clouds_t, distance_detect
+
+  real(dp), parameter :: overlapping = 1.0e-3_dp
+    !! distance (cells) below which the shortest line is not trusted
+  real(dp), parameter :: nowhere = -1.0e30_dp  !! reach of a body that is not there
+
+  !> Room for the surface particles of two bodies around a node, kept from node to node.
+  type :: clouds_t
+    real(dp), allocatable :: first(:, :), second(:, :)
+      !! (balls or more, 4) centre relative to the node, 0 along axes that do not exist; radius
+  end type clouds_t
+
+contains
+
+  !> Normals of all links of a node, and which of them are close enough to touch (Eqs. 86-88).
+  !! Which of them meet must be known, and the surface particles packed.
+  pure subroutine distance_detect(shared, n, mesh, fields, bodies, pairs, clouds)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n                     !! the node
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(contact_pair_t), intent(in) :: pairs(:)
+    type(clouds_t), intent(inout) :: clouds
+    integer :: at(2), balls(2), l
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      shared%touching(l) = .false.
+      if (.not. shared%meets(l)) cycle
+      at = shared_members(shared, n, l)
+      call cloud_around(shared, n, at(1), balls(1), clouds%first)
+      call cloud_around(shared, n, at(2), balls(2), clouds%second)
+      if (any(balls == 0)) cycle
+      call measure(shared, n, l, at, mesh, fields, bodies, pairs(shared%pair(l)), balls, clouds)
+    end do
+  end subroutine distance_detect
+
+  !> Normal of a link and whether its bodies touch. The normal is that of the shortest line between
+  !! the surface particles around the node, or where they overlap, or by the deck's choice, that of
+  !! the gradients of volume; the distance is that of the outermost particles along it (Eq. 86).
+  pure subroutine measure(shared, n, l, at, mesh, fields, bodies, pair, balls, clouds)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n, l                  !! node and link
+    integer, intent(in) :: at(2)                 !! members of the link
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(contact_pair_t), intent(in) :: pair
+    integer, intent(in) :: balls(2)
+    type(clouds_t), intent(in) :: clouds
+    real(dp) :: line(3), gradient(3, 2), length, above, below
+    integer :: side
+    length = 0.0_dp
+    if (pair%normal == normal_separating) then
+      call separation(mesh%ndim, balls(1), clouds%first, balls(2), clouds%second, &
+                      middle(balls(2), clouds%second) - middle(balls(1), clouds%first), &
+                      pair%lambda, line)
+      length = norm2(line)
+      if (length > pair%lambda) return
+    end if
+    associate (normal => shared%link(l)%normal)
+      if (length > overlapping) then
+        normal = line/length
+      else
+        do side = 1, 2
+          gradient(:, side) = volume_gradient(mesh, fields(shared%field(at(side))), shared, &
+            at(side), bodies(shared%body(at(side))), shared%point(:, n))
+          where (shared%held(:, n)) gradient(:, side) = 0.0_dp  ! the mirror image cancels it
+        end do
+        normal = contact_normal(pair%normal, gradient(:, 1), gradient(:, 2))
+        if (all(abs(normal) <= 0.0_dp)) return
+      end if
+      above = -reach(size(clouds%second, 1), balls(2), clouds%second, -normal, pair%near)
+      below = reach(size(clouds%first, 1), balls(1), clouds%first, normal, pair%near)
+      ! Half way between the surfaces, seen from the node, is where the bodies touch.
+      shared%touching(l) = above - below < pair%lambda .and. &
+                           abs(0.5_dp*above + 0.5_dp*below) <= pair%depth
+    end associate
+  end subroutine measure
+
+  !> Mean position of balls.
+  pure function middle(n, balls) result(mean)
+    integer, intent(in) :: n                     !! a multiple of `lanes`
+    real(dp), intent(in), contiguous :: balls(:, :)
+    real(dp) :: mean(3), part(lanes)
+    integer :: d, p
+    do d = 1, 3
+      part = 0.0_dp
+      do p = 0, n - lanes, lanes
+        part = part + balls(p + 1:p + lanes, d)
+      end do
+      mean(d) = sum(part)/n
+    end do
+  end function middle
+
+  !> How far balls that are `near` the axis through the origin reach along it; minus a lot where
+  !! there are none.
+  pure function reach(stride, n, balls, axis, near) result(furthest)
+    integer, intent(in) :: stride, n
+    real(dp), intent(in) :: balls(stride, 4), axis(3), near
+    real(dp) :: furthest
+    real(dp) :: top(lanes), along, aside
+    integer :: p, l
+    top = nowhere
+    do p = 0, n - lanes, lanes
+      !$omp simd private(along, aside)
+      do l = 1, lanes
+        along = balls(p + l, 1)*axis(1) + balls(p + l, 2)*axis(2) + balls(p + l, 3)*axis(3)
+        aside = (balls(p + l, 1)**2 + balls(p + l, 2)**2 + balls(p + l, 3)**2) - along**2
+        along = along + balls(p + l, 4)
+        top(l) = merge(along, top(l), aside <= near**2 .and. along > top(l))
+      end do
+    end do
+    furthest = maxval(top)
+    if (furthest > nowhere) return
+    furthest = reach_between(stride, n, balls, axis, near)
+  end function reach
+
+  !> Mean reach along the axis of the balls around it, for a surface that has been stretched until
+  !! the axis passes between its particles; minus a lot beyond the body's edge, where those within
+  !! twice `near` lie on one side of it.
+  pure function reach_between(stride, n, balls, axis, near) result(mean)
+    integer, intent(in) :: stride, n
+    real(dp), intent(in) :: balls(stride, 4), axis(3), near
+    real(dp) :: mean
+    real(dp) :: along, aside(3), middle(3)
+    integer :: p, found
+    found = 0
+    middle = 0.0_dp
+    mean = 0.0_dp
+    do p = 1, n
+      along = dot_product(balls(p, :3), axis)
+      aside = balls(p, :3) - along*axis
+      if (dot_product(aside, aside) > (2.0_dp*near)**2) cycle
+      if (p > 1) then
+        if (maxval(abs(balls(p, :) - balls(p - 1, :))) <= 0.0_dp) exit  ! the rest repeats the last
+      end if
+      found = found + 1
+      middle = middle + aside
+      mean = mean + (along + balls(p, 4))
+    end do
+    if (found == 0 .or. norm2(middle) > near*found) then
+      mean = nowhere
+    else
+      mean = mean/found
+    end if
+  end function reach_between
+
+  !> Surface particles of a member around a node. The rest of the last group repeats the last
+  !! particle. Where the node is held, particles are put onto its planes.
+  pure subroutine cloud_around(shared, n, m, balls, x)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, m                  !! node and member
+    integer, intent(out) :: balls
+    real(dp), allocatable, intent(inout) :: x(:, :)
+    real(dp) :: node(4)
+    integer :: r, d, p, last, last_row
+    associate (surface => shared%surface(shared%body(m)), bins => shared%bins(:, :, m))
+      balls = 0
+      last_row = 0
+      do r = 1, most_rows
+        p = surface%start(bins(2, r) + 1) - surface%start(bins(1, r))
+        if (p > 0) last_row = r
+        balls = balls + p
+      end do
+      if (balls == 0) return
+      call make_room(balls + 2*lanes, x)
+      node = 0.0_dp
+      node(1) = real(shared%point(1, n), dp)
+      if (shared%ndim == 2) node(2) = real(shared%point(3, n), dp)
+      if (shared%ndim == 3) node(2:3) = real(shared%point(2:3, n), dp)
+      balls = 0
+      do r = 1, last_row
+        last = surface%start(bins(2, r) + 1) - 1
+        ! Whole groups; what is too much is overwritten.
+        do p = surface%start(bins(1, r)), last, lanes
+          call copy_group(size(surface%x, 1), surface%x, p - 1, node, size(x, 1), x, balls)
+          balls = balls + min(lanes, last - p + 1)
+        end do
+      end do
+    end associate
+    do d = 1, 3
+      if (shared%held(d, n)) x(:balls, d) = 0.0_dp
+    end do
+    do d = 1, 4
+      x(balls + 1:balls + lanes, d) = x(balls, d)
+    end do
+    balls = lanes*((balls + lanes - 1)/lanes)
+  end subroutine cloud_around
+
+  !> A group of balls, its positions relative to a node.
+  pure subroutine copy_group(stride, from, behind, node, stride_to, to, behind_to)
+    integer, intent(in) :: stride, behind, stride_to, behind_to
+    real(dp), intent(in) :: from(stride, 4), node(4)
+    real(dp), intent(inout) :: to(stride_to, 4)
+    integer :: l
+    !$omp simd
+    do l = 1, lanes
+      to(behind_to + l, 1) = from(behind + l, 1) - node(1)
+      to(behind_to + l, 2) = from(behind + l, 2) - node(2)
+      to(behind_to + l, 3) = from(behind + l, 3) - node(3)
+      to(behind_to + l, 4) = from(behind + l, 4)
+    end do
+  end subroutine copy_group
+
+  pure subroutine make_room(n, x)
+    integer, intent(in) :: n
+    real(dp), allocatable, intent(inout) :: x(:, :)
+    if (allocated(x)) then
+      if (size(x, 1) >= n) return
+      deallocate (x)
+    end if
+    allocate (x(2*n, 4))
+  end subroutine make_room
+
+end module sgmp_contact_distance

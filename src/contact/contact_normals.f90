@@ -1,0 +1,169 @@
+!> Normals from the gradients of the bodies' volumes (Eqs. 76, 87, 88).
+module sgmp_contact_normals
+  use sgmp_body, only: body_t
+  use sgmp_contact_pairs, only: normal_first, normal_second
+  use sgmp_field, only: field_t
+  use sgmp_kernels, only: kernel_gimp, kernel_sgmp
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_mesh, only: mesh_t
+  use sgmp_shared_nodes, only: row_axis, shared_nodes_t
+  use sgmp_surface_particles, only: surface_t
+  implicit none
+  private
+  public :: contact_normal, volume_gradient
+
+contains
+
+  !> Common unit normal of a pair from the gradients of the bodies' volumes; zero where they give no
+  !! direction.
+  !!
+  !! The average (g_r - g_s)/|g_r - g_s| is taken of volumes, not masses, so that a dense body does
+  !! not decide alone.
+  pure function contact_normal(choice, first, second) result(normal)
+    integer, intent(in) :: choice
+      !! one of normal_*, the stiffer already resolved
+    real(dp), intent(in) :: first(3), second(3)
+      !! sum of V grad N over what each body has around the node
+    real(dp) :: normal(3)
+    real(dp) :: length
+    select case (choice)
+    case (normal_first)
+      normal = first
+    case (normal_second)
+      normal = -second
+    case default
+      normal = first - second
+    end select
+    length = norm2(normal)
+    if (length > 1.0e-12_dp*(norm2(first) + norm2(second)) .and. length > 0.0_dp) then
+      normal = normal/length
+    else
+      normal = 0.0_dp
+    end if
+  end function contact_normal
+
+  !> Outward direction of a body at a node: sum of V grad N over centres (SGMP, Eq. 88) or particles
+  !! (Eq. 87).
+  pure function volume_gradient(mesh, field, shared, m, body, point) result(gradient)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: field
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: m
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: point(3)
+    real(dp) :: gradient(3)
+    if (field%kernel == kernel_sgmp) then
+      gradient = centre_gradient(field, shared%interval(m), point(1))
+    else
+      gradient = particle_gradient(mesh, field%kernel, body, &
+                                   shared%surface(shared%body(m)), shared%bins(:, :, m), point)
+    end if
+    gradient = gradient/body%law%density
+  end function volume_gradient
+
+  !> Sum of m_c grad N_Ic (Eq. 88), in units of mass per cell.
+  pure function centre_gradient(field, interval, i) result(gradient)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: interval, i
+    real(dp) :: gradient(3)
+    real(dp) :: left, right
+    integer :: dj, dk, base
+    gradient = 0.0_dp
+    do dk = -merge(1, 0, field%ndim >= 2), 0
+      do dj = -merge(1, 0, field%ndim == 3), 0
+        base = field%neighbour(dj, dk, interval) + i
+        left = field%moment(base - 1, 1)
+        right = field%moment(base, 1)
+        gradient(1) = gradient(1) + (left - right)
+        if (field%ndim == 2) gradient(2) = gradient(2) + sign(left + right, -dk - 0.5_dp)
+        if (field%ndim == 3) gradient(2) = gradient(2) + sign(left + right, -dj - 0.5_dp)
+        if (field%ndim == 3) gradient(3) = gradient(3) + sign(left + right, -dk - 0.5_dp)
+      end do
+    end do
+    gradient = gradient*0.5_dp**(field%ndim - 1)
+  end function centre_gradient
+
+  !> Sum of m_p grad S_Ip (Eq. 87), in units of mass per cell.
+  pure function particle_gradient(mesh, kernel, body, surface, bins, point) result(gradient)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: kernel
+    type(body_t), intent(in) :: body
+    type(surface_t), intent(in) :: surface       !! of the body
+    integer, intent(in) :: bins(:, :)            !! (2, rows) the bins around the node in its list
+    integer, intent(in) :: point(3)
+    real(dp) :: gradient(3)
+    real(dp) :: half(3), node(3)
+    integer :: r, n, g, number, chunk, left, l, nd
+    gradient = 0.0_dp
+    nd = mesh%ndim
+    node = real(point([1, row_axis(2, nd), 3]), dp)
+    half = 0.0_dp
+    if (kernel == kernel_gimp) half = body%half_size
+    do r = 1, size(bins, 2)
+      do n = bins(1, r), bins(2, r)
+        do g = surface%guest_first(n), surface%guest_first(n) + surface%guest_size(n) - 1
+          associate (guest => surface%guest(:, g))
+            if (kernel == kernel_gimp) half(:nd) = guest(nd + 3:2*nd + 2)
+            call add_gradient(nd, guest(:nd) - node(:nd), half, guest(nd + 2), gradient)
+          end associate
+        end do
+        number = surface%bin(n)
+        chunk = body%particles%first(number)
+        left = body%particles%size(number)
+        do while (left > 0)
+          do l = 1, min(left, lanes)
+            associate (a => body%particles%a(l, :, chunk), b => body%particles%b(l, :, chunk))
+              if (body%law%slots%stretch > 0) half(:nd) = body%half_size(:nd)* &
+                b(body%law%slots%stretch:body%law%slots%stretch + nd - 1)
+              call add_gradient(nd, a(:nd) - node(:nd), half, a(2*nd + 1), gradient)
+            end associate
+          end do
+          left = left - lanes
+          chunk = body%particles%next(chunk)
+        end do
+      end do
+    end do
+  end function particle_gradient
+
+  !> Adds what one particle gives to the gradient at a node.
+  pure subroutine add_gradient(nd, x, half, mass, gradient)
+    integer, intent(in) :: nd
+    real(dp), intent(in) :: x(nd)                !! particle minus node (cells)
+    real(dp), intent(in) :: half(3), mass
+    real(dp), intent(inout) :: gradient(3)
+    real(dp) :: s(3), g(3)
+    integer :: d
+    s = 1.0_dp
+    g = 0.0_dp
+    do d = 1, nd
+      call weight(x(d), half(d), s(d), g(d))
+    end do
+    gradient(1) = gradient(1) + mass*(g(1)*s(2)*s(3))
+    if (nd >= 2) gradient(2) = gradient(2) + mass*(s(1)*g(2)*s(3))
+    if (nd == 3) gradient(3) = gradient(3) + mass*(s(1)*s(2)*g(3))
+  end subroutine add_gradient
+
+  !> Weight and derivative of a node along one axis: GIMP function, or with half-size 0 the hat
+  !! function.
+  pure subroutine weight(x, half, s, g)
+    real(dp), intent(in) :: x              !! particle minus node (cells)
+    real(dp), intent(in) :: half           !! particle half-size (cells)
+    real(dp), intent(out) :: s, g
+    real(dp) :: r
+    r = abs(x)
+    if (r < half) then
+      s = 1.0_dp - (x*x + half*half)/(2.0_dp*half)
+      g = -x/half
+    else if (r < 1.0_dp - half) then
+      s = 1.0_dp - r
+      g = -sign(1.0_dp, x)
+    else if (r < 1.0_dp + half) then
+      s = (1.0_dp + half - r)**2/(4.0_dp*half)
+      g = -sign((1.0_dp + half - r)/(2.0_dp*half), x)
+    else
+      s = 0.0_dp
+      g = 0.0_dp
+    end if
+  end subroutine weight
+
+end module sgmp_contact_normals

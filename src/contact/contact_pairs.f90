@@ -1,0 +1,38 @@
+!> Pairs of bodies that may touch: what their contact card says, and what has happened between them.
+module sgmp_contact_pairs
+  use sgmp_kinds, only: dp
+  implicit none
+  private
+  public :: contact_pair_t
+  public :: normal_average, normal_first, normal_second, normal_stiffer, normal_separating, &
+            normal_words
+
+  !> Where the common normal of a pair comes from, in the order of `normal_words`.
+  integer, parameter :: normal_separating = 1
+    !! along the shortest line between the bodies around the node
+  integer, parameter :: normal_average = 2  !! from both bodies
+  integer, parameter :: normal_first = 3    !! of the pair's first body
+  integer, parameter :: normal_second = 4   !! of the pair's second body
+  integer, parameter :: normal_stiffer = 5  !! of the stiffer of the two
+  character(*), parameter :: normal_words = 'separating average first second stiffer'
+
+  !> Two bodies with a contact card.
+  type :: contact_pair_t
+    integer :: body(2) = 0
+    integer :: field(2) = 0
+    real(dp) :: friction = 0.0_dp
+    real(dp) :: lambda = 0.5_dp
+      !! bodies touch where their particles are closer than this (cells), Eq. 86
+    real(dp) :: near = 0.5_dp
+      !! distance is measured between particles this near to the node's normal (cells)
+    real(dp) :: depth = huge(1.0_dp)
+      !! contact acts at nodes this near to where the bodies touch (cells)
+    integer :: normal = normal_separating  !! one of normal_*, the stiffer already resolved
+    ! what has happened since the start
+    real(dp) :: impulse(3) = 0.0_dp        !! on the first body
+    real(dp) :: angular_impulse(3) = 0.0_dp  !! on the first body, about the origin
+    real(dp) :: dissipation = 0.0_dp
+    integer :: shared = 0, touching = 0    !! nodes in the last step: with both masses, in contact
+  end type contact_pair_t
+
+end module sgmp_contact_pairs
