@@ -18,12 +18,11 @@ module sgmp_contact_ledger
   private
   public :: contact_add_up, contact_close, contact_sums_t
 
-  !> What contact adds to the sums of a step.
+  !> Those sums of a step that contact changes.
   type :: contact_sums_t
     real(dp) :: dissipation = 0.0_dp       !! energy that contact took (friction, impact)
     real(dp) :: rigid_work = 0.0_dp        !! work of rigid bodies on the others
     real(dp) :: nodes_aa = 0.0_dp, power_before = 0.0_dp, external_power = 0.0_dp
-      !! changes of the sums of the same name
   end type contact_sums_t
 
   !> Sums over the nodes of one plane for one pair.
@@ -179,7 +178,7 @@ contains
   subroutine contact_close(contact, anywhere, sums)
     type(contact_t), intent(inout) :: contact
     logical, intent(in) :: anywhere        !! some rank has terms
-    type(contact_sums_t), intent(out) :: sums
+    type(contact_sums_t), intent(inout) :: sums  !! added to
     real(dp), allocatable :: all(:)
     integer :: p, e
     do p = 1, size(contact%pairs)

@@ -161,12 +161,16 @@ contains
     type(model_t), intent(inout) :: model
     logical, intent(in) :: anywhere        !! on some rank
     type(contact_sums_t) :: sums
-    call contact_close(model%contact, anywhere, sums)
-    model%sums%contact = model%sums%contact + sums%dissipation
-    model%sums%rigid_work = model%sums%rigid_work + sums%rigid_work
-    model%sums%nodes_aa = model%sums%nodes_aa + sums%nodes_aa
-    model%sums%power_before = model%sums%power_before + sums%power_before
-    model%sums%external_power = model%sums%external_power + sums%external_power
+    associate (all => model%sums)
+      sums = contact_sums_t(all%contact, all%rigid_work, all%nodes_aa, all%power_before, &
+                            all%external_power)
+      call contact_close(model%contact, anywhere, sums)
+      all%contact = sums%dissipation
+      all%rigid_work = sums%rigid_work
+      all%nodes_aa = sums%nodes_aa
+      all%power_before = sums%power_before
+      all%external_power = sums%external_power
+    end associate
   end subroutine book_contact
 
   !> Folds what was just scattered behind walls.
