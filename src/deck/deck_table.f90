@@ -3,6 +3,7 @@ module sgmp_deck_table
   use sgmp_contact_pairs, only: normal_words
   use sgmp_registry, only: kind_expression, kind_integer, kind_interval, kind_list, kind_logical, &
                            kind_name_word, kind_real, kind_text, kind_vector, kind_word, registry_t
+  use sgmp_shapes, only: shape_names
   implicit none
   private
   public :: deck_table, wall_faces, field_names
@@ -308,7 +309,7 @@ contains
     call registry%card(name, help, name//' rod sphere centre=(0,0,0) radius=1', selector='shape')
     call registry%key('body', kind_name_word, 'the body', slot=1, required=.true.)
     call registry%key('shape', kind_word, 'the shape', slot=2, required=.true., &
-                      choices='block cylinder sphere ring cone ogive halfspace')
+                      choices=shape_names)
     call register_shape_keys(registry)
   end subroutine register_combination
 

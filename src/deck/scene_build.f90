@@ -13,14 +13,12 @@ module sgmp_scene_build
                         name_length, scene_t, update_names
   use sgmp_scene_contact, only: add_contact, set_rigid
   use sgmp_shapes, only: combine_difference, combine_intersection, combine_union, shape_block, &
-                         shape_halfspace, shape_t
+                         shape_halfspace, shape_names, shape_t
   use sgmp_spelling, only: string_t, suggestion, word_count, word_in_list, word_item
   implicit none
   private
   public :: scene_build
 
-  character(*), parameter :: shape_words = 'block cylinder sphere ring cone ogive halfspace'
-    !! as shape_*
 
 contains
 
@@ -366,7 +364,7 @@ contains
     type(shape_t) :: new
     type(shape_t), allocatable :: longer(:)
     integer :: n
-    new%kind = word_in_list(card%word('shape'), shape_words) - 1 + shape_block
+    new%kind = word_in_list(card%word('shape'), shape_names) - 1 + shape_block
     new%combine = operation
     new%lower = card%vector('lower')
     new%upper = card%vector('upper')

@@ -1,20 +1,26 @@
-!> Shapes of constructive solid geometry, and how deep a point lies below the surface of their
-!! combination.
+!> Shapes of constructive solid geometry: whether a point lies in their combination, how deep below
+!! its surface, and the box around it.
 !!
 !! Contact measures distances between surfaces, not between lattices of particles: a sphere of
 !! cubes is a polyhedron with flat facets, and would neither roll nor touch where it should.
+!!
+!! A further shape is a number, its name, and a `case` in `in_shape`, `shape_depth` and `shape_box`;
+!! the deck takes the name from here.
 module sgmp_shapes
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: shape_t, surface_depth
+  public :: shape_t, surface_depth, shapes_anchor, shapes_box, shapes_inside, shapes_near
   public :: shape_block, shape_cylinder, shape_sphere, shape_ring, shape_cone, shape_ogive, &
-    shape_halfspace
+    shape_halfspace, shape_names
   public :: combine_union, combine_difference, combine_intersection
+  public :: infinite_length
 
   integer, parameter :: shape_block = 1, shape_cylinder = 2, shape_sphere = 3, shape_ring = 4, &
     shape_cone = 5, shape_ogive = 6, shape_halfspace = 7
+  character(*), parameter :: shape_names = 'block cylinder sphere ring cone ogive halfspace'
   integer, parameter :: combine_union = 1, combine_difference = 2, combine_intersection = 3
+  real(dp), parameter :: infinite_length = 0.1_dp*huge(1.0_dp)  !! whatever is longer has no end
 
   !> One primitive of constructive solid geometry.
   type :: shape_t
@@ -30,6 +36,28 @@ module sgmp_shapes
   end type shape_t
 
 contains
+
+  !> Whether a point lies in a combination of shapes; lower boundaries belong to a shape, upper ones
+  !! do not.
+  pure function shapes_inside(shapes, point, ndim, margin) result(inside)
+    type(shape_t), intent(in) :: shapes(:)   !! combined in order
+    real(dp), intent(in) :: point(3)         !! before the body is turned
+    integer, intent(in) :: ndim
+    real(dp), intent(in) :: margin           !! by which boundaries are moved down
+    logical :: inside
+    integer :: i
+    inside = .false.
+    do i = 1, size(shapes)
+      select case (shapes(i)%combine)
+      case (combine_union)
+        inside = inside .or. in_shape(shapes(i), point, ndim, margin)
+      case (combine_difference)
+        inside = inside .and. .not. in_shape(shapes(i), point, ndim, margin)
+      case default  ! combine_intersection
+        inside = inside .and. in_shape(shapes(i), point, ndim, margin)
+      end select
+    end do
+  end function shapes_inside
 
   !> Distance to the surface of a combination of shapes, positive inside. Exact inside of a union
   !! or an intersection's faces and edges; where shapes are combined, a lower bound.
@@ -52,6 +80,109 @@ contains
       end select
     end do
   end function surface_depth
+
+  !> Those shapes, in their order, that decide about the points of a box: united or subtracted ones
+  !! that lie elsewhere are left out.
+  pure function shapes_near(shapes, lower, upper, ndim) result(near)
+    type(shape_t), intent(in) :: shapes(:)
+    real(dp), intent(in) :: lower(3), upper(3)  !! corners, with a margin for what touches
+    integer, intent(in) :: ndim
+    type(shape_t), allocatable :: near(:)
+    real(dp) :: low(3), high(3), slack(3)
+    logical :: decides(size(shapes))
+    integer :: i
+    do i = 1, size(shapes)
+      call shape_box(shapes(i), low, high)
+      slack = 16.0_dp*epsilon(1.0_dp)*max(abs(low), abs(high))
+      decides(i) = all(low(:ndim) <= upper(:ndim) + slack(:ndim) .and. &
+                       high(:ndim) >= lower(:ndim) - slack(:ndim)) .or. &
+                   shapes(i)%combine == combine_intersection
+    end do
+    near = pack(shapes, decides)
+  end function shapes_near
+
+  !> The box around the shapes that are united; the others only take away.
+  pure subroutine shapes_box(shapes, lower, upper)
+    type(shape_t), intent(in) :: shapes(:)
+    real(dp), intent(out) :: lower(3), upper(3)
+    real(dp) :: low(3), high(3)
+    integer :: i
+    lower = huge(1.0_dp)
+    upper = -huge(1.0_dp)
+    do i = 1, size(shapes)
+      if (shapes(i)%combine /= combine_union) cycle
+      call shape_box(shapes(i), low, high)
+      lower = min(lower, low)
+      upper = max(upper, high)
+    end do
+  end subroutine shapes_box
+
+  !> A point where a lattice that fills the shapes has a corner: the first shape's lower corner;
+  !! round shapes have their axis (a sphere its centre) there, so that particles lie symmetrically
+  !! about it.
+  pure function shapes_anchor(shapes) result(anchor)
+    type(shape_t), intent(in) :: shapes(:)
+    real(dp) :: anchor(3), lower(3), upper(3)
+    associate (shape => shapes(1))
+      call shape_box(shape, lower, upper)
+      anchor = lower
+      if (shape%kind == shape_block) return
+      anchor = shape%centre
+      if (shape%kind == shape_sphere) return
+      if (shape%length >= infinite_length) return
+      ! along its own direction the lattice starts at the lower end
+      where (abs(shape%axis) > 1.0_dp - 1.0e-12_dp) anchor = lower
+    end associate
+  end function shapes_anchor
+
+  pure function in_shape(shape, point, ndim, margin) result(inside)
+    type(shape_t), intent(in) :: shape
+    real(dp), intent(in) :: point(3), margin
+    integer, intent(in) :: ndim
+    logical :: inside
+    real(dp) :: along, radius, outer
+    if (shape%kind == shape_block) then
+      inside = all(point(:ndim) >= shape%lower(:ndim) - margin .and. &
+                   point(:ndim) < shape%upper(:ndim) - margin)
+      return
+    end if
+    along = dot_product(point - shape%centre, shape%axis)
+    if (shape%kind == shape_halfspace) then
+      inside = along < -margin
+      return
+    end if
+    if (shape%kind == shape_sphere) then
+      inside = norm2(point - shape%centre) <= shape%radius + margin
+      return
+    end if
+    radius = norm2(point - shape%centre - along*shape%axis)
+    inside = along >= -margin .and. along < shape%length - margin
+    if (.not. inside) return
+    outer = shape%radius
+    if (shape%kind == shape_cone .and. shape%length < infinite_length) then
+      outer = shape%radius + (shape%radius2 - shape%radius)*along/shape%length
+    else if (shape%kind == shape_ogive .and. shape%length < infinite_length) then
+      outer = ogive_radius(shape, along)
+    end if
+    inside = radius <= outer + margin
+    if (shape%kind == shape_ring) inside = inside .and. radius >= shape%radius2 - margin
+  end function in_shape
+
+  !> Tangent ogive: an arc that leaves the base at a right angle and ends in the tip.
+  pure function ogive_radius(shape, along) result(radius)
+    type(shape_t), intent(in) :: shape
+    real(dp), intent(in) :: along  !! distance from the base
+    real(dp) :: radius, arc
+    arc = ogive_arc(shape)
+    radius = sqrt(max(0.0_dp, arc**2 - along**2)) - (arc - shape%radius)
+  end function ogive_radius
+
+  !> Radius of an ogive's arc.
+  pure function ogive_arc(shape) result(arc)
+    type(shape_t), intent(in) :: shape
+    real(dp) :: arc
+    arc = (shape%radius**2 + shape%length**2)/(2.0_dp*shape%radius)
+  end function ogive_arc
 
   !> Distance to the surface of one shape, positive inside.
   pure function shape_depth(shape, point, ndim) result(depth)
@@ -80,7 +211,7 @@ contains
       slant = (shape%radius2 - shape%radius)/shape%length
       depth = (shape%radius + slant*along - radius)/sqrt(1.0_dp + slant**2)
     case (shape_ogive)
-      arc = (shape%radius**2 + shape%length**2)/(2.0_dp*shape%radius)
+      arc = ogive_arc(shape)
       depth = arc - sqrt(along**2 + (radius + (arc - shape%radius))**2)
     case (shape_ring)
       depth = min(shape%radius - radius, radius - shape%radius2)
@@ -89,5 +220,41 @@ contains
     end select
     if (ndim == 3) depth = min(depth, along, shape%length - along)
   end function shape_depth
+
+  pure subroutine shape_box(shape, lower, upper)
+    type(shape_t), intent(in) :: shape
+    real(dp), intent(out) :: lower(3), upper(3)
+    real(dp) :: reach(3), far_end(3)
+    integer :: i
+    select case (shape%kind)
+    case (shape_block)
+      lower = shape%lower
+      upper = shape%upper
+    case (shape_sphere)
+      lower = shape%centre - shape%radius
+      upper = shape%centre + shape%radius
+    case (shape_halfspace)
+      lower = -huge(1.0_dp)
+      upper = huge(1.0_dp)
+    case default
+      reach = max(shape%radius, merge(shape%radius2, 0.0_dp, shape%kind == shape_cone))* &
+              sqrt(max(0.0_dp, 1.0_dp - shape%axis**2))
+      do i = 1, 3
+        far_end(i) = shape%centre(i)
+        if (abs(shape%axis(i)) > epsilon(1.0_dp)) far_end(i) = end_along(shape, i)
+      end do
+      lower = min(shape%centre, far_end) - reach
+      upper = max(shape%centre, far_end) + reach
+    end select
+  end subroutine shape_box
+
+  pure function end_along(shape, axis) result(coordinate)
+    type(shape_t), intent(in) :: shape
+    integer, intent(in) :: axis
+    real(dp) :: coordinate
+    coordinate = sign(huge(1.0_dp), shape%axis(axis))
+    if (shape%length < infinite_length) coordinate = shape%centre(axis) + &
+                                                     shape%axis(axis)*shape%length
+  end function end_along
 
 end module sgmp_shapes

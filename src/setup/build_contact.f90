@@ -7,8 +7,8 @@ module sgmp_build_contact
   use sgmp_mesh, only: mesh_position, mesh_t
   use sgmp_model, only: model_t
   use sgmp_scene, only: body_card_t, contact_card_t, layout_file, scene_t
-  use sgmp_seeding, only: seeding_turned
   use sgmp_shapes, only: surface_depth
+  use sgmp_turn, only: turn_back, turn_t
   implicit none
   private
   public :: contact_pairs, contact_fields, contact_add_slot, contact_fill_slot, contact_no_surface
@@ -77,10 +77,12 @@ contains
     type(body_card_t), intent(in) :: card
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
+    type(turn_t) :: turn
     integer :: c, l, n
     real(dp) :: x(3), offset
     if (body%law%slots%surface == 0) return
     n = mesh%ndim
+    turn = turn_t(card%rotation, card%pivot)
     do c = 1, body%particles%chunks
       do l = 1, lanes
         if (body%particles%id(l, c) == 0) cycle
@@ -88,7 +90,8 @@ contains
         if (card%layout /= layout_file) then
           x = 0.0_dp
           x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%a(l, :n, c))
-          offset = surface_depth(card%shapes, seeding_turned(card, x, -1), n)/body%spacing - 0.5_dp
+          call turn_back(turn, x)
+          offset = surface_depth(card%shapes, x, n)/body%spacing - 0.5_dp
         end if
         if (offset < -outside .or. offset > interior) then
           offset = contact_no_surface
