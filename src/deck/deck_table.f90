@@ -385,8 +385,8 @@ contains
                        once=.true., free=.true.)
     call registry%key('steps', kind_integer, 'a row every so many steps', range='[1,inf)', &
                       default='1')
-    call registry%key('every', kind_real, 'a row every so much time instead', unit='time', &
-                      range='(0,inf)')
+    call registry%key('every', kind_real, 'a row every so much time instead: at the first step '// &
+                      'at or after it', unit='time', range='(0,inf)')
     call registry%card('gauge', 'History of the particle nearest to a point at the start.', &
                        'gauge foot point=(0,0,0)')
     call registry%key('name', kind_name_word, 'name in gauges.csv', slot=1, required=.true.)

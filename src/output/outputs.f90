@@ -144,9 +144,7 @@ contains
     end if
     if (abs(scene%output%history_every - outputs%row_interval) > 0.0_dp) then
       outputs%history_rows = 0
-      if (scene%output%history_every > 0.0_dp) then
-        outputs%history_rows = int(model%clock%time/scene%output%history_every) + 1
-      end if
+      if (scene%output%history_every > 0.0_dp) outputs%history_rows = rows_due(scene, model)
     end if
   end subroutine count_anew
 
@@ -156,7 +154,8 @@ contains
     names = [character(column_length) :: 'pressure', 'von_mises', 'density']
   end function gauge_fields
 
-  !> Next time that a step has to land on: a dump, a history row due by time, or the end.
+  !> Next time that a step has to end at: a dump or the end of the run. Rows of histories take the
+  !! steps as they come, for steps cut short for them could make a stable run unstable.
   pure function outputs_next_time(outputs, scene) result(time)
     type(outputs_t), intent(in) :: outputs
     type(scene_t), intent(in) :: scene
@@ -166,10 +165,17 @@ contains
     if (scene%output%every > 0.0_dp .and. writes_dumps(scene)) then
       time = min(time, outputs%dumps*scene%output%every)
     end if
-    if (scene%output%history_every > 0.0_dp) then
-      time = min(time, outputs%history_rows*scene%output%history_every)
-    end if
   end function outputs_next_time
+
+  !> Rows that are due by a time, the one at the start among them; sums of steps fall short of a
+  !! row's time by round-off.
+  pure function rows_due(scene, model) result(rows)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer :: rows
+    rows = 1 + int(min((model%clock%time + 1.0e-6_dp*model%clock%dt)/scene%output%history_every, &
+                       0.5_dp*huge(rows)))
+  end function rows_due
 
   pure function writes_dumps(scene) result(yes)
     type(scene_t), intent(in) :: scene
@@ -200,8 +206,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical :: due
     if (scene%output%history_every > 0.0_dp) then
-      due = model%clock%time >= outputs%history_rows*scene%output%history_every
-      if (due) outputs%history_rows = outputs%history_rows + 1
+      due = rows_due(scene, model) > outputs%history_rows .or. &
+            model%clock%dt >= scene%output%history_every
+      if (due) outputs%history_rows = rows_due(scene, model)
     else
       due = mod(model%clock%step, max(1, scene%output%history_steps)) == 0
     end if
