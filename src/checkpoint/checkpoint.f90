@@ -90,12 +90,13 @@ contains
     bytes = 0_i8
     do b = 1, size(model%bodies)
       associate (particles => model%bodies(b)%particles)
-        bytes = bytes + 8_i8*(particles%na + particles%nb + 1)*particles%count &
+        bytes = bytes + 8_i8*(particles%motion_columns + particles%state_columns + 1)* &
+                particles%count &
                 + 8_i8*size(particles%size) + 24_i8*particles%bins%n
       end associate
     end do
     do f = 1, size(model%fields)
-      bytes = bytes + 8_i8*model%fields(f)%nmoment*rows_points(model%fields(f)%work) &
+      bytes = bytes + 8_i8*model%fields(f)%columns%total*rows_points(model%fields(f)%work) &
               + 24_i8*model%fields(f)%work%n
     end do
   end function checkpoint_bytes
@@ -222,7 +223,7 @@ contains
                   parallel_scan(bins))
     call file%declare(name//'/ids', hdf5_long, parallel_sum(int(particles%count, i8)), 1)
     call file%declare(name//'/particles', hdf5_real, parallel_sum(int(particles%count, i8)), &
-                      particles%na + particles%nb)
+                      particles%motion_columns + particles%state_columns)
     before = parallel_scan(int(particles%count, i8))
     call put_columns(file, name, particles, before)
   end subroutine put_particles
@@ -237,8 +238,9 @@ contains
     real(dp), allocatable :: columns(:, :)
     integer(i8) :: place
     integer :: bin, chunk, left, live, n, na, l, q
-    na = particles%na
-    allocate (ids(1, block_columns + lanes), columns(na + particles%nb, block_columns + lanes))
+    na = particles%motion_columns
+    allocate (ids(1, block_columns + lanes),  &
+              columns(na + particles%state_columns, block_columns + lanes))
     place = before
     n = 0
     do bin = 1, size(particles%size)
@@ -249,10 +251,10 @@ contains
         ids(1, n + 1:n + live) = int(particles%id(:live, chunk), i8)
         do l = 1, live
           do q = 1, na
-            columns(q, n + l) = particles%a(l, q, chunk)
+            columns(q, n + l) = particles%motion(l, q, chunk)
           end do
-          do q = 1, particles%nb
-            columns(na + q, n + l) = particles%b(l, q, chunk)
+          do q = 1, particles%state_columns
+            columns(na + q, n + l) = particles%state(l, q, chunk)
           end do
         end do
         n = n + live
@@ -285,9 +287,9 @@ contains
     call put_rows(file, name//'/points', field%work, range)
     points = sum(int(field%work%last(range(1):range(2)) - field%work%first(range(1):range(2)) + 1, &
                      i8))
-    call file%declare(name//'/moments', hdf5_real, parallel_sum(points), field%nmoment)
+    call file%declare(name//'/moments', hdf5_real, parallel_sum(points), field%columns%total)
     place = parallel_scan(points)
-    allocate (columns(field%nmoment, block_columns))
+    allocate (columns(field%columns%total, block_columns))
     n = 0
     do s = range(1), range(2)
       base = field%neighbour(0, 0, s)

@@ -280,7 +280,7 @@ contains
     integer :: rows
     call get_rows(file, name//'/bins', particles%own, bins, bins_before, before)
     call file%extent(name//'/particles', rows, n)
-    fits = rows == particles%na + particles%nb .and. file%good()
+    fits = rows == particles%motion_columns + particles%state_columns .and. file%good()
     if (.not. fits) return
     allocate (sizes(1, rows_points(bins)), source=0_i8)
     call file%get(name//'/sizes', sizes, bins_before)
@@ -302,7 +302,7 @@ contains
     real(dp), allocatable :: columns(:, :)
     integer :: first, n, p, l, c, q
     allocate (ids(1, min(block_columns, size(slot))))
-    allocate (columns(particles%na + particles%nb, size(ids)))
+    allocate (columns(particles%motion_columns + particles%state_columns, size(ids)))
     do first = 1, size(slot), block_columns
       n = min(block_columns, size(slot) - first + 1)
       call file%get(name//'/ids', ids(:, :n), before + first - 1)
@@ -311,11 +311,11 @@ contains
         l = mod(slot(first + p - 1) - 1, lanes) + 1
         c = (slot(first + p - 1) - 1)/lanes + 1
         particles%id(l, c) = int(ids(1, p))
-        do q = 1, particles%na
-          particles%a(l, q, c) = columns(q, p)
+        do q = 1, particles%motion_columns
+          particles%motion(l, q, c) = columns(q, p)
         end do
-        do q = 1, particles%nb
-          particles%b(l, q, c) = columns(particles%na + q, p)
+        do q = 1, particles%state_columns
+          particles%state(l, q, c) = columns(particles%motion_columns + q, p)
         end do
       end do
     end do
@@ -336,7 +336,7 @@ contains
     held = partition%own + [-partition%moments(1), partition%moments(2)]
     call get_rows(file, name//'/points', held, points, place, first)
     call file%extent(name//'/moments', rows, total)
-    fits = rows == field%nmoment .and. place + rows_points(points) <= total .and. file%good()
+    fits = rows == field%columns%total .and. place + rows_points(points) <= total .and. file%good()
     if (.not. fits) return
     allocate (columns(rows, min(total, int(block_columns, i8))), before(points%n))
     do s = 1, points%n

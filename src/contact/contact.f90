@@ -7,6 +7,7 @@
 module sgmp_contact
   use sgmp_body, only: body_t
   use sgmp_buffer, only: buffer_t
+  use sgmp_columns, only: node_acceleration, node_inverse_mass, node_velocity
   use sgmp_contact_distance, only: clouds_t, distance_detect
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_contact_resolve, only: contact_link_t, contact_resolve
@@ -96,7 +97,7 @@ contains
     !$omp parallel do schedule(dynamic, 16) num_threads(threads) default(none) &
     !$omp& shared(contact, fields, bodies, dt) private(n)
     do n = 1, contact%shared%nodes
-      call resolve_node(contact%shared, n, bodies, fields, fields(1)%ndim + 1, dt)
+      call resolve_node(contact%shared, n, bodies, fields, node_velocity(fields(1)%ndim), dt)
     end do
     !$omp end parallel do
   end subroutine contact_trial
@@ -145,7 +146,7 @@ contains
       m = shared%member_start(n) + k - 1
       nd = fields(shared%field(m))%ndim
       velocity(:nd, k) = fields(shared%field(m))%node(shared%record(m), column:column + nd - 1)
-      inverse_mass(k) = fields(shared%field(m))%node(shared%record(m), 2*nd + 1)
+      inverse_mass(k) = fields(shared%field(m))%node(shared%record(m), node_inverse_mass(nd))
       if (bodies(shared%body(m))%rigid) inverse_mass(k) = 0.0_dp
     end do
     call contact_resolve(links(:active), inverse_mass, velocity)
@@ -164,7 +165,9 @@ contains
       associate (node => fields(shared%field(m))%node, i => shared%record(m))
         node(i, column:column + nd - 1) = node(i, column:column + nd - 1) + &
           inverse_mass(k)*gained(:nd, k)
-        if (dt > 0.0_dp) node(i, 1:nd) = node(i, 1:nd) + inverse_mass(k)*gained(:nd, k)/dt
+        if (dt <= 0.0_dp) cycle
+        node(i, node_acceleration:node_velocity(nd) - 1) = &
+          node(i, node_acceleration:node_velocity(nd) - 1) + inverse_mass(k)*gained(:nd, k)/dt
       end associate
     end do
   end subroutine resolve_node

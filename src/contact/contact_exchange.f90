@@ -6,7 +6,7 @@
 module sgmp_contact_exchange
   use sgmp_body, only: body_t
   use sgmp_buffer, only: buffer_left, buffer_put, buffer_t, buffer_whole
-  use sgmp_kernels, only: kernel_sgmp
+  use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_t, neighbours_wait, &
                              traffic_t
@@ -80,7 +80,7 @@ contains
   pure function whole_particles(shared) result(yes)
     type(shared_nodes_t), intent(in) :: shared
     logical :: yes
-    yes = shared%kernel /= kernel_sgmp
+    yes = .not. kernel_centred(shared%kernel)
   end function whole_particles
 
 end module sgmp_contact_exchange

@@ -5,11 +5,12 @@
 module sgmp_contact_ledger
   use sgmp_body, only: body_t
   use sgmp_buffer, only: buffer_put, buffer_t
+  use sgmp_columns, only: node_acceleration, node_inverse_mass, node_velocity
   use sgmp_contact, only: contact_t
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_contact_resolve, only: contact_link_t
   use sgmp_field, only: field_base, field_t
-  use sgmp_kernels, only: kernel_sgmp
+  use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_parallel, only: parallel_gather
@@ -111,8 +112,10 @@ contains
     do k = 1, size(gained, 2)
       m = contact%shared%member_start(n) + k - 1
       associate (node => fields(contact%shared%field(m))%node, i => contact%shared%record(m))
-        middle(:nd, k) = node(i, nd + 1:2*nd) - 0.5_dp*dt*node(i, 1:nd)
-        if (bodies(contact%shared%body(m))%rigid) middle(:nd, k) = node(i, nd + 1:2*nd)
+        middle(:nd, k) = node(i, node_velocity(nd):node_velocity(nd) + nd - 1)
+        if (bodies(contact%shared%body(m))%rigid) cycle
+        middle(:nd, k) = middle(:nd, k) - &
+          0.5_dp*dt*node(i, node_acceleration:node_acceleration + nd - 1)
       end associate
     end do
     do l = contact%shared%link_start(n), contact%shared%link_start(n + 1) - 1
@@ -163,10 +166,10 @@ contains
     real(dp), intent(in) :: gravity(3), gained(:), middle(:), dt
     type(terms_t), intent(inout) :: terms
     real(dp) :: change(size(gained)), acceleration(size(gained)), inverse
-    inverse = field%node(record, 2*field%ndim + 1)
+    inverse = field%node(record, node_inverse_mass(field%ndim))
     if (inverse <= 0.0_dp) return
     change = gained*inverse/dt
-    acceleration = field%node(record, 1:field%ndim)
+    acceleration = field%node(record, node_acceleration:node_velocity(field%ndim) - 1)
     terms%nodes_aa = terms%nodes_aa + dot_product(gained/dt, 2.0_dp*acceleration - change)
     terms%power_before = terms%power_before + &
                            dot_product(gained/dt, middle - 0.5_dp*dt*acceleration)
@@ -218,11 +221,10 @@ contains
     real(dp) :: force(field%ndim)
     integer :: column, last, j, k, base
     force = 0.0_dp
-    column = 2 + field%ndim + field%spins + merge(field%ndim*(field%ndim + 1)/2, field%ndim, &
-      field%kernel == kernel_sgmp)
+    column = field%columns%external
+    if (column == 0) return
     last = column + field%ndim - 1
-    if (last > field%nmoment - merge(1, 0, field%volume_column > 0)) return
-    if (field%kernel /= kernel_sgmp) then
+    if (.not. kernel_centred(field%kernel)) then
       force = field%moment(record, column:last)
       return
     end if

@@ -3,9 +3,11 @@ module sgmp_contact_normals
   use sgmp_body, only: body_t
   use sgmp_contact_pairs, only: normal_first, normal_second
   use sgmp_field, only: field_t
-  use sgmp_kernels, only: kernel_gimp, kernel_sgmp
+  use sgmp_kernel_functions, only: kernel_function
+  use sgmp_kernels, only: kernel_centred, kernel_sized
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t
+  use sgmp_motion, only: motion_mass
   use sgmp_shared_nodes, only: row_axis, shared_nodes_t
   use sgmp_surface_particles, only: surface_t
   implicit none
@@ -52,7 +54,7 @@ contains
     type(body_t), intent(in) :: body
     integer, intent(in) :: point(3)
     real(dp) :: gradient(3)
-    if (field%kernel == kernel_sgmp) then
+    if (kernel_centred(field%kernel)) then
       gradient = centre_gradient(field, shared%interval(m), point(1))
     else
       gradient = particle_gradient(mesh, field%kernel, body, &
@@ -72,8 +74,8 @@ contains
     do dk = -merge(1, 0, field%ndim >= 2), 0
       do dj = -merge(1, 0, field%ndim == 3), 0
         base = field%neighbour(dj, dk, interval) + i
-        left = field%moment(base - 1, 1)
-        right = field%moment(base, 1)
+        left = field%moment(base - 1, field%columns%mass)
+        right = field%moment(base, field%columns%mass)
         gradient(1) = gradient(1) + (left - right)
         if (field%ndim == 2) gradient(2) = gradient(2) + sign(left + right, -dk - 0.5_dp)
         if (field%ndim == 3) gradient(2) = gradient(2) + sign(left + right, -dj - 0.5_dp)
@@ -98,13 +100,13 @@ contains
     nd = mesh%ndim
     node = real(point([1, row_axis(2, nd), 3]), dp)
     half = 0.0_dp
-    if (kernel == kernel_gimp) half = body%half_size
+    if (kernel_sized(kernel)) half = body%half_size
     do r = 1, size(bins, 2)
       do n = bins(1, r), bins(2, r)
         do g = surface%guest_first(n), surface%guest_first(n) + surface%guest_size(n) - 1
           associate (guest => surface%guest(:, g))
-            if (kernel == kernel_gimp) half(:nd) = guest(nd + 3:2*nd + 2)
-            call add_gradient(nd, guest(:nd) - node(:nd), half, guest(nd + 2), gradient)
+            if (kernel_sized(kernel)) half(:nd) = guest(nd + 3:2*nd + 2)
+            call add_gradient(kernel, nd, guest(:nd) - node(:nd), half, guest(nd + 2), gradient)
           end associate
         end do
         number = surface%bin(n)
@@ -112,10 +114,12 @@ contains
         left = body%particles%size(number)
         do while (left > 0)
           do l = 1, min(left, lanes)
-            associate (a => body%particles%a(l, :, chunk), b => body%particles%b(l, :, chunk))
+            associate (motion => body%particles%motion(l, :, chunk), &
+                       state => body%particles%state(l, :, chunk))
               if (body%law%slots%stretch > 0) half(:nd) = body%half_size(:nd)* &
-                b(body%law%slots%stretch:body%law%slots%stretch + nd - 1)
-              call add_gradient(nd, a(:nd) - node(:nd), half, a(2*nd + 1), gradient)
+                state(body%law%slots%stretch:body%law%slots%stretch + nd - 1)
+              call add_gradient(kernel, nd, motion(:nd) - node(:nd), half, &
+                                motion(motion_mass(nd)), gradient)
             end associate
           end do
           left = left - lanes
@@ -126,44 +130,18 @@ contains
   end function particle_gradient
 
   !> Adds what one particle gives to the gradient at a node.
-  pure subroutine add_gradient(nd, x, half, mass, gradient)
-    integer, intent(in) :: nd
+  pure subroutine add_gradient(kernel, nd, x, half, mass, gradient)
+    integer, intent(in) :: kernel, nd
     real(dp), intent(in) :: x(nd)                !! particle minus node (cells)
     real(dp), intent(in) :: half(3), mass
     real(dp), intent(inout) :: gradient(3)
     real(dp) :: s(3), g(3)
-    integer :: d
     s = 1.0_dp
     g = 0.0_dp
-    do d = 1, nd
-      call weight(x(d), half(d), s(d), g(d))
-    end do
+    call kernel_function(kernel, x, half(:nd), s(:nd), g(:nd))
     gradient(1) = gradient(1) + mass*(g(1)*s(2)*s(3))
     if (nd >= 2) gradient(2) = gradient(2) + mass*(s(1)*g(2)*s(3))
     if (nd == 3) gradient(3) = gradient(3) + mass*(s(1)*s(2)*g(3))
   end subroutine add_gradient
-
-  !> Weight and derivative of a node along one axis: GIMP function, or with half-size 0 the hat
-  !! function.
-  pure subroutine weight(x, half, s, g)
-    real(dp), intent(in) :: x              !! particle minus node (cells)
-    real(dp), intent(in) :: half           !! particle half-size (cells)
-    real(dp), intent(out) :: s, g
-    real(dp) :: r
-    r = abs(x)
-    if (r < half) then
-      s = 1.0_dp - (x*x + half*half)/(2.0_dp*half)
-      g = -x/half
-    else if (r < 1.0_dp - half) then
-      s = 1.0_dp - r
-      g = -sign(1.0_dp, x)
-    else if (r < 1.0_dp + half) then
-      s = (1.0_dp + half - r)**2/(4.0_dp*half)
-      g = -sign((1.0_dp + half - r)/(2.0_dp*half), x)
-    else
-      s = 0.0_dp
-      g = 0.0_dp
-    end if
-  end subroutine weight
 
 end module sgmp_contact_normals

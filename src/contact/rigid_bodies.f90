@@ -1,6 +1,7 @@
 !> Bodies with prescribed motion: their speed, and what their nodes hold.
 module sgmp_rigid_bodies
   use sgmp_body, only: body_t
+  use sgmp_columns, only: node_inverse_mass, node_velocity
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   implicit none
@@ -46,7 +47,7 @@ contains
     do d = 1, field%ndim
       field%node(:, d) = (body%speed(d) - body%speed_before(d))/dt
     end do
-    call rigid_velocity(body, field, field%ndim + 1)
+    call rigid_velocity(body, field, node_velocity(field%ndim))
   end subroutine rigid_solve
 
   !> Nodal velocity of a rigid body, in the vector that starts at `column`.
@@ -59,7 +60,7 @@ contains
     do d = 1, field%ndim
       field%node(:, column + d - 1) = body%speed(d)
     end do
-    field%node(:, 2*field%ndim + 1) = 1.0_dp
+    field%node(:, node_inverse_mass(field%ndim)) = 1.0_dp
   end subroutine rigid_velocity
 
   !> Whether the nodes of a body at rest hold what they always will: a new layout sets them to zero.
@@ -69,7 +70,7 @@ contains
     logical :: known
     known = .false.
     if (.not. body%at_rest .or. field%points == 0) return
-    known = field%node(1, 2*field%ndim + 1) > 0.0_dp
+    known = field%node(1, node_inverse_mass(field%ndim)) > 0.0_dp
   end function rigid_known
 
 end module sgmp_rigid_bodies

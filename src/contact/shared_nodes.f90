@@ -9,7 +9,7 @@ module sgmp_shared_nodes
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_contact_resolve, only: contact_link_t
   use sgmp_field, only: field_t
-  use sgmp_kernels, only: kernel_mpm, kernel_sgmp
+  use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_reach
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_dilate, rows_intersection, &
@@ -214,8 +214,7 @@ contains
   pure function lowest_bin(kernel, ndim, point) result(bin)
     integer, intent(in) :: kernel, ndim, point(3)
     integer :: bin(3)
-    bin = point - merge(1, 2, kernel == kernel_mpm)*[1, merge(1, 0, ndim == 3), merge(1, 0, &
-      ndim >= 2)]
+    bin = point - stencil_reach(kernel)*[1, merge(1, 0, ndim == 3), merge(1, 0, ndim >= 2)]
   end function lowest_bin
 
   !> Finds the links of a node at which both bodies have mass.
@@ -242,15 +241,16 @@ contains
     integer, intent(in) :: m, n
     real(dp) :: mass
     integer :: dj, dk, base
-    if (field%kernel /= kernel_sgmp) then
-      mass = field%moment(shared%record(m), 1)
+    if (.not. kernel_centred(field%kernel)) then
+      mass = field%moment(shared%record(m), field%columns%mass)
       return
     end if
     mass = 0.0_dp
     do dk = -merge(1, 0, field%ndim >= 2), 0
       do dj = -merge(1, 0, field%ndim == 3), 0
         base = field%neighbour(dj, dk, shared%interval(m)) + shared%point(1, n)
-        mass = mass + (field%moment(base - 1, 1) + field%moment(base, 1))
+        mass = mass + (field%moment(base - 1, field%columns%mass) + &
+                       field%moment(base, field%columns%mass))
       end do
     end do
     mass = mass*0.5_dp**field%ndim

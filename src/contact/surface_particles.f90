@@ -9,6 +9,7 @@ module sgmp_surface_particles
   use sgmp_body, only: body_t
   use sgmp_buffer, only: buffer_get, buffer_put, buffer_t, buffer_take, buffer_whole
   use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_motion, only: motion_mass
   use sgmp_particles, only: particles_t
   use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_intersection, rows_points, rows_t
   implicit none
@@ -176,7 +177,7 @@ contains
     n = 0
     chunk = particles%first(bin)
     do while (chunk > 0)
-      n = n + count(particles%b(:, column, chunk) > nowhere)
+      n = n + count(particles%state(:, column, chunk) > nowhere)
       chunk = particles%next(chunk)
     end do
   end function bin_count
@@ -191,13 +192,13 @@ contains
     chunk = particles%first(bin)
     do while (chunk > 0)
       do l = 1, lanes
-        if (particles%b(l, column, chunk) <= nowhere) cycle
+        if (particles%state(l, column, chunk) <= nowhere) cycle
         n = n + 1
         do d = 1, particles%ndim
-          x(n, d) = particles%a(l, d, chunk)
+          x(n, d) = particles%motion(l, d, chunk)
         end do
         x(n, particles%ndim + 1:3) = 0.0_dp
-        x(n, 4) = particles%b(l, column, chunk)
+        x(n, 4) = particles%state(l, column, chunk)
       end do
       chunk = particles%next(chunk)
     end do
@@ -265,14 +266,14 @@ contains
       left = particles%size(bin)
       do while (left > 0)
         do l = 1, min(left, lanes)
-          associate (n => particles%ndim, offset => particles%b(l, slots%surface, chunk))
+          associate (n => particles%ndim, offset => particles%state(l, slots%surface, chunk))
             if (offset <= nowhere .and. .not. whole) cycle
-            call buffer_put(buffer, [particles%a(l, :n, chunk), offset])
+            call buffer_put(buffer, [particles%motion(l, :n, chunk), offset])
             if (.not. whole) cycle
             half = body%half_size
             if (slots%stretch > 0) half(:n) = half(:n)* &
-              particles%b(l, slots%stretch:slots%stretch + n - 1, chunk)
-            call buffer_put(buffer, [particles%a(l, particles%na, chunk), half(:n)])
+              particles%state(l, slots%stretch:slots%stretch + n - 1, chunk)
+            call buffer_put(buffer, [particles%motion(l, motion_mass(n), chunk), half(:n)])
           end associate
         end do
         left = left - lanes

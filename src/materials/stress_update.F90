@@ -19,33 +19,22 @@ module DIM(sgmp_stress_update)
   use sgmp_material_kinds, only: eos_jwl, eos_none, material_elastic, material_j2, &
                                  material_johnson_cook, material_neo_hookean
   use sgmp_viscosity, only: viscosity_lanes
+  use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
   private
-  public :: stress_update, stress_flux, stress_probe, stress_sums, sum_internal, sum_viscous
-
-  integer, parameter :: stress_sums = 2  !! entries of `sums`
-  integer, parameter :: sum_internal = 1  !! growth of internal energy
-  integer, parameter :: sum_viscous = 2  !! part of it that the bulk viscosity dissipates
+  public :: stress_update, stress_flux, stress_probe
 
   !> Stress component of each flux (and strain) component, and its two axes.
-#if NDIM == 1
-  integer, parameter :: stress_of(NFLUX) = [1]
-  integer, parameter :: strain_pair(2, NFLUX) = reshape([1, 1], [2, NFLUX])
-#elif NDIM == 2
-  integer, parameter :: stress_of(NFLUX) = [1, 2, 4]
-  integer, parameter :: strain_pair(2, NFLUX) = reshape([1, 1, 2, 2, 1, 2], [2, NFLUX])
-#else
-  integer, parameter :: stress_of(NFLUX) = [1, 2, 3, 4, 5, 6]
-  integer, parameter :: strain_pair(2, NFLUX) = &
-    reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 1, 3], [2, NFLUX])
-#endif
+  integer, parameter :: stress_of(NFLUX) = flux_stress(:NFLUX, NDIM)
+  integer, parameter :: strain_pair(2, NFLUX) = voigt_axes(:, stress_of)
 
 contains
 
   !> Advances volume, stress and history by one step and returns the flux sigma V that the grid
   !! wants (Eq. 23).
   ! allow(S902)
-  subroutine stress_update(law, dt, time, mass, live, grad, nb, b, flux, speed2, jacobian, sums)
+  subroutine stress_update(law, dt, time, mass, live, grad, nb, b, flux, speed2, jacobian, &
+                           internal, viscous)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: dt                          !! strain step
     real(dp), intent(in) :: time                        !! at the end of the step
@@ -56,7 +45,8 @@ contains
     real(dp), intent(out) :: flux(lanes, NFLUX)         !! (sigma - q I) V; 0 in pads
     real(dp), intent(out) :: speed2(lanes)              !! square of the sound speed
     real(dp), intent(out) :: jacobian(lanes)  !! determinant of the step's deformation gradient
-    real(dp), intent(inout) :: sums(lanes, stress_sums)
+    real(dp), intent(inout) :: internal(lanes)  !! growth of the internal energy, added to
+    real(dp), intent(inout) :: viscous(lanes)   !! part of it that the bulk viscosity dissipates
     real(dp) :: strain(lanes, NFLUX), trace(lanes), old_volume(lanes), work(lanes), q(lanes)
     real(dp) :: none(lanes, NSTRESS)
     integer :: l, s
@@ -91,8 +81,8 @@ contains
     do l = 1, lanes
       work(l) = live(l)*(old_volume(l)*work(l))
       q(l) = live(l)*(old_volume(l)*(q(l)*trace(l)))
-      sums(l, sum_internal) = sums(l, sum_internal) + (work(l) - q(l))
-      sums(l, sum_viscous) = sums(l, sum_viscous) - q(l)
+      internal(l) = internal(l) + (work(l) - q(l))
+      viscous(l) = viscous(l) - q(l)
     end do
   end subroutine stress_update
 
@@ -320,7 +310,7 @@ contains
     real(dp), intent(inout) :: work(lanes)
     real(dp) :: new(lanes, NDIM, NDIM), bij(lanes, NSTRESS), mu, lambda, j
     integer :: l, a, b, c
-    integer, parameter :: row(6) = [1, 2, 3, 1, 2, 1], col(6) = [1, 2, 3, 2, 3, 3]
+    integer, parameter :: row(6) = voigt_axes(1, :), col(6) = voigt_axes(2, :)
     mu = law%elastic%shear
     lambda = law%elastic%lambda
     do a = 1, NDIM

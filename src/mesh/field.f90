@@ -5,22 +5,21 @@
 !! same widened so that every stencil of a work point falls on stored (if need be empty) points; a
 !! point's record is base + i.
 module sgmp_field
-  use sgmp_kernels, only: kernel_sgmp
+  use sgmp_columns, only: columns_make, columns_t, node_total
+  use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_width
   use sgmp_kinds, only: dp, i8
   use sgmp_large_pages, only: large_pages_ask
-  use sgmp_mesh, only: mesh_t, stencil_width
+  use sgmp_mesh, only: mesh_t
   use sgmp_rows, only: key_k, row_key, rows_contains, rows_dilate, rows_locate, rows_t
   implicit none
   private
-  public :: field_t, field_init, field_build, field_base, field_bytes, field_forces
+  public :: field_t, field_init, field_build, field_base, field_bytes
 
   !> Layout and grid values of a velocity field.
   type :: field_t
     integer :: kernel = kernel_sgmp                 !! one of kernel_*
     integer :: ndim = 3
-    integer :: nmoment = 0                          !! columns of `moment`
-    integer :: spins = 0                            !! columns of the spin, behind the momentum
-    integer :: volume_column = 0                    !! column of the volume, 0: not carried
+    type(columns_t) :: columns                      !! what the columns of `moment` hold
     integer :: points = 0                           !! stored points
     type(rows_t) :: work, store
     integer, allocatable :: base(:)                 !! record of i = 0 in each interval of `store`
@@ -31,41 +30,32 @@ module sgmp_field
     integer, allocatable :: plane_work(:)  !! (planes + 1): first interval of `work` in each plane
     integer, allocatable :: plane_store(:)  !! (planes + 1): first interval of `store` in each plane
     integer :: largest_plane = 0                    !! records of the largest plane
-    !> (points, nmoment): mass, momentum, the spin times the mass where particles carry it, then
-    !! sigma V at auxiliary nodes (SGMP) or force at nodes (MPM, GIMP), then the external force
-    !! where a body force acts, last the volume where stress is normalised.
-    real(dp), allocatable :: moment(:, :)
-    !> (points, 2 ndim + 1): acceleration (in MUSL later the re-mapped velocity), velocity, 1/mass
-    !! (0: node ignored).
-    real(dp), allocatable :: node(:, :)
+    real(dp), allocatable :: moment(:, :)           !! (points, columns%total) sums over particles
+    real(dp), allocatable :: node(:, :)             !! (points, node_total) values at the nodes
   end type field_t
 
 contains
 
   !> An empty field.
-  pure subroutine field_init(field, mesh, kernel, nflux, body_force, volume, spins)
+  pure subroutine field_init(field, mesh, kernel, body_force, volume, spins)
     type(field_t), intent(out) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel        !! one of kernel_*
-    integer, intent(in) :: nflux         !! stress components that exert a force
     logical, intent(in) :: body_force    !! columns for an external force
     logical, intent(in), optional :: volume  !! a column for the volume (normalised stress)
     integer, intent(in), optional :: spins   !! columns for the spin that particles carry
-    logical :: carries
+    logical :: with_volume
+    integer :: nspin
+    with_volume = .false.
+    if (present(volume)) with_volume = volume
+    nspin = 0
+    if (present(spins)) nspin = spins
     field%kernel = kernel
     field%ndim = mesh%ndim
-    if (present(spins)) field%spins = spins
-    field%nmoment = 1 + mesh%ndim + field%spins + &
-                    merge(nflux, mesh%ndim, kernel == kernel_sgmp)
-    if (body_force) field%nmoment = field%nmoment + mesh%ndim
-    carries = .false.
-    if (present(volume)) carries = volume
-    if (carries) then
-      field%nmoment = field%nmoment + 1
-      field%volume_column = field%nmoment
-    end if
+    field%columns = columns_make(mesh%ndim, kernel, body_force, with_volume, nspin)
     field%points = 0
-    allocate (field%moment(0, field%nmoment), field%node(0, 2*mesh%ndim + 1), field%plane_k(0))
+    allocate (field%moment(0, field%columns%total), field%node(0, node_total(mesh%ndim)))
+    allocate (field%plane_k(0))
     allocate (field%plane_start(1), source=1)
     allocate (field%plane_work(1), field%plane_store(1), source=1)
   end subroutine field_init
@@ -82,11 +72,9 @@ contains
     reach = (w - 1)*one
     new%kernel = field%kernel
     new%ndim = field%ndim
-    new%nmoment = field%nmoment
-    new%spins = field%spins
-    new%volume_column = field%volume_column
+    new%columns = field%columns
     call rows_dilate(bins, [0, 0, 0], reach, stencil)
-    if (field%kernel == kernel_sgmp) then
+    if (kernel_centred(field%kernel)) then
       call rows_dilate(stencil, [0, 0, 0], one, new%work)
       call rows_dilate(new%work, -one, one, new%store)
     else
@@ -95,7 +83,8 @@ contains
     end if
     call field_number(new)
     call field_link(new)
-    allocate (new%moment(new%points, new%nmoment), new%node(new%points, 2*new%ndim + 1))
+    allocate (new%moment(new%points, new%columns%total))
+    allocate (new%node(new%points, node_total(new%ndim)))
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))
     call field_clear(new)
@@ -116,14 +105,6 @@ contains
     end do
     !$omp end parallel do
   end subroutine field_clear
-
-  !> Columns of the moments behind mass and momentum that hold internal forces: sigma V at auxiliary
-  !! nodes (SGMP), forces at nodes (MPM, GIMP).
-  pure function field_forces(field) result(columns)
-    type(field_t), intent(in) :: field
-    integer :: columns
-    columns = merge(field%ndim*(field%ndim + 1)/2, field%ndim, field%kernel == kernel_sgmp)
-  end function field_forces
 
   !> Axes (i, j, k) that exist: in 2D the y axis is the k axis.
   pure function active_axes(ndim) result(active)

@@ -1,16 +1,79 @@
-!> Names of the methods and of the particle-grid transfers they use.
+!> The methods, the particle-grid transfers (kernels) that they use, and what the program has to
+!! know of a kernel beside its weights: one row of a table each.
 module sgmp_kernels
+  use sgmp_kinds, only: dp
   implicit none
   private
-  public :: kernel_mpm, kernel_gimp, kernel_sgmp
-  public :: method_mpm, method_gimp, method_cpgimp, method_sgmp, method_names
+  public :: kernel_mpm, kernel_gimp, kernel_sgmp, kernel_centred, kernel_folds, kernel_sized
+  public :: stencil_reach, stencil_shift, stencil_width
+  public :: method_mpm, method_gimp, method_cpgimp, method_sgmp, method_kernel, method_names
+
+  integer, parameter :: kernel_mpm = 1   !! linear hat functions, particle to node
+  integer, parameter :: kernel_gimp = 2  !! GIMP functions, particle to node (uGIMP and cpGIMP)
+  integer, parameter :: kernel_sgmp = 3  !! linear on the auxiliary grid, then a fixed map from
+                                         !! centres to nodes
 
   integer, parameter :: method_mpm = 1, method_gimp = 2, method_cpgimp = 3, method_sgmp = 4
   character(8), parameter :: method_names(4) = [character(8) :: 'mpm', 'gimp', 'cpgimp', 'sgmp']
+  integer, parameter :: method_kernel(4) = [kernel_mpm, kernel_gimp, kernel_gimp, kernel_sgmp]
 
-  integer, parameter :: kernel_mpm = 1  !! linear hat functions, particle to node
-  integer, parameter :: kernel_gimp = 2  !! GIMP functions, particle to node (uGIMP and cpGIMP)
-  integer, parameter :: kernel_sgmp = 3  !! linear on the auxiliary grid, then the fixed centre-node
-                                        !! map
+  !> Properties of a kernel.
+  type :: kernel_t
+    integer :: width           !! points per axis in a particle's stencil
+    real(dp) :: shift          !! a particle at X is in bin floor(X - shift)
+    logical :: centred         !! particles meet the auxiliary grid of cell centres, not the nodes
+    logical :: folds           !! stencils reach behind walls: sums are folded, values mirrored
+    logical :: sized           !! particles have a size, which the weights depend on
+  end type kernel_t
+
+  type(kernel_t), parameter :: kernels(3) = [kernel_t(2, 0.0_dp, .false., .false., .false.), &
+                                             kernel_t(3, 0.5_dp, .false., .true., .true.), &
+                                             kernel_t(2, 0.5_dp, .true., .true., .false.)]
+
+contains
+
+  !> Points per axis in a particle's own stencil, nodes or centres: a stencil of two has linear
+  !! weights, one of three any product of weights per axis.
+  elemental function stencil_width(kernel) result(width)
+    integer, intent(in) :: kernel
+    integer :: width
+    width = kernels(kernel)%width
+  end function stencil_width
+
+  !> Shift s of the bins: a particle at X is in bin floor(X - s), whose stencil starts at that
+  !! index.
+  elemental function stencil_shift(kernel) result(shift)
+    integer, intent(in) :: kernel
+    real(dp) :: shift
+    shift = kernels(kernel)%shift
+  end function stencil_shift
+
+  !> Nodes that particles of a bin give to, beyond the bin's own: with centres one more.
+  elemental function stencil_reach(kernel) result(reach)
+    integer, intent(in) :: kernel
+    integer :: reach
+    reach = kernels(kernel)%width - 1 + merge(1, 0, kernels(kernel)%centred)
+  end function stencil_reach
+
+  !> Whether particles meet the auxiliary grid of cell centres, joined to the nodes by a fixed map.
+  elemental function kernel_centred(kernel) result(yes)
+    integer, intent(in) :: kernel
+    logical :: yes
+    yes = kernels(kernel)%centred
+  end function kernel_centred
+
+  !> Whether stencils reach behind walls, so that sums are folded and values mirrored there.
+  elemental function kernel_folds(kernel) result(yes)
+    integer, intent(in) :: kernel
+    logical :: yes
+    yes = kernels(kernel)%folds
+  end function kernel_folds
+
+  !> Whether weights depend on a size of the particle.
+  elemental function kernel_sized(kernel) result(yes)
+    integer, intent(in) :: kernel
+    logical :: yes
+    yes = kernels(kernel)%sized
+  end function kernel_sized
 
 end module sgmp_kernels

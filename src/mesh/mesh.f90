@@ -4,12 +4,10 @@
 !! scaling. Node i of an axis sits at X = i, cell centre (auxiliary node) i at X = i + 1/2. A closed
 !! box spans nodes 0..cells.
 module sgmp_mesh
-  use sgmp_kernels, only: kernel_gimp, kernel_mpm
   use sgmp_kinds, only: dp
   implicit none
   private
   public :: mesh_t, mesh_make, mesh_position, mesh_coordinate
-  public :: stencil_width, stencil_shift
   public :: wall_free, wall_slip, wall_fixed
 
   integer, parameter :: wall_free = 0  !! material may leave or the face is open
@@ -73,20 +71,5 @@ contains
     real(dp) :: coordinate
     coordinate = (x - origin)/h
   end function mesh_coordinate
-
-  !> Points per axis in a particle's own stencil: nodes (MPM 2, GIMP 3) or auxiliary nodes (SGMP 2).
-  elemental function stencil_width(kernel) result(width)
-    integer, intent(in) :: kernel
-    integer :: width
-    width = merge(3, 2, kernel == kernel_gimp)
-  end function stencil_width
-
-  !> Shift s of the bins: a particle at X is in bin floor(X - s), whose stencil starts at that
-  !! index.
-  elemental function stencil_shift(kernel) result(shift)
-    integer, intent(in) :: kernel
-    real(dp) :: shift
-    shift = merge(0.0_dp, 0.5_dp, kernel == kernel_mpm)
-  end function stencil_shift
 
 end module sgmp_mesh

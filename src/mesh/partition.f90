@@ -4,9 +4,9 @@
 !! also holds a few planes of its neighbours: the moments that its gathers touch, and the bins whose
 !! particles give to those.
 module sgmp_partition
-  use sgmp_kernels, only: kernel_mpm, kernel_sgmp
+  use sgmp_kernels, only: kernel_centred, stencil_reach, stencil_width
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t, stencil_width, wall_free
+  use sgmp_mesh, only: mesh_t, wall_free
   use sgmp_slabs, only: far_plane
   implicit none
   private
@@ -38,16 +38,15 @@ contains
     logical, intent(in) :: normalised        !! stresses are scaled by the volumes of neighbours
     logical, intent(in) :: divisible         !! planes may go to other ranks than the first
     integer, intent(in) :: rank, ranks
-    integer :: layers, more, r
+    integer :: more, r
     partition%rank = rank
     partition%ranks = ranks
     partition%divisible = divisible
-    layers = stencil_width(kernel)
     more = merge(1, 0, normalised)
-    if (kernel == kernel_sgmp) partition%moments(1) = 1 + more
-    partition%moments(2) = merge(1, 2 + more, kernel == kernel_mpm)
-    partition%nodes = merge(1, 2, kernel == kernel_mpm)
-    partition%bins = partition%moments + [layers - 1, 0]
+    partition%nodes = stencil_reach(kernel)
+    ! Nodes need the centres below them, too.
+    partition%moments = [merge(1 + more, 0, kernel_centred(kernel)), partition%nodes + more]
+    partition%bins = partition%moments + [stencil_width(kernel) - 1, 0]
     partition%least = max(partition%bins(1), partition%bins(2)) + 1
     ! A wall's fold and mirror images must be inside what one rank holds completely.
     if (mesh%wall(1, mesh%ndim) /= wall_free) then

@@ -5,11 +5,13 @@
 !! each other; Eq. 42 (energy) rests on that. Axes are folded one after the other, which takes care
 !! of edges and corners.
 module sgmp_walls
+  use sgmp_columns, only: columns_t
   use sgmp_field, only: field_base, field_t
-  use sgmp_kernels, only: kernel_mpm, kernel_sgmp
+  use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rows, only: key_j, key_k
+  use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
   private
   public :: walls_fold, walls_mirror, moment_parity, has_walls
@@ -25,47 +27,47 @@ contains
   end function has_walls
 
   !> Sign with which a column of the moments is folded at a wall of the given kind and normal axis.
-  pure function moment_parity(column, normal, wall, ndim, kernel, spins) result(parity)
+  pure function moment_parity(column, columns, normal, wall, ndim, centred) result(parity)
     integer, intent(in) :: column        !! column of field%moment
+    type(columns_t), intent(in) :: columns
     integer, intent(in) :: normal        !! axis of the wall's normal
     integer, intent(in) :: wall          !! wall_slip or wall_fixed
-    integer, intent(in) :: ndim, kernel
-    integer, intent(in), optional :: spins  !! columns of the spin, behind the momentum
+    integer, intent(in) :: ndim
+    logical, intent(in) :: centred       !! stresses at centres, not forces at nodes
     real(dp) :: parity
-    integer :: flux, nflux, before
     parity = 1.0_dp
-    nflux = merge(ndim*(ndim + 1)/2, ndim, kernel == kernel_sgmp)
-    before = 1 + ndim
-    if (present(spins)) before = before + spins
-    if (column == 1) return
-    if (column <= 1 + ndim) then
-      if (column - 1 == normal .or. wall == wall_fixed) parity = -1.0_dp
-    else if (column <= before) then
+    if (column == columns%mass) return
+    if (column < columns%spin) then
+      parity = vector_parity(1 + column - columns%momentum, normal, wall)
+    else if (column < columns%force) then
       ! An axial vector: a mirror keeps only the rotation about its normal.
-      if (wall /= wall_fixed .and. (column - 1 - ndim /= normal .or. ndim == 2)) parity = -1.0_dp
-    else if (column <= before + nflux) then
-      flux = column - before
-      if (kernel /= kernel_sgmp) then
-        if (flux == normal .or. wall == wall_fixed) parity = -1.0_dp
+      if (wall /= wall_fixed .and. (1 + column - columns%spin /= normal .or. ndim == 2)) then
+        parity = -1.0_dp
+      end if
+    else if (column < columns%force + columns%forces) then
+      if (.not. centred) then
+        parity = vector_parity(1 + column - columns%force, normal, wall)
       else if (wall /= wall_fixed) then
-        parity = stress_parity(flux, normal, ndim)
+        parity = stress_parity(1 + column - columns%force, normal, ndim)
       end if
     end if
   end function moment_parity
+
+  !> The same for a component of a vector: the normal one is odd, at a fixed wall all are.
+  pure function vector_parity(component, normal, wall) result(parity)
+    integer, intent(in) :: component, normal, wall
+    real(dp) :: parity
+    parity = merge(-1.0_dp, 1.0_dp, component == normal .or. wall == wall_fixed)
+  end function vector_parity
 
   !> The same for a stress component at a slip wall: shear stresses at the wall are odd.
   pure function stress_parity(flux, normal, ndim) result(parity)
     integer, intent(in) :: flux          !! component
     integer, intent(in) :: normal, ndim
     real(dp) :: parity
-    integer, parameter :: pair(*, *) = reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 1, 3], [2, 6])
-    integer, parameter :: plane_pair(*, *) = reshape([1, 1, 2, 2, 1, 2], [2, 3])
-    parity = 1.0_dp
-    if (ndim == 3) then
-      if (pair(1, flux) /= pair(2, flux) .and. any(pair(:, flux) == normal)) parity = -1.0_dp
-    else if (plane_pair(1, flux) /= plane_pair(2, flux)) then
-      parity = -1.0_dp
-    end if
+    integer :: axes(2)
+    axes = voigt_axes(:, flux_stress(flux, ndim))
+    parity = merge(-1.0_dp, 1.0_dp, axes(1) /= axes(2) .and. any(axes == normal))
   end function stress_parity
 
   !> Folds columns q1..q2 of the moments of one axis; planes plane1..plane2 hold the points behind
@@ -76,17 +78,17 @@ contains
     integer, intent(in) :: axis, plane1, plane2, q1, q2
     integer :: side, s, first, last, ghost, image, q, n, from, to
     real(dp) :: parity
-    if (field%kernel == kernel_mpm) return
+    if (.not. kernel_folds(field%kernel)) return
     do side = 1, 2
       if (mesh%wall(side, axis) == wall_free) cycle
-      call ghost_point(field, mesh, axis, side, field%kernel == kernel_sgmp, ghost, image)
+      call ghost_point(mesh, axis, side, kernel_centred(field%kernel), ghost, image)
       call ghost_intervals(field, axis, ghost, plane1, plane2, first, last)
       do s = first, last
         call ghost_records(field, s, axis, ghost, image, from, to, n)
         do q = q1, q2
           if (n == 0) exit
-          parity = moment_parity(q, axis, mesh%wall(side, axis), field%ndim, field%kernel, &
-                                 field%spins)
+          parity = moment_parity(q, field%columns, axis, mesh%wall(side, axis), field%ndim, &
+                                 kernel_centred(field%kernel))
           field%moment(to:to + n - 1, q) = field%moment(to:to + n - 1, q) + &
                                            parity*field%moment(from:from + n - 1, q)
           field%moment(from:from + n - 1, q) = 0.0_dp
@@ -104,17 +106,17 @@ contains
     integer, intent(in) :: columns(:)
     integer :: side, s, first, last, ghost, image, c, a, n, from, to
     real(dp) :: parity
-    if (field%kernel == kernel_mpm) return
+    if (.not. kernel_folds(field%kernel)) return
     do side = 1, 2
       if (mesh%wall(side, axis) == wall_free) cycle
-      call ghost_point(field, mesh, axis, side, .false., ghost, image)
+      call ghost_point(mesh, axis, side, .false., ghost, image)
       call ghost_intervals(field, axis, ghost, plane1, plane2, first, last)
       do s = first, last
         call ghost_records(field, s, axis, ghost, image, to, from, n)
         if (n == 0) cycle
         do c = 1, size(columns)
           do a = 1, field%ndim
-            parity = merge(-1.0_dp, 1.0_dp, a == axis .or. mesh%wall(side, axis) == wall_fixed)
+            parity = vector_parity(a, axis, mesh%wall(side, axis))
             field%node(to:to + n - 1, columns(c) + a - 1) = &
               parity*field%node(from:from + n - 1, columns(c) + a - 1)
           end do
@@ -124,15 +126,13 @@ contains
   end subroutine walls_mirror
 
   !> Index of the point behind a wall and of its mirror image, for centres or for nodes.
-  pure subroutine ghost_point(field, mesh, axis, side, centres, ghost, image)
-    type(field_t), intent(in) :: field
+  pure subroutine ghost_point(mesh, axis, side, centres, ghost, image)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: axis, side
     logical, intent(in) :: centres
     integer, intent(out) :: ghost, image
     integer :: wall
     wall = merge(mesh%lower(axis), mesh%upper(axis), side == 1)
-    if (field%ndim < 1) wall = 0
     if (side == 1) then
       ghost = wall - 1
       image = merge(wall, wall + 1, centres)

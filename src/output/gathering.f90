@@ -7,11 +7,13 @@ module sgmp_gathering
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_mesh, only: mesh_position
   use sgmp_model, only: model_t
+  use sgmp_motion, only: motion_mass, motion_velocity
   use sgmp_parallel, only: parallel_deal, parallel_max, parallel_scan, parallel_sum
   use sgmp_scene, only: scene_t
   use sgmp_seeding, only: seeding_generate
   use sgmp_snapshot, only: snapshot_field_t, snapshot_t
   use sgmp_sorting, only: sort_order
+  use sgmp_voigt, only: voigt_names
   implicit none
   private
   public :: gather_whole, gather_slice, gather_snapshot, gather_body_row, gather_checksum, &
@@ -20,7 +22,6 @@ module sgmp_gathering
   character(16), parameter :: field_names(*) = &
     [character(16) :: 'stress', 'pressure', 'density', 'volume', 'mass', 'plastic_strain', &
      'temperature', 'damage', 'energy', 'von_mises', 'displacement', 'initial_position']
-  character(2), parameter :: pairs(*) = ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']
 
 contains
 
@@ -62,8 +63,9 @@ contains
             snapshot%id(p) = body%particles%id(l, c)
             snapshot%body(p) = b
             snapshot%position(:nd, p) = mesh_position(model%mesh%origin(:nd), model%mesh%h, &
-                                                      body%particles%a(l, :nd, c))
-            snapshot%velocity(:nd, p) = body%particles%a(l, nd + 1:2*nd, c)
+                                                      body%particles%motion(l, :nd, c))
+            snapshot%velocity(:nd, p) = &
+              body%particles%motion(l, motion_velocity(nd):motion_velocity(nd) + nd - 1, c)
             do f = 1, size(snapshot%fields)
               if (allocated(initial)) then
                 call take_field(body, nd, l, c, initial(:, body%particles%id(l, c)), &
@@ -227,7 +229,7 @@ contains
       select case (names(wanted))
       case ('stress')
         c = 3 + merge(3, model%mesh%ndim - 1, model%mesh%ndim == 3)
-        fields(f)%components = 'stress_'//pairs(:c)
+        fields(f)%components = 'stress_'//voigt_names(:c)
       case ('displacement')
         fields(f)%components = [character(32) :: 'displacement_x', 'displacement_y', &
                                 'displacement_z']
@@ -244,7 +246,7 @@ contains
     integer, intent(in) :: nd, l, c, p
     real(dp), intent(in) :: initial(3), position(3)
     type(snapshot_field_t), intent(inout) :: field
-    real(dp) :: stress(size(pairs))
+    real(dp) :: stress(size(voigt_names))
     integer :: column
     stress = particle_stress(body, l, c)
     column = 0
@@ -257,9 +259,10 @@ contains
       field%values(1, p) = sqrt(0.5_dp*((stress(1) - stress(2))**2 + (stress(2) - stress(3))**2 + &
                                         (stress(3) - stress(1))**2) + 3.0_dp*sum(stress(4:)**2))
     case ('density')
-      field%values(1, p) = body%particles%a(l, 2*nd + 1, c)/body%particles%b(l, 1, c)
+      field%values(1, p) = body%particles%motion(l, motion_mass(nd), c)/ &
+                           body%particles%state(l, body%law%slots%volume, c)
     case ('mass')
-      field%values(1, p) = body%particles%a(l, 2*nd + 1, c)
+      field%values(1, p) = body%particles%motion(l, motion_mass(nd), c)
     case ('displacement')
       field%values(:, p) = position - initial
     case ('volume')
@@ -275,22 +278,22 @@ contains
     case default  ! the rest has been filled in by gather_snapshot
       column = 0
     end select
-    if (column > 0) field%values(1, p) = body%particles%b(l, column, c)
+    if (column > 0) field%values(1, p) = body%particles%state(l, column, c)
   end subroutine take_field
 
   !> Stress of a particle, xx yy zz xy yz xz.
   pure function particle_stress(body, l, c) result(stress)
     type(body_t), intent(in) :: body
     integer, intent(in) :: l, c
-    real(dp) :: stress(size(pairs))
+    real(dp) :: stress(size(voigt_names))
     integer :: s, n
     stress = 0.0_dp
     s = body%law%slots%stress
     n = body%law%slots%stresses
     if (n == 1) then
-      stress(:3) = body%particles%b(l, s, c)
+      stress(:3) = body%particles%state(l, s, c)
     else
-      stress(:n) = body%particles%b(l, s:s + n - 1, c)
+      stress(:n) = body%particles%state(l, s:s + n - 1, c)
     end if
   end function particle_stress
 
@@ -319,15 +322,15 @@ contains
     checksum = 0_i8
     do b = 1, size(model%bodies)
       associate (particles => model%bodies(b)%particles)
-        allocate (values(particles%na + particles%nb, lanes))
+        allocate (values(particles%motion_columns + particles%state_columns, lanes))
         do c = 1, particles%chunks
           n = 0
           do l = 1, lanes
             if (particles%id(l, c) == 0) cycle
             n = n + 1
             ids(n) = particles%id(l, c)
-            values(:particles%na, n) = particles%a(l, :, c)
-            values(particles%na + 1:, n) = particles%b(l, :, c)
+            values(:particles%motion_columns, n) = particles%motion(l, :, c)
+            values(particles%motion_columns + 1:, n) = particles%state(l, :, c)
           end do
           checksum = checksum_add(checksum, checksum_particles(ids(:n), values(:, :n)))
         end do

@@ -66,11 +66,11 @@ contains
     type(particles_t), intent(inout) :: particles
     integer, intent(in) :: from_lane, from_chunk, to_lane, to_chunk
     integer :: q
-    do q = 1, particles%na
-      particles%a(to_lane, q, to_chunk) = particles%a(from_lane, q, from_chunk)
+    do q = 1, particles%motion_columns
+      particles%motion(to_lane, q, to_chunk) = particles%motion(from_lane, q, from_chunk)
     end do
-    do q = 1, particles%nb
-      particles%b(to_lane, q, to_chunk) = particles%b(from_lane, q, from_chunk)
+    do q = 1, particles%state_columns
+      particles%state(to_lane, q, to_chunk) = particles%state(from_lane, q, from_chunk)
     end do
     particles%id(to_lane, to_chunk) = particles%id(from_lane, from_chunk)
   end subroutine copy_lane
@@ -150,11 +150,11 @@ contains
     type(movers_t), intent(in) :: movers
     integer, intent(in) :: m, lane, chunk
     integer :: q
-    do q = 1, particles%na
-      particles%a(lane, q, chunk) = movers%state(q, m)
+    do q = 1, particles%motion_columns
+      particles%motion(lane, q, chunk) = movers%particle(q, m)
     end do
-    do q = 1, particles%nb
-      particles%b(lane, q, chunk) = movers%state(particles%na + q, m)
+    do q = 1, particles%state_columns
+      particles%state(lane, q, chunk) = movers%particle(particles%motion_columns + q, m)
     end do
     particles%id(lane, chunk) = movers%id(m)
   end subroutine put_mover

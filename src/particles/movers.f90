@@ -18,7 +18,7 @@ module sgmp_movers
     integer, allocatable :: row(:)          !! interval of bins: in the sweep that which they left,
                                             !! after re-binning that which they are in
     integer, allocatable :: bin(:)          !! after re-binning: their bin, 0 where none is held
-    real(dp), allocatable :: state(:, :)    !! (columns of both streams, n)
+    real(dp), allocatable :: particle(:, :)  !! (columns of motion, then of state, n)
     real(dp), allocatable :: values(:, :)   !! (values, n) what they give to the grid
     logical :: homeless = .false.           !! some have no bin although one should be held
     integer :: culprit(2) = 0               !! first that must not leave the grid, and the axis
@@ -37,7 +37,7 @@ contains
     movers%homeless = .false.
     movers%culprit = 0
     if (allocated(movers%id)) then
-      if (size(movers%state, 1) == nstate .and. size(movers%values, 1) == nvalues) return
+      if (size(movers%particle, 1) == nstate .and. size(movers%values, 1) == nvalues) return
     end if
     call movers_allocate(movers, nstate, nvalues, 64)
   end subroutine movers_reset
@@ -47,7 +47,7 @@ contains
     integer, intent(in) :: nstate, nvalues, capacity
     allocate (movers%id(capacity), movers%row(capacity), movers%bin(capacity))
     allocate (movers%here(capacity), movers%gone(capacity))
-    allocate (movers%state(nstate, capacity), movers%values(nvalues, capacity))
+    allocate (movers%particle(nstate, capacity), movers%values(nvalues, capacity))
     allocate (movers%chunk(64))
   end subroutine movers_allocate
 
@@ -85,7 +85,7 @@ contains
     integer, intent(in) :: capacity
     type(movers_t) :: new
     integer :: n
-    call movers_allocate(new, size(movers%state, 1), size(movers%values, 1), capacity)
+    call movers_allocate(new, size(movers%particle, 1), size(movers%values, 1), capacity)
     n = movers%n
     new%n = n
     new%id(:n) = movers%id(:n)
@@ -93,7 +93,7 @@ contains
     new%gone(:n) = movers%gone(:n)
     new%row(:n) = movers%row(:n)
     new%bin(:n) = movers%bin(:n)
-    new%state(:, :n) = movers%state(:, :n)
+    new%particle(:, :n) = movers%particle(:, :n)
     new%values(:, :n) = movers%values(:, :n)
     new%freed = movers%freed
     call move_alloc(movers%chunk, new%chunk)
@@ -111,7 +111,7 @@ contains
     call move_alloc(from%gone, to%gone)
     call move_alloc(from%row, to%row)
     call move_alloc(from%bin, to%bin)
-    call move_alloc(from%state, to%state)
+    call move_alloc(from%particle, to%particle)
     call move_alloc(from%values, to%values)
     call move_alloc(from%chunk, to%chunk)
   end subroutine movers_swap
@@ -121,7 +121,7 @@ contains
     type(movers_t), intent(in) :: movers
     integer, intent(in) :: m
     type(buffer_t), intent(inout) :: buffer
-    call buffer_put(buffer, [real(movers%id(m), dp), movers%state(:, m), movers%values(:, m)])
+    call buffer_put(buffer, [real(movers%id(m), dp), movers%particle(:, m), movers%values(:, m)])
   end subroutine movers_write
 
   !> Reads a mover from a message; it comes from no bin of this rank.
@@ -131,7 +131,7 @@ contains
     integer :: id
     call buffer_whole(buffer, id)
     call movers_add(movers, int(id, i4), .false., 1)
-    call buffer_get(buffer, movers%state(:, movers%n))
+    call buffer_get(buffer, movers%particle(:, movers%n))
     call buffer_get(buffer, movers%values(:, movers%n))
   end subroutine movers_read
 

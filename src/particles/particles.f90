@@ -2,11 +2,12 @@
 !!
 !! A bin holds the particles that share a grid stencil, ordered by id, in a chain of chunks; the
 !! unused lanes of its last chunk hold a harmless pad. Two streams keep the two sweeps of a step
-!! apart: `a` (position, velocity, mass) is all that a momentum sweep touches, `b` (volume, stress,
-!! history) is read only where stress is updated.
+!! apart: `motion` (position, velocity, mass) is all that a momentum sweep touches,
+!! `state` (volume, stress, history) is read only where stress is updated.
 module sgmp_particles
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_large_pages, only: large_pages_ask
+  use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_prefetch, only: prefetch
   use sgmp_rows, only: row_key, rows_contains, rows_from_points, rows_t
   use sgmp_slabs, only: far_plane
@@ -22,8 +23,8 @@ module sgmp_particles
   !> Chunks and bins of a body.
   type :: particles_t
     integer :: ndim = 3
-    integer :: na = 7                               !! columns of `a`: X (ndim), v (ndim), mass
-    integer :: nb = 7                               !! columns of `b`: volume, stress, history
+    integer :: motion_columns = 7                   !! see sgmp_motion
+    integer :: state_columns = 7                    !! volume, stress, history
     integer :: count = 0                            !! live particles
     integer :: chunks = 0                           !! chunks in use or spare
     integer :: spares = 0
@@ -33,12 +34,13 @@ module sgmp_particles
     integer :: own(2) = [-far_plane, far_plane]     !! planes whose particles are held here
     integer :: held(2) = [-far_plane, far_plane]
       !! planes with bins; those outside `own` stand for other ranks' and are empty
-    real(dp), allocatable :: a(:, :, :)  !! (lanes, na, chunk); X in cells from the grid origin
-    real(dp), allocatable :: b(:, :, :)             !! (lanes, nb, chunk)
+    real(dp), allocatable :: motion(:, :, :)        !! (lanes, motion_columns, chunk), in cells from
+                                                    !! the grid origin
+    real(dp), allocatable :: state(:, :, :)         !! (lanes, state_columns, chunk)
     integer(i4), allocatable :: id(:, :)            !! (lanes, chunk); 0 in pads
     integer, allocatable :: next(:)                 !! chunk that continues the bin, 0: none
     integer, allocatable :: spare(:)                !! (spares) chunks that no bin uses
-    real(dp), allocatable :: pad(:)                 !! (nb) harmless values of b in pads
+    real(dp), allocatable :: pad(:)                 !! (state_columns) harmless values in pads
     real(dp) :: pad_mass = 1.0_dp
     type(rows_t) :: bins                            !! rows of bins
     integer, allocatable :: bin_start(:)  !! (bins%n): bin i of a row has number bin_start + i
@@ -77,13 +79,14 @@ contains
   pure function particles_bytes(particles) result(bytes)
     type(particles_t), intent(in) :: particles
     integer(i8) :: bytes
-    bytes = particles%chunks*(8_i8*lanes*(particles%na + particles%nb) + 4_i8*(lanes + 1)) &
+    bytes = particles%chunks*(8_i8*lanes*(particles%motion_columns + particles%state_columns) &
+                              + 4_i8*(lanes + 1)) &
             + 4_i8*(size(particles%first, kind=i8) + size(particles%size, kind=i8))
   end function particles_bytes
 
-  !> Puts particles at rest into bins; `history` gives the first values of the columns of b behind
-  !! the volume. The positions are given up on the way, so that both streams and they are never held
-  !! at the same time.
+  !> Puts particles at rest into bins; `history` gives the first values of the columns of `state`
+  !! behind the volume. The positions are given up on the way, so that both streams and they are
+  !! never held at the same time.
   subroutine particles_fill(particles, ndim, shift, x, density, volume, history, first_id, ids)
     type(particles_t), intent(out) :: particles
     integer, intent(in) :: ndim
@@ -91,15 +94,15 @@ contains
     real(dp), allocatable, intent(inout) :: x(:, :)  !! (>= ndim, n) grid coordinates, used up
     real(dp), intent(in) :: density                 !! mass per volume
     real(dp), intent(in) :: volume(:)               !! (n)
-    real(dp), intent(in) :: history(:)              !! (nb - 1)
+    real(dp), intent(in) :: history(:)              !! (state_columns - 1)
     integer(i4), intent(in) :: first_id             !! id of the first particle
     integer(i4), intent(in), optional :: ids(:)     !! (n) ascending places in the body, from 1,
                                                     !! where they are not consecutive
     integer, allocatable :: order(:), slot(:)
     integer :: p, l, c
     particles%ndim = ndim
-    particles%na = 2*ndim + 1
-    particles%nb = 1 + size(history)
+    particles%motion_columns = motion_total(ndim)
+    particles%state_columns = 1 + size(history)
     particles%count = size(volume)
     particles%shift = shift
     particles%pad = [1.0_dp, history]
@@ -115,16 +118,16 @@ contains
       c = (slot(p) - 1)/lanes + 1
       particles%id(l, c) = first_id + order(p) - 1
       if (present(ids)) particles%id(l, c) = first_id + ids(order(p)) - 1
-      particles%a(l, 1:ndim, c) = x(1:ndim, order(p))
-      particles%a(l, particles%na, c) = density*volume(order(p))
+      particles%motion(l, 1:ndim, c) = x(1:ndim, order(p))
+      particles%motion(l, motion_mass(ndim), c) = density*volume(order(p))
     end do
     deallocate (x, order, slot)
     !$omp parallel do schedule(static) default(none) &
     !$omp& shared(particles, density, history) private(c, p)
     do c = 1, particles%chunks
-      particles%b(:, 1, c) = particles%a(:, particles%na, c)/density
-      do p = 2, particles%nb
-        particles%b(:, p, c) = history(p - 1)
+      particles%state(:, 1, c) = particles%motion(:, motion_mass(particles%ndim), c)/density
+      do p = 2, particles%state_columns
+        particles%state(:, p, c) = history(p - 1)
       end do
     end do
     !$omp end parallel do
@@ -133,23 +136,23 @@ contains
 
   !> Room for the chunks of a body and half as many: as they fill unevenly where particles change
   !! bins at random, that is as many as there ever will be. What is not written takes no memory;
-  !! the threads write first what they will later work on, so that it lies near them; stream b is
+  !! the threads write first what they will later work on, so that it lies near them; `state` is
   !! left to the caller, who may hold much else until then.
   subroutine allocate_chunks(particles)
     type(particles_t), intent(inout) :: particles
     integer :: capacity, c
     capacity = particles%chunks + particles%chunks/2 + 16
     allocate (particles%id(lanes, capacity), particles%next(capacity))
-    allocate (particles%a(lanes, particles%na, capacity))
-    allocate (particles%b(lanes, particles%nb, capacity))
-    call large_pages_ask(particles%a, size(particles%a, kind=i8))
-    call large_pages_ask(particles%b, size(particles%b, kind=i8))
+    allocate (particles%motion(lanes, particles%motion_columns, capacity))
+    allocate (particles%state(lanes, particles%state_columns, capacity))
+    call large_pages_ask(particles%motion, size(particles%motion, kind=i8))
+    call large_pages_ask(particles%state, size(particles%state, kind=i8))
     !$omp parallel do schedule(static) default(none) shared(particles) private(c)
     do c = 1, particles%chunks
       particles%id(:, c) = 0
       particles%next(c) = 0
-      particles%a(:, :, c) = 0.0_dp
-      particles%a(:, particles%na, c) = particles%pad_mass
+      particles%motion(:, :, c) = 0.0_dp
+      particles%motion(:, motion_mass(particles%ndim), c) = particles%pad_mass
     end do
     !$omp end parallel do
   end subroutine allocate_chunks
@@ -168,11 +171,11 @@ contains
     particles%count = sum(sizes)
     particles%chunks = sum((sizes + lanes - 1)/lanes)
     particles%spares = 0
-    deallocate (particles%a, particles%b, particles%id, particles%next)
+    deallocate (particles%motion, particles%state, particles%id, particles%next)
     call allocate_chunks(particles)
     !$omp parallel do schedule(static) default(none) shared(particles) private(c)
     do c = 1, particles%chunks
-      particles%b(:, :, c) = 0.0_dp
+      particles%state(:, :, c) = 0.0_dp
     end do
     !$omp end parallel do
     allocate (slot(particles%count))
@@ -272,14 +275,14 @@ contains
     integer :: old, capacity
     old = particles%chunks
     capacity = old + old/8 + 16 + more
-    allocate (stream(lanes, particles%na, capacity))
+    allocate (stream(lanes, particles%motion_columns, capacity))
     call large_pages_ask(stream, size(stream, kind=i8))
-    stream(:, :, :old) = particles%a(:, :, :old)
-    call move_alloc(stream, particles%a)
-    allocate (stream(lanes, particles%nb, capacity))
+    stream(:, :, :old) = particles%motion(:, :, :old)
+    call move_alloc(stream, particles%motion)
+    allocate (stream(lanes, particles%state_columns, capacity))
     call large_pages_ask(stream, size(stream, kind=i8))
-    stream(:, :, :old) = particles%b(:, :, :old)
-    call move_alloc(stream, particles%b)
+    stream(:, :, :old) = particles%state(:, :, :old)
+    call move_alloc(stream, particles%state)
     allocate (id(lanes, capacity), next(capacity))
     id(:, :old) = particles%id(:, :old)
     next(:old) = particles%next(:old)
@@ -331,24 +334,24 @@ contains
     integer :: d, q
     if (lane > lanes) return
     do d = 1, particles%ndim
-      particles%a(lane:, d, chunk) = particles%a(lane - 1, d, chunk)
-      particles%a(lane:, particles%ndim + d, chunk) = 0.0_dp
+      particles%motion(lane:, d, chunk) = particles%motion(lane - 1, d, chunk)
+      particles%motion(lane:, motion_velocity(particles%ndim) + d - 1, chunk) = 0.0_dp
     end do
-    particles%a(lane:, particles%na, chunk) = particles%pad_mass
-    do q = 1, particles%nb
-      particles%b(lane:, q, chunk) = particles%pad(q)
+    particles%motion(lane:, motion_mass(particles%ndim), chunk) = particles%pad_mass
+    do q = 1, particles%state_columns
+      particles%state(lane:, q, chunk) = particles%pad(q)
     end do
     particles%id(lane:, chunk) = 0
   end subroutine chunk_pad
 
-  !> Has the memory of a chunk (0: none) fetched into the cache; stream b only where wanted.
+  !> Has the memory of a chunk (0: none) fetched into the cache; `state` only where wanted.
   pure subroutine chunk_prefetch(particles, chunk, both)
     type(particles_t), intent(in) :: particles
     integer, intent(in) :: chunk
     logical, intent(in) :: both
     if (chunk == 0) return
-    call prefetch(particles%a(1, 1, chunk), 8*lanes*particles%na)
-    if (both) call prefetch(particles%b(1, 1, chunk), 8*lanes*particles%nb)
+    call prefetch(particles%motion(1, 1, chunk), 8*lanes*particles%motion_columns)
+    if (both) call prefetch(particles%state(1, 1, chunk), 8*lanes*particles%state_columns)
   end subroutine chunk_prefetch
 
   !> Pads the last chunk of every bin.

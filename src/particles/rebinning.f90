@@ -72,9 +72,10 @@ contains
     movers%homeless = .false.
     do m = 1, movers%n
       movers%bin(m) = 0
-      movers%gone(m) = any(movers%state(:d, m) < lower(:d) .or. movers%state(:d, m) > upper(:d))
+      movers%gone(m) = any(movers%particle(:d, m) < lower(:d) .or. &
+                           movers%particle(:d, m) > upper(:d))
       if (movers%gone(m)) cycle
-      bin = bin_coordinates(movers%state(:, m), particles%shift, d)
+      bin = bin_coordinates(movers%particle(:, m), particles%shift, d)
       if (.not. within(bin(3), particles%held)) cycle
       movers%row(m) = row_near(particles%bins, movers%row(m), row_key(bin(2), bin(3)), bin(1))
       if (movers%row(m) > 0) then
@@ -346,7 +347,7 @@ contains
     do t = 1, size(lists)
       do m = 1, lists(t)%n
         if (.not. wants_bin(particles, lists(t), m)) cycle
-        bin = bin_coordinates(lists(t)%state(:, m), particles%shift, particles%ndim)
+        bin = bin_coordinates(lists(t)%particle(:, m), particles%shift, particles%ndim)
         n = n + 1
         i(n) = bin(1)
         key(n) = row_key(bin(2), bin(3))
@@ -374,7 +375,7 @@ contains
     if (movers%bin(m) > 0) then
       yes = particles%size(movers%bin(m)) == 0
     else
-      bin = bin_coordinates(movers%state(:, m), particles%shift, particles%ndim)
+      bin = bin_coordinates(movers%particle(:, m), particles%shift, particles%ndim)
       yes = within(bin(3), particles%held)
     end if
   end function wants_bin

@@ -3,6 +3,7 @@
 module sgmp_cost_estimate
   use, intrinsic :: iso_fortran_env, only: output_unit
   use sgmp_body, only: body_t
+  use sgmp_columns, only: node_total
   use sgmp_constitutive, only: slots_t
   use sgmp_field, only: field_bytes
   use sgmp_kernels, only: method_names
@@ -34,7 +35,8 @@ contains
     call put('grid        cell '//real_text(model%mesh%h)//', active points '// &
              integer_text(sum(rows_points(model%fields%work)))//' (stored '// &
              integer_text(sum(model%fields%points))//'), '// &
-             integer_text(model%fields(1)%nmoment + 2*model%mesh%ndim + 1)//' values each, '// &
+             integer_text(model%fields(1)%columns%total + node_total(model%mesh%ndim))// &
+             ' values each, '// &
              bytes_text(sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])))
     bytes = sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])
     particles = 0_i8

@@ -89,7 +89,7 @@ contains
         offset = 0.0_dp  ! particles from a file: the surface is half a spacing away
         if (card%layout /= layout_file) then
           x = 0.0_dp
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%a(l, :n, c))
+          x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%motion(l, :n, c))
           call turn_back(turn, x)
           offset = surface_depth(card%shapes, x, n)/body%spacing - 0.5_dp
         end if
@@ -98,7 +98,7 @@ contains
         else
           offset = max(offset, 0.0_dp)*body%spacing*mesh%inverse_h
         end if
-        body%particles%b(l, body%law%slots%surface, c) = offset
+        body%particles%state(l, body%law%slots%surface, c) = offset
       end do
     end do
   end subroutine contact_fill_slot

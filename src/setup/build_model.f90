@@ -12,8 +12,7 @@ module sgmp_build_model
   use sgmp_field, only: field_init
   use sgmp_field_sweep, only: field_slabs
   use sgmp_first_partition, only: partition_first, partition_slab
-  use sgmp_kernels, only: kernel_gimp, kernel_mpm, kernel_sgmp, method_cpgimp, method_gimp, &
-                          method_mpm, method_sgmp
+  use sgmp_kernels, only: method_cpgimp, method_kernel, stencil_shift
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_material_elastic, only: elastic_init
   use sgmp_material_j2, only: j2_init, j2_linear, j2_perfect, j2_power
@@ -21,8 +20,9 @@ module sgmp_build_model
   use sgmp_material_kinds, only: eos_gruneisen, eos_jwl, eos_none, hardening_linear, &
                                  hardening_perfect, material_elastic, material_explosive, &
                                  material_j2, material_johnson_cook, material_neo_hookean
-  use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t, stencil_shift
+  use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_model, only: body_sums_t, model_t
+  use sgmp_motion, only: motion_mass
   use sgmp_movers, only: movers_reset
   use sgmp_parallel, only: parallel_agree, parallel_exact_sums, parallel_max, parallel_rank, &
                            parallel_ranks
@@ -33,6 +33,7 @@ module sgmp_build_model
   use sgmp_scene, only: body_card_t, material_card_t, scene_at_rest, scene_t
   use sgmp_seeding, only: seeding_check_overlap, seeding_generate, survey_t
   use sgmp_step, only: step_start
+  use sgmp_voigt, only: stress_components
   implicit none
   private
   public :: model_build
@@ -65,7 +66,7 @@ contains
     model%interior = scene%method%interior
     model%spins = spin_components(scene)
     model%lost_policy = scene%grid%lost
-    kernel = kernel_of(scene%method%kind)
+    kernel = method_kernel(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%body_sums(size(scene%bodies)))
     call partition_make(model%partition, model%mesh, kernel, model%normalised, &
       model%mesh%ndim > 1, &
@@ -89,7 +90,8 @@ contains
       end if
       if (model%bodies(b)%rigid) cycle
       associate (particles => model%bodies(b)%particles)
-        heaviest = max(heaviest, maxval(particles%a(:, particles%na, :particles%chunks), &
+        heaviest = max(heaviest, maxval(particles%motion(:, motion_mass(particles%ndim), &
+                                                         :particles%chunks), &
                                         mask=particles%id(:, :particles%chunks) > 0))
       end associate
     end do
@@ -101,27 +103,6 @@ contains
     call step_start(model)
     call open_ledger(model)
   end subroutine model_build
-
-  !> The transfer that a method uses.
-  pure function kernel_of(method) result(kernel)
-    integer, intent(in) :: method
-    integer :: kernel
-    select case (method)
-    case (method_mpm)
-      kernel = kernel_mpm
-    case (method_gimp, method_cpgimp)
-      kernel = kernel_gimp
-    case default
-      kernel = kernel_sgmp
-    end select
-  end function kernel_of
-
-  !> Stress components stored in each dimension.
-  pure function stress_count(ndim) result(n)
-    integer, intent(in) :: ndim
-    integer :: n
-    n = ndim + 2 + merge(1, 0, ndim == 3)
-  end function stress_count
 
   subroutine build_body(scene, number, model, kernel, first_id, seeded, surveys, body, error)
     type(scene_t), intent(in) :: scene
@@ -236,7 +217,8 @@ contains
     case default  ! none: the pressure is elastic
     end select
     plastic = card%kind == material_j2 .or. card%kind == material_johnson_cook
-    law%slots = slots_make(stresses=merge(1, stress_count(n), card%kind == material_explosive), &
+    law%slots = slots_make(stresses=merge(1, stress_components(n), &
+                                              card%kind == material_explosive), &
                            plastic=plastic, temperature=law%thermal, damage=law%failure, &
                            energy=card%eos /= eos_none, lighting=card%kind == material_explosive, &
                            deformation=merge(n*n, 0, card%kind == material_neo_hookean), &
@@ -316,14 +298,14 @@ contains
         do l = 1, lanes
           if (particles%id(l, c) == 0) cycle
           x = 0.0_dp
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%a(l, :n, c))
+          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
           do d = 1, n
             v = card%velocity(d)%evaluate(x, x, 0.0_dp)
             if (allocated(file_velocity)) then
               v = v + file_velocity(d, particles%id(l, c) - body%first_id + 1)
             end if
             if (body%rigid) v = body%speed(d)
-            particles%a(l, n + d, c) = v
+            particles%motion(l, n + d, c) = v
           end do
         end do
       end do
@@ -351,11 +333,12 @@ contains
         if (body%particles%id(l, c) == 0) cycle
         x = 0.0_dp
         x(:mesh%ndim) = mesh_position(mesh%origin(:mesh%ndim), mesh%h, &
-                                      body%particles%a(l, :mesh%ndim, c))
-        if (body%law%slots%lighting > 0) body%particles%b(l, body%law%slots%lighting, c) = &
+                                      body%particles%motion(l, :mesh%ndim, c))
+        if (body%law%slots%lighting > 0) body%particles%state(l, body%law%slots%lighting, c) = &
           burn_lighting_time(sources, x, body%law%detonation_speed)
         if (body%law%slots%initial > 0) then
-          body%particles%b(l, body%law%slots%initial:body%law%slots%initial + mesh%ndim - 1, c) = &
+          body%particles%state(l, body%law%slots%initial: &
+                               body%law%slots%initial + mesh%ndim - 1, c) = &
               x(:mesh%ndim)
         end if
       end do
@@ -370,8 +353,7 @@ contains
     allocate (model%fields(contact_fields(model)))
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, &
-                      model%mesh%ndim*(model%mesh%ndim + 1)/2, any(model%bodies%forced), &
-                      model%normalised, model%spins)
+                      any(model%bodies%forced), model%normalised, model%spins)
     end do
     allocate (model%workspaces(field_slabs(model%threads), size(model%fields)))
     allocate (model%movers(size(model%bodies), field_slabs(model%threads) + 1))
@@ -431,12 +413,12 @@ contains
     associate (particles => body%particles, energy => body%law%slots%energy)
       do l = 1, lanes
         if (particles%id(l, c) == 0) cycle
-        m = particles%a(l, particles%na, c)
+        m = particles%motion(l, motion_mass(particles%ndim), c)
         terms(1) = terms(1) + m
-        terms(2:1 + n) = terms(2:1 + n) + m*particles%a(l, :n, c)
-        terms(5:4 + n) = terms(5:4 + n) + m*particles%a(l, n + 1:2*n, c)
-        terms(8) = terms(8) + 0.5_dp*m*sum(particles%a(l, n + 1:2*n, c)**2)
-        if (energy > 0) terms(9) = terms(9) + particles%b(l, energy, c)*particles%b(l, 1, c)
+        terms(2:1 + n) = terms(2:1 + n) + m*particles%motion(l, :n, c)
+        terms(5:4 + n) = terms(5:4 + n) + m*particles%motion(l, n + 1:2*n, c)
+        terms(8) = terms(8) + 0.5_dp*m*sum(particles%motion(l, n + 1:2*n, c)**2)
+        if (energy > 0) terms(9) = terms(9) + particles%state(l, energy, c)*particles%state(l, 1, c)
       end do
     end associate
   end function chunk_terms

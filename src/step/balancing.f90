@@ -224,7 +224,8 @@ contains
     call phase_layout(model)
     do f = 1, size(model%fields)
       columns = columns_alive(model, f)
-      call halo_clear(model%fields(f), 1, model%fields(f)%planes, [1, model%fields(f)%nmoment])
+      call halo_clear(model%fields(f), 1, model%fields(f)%planes, [1, &
+                      model%fields(f)%columns%total])
       call halo_get_planes(model%fields(f), columns, none, sums(f), complete)
       if (complete .or. allocated(model%failure)) cycle
       call error_make(model%failure, exit_numerical, 'grid sums got lost between ranks', &
@@ -238,8 +239,10 @@ contains
     type(model_t), intent(in) :: model
     integer, intent(in) :: f
     integer :: columns(2)
-    columns = [1, model%fields(f)%nmoment]
-    if (any(model%update == [update_usf, update_usavg])) columns(2) = 1 + model%mesh%ndim
+    columns = [1, model%fields(f)%columns%total]
+    if (any(model%update == [update_usf, update_usavg])) then
+      columns(2) = model%fields(f)%columns%spin - 1
+    end if
   end function columns_alive
 
   !> Sends the sums of the own planes to all ranks that will hold them, own or beside their own.
@@ -278,18 +281,18 @@ contains
     integer, allocatable :: destination(:)
     logical :: new_bins
     integer :: m, n
-    n = particles%na + particles%nb
+    n = particles%motion_columns + particles%state_columns
     call movers_reset(movers(1), n, 0)
     call take_leaving(new, particles, movers(1), destination)
     allocate (columns(1 + n, movers(1)%n))
     do m = 1, movers(1)%n
-      columns(:, m) = [real(movers(1)%id(m), dp), movers(1)%state(:, m)]
+      columns(:, m) = [real(movers(1)%id(m), dp), movers(1)%particle(:, m)]
     end do
     moved = moved + movers(1)%n
     call parallel_deal(columns, destination, received)
     do m = 1, size(received, 2)
       call movers_add(movers(1), nint(received(1, m), i4), .false., 1)
-      movers(1)%state(:, movers(1)%n) = received(2:, m)
+      movers(1)%particle(:, movers(1)%n) = received(2:, m)
     end do
     if (movers(1)%n == 0) return
     call particles_rebin(particles, movers, spread(-huge(1.0_dp), 1, 3), &
@@ -315,8 +318,8 @@ contains
           do l = 1, min(left, lanes)
             call movers_add(movers, particles%id(l, chunk), .true., s)
             particles%id(l, chunk) = 0
-            movers%state(:particles%na, movers%n) = particles%a(l, :, chunk)
-            movers%state(particles%na + 1:, movers%n) = particles%b(l, :, chunk)
+            movers%particle(:particles%motion_columns, movers%n) = particles%motion(l, :, chunk)
+            movers%particle(particles%motion_columns + 1:, movers%n) = particles%state(l, :, chunk)
             destination(movers%n) = owner
           end do
           left = left - lanes

@@ -7,14 +7,16 @@
 module DIM(sgmp_chunk)
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: constitutive_t
-  use sgmp_kernels, only: kernel_gimp, kernel_mpm, kernel_sgmp
+  use sgmp_kernels, only: kernel_gimp, kernel_mpm, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
-  use sgmp_mesh, only: mesh_t, stencil_shift, stencil_width
+  use sgmp_mesh, only: mesh_t
+  use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_add, movers_t
-  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
-                       sweep_sums, workspace_t
+  use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
+  use sgmp_sums, only: sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
+                       sum_viscous, sweep_sums
   use DIM(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_scatter, &
                                 linear_scatter_force, linear_weights
   use DIM(sgmp_transfer_gimp), only: gimp_axes, gimp_gather, gimp_gather_gradient, gimp_scatter, &
@@ -28,6 +30,8 @@ module DIM(sgmp_chunk)
   integer, parameter :: most_rows = NACROSS
   integer, parameter :: most_columns = 2 + 2*NDIM + NSPIN + NFLUX
   integer, parameter :: most_gathered = 2*NDIM + NGRAD
+  integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
+  integer, parameter :: mass_at = motion_mass(NDIM)
 
   !> What a sweep asks of every chunk of a field, and the extents of the field's stencil.
   type :: task_t
@@ -88,8 +92,8 @@ contains
 
   !> Advances a chunk.
   ! allow(S902)
-  subroutine chunk_advance(mesh, body, plan, task, s, origin, nl, row, records, nb, id, a, b, &
-                           stencil, lane_sums, movers, work)
+  subroutine chunk_advance(mesh, body, plan, task, s, origin, nl, row, records, nb, id, motion, &
+                           state, stencil, lane_sums, movers, work)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
@@ -101,7 +105,7 @@ contains
     real(dp), intent(in) :: records(task%stride, *)
     integer, intent(in) :: nb
     integer(i4), intent(inout) :: id(lanes)      !! 0 when the particle has left
-    real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), b(lanes, nb)
+    real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(inout) :: stencil(task%points, task%nq)
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
     type(movers_t), intent(inout) :: movers
@@ -111,39 +115,40 @@ contains
     real(dp) :: values(lanes, most_columns + NFLUX), speed2(lanes), jacobian(lanes)
     logical :: outside
     outside = .false.
-    call locate(a, origin, xi)
-    if (task%kernel == kernel_gimp) call particle_axes(body, task%inverse_h, nb, b, xi, axes)
+    call locate(motion, origin, xi)
+    if (task%kernel == kernel_gimp) call particle_axes(body, task%inverse_h, nb, state, xi, axes)
     call gather(task, plan%gradient > 0, xi, axes, row, records, got)
     if (nl < lanes) call hold_pads(task%stride, task%live(1, nl), got)
     if (plan%probe) then
-      call probe(body%law, plan%stress, task, task%live(1, nl), a(1, 2*NDIM + 1), got, values)
+      call probe(body%law, plan%stress, task, task%live(1, nl), motion(1, mass_at), got, values)
       call scatter(task, plan%stress, xi, axes, values, stencil)
       return
     end if
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
-                             got(1, task%velocity), a, lane_sums)
-    if (plan%drift) call drift(task%dt_cells, task%live(1, nl), origin, got(1, task%velocity), a, &
-                               xi, lane_sums, outside)
+                             got(1, task%velocity), motion, lane_sums)
+    if (plan%drift) call drift(task%dt_cells, task%live(1, nl), origin, got(1, task%velocity), &
+                               motion, xi, lane_sums, outside)
     if (plan%strain) then
-      call stress_update(body%law, plan%dt_strain, plan%time, a(1, 2*NDIM + 1), task%live(1, nl), &
-                         got(1, task%gradient), nb, b, values(1, task%flux + 1), speed2, jacobian, &
-                         lane_sums(1, sum_internal))
-      call check_chunk(nl, id, task%live(1, nl), a, speed2, jacobian, work)
+      call stress_update(body%law, plan%dt_strain, plan%time, motion(1, mass_at), &
+                         task%live(1, nl), got(1, task%gradient), nb, state, &
+                         values(1, task%flux + 1), speed2, jacobian, lane_sums(1, sum_internal), &
+                         lane_sums(1, sum_viscous))
+      call check_chunk(nl, id, task%live(1, nl), motion, speed2, jacobian, work)
     else if (plan%stress) then
       speed2 = 0.0_dp
-      call stress_flux(body%law, b(1, 1), speed2, task%live(1, nl), &
-                       b(1, body%law%slots%stress), values(1, task%flux + 1))
+      call stress_flux(body%law, state(1, 1), speed2, task%live(1, nl), &
+                       state(1, body%law%slots%stress), values(1, task%flux + 1))
     end if
-    call collect(plan%mass, plan%momentum, task%live(1, nl), a, values)
+    call collect(plan%mass, plan%momentum, task%live(1, nl), motion, values)
     if (task%spin > 0) call spin_collect(plan%spin_keep, plan%spin_gain, task%live(1, nl), &
-                                         got(1, task%gradient), a(1, 2*NDIM + 1), &
-                                         b(1, body%law%slots%spin), values(1, task%spin + 1))
+                                         got(1, task%gradient), motion(1, mass_at), &
+                                         state(1, body%law%slots%spin), values(1, task%spin + 1))
     if (plan%stress .and. (task%kernel /= kernel_sgmp .or. task%nq > task%forces + NFLUX)) then
-      call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, a, b, values)
+      call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, motion, state, values)
     end if
-    if (outside) call note_movers(task, s, nl, nb, a, b, id, xi, values, movers)
+    if (outside) call note_movers(task, s, nl, nb, motion, state, id, xi, values, movers)
     if (task%kernel == kernel_gimp .and. (plan%drift .or. plan%mass)) then
-      call particle_axes(body, task%inverse_h, nb, b, xi, axes)
+      call particle_axes(body, task%inverse_h, nb, state, xi, axes)
     end if
     call scatter(task, plan%stress, xi, axes, values, stencil)
   end subroutine chunk_advance
@@ -182,28 +187,28 @@ contains
   end subroutine hold_pads
 
   !> Local coordinates in the bin.
-  pure subroutine locate(a, origin, xi)
-    real(dp), intent(in) :: a(lanes, 2*NDIM + 1), origin(NDIM)
+  pure subroutine locate(motion, origin, xi)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), origin(NDIM)
     real(dp), intent(out) :: xi(lanes, NDIM)
     integer :: l, d
     !$omp simd simdlen(8) private(d)
     do l = 1, lanes
       do d = 1, NDIM
-        xi(l, d) = a(l, d) - origin(d)
+        xi(l, d) = motion(l, d) - origin(d)
       end do
     end do
   end subroutine locate
 
   !> GIMP sizes of a chunk: constant, or stretched with the particle (cpGIMP).
-  pure subroutine particle_size(body, nb, b, size_of)
+  pure subroutine particle_size(body, nb, state, size_of)
     type(body_t), intent(in) :: body
     integer, intent(in) :: nb
-    real(dp), intent(in) :: b(lanes, nb)
+    real(dp), intent(in) :: state(lanes, nb)
     real(dp), intent(out) :: size_of(lanes, NDIM, 2)  !! as gimp_axes wants them
     integer :: d
     do d = 1, NDIM
       if (body%law%slots%stretch > 0) then
-        call gimp_size(body%half_size(d), b(1, body%law%slots%stretch + d - 1), &
+        call gimp_size(body%half_size(d), state(1, body%law%slots%stretch + d - 1), &
                        size_of(1, d, 1), size_of(1, d, 2))
       else
         size_of(:, d, 1) = min(body%half_size(d), 0.5_dp)
@@ -213,14 +218,14 @@ contains
   end subroutine particle_size
 
   !> GIMP weights and slopes per axis of a chunk.
-  pure subroutine particle_axes(body, inverse_h, nb, b, xi, axes)
+  pure subroutine particle_axes(body, inverse_h, nb, state, xi, axes)
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: inverse_h
     integer, intent(in) :: nb
-    real(dp), intent(in) :: b(lanes, nb), xi(lanes, NDIM)
+    real(dp), intent(in) :: state(lanes, nb), xi(lanes, NDIM)
     real(dp), intent(out) :: axes(lanes, 3, NDIM, 2)
     real(dp) :: size_of(lanes, NDIM, 2)
-    call particle_size(body, nb, b, size_of)
+    call particle_size(body, nb, state, size_of)
     call gimp_axes(xi, size_of, inverse_h, axes(1, 1, 1, 1), axes(1, 1, 1, 2))
   end subroutine particle_axes
 
@@ -254,30 +259,30 @@ contains
   end subroutine gather
 
   !> v += a dt (Eq. 29), blended with PIC where asked for; sums for the energy ledger.
-  pure subroutine kick(dt, live, acceleration, flip, grid_velocity, a, lane_sums)
+  pure subroutine kick(dt, live, acceleration, flip, grid_velocity, motion, lane_sums)
     real(dp), intent(in) :: dt, live(lanes), acceleration(lanes, NDIM)
     real(dp), intent(in) :: flip  !! weight of FLIP; below 1 the grid velocity is read
     real(dp), intent(in) :: grid_velocity(lanes, NDIM)
-    real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), lane_sums(lanes, sweep_sums)
+    real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), lane_sums(lanes, sweep_sums)
     real(dp) :: mass, aa, vv
     integer :: l, d
     if (flip < 1.0_dp) then
       do d = 1, NDIM
-        a(:, NDIM + d) = flip*a(:, NDIM + d) + &
+        motion(:, before_v + d) = flip*motion(:, before_v + d) + &
                          (1.0_dp - flip)*(grid_velocity(:, d) - dt*acceleration(:, d))
       end do
     end if
     !$omp simd simdlen(8) private(mass, aa, vv, d)
     do l = 1, lanes
-      mass = live(l)*a(l, 2*NDIM + 1)
+      mass = live(l)*motion(l, mass_at)
       aa = 0.0_dp
       vv = 0.0_dp
       do d = 1, NDIM
-        a(l, NDIM + d) = a(l, NDIM + d) + dt*acceleration(l, d)
+        motion(l, before_v + d) = motion(l, before_v + d) + dt*acceleration(l, d)
         aa = aa + acceleration(l, d)*acceleration(l, d)
-        vv = vv + a(l, NDIM + d)*a(l, NDIM + d)
+        vv = vv + motion(l, before_v + d)*motion(l, before_v + d)
         lane_sums(l, sum_momentum + d - 1) = lane_sums(l, sum_momentum + d - 1) + &
-            mass*a(l, NDIM + d)
+            mass*motion(l, before_v + d)
       end do
       lane_sums(l, sum_mass_aa) = lane_sums(l, sum_mass_aa) + mass*aa
       lane_sums(l, sum_kinetic) = lane_sums(l, sum_kinetic) + 0.5_dp*mass*vv
@@ -285,9 +290,9 @@ contains
   end subroutine kick
 
   !> x += v_grid dt (Eq. 31), in cells; whether a lane may have left the bin.
-  pure subroutine drift(dt, live, origin, velocity, a, xi, lane_sums, outside)
+  pure subroutine drift(dt, live, origin, velocity, motion, xi, lane_sums, outside)
     real(dp), intent(in) :: dt, live(lanes), origin(NDIM), velocity(lanes, NDIM)
-    real(dp), intent(inout) :: a(lanes, 2*NDIM + 1), lane_sums(lanes, sweep_sums)
+    real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), lane_sums(lanes, sweep_sums)
     real(dp), intent(out) :: xi(lanes, NDIM)     !! new position in the bin
     logical, intent(out) :: outside
     real(dp) :: mass, inside
@@ -295,11 +300,11 @@ contains
     inside = 0.0_dp
     !$omp simd simdlen(8) private(mass, d) reduction(+:inside)
     do l = 1, lanes
-      mass = live(l)*a(l, 2*NDIM + 1)
+      mass = live(l)*motion(l, mass_at)
       do d = 1, NDIM
-        a(l, d) = a(l, d) + dt*velocity(l, d)
-        xi(l, d) = a(l, d) - origin(d)
-        lane_sums(l, sum_moment + d - 1) = lane_sums(l, sum_moment + d - 1) + mass*a(l, d)
+        motion(l, d) = motion(l, d) + dt*velocity(l, d)
+        xi(l, d) = motion(l, d) - origin(d)
+        lane_sums(l, sum_moment + d - 1) = lane_sums(l, sum_moment + d - 1) + mass*motion(l, d)
         inside = inside + merge(1.0_dp, 0.0_dp, abs(xi(l, d) - 0.5_dp) < 0.5_dp)
       end do
     end do
@@ -309,10 +314,11 @@ contains
   !> Largest c + |v| for the time step (Eq. 69), and whether every particle is still in its senses:
   !! not inside out, slower than anything, and with a sound speed (c^2 turns negative where a
   !! blown-up state leaves the range of an equation of state).
-  pure subroutine check_chunk(nl, id, live, a, speed2, jacobian, work)
+  pure subroutine check_chunk(nl, id, live, motion, speed2, jacobian, work)
     integer, intent(in) :: nl
     integer(i4), intent(in) :: id(lanes)
-    real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1), speed2(lanes), jacobian(lanes)
+    real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM))
+    real(dp), intent(in) :: speed2(lanes), jacobian(lanes)
     type(workspace_t), intent(inout) :: work
     real(dp) :: speed(lanes), square, good, fast
     integer :: l, d
@@ -322,7 +328,7 @@ contains
     do l = 1, lanes
       square = 0.0_dp
       do d = 1, NDIM
-        square = square + a(l, NDIM + d)*a(l, NDIM + d)
+        square = square + motion(l, before_v + d)*motion(l, before_v + d)
       end do
       speed(l) = live(l)*(sqrt(max(speed2(l), 0.0_dp)) + sqrt(square))
       fast = max(fast, speed(l))
@@ -345,9 +351,9 @@ contains
   end subroutine check_chunk
 
   !> Mass and momentum, the first columns that go to the grid.
-  pure subroutine collect(with_mass, with_momentum, live, a, values)
+  pure subroutine collect(with_mass, with_momentum, live, motion, values)
     logical, intent(in) :: with_mass, with_momentum
-    real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1)
+    real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM))
     real(dp), intent(inout) :: values(lanes, *)
     real(dp) :: mass
     integer :: n, d, l
@@ -356,27 +362,27 @@ contains
       n = 1
       !$omp simd simdlen(8)
       do l = 1, lanes
-        values(l, 1) = live(l)*a(l, 2*NDIM + 1)
+        values(l, 1) = live(l)*motion(l, mass_at)
       end do
     end if
     if (.not. with_momentum) return
     !$omp simd simdlen(8) private(mass, d)
     do l = 1, lanes
-      mass = live(l)*a(l, 2*NDIM + 1)
+      mass = live(l)*motion(l, mass_at)
       do d = 1, NDIM
-        values(l, n + d) = mass*a(l, NDIM + d)
+        values(l, n + d) = mass*motion(l, before_v + d)
       end do
     end do
   end subroutine collect
 
   !> The columns behind: forces of MPM and GIMP, which stay open, external forces, volume.
-  subroutine collect_rest(mesh, body, plan, task, live, nb, a, b, values)
+  subroutine collect_rest(mesh, body, plan, task, live, nb, motion, state, values)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
     integer, intent(in) :: nb
-    real(dp), intent(in) :: live(lanes), a(lanes, 2*NDIM + 1), b(lanes, nb)
+    real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
     real(dp) :: mass(lanes)
     integer :: n
@@ -387,20 +393,22 @@ contains
       values(:, n + 1:n + NDIM) = 0.0_dp
       n = n + NDIM
     end if
-    if (plan%volume) values(:, task%nq) = live*b(:, 1)
+    if (plan%volume) values(:, task%nq) = live*state(:, 1)
     if (n == task%nq - merge(1, 0, plan%volume)) return
     values(:, n + 1:n + NDIM) = 0.0_dp
-    mass = live*a(:, 2*NDIM + 1)
-    if (body%forced) call external_force(mesh, body, plan, mass, nb, a, b, values(1, n + 1))
+    mass = live*motion(:, mass_at)
+    if (body%forced) then
+      call external_force(mesh, body, plan, mass, nb, motion, state, values(1, n + 1))
+    end if
   end subroutine collect_rest
 
   !> Mass times the body force at the particles (Eq. 24).
-  subroutine external_force(mesh, body, plan, mass, nb, a, b, force)
+  subroutine external_force(mesh, body, plan, mass, nb, motion, state, force)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     integer, intent(in) :: nb
-    real(dp), intent(in) :: mass(lanes), a(lanes, 2*NDIM + 1), b(lanes, nb)
+    real(dp), intent(in) :: mass(lanes), motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(out) :: force(lanes, NDIM)
     real(dp) :: x(3), x0(3)
     integer :: l, d, s
@@ -411,8 +419,8 @@ contains
     do l = 1, lanes
       if (mass(l) <= 0.0_dp) cycle
       do d = 1, NDIM
-        x(d) = mesh%origin(d) + mesh%h*a(l, d)
-        if (s > 0) x0(d) = b(l, s + d - 1)
+        x(d) = mesh%origin(d) + mesh%h*motion(l, d)
+        if (s > 0) x0(d) = state(l, s + d - 1)
       end do
       do d = 1, NDIM
         force(l, d) = mass(l)*body%force(d)%evaluate(x, x0, plan%time)
@@ -421,10 +429,10 @@ contains
   end subroutine external_force
 
   !> Notes particles that left the bin and takes them out of it and of the scatter.
-  pure subroutine note_movers(task, s, nl, nb, a, b, id, xi, values, movers)
+  pure subroutine note_movers(task, s, nl, nb, motion, state, id, xi, values, movers)
     type(task_t), intent(in) :: task
     integer, intent(in) :: s, nl, nb
-    real(dp), intent(in) :: a(lanes, 2*NDIM + 1), b(lanes, nb)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
     integer(i4), intent(inout) :: id(lanes)
     real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
     type(movers_t), intent(inout) :: movers
@@ -434,11 +442,11 @@ contains
       call movers_add(movers, id(l), .true., s)
       id(l) = 0
       m = movers%n
-      do q = 1, 2*NDIM + 1
-        movers%state(q, m) = a(l, q)
+      do q = 1, motion_total(NDIM)
+        movers%particle(q, m) = motion(l, q)
       end do
       do q = 1, nb
-        movers%state(2*NDIM + 1 + q, m) = b(l, q)
+        movers%particle(motion_total(NDIM) + q, m) = state(l, q)
       end do
       do q = 1, task%values
         movers%values(q, m) = values(l, q)

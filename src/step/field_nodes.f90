@@ -11,11 +11,11 @@ module sgmp_field_nodes
                            nodes_normalise_2d => nodes_normalise, &
                            nodes_velocity_2d => nodes_velocity
   use sgmp_nodes_3d, only: nodes_remap_3d => nodes_remap, nodes_solve_3d => nodes_solve, &
-                           nodes_normalise_3d => nodes_normalise, nodes_sums, &
+                           nodes_normalise_3d => nodes_normalise, &
                            nodes_velocity_3d => nodes_velocity
   implicit none
   private
-  public :: field_node_planes, field_normalise, field_remap, field_solve, field_velocity, nodes_sums
+  public :: field_node_planes, field_normalise, field_remap, field_solve, field_velocity
 
 contains
 

@@ -7,15 +7,15 @@
 module sgmp_field_sweep
   use sgmp_body, only: body_number
   use sgmp_errors, only: error_make, exit_numerical
-  use sgmp_field, only: field_forces, field_t
-  use sgmp_halo, only: halo_own_planes, halo_read_sums, halo_write_above, &
-                       halo_write_below
+  use sgmp_field, only: field_t
+  use sgmp_halo, only: halo_own_planes, halo_read_sums, halo_write_above, halo_write_below
+  use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_lost_particles, only: lost_particles_check
-  use sgmp_mesh, only: stencil_width
   use sgmp_model, only: model_t
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
-  use sgmp_plan, only: plan_t, sweep_sums, workspace_t
+  use sgmp_plan, only: plan_t, workspace_t
+  use sgmp_sums, only: sweep_sums
   use sgmp_sweep_1d, only: sweep_join_1d => sweep_join, sweep_slab_1d => sweep_slab
   use sgmp_sweep_2d, only: sweep_join_2d => sweep_join, sweep_slab_2d => sweep_slab
   use sgmp_sweep_3d, only: sweep_join_3d => sweep_join, sweep_slab_3d => sweep_slab
@@ -176,18 +176,18 @@ contains
     type(plan_t), intent(inout) :: plan
     type(field_t), intent(in) :: field
     if (plan%mass) then
-      plan%first_column = 1
+      plan%first_column = field%columns%mass
     else if (plan%momentum) then
-      plan%first_column = 2
+      plan%first_column = field%columns%momentum
     else
-      plan%first_column = 2 + field%ndim + field%spins
+      plan%first_column = field%columns%force
     end if
-    plan%spins = field%spins
-    plan%last_column = merge(field%nmoment, 1 + field%ndim + field%spins, plan%stress)
+    plan%spins = field%columns%spins
+    plan%last_column = merge(field%columns%total, field%columns%force - 1, plan%stress)
     if (plan%probe .and. plan%stress) then
-      plan%last_column = 1 + field%ndim + field%spins + field_forces(field)
+      plan%last_column = field%columns%force + field%columns%forces - 1
     end if
-    plan%volume = plan%stress .and. field%volume_column > 0 .and. .not. plan%probe
+    plan%volume = plan%stress .and. field%columns%volume > 0 .and. .not. plan%probe
   end subroutine sweep_columns
 
   !> Sweeps what neighbours wait for and sends it.

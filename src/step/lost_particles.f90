@@ -3,6 +3,7 @@
 module sgmp_lost_particles
   use sgmp_mesh, only: mesh_t
   use sgmp_model, only: model_t
+  use sgmp_motion, only: motion_velocity
   use sgmp_movers, only: movers_t
   use sgmp_particles, only: particles_t
   use sgmp_plan, only: plan_t
@@ -44,7 +45,8 @@ contains
     integer :: m, d
     do m = 1, movers%n
       do d = 1, mesh%ndim
-        associate (x => movers%state(d, m), v => movers%state(mesh%ndim + d, m), &
+        associate (x => movers%particle(d, m), &
+                   v => movers%particle(motion_velocity(mesh%ndim) + d - 1, m), &
                    momentum => movers%values(before + d, m))
           if (x >= mesh%lower(d) .and. x <= mesh%upper(d)) cycle
           if (reflect) then

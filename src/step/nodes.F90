@@ -7,32 +7,24 @@
 !! +-1/h along the axis of a derivative. Rows are handled in tiles so that the partial sums of a
 !! tile stay in the first-level cache.
 module DIM(sgmp_nodes)
+  use sgmp_columns, only: node_acceleration, node_inverse_mass, node_remapped, node_total, &
+                          node_velocity
   use sgmp_field, only: field_t
-  use sgmp_kernels, only: kernel_sgmp
+  use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rows, only: key_j, key_k
+  use sgmp_sums, only: nodes_external, nodes_ignored, nodes_mass_aa, nodes_mass_av, nodes_sums
+  use sgmp_voigt, only: flux_between
   implicit none
   private
   public :: nodes_normalise, nodes_solve, nodes_velocity, nodes_remap
-  public :: nodes_sums, sum_mass_aa, sum_mass_av, sum_external, sum_ignored
 
   integer, parameter :: tile = 128
-  integer, parameter :: nodes_sums = 4     !! entries of a plane's sums
-  integer, parameter :: sum_mass_aa = 1    !! sum m_I |a_I|^2
-  integer, parameter :: sum_mass_av = 2    !! sum m_I a_I . v_I at the velocity before the kick
-  integer, parameter :: sum_external = 3   !! power of gravity and body forces at the mid-step
-                                           !! velocity
-  integer, parameter :: sum_ignored = 4    !! nodes below the mass cut-off
-
-  !> Column (after mass and momentum) of stress component (a, b).
-#if NDIM == 1
-  integer, parameter :: flux_column(1, 1) = 1
-#elif NDIM == 2
-  integer, parameter :: flux_column(2, 2) = reshape([1, 3, 3, 2], [2, 2])
-#else
-  integer, parameter :: flux_column(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
-#endif
+  integer, parameter :: before_a = node_acceleration - 1      !! columns before the acceleration
+  integer, parameter :: before_v = node_velocity(NDIM) - 1    !! before the velocity
+  integer, parameter :: inverse_at = node_inverse_mass(NDIM)
+  integer, parameter :: flux_of(NDIM, NDIM) = flux_between(:NDIM, :NDIM, NDIM)
 
 contains
 
@@ -59,10 +51,10 @@ contains
         !$omp simd private(around)
         do i = 1, n
           around = min(least(i - 1), least(i), least(i + 1))
-          factor(i) = cell/merge(field%moment(idx + i, field%volume_column), cell, &
+          factor(i) = cell/merge(field%moment(idx + i, field%columns%volume), cell, &
                                  around > interior*cell)
         end do
-        do q = 2 + NDIM + field%spins, 1 + NDIM + field%spins + NFLUX
+        do q = field%columns%force, field%columns%force + NFLUX - 1
           !$omp simd
           do i = 1, n
             field%moment(idx + i, q) = factor(i)*field%moment(idx + i, q)
@@ -90,7 +82,7 @@ contains
         b = field%neighbour(dj, dk, s) + first - 1
         !$omp simd
         do i = 0, n + 1
-          least(i) = min(least(i), field%moment(b + i, field%volume_column))
+          least(i) = min(least(i), field%moment(b + i, field%columns%volume))
         end do
       end do
     end do
@@ -121,7 +113,7 @@ contains
     logical, intent(in) :: forced             !! the moments carry an external force
     real(dp), intent(inout) :: sums(nodes_sums)  !! of the plane, added to
     real(dp) :: m(tile), p(tile, NDIM), f(tile, NDIM), external(tile, NDIM)
-    real(dp) :: lane_sums(lanes, sum_external)
+    real(dp) :: lane_sums(lanes, nodes_external)
     integer :: s, first, n, idx
     logical :: driven
     driven = forced .or. any(abs(gravity) > 0.0_dp)
@@ -129,8 +121,8 @@ contains
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
-        call node_moments(field, s, first, n, 1, 1 + NDIM, m, p)
-        if (field%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
+        call node_moments(field, s, first, n, .true., m, p)
+        if (field%columns%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
         call node_forces(field, mesh%inverse_h, s, first, n, f)
         if (driven) then
           call external_forces(field, s, first, n, m, gravity, forced, external)
@@ -138,12 +130,12 @@ contains
         end if
         idx = field%neighbour(0, 0, s) + first
         call solve_tile(n, size(field%node, 1), m, p, f, dt, cutoff, field%node(idx, 1))
-        call hold_walls(field, mesh, s, first, n, [1, NDIM + 1])
+        call hold_walls(field, mesh, s, first, n, [node_acceleration, node_velocity(NDIM)])
         call book_energies(n, first, driven, size(field%node, 1), m, external, dt, &
-                           field%node(idx, 1), lane_sums, sums(sum_ignored))
+                           field%node(idx, 1), lane_sums, sums(nodes_ignored))
       end do
     end do
-    sums(:sum_external) = sums(:sum_external) + sum(lane_sums, dim=1)
+    sums(:nodes_external) = sums(:nodes_external) + sum(lane_sums, dim=1)
   end subroutine nodes_solve
 
   !> Nodal velocity from the projected momentum alone (USF).
@@ -158,11 +150,11 @@ contains
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
-        call node_moments(field, s, first, n, 1, 1 + NDIM, m, p)
-        if (field%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
+        call node_moments(field, s, first, n, .true., m, p)
+        if (field%columns%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
         call solve_tile(n, size(field%node, 1), m, p, f, 0.0_dp, cutoff, &
                         field%node(field%neighbour(0, 0, s) + first, 1))
-        call hold_walls(field, mesh, s, first, n, [1, NDIM + 1])
+        call hold_walls(field, mesh, s, first, n, [node_acceleration, node_velocity(NDIM)])
       end do
     end do
   end subroutine nodes_velocity
@@ -177,11 +169,11 @@ contains
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
-        call node_moments(field, s, first, n, 2, 1 + NDIM, m, p)
-        if (field%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
+        call node_moments(field, s, first, n, .false., m, p)
+        if (field%columns%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
         idx = field%neighbour(0, 0, s) + first
         call divide_tile(n, size(field%node, 1), p, field%node(idx, 1))
-        call hold_walls(field, mesh, s, first, n, [1])
+        call hold_walls(field, mesh, s, first, n, [node_remapped])
       end do
     end do
   end subroutine nodes_remap
@@ -190,12 +182,12 @@ contains
   pure subroutine divide_tile(n, stride, p, node)
     integer, intent(in) :: n, stride
     real(dp), intent(in) :: p(tile, NDIM)
-    real(dp), intent(inout) :: node(stride, 2*NDIM + 1)
+    real(dp), intent(inout) :: node(stride, node_total(NDIM))
     integer :: i, a
     !$omp simd private(a)
     do i = 1, n
       do a = 1, NDIM
-        node(i, a) = p(i, a)*node(i, 2*NDIM + 1)
+        node(i, before_a + a) = p(i, a)*node(i, inverse_at)
       end do
     end do
   end subroutine divide_tile
@@ -208,8 +200,8 @@ contains
     integer, intent(in) :: n, first, stride      !! nodes, place of the first, stride of `node`
     logical, intent(in) :: driven                !! there are external forces
     real(dp), intent(in) :: m(tile), external(tile, NDIM), dt
-    real(dp), intent(in) :: node(stride, 2*NDIM + 1)
-    real(dp), intent(inout) :: sums(lanes, sum_external), ignored
+    real(dp), intent(in) :: node(stride, node_total(NDIM))
+    real(dp), intent(inout) :: sums(lanes, nodes_external), ignored
     real(dp), dimension(0:tile + 2*lanes) :: aa, av, ev
     real(dp) :: active, a2, v2, light
     integer :: i, a, before
@@ -221,20 +213,20 @@ contains
     light = 0.0_dp
     !$omp simd reduction(+:light) private(active, a, a2, v2)
     do i = 1, n
-      active = merge(m(i), 0.0_dp, node(i, 2*NDIM + 1) > 0.0_dp)
+      active = merge(m(i), 0.0_dp, node(i, inverse_at) > 0.0_dp)
       light = light + merge(1.0_dp, 0.0_dp, m(i) - active > 0.0_dp)
       a2 = 0.0_dp
       v2 = 0.0_dp
       do a = 1, NDIM
-        a2 = a2 + node(i, a)**2
-        v2 = v2 + node(i, a)*(node(i, NDIM + a) - dt*node(i, a))
+        a2 = a2 + node(i, before_a + a)**2
+        v2 = v2 + node(i, before_a + a)*(node(i, before_v + a) - dt*node(i, before_a + a))
       end do
       aa(before + i - 1) = active*a2
       av(before + i - 1) = active*v2
     end do
     ignored = ignored + light
-    call add_lanes(before + n, aa, sums(1, sum_mass_aa))
-    call add_lanes(before + n, av, sums(1, sum_mass_av))
+    call add_lanes(before + n, aa, sums(1, nodes_mass_aa))
+    call add_lanes(before + n, av, sums(1, nodes_mass_av))
     if (.not. driven) return
     ev(:before) = 0.0_dp
     ev(before + n:before + n + lanes - 2) = 0.0_dp
@@ -242,11 +234,11 @@ contains
     do i = 1, n
       v2 = 0.0_dp
       do a = 1, NDIM
-        v2 = v2 + external(i, a)*(node(i, NDIM + a) - 0.5_dp*dt*node(i, a))
+        v2 = v2 + external(i, a)*(node(i, before_v + a) - 0.5_dp*dt*node(i, before_a + a))
       end do
       ev(before + i - 1) = v2
     end do
-    call add_lanes(before + n, ev, sums(1, sum_external))
+    call add_lanes(before + n, ev, sums(1, nodes_external))
   end subroutine book_energies
 
   !> Adds terms to the sums of their lanes; behind the last there are zeros.
@@ -261,23 +253,23 @@ contains
   end subroutine add_lanes
 
   !> Mass (if asked for) and momentum of a tile of nodes (Eqs. 17, 18; MPM Eqs. 9, 10).
-  pure subroutine node_moments(field, s, first, n, q1, q2, m, p)
+  pure subroutine node_moments(field, s, first, n, with_mass, m, p)
     type(field_t), intent(in) :: field
     integer, intent(in) :: s, first, n        !! work interval, first node, nodes
-    integer, intent(in) :: q1, q2             !! columns: from 1 with mass, from 2 without
+    logical, intent(in) :: with_mass
     real(dp), intent(inout) :: m(tile), p(tile, NDIM)
-    integer :: q, i, b(NROW)
-    if (field%kernel == kernel_sgmp) then
+    integer :: a, i, b(NROW)
+    if (kernel_centred(field%kernel)) then
       b = centre_rows(field, s, first)
-      if (q1 == 1) call mean_row(n, field%moment(1, 1), b, m)
-      do q = max(q1, 2), q2
-        call mean_row(n, field%moment(1, q), b, p(1, q - 1))
+      if (with_mass) call mean_row(n, field%moment(1, field%columns%mass), b, m)
+      do a = 1, NDIM
+        call mean_row(n, field%moment(1, field%columns%momentum + a - 1), b, p(1, a))
       end do
     else
       i = field%neighbour(0, 0, s) + first
-      if (q1 == 1) m(:n) = field%moment(i:i + n - 1, 1)
-      do q = max(q1, 2), q2
-        p(:n, q - 1) = field%moment(i:i + n - 1, q)
+      if (with_mass) m(:n) = field%moment(i:i + n - 1, field%columns%mass)
+      do a = 1, NDIM
+        p(:n, a) = field%moment(i:i + n - 1, field%columns%momentum + a - 1)
       end do
     end if
   end subroutine node_moments
@@ -295,15 +287,16 @@ contains
     b = centre_rows(field, s, first)
     scale = 0.5_dp**(NDIM + 1)*h
 #if NDIM == 2
-    associate (z => field%moment(:, 2 + NDIM))
+    associate (z => field%moment(:, field%columns%spin))
       do i = 1, n
         p(i, 1) = p(i, 1) + scale*(corner_slope_2(z, b, i - 1) + corner_slope_2(z, b, i))
         p(i, 2) = p(i, 2) - scale*(corner_sum(z, b, i) - corner_sum(z, b, i - 1))
       end do
     end associate
 #else
-    associate (x => field%moment(:, 2 + NDIM), y => field%moment(:, 3 + NDIM), &
-               z => field%moment(:, 4 + NDIM))
+    associate (x => field%moment(:, field%columns%spin), &
+               y => field%moment(:, field%columns%spin + 1), &
+               z => field%moment(:, field%columns%spin + 2))
       do i = 1, n
         p(i, 1) = p(i, 1) + scale*((corner_slope_2(z, b, i - 1) + corner_slope_2(z, b, i)) &
                                    - (corner_slope_3(y, b, i - 1) + corner_slope_3(y, b, i)))
@@ -336,22 +329,22 @@ contains
     integer, intent(in) :: s, first, n
     real(dp), intent(inout) :: f(tile, NDIM)
     integer :: a, i, before
-    before = 1 + NDIM + field%spins
-    if (field%kernel == kernel_sgmp) then
+    before = field%columns%force - 1
+    if (kernel_centred(field%kernel)) then
       do a = 1, NDIM
         call divergence_row(n, inverse_h*0.5_dp**(NDIM - 1), &
-                            field%moment(1, before + flux_column(a, 1)), &
+                            field%moment(1, before + flux_of(a, 1)), &
 #if NDIM > 1
-                            field%moment(1, before + flux_column(a, 2)), &
+                            field%moment(1, before + flux_of(a, 2)), &
 #endif
 #if NDIM > 2
-                            field%moment(1, before + flux_column(a, 3)), &
+                            field%moment(1, before + flux_of(a, 3)), &
 #endif
                             centre_rows(field, s, first), f(1, a))
       end do
     else
       i = field%neighbour(0, 0, s) + first
-      f(:n, :) = field%moment(i:i + n - 1, 2 + NDIM:1 + 2*NDIM)
+      f(:n, :) = field%moment(i:i + n - 1, before + 1:before + NDIM)
     end if
   end subroutine node_forces
 
@@ -395,13 +388,13 @@ contains
     do a = 1, NDIM
       f(:n, a) = m(:n)*gravity(a)
       if (.not. forced) cycle
-      if (field%kernel == kernel_sgmp) then
-        call mean_row(n, field%moment(1, 1 + NDIM + field%spins + NFLUX + a), &
+      if (kernel_centred(field%kernel)) then
+        call mean_row(n, field%moment(1, field%columns%external + a - 1), &
                       centre_rows(field, s, first), t)
         f(:n, a) = f(:n, a) + t(:n)
       else
         i = field%neighbour(0, 0, s) + first
-        f(:n, a) = f(:n, a) + field%moment(i:i + n - 1, 1 + 2*NDIM + a)
+        f(:n, a) = f(:n, a) + field%moment(i:i + n - 1, field%columns%external + a - 1)
       end if
     end do
   end subroutine external_forces
@@ -431,16 +424,16 @@ contains
   pure subroutine solve_tile(n, stride, m, p, f, dt, cutoff, node)
     integer, intent(in) :: n, stride
     real(dp), intent(in) :: m(tile), p(tile, NDIM), f(tile, NDIM), dt, cutoff
-    real(dp), intent(inout) :: node(stride, 2*NDIM + 1)
+    real(dp), intent(inout) :: node(stride, node_total(NDIM))
     real(dp) :: inverse
     integer :: i, a
     !$omp simd private(inverse, a)
     do i = 1, n
       inverse = merge(1.0_dp/merge(m(i), 1.0_dp, m(i) > cutoff), 0.0_dp, m(i) > cutoff)
-      node(i, 2*NDIM + 1) = inverse
+      node(i, inverse_at) = inverse
       do a = 1, NDIM
-        node(i, a) = f(i, a)*inverse
-        node(i, NDIM + a) = p(i, a)*inverse + dt*node(i, a)
+        node(i, before_a + a) = f(i, a)*inverse
+        node(i, before_v + a) = p(i, a)*inverse + dt*node(i, before_a + a)
       end do
     end do
   end subroutine solve_tile

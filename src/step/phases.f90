@@ -2,6 +2,7 @@
 !! are put together.
 module sgmp_phases
   use sgmp_body, only: body_forced, body_number, body_place
+  use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_detect, contact_layout, contact_meet, contact_trial, &
                           contact_velocity
   use sgmp_contact_exchange, only: contact_exchange
@@ -9,19 +10,19 @@ module sgmp_phases
   use sgmp_energy, only: step_sums_t
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_build
-  use sgmp_field_nodes, only: field_normalise, field_remap, field_solve, field_velocity, nodes_sums
+  use sgmp_field_nodes, only: field_normalise, field_remap, field_solve, field_velocity
   use sgmp_field_sweep, only: field_divide, field_sweep, sweep_columns
   use sgmp_halo, only: halo_own_planes
   use sgmp_kinds, only: dp, i4, i8
   use sgmp_model, only: model_t
-  use sgmp_nodes_3d, only: sum_external, sum_ignored, node_sum_aa => sum_mass_aa, &
-                           node_sum_av => sum_mass_av
   use sgmp_parallel, only: parallel_agree, parallel_max_place
-  use sgmp_plan, only: plan_t, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
-                       sum_viscous, sweep_sums
+  use sgmp_plan, only: plan_t
   use sgmp_rigid_bodies, only: rigid_choose_speed, rigid_field, rigid_solve, rigid_velocity
   use sgmp_rows, only: rows_t, rows_union
   use sgmp_scene, only: update_usf
+  use sgmp_sums, only: nodes_external, nodes_ignored, nodes_mass_aa, nodes_mass_av, nodes_sums, &
+                       sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
+                       sum_viscous, sweep_sums
   use sgmp_tally, only: tally_add, tally_reset, tally_total
   use sgmp_text, only: integer_text
   use sgmp_timers, only: phase_contact, phase_halo, timers_move, wall_time
@@ -150,10 +151,10 @@ contains
   pure subroutine book_nodes(model, sums)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: sums(nodes_sums)
-    model%sums%nodes_aa = model%sums%nodes_aa + sums(node_sum_aa)
-    model%sums%power_before = model%sums%power_before + sums(node_sum_av)
-    model%sums%external_power = model%sums%external_power + sums(sum_external)
-    model%sums%ignored_nodes = model%sums%ignored_nodes + sums(sum_ignored)
+    model%sums%nodes_aa = model%sums%nodes_aa + sums(nodes_mass_aa)
+    model%sums%power_before = model%sums%power_before + sums(nodes_mass_av)
+    model%sums%external_power = model%sums%external_power + sums(nodes_external)
+    model%sums%ignored_nodes = model%sums%ignored_nodes + sums(nodes_ignored)
   end subroutine book_nodes
 
   !> Adds what contact did to the sums of the step.
@@ -264,7 +265,7 @@ contains
     end do
     if (model%update /= update_usf) call find_contact(model)
     call contact_force(model, dt)
-    call phase_mirror(model, [1, model%mesh%ndim + 1])
+    call phase_mirror(model, [node_acceleration, node_velocity(model%mesh%ndim)])
   end subroutine phase_solve
 
   !> Nodal velocity before the stress update (USF).
@@ -274,14 +275,14 @@ contains
     do f = 1, size(model%fields)
       b = rigid_field(model%bodies, f)
       if (b > 0) then
-        call rigid_velocity(model%bodies(b), model%fields(f), model%mesh%ndim + 1)
+        call rigid_velocity(model%bodies(b), model%fields(f), node_velocity(model%mesh%ndim))
       else
         call field_velocity(model, f)
       end if
     end do
     call find_contact(model)
-    call admit_velocity(model, model%mesh%ndim + 1)
-    call phase_mirror(model, [model%mesh%ndim + 1])
+    call admit_velocity(model, node_velocity(model%mesh%ndim))
+    call phase_mirror(model, [node_velocity(model%mesh%ndim)])
   end subroutine phase_velocity
 
   !> Nodal velocity re-mapped from the updated particles (MUSL).
@@ -291,13 +292,13 @@ contains
     do f = 1, size(model%fields)
       b = rigid_field(model%bodies, f)
       if (b > 0) then
-        call rigid_velocity(model%bodies(b), model%fields(f), 1)
+        call rigid_velocity(model%bodies(b), model%fields(f), node_remapped)
       else
         call field_remap(model, f)
       end if
     end do
-    call admit_velocity(model, 1)
-    call phase_mirror(model, [1])
+    call admit_velocity(model, node_remapped)
+    call phase_mirror(model, [node_remapped])
   end subroutine phase_remap
 
   !> Normals and touching pairs at all shared nodes.

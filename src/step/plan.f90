@@ -4,16 +4,6 @@ module sgmp_plan
   implicit none
   private
   public :: plan_t, workspace_t
-  public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, &
-            sum_moment
-
-  integer, parameter :: sweep_sums = 10    !! entries of a plane's sums
-  integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
-  integer, parameter :: sum_mass_aa = 2    !! sum m_p |a_p|^2
-  integer, parameter :: sum_internal = 3   !! growth of internal energy
-  integer, parameter :: sum_viscous = 4    !! bulk-viscous dissipation
-  integer, parameter :: sum_momentum = 5   !! first of sum m v (3 components)
-  integer, parameter :: sum_moment = 8  !! first of sum m X after the drift (3 components, in cells)
 
   !> One sweep: gather, advance, scatter.
   type :: plan_t

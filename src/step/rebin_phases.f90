@@ -4,9 +4,9 @@ module sgmp_rebin_phases
   use sgmp_buffer, only: buffer_left, buffer_put, buffer_t, buffer_whole
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field_sweep, only: sweep_columns
+  use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i4
   use sgmp_lost_particles, only: lost_particles_find_bins
-  use sgmp_mesh, only: stencil_width
   use sgmp_model, only: model_t
   use sgmp_movers, only: movers_read, movers_reset, movers_t, movers_write
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
@@ -72,7 +72,7 @@ contains
                           integer_text(movers%id(m))//' of body '// &
                           trim(model%bodies(b)%name)//' left the grid along '// &
                           axis_names(d)//' at '// &
-                          real_text(model%mesh%origin(d) + model%mesh%h*movers%state(d, m))// &
+                          real_text(model%mesh%origin(d) + model%mesh%h*movers%particle(d, m))// &
                           ' in step '//integer_text(model%clock%step + 1), &
                           'extend the grid, leave that face open, or choose '// &
                           '`lost policy=remove` or `reflect`')
@@ -94,13 +94,13 @@ contains
     received = size(model%movers, 2)
     far = model%clock%dt*model%fastest_before*model%mesh%inverse_h > 1.0_dp
     do b = 1, size(model%bodies)
-      call movers_reset(model%movers(b, received), size(model%movers(b, 1)%state, 1), &
+      call movers_reset(model%movers(b, received), size(model%movers(b, 1)%particle, 1), &
                         size(model%movers(b, 1)%values, 1))
       do s = 1, received - 1
         associate (movers => model%movers(b, s), particles => model%bodies(b)%particles, &
                    partition => model%partition)
           do m = 1, movers%n
-            bin = bin_coordinates(movers%state(:, m), particles%shift, particles%ndim)
+            bin = bin_coordinates(movers%particle(:, m), particles%shift, particles%ndim)
             plane = bin(3)
             if (far) then
               call write_mover(b, movers, m, all)

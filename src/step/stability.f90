@@ -12,8 +12,9 @@
 !! by which the Courant number is defined; so the result does not depend on the materials' scale.
 !! Both operators are self-adjoint in the energy norm of K: Lanczos iteration, from below.
 module sgmp_stability
+  use sgmp_columns, only: node_acceleration, node_inverse_mass
   use sgmp_field, only: field_t
-  use sgmp_field_nodes, only: field_node_planes, field_remap, field_solve, nodes_sums
+  use sgmp_field_nodes, only: field_node_planes, field_remap, field_solve
   use sgmp_halo, only: halo_own_planes
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp, i8
@@ -25,6 +26,7 @@ module sgmp_stability
   use sgmp_rigid_bodies, only: rigid_field
   use sgmp_rows, only: key_j, key_k
   use sgmp_scene, only: update_usl
+  use sgmp_sums, only: nodes_sums
   implicit none
   private
   public :: stability_choose, stability_limit, largest_eigenvalue
@@ -160,10 +162,10 @@ contains
     type(plan_t) :: plan
     real(dp), allocatable :: sums(:, :)
     integer :: f
-    call phase_mirror(model, [1])
+    call phase_mirror(model, [node_acceleration])
     plan%probe = .true.
     plan%stress = .true.
-    plan%gradient = 1
+    plan%gradient = node_acceleration
     allocate (plan%vectors(0))
     call phase_sweep(model, plan)
     call phase_rebin_particles(model, plan)
@@ -181,10 +183,10 @@ contains
     type(model_t), intent(inout) :: model
     type(plan_t) :: plan
     integer :: f
-    call phase_mirror(model, [1])
+    call phase_mirror(model, [node_acceleration])
     plan%probe = .true.
     plan%momentum = .true.
-    plan%vectors = [1]
+    plan%vectors = [node_acceleration]
     call phase_sweep(model, plan)
     call phase_rebin_particles(model, plan)
     do f = 1, size(model%fields)
@@ -211,9 +213,9 @@ contains
           do s = field%plane_work(p), field%plane_work(p + 1) - 1
             do i = field%work%first(s), field%work%last(s)
               place = field%neighbour(0, 0, s) + i
-              if (.not. field%node(place, 2*n + 1) > 0.0_dp) cycle
+              if (.not. field%node(place, node_inverse_mass(n)) > 0.0_dp) cycle
               terms(1, p) = terms(1, p) + sum(u(f)%x(place, :)*field%node(place, :n))/ &
-                            field%node(place, 2*n + 1)
+                            field%node(place, node_inverse_mass(n))
             end do
           end do
         end do

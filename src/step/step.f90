@@ -4,6 +4,7 @@
 !! A sweep ends with the projection of the new state, so the first half of step k+1 has been done
 !! when step k ends.
 module sgmp_step
+  use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_energy, only: ledger_step
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
@@ -151,11 +152,11 @@ contains
     plan%dt_kick = dt_kick
     plan%flip = model%flip
     plan%time = model%clock%time
-    plan%vectors = [1]
-    if (model%flip < 1.0_dp) plan%vectors = [1, model%mesh%ndim + 1]
+    plan%vectors = [node_acceleration]
+    if (model%flip < 1.0_dp) plan%vectors = [node_acceleration, node_velocity(model%mesh%ndim)]
     if (model%spins > 0) then
       plan%spin_gain = dt_kick
-      plan%gradient = 1
+      plan%gradient = node_acceleration
     end if
   end function plan_kick
 
@@ -166,8 +167,8 @@ contains
     type(plan_t) :: plan
     plan = plan_full(model)
     plan%drift = .true.
-    plan%vectors = [model%mesh%ndim + 1]
-    plan%gradient = 1
+    plan%vectors = [node_velocity(model%mesh%ndim)]
+    plan%gradient = node_remapped
     if (model%spins > 0) then
       plan%spin_gain = merge(1.0_dp, spin_relaxation, model%clock%step == 0)
       plan%spin_keep = 1.0_dp - plan%spin_gain
@@ -187,7 +188,7 @@ contains
     plan%dt_strain = max(model%clock%dt_before, tiny(1.0_dp)**0.25_dp)
     plan%time = model%clock%time
     allocate (plan%vectors(0))
-    plan%gradient = model%mesh%ndim + 1
+    plan%gradient = node_velocity(model%mesh%ndim)
   end function plan_strain
 
   !> USF, second sweep: velocities and positions, mass and momentum projected anew.
@@ -203,7 +204,7 @@ contains
     plan%dt = model%clock%dt
     plan%flip = model%flip
     plan%time = model%clock%time + model%clock%dt
-    plan%vectors = [1, model%mesh%ndim + 1]
+    plan%vectors = [node_acceleration, node_velocity(model%mesh%ndim)]
   end function plan_kick_drift
 
   !> USL, the only sweep.
@@ -216,8 +217,8 @@ contains
     plan%drift = .true.
     plan%dt_kick = dt_kick
     plan%flip = model%flip
-    plan%vectors = [1, model%mesh%ndim + 1]
-    plan%gradient = model%mesh%ndim + 1
+    plan%vectors = [node_acceleration, node_velocity(model%mesh%ndim)]
+    plan%gradient = node_velocity(model%mesh%ndim)
   end function plan_all
 
   !> What the sweeps that end a step have in common: stress update, projection of everything.

@@ -16,12 +16,14 @@ module DIM(sgmp_sweep)
   use sgmp_kernels, only: kernel_gimp, kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_t
+  use sgmp_motion, only: motion_total
   use sgmp_movers, only: movers_reset, movers_t
   use sgmp_particles, only: chunk_prefetch, particles_t
-  use sgmp_plan, only: plan_t, sweep_sums, workspace_t
+  use sgmp_plan, only: plan_t, workspace_t
   use sgmp_rebinning, only: arrivals_t
   use sgmp_rows, only: key_j, key_k
   use DIM(sgmp_spin), only: spin_lever
+  use sgmp_sums, only: sweep_sums
   use DIM(sgmp_transfer), only: flux_of, linear_carry, linear_gradients, linear_weights
   use DIM(sgmp_transfer_gimp), only: gimp_carry, gimp_gradients, gimp_weights
   implicit none
@@ -56,7 +58,8 @@ contains
     if (plane2 >= plane1) call fit_buffers(work, task, field%largest_plane)
     do b = 1, size(bodies)
       if (bodies(b)%field /= number .or. .not. plan%drift) cycle
-      call movers_reset(movers(b), bodies(b)%particles%na + bodies(b)%particles%nb, task%values)
+      call movers_reset(movers(b), bodies(b)%particles%motion_columns + &
+                        bodies(b)%particles%state_columns, task%values)
     end do
     do plane = plane1, plane2
       slot = mod(plane, task%layers) + 1
@@ -261,8 +264,9 @@ contains
         if (next /= chunk + 1) call chunk_prefetch(body%particles, next, plan%stress)
       end if
       call chunk_advance(mesh, body, plan, task, s, origin, min(left, lanes), row, &
-                         work%records(1, 1 + i), body%particles%nb, body%particles%id(1, chunk), &
-                         body%particles%a(1, 1, chunk), body%particles%b(1, 1, chunk), &
+                         work%records(1, 1 + i), body%particles%state_columns, &
+                         body%particles%id(1, chunk), &
+                         body%particles%motion(1, 1, chunk), body%particles%state(1, 1, chunk), &
                          stencil, lane_sums, movers, work)
       left = left - lanes
       chunk = body%particles%next(chunk)
@@ -512,19 +516,19 @@ contains
     integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
     real(dp), intent(out) :: xi(lanes, NDIM)     !! position in the bin
     real(dp), intent(out) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
-    real(dp) :: size_of(lanes, NDIM, 2), b(lanes, body%particles%nb), &
+    real(dp) :: size_of(lanes, NDIM, 2), b(lanes, body%particles%state_columns), &
         slopes(lanes, NCORNER, NDIM)
     integer :: l
     xi = 0.5_dp
     b = 1.0_dp
     do l = 1, size(at)
-      xi(l, :) = lists(list(l))%state(:NDIM, at(l))
+      xi(l, :) = lists(list(l))%particle(:NDIM, at(l))
       xi(l, :) = (xi(l, :) - real(floor(xi(l, :) - body%particles%shift), dp)) &
           - body%particles%shift
-      if (kernel == kernel_gimp) b(l, :) = lists(list(l))%state(2*NDIM + 2:, at(l))
+      if (kernel == kernel_gimp) b(l, :) = lists(list(l))%particle(motion_total(NDIM) + 1:, at(l))
     end do
     if (kernel == kernel_gimp) then
-      call particle_size(body, body%particles%nb, b, size_of)
+      call particle_size(body, body%particles%state_columns, b, size_of)
       call gimp_weights(xi, size_of, w)
       if (gradients) call gimp_gradients(xi, size_of, inverse_h, g)
     else

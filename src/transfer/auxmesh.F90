@@ -6,7 +6,7 @@
 !! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
 module DIM(sgmp_auxmesh)
   use sgmp_field, only: field_t
-  use sgmp_kernels, only: kernel_sgmp
+  use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed
   use sgmp_rows, only: key_j, key_k
@@ -42,7 +42,7 @@ contains
         end do
         if (gradient == 0) cycle
         do a = 0, NDIM - 1
-          if (field%kernel == kernel_sgmp) then
+          if (kernel_centred(field%kernel)) then
             call fill_gradient(field, inverse_h, s, first, n, gradient + a, stride, &
                                records(q + 1, point))
             q = q + NDIM
@@ -68,7 +68,7 @@ contains
     integer, intent(in) :: stride                !! components of a record
     real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
     integer :: s, axis, side, ghost, row(3), first, last, base
-    if (NDIM == 1 .or. field%kernel /= kernel_sgmp) return
+    if (NDIM == 1 .or. .not. kernel_centred(field%kernel)) return
     if (.not. any(mesh%wall(:, :NDIM) == wall_fixed)) return
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       row = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
@@ -112,7 +112,7 @@ contains
     integer, intent(in) :: s, first, n, column, stride
     real(dp), intent(inout) :: records(stride, n)
     integer :: i
-    if (field%kernel == kernel_sgmp) then
+    if (kernel_centred(field%kernel)) then
       call fill_mean(n, field%node(1, column), node_rows(field, s, first), stride, records)
     else
       do i = 1, n

@@ -10,19 +10,14 @@
 !! accumulator by one layer (`linear_carry`).
 module DIM(sgmp_transfer)
   use sgmp_kinds, only: dp, lanes
+  use sgmp_voigt, only: flux_between
   implicit none
   private
   public :: linear_weights, linear_gradients, linear_gather, linear_gather_gradient
   public :: linear_scatter, linear_scatter_force, linear_carry, flux_of
 
-  !> Number of the flux component that acts along one axis across another.
-#if NDIM == 1
-  integer, parameter :: flux_of(1, 1) = 1
-#elif NDIM == 2
-  integer, parameter :: flux_of(2, 2) = reshape([1, 3, 3, 2], [2, 2])
-#else
-  integer, parameter :: flux_of(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
-#endif
+  !> Flux component that acts along one axis across another.
+  integer, parameter :: flux_of(NDIM, NDIM) = flux_between(:NDIM, :NDIM, NDIM)
 
 contains
 

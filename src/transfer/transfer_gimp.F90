@@ -12,7 +12,7 @@ module DIM(sgmp_transfer_gimp)
   use DIM(sgmp_transfer), only: flux_of
   implicit none
   private
-  public :: gimp_function, gimp_slope, gimp_weights, gimp_gradients
+  public :: gimp_weights, gimp_gradients
   public :: gimp_axes, gimp_size, gimp_gather, gimp_gather_gradient, gimp_spread, gimp_scatter
   public :: gimp_scatter_force, gimp_carry, gimp_spread_t
 
@@ -25,27 +25,6 @@ module DIM(sgmp_transfer_gimp)
   end type gimp_spread_t
 
 contains
-
-  !> GIMP function of a node at distance d (cells) from a particle of half-size p (cells), p <= 1/2.
-  elemental function gimp_function(d, p) result(s)
-    real(dp), intent(in) :: d, p
-    real(dp) :: s
-    real(dp) :: r
-    r = abs(d)
-    s = merge(1.0_dp - (r*r + p*p)/(2.0_dp*p), &
-              merge(1.0_dp - r, merge((1.0_dp + p - r)**2/(4.0_dp*p), 0.0_dp, r < 1.0_dp + p), &
-                    r < 1.0_dp - p), r < p)
-  end function gimp_function
-
-  !> Derivative of the GIMP function with respect to the particle's position (1/cell).
-  elemental function gimp_slope(d, p) result(g)
-    real(dp), intent(in) :: d, p  !! d = particle minus node
-    real(dp) :: g
-    real(dp) :: r
-    r = abs(d)
-    g = merge(-d/p, sign(1.0_dp, d)*merge(-1.0_dp, merge(-(1.0_dp + p - r)/(2.0_dp*p), 0.0_dp, &
-                                                         r < 1.0_dp + p), r < 1.0_dp - p), r < p)
-  end function gimp_slope
 
   !> Sizes of a chunk along one axis, stretched: the half-size, cut to half a cell, and 1/(2 half).
   pure subroutine gimp_size(half, stretch, cut, inverse)

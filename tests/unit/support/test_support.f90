@@ -93,15 +93,15 @@ contains
       do c = 1, particles%chunks
         last = max(last, maxval(particles%id(:, c)))
       end do
-      allocate (x(d, last), v(d, last), mass(last), b(particles%nb, last), source=0.0_dp)
+      allocate (x(d, last), v(d, last), mass(last), b(particles%state_columns, last), source=0.0_dp)
       do c = 1, particles%chunks
         do l = 1, lanes
           id = particles%id(l, c)
           if (id == 0) cycle
-          x(:, id) = particles%a(l, :d, c)
-          v(:, id) = particles%a(l, d + 1:2*d, c)
-          mass(id) = particles%a(l, 2*d + 1, c)
-          b(:, id) = particles%b(l, :, c)
+          x(:, id) = particles%motion(l, :d, c)
+          v(:, id) = particles%motion(l, d + 1:2*d, c)
+          mass(id) = particles%motion(l, 2*d + 1, c)
+          b(:, id) = particles%state(l, :, c)
         end do
       end do
     end associate
