@@ -190,7 +190,7 @@ def starve(report, name, text, bytes_, what):
 
 
 def no_space(report, reference):
-    """Limits on the size of files, and a full disk."""
+    """Limits on the size of files; full_disk.py has the other end of room."""
     bare = deck("block.inp", "checkpoint every=20\n")
     wordy = bare.replace("checkpoint", "output vtkhdf every=1e-4\ncheckpoint")
     size = os.path.getsize(path_of(reference.folder, checkpoints(reference.folder)[-1]))
@@ -206,33 +206,6 @@ def no_space(report, reference):
         result = execute(line(name, "--restart", "latest", text=text), name)
         if report.finished(result, name):
             same_files(report, whole.folder, result.folder, name)
-    full_disk(report, bare, size)
-
-
-def full_disk(report, text, size):
-    """A file system with room for two checkpoints, where this user may mount one."""
-    name = "disk"
-    folder = clear(name)
-    os.makedirs(folder)
-    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={int(2.5*size)}", "none", folder], check=False,
-                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0
-    if not mounted:
-        print("note: no right to mount a file system: the full disk is not tested")
-        return
-    other = clear("disk_moved")
-    try:
-        result = execute(line(name, text=text), name)
-        report.check(result.code == WRONG_FILE and "No space left" in result.text,
-                     f"{name}: exit code {result.code}\n{result.text}")
-        report.check(checkpoints(folder) == [20, 40], f"{name}: {checkpoints(folder)} {os.listdir(folder)}")
-        report.check(not any(left.endswith(".part") for left in os.listdir(folder)), f"{name}: {os.listdir(folder)}")
-        shutil.copytree(folder, other)
-    finally:
-        subprocess.run(["umount", folder], check=False)
-    whole = straight(report, name + "_straight", text, **SETTINGS)
-    result = execute(line("disk_moved", "--restart", "latest", text=text), "disk_moved")
-    if report.finished(result, name):
-        same_files(report, whole.folder, result.folder, name)
 
 
 def other_decks(report, reference):

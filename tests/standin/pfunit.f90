@@ -2,12 +2,8 @@
 module pfunit
   use mpi
   use funit
-  use pfunit_runner, only: MpiTestMethod, any_on
+  use pfunit_runner, only: MpiTestMethod
   implicit none
   public
-
-  interface anyExceptions
-    procedure any_on
-  end interface anyExceptions
 
 end module pfunit

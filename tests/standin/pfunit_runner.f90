@@ -6,7 +6,7 @@ module pfunit_runner
   use funit_runner, only: test_record
   implicit none
   private
-  public :: MpiTestMethod, mpi_test_begin, mpi_test_end, any_on
+  public :: MpiTestMethod, mpi_test_begin, mpi_test_end
 
   integer, parameter :: text_length = 8192
 
