@@ -123,7 +123,7 @@ contains
       call put_particles(file, '/body_'//integer_text(b), model%bodies(b)%particles)
     end do
     do f = 1, size(model%fields)
-      call put_field(file, '/field_'//integer_text(f), model%fields(f), model%partition%own)
+      call put_field(file, '/field_'//integer_text(f), model%fields(f), model%ranks%partition%own)
     end do
     call file%close(error)
     call parallel_agree(error)

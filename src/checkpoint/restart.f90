@@ -15,7 +15,7 @@ module sgmp_restart
   use sgmp_parallel, only: parallel_agree, parallel_any
   use sgmp_particles, only: particles_lay_out, particles_pad, particles_t
   use sgmp_partition, only: partition_cut, partition_t
-  use sgmp_phases, only: phase_close_sums, phase_layout, phase_open_sums
+  use sgmp_phases, only: phase_layout
   use sgmp_posix, only: file_number
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
   use sgmp_rows, only: key_k, rows_contains, rows_points, rows_t
@@ -162,11 +162,12 @@ contains
     end do
     fits = .not. parallel_any(.not. (fits .and. file%good()))
     if (fits) then
-      call ranks_renew_bins(model)
-      call phase_layout(model)
+      call ranks_renew_bins(model%ranks, model%bodies)
+      call phase_layout(model%mesh, model%fields, model%bodies, model%contact, model%team, &
+                        model%ranks%partition)
       do f = 1, size(model%fields)
         if (fits) call get_field(file, '/field_'//integer_text(f), model%fields(f), &
-          model%partition, &
+          model%ranks%partition, &
                                  fits)
       end do
     end if
@@ -197,9 +198,9 @@ contains
         end do
       end do
     end do
-    if (high >= low) call partition_cut(model%partition, low, load)
+    if (high >= low) call partition_cut(model%ranks%partition, low, load)
     do b = 1, size(model%bodies)
-      call ranks_hold(model%partition, model%bodies(b)%particles)
+      call ranks_hold(model%ranks%partition, model%bodies(b)%particles)
     end do
   end subroutine cut_planes
 

@@ -7,9 +7,10 @@ module sgmp_state
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_energy, only: ledger_t
   use sgmp_kinds, only: dp, i8
-  use sgmp_model, only: body_sums_t, model_t
+  use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_t
   use sgmp_time_step, only: clock_t
+  use sgmp_totals, only: body_sums_t
   implicit none
   private
   public :: state_pass
@@ -24,21 +25,23 @@ contains
     integer(i8), intent(inout) :: particle_steps
     integer :: b, p
     call pass_clock(archive, model%clock)
-    call archive%pass(model%cutoff)
-    call archive%pass(model%fastest)
-    call archive%pass(model%fastest_id)
-    call archive%pass(model%fastest_field)
-    call archive%pass(model%fastest_before)
-    call archive%pass(model%lost)
-    call archive%pass(model%lost_before)
-    call archive%pass(model%moved)
+    call archive%pass(model%method%cutoff)
+    call archive%pass(model%findings%fastest)
+    call archive%pass(model%findings%fastest_id)
+    call archive%pass(model%findings%fastest_field)
+    call archive%pass(model%findings%fastest_before)
+    call archive%pass(model%findings%lost)
+    call archive%pass(model%findings%lost_before)
+    call archive%pass(model%findings%moved)
     call archive%pass(particle_steps)
     call pass_ledger(archive, model%ledger)
-    call archive%pass(model%points)
-    if (.not. allocated(model%counts)) allocate (model%counts(size(model%bodies)))
+    call archive%pass(model%totals%points)
+    if (.not. allocated(model%totals%particles)) then
+      allocate (model%totals%particles(size(model%bodies)))
+    end if
     do b = 1, size(model%bodies)
-      call archive%pass(model%counts(b))
-      call pass_body(archive, model%bodies(b), model%body_sums(b))
+      call archive%pass(model%totals%particles(b))
+      call pass_body(archive, model%bodies(b), model%totals%bodies(b))
     end do
     do p = 1, size(model%contact%pairs)
       call pass_pair(archive, model%contact%pairs(p))

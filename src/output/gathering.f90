@@ -95,7 +95,7 @@ contains
     integer, allocatable :: chosen(:)
     integer :: p
     call gather_snapshot(model, names, initial, snapshot)
-    if (model%partition%ranks == 1) return
+    if (model%ranks%partition%ranks == 1) return
     chosen = [(p, p=1, size(snapshot%id))]
     if (present(ids)) chosen = pack(chosen, [(any(snapshot%id(p) == ids), p=1, size(snapshot%id))])
     call deal_snapshot(snapshot, chosen, [(0, p=1, size(chosen))])
@@ -111,10 +111,10 @@ contains
     integer(i8), intent(out) :: before, total    !! total: of all ranks
     integer :: p, largest
     call gather_snapshot(model, names, initial, snapshot)
-    if (model%partition%ranks > 1) then
+    if (model%ranks%partition%ranks > 1) then
       largest = nint(parallel_max(real(maxval([0, snapshot%id]), dp)))
       call deal_snapshot(snapshot, [(p, p=1, size(snapshot%id))], &
-                         int((snapshot%id - 1_i8)*model%partition%ranks/max(1, largest)))
+                         int((snapshot%id - 1_i8)*model%ranks%partition%ranks/max(1, largest)))
     end if
     before = parallel_scan(size(snapshot%id, kind=i8))
     total = parallel_sum(size(snapshot%id, kind=i8))
@@ -304,11 +304,11 @@ contains
     integer, intent(in) :: b
     real(dp) :: row(size(bodies_columns))
     real(dp) :: centroid(3)
-    associate (sums => model%body_sums(b))
+    associate (sums => model%totals%bodies(b))
       centroid = mesh_position(model%mesh%origin, model%mesh%h, sums%moment/sums%mass)
       centroid(model%mesh%ndim + 1:) = 0.0_dp
       row = [model%clock%time, real(b, dp), sums%mass, centroid, sums%momentum/sums%mass, &
-             sums%kinetic, sums%internal, real(model%counts(b), dp)]
+             sums%kinetic, sums%internal, real(model%totals%particles(b), dp)]
     end associate
   end function gather_body_row
 

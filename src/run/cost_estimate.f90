@@ -94,15 +94,15 @@ contains
     logical :: ok
     real(dp) :: steps
     clock = model%clock
-    call clock_choose(clock, model%mesh%h, model%fastest, huge(1.0_dp), ok)
+    call clock_choose(clock, model%mesh%h, model%findings%fastest, huge(1.0_dp), ok)
     call put('time step   '//real_text(clock%dt)//' ('//trim(limit_names(clock%limited_by))// &
-             ', c + |v| = '//real_text(model%fastest)//' at particle '// &
-             integer_text(model%fastest_id)//')')
+             ', c + |v| = '//real_text(model%findings%fastest)//' at particle '// &
+             integer_text(model%findings%fastest_id)//')')
     steps = real(scene%time%steps, dp)
     if (scene%time%end < steps*clock%dt) steps = scene%time%end/clock%dt  ! huge if not given
     call put('steps       about '//real_text(steps)//', '// &
-             real_text(1.0e-7_dp*steps*real(particles, dp)/model%threads)// &
-             ' s at 100 ns per particle-step on '//integer_text(model%threads)//' threads')
+             real_text(1.0e-7_dp*steps*real(particles, dp)/model%team%threads)// &
+             ' s at 100 ns per particle-step on '//integer_text(model%team%threads)//' threads')
   end subroutine put_time
 
   subroutine put(text)

@@ -47,11 +47,12 @@ contains
     integer(i8) :: memory
     memory = peak_memory_bytes()
     effort%memory = parallel_sum(memory)
-    own = [model%timers%seconds, real(model%traffic%messages, dp), real(model%traffic%bytes, dp)]
+    own = [model%timers%seconds, real(model%ranks%traffic%messages, dp), &
+           real(model%ranks%traffic%bytes, dp)]
     call parallel_collect(own, others)
-    all = reshape([own, others], [size(own), model%partition%ranks])
+    all = reshape([own, others], [size(own), model%ranks%partition%ranks])
     effort%least = minval(all(:phase_count, :), dim=2)
-    effort%mean = sum(all(:phase_count, :), dim=2)/model%partition%ranks
+    effort%mean = sum(all(:phase_count, :), dim=2)/model%ranks%partition%ranks
     effort%most = maxval(all(:phase_count, :), dim=2)
     effort%messages = maxval(all(phase_count + 1, :))
     effort%bytes = maxval(all(phase_count + 2, :))
@@ -87,9 +88,9 @@ contains
     call log%line(integer_text(scene%dimension)//'D, '// &
                   trim(method_names(scene%method%kind))//'-'// &
                   trim(update_names(scene%method%update))//', '// &
-                  integer_text(sum(model%counts))//' particles, '// &
-                  integer_text(model%points)//' grid points')
-    if (model%partition%ranks > 1 .and. .not. model%partition%divisible) then
+                  integer_text(sum(model%totals%particles))//' particles, '// &
+                  integer_text(model%totals%points)//' grid points')
+    if (model%ranks%partition%ranks > 1 .and. .not. model%ranks%partition%divisible) then
       call log%warning('a scene in 1D is not divided: the first rank does all the work')
     end if
     call warn_of_strangers(log, model)
@@ -152,8 +153,8 @@ contains
     type(model_t), intent(in) :: model
     character(:), allocatable :: line
     line = 'step '//integer_text(model%clock%step)//': cuts between ranks moved for the '// &
-           integer_text(model%balance%cuts)//'. time, most particles on a rank now '// &
-           real_text(model%balance%imbalance)//' of the mean'
+           integer_text(model%ranks%balance%cuts)//'. time, most particles on a rank now '// &
+           real_text(model%ranks%balance%imbalance)//' of the mean'
   end function report_balance
 
   !> A row of the log's table.
@@ -167,15 +168,15 @@ contains
     row%dt = model%clock%dt
     row%limited_by = limit_names(model%clock%limited_by)
     if (model%clock%limited_by == limit_courant) then
-      row%limited_by = 'particle '//integer_text(model%fastest_id)
+      row%limited_by = 'particle '//integer_text(model%findings%fastest_id)
     end if
     row%kinetic = model%ledger%kinetic
     row%internal = model%ledger%internal
     row%total = ledger_total(model%ledger)
     row%drift = (row%total - model%ledger%initial_total - model%ledger%external_work) &
                 /max(abs(model%ledger%initial_total), abs(row%total), tiny(1.0_dp))
-    row%active_cells = model%points
-    row%lost = int(model%lost, i8)
+    row%active_cells = model%totals%points
+    row%lost = int(model%findings%lost, i8)
     row%fraction = report_fraction(scene, model)
     row%eta = report_remaining(scene, model, elapsed, before)
   end function report_row
@@ -190,13 +191,14 @@ contains
     call log%line(integer_text(model%clock%step)//' steps, '//real_text(cost(effort))// &
                   ' ns per particle-step, '//real_text(effort%solving)//' s solving, '// &
                   real_text(real(effort%memory, dp)/1048576.0_dp)//' MiB peak')
-    if (model%partition%ranks > 1) then
+    if (model%ranks%partition%ranks > 1) then
       call log%line('halo: '//real_text(effort%messages/max(model%clock%step, 1))// &
                     ' messages and '//real_text(effort%bytes/max(model%clock%step, 1))// &
                     ' bytes per step from the rank that sends most')
     end if
-    if (model%lost > 0) then
-      call log%warning(integer_text(model%lost)//' particles left the grid and were removed')
+    if (model%findings%lost > 0) then
+      call log%warning(integer_text(model%findings%lost)// &
+                       ' particles left the grid and were removed')
     end if
     call warn_of_growth(log, model)
     if (.not. allocated(error)) return
@@ -246,7 +248,7 @@ contains
     call summarise_effort(summary, model, effort)
     call summary%set('checksum', checksum_text(gather_checksum(model)))
     call summarise_energy(summary, model)
-    if (model%partition%rank == 0) call summary%write(path, problem)
+    if (model%ranks%partition%rank == 0) call summary%write(path, problem)
     call parallel_agree(problem)
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
   end subroutine summary_write
@@ -267,9 +269,9 @@ contains
     call summary%set('cfl_limit', model%clock%limit)
     call summary%set('h', scene%grid%cell)
     call summary%set('spacing', model%bodies(1)%spacing)
-    call summary%set('particles', sum(model%counts))
-    call summary%set('particles_lost', model%lost)
-    call summary%set('grid_points', model%points)
+    call summary%set('particles', sum(model%totals%particles))
+    call summary%set('particles_lost', model%findings%lost)
+    call summary%set('grid_points', model%totals%points)
     call summary%set('units.length', trim(scene%units(1)))
     call summary%set('units.mass', trim(scene%units(2)))
     call summary%set('units.time', trim(scene%units(3)))
@@ -289,7 +291,7 @@ contains
     call summary%set('wall_seconds', effort%wall)
     call summary%set('solve_seconds', effort%solving)
     call summary%set('ns_per_particle_step', cost(effort))
-    call summary%set('ranks', model%partition%ranks)
+    call summary%set('ranks', model%ranks%partition%ranks)
     call summary%set('threads', effort%threads)
     call summary%set('peak_memory_bytes', effort%memory)
     total = max(sum(effort%mean), tiny(total))
@@ -299,14 +301,14 @@ contains
     do k = 1, phase_count
       call summary%set('phase_percent.'//trim(phase_names(k)), 100.0_dp*effort%mean(k)/total)
     end do
-    if (model%partition%ranks == 1) return
+    if (model%ranks%partition%ranks == 1) return
     call summary%set('halo.share', effort%mean(phase_halo)/max(effort%solving, tiny(1.0_dp)))
     call summary%set('halo.messages_per_step', effort%messages/max(model%clock%step, 1))
     call summary%set('halo.bytes_per_step', effort%bytes/max(model%clock%step, 1))
-    call summary%set('balance.cuts', model%balance%cuts)
-    call summary%set('balance.particles_moved', model%balance%moved)
-    call summary%set('balance.imbalance', model%balance%imbalance)
-    call summary%set('balance.largest_imbalance', model%balance%largest)
+    call summary%set('balance.cuts', model%ranks%balance%cuts)
+    call summary%set('balance.particles_moved', model%ranks%balance%moved)
+    call summary%set('balance.imbalance', model%ranks%balance%imbalance)
+    call summary%set('balance.largest_imbalance', model%ranks%balance%largest)
     call summary%set('balance.share', effort%mean(phase_balance)/max(effort%solving, tiny(1.0_dp)))
     call summary%set('halo.seconds_per_step', effort%mean(phase_halo)/max(model%clock%step, 1))
   end subroutine summarise_effort

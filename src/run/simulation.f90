@@ -44,7 +44,7 @@ contains
     call parallel_agree(error)
     if (allocated(error)) return
     call stability_choose(model)
-    if (model%partition%rank == 0) call cost_estimate_write(scene, model)
+    if (model%ranks%partition%rank == 0) call cost_estimate_write(scene, model)
   end subroutine simulation_check
 
   !> Runs a scene from its initial state, or a checkpoint, to its end.
@@ -165,17 +165,17 @@ contains
     do while (.not. finished(scene, model))
       target = outputs_next_time(outputs, scene)
       call look_ahead(scene, model, log)
-      call clock_choose(model%clock, model%mesh%h, model%fastest, target, ok)
+      call clock_choose(model%clock, model%mesh%h, model%findings%fastest, target, ok)
       if (.not. ok) then
         call step_too_small(scene, model, error)
         return
       end if
       call step_take(model)
       call clock_advance(model%clock, target)
-      effort%particle_steps = effort%particle_steps + sum(model%counts)
+      effort%particle_steps = effort%particle_steps + sum(model%totals%particles)
       call guard(scene, model)
-      if (allocated(model%failure)) then
-        call move_alloc(model%failure, error)
+      if (allocated(model%findings%failure)) then
+        call move_alloc(model%findings%failure, error)
         return
       end if
       call timers_start(model%timers)
@@ -257,7 +257,7 @@ contains
     if (model%clock%step > 0 .and. scene%stop%kinetic_below > 0.0_dp) then
       yes = yes .or. model%ledger%kinetic < scene%stop%kinetic_below*model%ledger%largest_kinetic
     end if
-    yes = yes .or. sum(model%counts) == 0_i8
+    yes = yes .or. sum(model%totals%particles) == 0_i8
   end function finished
 
   !> Energy growth beyond the deck's limit, or beyond all sense, is a failure.
@@ -265,15 +265,16 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(inout) :: model
     real(dp) :: total, reference
-    if (allocated(model%failure)) return
+    if (allocated(model%findings%failure)) return
     total = ledger_total(model%ledger)
     reference = max(abs(model%ledger%initial_total), abs(model%ledger%external_work))
     if (total /= total) then
-      call error_make(model%failure, exit_numerical, 'the total energy is not a number in step '// &
+      call error_make(model%findings%failure, exit_numerical, &
+                      'the total energy is not a number in step '// &
                       integer_text(model%clock%step), &
                       'reduce cfl; the last dump shows where it started')
     else if (reference > 0.0_dp .and. total/scene%stop%energy_growth > reference) then
-      call error_make(model%failure, exit_numerical, 'the total energy has grown to '// &
+      call error_make(model%findings%failure, exit_numerical, 'the total energy has grown to '// &
                       real_text(total/reference)//' times its reference in step '// &
                       integer_text(model%clock%step)//' at time '// &
                       real_text(model%clock%time)//'; the fastest is '// &
@@ -292,7 +293,7 @@ contains
                     ' is below its minimum '//real_text(model%clock%smallest)//' in step '// &
                     integer_text(model%clock%step + 1)//'; '//fastest_particle(scene, model)// &
                     ' limits it with c + |v| = '// &
-                    real_text(model%fastest), &
+                    real_text(model%findings%fastest), &
                     'look at that particle in the last dump; lower `time dt_min` if so small a '// &
                     'step is meant')
   end subroutine step_too_small
@@ -303,8 +304,9 @@ contains
     type(model_t), intent(in) :: model
     character(:), allocatable :: text
     integer :: b
-    b = body_number(model%bodies, model%fastest_id)
-    text = 'particle '//integer_text(model%fastest_id)//' of body '//trim(model%bodies(b)%name)// &
+    b = body_number(model%bodies, model%findings%fastest_id)
+    text = 'particle '//integer_text(model%findings%fastest_id)//' of body '// &
+           trim(model%bodies(b)%name)// &
            ' ('//trim(scene%materials(scene%bodies(b)%material)%name)//')'
   end function fastest_particle
 

@@ -10,7 +10,6 @@ module sgmp_build_model
   use sgmp_eos_jwl, only: jwl_init
   use sgmp_errors, only: error_t
   use sgmp_field, only: field_init
-  use sgmp_field_sweep, only: field_slabs
   use sgmp_first_partition, only: partition_first, partition_slab
   use sgmp_kernels, only: method_cpgimp, method_kernel, stencil_shift
   use sgmp_kinds, only: dp, i4, lanes
@@ -21,9 +20,8 @@ module sgmp_build_model
                                  hardening_perfect, material_elastic, material_explosive, &
                                  material_j2, material_johnson_cook, material_neo_hookean
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
-  use sgmp_model, only: body_sums_t, model_t
+  use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
-  use sgmp_movers, only: movers_reset
   use sgmp_parallel, only: parallel_agree, parallel_exact_sums, parallel_max, parallel_rank, &
                            parallel_ranks
   use sgmp_particles, only: particles_fill
@@ -33,6 +31,8 @@ module sgmp_build_model
   use sgmp_scene, only: body_card_t, material_card_t, scene_at_rest, scene_t
   use sgmp_seeding, only: seeding_check_overlap, seeding_generate, survey_t
   use sgmp_step, only: step_start
+  use sgmp_team, only: team_make
+  use sgmp_totals, only: body_sums_t
   use sgmp_voigt, only: stress_components
   implicit none
   private
@@ -58,19 +58,17 @@ contains
     if (present(empty)) seeded = .not. empty
     model%mesh = mesh_make(scene%dimension, scene%grid%cell, scene%grid%lower, scene%grid%upper, &
                            scene%grid%open, scene%grid%wall)
-    model%threads = merge(1, threads, scene%dimension == 1)
-    model%update = scene%method%update
-    model%flip = scene%method%flip
-    model%gravity = scene%gravity
-    model%normalised = scene%method%normalised
-    model%interior = scene%method%interior
-    model%spins = spin_components(scene)
-    model%lost_policy = scene%grid%lost
+    model%method%update = scene%method%update
+    model%method%flip = scene%method%flip
+    model%method%gravity = scene%gravity
+    model%method%normalised = scene%method%normalised
+    model%method%interior = scene%method%interior
+    model%method%spins = spin_components(scene)
+    model%method%lost_policy = scene%grid%lost
     kernel = method_kernel(scene%method%kind)
-    allocate (model%bodies(size(scene%bodies)), model%body_sums(size(scene%bodies)))
-    call partition_make(model%partition, model%mesh, kernel, model%normalised, &
-      model%mesh%ndim > 1, &
-                    parallel_rank(), parallel_ranks())
+    allocate (model%bodies(size(scene%bodies)), model%totals%bodies(size(scene%bodies)))
+    call partition_make(model%ranks%partition, model%mesh, kernel, model%method%normalised, &
+                        model%mesh%ndim > 1, parallel_rank(), parallel_ranks())
     if (seeded) then
       call partition_first(scene, model, kernel, surveys, error)
       if (allocated(error)) return
@@ -83,7 +81,7 @@ contains
       call build_body(scene, b, model, kernel, next_id, seeded, surveys, model%bodies(b), error)
       call parallel_agree(error)
       if (allocated(error)) return
-      if (model%partition%ranks > 1 .and. seeded) then
+      if (model%ranks%partition%ranks > 1 .and. seeded) then
         next_id = next_id + sum(surveys(b)%points)
       else
         next_id = next_id + model%bodies(b)%particles%count
@@ -95,9 +93,9 @@ contains
                                         mask=particles%id(:, :particles%chunks) > 0))
       end associate
     end do
-    model%cutoff = scene%method%mass_cutoff*parallel_max(heaviest)
+    model%method%cutoff = scene%method%mass_cutoff*parallel_max(heaviest)
     call contact_pairs(scene, model)
-    call build_fields(model, kernel)
+    call build_fields(model, kernel, merge(1, threads, scene%dimension == 1))
     call build_clock(scene, model)
     if (.not. seeded) return
     call step_start(model)
@@ -120,7 +118,7 @@ contains
                material => scene%materials(scene%bodies(number)%material))
       if (.not. seeded) then
         allocate (x(3, 0), volume(0))
-      else if (model%partition%ranks > 1) then
+      else if (model%ranks%partition%ranks > 1) then
         call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, &
                               file_velocity, partition_slab(model, kernel), surveys(number), ids)
       else
@@ -155,7 +153,7 @@ contains
       call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, material%density, &
                           volume, first_history(card, material, body%law, mesh%ndim), first_id, &
                           ids)
-      call ranks_hold(model%partition, body%particles)
+      call ranks_hold(model%ranks%partition, body%particles)
       call set_velocities(card, mesh, file_velocity, body)
       call fill_positions(scene, mesh, body)
       call contact_fill_slot(card, mesh, body)
@@ -345,27 +343,21 @@ contains
     end do
   end subroutine fill_positions
 
-  !> Velocity fields and the threads' workspaces.
-  subroutine build_fields(model, kernel)
+  !> Velocity fields and the threads that work on them.
+  subroutine build_fields(model, kernel, threads)
     type(model_t), intent(inout) :: model
-    integer, intent(in) :: kernel
-    integer :: f, b, s
+    integer, intent(in) :: kernel, threads
+    integer :: f
     allocate (model%fields(contact_fields(model)))
     do f = 1, size(model%fields)
-      call field_init(model%fields(f), model%mesh, kernel, &
-                      any(model%bodies%forced), model%normalised, model%spins)
+      call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
+                      model%method%normalised, model%method%spins)
     end do
-    allocate (model%workspaces(field_slabs(model%threads), size(model%fields)))
-    allocate (model%movers(size(model%bodies), field_slabs(model%threads) + 1))
-    do s = 1, size(model%movers, 2)
-      do b = 1, size(model%bodies)  ! empty lists also for bodies that no sweep ever visits
-        call movers_reset(model%movers(b, s), 0, 0)
-      end do
-    end do
-    allocate (model%slabs(field_slabs(model%threads) + 1, size(model%fields)))
-    allocate (model%below(size(model%fields)), model%above(size(model%fields)))
-    call ranks_renew_bins(model)
-    call phase_layout(model)
+    call team_make(model%team, threads, model%mesh%ndim, size(model%fields), size(model%bodies))
+    allocate (model%ranks%below(size(model%fields)), model%ranks%above(size(model%fields)))
+    call ranks_renew_bins(model%ranks, model%bodies)
+    call phase_layout(model%mesh, model%fields, model%bodies, model%contact, model%team, &
+                      model%ranks%partition)
   end subroutine build_fields
 
   !> The clock's settings.
@@ -386,7 +378,7 @@ contains
     real(dp) :: totals(body_terms)
     integer :: b, c
     do b = 1, size(model%bodies)
-      associate (particles => model%bodies(b)%particles, sums => model%body_sums(b))
+      associate (particles => model%bodies(b)%particles, sums => model%totals%bodies(b))
         allocate (terms(body_terms, particles%chunks))
         do c = 1, particles%chunks
           terms(:, c) = chunk_terms(model%bodies(b), model%mesh%ndim, c)
@@ -397,9 +389,11 @@ contains
                            kinetic=totals(8), internal=totals(9))
       end associate
     end do
-    call ledger_open(model%ledger, sum(model%body_sums%kinetic, mask=.not. model%bodies%rigid), &
-                     sum(model%body_sums%internal), &
-                     [(sum(model%body_sums%momentum(c), mask=.not. model%bodies%rigid), c=1, 3)])
+    call ledger_open(model%ledger, &
+                     sum(model%totals%bodies%kinetic, mask=.not. model%bodies%rigid), &
+                     sum(model%totals%bodies%internal), &
+                     [(sum(model%totals%bodies%momentum(c), mask=.not. model%bodies%rigid), &
+                       c=1, 3)])
   end subroutine open_ledger
 
   !> Mass, moment, momentum, kinetic and internal energy of a chunk.

@@ -27,13 +27,13 @@ contains
     integer(i8), allocatable :: counts(:)
     integer :: b, low, high
     allocate (surveys(size(scene%bodies)))
-    if (model%partition%ranks == 1) return
+    if (model%ranks%partition%ranks == 1) return
     low = far_plane
     high = -far_plane
     do b = 1, size(surveys)
       call seeding_survey(scene%bodies(b), scene%grid%cell, model%mesh%origin, model%mesh%ndim, &
-                          partition_slab(model, kernel), model%partition%rank, &
-                            model%partition%ranks, &
+                          partition_slab(model, kernel), model%ranks%partition%rank, &
+                            model%ranks%partition%ranks, &
                           surveys(b), error)
       call parallel_agree(error)
       if (allocated(error)) return
@@ -63,7 +63,7 @@ contains
       end associate
     end do
     load = real(parallel_sum(counts), dp)
-    call partition_cut(model%partition, low, load)
+    call partition_cut(model%ranks%partition, low, load)
   end subroutine partition_first
 
   !> The planes of this rank, for seeding.
@@ -75,7 +75,7 @@ contains
     if (slab%axis > 0) slab%origin = model%mesh%origin(slab%axis)
     slab%h = model%mesh%h
     slab%shift = stencil_shift(kernel)
-    slab%own = model%partition%own
+    slab%own = model%ranks%partition%own
   end function partition_slab
 
 end module sgmp_first_partition

@@ -41,22 +41,24 @@ contains
     real(dp), allocatable :: particles(:), load(:)
     integer :: first
     done = .false.
-    if (model%partition%ranks == 1 .or. .not. model%partition%divisible .or. card%every == 0) return
+    if (model%ranks%partition%ranks == 1 .or. card%every == 0) return
+    if (.not. model%ranks%partition%divisible) return
     if (model%clock%step == 0 .or. mod(model%clock%step, card%every) /= 0) return
     call timers_start(model%timers)
     call measure(model, first, particles, load)
-    model%balance%imbalance = partition_imbalance(partition_loads(model%partition, first, &
-      particles))
-    model%balance%largest = max(model%balance%largest, model%balance%imbalance)
-    new = model%partition
-    call partition_cut(new, first, load)
-    done = partition_imbalance(partition_loads(new, first, load)) < &
-           (1.0_dp - card%gain)*partition_imbalance(partition_loads(model%partition, first, load))
-    if (done) then
-      call move(model, new)
-      model%balance%cuts = model%balance%cuts + 1
-      model%balance%imbalance = partition_imbalance(partition_loads(new, first, particles))
-    end if
+    associate (partition => model%ranks%partition, balance => model%ranks%balance)
+      balance%imbalance = partition_imbalance(partition_loads(partition, first, particles))
+      balance%largest = max(balance%largest, balance%imbalance)
+      new = partition
+      call partition_cut(new, first, load)
+      done = partition_imbalance(partition_loads(new, first, load)) < &
+             (1.0_dp - card%gain)*partition_imbalance(partition_loads(partition, first, load))
+      if (done) then
+        call move(model, new)
+        balance%cuts = balance%cuts + 1
+        balance%imbalance = partition_imbalance(partition_loads(new, first, particles))
+      end if
+    end associate
     call timers_stop(model%timers, phase_balance)
   end subroutine balancing_look
 
@@ -123,7 +125,7 @@ contains
     first = far_plane
     last = -far_plane
     do f = 1, size(model%fields)
-      call halo_own_planes(model%fields(f), model%partition, p1, p2)
+      call halo_own_planes(model%fields(f), model%ranks%partition, p1, p2)
       if (p2 < p1) cycle
       first = min(first, model%fields(f)%plane_k(p1))
       last = max(last, model%fields(f)%plane_k(p2))
@@ -155,7 +157,7 @@ contains
       associate (particles => model%bodies(b)%particles)
         do s = 1, particles%bins%n
           k = key_k(particles%bins%key(s))
-          if (k < model%partition%own(1) .or. k > model%partition%own(2)) cycle
+          if (k < model%ranks%partition%own(1) .or. k > model%ranks%partition%own(2)) cycle
           n1 = particles%bin_start(s) + particles%bins%first(s)
           n2 = particles%bin_start(s) + particles%bins%last(s)
           number(k) = number(k) + sum(particles%size(n1:n2))
@@ -175,7 +177,7 @@ contains
       if (b > 0) then
         if (model%bodies(b)%at_rest) cycle
       end if
-      call halo_own_planes(model%fields(f), model%partition, p1, p2)
+      call halo_own_planes(model%fields(f), model%ranks%partition, p1, p2)
       do p = p1, p2
         k = model%fields(f)%plane_k(p)
         number(k) = number(k) + model%fields(f)%plane_start(p + 1) - &
@@ -193,7 +195,7 @@ contains
     associate (shared => model%contact%shared)
       do n = 1, shared%nodes
         k = shared%point(3, n)
-        if (k < model%partition%own(1) .or. k > model%partition%own(2)) cycle
+        if (k < model%ranks%partition%own(1) .or. k > model%ranks%partition%own(2)) cycle
         number(k) = number(k) + &
                     count(shared%meets(shared%link_start(n):shared%link_start(n + 1) - 1))
       end do
@@ -218,17 +220,18 @@ contains
       call ranks_hold(new, model%bodies(b)%particles)
       call trade_particles(new, model%bodies(b)%particles, moved)
     end do
-    model%balance%moved = model%balance%moved + parallel_sum(moved)
-    model%partition = new
-    call ranks_renew_bins(model)
-    call phase_layout(model)
+    model%ranks%balance%moved = model%ranks%balance%moved + parallel_sum(moved)
+    model%ranks%partition = new
+    call ranks_renew_bins(model%ranks, model%bodies)
+    call phase_layout(model%mesh, model%fields, model%bodies, model%contact, model%team, &
+                      model%ranks%partition)
     do f = 1, size(model%fields)
       columns = columns_alive(model, f)
       call halo_clear(model%fields(f), 1, model%fields(f)%planes, [1, &
                       model%fields(f)%columns%total])
       call halo_get_planes(model%fields(f), columns, none, sums(f), complete)
-      if (complete .or. allocated(model%failure)) cycle
-      call error_make(model%failure, exit_numerical, 'grid sums got lost between ranks', &
+      if (complete .or. allocated(model%findings%failure)) cycle
+      call error_make(model%findings%failure, exit_numerical, 'grid sums got lost between ranks', &
                       'this is a fault of the program: report it')
     end do
   end subroutine move
@@ -240,7 +243,7 @@ contains
     integer, intent(in) :: f
     integer :: columns(2)
     columns = [1, model%fields(f)%columns%total]
-    if (any(model%update == [update_usf, update_usavg])) then
+    if (any(model%method%update == [update_usf, update_usavg])) then
       columns(2) = model%fields(f)%columns%spin - 1
     end if
   end function columns_alive
@@ -253,7 +256,7 @@ contains
     type(buffer_t), intent(out) :: received
     type(buffer_t) :: all
     integer :: counts(new%ranks), r, p, p1, p2, before
-    call halo_own_planes(model%fields(f), model%partition, p1, p2)
+    call halo_own_planes(model%fields(f), model%ranks%partition, p1, p2)
     do r = 1, new%ranks
       before = all%n
       do p = p1, p2

@@ -5,9 +5,10 @@
 !!
 !! Chunks are many and small, so what is the same for all of them is worked out once, in a task.
 module DIM(sgmp_chunk)
+  use DIM(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: constitutive_t
-  use sgmp_kernels, only: kernel_gimp, kernel_mpm, kernel_sgmp, stencil_shift, stencil_width
+  use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
@@ -19,14 +20,14 @@ module DIM(sgmp_chunk)
                        sum_viscous, sweep_sums
   use DIM(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_scatter, &
                                 linear_scatter_force, linear_weights
-  use DIM(sgmp_transfer_gimp), only: gimp_axes, gimp_gather, gimp_gather_gradient, gimp_scatter, &
-                                     gimp_scatter_force, gimp_size, gimp_spread, gimp_spread_t
+  use DIM(sgmp_transfer_product), only: product_gather, product_gather_gradient, product_scatter, &
+                                        product_scatter_force, product_spread, product_spread_t
   implicit none
   private
-  public :: chunk_advance, particle_size, task_make, task_t
+  public :: chunk_advance, particle_axes, task_make, task_t
   public :: largest_stencil, most_columns, most_rows
 
-  integer, parameter :: largest_stencil = NGIMP
+  integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
   integer, parameter :: most_columns = 2 + 2*NDIM + NSPIN + NFLUX
   integer, parameter :: most_gathered = 2*NDIM + NGRAD
@@ -36,6 +37,8 @@ module DIM(sgmp_chunk)
   !> What a sweep asks of every chunk of a field, and the extents of the field's stencil.
   type :: task_t
     integer :: kernel = kernel_sgmp
+    logical :: wide = .false.            !! three points per axis and not two
+    logical :: centred = .true.          !! the stencil's points are cell centres
     integer :: width = 2, layers = 1, lines = 1, rows = 1, points = 2  !! of the stencil
     real(dp) :: shift = 0.5_dp           !! of the stencil against the grid (cells)
     integer :: nq = 0                    !! columns of the moments that are scattered
@@ -64,10 +67,12 @@ contains
     integer :: nl
     task%kernel = kernel
     task%width = stencil_width(kernel)
-    task%layers = merge(GIMP_LAYER, NLAYER, kernel == kernel_gimp)
-    task%lines = merge(GIMP_LINE, NLINE, kernel == kernel_gimp)
+    task%wide = task%width == 3
+    task%centred = kernel_centred(kernel)
+    task%layers = merge(WIDE_LAYER, NLAYER, task%wide)
+    task%lines = merge(WIDE_LINE, NLINE, task%wide)
     task%rows = task%layers*task%lines
-    task%points = merge(NGIMP_SUM, NCORNER, kernel == kernel_gimp)
+    task%points = merge(NWIDE_SUM, NCORNER, task%wide)
     task%shift = stencil_shift(kernel)
     task%nq = plan%last_column - plan%first_column + 1
     task%forces = merge(1, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
@@ -76,7 +81,7 @@ contains
       task%spin = task%forces
       task%forces = task%forces + plan%spins
     end if
-    task%flux = merge(task%forces, task%nq, kernel == kernel_sgmp)
+    task%flux = merge(task%forces, task%nq, task%centred)
     task%values = merge(max(task%nq, task%flux + NFLUX), task%nq, plan%stress)
     task%vectors = NDIM*size(plan%vectors)
     task%stride = max(1, task%vectors + merge(NGRAD, 0, plan%gradient > 0))
@@ -111,12 +116,12 @@ contains
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
     real(dp) :: xi(lanes, NDIM), got(lanes, most_gathered)
-    real(dp) :: axes(lanes, 3, NDIM, 2)          !! GIMP: weights per axis, slopes
+    real(dp) :: axes(lanes, 3, NDIM, 2)          !! of a wide stencil: weights, slopes
     real(dp) :: values(lanes, most_columns + NFLUX), speed2(lanes), jacobian(lanes)
     logical :: outside
     outside = .false.
     call locate(motion, origin, xi)
-    if (task%kernel == kernel_gimp) call particle_axes(body, task%inverse_h, nb, state, xi, axes)
+    if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
     call gather(task, plan%gradient > 0, xi, axes, row, records, got)
     if (nl < lanes) call hold_pads(task%stride, task%live(1, nl), got)
     if (plan%probe) then
@@ -143,12 +148,12 @@ contains
     if (task%spin > 0) call spin_collect(plan%spin_keep, plan%spin_gain, task%live(1, nl), &
                                          got(1, task%gradient), motion(1, mass_at), &
                                          state(1, body%law%slots%spin), values(1, task%spin + 1))
-    if (plan%stress .and. (task%kernel /= kernel_sgmp .or. task%nq > task%forces + NFLUX)) then
+    if (plan%stress .and. (.not. task%centred .or. task%nq > task%forces + NFLUX)) then
       call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, motion, state, values)
     end if
     if (outside) call note_movers(task, s, nl, nb, motion, state, id, xi, values, movers)
-    if (task%kernel == kernel_gimp .and. (plan%drift .or. plan%mass)) then
-      call particle_axes(body, task%inverse_h, nb, state, xi, axes)
+    if (task%wide .and. (plan%drift .or. plan%mass)) then
+      call particle_axes(body, task, nb, state, xi, axes)
     end if
     call scatter(task, plan%stress, xi, axes, values, stencil)
   end subroutine chunk_advance
@@ -217,16 +222,17 @@ contains
     end do
   end subroutine particle_size
 
-  !> GIMP weights and slopes per axis of a chunk.
-  pure subroutine particle_axes(body, inverse_h, nb, state, xi, axes)
+  !> Weights and slopes per axis of a chunk.
+  pure subroutine particle_axes(body, task, nb, state, xi, axes)
     type(body_t), intent(in) :: body
-    real(dp), intent(in) :: inverse_h
+    type(task_t), intent(in) :: task
     integer, intent(in) :: nb
     real(dp), intent(in) :: state(lanes, nb), xi(lanes, NDIM)
     real(dp), intent(out) :: axes(lanes, 3, NDIM, 2)
     real(dp) :: size_of(lanes, NDIM, 2)
     call particle_size(body, nb, state, size_of)
-    call gimp_axes(xi, size_of, inverse_h, axes(1, 1, 1, 1), axes(1, 1, 1, 2))
+    call axis_weights(task%kernel, xi, size_of, task%inverse_h, axes(1, 1, 1, 1), &
+                      axes(1, 1, 1, 2))
   end subroutine particle_axes
 
   !> Vectors and velocity gradient at the particles, from the records of the grid.
@@ -242,14 +248,14 @@ contains
       got = 0.0_dp
       return
     end if
-    if (task%kernel == kernel_gimp) then
-      call gimp_gather(task%vectors, axes, task%stride, records, row, got)
-      if (gradient) call gimp_gather_gradient(axes, axes(1, 1, 1, 2), task%stride, &
+    if (task%wide) then
+      call product_gather(task%vectors, axes, task%stride, records, row, got)
+      if (gradient) call product_gather_gradient(axes, axes(1, 1, 1, 2), task%stride, &
                                               records(task%gradient, 1), row, got(1, task%gradient))
       return
     end if
     call linear_weights(xi, w)
-    if (task%kernel == kernel_sgmp) then
+    if (task%centred) then
       call linear_gather(task%stride, w, task%stride, records, row, got)
       return
     end if
@@ -375,7 +381,7 @@ contains
     end do
   end subroutine collect
 
-  !> The columns behind: forces of MPM and GIMP, which stay open, external forces, volume.
+  !> The columns behind: forces at nodes (MPM, GIMP), which stay open, external forces, volume.
   subroutine collect_rest(mesh, body, plan, task, live, nb, motion, state, values)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
@@ -387,7 +393,7 @@ contains
     real(dp) :: mass(lanes)
     integer :: n
     n = task%forces
-    if (task%kernel == kernel_sgmp) then
+    if (task%centred) then
       n = n + NFLUX
     else
       values(:, n + 1:n + NDIM) = 0.0_dp
@@ -463,9 +469,9 @@ contains
     real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
     real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
     real(dp), intent(inout) :: stencil(task%points, task%nq)
-    type(gimp_spread_t) :: spread
+    type(product_spread_t) :: spread
     integer :: plain, rest
-    if (task%kernel == kernel_sgmp) then
+    if (task%centred) then
       if (task%spin > 0) then
         call spin_to_origin(task%h, xi, values(1, task%spin + 1), values(1, task%momentum + 1))
         call spin_to_corners(task%h, xi, values(1, task%spin + 1), stencil(1, task%momentum + 1))
@@ -475,18 +481,19 @@ contains
     end if
     plain = task%forces
     rest = plain + merge(NDIM, 0, stress)
-    if (task%kernel == kernel_mpm) then
+    if (.not. task%wide) then
       if (plain > 0) call linear_scatter(plain, xi, values, stencil)
       if (rest < task%nq) call linear_scatter(task%nq - rest, xi, values(1, rest + 1), &
                                               stencil(1, rest + 1))
       if (stress) call linear_scatter_force(xi, task%inverse_h, values(1, task%flux + 1), &
                                             stencil(1, plain + 1))
     else
-      call gimp_spread(axes, axes(1, 1, 1, 2), stress, spread)
-      if (plain > 0) call gimp_scatter(plain, spread, values, stencil)
-      if (rest < task%nq) call gimp_scatter(task%nq - rest, spread, values(1, rest + 1), &
+      call product_spread(axes, axes(1, 1, 1, 2), stress, spread)
+      if (plain > 0) call product_scatter(plain, spread, values, stencil)
+      if (rest < task%nq) call product_scatter(task%nq - rest, spread, values(1, rest + 1), &
                                             stencil(1, rest + 1))
-      if (stress) call gimp_scatter_force(spread, values(1, task%flux + 1), stencil(1, plain + 1))
+      if (stress) call product_scatter_force(spread, values(1, task%flux + 1), &
+                                             stencil(1, plain + 1))
     end if
   end subroutine scatter
 

@@ -1,8 +1,8 @@
 !> What a thread does with the movers of its slab right after the sweep: those that leave the grid,
 !! and the bins of the others.
 module sgmp_lost_particles
+  use sgmp_body, only: body_t
   use sgmp_mesh, only: mesh_t
-  use sgmp_model, only: model_t
   use sgmp_motion, only: motion_velocity
   use sgmp_movers, only: movers_t
   use sgmp_particles, only: particles_t
@@ -15,19 +15,21 @@ module sgmp_lost_particles
 
 contains
 
-  !> Looks after the movers of a field's bodies in list s: one slab's.
-  pure subroutine lost_particles_check(model, plan, f, s)
-    type(model_t), intent(inout) :: model
+  !> Looks after the movers that the bodies of field f have in one slab.
+  pure subroutine lost_particles_check(plan, f, mesh, bodies, movers)
     type(plan_t), intent(in) :: plan
-    integer, intent(in) :: f, s
+    integer, intent(in) :: f
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: bodies(:)
+    type(movers_t), intent(inout) :: movers(:)   !! (bodies)
     integer :: b
-    do b = 1, size(model%bodies)
-      if (model%bodies(b)%field /= f) cycle
-      if (model%lost_policy /= lost_remove) then
-        call guard_grid(model%mesh, model%bodies(b)%particles, model%lost_policy == lost_reflect, &
-                        merge(1, 0, plan%mass), model%movers(b, s))
+    do b = 1, size(bodies)
+      if (bodies(b)%field /= f) cycle
+      if (plan%lost_policy /= lost_remove) then
+        call guard_grid(mesh, bodies(b)%particles, plan%lost_policy == lost_reflect, &
+                        merge(1, 0, plan%mass), movers(b))
       end if
-      call lost_particles_find_bins(model%mesh, model%bodies(b)%particles, model%movers(b, s))
+      call lost_particles_find_bins(mesh, bodies(b)%particles, movers(b))
     end do
   end subroutine lost_particles_check
 

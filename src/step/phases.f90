@@ -1,199 +1,114 @@
-!> The phases of a step over all fields and threads: who does which planes, in which order results
-!! are put together.
+!> The phases of a step over all fields: which fields take part, and in which order results are put
+!! together. What a phase may change is in its arguments.
 module sgmp_phases
-  use sgmp_body, only: body_forced, body_number, body_place
-  use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
-  use sgmp_contact, only: contact_detect, contact_layout, contact_meet, contact_trial, &
+  use sgmp_body, only: body_forced, body_place, body_t
+  use sgmp_columns, only: node_remapped, node_velocity
+  use sgmp_contact, only: contact_detect, contact_layout, contact_meet, contact_t, contact_trial, &
                           contact_velocity
   use sgmp_contact_exchange, only: contact_exchange
-  use sgmp_contact_ledger, only: contact_add_up, contact_close, contact_sums_t
-  use sgmp_energy, only: step_sums_t
+  use sgmp_contact_ledger, only: contact_add_up
   use sgmp_errors, only: error_make, exit_numerical
-  use sgmp_field, only: field_build
+  use sgmp_field, only: field_build, field_t
   use sgmp_field_nodes, only: field_normalise, field_remap, field_solve, field_velocity
-  use sgmp_field_sweep, only: field_divide, field_sweep, sweep_columns
+  use sgmp_field_sweep, only: field_sweep, sweep_columns
+  use sgmp_findings, only: findings_t
   use sgmp_halo, only: halo_own_planes
-  use sgmp_kinds, only: dp, i4, i8
-  use sgmp_model, only: model_t
-  use sgmp_parallel, only: parallel_agree, parallel_max_place
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t
+  use sgmp_method, only: method_t
+  use sgmp_partition, only: partition_t
   use sgmp_plan, only: plan_t
-  use sgmp_rigid_bodies, only: rigid_choose_speed, rigid_field, rigid_solve, rigid_velocity
+  use sgmp_ranks, only: ranks_t
+  use sgmp_rigid_bodies, only: rigid_field, rigid_solve, rigid_velocity
   use sgmp_rows, only: rows_t, rows_union
-  use sgmp_scene, only: update_usf
-  use sgmp_sums, only: nodes_external, nodes_ignored, nodes_mass_aa, nodes_mass_av, nodes_sums, &
-                       sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
-                       sum_viscous, sweep_sums
-  use sgmp_tally, only: tally_add, tally_reset, tally_total
+  use sgmp_sums, only: nodes_sums, sweep_sums
+  use sgmp_tally, only: tally_add, tally_t
+  use sgmp_team, only: team_divide, team_t
   use sgmp_text, only: integer_text
-  use sgmp_timers, only: phase_contact, phase_halo, timers_move, wall_time
+  use sgmp_timers, only: phase_contact, phase_halo, timers_move, timers_t, wall_time
   use sgmp_walls, only: has_walls, walls_fold, walls_mirror
   implicit none
   private
-  public :: phase_layout, phase_normalise, phase_sweep, phase_fold, phase_solve, &
-            phase_velocity, phase_remap, phase_mirror, phase_open_sums, phase_close_sums
+  public :: phase_contact_force, phase_contact_velocity, phase_find_contact, phase_fold, &
+            phase_layout, phase_mirror, phase_normalise, phase_remap, phase_solve, phase_sweep, &
+            phase_velocity
 
 contains
 
   !> Lays out fields for the bins of their bodies and divides the planes among the threads.
-  subroutine phase_layout(model, changed)
-    type(model_t), intent(inout) :: model
+  subroutine phase_layout(mesh, fields, bodies, contact, team, partition, changed)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(inout) :: bodies(:)
+    type(contact_t), intent(inout) :: contact
+    type(team_t), intent(inout) :: team
+    type(partition_t), intent(in) :: partition
     logical, intent(in), optional :: changed(:)  !! (fields) whose bins are new; absent: all
     type(rows_t) :: bins, more
     integer :: f, b
-    do f = 1, size(model%fields)
+    do f = 1, size(fields)
       if (present(changed)) then
         if (.not. changed(f)) cycle
       end if
       bins%n = 0
       if (allocated(bins%key)) deallocate (bins%key, bins%first, bins%last)
       allocate (bins%key(0), bins%first(0), bins%last(0))
-      do b = 1, size(model%bodies)
-        if (model%bodies(b)%field /= f) cycle
-        call rows_union(bins, model%bodies(b)%particles%bins, more)
+      do b = 1, size(bodies)
+        if (bodies(b)%field /= f) cycle
+        call rows_union(bins, bodies(b)%particles%bins, more)
         bins = more
       end do
-      call field_build(model%fields(f), bins)
-      do b = 1, size(model%bodies)
-        if (model%bodies(b)%field == f) call body_place(model%bodies(b), model%fields(f))
+      call field_build(fields(f), bins)
+      do b = 1, size(bodies)
+        if (bodies(b)%field == f) call body_place(bodies(b), fields(f))
       end do
-      call field_divide(model, f)
+      call team_divide(team, f, fields(f), bodies, partition)
     end do
-    call contact_layout(model%contact, model%mesh, model%fields, model%bodies, &
-                        model%partition%own + [0, model%partition%nodes])
+    call contact_layout(contact, mesh, fields, bodies, partition%own + [0, partition%nodes])
   end subroutine phase_layout
 
   !> One sweep over all particles.
-  subroutine phase_sweep(model, plan)
-    type(model_t), intent(inout) :: model
+  subroutine phase_sweep(plan, mesh, fields, bodies, team, ranks, findings, timers)
     type(plan_t), intent(in) :: plan
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(inout) :: bodies(:)
+    type(team_t), intent(inout) :: team
+    type(ranks_t), intent(inout) :: ranks
+    type(findings_t), intent(inout) :: findings
+    type(timers_t), intent(inout) :: timers
     integer :: f, b
-    model%fastest = merge(0.0_dp, model%fastest, plan%strain)
-    do f = 1, size(model%fields)
-      b = rigid_field(model%bodies, f)
-      if (b > 0 .and. model%clock%dt > 0.0_dp) then
-        if (model%bodies(b)%at_rest) cycle  ! nothing of it changes after the first projection
+    if (plan%strain) findings%fastest = 0.0_dp
+    do f = 1, size(fields)
+      b = rigid_field(bodies, f)
+      if (b > 0 .and. plan%step > 0) then
+        if (bodies(b)%at_rest) cycle  ! nothing of it changes after the first projection
       end if
-      call field_sweep(model, plan, f)
+      call field_sweep(plan, f, mesh, fields(f), bodies, team, ranks, findings, timers)
     end do
   end subroutine phase_sweep
 
-  !> Forgets the sums of the step before.
-  subroutine phase_open_sums(model)
-    type(model_t), intent(inout) :: model
-    model%sums = step_sums_t()
-    model%contact%terms%n = 0
-    call tally_reset(model%tally, size(model%bodies)*sweep_sums + nodes_sums)
-  end subroutine phase_open_sums
-
-  !> Puts together what the ranks have found in a step: sums, particles, the fastest of them, and
-  !! whether anything failed; with `book` the sums are those of a whole step.
-  subroutine phase_close_sums(model, book)
-    type(model_t), intent(inout) :: model
-    logical, intent(in) :: book
-    real(dp) :: totals(size(model%bodies)*sweep_sums + nodes_sums), since
-    integer(i8) :: counts(size(model%bodies) + 4)
-    integer :: b, n
-    since = wall_time()
-    n = size(model%bodies)
-    counts(:n) = int(model%bodies%particles%count, i8)
-    counts(n + 1) = int(model%lost_here, i8)
-    counts(n + 2) = merge(1_i8, 0_i8, allocated(model%failure))
-    counts(n + 3) = own_points(model)
-    counts(n + 4) = int(model%contact%terms%n, i8)
-    call tally_total(model%tally, totals, counts)
-    call parallel_max_place(model%fastest, model%fastest_id, model%fastest_field)
-    if (counts(n + 2) > 0_i8) call parallel_agree(model%failure)
-    model%counts = counts(:n)
-    model%points = counts(n + 3)
-    model%lost = model%lost + int(counts(n + 1))
-    model%lost_here = 0
-    if (book) then
-      do b = 1, n
-        call book_body(model, b, totals((b - 1)*sweep_sums + 1:b*sweep_sums))
-      end do
-      call book_nodes(model, totals(n*sweep_sums + 1:))
-      call book_contact(model, counts(n + 4) > 0_i8)
-    end if
-    if (model%partition%ranks > 1) call timers_move(model%timers, phase_halo, since)
-  end subroutine phase_close_sums
-
-  !> Grid points stored in the planes of this rank.
-  pure function own_points(model) result(points)
-    type(model_t), intent(in) :: model
-    integer(i8) :: points
-    integer :: f, p1, p2
-    points = 0_i8
-    do f = 1, size(model%fields)
-      call halo_own_planes(model%fields(f), model%partition, p1, p2)
-      points = points + model%fields(f)%plane_start(p2 + 1) - model%fields(f)%plane_start(p1)
-    end do
-  end function own_points
-
-  !> Adds a body's sums to those of the step.
-  pure subroutine book_body(model, b, sums)
-    type(model_t), intent(inout) :: model
-    integer, intent(in) :: b
-    real(dp), intent(in) :: sums(sweep_sums)
-    if (model%bodies(b)%at_rest) return
-    model%body_sums(b)%moment = sums(sum_moment:sum_moment + 2)
-    model%body_sums(b)%momentum = sums(sum_momentum:sum_momentum + 2)
-    model%body_sums(b)%kinetic = sums(sum_kinetic)
-    if (model%bodies(b)%rigid) return  ! its energy and momentum belong to whoever moves it
-    model%body_sums(b)%internal = model%body_sums(b)%internal + sums(sum_internal)
-    model%sums%kinetic = model%sums%kinetic + sums(sum_kinetic)
-    model%sums%particles_aa = model%sums%particles_aa + sums(sum_mass_aa)
-    model%sums%momentum = model%sums%momentum + sums(sum_momentum:sum_momentum + 2)
-    model%sums%internal = model%sums%internal + sums(sum_internal)
-    model%sums%viscous = model%sums%viscous + sums(sum_viscous)
-  end subroutine book_body
-
-  !> Adds the nodes' sums.
-  pure subroutine book_nodes(model, sums)
-    type(model_t), intent(inout) :: model
-    real(dp), intent(in) :: sums(nodes_sums)
-    model%sums%nodes_aa = model%sums%nodes_aa + sums(nodes_mass_aa)
-    model%sums%power_before = model%sums%power_before + sums(nodes_mass_av)
-    model%sums%external_power = model%sums%external_power + sums(nodes_external)
-    model%sums%ignored_nodes = model%sums%ignored_nodes + sums(nodes_ignored)
-  end subroutine book_nodes
-
-  !> Adds what contact did to the sums of the step.
-  subroutine book_contact(model, anywhere)
-    type(model_t), intent(inout) :: model
-    logical, intent(in) :: anywhere        !! on some rank
-    type(contact_sums_t) :: sums
-    associate (all => model%sums)
-      sums = contact_sums_t(all%contact, all%rigid_work, all%nodes_aa, all%power_before, &
-                            all%external_power)
-      call contact_close(model%contact, anywhere, sums)
-      all%contact = sums%dissipation
-      all%rigid_work = sums%rigid_work
-      all%nodes_aa = sums%nodes_aa
-      all%power_before = sums%power_before
-      all%external_power = sums%external_power
-    end associate
-  end subroutine book_contact
-
   !> Folds what was just scattered behind walls.
-  subroutine phase_fold(model, plan)
-    type(model_t), intent(inout) :: model
+  subroutine phase_fold(plan, mesh, fields, threads)
     type(plan_t), intent(in) :: plan
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    integer, intent(in) :: threads
     type(plan_t) :: own
     integer :: f, axis, p
-    do f = 1, size(model%fields)
+    do f = 1, size(fields)
       own = plan
-      call sweep_columns(own, model%fields(f))
-      do axis = 1, model%mesh%ndim
-        if (.not. has_walls(model%mesh, axis)) cycle
-        if (axis == model%mesh%ndim) then
-          call walls_fold(model%fields(f), model%mesh, axis, 1, model%fields(f)%planes, &
-                          own%first_column, own%last_column)
+      call sweep_columns(own, fields(f))
+      do axis = 1, mesh%ndim
+        if (.not. has_walls(mesh, axis)) cycle
+        if (axis == mesh%ndim) then
+          call walls_fold(fields(f), mesh, axis, 1, fields(f)%planes, own%first_column, &
+                          own%last_column)
         else
-          !$omp parallel do num_threads(model%threads) if(model%threads > 1) &
-          !$omp& default(none) shared(model, own, f, axis) private(p)
-          do p = 1, model%fields(f)%planes
-            call walls_fold(model%fields(f), model%mesh, axis, p, p, own%first_column, &
-                            own%last_column)
+          !$omp parallel do num_threads(threads) if(threads > 1) &
+          !$omp& default(none) shared(mesh, fields, own, f, axis) private(p)
+          do p = 1, fields(f)%planes
+            call walls_fold(fields(f), mesh, axis, p, p, own%first_column, own%last_column)
           end do
           !$omp end parallel do
         end if
@@ -202,29 +117,33 @@ contains
   end subroutine phase_fold
 
   !> Fills nodes behind walls with their mirror images, in all fields that the walls act on.
-  subroutine phase_mirror(model, columns)
-    type(model_t), intent(inout) :: model
-    integer, intent(in) :: columns(:)
+  subroutine phase_mirror(mesh, fields, bodies, columns, threads)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: columns(:)            !! first columns of the vectors
+    integer, intent(in) :: threads
     integer :: f
-    do f = 1, size(model%fields)
-      if (rigid_field(model%bodies, f) == 0) call mirror(model, f, columns)
+    do f = 1, size(fields)
+      if (rigid_field(bodies, f) == 0) call mirror(mesh, fields(f), columns, threads)
     end do
   end subroutine phase_mirror
 
   !> Fills nodes behind walls with their mirror images.
-  subroutine mirror(model, f, columns)
-    type(model_t), intent(inout) :: model
-    integer, intent(in) :: f, columns(:)
+  subroutine mirror(mesh, field, columns, threads)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: field
+    integer, intent(in) :: columns(:), threads
     integer :: axis, p
-    do axis = 1, model%mesh%ndim
-      if (.not. has_walls(model%mesh, axis)) cycle
-      if (axis == model%mesh%ndim) then
-        call walls_mirror(model%fields(f), model%mesh, axis, 1, model%fields(f)%planes, columns)
+    do axis = 1, mesh%ndim
+      if (.not. has_walls(mesh, axis)) cycle
+      if (axis == mesh%ndim) then
+        call walls_mirror(field, mesh, axis, 1, field%planes, columns)
       else
-        !$omp parallel do num_threads(model%threads) if(model%threads > 1) &
-        !$omp& default(none) shared(model, f, axis, columns) private(p)
-        do p = 1, model%fields(f)%planes
-          call walls_mirror(model%fields(f), model%mesh, axis, p, p, columns)
+        !$omp parallel do num_threads(threads) if(threads > 1) &
+        !$omp& default(none) shared(mesh, field, axis, columns) private(p)
+        do p = 1, field%planes
+          call walls_mirror(field, mesh, axis, p, p, columns)
         end do
         !$omp end parallel do
       end if
@@ -232,119 +151,149 @@ contains
   end subroutine mirror
 
   !> Volume-normalised stress at all centres, where the scene asks for it.
-  subroutine phase_normalise(model)
-    type(model_t), intent(inout) :: model
+  subroutine phase_normalise(method, mesh, fields, team, partition)
+    type(method_t), intent(in) :: method
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(team_t), intent(in) :: team
+    type(partition_t), intent(in) :: partition
     integer :: f
-    if (.not. model%normalised) return
-    do f = 1, size(model%fields)
-      call field_normalise(model, f)
+    if (.not. method%normalised) return
+    do f = 1, size(fields)
+      call field_normalise(fields(f), mesh, method, team, partition)
     end do
   end subroutine phase_normalise
 
-  !> Momentum equation at all nodes (Eqs. 33, 34).
-  subroutine phase_solve(model, dt)
-    type(model_t), intent(inout) :: model
-    real(dp), intent(in) :: dt
+  !> Momentum equation at all nodes (Eqs. 33, 34); rigid bodies must know their speed.
+  subroutine phase_solve(method, dt, mesh, fields, bodies, team, partition, tally)
+    type(method_t), intent(in) :: method
+    real(dp), intent(in) :: dt                   !! velocity step dt^k
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(team_t), intent(in) :: team
+    type(partition_t), intent(in) :: partition
+    type(tally_t), intent(inout) :: tally
     real(dp), allocatable :: sums(:, :)
     integer :: f, p, b, p1, p2
-    call rigid_choose_speed(model%bodies, model%clock%time + 0.5_dp*model%clock%dt, &
-                            model%mesh%ndim)
-    do f = 1, size(model%fields)
-      b = rigid_field(model%bodies, f)
+    do f = 1, size(fields)
+      b = rigid_field(bodies, f)
       if (b > 0) then
-        call rigid_solve(model%bodies(b), model%fields(f), dt)
+        call rigid_solve(bodies(b), fields(f), dt)
         cycle
       end if
-      allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)
-      call field_solve(model, f, dt, model%gravity, body_forced(model%bodies, f), sums)
-      call halo_own_planes(model%fields(f), model%partition, p1, p2)
+      allocate (sums(nodes_sums, fields(f)%planes), source=0.0_dp)
+      call field_solve(fields(f), mesh, dt, method%gravity, method%cutoff, &
+                       body_forced(bodies, f), team, partition, sums)
+      call halo_own_planes(fields(f), partition, p1, p2)
       do p = p1, p2
-        call tally_add(model%tally, 1 + size(model%bodies)*sweep_sums, sums(:, p))
+        call tally_add(tally, 1 + size(bodies)*sweep_sums, sums(:, p))
       end do
       deallocate (sums)
     end do
-    if (model%update /= update_usf) call find_contact(model)
-    call contact_force(model, dt)
-    call phase_mirror(model, [node_acceleration, node_velocity(model%mesh%ndim)])
   end subroutine phase_solve
 
   !> Nodal velocity before the stress update (USF).
-  subroutine phase_velocity(model)
-    type(model_t), intent(inout) :: model
+  subroutine phase_velocity(method, mesh, fields, bodies, team, partition)
+    type(method_t), intent(in) :: method
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(team_t), intent(in) :: team
+    type(partition_t), intent(in) :: partition
     integer :: f, b
-    do f = 1, size(model%fields)
-      b = rigid_field(model%bodies, f)
+    do f = 1, size(fields)
+      b = rigid_field(bodies, f)
       if (b > 0) then
-        call rigid_velocity(model%bodies(b), model%fields(f), node_velocity(model%mesh%ndim))
+        call rigid_velocity(bodies(b), fields(f), node_velocity(mesh%ndim))
       else
-        call field_velocity(model, f)
+        call field_velocity(fields(f), mesh, method%cutoff, team, partition)
       end if
     end do
-    call find_contact(model)
-    call admit_velocity(model, node_velocity(model%mesh%ndim))
-    call phase_mirror(model, [node_velocity(model%mesh%ndim)])
   end subroutine phase_velocity
 
   !> Nodal velocity re-mapped from the updated particles (MUSL).
-  subroutine phase_remap(model)
-    type(model_t), intent(inout) :: model
+  subroutine phase_remap(mesh, fields, bodies, team, partition)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(team_t), intent(in) :: team
+    type(partition_t), intent(in) :: partition
     integer :: f, b
-    do f = 1, size(model%fields)
-      b = rigid_field(model%bodies, f)
+    do f = 1, size(fields)
+      b = rigid_field(bodies, f)
       if (b > 0) then
-        call rigid_velocity(model%bodies(b), model%fields(f), node_remapped)
+        call rigid_velocity(bodies(b), fields(f), node_remapped)
       else
-        call field_remap(model, f)
+        call field_remap(fields(f), mesh, team, partition)
       end if
     end do
-    call admit_velocity(model, node_remapped)
-    call phase_mirror(model, [node_remapped])
   end subroutine phase_remap
 
   !> Normals and touching pairs at all shared nodes.
-  subroutine find_contact(model)
-    type(model_t), intent(inout) :: model
+  subroutine phase_find_contact(step, cutoff, mesh, fields, bodies, contact, threads, ranks, &
+                                findings, timers)
+    integer, intent(in) :: step                  !! its number
+    real(dp), intent(in) :: cutoff               !! node mass below which a node is ignored
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(contact_t), intent(inout) :: contact
+    integer, intent(in) :: threads
+    type(ranks_t), intent(inout) :: ranks
+    type(findings_t), intent(inout) :: findings
+    type(timers_t), intent(inout) :: timers
     logical :: complete
     real(dp) :: since
-    if (model%contact%shared%nodes == 0) return
+    if (contact%shared%nodes == 0) return
     since = wall_time()
-    call contact_meet(model%contact, model%fields, model%bodies, model%cutoff, model%moved > 0, &
-                      model%threads)
-    call timers_move(model%timers, phase_contact, since)
-    call contact_exchange(model%contact%shared, model%bodies, model%partition, model%swap, &
-                          model%traffic, complete)
-    if (.not. complete .and. .not. allocated(model%failure)) then
-      call error_make(model%failure, exit_numerical, 'a rank has no place for particles of its '// &
-                      'neighbour in step '//integer_text(model%clock%step + 1), &
+    call contact_meet(contact, fields, bodies, cutoff, findings%moved > 0, threads)
+    call timers_move(timers, phase_contact, since)
+    call contact_exchange(contact%shared, bodies, ranks%partition, ranks%messages, &
+                          ranks%traffic, complete)
+    if (.not. complete .and. .not. allocated(findings%failure)) then
+      call error_make(findings%failure, exit_numerical, 'a rank has no place for particles of '// &
+                      'its neighbour in step '//integer_text(step), &
                       'this is a fault of the program: report it')
     end if
-    call timers_move(model%timers, phase_halo, since)
-    call contact_detect(model%contact, model%mesh, model%fields, model%bodies, model%threads)
-    call timers_move(model%timers, phase_contact, since)
-  end subroutine find_contact
+    call timers_move(timers, phase_halo, since)
+    call contact_detect(contact, mesh, fields, bodies, threads)
+    call timers_move(timers, phase_contact, since)
+  end subroutine phase_find_contact
 
-  !> Contact forces at all shared nodes.
-  subroutine contact_force(model, dt)
-    type(model_t), intent(inout) :: model
-    real(dp), intent(in) :: dt             !! velocity step dt^k
+  !> Contact forces at all shared nodes, and what they do to the sums of the step.
+  subroutine phase_contact_force(method, dt, mesh, fields, bodies, contact, threads, partition, &
+                                 timers)
+    type(method_t), intent(in) :: method
+    real(dp), intent(in) :: dt                   !! velocity step dt^k
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(contact_t), intent(inout) :: contact
+    integer, intent(in) :: threads
+    type(partition_t), intent(in) :: partition
+    type(timers_t), intent(inout) :: timers
     real(dp) :: since
-    if (model%contact%shared%nodes == 0) return
+    if (contact%shared%nodes == 0) return
     since = wall_time()
-    call contact_trial(model%contact, model%fields, model%bodies, dt, model%threads)
-    call contact_add_up(model%contact, model%mesh, model%fields, model%bodies, &
-                        model%partition%own, model%gravity, dt)
-    call timers_move(model%timers, phase_contact, since)
-  end subroutine contact_force
+    call contact_trial(contact, fields, bodies, dt, threads)
+    call contact_add_up(contact, mesh, fields, bodies, partition%own, method%gravity, dt)
+    call timers_move(timers, phase_contact, since)
+  end subroutine phase_contact_force
 
   !> Makes the velocity in some columns admissible at all shared nodes.
-  subroutine admit_velocity(model, column)
-    type(model_t), intent(inout) :: model
+  subroutine phase_contact_velocity(column, fields, bodies, contact, threads, timers)
     integer, intent(in) :: column
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(contact_t), intent(inout) :: contact
+    integer, intent(in) :: threads
+    type(timers_t), intent(inout) :: timers
     real(dp) :: since
-    if (model%contact%shared%nodes == 0) return
+    if (contact%shared%nodes == 0) return
     since = wall_time()
-    call contact_velocity(model%contact, model%fields, model%bodies, column, model%threads)
-    call timers_move(model%timers, phase_contact, since)
-  end subroutine admit_velocity
+    call contact_velocity(contact, fields, bodies, column, threads)
+    call timers_move(timers, phase_contact, since)
+  end subroutine phase_contact_velocity
 
 end module sgmp_phases

@@ -61,7 +61,7 @@ contains
         clock%next_probe = clock%step + interval
         if (present(found)) found = .true.
       end if
-      part = merge(safety_mpm(model%update), safety(model%update), &
+      part = merge(safety_mpm(model%method%update), safety(model%method%update), &
                    model%fields(1)%kernel == kernel_mpm)
       if (size(model%contact%pairs) > 0) part = min(part, safety_contact)
       clock%cfl = part*clock%limit
@@ -78,7 +78,7 @@ contains
     real(dp) :: alpha(most_iterations), beta(most_iterations), square
     integer :: j, n
     logical :: smoothing
-    smoothing = model%update /= update_usl
+    smoothing = model%method%update /= update_usl
     allocate (saved, source=model%fields)
     call start(model)
     call vector_get(model, before)
@@ -139,7 +139,7 @@ contains
       associate (field => model%fields(f))
         field%node = 0.0_dp
         if (rigid_field(model%bodies, f) > 0) cycle
-        call field_node_planes(model, f, p1, p2)
+        call field_node_planes(field, model%ranks%partition, p1, p2)
         if (p2 < p1) cycle
         do s = field%plane_work(p1), field%plane_work(p2 + 1) - 1
           do i = field%work%first(s), field%work%last(s)
@@ -162,18 +162,17 @@ contains
     type(plan_t) :: plan
     real(dp), allocatable :: sums(:, :)
     integer :: f
-    call phase_mirror(model, [node_acceleration])
     plan%probe = .true.
     plan%stress = .true.
     plan%gradient = node_acceleration
     allocate (plan%vectors(0))
-    call phase_sweep(model, plan)
-    call phase_rebin_particles(model, plan)
-    call phase_normalise(model)
+    call probe(model, plan)
+    call phase_normalise(model%method, model%mesh, model%fields, model%team, model%ranks%partition)
     do f = 1, size(model%fields)
       if (rigid_field(model%bodies, f) > 0) cycle
       allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)  ! ledger: unused
-      call field_solve(model, f, 0.0_dp, [0.0_dp, 0.0_dp, 0.0_dp], .false., sums)
+      call field_solve(model%fields(f), model%mesh, 0.0_dp, [0.0_dp, 0.0_dp, 0.0_dp], &
+                       model%method%cutoff, .false., model%team, model%ranks%partition, sums)
       deallocate (sums)
     end do
   end subroutine accelerate
@@ -183,16 +182,30 @@ contains
     type(model_t), intent(inout) :: model
     type(plan_t) :: plan
     integer :: f
-    call phase_mirror(model, [node_acceleration])
     plan%probe = .true.
     plan%momentum = .true.
     plan%vectors = [node_acceleration]
-    call phase_sweep(model, plan)
-    call phase_rebin_particles(model, plan)
+    call probe(model, plan)
     do f = 1, size(model%fields)
-      if (rigid_field(model%bodies, f) == 0) call field_remap(model, f)
+      if (rigid_field(model%bodies, f) > 0) cycle
+      call field_remap(model%fields(f), model%mesh, model%team, model%ranks%partition)
     end do
   end subroutine smooth
+
+  !> The particles read the vector in the place of the acceleration and answer.
+  subroutine probe(model, plan)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    type(plan_t) :: own
+    own = plan
+    own%step = model%clock%step
+    call phase_mirror(model%mesh, model%fields, model%bodies, [node_acceleration], &
+                      model%team%threads)
+    call phase_sweep(own, model%mesh, model%fields, model%bodies, model%team, model%ranks, &
+                     model%findings, model%timers)
+    call phase_rebin_particles(own, model%mesh, model%fields, model%bodies, model%contact, &
+                               model%team, model%ranks, model%findings, model%timers)
+  end subroutine probe
 
   !> Sum of m u . v over the nodes, u a vector and v what the nodes hold.
   function mass_product(model, u) result(product)
@@ -207,7 +220,7 @@ contains
     do f = 1, size(model%fields)
       if (rigid_field(model%bodies, f) > 0) cycle
       associate (field => model%fields(f))
-        call halo_own_planes(field, model%partition, p1, p2)
+        call halo_own_planes(field, model%ranks%partition, p1, p2)
         allocate (terms(1, p1:max(p2, p1)), source=0.0_dp)
         do p = p1, p2
           do s = field%plane_work(p), field%plane_work(p + 1) - 1

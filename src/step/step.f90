@@ -8,16 +8,21 @@ module sgmp_step
   use sgmp_energy, only: ledger_step
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
-  use sgmp_phases, only: phase_close_sums, phase_normalise, phase_open_sums, phase_remap, &
-                         phase_solve, phase_sweep, phase_velocity
+  use sgmp_phases, only: phase_contact_force, phase_contact_velocity, phase_find_contact, &
+                         phase_mirror, phase_normalise, phase_remap, phase_solve, phase_sweep, &
+                         phase_velocity
   use sgmp_plan, only: plan_t
   use sgmp_rebin_phases, only: phase_rebin_particles
+  use sgmp_rigid_bodies, only: rigid_choose_speed
   use sgmp_scene, only: update_musl, update_usavg, update_usf
   use sgmp_time_step, only: clock_kick_step
-  use sgmp_timers, only: phase_drift, phase_grid, phase_kick, phase_rebin, timers_start, timers_stop
+  use sgmp_timers, only: phase_drift, phase_grid, phase_halo, phase_kick, phase_rebin, &
+                         timers_move, timers_start, timers_stop, wall_time
+  use sgmp_totals, only: totals_close, totals_open
   implicit none
   private
   public :: step_start, step_take
+  public :: step_open, step_close, step_project, step_solve, step_sweep
 
   !> Part of the carried spin that each step replaces by the rotation of the grid, so that errors
   !! are forgotten (doc/spin.md). The first step takes all of it from there.
@@ -32,24 +37,21 @@ contains
     plan%strain = .true.
     plan%mass = .true.
     plan%momentum = .true.
-    plan%stress = model%update /= update_usf
+    plan%stress = model%method%update /= update_usf
     plan%dt_strain = tiny(1.0_dp)**0.25_dp
     allocate (plan%vectors(0))
-    call phase_open_sums(model)
-    call sweep_and_rebin(model, plan, phase_drift)
-    call phase_close_sums(model, .false.)
+    call step_open(model)
+    call step_sweep(model, plan, phase_drift)
+    call step_close(model, .false.)
   end subroutine step_start
 
   !> Advances the model by clock%dt.
   subroutine step_take(model)
     type(model_t), intent(inout) :: model
     real(dp) :: dt_kick
-    integer :: known
-    known = model%lost
     dt_kick = clock_kick_step(model%clock)
-    model%fastest_before = model%fastest
-    call phase_open_sums(model)
-    select case (model%update)
+    call step_open(model)
+    select case (model%method%update)
     case (update_musl)
       call step_musl(model, dt_kick)
     case (update_usf)
@@ -59,34 +61,27 @@ contains
     case default  ! update_usl
       call step_usl(model, dt_kick)
     end select
-    call phase_close_sums(model, .true.)
-    call ledger_step(model%ledger, model%sums, dt_kick, &
-                     exact=model%flip >= 1.0_dp .and. known == model%lost_before)
-    model%lost_before = known
+    call book_step(model, dt_kick)
   end subroutine step_take
 
   !> Modified update stress last.
   subroutine step_musl(model, dt_kick)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick
-    call solve(model, dt_kick)
-    call sweep_and_rebin(model, plan_kick(model, dt_kick), phase_kick)
-    call timers_start(model%timers)
-    call phase_remap(model)
-    call timers_stop(model%timers, phase_grid)
-    call sweep_and_rebin(model, plan_drift_strain(model), phase_drift)
+    call step_solve(model, dt_kick)
+    call step_sweep(model, plan_kick(model, dt_kick), phase_kick)
+    call remap(model)
+    call step_sweep(model, plan_drift_strain(model), phase_drift)
   end subroutine step_musl
 
   !> Update stress first.
   subroutine step_usf(model, dt_kick)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick
-    call timers_start(model%timers)
-    call phase_velocity(model)
-    call timers_stop(model%timers, phase_grid)
-    call sweep_and_rebin(model, plan_strain(model), phase_drift)
-    call solve(model, dt_kick)
-    call sweep_and_rebin(model, plan_kick_drift(model, dt_kick), phase_kick)
+    call step_project(model)
+    call step_sweep(model, plan_strain(model), phase_drift)
+    call step_solve(model, dt_kick)
+    call step_sweep(model, plan_kick_drift(model, dt_kick), phase_kick)
   end subroutine step_usf
 
   !> Half of the stress update first, with the velocity projected anew, half last, with the
@@ -96,65 +91,145 @@ contains
     real(dp), intent(in) :: dt_kick
     type(plan_t) :: plan
     if (model%clock%step > 0) then
-      call timers_start(model%timers)
-      call phase_velocity(model)
-      call timers_stop(model%timers, phase_grid)
+      call step_project(model)
       plan = plan_strain(model)
       plan%dt_strain = 0.5_dp*plan%dt_strain
-      call sweep_and_rebin(model, plan, phase_drift)
+      call step_sweep(model, plan, phase_drift)
     end if
-    call solve(model, dt_kick)
-    call sweep_and_rebin(model, plan_kick(model, dt_kick), phase_kick)
-    call timers_start(model%timers)
-    call phase_remap(model)
-    call timers_stop(model%timers, phase_grid)
+    call step_solve(model, dt_kick)
+    call step_sweep(model, plan_kick(model, dt_kick), phase_kick)
+    call remap(model)
     plan = plan_drift_strain(model)
     plan%dt_strain = 0.5_dp*plan%dt_strain
     plan%stress = .false.
-    call sweep_and_rebin(model, plan, phase_drift)
+    call step_sweep(model, plan, phase_drift)
   end subroutine step_usavg
 
   !> Update stress last.
   subroutine step_usl(model, dt_kick)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick
-    call solve(model, dt_kick)
-    call sweep_and_rebin(model, plan_all(model, dt_kick), phase_drift)
+    call step_solve(model, dt_kick)
+    call step_sweep(model, plan_all(model, dt_kick), phase_drift)
   end subroutine step_usl
 
-  subroutine solve(model, dt_kick)
+  !> Acceleration and trial velocity of the nodes: momentum equation, contact, walls.
+  subroutine step_solve(model, dt_kick)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick
     call timers_start(model%timers)
-    call phase_normalise(model)
-    call phase_solve(model, dt_kick)
+    associate (mesh => model%mesh, method => model%method, fields => model%fields, &
+               bodies => model%bodies, contact => model%contact, team => model%team, &
+               partition => model%ranks%partition, clock => model%clock)
+      call phase_normalise(method, mesh, fields, team, partition)
+      call rigid_choose_speed(bodies, clock%time + 0.5_dp*clock%dt, mesh%ndim)
+      call phase_solve(method, dt_kick, mesh, fields, bodies, team, partition, &
+                       model%findings%tally)
+      if (method%update /= update_usf) call find_contact(model)
+      call phase_contact_force(method, dt_kick, mesh, fields, bodies, contact, team%threads, &
+                               partition, model%timers)
+      call phase_mirror(mesh, fields, bodies, [node_acceleration, node_velocity(mesh%ndim)], &
+                        team%threads)
+    end associate
     call timers_stop(model%timers, phase_grid)
-  end subroutine solve
+  end subroutine step_solve
 
-  subroutine sweep_and_rebin(model, plan, phase)
+  !> Velocity of the nodes before the stress update (USF).
+  subroutine step_project(model)
+    type(model_t), intent(inout) :: model
+    call timers_start(model%timers)
+    associate (mesh => model%mesh, fields => model%fields, bodies => model%bodies, &
+               team => model%team, velocity => node_velocity(model%mesh%ndim))
+      call phase_velocity(model%method, mesh, fields, bodies, team, model%ranks%partition)
+      call find_contact(model)
+      call phase_contact_velocity(velocity, fields, bodies, model%contact, team%threads, &
+                                  model%timers)
+      call phase_mirror(mesh, fields, bodies, [velocity], team%threads)
+    end associate
+    call timers_stop(model%timers, phase_grid)
+  end subroutine step_project
+
+  !> Velocity of the nodes from the updated particles (MUSL).
+  subroutine remap(model)
+    type(model_t), intent(inout) :: model
+    call timers_start(model%timers)
+    associate (mesh => model%mesh, fields => model%fields, bodies => model%bodies, &
+               team => model%team)
+      call phase_remap(mesh, fields, bodies, team, model%ranks%partition)
+      call phase_contact_velocity(node_remapped, fields, bodies, model%contact, team%threads, &
+                                  model%timers)
+      call phase_mirror(mesh, fields, bodies, [node_remapped], team%threads)
+    end associate
+    call timers_stop(model%timers, phase_grid)
+  end subroutine remap
+
+  subroutine find_contact(model)
+    type(model_t), intent(inout) :: model
+    call phase_find_contact(model%clock%step + 1, model%method%cutoff, model%mesh, model%fields, &
+                            model%bodies, model%contact, model%team%threads, model%ranks, &
+                            model%findings, model%timers)
+  end subroutine find_contact
+
+  !> One sweep over the particles, after which they are in the bins of their new positions.
+  subroutine step_sweep(model, plan, phase)
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
-    integer, intent(in) :: phase
+    integer, intent(in) :: phase                 !! of the timers
     call timers_start(model%timers)
-    call phase_sweep(model, plan)
+    call phase_sweep(plan, model%mesh, model%fields, model%bodies, model%team, model%ranks, &
+                     model%findings, model%timers)
     call timers_stop(model%timers, phase)
-    call phase_rebin_particles(model, plan)
+    call phase_rebin_particles(plan, model%mesh, model%fields, model%bodies, model%contact, &
+                               model%team, model%ranks, model%findings, model%timers)
     call timers_stop(model%timers, phase_rebin)
-  end subroutine sweep_and_rebin
+  end subroutine step_sweep
+
+  !> Forgets the sums of the step before.
+  subroutine step_open(model)
+    type(model_t), intent(inout) :: model
+    model%findings%fastest_before = model%findings%fastest
+    call totals_open(model%totals, model%findings, model%contact, size(model%bodies))
+  end subroutine step_open
+
+  !> Puts together what the ranks have found.
+  subroutine step_close(model, whole)
+    type(model_t), intent(inout) :: model
+    logical, intent(in) :: whole                 !! of a whole step
+    real(dp) :: since
+    since = wall_time()
+    call totals_close(model%totals, model%findings, model%contact, model%fields, model%bodies, &
+                      model%ranks%partition, whole)
+    if (model%ranks%partition%ranks > 1) call timers_move(model%timers, phase_halo, since)
+  end subroutine step_close
+
+  !> Adds the step to the energy ledger, whose identity holds unless particles were lost before it.
+  subroutine book_step(model, dt_kick)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt_kick
+    integer :: lost
+    lost = model%findings%lost
+    call step_close(model, .true.)
+    call ledger_step(model%ledger, model%totals%sums, dt_kick, &
+                     exact=model%method%flip >= 1.0_dp .and. lost == model%findings%lost_before)
+    model%findings%lost_before = lost
+  end subroutine book_step
 
   !> MUSL, first sweep: particle velocities (Eq. 29), momentum projected with the old weights.
   function plan_kick(model, dt_kick) result(plan)
     type(model_t), intent(in) :: model
     real(dp), intent(in) :: dt_kick
     type(plan_t) :: plan
+    plan = plan_empty(model)
     plan%kick = .true.
     plan%momentum = .true.
     plan%dt_kick = dt_kick
-    plan%flip = model%flip
+    plan%flip = model%method%flip
     plan%time = model%clock%time
     plan%vectors = [node_acceleration]
-    if (model%flip < 1.0_dp) plan%vectors = [node_acceleration, node_velocity(model%mesh%ndim)]
-    if (model%spins > 0) then
+    if (model%method%flip < 1.0_dp) then
+      plan%vectors = [node_acceleration, node_velocity(model%mesh%ndim)]
+    end if
+    if (model%method%spins > 0) then
       plan%spin_gain = dt_kick
       plan%gradient = node_acceleration
     end if
@@ -169,7 +244,7 @@ contains
     plan%drift = .true.
     plan%vectors = [node_velocity(model%mesh%ndim)]
     plan%gradient = node_remapped
-    if (model%spins > 0) then
+    if (model%method%spins > 0) then
       plan%spin_gain = merge(1.0_dp, spin_relaxation, model%clock%step == 0)
       plan%spin_keep = 1.0_dp - plan%spin_gain
     end if
@@ -181,6 +256,7 @@ contains
   function plan_strain(model) result(plan)
     type(model_t), intent(in) :: model
     type(plan_t) :: plan
+    plan = plan_empty(model)
     plan%strain = .true.
     plan%mass = any(model%bodies%law%slots%stretch > 0)
     plan%momentum = plan%mass
@@ -196,13 +272,14 @@ contains
     type(model_t), intent(in) :: model
     real(dp), intent(in) :: dt_kick
     type(plan_t) :: plan
+    plan = plan_empty(model)
     plan%kick = .true.
     plan%drift = .true.
     plan%mass = .true.
     plan%momentum = .true.
     plan%dt_kick = dt_kick
     plan%dt = model%clock%dt
-    plan%flip = model%flip
+    plan%flip = model%method%flip
     plan%time = model%clock%time + model%clock%dt
     plan%vectors = [node_acceleration, node_velocity(model%mesh%ndim)]
   end function plan_kick_drift
@@ -216,15 +293,24 @@ contains
     plan%kick = .true.
     plan%drift = .true.
     plan%dt_kick = dt_kick
-    plan%flip = model%flip
+    plan%flip = model%method%flip
     plan%vectors = [node_acceleration, node_velocity(model%mesh%ndim)]
     plan%gradient = node_velocity(model%mesh%ndim)
   end function plan_all
+
+  !> What all sweeps of a step have in common.
+  pure function plan_empty(model) result(plan)
+    type(model_t), intent(in) :: model
+    type(plan_t) :: plan
+    plan%step = model%clock%step + 1
+    plan%lost_policy = model%method%lost_policy
+  end function plan_empty
 
   !> What the sweeps that end a step have in common: stress update, projection of everything.
   pure function plan_full(model) result(plan)
     type(model_t), intent(in) :: model
     type(plan_t) :: plan
+    plan = plan_empty(model)
     plan%strain = .true.
     plan%mass = .true.
     plan%momentum = .true.

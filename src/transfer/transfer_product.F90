@@ -1,120 +1,57 @@
 ! dimension-generic
 #include "dimension.inc"
-!> Particle-grid transfers of one chunk of particles with GIMP weights (theory 1, `gimp`, `cpgimp`).
+!> Particle-grid transfers of one chunk of particles over three points per axis (theory 1, `gimp`,
+!! `cpgimp`): what the weights per axis are is up to sgmp_axis_weights.
 !!
 !! Weights are products over the axes, and sums over the stencil are taken axis by axis: the 27
 !! weights of a particle and their 81 derivatives never exist, but for particles that change bins.
 !! The accumulator of a stencil has four entries along the slowest axis, three and a pad, so that a
 !! row of points is a vector: `sums(4, across, column)`, where `across` numbers the products of the
 !! other axes, x outermost.
-module DIM(sgmp_transfer_gimp)
+module DIM(sgmp_transfer_product)
   use sgmp_kinds, only: dp, lanes
   use DIM(sgmp_transfer), only: flux_of
   implicit none
   private
-  public :: gimp_weights, gimp_gradients
-  public :: gimp_axes, gimp_size, gimp_gather, gimp_gather_gradient, gimp_spread, gimp_scatter
-  public :: gimp_scatter_force, gimp_carry, gimp_spread_t
+  public :: product_weights, product_gradients, product_gather, product_gather_gradient
+  public :: product_spread, product_spread_t, product_scatter, product_scatter_force, product_carry
 
   !> Weights of a chunk as the scatters need them.
-  type :: gimp_spread_t
+  type :: product_spread_t
     real(dp) :: across(lanes, NACROSS, NDIM)  !! products of the axes but the slowest: of weights,
                                               !! then with the derivative along each of them
     real(dp) :: weight(4, lanes)              !! along the slowest axis, by point
     real(dp) :: slope(4, lanes)               !! its derivative
-  end type gimp_spread_t
+  end type product_spread_t
 
 contains
 
-  !> Sizes of a chunk along one axis, stretched: the half-size, cut to half a cell, and 1/(2 half).
-  pure subroutine gimp_size(half, stretch, cut, inverse)
-    real(dp), intent(in) :: half                   !! half-size of the undeformed particle (cells)
-    real(dp), intent(in) :: stretch(lanes)
-    real(dp), intent(out) :: cut(lanes), inverse(lanes)
-    integer :: l
-    !$omp simd simdlen(8)
-    do l = 1, lanes
-      cut(l) = merge(half*stretch(l), 0.5_dp, half*stretch(l) < 0.5_dp)
-      inverse(l) = 0.5_dp/cut(l)
-    end do
-  end subroutine gimp_size
+  !> Weights by point of the stencil (x outermost, slowest axis innermost).
+  pure subroutine product_weights(s, w)
+    real(dp), intent(in) :: s(lanes, 3, NDIM)      !! weights per axis
+    real(dp), intent(out) :: w(lanes, NWIDE)
+    call product_of(s, w)
+  end subroutine product_weights
 
-  !> GIMP weights and slopes per axis of a chunk; nodes of the stencil lie at xi - 1/2 = -1, 0, 1
-  !! from its middle.
-  !!
-  !! With u = xi - 1/2 and t = p - u between 0 and 2p the lower node has the weight t^2/(4p), and
-  !! beyond, where the particle lies in its cell, -u - p more; the upper node is its mirror image,
-  !! and the middle one has the rest. The same as gimp_function, without a division.
-  pure subroutine gimp_axes(xi, size_of, inverse_h, s, d)
-    real(dp), intent(in) :: xi(lanes, NDIM)        !! position in the bin, the middle node at 1/2
-    real(dp), intent(in) :: size_of(lanes, NDIM, 2)  !! half-size (cells, <= 1/2), 1/(2 half)
-    real(dp), intent(in) :: inverse_h
-    real(dp), intent(out) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM)  !! weights, slopes (1/length)
-    integer :: l, axis
-    real(dp) :: u, p, inverse, below, above
-    do axis = 1, NDIM
-      !$omp simd simdlen(8) private(u, p, inverse, below, above)
-      do l = 1, lanes
-        u = xi(l, axis) - 0.5_dp
-        p = size_of(l, axis, 1)
-        inverse = size_of(l, axis, 2)
-        below = between(p - u, 2.0_dp*p)
-        above = between(p + u, 2.0_dp*p)
-        s(l, 1, axis) = (0.5_dp*inverse)*below*below + positive(-u - p)
-        s(l, 3, axis) = (0.5_dp*inverse)*above*above + positive(u - p)
-        s(l, 2, axis) = (1.0_dp - s(l, 1, axis)) - s(l, 3, axis)
-        d(l, 1, axis) = -inverse_h*(inverse*below)
-        d(l, 3, axis) = inverse_h*(inverse*above)
-        d(l, 2, axis) = -(d(l, 1, axis) + d(l, 3, axis))
-      end do
-    end do
-  end subroutine gimp_axes
-
-  !> A number cut to [0, most].
-  pure function between(number, most) result(cut)
-    real(dp), intent(in) :: number, most
-    real(dp) :: cut
-    cut = positive(number)
-    cut = merge(cut, most, cut < most)
-  end function between
-
-  !> A number, or zero where it is negative.
-  pure function positive(number) result(cut)
-    real(dp), intent(in) :: number
-    real(dp) :: cut
-    cut = merge(number, 0.0_dp, number > 0.0_dp)
-  end function positive
-
-  !> GIMP weights by point of the stencil (products over the axes; x outermost, slowest axis
-  !! innermost).
-  pure subroutine gimp_weights(xi, size_of, w)
-    real(dp), intent(in) :: xi(lanes, NDIM), size_of(lanes, NDIM, 2)  !! as in gimp_axes
-    real(dp), intent(out) :: w(lanes, NGIMP)
-    real(dp) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM)
-    call gimp_axes(xi, size_of, 1.0_dp, s, d)
-    call gimp_product(s, w)
-  end subroutine gimp_weights
-
-  !> Gradients of the GIMP weights (1/length).
-  pure subroutine gimp_gradients(xi, size_of, inverse_h, g)
-    real(dp), intent(in) :: xi(lanes, NDIM), size_of(lanes, NDIM, 2), inverse_h
-    real(dp), intent(out) :: g(lanes, NGIMP, NDIM)
-    real(dp) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM), factor(lanes, 3, NDIM)
+  !> Gradients of the weights (1/length).
+  pure subroutine product_gradients(s, d, g)
+    real(dp), intent(in) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM)  !! weights, slopes per axis
+    real(dp), intent(out) :: g(lanes, NWIDE, NDIM)
+    real(dp) :: factor(lanes, 3, NDIM)
     integer :: a
-    call gimp_axes(xi, size_of, inverse_h, s, d)
     do a = 1, NDIM
       factor = s
       factor(:, :, a) = d(:, :, a)
-      call gimp_product(factor, g(1, 1, a))
+      call product_of(factor, g(1, 1, a))
     end do
-  end subroutine gimp_gradients
+  end subroutine product_gradients
 
   !> Products of one factor per axis, in the stencil's numbering.
-  pure subroutine gimp_product(factor, w)
+  pure subroutine product_of(factor, w)
     real(dp), intent(in) :: factor(lanes, 3, NDIM)
-    real(dp), intent(out) :: w(lanes, NGIMP)
+    real(dp), intent(out) :: w(lanes, NWIDE)
     integer :: e, a, digits
-    do e = 1, NGIMP
+    do e = 1, NWIDE
       digits = e - 1
       w(:, e) = 1.0_dp
       do a = NDIM, 1, -1
@@ -122,27 +59,27 @@ contains
         digits = digits/3
       end do
     end do
-  end subroutine gimp_product
+  end subroutine product_of
 
   !> Values at the particles, layer by layer of the stencil.
-  pure subroutine gimp_gather(n, s, stride, grid, row, values)
+  pure subroutine product_gather(n, s, stride, grid, row, values)
     integer, intent(in) :: n, stride
     real(dp), intent(in) :: s(lanes, 3, NDIM)      !! weights per axis
     real(dp), intent(in) :: grid(stride, *)
     integer, intent(in) :: row(NACROSS)  !! record of the stencil's first point in each row
     real(dp), intent(out) :: values(lanes, n)
-    integer :: layer, lines(GIMP_LINE)
+    integer :: layer, lines(WIDE_LINE)
     values = 0.0_dp
-    do layer = 1, GIMP_LAYER
-      lines = row(layer:NACROSS:GIMP_LAYER)
+    do layer = 1, WIDE_LAYER
+      lines = row(layer:NACROSS:WIDE_LAYER)
       call gather_layer(n, s, s(1, layer, NDIM), stride, grid, lines, values)
     end do
-  end subroutine gimp_gather
+  end subroutine product_gather
 
   !> One layer: along x, then along y, then times the layer's weight. Nine grid values at a time fit
   !! in the registers, 27 would not.
   pure subroutine gather_layer(n, s, weight, stride, grid, line, values)
-    integer, intent(in) :: n, stride, line(GIMP_LINE)
+    integer, intent(in) :: n, stride, line(WIDE_LINE)
     real(dp), intent(in) :: s(lanes, 3, NDIM), weight(lanes), grid(stride, *)
     real(dp), intent(inout) :: values(lanes, n)
     integer :: l, q
@@ -165,23 +102,23 @@ contains
   end subroutine gather_layer
 
   !> Velocity gradient at the particles, row by row, layer by layer of the stencil.
-  pure subroutine gimp_gather_gradient(s, d, stride, grid, row, gradient)
+  pure subroutine product_gather_gradient(s, d, stride, grid, row, gradient)
     real(dp), intent(in) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM)  !! weights, slopes per axis
     integer, intent(in) :: stride, row(NACROSS)
     real(dp), intent(in) :: grid(stride, *)        !! grid records that begin with the velocity
     real(dp), intent(out) :: gradient(lanes, NDIM, NDIM)  !! (:, b, a): component a along axis b
-    integer :: layer, lines(GIMP_LINE)
+    integer :: layer, lines(WIDE_LINE)
     gradient = 0.0_dp
-    do layer = 1, GIMP_LAYER
-      lines = row(layer:NACROSS:GIMP_LAYER)
+    do layer = 1, WIDE_LAYER
+      lines = row(layer:NACROSS:WIDE_LAYER)
       call gradient_layer(s, d, s(1, layer, NDIM), d(1, layer, NDIM), stride, grid, lines, gradient)
     end do
-  end subroutine gimp_gather_gradient
+  end subroutine product_gather_gradient
 
   !> One layer: values and derivatives along x of its lines serve all three derivatives.
   pure subroutine gradient_layer(s, d, weight, slope, stride, grid, line, gradient)
     real(dp), intent(in) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM), weight(lanes), slope(lanes)
-    integer, intent(in) :: stride, line(GIMP_LINE)
+    integer, intent(in) :: stride, line(WIDE_LINE)
     real(dp), intent(in) :: grid(stride, *)
     real(dp), intent(inout) :: gradient(lanes, NDIM, NDIM)
     integer :: l, a
@@ -230,10 +167,10 @@ contains
   end function three
 
   !> What the scatters need of a chunk's weights.
-  pure subroutine gimp_spread(s, d, forces, spread)
+  pure subroutine product_spread(s, d, forces, spread)
     real(dp), intent(in) :: s(lanes, 3, NDIM), d(lanes, 3, NDIM)  !! weights, slopes per axis
-    logical, intent(in) :: forces                  !! gimp_scatter_force will come, too
-    type(gimp_spread_t), intent(out) :: spread
+    logical, intent(in) :: forces                  !! product_scatter_force will come, too
+    type(product_spread_t), intent(out) :: spread
     call by_point(s(1, 1, NDIM), spread%weight)
     call products_across(s, s, spread%across(1, 1, 1))
     if (.not. forces) return
@@ -244,7 +181,7 @@ contains
 #if NDIM > 2
     call products_across(s, d, spread%across(1, 1, 3))
 #endif
-  end subroutine gimp_spread
+  end subroutine product_spread
 
   !> Products of the factors of all axes but the slowest.
   pure subroutine products_across(x, y, across)
@@ -287,9 +224,9 @@ contains
 
   !> Adds the particles' values to the accumulator of their stencil (MPM Eqs. 9, 10); pads must
   !! bring zeros.
-  pure subroutine gimp_scatter(nq, spread, values, sums)
+  pure subroutine product_scatter(nq, spread, values, sums)
     integer, intent(in) :: nq
-    type(gimp_spread_t), intent(in) :: spread
+    type(product_spread_t), intent(in) :: spread
     real(dp), intent(in) :: values(lanes, nq)
     real(dp), intent(inout) :: sums(4, NACROSS, nq)
     real(dp) :: share(lanes, NACROSS)
@@ -308,11 +245,11 @@ contains
         end do
       end do
     end do
-  end subroutine gimp_scatter
+  end subroutine product_scatter
 
   !> Adds -grad S . (sigma V) of the particles to the nodal forces; pads must bring zeros.
-  pure subroutine gimp_scatter_force(spread, flux, sums)
-    type(gimp_spread_t), intent(in) :: spread
+  pure subroutine product_scatter_force(spread, flux, sums)
+    type(product_spread_t), intent(in) :: spread
     real(dp), intent(in) :: flux(lanes, NFLUX)
     real(dp), intent(inout) :: sums(4, NACROSS, NDIM)
     real(dp) :: across(lanes, NACROSS), along(lanes, NACROSS)  ! the slowest axis
@@ -340,7 +277,7 @@ contains
         end do
       end do
     end do
-  end subroutine gimp_scatter_force
+  end subroutine product_scatter_force
 
   !> Sum over the lanes of weight times value for one point of a row, to be inlined in a loop over
   !! the points.
@@ -354,11 +291,11 @@ contains
 
   !> Flushes the accumulator's first x-layer to the plane buffers and moves the stencil one bin
   !! along the row, as linear_carry does.
-  pure subroutine gimp_carry(nq, sums, shift, place, planes)
+  pure subroutine product_carry(nq, sums, shift, place, planes)
     integer, intent(in) :: nq
     real(dp), intent(inout) :: sums(4, NACROSS, nq)
-    integer, intent(in) :: shift, place(GIMP_LINE)
-    real(dp), intent(inout) :: planes(GIMP_LAYER, nq, *)
+    integer, intent(in) :: shift, place(WIDE_LINE)
+    real(dp), intent(inout) :: planes(WIDE_LAYER, nq, *)
     integer :: q, e
 #if NDIM == 1
     do q = 1, nq
@@ -371,22 +308,22 @@ contains
 #else
     integer :: line
     do q = 1, nq
-      do line = 1, GIMP_LINE
-        do e = 1, GIMP_LAYER
+      do line = 1, WIDE_LINE
+        do e = 1, WIDE_LAYER
           planes(e, q, place(line) + shift) = planes(e, q, place(line) + shift) + sums(e, line, q)
         end do
       end do
       ! Rows of four stay vectors: a load of what was stored in smaller pieces would have to wait.
-      do line = 1, GIMP_LINE
+      do line = 1, WIDE_LINE
         !$omp simd simdlen(4)
         do e = 1, 4
-          sums(e, line, q) = sums(e, line + GIMP_LINE, q)
-          sums(e, line + GIMP_LINE, q) = sums(e, line + 2*GIMP_LINE, q)
-          sums(e, line + 2*GIMP_LINE, q) = 0.0_dp
+          sums(e, line, q) = sums(e, line + WIDE_LINE, q)
+          sums(e, line + WIDE_LINE, q) = sums(e, line + 2*WIDE_LINE, q)
+          sums(e, line + 2*WIDE_LINE, q) = 0.0_dp
         end do
       end do
     end do
 #endif
-  end subroutine gimp_carry
+  end subroutine product_carry
 
-end module DIM(sgmp_transfer_gimp)
+end module DIM(sgmp_transfer_product)

@@ -1,0 +1,20 @@
+!> What the deck says about the method, and no step changes.
+module sgmp_method
+  use sgmp_kinds, only: dp
+  implicit none
+  private
+  public :: method_t
+
+  !> The scheme and its options.
+  type :: method_t
+    integer :: update = 0                   !! one of update_*
+    real(dp) :: flip = 1.0_dp               !! weight of FLIP against PIC
+    real(dp) :: gravity(3) = 0.0_dp
+    logical :: normalised = .false.         !! volume-normalised stress
+    real(dp) :: interior = 0.0_dp           !! filling of interior cells, for normalised stress
+    integer :: spins = 0                    !! components of the spin that particles carry
+    real(dp) :: cutoff = 0.0_dp             !! node mass below which a node is ignored
+    integer :: lost_policy = 1              !! one of lost_*
+  end type method_t
+
+end module sgmp_method

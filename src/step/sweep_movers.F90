@@ -1,0 +1,218 @@
+! dimension-generic
+#include "dimension.inc"
+!> What particles that have changed bins give to the grid, once they are in their new bins: added to
+!! the sums of some planes in the order of bins and ids, as a sweep would have done.
+module DIM(sgmp_sweep_movers)
+  use sgmp_body, only: body_t
+  use DIM(sgmp_chunk), only: largest_stencil, most_columns, particle_axes, task_make, task_t
+  use sgmp_field, only: field_t
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_mesh, only: mesh_t
+  use sgmp_motion, only: motion_total
+  use sgmp_movers, only: movers_t
+  use sgmp_plan, only: plan_t
+  use sgmp_rebinning, only: arrivals_t
+  use DIM(sgmp_spin), only: spin_lever
+  use DIM(sgmp_transfer), only: flux_of, linear_gradients, linear_weights
+  use DIM(sgmp_transfer_product), only: product_gradients, product_weights
+  implicit none
+  private
+  public :: sweep_add_movers
+
+  !> What the movers that come into one bin give to the points of its stencil.
+  type :: pile_t
+    integer :: planes(2) = 0                      !! range of planes of the field to add to
+    integer :: bin = 0, row = 0, plane = 1        !! bin, its interval, its plane
+    real(dp) :: sums(largest_stencil, most_columns) = 0.0_dp  !! (points, x outermost; columns)
+  end type pile_t
+
+contains
+
+  !> Adds particles that changed bins to some planes of the moments, bin by bin, so that
+  !! each sum has the order of the bins and in each of the ids. Threads take planes; weights are
+  !! computed for as many movers at a time as a chunk has lanes.
+  subroutine sweep_add_movers(mesh, field, body, plan, lists, arrivals, planes)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: field
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(movers_t), intent(in) :: lists(:)       !! in their new bins
+    type(arrivals_t), intent(in) :: arrivals     !! their order; all that reach the planes
+    integer, intent(in) :: planes(2)             !! first and last plane to add to
+    type(task_t) :: task
+    type(pile_t) :: pile
+    integer :: r, r2
+    task = task_make(field%kernel, mesh, plan)
+    pile%planes = planes
+    do r = 1, arrivals%n, lanes
+      r2 = min(r + lanes - 1, arrivals%n)
+      call pile_movers(mesh, field, body, plan, task, lists, arrivals%list(r:r2), &
+                       arrivals%at(r:r2), pile)
+    end do
+    call add_pile(body, plan, task, pile, field)
+  end subroutine sweep_add_movers
+
+  !> Piles up what some movers give to the grid; a pile is added to the moments when the next bin
+  !! begins.
+  subroutine pile_movers(mesh, field, body, plan, task, lists, list, at, pile)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: field
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    type(movers_t), intent(in) :: lists(:)
+    integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
+    type(pile_t), intent(inout) :: pile
+    real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM), xi(lanes, NDIM)
+    logical :: forces
+    integer :: l
+    forces = plan%stress .and. .not. task%centred
+    call mover_weights(task, body, forces, lists, list, at, xi, w, g)
+    do l = 1, size(at)
+      associate (movers => lists(list(l)))
+        if (movers%bin(at(l)) /= pile%bin) then
+          call add_pile(body, plan, task, pile, field)
+          pile%bin = movers%bin(at(l))
+          pile%row = movers%row(at(l))
+          pile%sums(:, :task%nq) = 0.0_dp
+        end if
+        call add_mover(task, forces, l, w, g, movers%values(1, at(l)), pile%sums)
+        if (task%spin > 0) call add_mover_spin(task, xi(l, :), w(l, :), movers%values(1, at(l)), &
+                                               pile%sums)
+      end associate
+    end do
+  end subroutine pile_movers
+
+  !> Weights of some movers in their new bins, and where forces are scattered their gradients.
+  pure subroutine mover_weights(task, body, gradients, lists, list, at, xi, w, g)
+    type(task_t), intent(in) :: task
+    type(body_t), intent(in) :: body
+    logical, intent(in) :: gradients
+    type(movers_t), intent(in) :: lists(:)
+    integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
+    real(dp), intent(out) :: xi(lanes, NDIM)     !! position in the bin
+    real(dp), intent(out) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
+    real(dp) :: axes(lanes, 3, NDIM, 2), state(lanes, body%particles%state_columns), &
+        slopes(lanes, NCORNER, NDIM)
+    integer :: l
+    xi = 0.5_dp
+    state = 1.0_dp
+    do l = 1, size(at)
+      xi(l, :) = lists(list(l))%particle(:NDIM, at(l))
+      xi(l, :) = (xi(l, :) - real(floor(xi(l, :) - body%particles%shift), dp)) &
+          - body%particles%shift
+      if (task%wide) state(l, :) = lists(list(l))%particle(motion_total(NDIM) + 1:, at(l))
+    end do
+    if (task%wide) then
+      call particle_axes(body, task, body%particles%state_columns, state, xi, axes)
+      call product_weights(axes(1, 1, 1, 1), w)
+      if (gradients) call product_gradients(axes(1, 1, 1, 1), axes(1, 1, 1, 2), g)
+    else
+      call linear_weights(xi, w)
+      if (gradients) call linear_gradients(xi, task%inverse_h, slopes)
+      if (gradients) g(:, :NCORNER, :) = slopes
+    end if
+  end subroutine mover_weights
+
+  !> What the spin of one particle adds to the momentum of its stencil's points: m h spin x (way
+  !! from the particle to the point).
+  pure subroutine add_mover_spin(task, xi, w, values, sums)
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: xi(NDIM), w(largest_stencil)
+    real(dp), intent(in) :: values(task%values)
+    real(dp), intent(inout) :: sums(largest_stencil, most_columns)
+    real(dp) :: here
+    integer :: e, d
+    do d = 1, NDIM
+      here = -own_lever(values(task%spin + 1:), xi, d)
+      do e = 1, NCORNER
+        sums(e, task%momentum + d) = sums(e, task%momentum + d) + &
+            w(e)*(task%h*(here + spin_lever(values(task%spin + 1:), e, d)))
+      end do
+    end do
+  end subroutine add_mover_spin
+
+  !> Component d of spin x xi.
+  pure function own_lever(spin, xi, d) result(t)
+    real(dp), intent(in) :: spin(:), xi(NDIM)
+    integer, intent(in) :: d
+    real(dp) :: t
+#if NDIM == 1
+    t = 0.0_dp*spin(1)*xi(d)
+#elif NDIM == 2
+    t = spin(1)*merge(-xi(2), xi(1), d == 1)
+#else
+    t = spin(mod(d, 3) + 1)*xi(mod(d + 1, 3) + 1) - spin(mod(d + 1, 3) + 1)*xi(mod(d, 3) + 1)
+#endif
+  end function own_lever
+
+  !> One particle.
+  pure subroutine add_mover(task, forces, lane, w, g, values, sums)
+    type(task_t), intent(in) :: task
+    logical, intent(in) :: forces                 !! MPM, GIMP: columns from task%forces on
+    integer, intent(in) :: lane                   !! of the weights
+    real(dp), intent(in) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
+    real(dp), intent(in) :: values(task%values)
+    real(dp), intent(inout) :: sums(largest_stencil, most_columns)
+    real(dp) :: own(largest_stencil, 0:NDIM)
+    integer :: q, a, b, points
+    points = task%width*task%rows
+    own(:points, 0) = w(lane, :points)
+    if (forces) own(:points, 1:) = g(lane, :points, :)
+    do q = 1, task%nq
+      a = q - task%forces                         ! axis of the force, if it is one
+      if (forces .and. a >= 1 .and. a <= NDIM) then
+        do b = 1, NDIM
+          call add_product(points, -values(task%flux + flux_of(b, a)), own(1, b), sums(1, q))
+        end do
+      else
+        call add_product(points, values(q), own, sums(1, q))
+      end if
+    end do
+  end subroutine add_mover
+
+  !> sums = sums + value weights, as vectors: linear stencils have a length that the compiler knows.
+  pure subroutine add_product(points, value, weights, sums)
+    integer, intent(in) :: points
+    real(dp), intent(in) :: value, weights(points)
+    real(dp), intent(inout) :: sums(points)
+    if (points == NCORNER) then
+      sums(:NCORNER) = sums(:NCORNER) + value*weights(:NCORNER)
+    else
+      sums = sums + value*weights
+    end if
+  end subroutine add_product
+
+  !> Adds a pile to those points of its bin's stencil that lie in the planes asked for.
+  pure subroutine add_pile(body, plan, task, pile, field)
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    type(pile_t), intent(inout) :: pile
+    type(field_t), intent(inout) :: field
+    integer :: x, r, n, q, e, first, plane, from(largest_stencil), to(largest_stencil)
+    if (pile%bin == 0) return
+    do while (body%particles%plane_row(pile%plane + 1) <= pile%row)
+      pile%plane = pile%plane + 1
+    end do
+    first = pile%bin - body%particles%bin_start(pile%row)
+    n = 0
+    do r = 1, task%rows
+      plane = pile%plane + mod(r - 1, task%layers)
+      if (plane < pile%planes(1) .or. plane > pile%planes(2)) cycle
+      do x = 0, task%width - 1
+        n = n + 1
+        from(n) = x*task%rows + r
+        to(n) = body%particles%place(r, pile%row) + first + x
+      end do
+    end do
+    do q = 1, task%nq
+      do e = 1, n
+        associate (moment => field%moment(to(e), plan%first_column + q - 1))
+          moment = moment + pile%sums(from(e), q)
+        end associate
+      end do
+    end do
+  end subroutine add_pile
+
+end module DIM(sgmp_sweep_movers)

@@ -1,0 +1,143 @@
+!> What all ranks have and what a step did, put together when it ends.
+module sgmp_totals
+  use sgmp_body, only: body_t
+  use sgmp_contact, only: contact_t
+  use sgmp_contact_ledger, only: contact_close, contact_sums_t
+  use sgmp_energy, only: step_sums_t
+  use sgmp_field, only: field_t
+  use sgmp_findings, only: findings_t
+  use sgmp_halo, only: halo_own_planes
+  use sgmp_kinds, only: dp, i8
+  use sgmp_parallel, only: parallel_agree, parallel_max_place
+  use sgmp_partition, only: partition_t
+  use sgmp_sums, only: nodes_external, nodes_ignored, nodes_mass_aa, nodes_mass_av, nodes_sums, &
+                       sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
+                       sum_viscous, sweep_sums
+  use sgmp_tally, only: tally_reset, tally_total
+  implicit none
+  private
+  public :: body_sums_t, totals_t, totals_close, totals_open
+
+  !> Sums over one body, kept up to date by the sweeps.
+  type :: body_sums_t
+    real(dp) :: mass = 0.0_dp
+    real(dp) :: moment(3) = 0.0_dp     !! sum m X, in cells from the grid origin
+    real(dp) :: momentum(3) = 0.0_dp
+    real(dp) :: kinetic = 0.0_dp, internal = 0.0_dp
+  end type body_sums_t
+
+  !> Sums over all ranks.
+  type :: totals_t
+    integer(i8), allocatable :: particles(:)         !! (bodies)
+    integer(i8) :: points = 0_i8                     !! stored grid points
+    type(body_sums_t), allocatable :: bodies(:)      !! (bodies)
+    type(step_sums_t) :: sums                        !! of the step at hand
+  end type totals_t
+
+contains
+
+  !> Forgets the sums of the step before.
+  subroutine totals_open(totals, findings, contact, bodies)
+    type(totals_t), intent(inout) :: totals
+    type(findings_t), intent(inout) :: findings
+    type(contact_t), intent(inout) :: contact
+    integer, intent(in) :: bodies                !! how many
+    totals%sums = step_sums_t()
+    contact%terms%n = 0
+    call tally_reset(findings%tally, bodies*sweep_sums + nodes_sums)
+  end subroutine totals_open
+
+  !> Puts together what the ranks have found in a step: sums, particles, the fastest of them, and
+  !! whether anything failed; with `whole` the sums are those of a whole step.
+  subroutine totals_close(totals, findings, contact, fields, bodies, partition, whole)
+    type(totals_t), intent(inout) :: totals
+    type(findings_t), intent(inout) :: findings
+    type(contact_t), intent(inout) :: contact
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(partition_t), intent(in) :: partition
+    logical, intent(in) :: whole
+    real(dp) :: sums(size(bodies)*sweep_sums + nodes_sums)
+    integer(i8) :: counts(size(bodies) + 4)
+    integer :: b, n
+    n = size(bodies)
+    counts(:n) = int(bodies%particles%count, i8)
+    counts(n + 1) = int(findings%lost_here, i8)
+    counts(n + 2) = merge(1_i8, 0_i8, allocated(findings%failure))
+    counts(n + 3) = own_points(fields, partition)
+    counts(n + 4) = int(contact%terms%n, i8)
+    call tally_total(findings%tally, sums, counts)
+    call parallel_max_place(findings%fastest, findings%fastest_id, findings%fastest_field)
+    if (counts(n + 2) > 0_i8) call parallel_agree(findings%failure)
+    totals%particles = counts(:n)
+    totals%points = counts(n + 3)
+    findings%lost = findings%lost + int(counts(n + 1))
+    findings%lost_here = 0
+    if (.not. whole) return
+    do b = 1, n
+      call add_body(bodies(b), sums((b - 1)*sweep_sums + 1:b*sweep_sums), totals%bodies(b), &
+                    totals%sums)
+    end do
+    call add_nodes(sums(n*sweep_sums + 1:), totals%sums)
+    call add_contact(contact, counts(n + 4) > 0_i8, totals%sums)
+  end subroutine totals_close
+
+  !> Grid points stored in the planes of this rank.
+  pure function own_points(fields, partition) result(points)
+    type(field_t), intent(in) :: fields(:)
+    type(partition_t), intent(in) :: partition
+    integer(i8) :: points
+    integer :: f, p1, p2
+    points = 0_i8
+    do f = 1, size(fields)
+      call halo_own_planes(fields(f), partition, p1, p2)
+      points = points + fields(f)%plane_start(p2 + 1) - fields(f)%plane_start(p1)
+    end do
+  end function own_points
+
+  !> Adds a body's sums to those of the step.
+  pure subroutine add_body(body, sums, own, all)
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: sums(sweep_sums)
+    type(body_sums_t), intent(inout) :: own      !! of the body
+    type(step_sums_t), intent(inout) :: all      !! of the step
+    if (body%at_rest) return
+    own%moment = sums(sum_moment:sum_moment + 2)
+    own%momentum = sums(sum_momentum:sum_momentum + 2)
+    own%kinetic = sums(sum_kinetic)
+    if (body%rigid) return  ! its energy and momentum belong to whoever moves it
+    own%internal = own%internal + sums(sum_internal)
+    all%kinetic = all%kinetic + sums(sum_kinetic)
+    all%particles_aa = all%particles_aa + sums(sum_mass_aa)
+    all%momentum = all%momentum + sums(sum_momentum:sum_momentum + 2)
+    all%internal = all%internal + sums(sum_internal)
+    all%viscous = all%viscous + sums(sum_viscous)
+  end subroutine add_body
+
+  !> Adds the nodes' sums.
+  pure subroutine add_nodes(sums, all)
+    real(dp), intent(in) :: sums(nodes_sums)
+    type(step_sums_t), intent(inout) :: all
+    all%nodes_aa = all%nodes_aa + sums(nodes_mass_aa)
+    all%power_before = all%power_before + sums(nodes_mass_av)
+    all%external_power = all%external_power + sums(nodes_external)
+    all%ignored_nodes = all%ignored_nodes + sums(nodes_ignored)
+  end subroutine add_nodes
+
+  !> Adds what contact did.
+  subroutine add_contact(contact, anywhere, all)
+    type(contact_t), intent(inout) :: contact
+    logical, intent(in) :: anywhere        !! on some rank
+    type(step_sums_t), intent(inout) :: all
+    type(contact_sums_t) :: sums
+    sums = contact_sums_t(all%contact, all%rigid_work, all%nodes_aa, all%power_before, &
+                          all%external_power)
+    call contact_close(contact, anywhere, sums)
+    all%contact = sums%dissipation
+    all%rigid_work = sums%rigid_work
+    all%nodes_aa = sums%nodes_aa
+    all%power_before = sums%power_before
+    all%external_power = sums%external_power
+  end subroutine add_contact
+
+end module sgmp_totals
