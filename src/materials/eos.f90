@@ -2,7 +2,7 @@
 !!
 !! v = V/V0, E is the energy per initial volume, f the burn fraction (1 for an inert material).
 module sgmp_eos
-  use sgmp_kinds, only: dp, i4, lanes
+  use sgmp_kinds, only: dp, lanes
   implicit none
   private
   public :: eos_energy, eos_sound_speed_squared, eos_energy_pressure, eos_sound_speed_lanes
@@ -57,23 +57,18 @@ contains
     end do
   end subroutine eos_energy_pressure
 
-  !> Lane kernel of eos_sound_speed_squared, floored; unburnt lanes (f = 0) get the floor and are
-  !! not counted.
-  pure subroutine eos_sound_speed_lanes(density0, floor_squared, v, pressure, energy, da, db, b0, &
-                                        fraction, speed_squared, imaginary)
+  !> Lane kernel of eos_sound_speed_squared.
+  pure subroutine eos_sound_speed_lanes(density0, v, pressure, energy, da, db, b0, fraction, &
+                                        speed_squared)
     real(dp), intent(in) :: density0                           !! initial density, > 0
-    real(dp), intent(in) :: floor_squared                      !! least value returned, > 0
     real(dp), dimension(lanes), intent(in) :: v, pressure, energy  !! as in the point function
     real(dp), dimension(lanes), intent(in) :: da, db, b0, fraction  !! as in the point function
-    real(dp), intent(out) :: speed_squared(lanes)              !! c^2, at least floor_squared
-    integer(i4), intent(inout) :: imaginary  !! raised by the number of lanes with c^2 < 0
+    real(dp), intent(out) :: speed_squared(lanes)              !! c^2
     integer :: p
-    !$omp simd simdlen(8) reduction(+:imaginary)
+    !$omp simd simdlen(8)
     do p = 1, lanes
       speed_squared(p) = eos_sound_speed_squared(density0, v(p), pressure(p), energy(p), da(p), &
                                                  db(p), b0(p), fraction(p))
-      imaginary = imaginary + merge(1_i4, 0_i4, speed_squared(p) < 0.0_dp)
-      speed_squared(p) = merge(speed_squared(p), floor_squared, speed_squared(p) > floor_squared)
     end do
   end subroutine eos_sound_speed_lanes
 

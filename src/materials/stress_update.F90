@@ -13,7 +13,7 @@ module DIM(sgmp_stress_update)
   use sgmp_eos, only: eos_energy_pressure, eos_sound_speed_lanes
   use sgmp_eos_gruneisen, only: gruneisen_lanes
   use sgmp_eos_jwl, only: jwl_lanes
-  use sgmp_kinds, only: dp, i4, lanes
+  use sgmp_kinds, only: dp, lanes
   use sgmp_material_j2, only: j2_return
   use sgmp_material_jc, only: jc_return, jc_return_simple
   use sgmp_material_kinds, only: eos_jwl, eos_none, material_elastic, material_j2, &
@@ -43,7 +43,8 @@ contains
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)             !! volume, stress, history
     real(dp), intent(out) :: flux(lanes, NFLUX)         !! (sigma - q I) V; 0 in pads
-    real(dp), intent(out) :: speed2(lanes)              !! square of the sound speed
+    real(dp), intent(out) :: speed2(lanes)              !! square of the sound speed, negative
+                                                        !! where waves have none
     real(dp), intent(out) :: jacobian(lanes)  !! determinant of the step's deformation gradient
     real(dp), intent(inout) :: internal(lanes)  !! growth of the internal energy, added to
     real(dp), intent(inout) :: viscous(lanes)   !! part of it that the bulk viscosity dissipates
@@ -497,7 +498,7 @@ contains
     real(dp) :: v_old(lanes), v(lanes), p_old(lanes), p(lanes), other(lanes)
     real(dp) :: a0(lanes), b0(lanes), da(lanes), db(lanes), ones(lanes)
     real(dp) :: scale, inverse
-    integer(i4) :: imaginary
+    real(dp) :: bulk(lanes)                             !! its square, of the volume alone
     integer :: l
     inverse = 1.0_dp/law%density
     !$omp simd simdlen(8) private(scale)
@@ -515,11 +516,10 @@ contains
     end select
     p = burnt*(a0 + b0*energy)
     ones = 1.0_dp
-    imaginary = 0
-    call eos_sound_speed_lanes(law%density, law%slowest**2, v, p, energy, da, db, b0, ones, &
-                               speed2, imaginary)
+    call eos_sound_speed_lanes(law%density, v, p, energy, da, db, b0, ones, bulk)
     !$omp simd simdlen(8)
     do l = 1, lanes
+      speed2(l) = merge(bulk(l), law%slowest**2, bulk(l) > law%slowest**2)
       speed2(l) = merge(speed2(l), law%detonation_speed**2, burnt(l) > 0.0_dp) + &
           (stiffness*inverse)*v(l)
     end do
@@ -535,6 +535,9 @@ contains
     do l = 1, lanes
       work(l) = -0.5_dp*(p_old(l) + p(l))*(v(l) - v_old(l))/v_old(l)
       mean(l) = -p(l)
+      ! Waves without a speed are left as they are, for the caller to see.
+      bulk(l) = merge(bulk(l) + (stiffness*inverse)*v(l), 0.0_dp, burnt(l) > 0.0_dp)
+      speed2(l) = merge(bulk(l), speed2(l), bulk(l) < 0.0_dp)
     end do
   end subroutine equation_of_state
 
