@@ -4,6 +4,8 @@
 module sgmp_state
   use sgmp_archive, only: archive_t
   use sgmp_body, only: body_t
+  use sgmp_contact, only: contact_t
+  use sgmp_contact_memory, only: memory_share
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_energy, only: ledger_t
   use sgmp_kinds, only: dp, i8
@@ -46,6 +48,8 @@ contains
     do p = 1, size(model%contact%pairs)
       call pass_pair(archive, model%contact%pairs(p))
     end do
+    if (size(model%contact%pairs) > 0) call pass_memory(archive, model%contact, &
+                                                         model%ranks%partition%own)
     call pass_outputs(archive, outputs, size(model%contact%pairs))
   end subroutine state_pass
 
@@ -106,6 +110,22 @@ contains
     call archive%pass(pair%shared)
     call archive%pass(pair%touching)
   end subroutine pass_pair
+
+  !> States of contact at the nodes of all ranks; a reader's next layout takes them from the memory.
+  subroutine pass_memory(archive, contact, own)
+    type(archive_t), intent(inout) :: archive
+    type(contact_t), intent(inout) :: contact
+    integer, intent(in) :: own(2)          !! planes of this rank
+    if (.not. archive%reading) call memory_share(contact%memory, contact%shared, own)
+    call archive%pass(contact%memory%n)
+    if (.not. archive%complete) return
+    if (archive%reading) then
+      if (allocated(contact%memory%values)) deallocate (contact%memory%values)
+      allocate (contact%memory%values(contact%memory%n))
+    end if
+    call archive%pass(contact%memory%values(:contact%memory%n))
+    if (.not. archive%reading) contact%memory%n = 0
+  end subroutine pass_memory
 
   !> How far the files of the run had come.
   subroutine pass_outputs(archive, outputs, pairs)

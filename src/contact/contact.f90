@@ -1,36 +1,50 @@
 !> Contact between fields, as phases of a step.
 !!
-!! Contact changes the trial velocity and the acceleration alike, so that what particles receive is
-!! the contact force; the re-mapped velocity of MUSL and the velocity that strains the particles in
-!! USF are made admissible by the same rule.
-!! Normals and distances belong to the positions at the start of the step and are found once.
+!! The trial decides once in a step which pairs are pressed together, slide or stick, and gives
+!! particles the contact force; the velocity that strains the particles then obeys that state: the
+!! re-mapped one of MUSL, in USF the one before the kick with the state of the step before
+!! (sgmp_contact_resolve). Normals and distances belong to the positions at the start of the step
+!! and are found once.
 module sgmp_contact
   use sgmp_body, only: body_t
   use sgmp_buffer, only: buffer_t
-  use sgmp_columns, only: node_acceleration, node_inverse_mass, node_velocity
+  use sgmp_columns, only: node_acceleration, node_inverse_mass, node_remapped, node_velocity
   use sgmp_contact_distance, only: clouds_t, distance_detect
+  use sgmp_contact_ledger, only: ledger_kick, ledger_strain
+  use sgmp_contact_memory, only: memory_give, memory_take
   use sgmp_contact_pairs, only: contact_pair_t
-  use sgmp_contact_resolve, only: contact_link_t, contact_resolve
+  use sgmp_contact_resolve, only: contact_link_t, link_free, resolve_strain, resolve_trial
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
-  use sgmp_shared_nodes, only: shared_build, shared_meet, shared_nodes_t
+  use sgmp_shared_nodes, only: node_terms_t, shared_build, shared_meet, shared_nodes_t
   use sgmp_surface_particles, only: surface_count, surface_pack
   implicit none
   private
-  public :: contact_t, contact_layout, contact_meet, contact_detect, contact_trial, &
-            contact_velocity
+  public :: contact_t, contact_step_t, contact_layout, contact_meet, contact_detect, &
+            contact_trial, contact_velocity
 
   !> All that contact knows.
   type :: contact_t
     type(contact_pair_t), allocatable :: pairs(:)  !! none: one field for all bodies
     type(shared_nodes_t) :: shared         !! nodes where the fields of pairs meet
+    type(buffer_t) :: memory               !! states of links until the next layout
     type(buffer_t) :: terms                !! of the ledger: what contact did in the step, own planes
   end type contact_t
 
+  !> What contact must know of the step at hand.
+  type :: contact_step_t
+    real(dp) :: dt_kick = 0.0_dp           !! velocity step dt^k
+    real(dp) :: gap_speed = 0.0_dp         !! that closes a gap of one cell in the position step
+    real(dp) :: gravity(3) = 0.0_dp
+    logical :: strains_with_trial = .false.  !! the trial velocity also strains the particles (USL)
+    real(dp) :: before = 0.0_dp, after = 0.0_dp
+      !! parts of the strain that come from velocities before and after the kick
+  end type contact_step_t
+
 contains
 
-  !> Lists the shared nodes of a new layout.
+  !> Lists the shared nodes of a new layout; pairs keep their states.
   subroutine contact_layout(contact, mesh, fields, bodies, planes)
     type(contact_t), intent(inout) :: contact
     type(mesh_t), intent(in) :: mesh
@@ -38,7 +52,9 @@ contains
     type(body_t), intent(in) :: bodies(:)
     integer, intent(in) :: planes(2)       !! first and last k that this rank solves
     if (size(contact%pairs) == 0) return
+    call memory_take(contact%memory, contact%shared, [-huge(1), huge(1)])
     call shared_build(contact%shared, mesh, fields, bodies, contact%pairs, planes)
+    call memory_give(contact%memory, contact%shared)
   end subroutine contact_layout
 
   !> Finds where bodies meet, and counts the surface particles around.
@@ -62,8 +78,8 @@ contains
     end do
   end subroutine contact_meet
 
-  !> Finds normals and touching pairs at all shared nodes. It must be known where bodies meet, and
-  !! what other ranks have there.
+  !> Finds normals and gaps at all shared nodes. It must be known where bodies meet, and what other
+  !! ranks have there.
   subroutine contact_detect(contact, mesh, fields, bodies, threads)
     type(contact_t), intent(inout) :: contact
     type(mesh_t), intent(in) :: mesh
@@ -87,89 +103,198 @@ contains
   end subroutine contact_detect
 
   !> Contact forces: corrects trial velocity and acceleration (Eqs. 79, 80).
-  subroutine contact_trial(contact, fields, bodies, dt, threads)
+  subroutine contact_trial(contact, fields, bodies, step, threads)
     type(contact_t), intent(inout) :: contact
     type(field_t), intent(inout) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
-    real(dp), intent(in) :: dt             !! velocity step dt^k
+    type(contact_step_t), intent(in) :: step
     integer, intent(in) :: threads
     integer :: n
-    !$omp parallel do schedule(dynamic, 16) num_threads(threads) default(none) &
-    !$omp& shared(contact, fields, bodies, dt) private(n)
+    !$omp parallel do schedule(dynamic, 16) num_threads(threads) if(threads > 1) default(none) &
+    !$omp& shared(contact, fields, bodies, step) private(n)
     do n = 1, contact%shared%nodes
-      call resolve_node(contact%shared, n, bodies, fields, node_velocity(fields(1)%ndim), dt)
+      call trial_node(contact%shared, n, bodies, fields, step)
     end do
     !$omp end parallel do
   end subroutine contact_trial
 
-  !> Makes another nodal velocity admissible: the re-mapped one of MUSL, or that which strains the
-  !! particles in USF.
-  subroutine contact_velocity(contact, fields, bodies, column, threads)
+  !> Makes the velocity that strains the particles obey the last trial: the re-mapped velocity of
+  !! MUSL, or the one before the kick, of which the trial has yet to come.
+  subroutine contact_velocity(contact, fields, bodies, step, before_kick, threads)
     type(contact_t), intent(inout) :: contact
     type(field_t), intent(inout) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
-    integer, intent(in) :: column          !! first column of the velocity
+    type(contact_step_t), intent(in) :: step
+    logical, intent(in) :: before_kick
     integer, intent(in) :: threads
     integer :: n
-    !$omp parallel do schedule(dynamic, 16) num_threads(threads) default(none) &
-    !$omp& shared(contact, fields, bodies, column) private(n)
+    !$omp parallel do schedule(dynamic, 16) num_threads(threads) if(threads > 1) default(none) &
+    !$omp& shared(contact, fields, bodies, step, before_kick) private(n)
     do n = 1, contact%shared%nodes
-      call resolve_node(contact%shared, n, bodies, fields, column, 0.0_dp)
+      call strain_node(contact%shared, n, bodies, fields, step, before_kick)
     end do
     !$omp end parallel do
   end subroutine contact_velocity
 
-  !> Contact at one node; with a time step the acceleration follows.
-  subroutine resolve_node(shared, n, bodies, fields, column, dt)
+  !> Contact at one node: the trial.
+  subroutine trial_node(shared, n, bodies, fields, step)
     type(shared_nodes_t), intent(inout) :: shared
-    integer, intent(in) :: n, column
+    integer, intent(in) :: n
     type(body_t), intent(in) :: bodies(:)
     type(field_t), intent(inout) :: fields(:)
-    real(dp), intent(in) :: dt
+    type(contact_step_t), intent(in) :: step
     type(contact_link_t) :: links(shared%link_start(n + 1) - shared%link_start(n))
-    real(dp), dimension(3, shared%member_start(n + 1) - shared%member_start(n)) :: velocity, gained
+    real(dp), dimension(3, shared%member_start(n + 1) - shared%member_start(n)) :: velocity, &
+      kick, trial, gained
     real(dp) :: inverse_mass(size(velocity, 2))
-    integer :: which(size(links))
-    integer :: l, k, m, nd, active
+    logical :: moving(size(velocity, 2))
+    integer :: which(size(links)), l, k, m, nd, active
+    shared%terms(n) = node_terms_t()
+    if (.not. any(shared%meets(shared%link_start(n):shared%link_start(n + 1) - 1))) then
+      do l = shared%link_start(n), shared%link_start(n + 1) - 1
+        call forget(shared%link(l))
+      end do
+      return
+    end if
+    nd = shared%ndim
+    call gather(shared, n, bodies, fields, node_velocity(nd), velocity, inverse_mass, moving)
+    call gather(shared, n, bodies, fields, node_acceleration, kick, inverse_mass, moving)
+    kick = step%dt_kick*kick
     active = 0
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
-      shared%link(l)%normal_impulse = 0.0_dp
-      shared%link(l)%tangent_impulse = 0.0_dp
-      if (.not. shared%touching(l)) cycle
-      active = active + 1
-      which(active) = l
-      links(active) = shared%link(l)
-    end do
-    if (active == 0) return
-    velocity = 0.0_dp
-    do k = 1, size(inverse_mass)
-      m = shared%member_start(n) + k - 1
-      nd = fields(shared%field(m))%ndim
-      velocity(:nd, k) = fields(shared%field(m))%node(shared%record(m), column:column + nd - 1)
-      inverse_mass(k) = fields(shared%field(m))%node(shared%record(m), node_inverse_mass(nd))
-      if (bodies(shared%body(m))%rigid) inverse_mass(k) = 0.0_dp
-    end do
-    call contact_resolve(links(:active), inverse_mass, velocity)
-    gained = 0.0_dp
-    do l = 1, active
-      where (shared%held(:, n)) links(l)%tangent_impulse = 0.0_dp
-      shared%link(which(l)) = links(l)
-      associate (impulse => links(l)%normal_impulse*links(l)%normal + links(l)%tangent_impulse)
-        gained(:, links(l)%first) = gained(:, links(l)%first) - impulse
-        gained(:, links(l)%second) = gained(:, links(l)%second) + impulse
+      associate (link => shared%link(l))
+        link%pull = kick(:, link%first) - kick(:, link%second)
+        if (shared%near(l) .and. moving(link%first) .and. moving(link%second)) then
+          link%approach = shared%gap(l)*step%gap_speed
+          active = active + 1
+          which(active) = l
+          links(active) = link
+        else
+          link%state = link_free
+          link%impulse = 0.0_dp
+          link%dissipation = 0.0_dp
+          if (step%strains_with_trial) link%correction = 0.0_dp
+        end if
       end associate
     end do
+    trial = velocity
+    if (active > 0) call resolve_trial(links(:active), inverse_mass, velocity, kick)
+    gained = 0.0_dp
+    do l = 1, active
+      ! USF strained before: the correction of that velocity stays.
+      if (.not. step%strains_with_trial) links(l)%correction = shared%link(which(l))%correction
+      links(l)%dissipation = 0.0_dp
+      shared%link(which(l)) = links(l)
+      gained(:, links(l)%first) = gained(:, links(l)%first) - links(l)%impulse
+      gained(:, links(l)%second) = gained(:, links(l)%second) + links(l)%impulse
+    end do
+    do k = 1, size(inverse_mass)
+      if (active == 0 .or. inverse_mass(k) <= 0.0_dp) cycle
+      m = shared%member_start(n) + k - 1
+      associate (node => fields(shared%field(m))%node, i => shared%record(m))
+        call add_vector(node(i, :), node_velocity(nd), velocity(:nd, k) - trial(:nd, k))
+        call add_vector(node(i, :), node_acceleration, inverse_mass(k)*gained(:nd, k)/step%dt_kick)
+      end associate
+    end do
+    call ledger_kick(shared, n, fields, inverse_mass, trial, kick, gained, step%dt_kick, &
+                     step%gravity)
+    if (step%strains_with_trial) then
+      do k = 1, size(inverse_mass)
+        trial(:, k) = trial(:, k) + inverse_mass(k)*gained(:, k)
+      end do
+      call ledger_strain(shared, n, bodies, fields, inverse_mass, trial, kick, step%before, &
+                         step%gravity)
+    else if (step%before > 0.0_dp) then
+      call ledger_strain(shared, n, bodies, fields, inverse_mass, trial - kick, kick, step%before, &
+                         step%gravity)
+    end if
+  end subroutine trial_node
+
+  !> Contact at one node: the velocity that strains the particles.
+  subroutine strain_node(shared, n, bodies, fields, step, before_kick)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n
+    type(body_t), intent(in) :: bodies(:)
+    type(field_t), intent(inout) :: fields(:)
+    type(contact_step_t), intent(in) :: step
+    logical, intent(in) :: before_kick
+    real(dp), dimension(3, shared%member_start(n + 1) - shared%member_start(n)) :: velocity, &
+      obeying, kick
+    real(dp) :: inverse_mass(size(velocity, 2))
+    logical :: moving(size(velocity, 2))
+    integer :: l, k, m, nd, column
+    associate (links => shared%link(shared%link_start(n):shared%link_start(n + 1) - 1))
+      links%correction(1) = 0.0_dp
+      links%correction(2) = 0.0_dp
+      links%correction(3) = 0.0_dp
+      if (all(links%state == link_free)) return
+      nd = shared%ndim
+      column = merge(node_velocity(nd), node_remapped, before_kick)
+      call gather(shared, n, bodies, fields, column, velocity, inverse_mass, moving)
+      do l = 1, size(links)
+        if (.not. (moving(links(l)%first) .and. moving(links(l)%second))) call forget(links(l))
+      end do
+      obeying = velocity
+      call resolve_strain(links, inverse_mass, obeying)
+    end associate
     do k = 1, size(inverse_mass)
       if (inverse_mass(k) <= 0.0_dp) cycle
       m = shared%member_start(n) + k - 1
       associate (node => fields(shared%field(m))%node, i => shared%record(m))
-        node(i, column:column + nd - 1) = node(i, column:column + nd - 1) + &
-          inverse_mass(k)*gained(:nd, k)
-        if (dt <= 0.0_dp) cycle
-        node(i, node_acceleration:node_velocity(nd) - 1) = &
-          node(i, node_acceleration:node_velocity(nd) - 1) + inverse_mass(k)*gained(:nd, k)/dt
+        call add_vector(node(i, :), column, obeying(:nd, k) - velocity(:nd, k))
       end associate
     end do
-  end subroutine resolve_node
+    if (before_kick) return
+    do k = 1, size(inverse_mass)
+      associate (body => bodies(shared%body(shared%member_start(n) + k - 1)))
+        kick(:, k) = merge(0.0_dp, body%speed - body%speed_before, shared%held(:, n))
+      end associate
+    end do
+    call ledger_strain(shared, n, bodies, fields, inverse_mass, velocity, kick, step%after, &
+                       step%gravity)
+  end subroutine strain_node
+
+  !> Adds to the vector that begins at a column.
+  pure subroutine add_vector(node, column, change)
+    real(dp), intent(inout) :: node(:)
+    integer, intent(in) :: column
+    real(dp), intent(in) :: change(:)
+    integer :: d
+    do d = 1, size(change)
+      node(column + d - 1) = node(column + d - 1) + change(d)
+    end do
+  end subroutine add_vector
+
+  !> A pair that does not meet at the node any more.
+  pure subroutine forget(link)
+    type(contact_link_t), intent(inout) :: link
+    link%state = link_free
+    link%impulse = 0.0_dp
+    link%correction = 0.0_dp
+    link%dissipation = 0.0_dp
+  end subroutine forget
+
+  !> A vector of all members of a node, without the components that walls hold, and the inverse
+  !! masses: 0 for rigid bodies.
+  pure subroutine gather(shared, n, bodies, fields, column, vector, inverse_mass, moving)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, column
+    type(body_t), intent(in) :: bodies(:)
+    type(field_t), intent(in) :: fields(:)
+    real(dp), intent(out) :: vector(:, :)        !! (3, members)
+    real(dp), intent(out) :: inverse_mass(:)     !! (members)
+    logical, intent(out) :: moving(:)            !! (members) it has mass at the node
+    integer :: k, m
+    vector = 0.0_dp
+    do k = 1, size(inverse_mass)
+      m = shared%member_start(n) + k - 1
+      associate (node => fields(shared%field(m))%node, i => shared%record(m), nd => shared%ndim)
+        vector(:nd, k) = merge(0.0_dp, node(i, column:column + nd - 1), shared%held(:nd, n))
+        inverse_mass(k) = node(i, node_inverse_mass(nd))
+      end associate
+      moving(k) = inverse_mass(k) > 0.0_dp
+      if (bodies(shared%body(m))%rigid) inverse_mass(k) = 0.0_dp
+    end do
+  end subroutine gather
 
 end module sgmp_contact

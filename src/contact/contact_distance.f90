@@ -5,6 +5,7 @@ module sgmp_contact_distance
   use sgmp_contact_normals, only: contact_normal, volume_gradient
   use sgmp_contact_pairs, only: contact_pair_t, normal_separating
   use sgmp_field, only: field_t
+  use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_separation, only: separation
@@ -16,6 +17,11 @@ module sgmp_contact_distance
   real(dp), parameter :: overlapping = 1.0e-3_dp
     !! distance (cells) below which the shortest line is not trusted
   real(dp), parameter :: nowhere = -1.0e30_dp  !! reach of a body that is not there
+  real(dp), parameter :: margin = 0.25_dp
+    !! gap (cells) that bodies may close in a step and that is therefore measured
+  real(dp), parameter :: aside = 0.75_dp       !! see reach_squared
+  real(dp), parameter :: edge = 1.0e-6_dp
+    !! what lies so near to a limit (cells) is on one side of it, whatever its last bits
 
   !> Room for the surface particles of two bodies around a node, kept from node to node.
   type :: clouds_t
@@ -37,7 +43,7 @@ contains
     type(clouds_t), intent(inout) :: clouds
     integer :: at(2), balls(2), l
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
-      shared%touching(l) = .false.
+      shared%near(l) = .false.
       if (.not. shared%meets(l)) cycle
       at = shared_members(shared, n, l)
       call cloud_around(shared, n, at(1), balls(1), clouds%first)
@@ -60,15 +66,15 @@ contains
     type(contact_pair_t), intent(in) :: pair
     integer, intent(in) :: balls(2)
     type(clouds_t), intent(in) :: clouds
-    real(dp) :: line(3), gradient(3, 2), length, above, below
+    real(dp) :: line(3), gradient(3, 2), length, above, below, near2
     integer :: side
     length = 0.0_dp
     if (pair%normal == normal_separating) then
       call separation(mesh%ndim, balls(1), clouds%first, balls(2), clouds%second, &
                       middle(balls(2), clouds%second) - middle(balls(1), clouds%first), &
-                      pair%lambda, line)
+                      pair%lambda + margin, line)
       length = norm2(line)
-      if (length > pair%lambda) return
+      if (length > pair%lambda + margin) return
     end if
     associate (normal => shared%link(l)%normal)
       if (length > overlapping) then
@@ -82,11 +88,13 @@ contains
         normal = contact_normal(pair%normal, gradient(:, 1), gradient(:, 2))
         if (all(abs(normal) <= 0.0_dp)) return
       end if
-      above = -reach(size(clouds%second, 1), balls(2), clouds%second, -normal, pair%near)
-      below = reach(size(clouds%first, 1), balls(1), clouds%first, normal, pair%near)
+      near2 = reach_squared(pair%spacing, mesh%ndim - 1 - count(shared%held(:mesh%ndim, n)))
+      above = -reach(size(clouds%second, 1), balls(2), clouds%second, -normal, near2)
+      below = reach(size(clouds%first, 1), balls(1), clouds%first, normal, near2)
+      shared%gap(l) = max(0.0_dp, above - below - pair%lambda)
       ! Half way between the surfaces, seen from the node, is where the bodies touch.
-      shared%touching(l) = above - below < pair%lambda .and. &
-                           abs(0.5_dp*above + 0.5_dp*below) <= pair%depth
+      shared%near(l) = above - below < pair%lambda + margin .and. &
+                       abs(0.5_dp*above + 0.5_dp*below) <= pair%depth + edge
     end associate
   end subroutine measure
 
@@ -94,38 +102,54 @@ contains
   pure function middle(n, balls) result(mean)
     integer, intent(in) :: n                     !! a multiple of `lanes`
     real(dp), intent(in), contiguous :: balls(:, :)
-    real(dp) :: mean(3), part(lanes)
-    integer :: d, p
-    do d = 1, 3
-      part = 0.0_dp
-      do p = 0, n - lanes, lanes
-        part = part + balls(p + 1:p + lanes, d)
+    real(dp) :: mean(3), part(lanes, 3), number(lanes)
+    integer :: d, l, p
+    part = 0.0_dp
+    number = 0.0_dp
+    do p = 0, n - lanes, lanes
+      do d = 1, 3
+        !$omp simd
+        do l = 1, lanes
+          part(l, d) = part(l, d) + merge(balls(p + l, d), 0.0_dp, balls(p + l, 4) > nowhere)
+        end do
       end do
-      mean(d) = sum(part)/n
+      number = number + merge(1.0_dp, 0.0_dp, balls(p + 1:p + lanes, 4) > nowhere)
     end do
+    mean = sum(part, dim=1)/sum(number)
   end function middle
 
-  !> How far balls that are `near` the axis through the origin reach along it; minus a lot where
-  !! there are none.
-  pure function reach(stride, n, balls, axis, near) result(furthest)
+  !> Square of the distance (cells) from a node's normal within which the outermost particles are
+  !! looked for: three quarters of a spacing in a plane; along each further axis the nearest layer
+  !! of particles may lie half a spacing aside.
+  pure function reach_squared(spacing, axes) result(near2)
+    real(dp), intent(in) :: spacing
+    integer, intent(in) :: axes                  !! across the normal that no wall holds
+    real(dp) :: near2
+    near2 = (aside**2 + 0.25_dp*max(0, axes - 1))*spacing**2*(1.0_dp + edge)
+  end function reach_squared
+
+  !> How far balls that are near the axis through the origin reach along it; minus a lot where there
+  !! are none.
+  pure function reach(stride, n, balls, axis, near2) result(furthest)
     integer, intent(in) :: stride, n
-    real(dp), intent(in) :: balls(stride, 4), axis(3), near
+    real(dp), intent(in) :: balls(stride, 4), axis(3)
+    real(dp), intent(in) :: near2                !! square of the distance from the axis
     real(dp) :: furthest
-    real(dp) :: top(lanes), along, aside
+    real(dp) :: top(lanes), along, across
     integer :: p, l
     top = nowhere
     do p = 0, n - lanes, lanes
-      !$omp simd private(along, aside)
+      !$omp simd private(along, across)
       do l = 1, lanes
         along = balls(p + l, 1)*axis(1) + balls(p + l, 2)*axis(2) + balls(p + l, 3)*axis(3)
-        aside = (balls(p + l, 1)**2 + balls(p + l, 2)**2 + balls(p + l, 3)**2) - along**2
+        across = (balls(p + l, 1)**2 + balls(p + l, 2)**2 + balls(p + l, 3)**2) - along**2
         along = along + balls(p + l, 4)
-        top(l) = merge(along, top(l), aside <= near**2 .and. along > top(l))
+        top(l) = merge(along, top(l), across <= near2 .and. along > top(l))
       end do
     end do
     furthest = maxval(top)
     if (furthest > nowhere) return
-    furthest = reach_between(stride, n, balls, axis, near)
+    furthest = reach_between(stride, n, balls, axis, sqrt(near2))
   end function reach
 
   !> Mean reach along the axis of the balls around it, for a surface that has been stretched until
@@ -135,20 +159,18 @@ contains
     integer, intent(in) :: stride, n
     real(dp), intent(in) :: balls(stride, 4), axis(3), near
     real(dp) :: mean
-    real(dp) :: along, aside(3), middle(3)
+    real(dp) :: along, across(3), middle(3)
     integer :: p, found
     found = 0
     middle = 0.0_dp
     mean = 0.0_dp
     do p = 1, n
+      if (balls(p, 4) <= nowhere) cycle
       along = dot_product(balls(p, :3), axis)
-      aside = balls(p, :3) - along*axis
-      if (dot_product(aside, aside) > (2.0_dp*near)**2) cycle
-      if (p > 1) then
-        if (maxval(abs(balls(p, :) - balls(p - 1, :))) <= 0.0_dp) exit  ! the rest repeats the last
-      end if
+      across = balls(p, :3) - along*axis
+      if (dot_product(across, across) > (2.0_dp*near)**2) cycle
       found = found + 1
-      middle = middle + aside
+      middle = middle + across
       mean = mean + (along + balls(p, 4))
     end do
     if (found == 0 .or. norm2(middle) > near*found) then
@@ -158,14 +180,14 @@ contains
     end if
   end function reach_between
 
-  !> Surface particles of a member around a node. The rest of the last group repeats the last
-  !! particle. Where the node is held, particles are put onto its planes.
+  !> Surface particles of a member around a node; those that are left out, and the rest of the last
+  !! group, reach nowhere. Where the node is held, particles are put onto its planes.
   pure subroutine cloud_around(shared, n, m, balls, x)
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: n, m                  !! node and member
-    integer, intent(out) :: balls
+    integer, intent(out) :: balls                !! 0 or a multiple of `lanes`
     real(dp), allocatable, intent(inout) :: x(:, :)
-    real(dp) :: node(4)
+    real(dp) :: node(4), support
     integer :: r, d, p, last, last_row
     associate (surface => shared%surface(shared%body(m)), bins => shared%bins(:, :, m))
       balls = 0
@@ -181,37 +203,48 @@ contains
       node(1) = real(shared%point(1, n), dp)
       if (shared%ndim == 2) node(2) = real(shared%point(3, n), dp)
       if (shared%ndim == 3) node(2:3) = real(shared%point(2:3, n), dp)
+      support = 0.5_dp*stencil_width(shared%kernel) - edge
       balls = 0
       do r = 1, last_row
         last = surface%start(bins(2, r) + 1) - 1
         ! Whole groups; what is too much is overwritten.
         do p = surface%start(bins(1, r)), last, lanes
-          call copy_group(size(surface%x, 1), surface%x, p - 1, node, size(x, 1), x, balls)
+          call copy_group(size(surface%x, 1), surface%x, p - 1, node, support, size(x, 1), x, balls)
           balls = balls + min(lanes, last - p + 1)
         end do
       end do
     end associate
+    if (all(x(:balls, 4) <= nowhere)) then
+      balls = 0
+      return
+    end if
     do d = 1, 3
       if (shared%held(d, n)) x(:balls, d) = 0.0_dp
     end do
-    do d = 1, 4
-      x(balls + 1:balls + lanes, d) = x(balls, d)
-    end do
+    x(balls + 1:balls + lanes, :3) = 0.0_dp
+    x(balls + 1:balls + lanes, 4) = nowhere
     balls = lanes*((balls + lanes - 1)/lanes)
   end subroutine cloud_around
 
-  !> A group of balls, its positions relative to a node.
-  pure subroutine copy_group(stride, from, behind, node, stride_to, to, behind_to)
+  !> A group of balls, its positions relative to a node. A particle on the edge of the node's support
+  !! gives nothing to it, and into which bin it has fallen is a matter of its last bits: it is left
+  !! out.
+  pure subroutine copy_group(stride, from, behind, node, support, stride_to, to, behind_to)
     integer, intent(in) :: stride, behind, stride_to, behind_to
-    real(dp), intent(in) :: from(stride, 4), node(4)
+    real(dp), intent(in) :: from(stride, 4), node(4), support
     real(dp), intent(inout) :: to(stride_to, 4)
+    real(dp) :: x, y, z
     integer :: l
-    !$omp simd
+    !$omp simd private(x, y, z)
     do l = 1, lanes
-      to(behind_to + l, 1) = from(behind + l, 1) - node(1)
-      to(behind_to + l, 2) = from(behind + l, 2) - node(2)
-      to(behind_to + l, 3) = from(behind + l, 3) - node(3)
-      to(behind_to + l, 4) = from(behind + l, 4)
+      x = from(behind + l, 1) - node(1)
+      y = from(behind + l, 2) - node(2)
+      z = from(behind + l, 3) - node(3)
+      to(behind_to + l, 1) = x
+      to(behind_to + l, 2) = y
+      to(behind_to + l, 3) = z
+      to(behind_to + l, 4) = merge(from(behind + l, 4), nowhere, &
+                                   max(abs(x), abs(y), abs(z)) < support)
     end do
   end subroutine copy_group
 

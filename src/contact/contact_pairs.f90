@@ -23,8 +23,7 @@ module sgmp_contact_pairs
     real(dp) :: friction = 0.0_dp
     real(dp) :: lambda = 0.5_dp
       !! bodies touch where their particles are closer than this (cells), Eq. 86
-    real(dp) :: near = 0.5_dp
-      !! distance is measured between particles this near to the node's normal (cells)
+    real(dp) :: spacing = 0.5_dp           !! of the particles, the larger of both bodies (cells)
     real(dp) :: depth = huge(1.0_dp)
       !! contact acts at nodes this near to where the bodies touch (cells)
     integer :: normal = normal_separating  !! one of normal_*, the stiffer already resolved

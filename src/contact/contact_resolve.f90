@@ -1,81 +1,175 @@
-!> Contact of several bodies at one grid node: Coulomb friction between velocity fields (Eqs.
-!! 76-84).
+!> Contact of several bodies at one grid node: velocities that Coulomb's law admits, and the
+!! impulses between the bodies (Eqs. 76-84).
 !!
-!! Each pair of bodies that touch at the node exchanges an impulse. With two bodies it is the closed
-!! form of Eqs. 81-84: the
-!! impulse that makes both velocities equal, its tangential part cut to the friction cone. With
-!! three or more the impulses
-!! depend on each other; they are found by going round the pairs until nothing changes, each pair
-!! correcting its accumulated
-!! impulse (projected Gauss-Seidel), so that in the end no pair approaches, no impulse pulls, and
-!! every one lies in its cone.
+!! Constraint and force are kept apart. What moves with the grid obeys the constraint: bodies do
+!! not come closer than the gap between them allows. What the particles receive is the force alone:
+!! the impulse that keeps bodies from being pulled into each other during the step. Both and
+!! friction are decided once in a step, from the trial velocity; the velocity that strains the
+!! particles then obeys the state so found, as an equality where bodies are pressed together. So
+!! contact does no work along the normal (doc/contact.md).
+!!
+!! Every pair of bodies exchanges an impulse. With two bodies it is a closed form. With three or
+!! more the impulses depend on each other; they are found by going round the pairs until nothing
+!! changes, each pair correcting its accumulated impulse (projected Gauss-Seidel).
 !! Bodies of infinite mass have an inverse mass of zero.
 module sgmp_contact_resolve
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: contact_link_t, contact_resolve
+  public :: contact_link_t, resolve_trial, resolve_strain, link_dissipation
+  public :: link_free, link_closed, link_sliding, link_sticking
+
+  ! What the trial has found out about a pair, from loose to tight.
+  integer, parameter :: link_free = 0      !! the bodies go their ways
+  integer, parameter :: link_closed = 1    !! they would come too close, but nothing presses them
+  integer, parameter :: link_sliding = 2   !! they are pressed together and slide
+  integer, parameter :: link_sticking = 3  !! they are pressed together and do not slide
 
   integer, parameter :: most_rounds = 500
   real(dp), parameter :: settled = 1.0e-15_dp
     !! change of velocity, relative, at which the rounds end
 
-  !> Two bodies that touch at a node.
+  !> Two bodies at a node.
   type :: contact_link_t
     integer :: first = 0, second = 0       !! members of the node
     real(dp) :: normal(3) = 0.0_dp         !! unit normal, from the first to the second
+    real(dp) :: approach = 0.0_dp          !! speed at which the gap between them may close
     real(dp) :: friction = 0.0_dp          !! Coulomb's coefficient
-    real(dp) :: normal_impulse = 0.0_dp    !! accumulated, not negative
-    real(dp) :: tangent_impulse(3) = 0.0_dp  !! accumulated, on the second body
+    integer :: state = link_free           !! as the last trial has found it
+    real(dp) :: held_normal(3) = 0.0_dp    !! the normal of that trial
+    real(dp) :: impulse(3) = 0.0_dp        !! that particles receive: + the second body, - the first
+    real(dp) :: pull(3) = 0.0_dp           !! change of relative velocity by all forces but contact
+    real(dp) :: correction(3) = 0.0_dp
+      !! momentum that makes the straining velocity obey; no particle receives it
+    real(dp) :: dissipation = 0.0_dp       !! energy that contact has taken in this step
   end type contact_link_t
+
+  !> One pair's condition on a velocity field, and the impulse that meets it.
+  type :: condition_t
+    logical :: active = .false.
+    integer :: first = 0, second = 0
+    real(dp) :: normal(3) = 0.0_dp
+    real(dp) :: approach = 0.0_dp          !! that is left
+    real(dp) :: least = 0.0_dp             !! lower bound of the normal impulse
+    real(dp) :: friction = 0.0_dp          !! upper bound of the tangential impulse
+    real(dp) :: along = 0.0_dp, across(3) = 0.0_dp  !! normal and tangential impulse on the second
+    logical :: slides = .false.            !! the upper bound is reached
+  end type condition_t
 
 contains
 
-  !> Velocities after contact, and the impulses that make it: -(normal + tangent) acts on the first,
-  !! + on the second.
-  pure subroutine contact_resolve(links, inverse_mass, velocity)
-    type(contact_link_t), intent(inout) :: links(:)  !! touching pairs; impulses are set
+  !> The trial: velocity of the grid (Eqs. 79, 80), impulses on the particles, and the state of each
+  !! pair. A pair that was free in the step before is stopped by an impulse, once.
+  pure subroutine resolve_trial(links, inverse_mass, velocity, kick)
+    type(contact_link_t), intent(inout) :: links(:)  !! pairs near enough to touch in this step
     real(dp), intent(in) :: inverse_mass(:)          !! (members) 0: prescribed motion
     real(dp), intent(inout) :: velocity(:, :)
-      !! (3, members) in: trial velocity (Eq. 77), out: admissible (Eq. 80)
+      !! (3, members) in: trial velocity (Eq. 77), out: admissible
+    real(dp), intent(in) :: kick(:, :)               !! (3, members) the part of it by forces
+    type(condition_t) :: closing(size(links)), pressing(size(links))
+    real(dp) :: part(3, size(inverse_mass))
+    logical :: was_free
+    integer :: l
+    do l = 1, size(links)
+      closing(l) = condition_t(.true., links(l)%first, links(l)%second, links(l)%normal, &
+                               links(l)%approach)
+    end do
+    pressing = closing
+    part = velocity
+    call relax(closing, inverse_mass, part)
+    pressing%active = closing%along > 0.0_dp
+    pressing%approach = 0.0_dp
+    part = kick
+    call relax(pressing, inverse_mass, part)
+    do l = 1, size(links)
+      was_free = links(l)%state == link_free
+      links(l)%state = link_free
+      if (pressing(l)%active) links(l)%state = link_closed
+      if (was_free) pressing(l)%along = max(pressing(l)%along, closing(l)%along)
+      closing(l)%friction = links(l)%friction*pressing(l)%along
+    end do
+    closing%along = 0.0_dp
+    call relax(closing, inverse_mass, velocity)
+    do l = 1, size(links)
+      if (pressing(l)%along > 0.0_dp) then
+        links(l)%state = merge(link_sliding, link_sticking, closing(l)%slides)
+      end if
+      links(l)%held_normal = links(l)%normal
+      links(l)%impulse = pressing(l)%along*links(l)%normal + closing(l)%across
+      links(l)%correction = (closing(l)%along - pressing(l)%along)*links(l)%normal
+    end do
+  end subroutine resolve_trial
+
+  !> Makes a straining velocity obey the state of each pair: pressed bodies neither approach nor
+  !! part, those that stick do not slide, those that are only closed do not approach.
+  pure subroutine resolve_strain(links, inverse_mass, velocity)
+    type(contact_link_t), intent(inout) :: links(:)
+    real(dp), intent(in) :: inverse_mass(:)
+    real(dp), intent(inout) :: velocity(:, :)        !! (3, members)
+    type(condition_t) :: condition(size(links))
+    integer :: l
+    do l = 1, size(links)
+      condition(l) = condition_t(links(l)%state > link_free, links(l)%first, links(l)%second, &
+                                 links(l)%held_normal)
+      if (links(l)%state > link_closed) condition(l)%least = -huge(1.0_dp)
+      if (links(l)%state == link_sticking) condition(l)%friction = huge(1.0_dp)
+    end do
+    call relax(condition, inverse_mass, velocity)
+    do l = 1, size(links)
+      links(l)%correction = condition(l)%along*links(l)%held_normal + condition(l)%across
+    end do
+  end subroutine resolve_strain
+
+  !> Energy that contact takes from a pair whose straining velocity was `apart` (first minus second)
+  !! before it was made to obey. It is not negative along the normal, and zero where bodies are
+  !! pressed together but in the first step of a contact.
+  pure function link_dissipation(link, apart) result(energy)
+    type(contact_link_t), intent(in) :: link
+    real(dp), intent(in) :: apart(3)
+    real(dp) :: energy
+    energy = dot_product(link%impulse, apart) - dot_product(link%pull, link%correction)
+  end function link_dissipation
+
+  !> Changes velocities until all conditions are met.
+  pure subroutine relax(conditions, inverse_mass, velocity)
+    type(condition_t), intent(inout) :: conditions(:)
+    real(dp), intent(in) :: inverse_mass(:)
+    real(dp), intent(inout) :: velocity(:, :)
     real(dp) :: scale, change
     integer :: round, n
-    do n = 1, size(links)
-      links(n)%normal_impulse = 0.0_dp
-      links(n)%tangent_impulse = 0.0_dp
-    end do
     scale = maxval(abs(velocity))
-    do round = 1, merge(1, most_rounds, size(links) <= 1)
+    do round = 1, merge(1, most_rounds, count(conditions%active) <= 1)
       change = 0.0_dp
-      do n = 1, size(links)
-        call correct(links(n), inverse_mass, velocity, change)
+      do n = 1, size(conditions)
+        if (conditions(n)%active) call correct(conditions(n), inverse_mass, velocity, change)
       end do
       if (change <= settled*scale) exit
     end do
-  end subroutine contact_resolve
+  end subroutine relax
 
   !> One pair's correction of its impulse.
-  pure subroutine correct(link, inverse_mass, velocity, change)
-    type(contact_link_t), intent(inout) :: link
+  pure subroutine correct(condition, inverse_mass, velocity, change)
+    type(condition_t), intent(inout) :: condition
     real(dp), intent(in) :: inverse_mass(:)
     real(dp), intent(inout) :: velocity(:, :)
     real(dp), intent(inout) :: change                !! largest change of a velocity so far
-    real(dp) :: weight, approach(3), before, tangent(3), length, impulse(3)
-    weight = inverse_mass(link%first) + inverse_mass(link%second)
+    real(dp) :: weight, apart(3), normal_part, along, across(3), length, impulse(3)
+    weight = inverse_mass(condition%first) + inverse_mass(condition%second)
     if (weight <= 0.0_dp) return
-    approach = velocity(:, link%first) - velocity(:, link%second)
-    before = link%normal_impulse
-    link%normal_impulse = max(0.0_dp, before + dot_product(approach, link%normal)/weight)
-    tangent = link%tangent_impulse + (approach - dot_product(approach, &
-      link%normal)*link%normal)/weight
-    length = norm2(tangent)
-    if (length > link%friction*link%normal_impulse) then
-      tangent = tangent*(link%friction*link%normal_impulse/max(length, tiny(1.0_dp)))
-    end if
-    impulse = (link%normal_impulse - before)*link%normal + (tangent - link%tangent_impulse)
-    link%tangent_impulse = tangent
-    velocity(:, link%first) = velocity(:, link%first) - inverse_mass(link%first)*impulse
-    velocity(:, link%second) = velocity(:, link%second) + inverse_mass(link%second)*impulse
+    apart = velocity(:, condition%first) - velocity(:, condition%second)
+    normal_part = dot_product(apart, condition%normal)
+    along = max(condition%least, condition%along + (normal_part - condition%approach)/weight)
+    across = condition%across + (apart - normal_part*condition%normal)/weight
+    length = norm2(across)
+    condition%slides = length > condition%friction .or. condition%friction <= 0.0_dp
+    if (condition%slides) across = across*(condition%friction/max(length, tiny(1.0_dp)))
+    impulse = (along - condition%along)*condition%normal + (across - condition%across)
+    condition%along = along
+    condition%across = across
+    velocity(:, condition%first) = velocity(:, condition%first) - &
+                                   inverse_mass(condition%first)*impulse
+    velocity(:, condition%second) = velocity(:, condition%second) + &
+                                    inverse_mass(condition%second)*impulse
     change = max(change, weight*maxval(abs(impulse)))
   end subroutine correct
 

@@ -17,10 +17,17 @@ module sgmp_shared_nodes
   use sgmp_surface_particles, only: surface_bins, surface_list, surface_t
   implicit none
   private
-  public :: shared_nodes_t, shared_build, shared_mark, shared_meet, shared_members, most_rows, &
+  public :: node_terms_t, shared_nodes_t, shared_build, shared_mark, shared_meet, shared_members, most_rows, &
             row_axis
 
   integer, parameter :: most_rows = 9          !! rows of bins whose particles give to a node
+
+  !> What contact at a node adds to the sums of the step, besides impulse and dissipation of its
+  !! pairs (sgmp_contact_ledger).
+  type :: node_terms_t
+    real(dp) :: rigid_work = 0.0_dp, nodes_aa = 0.0_dp, power_before = 0.0_dp
+    real(dp) :: external_power = 0.0_dp
+  end type node_terms_t
 
   !> The shared nodes; members are the fields present at a node, links the pairs among them that
   !! have a contact card.
@@ -42,7 +49,9 @@ module sgmp_shared_nodes
     integer, allocatable :: pair(:)             !! (links)
     type(contact_link_t), allocatable :: link(:)  !! (links) members counted within the node
     logical, allocatable :: meets(:)            !! (links) both bodies have mass at the node
-    logical, allocatable :: touching(:)         !! (links) close enough for contact
+    logical, allocatable :: near(:)             !! (links) so close that they may touch in this step
+    real(dp), allocatable :: gap(:)             !! (links) that is left between the bodies (cells)
+    type(node_terms_t), allocatable :: terms(:)  !! (nodes)
   end type shared_nodes_t
 
 contains
@@ -81,7 +90,9 @@ contains
     allocate (shared%body(shared%members), shared%field(shared%members), &
       shared%record(shared%members), shared%interval(shared%members))
     allocate (shared%pair(shared%links), shared%link(shared%links))
-    allocate (shared%meets(shared%links), shared%touching(shared%links), source=.false.)
+    allocate (shared%meets(shared%links), shared%near(shared%links), source=.false.)
+    allocate (shared%gap(shared%links), source=0.0_dp)
+    allocate (shared%terms(n))
     call list_members(shared, fields, pairs, .true.)
     call list_bins(shared, mesh, all, bodies)
   end subroutine shared_build

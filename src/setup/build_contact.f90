@@ -17,7 +17,6 @@ module sgmp_build_contact
   !! lanes.
   real(dp), parameter :: contact_no_surface = -1.0e3_dp
   real(dp), parameter :: outside = 0.05_dp   !! part of the spacing by which a particle may lie out
-  real(dp), parameter :: near = 0.75_dp      !! see contact_pair_t, in spacings; at least 0.71 in 3D
   real(dp), parameter :: interior = 0.95_dp  !! particles with a larger offset never are outermost
 
 contains
@@ -139,7 +138,7 @@ contains
     if (pair%lambda <= 0.0_dp) then
       pair%lambda = 0.5_dp*sum(model%bodies(pair%body)%spacing)/model%mesh%h
     end if
-    pair%near = near*maxval(model%bodies(pair%body)%spacing)/model%mesh%h
+    pair%spacing = maxval(model%bodies(pair%body)%spacing)/model%mesh%h
     pair%depth = card%depth
     pair%normal = card%normal
     if (pair%normal == normal_stiffer) then

@@ -3,6 +3,7 @@
 module sgmp_balancing
   use sgmp_bin_change, only: bin_close
   use sgmp_buffer, only: buffer_t
+  use sgmp_contact_memory, only: memory_share
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_halo, only: halo_clear, halo_get_planes, halo_own_planes, halo_put_moments
   use sgmp_kinds, only: dp, i4, i8, lanes
@@ -221,6 +222,7 @@ contains
       call trade_particles(new, model%bodies(b)%particles, moved)
     end do
     model%ranks%balance%moved = model%ranks%balance%moved + parallel_sum(moved)
+    call memory_share(model%contact%memory, model%contact%shared, model%ranks%partition%own)
     model%ranks%partition = new
     call ranks_renew_bins(model%ranks, model%bodies)
     call phase_layout(model%mesh, model%fields, model%bodies, model%contact, model%team, &

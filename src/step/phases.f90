@@ -3,10 +3,10 @@
 module sgmp_phases
   use sgmp_body, only: body_forced, body_place, body_t
   use sgmp_columns, only: node_remapped, node_velocity
-  use sgmp_contact, only: contact_detect, contact_layout, contact_meet, contact_t, contact_trial, &
-                          contact_velocity
+  use sgmp_contact, only: contact_detect, contact_layout, contact_meet, contact_step_t, contact_t, &
+                          contact_trial, contact_velocity
   use sgmp_contact_exchange, only: contact_exchange
-  use sgmp_contact_ledger, only: contact_add_up
+  use sgmp_contact_ledger, only: ledger_add_up
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_build, field_t
   use sgmp_field_nodes, only: field_normalise, field_remap, field_solve, field_velocity
@@ -256,16 +256,14 @@ contains
                       'its neighbour in step '//integer_text(step), &
                       'this is a fault of the program: report it')
     end if
-    call timers_move(timers, phase_halo, since)
+    if (ranks%partition%ranks > 1) call timers_move(timers, phase_halo, since)
     call contact_detect(contact, mesh, fields, bodies, threads)
     call timers_move(timers, phase_contact, since)
   end subroutine phase_find_contact
 
-  !> Contact forces at all shared nodes, and what they do to the sums of the step.
-  subroutine phase_contact_force(method, dt, mesh, fields, bodies, contact, threads, partition, &
-                                 timers)
-    type(method_t), intent(in) :: method
-    real(dp), intent(in) :: dt                   !! velocity step dt^k
+  !> Contact forces at all shared nodes.
+  subroutine phase_contact_force(step, mesh, fields, bodies, contact, threads, partition, timers)
+    type(contact_step_t), intent(in) :: step
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
@@ -276,24 +274,37 @@ contains
     real(dp) :: since
     if (contact%shared%nodes == 0) return
     since = wall_time()
-    call contact_trial(contact, fields, bodies, dt, threads)
-    call contact_add_up(contact, mesh, fields, bodies, partition%own, method%gravity, dt)
+    call contact_trial(contact, fields, bodies, step, threads)
+    if (step%after <= 0.0_dp) call add_up(contact, mesh, partition)
     call timers_move(timers, phase_contact, since)
   end subroutine phase_contact_force
 
-  !> Makes the velocity in some columns admissible at all shared nodes.
-  subroutine phase_contact_velocity(column, fields, bodies, contact, threads, timers)
-    integer, intent(in) :: column
+  !> Makes the velocity that strains the particles obey contact at all shared nodes.
+  subroutine phase_contact_velocity(step, before_kick, mesh, fields, bodies, contact, threads, &
+                                    partition, timers)
+    type(contact_step_t), intent(in) :: step
+    logical, intent(in) :: before_kick           !! it is the velocity before the kick
+    type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
     type(contact_t), intent(inout) :: contact
     integer, intent(in) :: threads
+    type(partition_t), intent(in) :: partition
     type(timers_t), intent(inout) :: timers
     real(dp) :: since
     if (contact%shared%nodes == 0) return
     since = wall_time()
-    call contact_velocity(contact, fields, bodies, column, threads)
+    call contact_velocity(contact, fields, bodies, step, before_kick, threads)
+    if (.not. before_kick) call add_up(contact, mesh, partition)
     call timers_move(timers, phase_contact, since)
   end subroutine phase_contact_velocity
+
+  !> Sums of what contact did in the step, when all of it is done.
+  subroutine add_up(contact, mesh, partition)
+    type(contact_t), intent(inout) :: contact
+    type(mesh_t), intent(in) :: mesh
+    type(partition_t), intent(in) :: partition
+    call ledger_add_up(contact%shared, mesh, partition%own, size(contact%pairs), contact%terms)
+  end subroutine add_up
 
 end module sgmp_phases

@@ -5,6 +5,7 @@
 !! when step k ends.
 module sgmp_step
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
+  use sgmp_contact, only: contact_step_t
   use sgmp_energy, only: ledger_step
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
@@ -14,7 +15,7 @@ module sgmp_step
   use sgmp_plan, only: plan_t
   use sgmp_rebin_phases, only: phase_rebin_particles
   use sgmp_rigid_bodies, only: rigid_choose_speed
-  use sgmp_scene, only: update_musl, update_usavg, update_usf
+  use sgmp_scene, only: update_musl, update_usavg, update_usf, update_usl
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_drift, phase_grid, phase_halo, phase_kick, phase_rebin, &
                          timers_move, timers_start, timers_stop, wall_time
@@ -125,8 +126,8 @@ contains
       call rigid_choose_speed(bodies, clock%time + 0.5_dp*clock%dt, mesh%ndim)
       call phase_solve(method, dt_kick, mesh, fields, bodies, team, partition, &
                        model%findings%tally)
-      if (method%update /= update_usf) call find_contact(model)
-      call phase_contact_force(method, dt_kick, mesh, fields, bodies, contact, team%threads, &
+      if (.not. strains_before(model)) call find_contact(model)
+      call phase_contact_force(contact_step(model), mesh, fields, bodies, contact, team%threads, &
                                partition, model%timers)
       call phase_mirror(mesh, fields, bodies, [node_acceleration, node_velocity(mesh%ndim)], &
                         team%threads)
@@ -142,8 +143,8 @@ contains
                team => model%team, velocity => node_velocity(model%mesh%ndim))
       call phase_velocity(model%method, mesh, fields, bodies, team, model%ranks%partition)
       call find_contact(model)
-      call phase_contact_velocity(velocity, fields, bodies, model%contact, team%threads, &
-                                  model%timers)
+      call phase_contact_velocity(contact_step(model), .true., mesh, fields, bodies, &
+                                  model%contact, team%threads, model%ranks%partition, model%timers)
       call phase_mirror(mesh, fields, bodies, [velocity], team%threads)
     end associate
     call timers_stop(model%timers, phase_grid)
@@ -156,12 +157,33 @@ contains
     associate (mesh => model%mesh, fields => model%fields, bodies => model%bodies, &
                team => model%team)
       call phase_remap(mesh, fields, bodies, team, model%ranks%partition)
-      call phase_contact_velocity(node_remapped, fields, bodies, model%contact, team%threads, &
-                                  model%timers)
+      call phase_contact_velocity(contact_step(model), .false., mesh, fields, bodies, &
+                                  model%contact, team%threads, model%ranks%partition, model%timers)
       call phase_mirror(mesh, fields, bodies, [node_remapped], team%threads)
     end associate
     call timers_stop(model%timers, phase_grid)
   end subroutine remap
+
+  !> Whether the step strains with the velocity before the kick, so that contact is found there.
+  pure function strains_before(model) result(yes)
+    type(model_t), intent(in) :: model
+    logical :: yes
+    yes = model%method%update == update_usf .or. &
+          (model%method%update == update_usavg .and. model%clock%step > 0)
+  end function strains_before
+
+  !> What contact must know of the step.
+  pure function contact_step(model) result(step)
+    type(model_t), intent(in) :: model
+    type(contact_step_t) :: step
+    step%dt_kick = clock_kick_step(model%clock)
+    step%gap_speed = model%mesh%h/model%clock%dt
+    step%gravity = model%method%gravity
+    step%strains_with_trial = model%method%update == update_usl
+    if (step%strains_with_trial .or. strains_before(model)) step%before = 1.0_dp
+    if (model%method%update == update_usavg .and. strains_before(model)) step%before = 0.5_dp
+    step%after = 1.0_dp - step%before
+  end function contact_step
 
   subroutine find_contact(model)
     type(model_t), intent(inout) :: model

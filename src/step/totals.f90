@@ -2,7 +2,7 @@
 module sgmp_totals
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_t
-  use sgmp_contact_ledger, only: contact_close, contact_sums_t
+  use sgmp_contact_ledger, only: contact_sums_t, ledger_close
   use sgmp_energy, only: step_sums_t
   use sgmp_field, only: field_t
   use sgmp_findings, only: findings_t
@@ -132,7 +132,7 @@ contains
     type(contact_sums_t) :: sums
     sums = contact_sums_t(all%contact, all%rigid_work, all%nodes_aa, all%power_before, &
                           all%external_power)
-    call contact_close(contact, anywhere, sums)
+    call ledger_close(contact%pairs, contact%terms, anywhere, sums)
     all%contact = sums%dissipation
     all%rigid_work = sums%rigid_work
     all%nodes_aa = sums%nodes_aa
