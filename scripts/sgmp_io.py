@@ -81,11 +81,17 @@ def read_table(path: Path) -> Dict[str, np.ndarray]:
     names, rows = [name.strip() for name in rows[0]], rows[1:]
     if rows and len(rows[-1]) != len(names):
         rows.pop()
+    return {name: as_column([row[i] for row in rows], name, path) for i, name in enumerate(names)}
+
+
+def as_column(words: List[str], name: str, path: Path) -> np.ndarray:
+    """Numbers; the column `name` (of a body) is text."""
+    if name == "name":
+        return np.array(words)
     try:
-        values = np.array([[float(word) for word in row] for row in rows]).reshape(len(rows), len(names))
+        return np.array([float(word) for word in words])
     except ValueError as problem:
-        raise SgmpFileError(f"{path}: not a table of {len(names)} columns of numbers: {problem}") from None
-    return dict(zip(names, values.T))
+        raise SgmpFileError(f"{path}: column '{name}' has what is not a number: {problem}") from None
 
 
 def read_history(folder: Path) -> Dict[str, np.ndarray]:

@@ -19,7 +19,7 @@ module sgmp_state
 
 contains
 
-  !> Writes the state of a run into a archive, or takes it from one.
+  !> Writes the state of a run into an archive, or takes it from one.
   subroutine state_pass(archive, model, outputs, particle_steps)
     type(archive_t), intent(inout) :: archive
     type(model_t), intent(inout) :: model
@@ -59,8 +59,6 @@ contains
     type(clock_t), intent(inout) :: clock
     call archive%pass(clock%step)
     call archive%pass(clock%limited_by)
-    call archive%pass(clock%next_probe)
-    call archive%pass(clock%limit)
     call archive%pass(clock%time)
     call archive%pass(clock%dt)
     call archive%pass(clock%dt_before)

@@ -1,19 +1,16 @@
 !> The table of everything a deck may say: each card and key registered once.
 module sgmp_deck_table
   use sgmp_contact_pairs, only: normal_words
+  use sgmp_particle_fields, only: particle_field_names
   use sgmp_registry, only: kind_expression, kind_integer, kind_interval, kind_list, kind_logical, &
                            kind_name_word, kind_real, kind_text, kind_vector, kind_word, registry_t
   use sgmp_shapes, only: shape_names
   implicit none
   private
-  public :: deck_table, wall_faces, field_names
+  public :: deck_table, wall_faces
 
   !> Keys of the card `wall`: axis and side, in the order of `grid_card_t%wall` read by columns.
   character(2), parameter :: wall_faces(*) = ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']
-  !> Particle fields that `output` can be asked for.
-  character(*), parameter :: field_names = &
-    'initial_position displacement stress pressure von_mises density volume mass '// &
-    'plastic_strain temperature damage energy'
   character(*), parameter :: round_shapes = 'cylinder ring cone ogive'
   character(*), parameter :: plastic = 'j2 johnson_cook'
   character(*), parameter :: jc = 'johnson_cook'
@@ -380,7 +377,7 @@ contains
     call registry%key('every', kind_real, 'interval; default: start and end only', unit='time', &
                       range='(0,inf)', when='vtkhdf vtu tecplot')
     call registry%key('fields', kind_list, 'fields besides id, body, position and velocity', &
-                      choices=field_names)
+                      choices=particle_field_names())
     call registry%card('history', 'Rows of history.csv and bodies.csv.', 'history steps=10', &
                        once=.true., free=.true.)
     call registry%key('steps', kind_integer, 'a row every so many steps', range='[1,inf)', &

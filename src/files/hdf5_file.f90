@@ -6,6 +6,10 @@
 !!
 !! A summed file ends with checksums of all its data sets, which `verify` compares; its own
 !! structure is protected by HDF5's (format of HDF5 1.8 and later).
+!!
+!! Longer than other files because it is the one wall between HDF5 and the rest: structure, data and
+!! checksums share the handles and helpers of this module, which two modules would have to open to
+!! each other.
 module sgmp_hdf5_file
   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int8_t, c_loc, c_ptr
   use hdf5, only: h5_integer_kind, h5_real_kind, h5aclose_f, h5acreate_f, h5aexists_f, h5aopen_f, &

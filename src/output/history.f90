@@ -47,6 +47,7 @@ module sgmp_history
     private
     type(output_file_t) :: file
     logical, allocatable :: whole(:)   !! (columns) printed as an integer
+    logical :: labelled = .false.      !! a text ends every row
     integer(i8) :: flushed = -huge(1_i8)  !! clock count of the last flush
   contains
     procedure :: open => history_open
@@ -60,7 +61,7 @@ contains
 
   !> Starts a table, or continues one: with `keep_to_step`, rows of an existing file up to that step
   !! stay (its columns must be the same), later ones, which a restart writes again, go.
-  subroutine history_open(self, path, columns, comment, error, integers, keep_to_step)
+  subroutine history_open(self, path, columns, comment, error, integers, keep_to_step, label)
     class(history_t), intent(inout) :: self
     character(*), intent(in) :: path
     character(*), intent(in) :: columns(:)               !! names after `step`
@@ -68,12 +69,15 @@ contains
     type(error_t), allocatable, intent(out) :: error
     character(*), intent(in), optional :: integers(:)    !! columns of whole numbers
     integer, intent(in), optional :: keep_to_step
+    character(*), intent(in), optional :: label          !! name of a last column of text
     character(:), allocatable :: header
     integer :: i
     header = 'step'
     do i = 1, size(columns)
       header = header//','//trim(columns(i))
     end do
+    self%labelled = present(label)
+    if (present(label)) header = header//','//label
     allocate (self%whole(size(columns)), source=.false.)
     if (present(integers)) self%whole = [(any(columns(i) == integers), i=1, size(columns))]
     self%flushed = -huge(1_i8)
@@ -91,16 +95,17 @@ contains
     call self%file%flush(error)
   end subroutine history_open
 
-  !> Appends one row; `values` in the order of the columns.
-  subroutine history_write_row(self, step, values, error)
+  !> Appends one row; `values` in the order of the columns, `label` where the table has such a one.
+  subroutine history_write_row(self, step, values, error, label)
     class(history_t), intent(inout) :: self
     integer, intent(in) :: step
     real(dp), intent(in) :: values(:)
     type(error_t), allocatable, intent(out) :: error
+    character(*), intent(in), optional :: label
     character(:), allocatable :: row
     integer(i8) :: now, rate
     integer :: first, last
-    if (size(values) /= size(self%whole)) then
+    if (size(values) /= size(self%whole) .or. (present(label) .neqv. self%labelled)) then
       call error_make(error, exit_io, "a row of '"//self%file%name()//"' has "// &
                       integer_text(size(values))//' values, its header '// &
                       integer_text(size(self%whole)), 'this is a fault of the program: report it')
@@ -121,6 +126,7 @@ contains
       row = row//','//row_text(values(first:last), ',')
       first = last + 1
     end do
+    if (present(label)) row = row//','//label
     call self%file%line(row)
     call system_clock(now, rate)
     if (now - rate >= self%flushed) then

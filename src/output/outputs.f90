@@ -1,19 +1,20 @@
 !> All files of a run: which rows and dumps are due, and the writers behind them.
 module sgmp_outputs
+  use sgmp_body_rows, only: body_rows_write
   use sgmp_contact_rows, only: contact_rows_open, contact_rows_t, contact_rows_write
   use sgmp_energy, only: ledger_total
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: directory_make
-  use sgmp_gathering, only: gather_body_row, gather_initial_positions, gather_slice, &
-                            gather_whole
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
                           gauges_integers, history_columns, history_t, units_text
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_sum
+  use sgmp_particle_fields, only: particle_field_find, particle_field_t
   use sgmp_particle_table, only: particle_table_write
   use sgmp_scene, only: name_length, scene_t
   use sgmp_snapshot, only: snapshot_t
+  use sgmp_snapshot_make, only: snapshot_initial_positions, snapshot_slice, snapshot_whole
   use sgmp_tecplot, only: tecplot_t
   use sgmp_vtkhdf, only: vtkhdf_t
   use sgmp_vtu, only: vtu_series_t
@@ -62,8 +63,8 @@ contains
     if (allocated(error)) return
     allocate (outputs%fields(0))
     if (allocated(scene%output%fields)) outputs%fields = scene%output%fields
-    if (any(outputs%fields == 'initial_position') .or. any(outputs%fields == 'displacement')) then
-      call gather_initial_positions(scene, model, outputs%initial, error)
+    if (any_from_start(outputs%fields)) then
+      call snapshot_initial_positions(scene, model, outputs%initial, error)
       if (allocated(error)) return
     end if
     if (scene%output%vtkhdf) then
@@ -75,6 +76,19 @@ contains
     call find_gauges(outputs, scene, model)
     call outputs_step(outputs, scene, model, .false., error)
   end subroutine outputs_open
+
+  !> Whether a field needs the initial positions.
+  function any_from_start(names) result(yes)
+    character(*), intent(in) :: names(:)
+    logical :: yes
+    type(particle_field_t) :: field
+    integer :: f
+    yes = .false.
+    do f = 1, size(names)
+      field = particle_field_find(names(f))
+      yes = yes .or. field%from_start
+    end do
+  end function any_from_start
 
   !> Opens the files, on the first rank.
   subroutine open_files(outputs, scene, model, restarted, error)
@@ -106,7 +120,7 @@ contains
                               keep_to_step=step)
     if (allocated(error)) return
     call outputs%bodies%open(folder//'/bodies.csv', bodies_columns, units, error, bodies_integers, &
-                             step)
+                             step, 'name')
     if (allocated(error)) return
     call contact_rows_open(outputs%contact, model, folder//'/contact.csv', units, error, step)
     if (allocated(error)) return
@@ -242,7 +256,6 @@ contains
     type(outputs_t), intent(inout) :: outputs
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
-    integer :: b
     associate (l => model%ledger)
       call outputs%history%write_row( &
         model%clock%step, [model%clock%time, model%clock%dt, l%kinetic, l%internal, &
@@ -251,10 +264,8 @@ contains
                            l%momentum], error)
     end associate
     if (allocated(error)) return
-    do b = 1, size(model%bodies)
-      call outputs%bodies%write_row(model%clock%step, gather_body_row(model, b), error)
-      if (allocated(error)) return
-    end do
+    call body_rows_write(outputs%bodies, model, error)
+    if (allocated(error)) return
     call contact_rows_write(outputs%contact, model, error)
   end subroutine write_sums
 
@@ -271,12 +282,12 @@ contains
     outputs%last_dump_time = model%clock%time
     if (.not. writes_dumps(scene)) return
     if (scene%output%vtkhdf) then
-      call gather_slice(model, outputs%fields, outputs%initial, snapshot, before, total)
+      call snapshot_slice(model, outputs%fields, outputs%initial, snapshot, before, total)
       call outputs%vtkhdf%dump(snapshot, before, total, error)
       if (allocated(error)) return
     end if
     if (.not. (scene%output%vtu .or. scene%output%tecplot)) return
-    call gather_whole(model, outputs%fields, outputs%initial, snapshot)
+    call snapshot_whole(model, outputs%fields, outputs%initial, snapshot)
     if (parallel_rank() == 0) then
       if (scene%output%vtu) call outputs%vtu%dump(snapshot, error)
       if (scene%output%tecplot .and. .not. allocated(error)) then
@@ -291,7 +302,7 @@ contains
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
     type(snapshot_t) :: snapshot
-    call gather_whole(model, outputs%fields, outputs%initial, snapshot)
+    call snapshot_whole(model, outputs%fields, outputs%initial, snapshot)
     if (parallel_rank() == 0) then
       call particle_table_write(outputs%folder//'/particles_end.csv', snapshot, error)
     end if
@@ -308,7 +319,7 @@ contains
     integer :: g, nearest
     allocate (outputs%gauge_ids(size(scene%gauges)))
     if (size(scene%gauges) == 0) return
-    call gather_whole(model, none, outputs%initial, snapshot)
+    call snapshot_whole(model, none, outputs%initial, snapshot)
     if (parallel_rank() == 0) then
       do g = 1, size(scene%gauges)
         nearest = minloc(distance2(snapshot%position, scene%gauges(g)%point, model%mesh%ndim), 1)
@@ -338,7 +349,7 @@ contains
     type(snapshot_t) :: snapshot
     real(dp), allocatable :: values(:)
     integer :: g, p, f
-    call gather_whole(model, gauge_fields(), outputs%initial, snapshot, outputs%gauge_ids)
+    call snapshot_whole(model, gauge_fields(), outputs%initial, snapshot, outputs%gauge_ids)
     do g = 1, merge(size(outputs%gauge_ids), 0, parallel_rank() == 0)
       p = findloc(snapshot%id, outputs%gauge_ids(g), 1)
       if (p == 0) cycle
@@ -371,7 +382,7 @@ contains
     call outputs_step(outputs, scene, model, .true., error)
     if (allocated(error)) return
     if (outputs%vtkhdf%has_room()) then
-      call gather_whole(model, outputs%fields, outputs%initial, snapshot)
+      call snapshot_whole(model, outputs%fields, outputs%initial, snapshot)
       call outputs%vtkhdf%trim(snapshot, error)
       if (allocated(error)) return
     end if

@@ -1,4 +1,4 @@
-!> The bill of materials of a scene (`--check`): what is solved, what is stored and why, what it
+!> What a run of a scene would cost (`--check`): what is solved, what is stored and why, what it
 !! will cost.
 module sgmp_cost_estimate
   use, intrinsic :: iso_fortran_env, only: output_unit
@@ -21,7 +21,7 @@ module sgmp_cost_estimate
 
 contains
 
-  !> Writes the bill to the terminal.
+  !> Writes the estimate to the terminal.
   subroutine cost_estimate_write(scene, model)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model

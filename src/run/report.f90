@@ -4,9 +4,9 @@ module sgmp_report
   use sgmp_command_line, only: command_line_t
   use sgmp_energy, only: ledger_total
   use sgmp_errors, only: error_t, exit_ok, exit_stopped
-  use sgmp_gathering, only: gather_checksum
   use sgmp_kernels, only: method_names
   use sgmp_kinds, only: dp, i8
+  use sgmp_model_checksum, only: model_checksum
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_agree, parallel_collect, parallel_ranks, parallel_sum
   use sgmp_process, only: peak_memory_bytes
@@ -246,7 +246,7 @@ contains
     end if
     call summarise_scene(summary, scene, model)
     call summarise_effort(summary, model, effort)
-    call summary%set('checksum', checksum_text(gather_checksum(model)))
+    call summary%set('checksum', checksum_text(model_checksum(model)))
     call summarise_energy(summary, model)
     if (model%ranks%partition%rank == 0) call summary%write(path, problem)
     call parallel_agree(problem)

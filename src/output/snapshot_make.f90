@@ -1,44 +1,33 @@
-!> Gathers particle data for output, ordered by id, and sums over bodies.
-module sgmp_gathering
-  use sgmp_body, only: body_t
-  use sgmp_checksum, only: checksum_add, checksum_particles
+!> Snapshots: the particles of the model, ordered by id, on one rank or dealt out to all.
+module sgmp_snapshot_make
   use sgmp_errors, only: error_t
-  use sgmp_history, only: bodies_columns
-  use sgmp_kinds, only: dp, i4, i8, lanes
+  use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_position
   use sgmp_model, only: model_t
-  use sgmp_motion, only: motion_mass, motion_velocity
+  use sgmp_motion, only: motion_velocity
   use sgmp_parallel, only: parallel_deal, parallel_max, parallel_scan, parallel_sum
+  use sgmp_particle_fields, only: most_components, particle_field_components, &
+                                  particle_field_find, particle_field_t, particle_place_t
   use sgmp_scene, only: scene_t
   use sgmp_seeding, only: seeding_generate
   use sgmp_snapshot, only: snapshot_field_t, snapshot_t
   use sgmp_sorting, only: sort_order
-  use sgmp_voigt, only: voigt_names
   implicit none
   private
-  public :: gather_whole, gather_slice, gather_snapshot, gather_body_row, gather_checksum, &
-            gather_initial_positions, gather_field_known, field_names
-
-  character(16), parameter :: field_names(*) = &
-    [character(16) :: 'stress', 'pressure', 'density', 'volume', 'mass', 'plastic_strain', &
-     'temperature', 'damage', 'energy', 'von_mises', 'displacement', 'initial_position']
+  public :: snapshot_whole, snapshot_slice, snapshot_initial_positions
 
 contains
 
-  !> Whether a field of that name can be written.
-  pure function gather_field_known(name) result(known)
-    character(*), intent(in) :: name
-    logical :: known
-    known = any(field_names == name)
-  end function gather_field_known
-
-  !> A snapshot of all particles with the fields asked for; `initial` holds the initial positions by
+  !> A snapshot of this rank's particles with the fields asked for; `initial` holds the initial positions by
   !! id.
-  subroutine gather_snapshot(model, names, initial, snapshot)
+  subroutine own_snapshot(model, names, initial, snapshot)
     type(model_t), intent(in) :: model
     character(*), intent(in) :: names(:)
     real(dp), allocatable, intent(in) :: initial(:, :)  !! (3, ids), where a field needs it
     type(snapshot_t), intent(out) :: snapshot
+    type(particle_field_t), allocatable :: kinds(:)
+    type(particle_place_t) :: at
+    real(dp) :: values(most_components)
     integer, allocatable :: place(:)
     integer :: b, c, l, p, f, n, nd, visited
     n = sum(model%bodies%particles%count)
@@ -51,7 +40,8 @@ contains
     snapshot%position = 0.0_dp
     snapshot%velocity = 0.0_dp
     snapshot%body_names = model%bodies%name
-    call declare_fields(model, names, n, snapshot%fields)
+    call declare_fields(names, nd, n, kinds, snapshot%fields)
+    at%ndim = nd
     visited = 0
     do b = 1, size(model%bodies)
       associate (body => model%bodies(b))
@@ -66,14 +56,13 @@ contains
                                                       body%particles%motion(l, :nd, c))
             snapshot%velocity(:nd, p) = &
               body%particles%motion(l, motion_velocity(nd):motion_velocity(nd) + nd - 1, c)
-            do f = 1, size(snapshot%fields)
-              if (allocated(initial)) then
-                call take_field(body, nd, l, c, initial(:, body%particles%id(l, c)), &
-                                snapshot%position(:, p), snapshot%fields(f), p)
-              else
-                call take_field(body, nd, l, c, snapshot%position(:, p), snapshot%position(:, p), &
-                                snapshot%fields(f), p)
-              end if
+            at%lane = l
+            at%chunk = c
+            at%position = snapshot%position(:, p)
+            if (allocated(initial)) at%initial = initial(:, snapshot%id(p))
+            do f = 1, size(kinds)
+              values = kinds(f)%take(body, at)
+              snapshot%fields(f)%values(:, p) = values(:size(snapshot%fields(f)%values, 1))
             end do
           end do
         end do
@@ -82,11 +71,11 @@ contains
     if (allocated(initial) .and. any(names == 'initial_position')) then
       snapshot%initial_position = initial(:, snapshot%id)
     end if
-  end subroutine gather_snapshot
+  end subroutine own_snapshot
 
   !> A snapshot on the first rank of all ranks' particles, or of those with certain ids; empty on
   !! the others. All ranks must call it.
-  subroutine gather_whole(model, names, initial, snapshot, ids)
+  subroutine snapshot_whole(model, names, initial, snapshot, ids)
     type(model_t), intent(in) :: model
     character(*), intent(in) :: names(:)
     real(dp), allocatable, intent(in) :: initial(:, :)
@@ -94,23 +83,23 @@ contains
     integer, intent(in), optional :: ids(:)
     integer, allocatable :: chosen(:)
     integer :: p
-    call gather_snapshot(model, names, initial, snapshot)
+    call own_snapshot(model, names, initial, snapshot)
     if (model%ranks%partition%ranks == 1) return
     chosen = [(p, p=1, size(snapshot%id))]
     if (present(ids)) chosen = pack(chosen, [(any(snapshot%id(p) == ids), p=1, size(snapshot%id))])
     call deal_snapshot(snapshot, chosen, [(0, p=1, size(chosen))])
-  end subroutine gather_whole
+  end subroutine snapshot_whole
 
   !> A snapshot of particles dealt out by id: each rank gets a range of ids, behind the `before`
   !! particles of lower ranks. All ranks must call it.
-  subroutine gather_slice(model, names, initial, snapshot, before, total)
+  subroutine snapshot_slice(model, names, initial, snapshot, before, total)
     type(model_t), intent(in) :: model
     character(*), intent(in) :: names(:)
     real(dp), allocatable, intent(in) :: initial(:, :)
     type(snapshot_t), intent(out) :: snapshot
     integer(i8), intent(out) :: before, total    !! total: of all ranks
     integer :: p, largest
-    call gather_snapshot(model, names, initial, snapshot)
+    call own_snapshot(model, names, initial, snapshot)
     if (model%ranks%partition%ranks > 1) then
       largest = nint(parallel_max(real(maxval([0, snapshot%id]), dp)))
       call deal_snapshot(snapshot, [(p, p=1, size(snapshot%id))], &
@@ -118,7 +107,7 @@ contains
     end if
     before = parallel_scan(size(snapshot%id, kind=i8))
     total = parallel_sum(size(snapshot%id, kind=i8))
-  end subroutine gather_slice
+  end subroutine snapshot_slice
 
   !> Sends particles of a snapshot to other ranks; what arrives is ordered by id.
   subroutine deal_snapshot(snapshot, chosen, destination)
@@ -208,140 +197,25 @@ contains
     end do
   end subroutine order_of_ids
 
-  !> Names and components of the fields.
-  subroutine declare_fields(model, names, n, fields)
-    type(model_t), intent(in) :: model
+  !> Makes room for the fields asked for; initial positions have a place of their own.
+  subroutine declare_fields(names, ndim, n, kinds, fields)
     character(*), intent(in) :: names(:)
-    integer, intent(in) :: n
+    integer, intent(in) :: ndim, n
+    type(particle_field_t), allocatable, intent(out) :: kinds(:)
     type(snapshot_field_t), allocatable, intent(out) :: fields(:)
-    integer :: f, c, count, wanted
-    count = 0
-    do f = 1, size(names)
-      if (names(f) /= 'initial_position' .and. names(f) /= '') count = count + 1
-    end do
-    allocate (fields(count))
-    count = 0
-    do wanted = 1, size(names)
-      if (names(wanted) == 'initial_position' .or. names(wanted) == '') cycle
-      count = count + 1
-      f = count
-      fields(f)%name = names(wanted)
-      select case (names(wanted))
-      case ('stress')
-        c = 3 + merge(3, model%mesh%ndim - 1, model%mesh%ndim == 3)
-        fields(f)%components = 'stress_'//voigt_names(:c)
-      case ('displacement')
-        fields(f)%components = [character(32) :: 'displacement_x', 'displacement_y', &
-                                'displacement_z']
-      case default
-        fields(f)%components = names(wanted:wanted)
-      end select
+    integer :: f
+    kinds = [(particle_field_find(names(f)), f=1, size(names))]
+    kinds = pack(kinds, names /= 'initial_position')
+    allocate (fields(size(kinds)))
+    do f = 1, size(fields)
+      fields(f)%name = kinds(f)%name
+      fields(f)%components = particle_field_components(kinds(f), ndim)
       allocate (fields(f)%values(size(fields(f)%components), n), source=0.0_dp)
     end do
   end subroutine declare_fields
 
-  !> One field of one particle.
-  subroutine take_field(body, nd, l, c, initial, position, field, p)
-    type(body_t), intent(in) :: body
-    integer, intent(in) :: nd, l, c, p
-    real(dp), intent(in) :: initial(3), position(3)
-    type(snapshot_field_t), intent(inout) :: field
-    real(dp) :: stress(size(voigt_names))
-    integer :: column
-    stress = particle_stress(body, l, c)
-    column = 0
-    select case (field%name)
-    case ('stress')
-      field%values(:, p) = stress(:size(field%values, 1))
-    case ('pressure')
-      field%values(1, p) = -sum(stress(:3))/3.0_dp
-    case ('von_mises')
-      field%values(1, p) = sqrt(0.5_dp*((stress(1) - stress(2))**2 + (stress(2) - stress(3))**2 + &
-                                        (stress(3) - stress(1))**2) + 3.0_dp*sum(stress(4:)**2))
-    case ('density')
-      field%values(1, p) = body%particles%motion(l, motion_mass(nd), c)/ &
-                           body%particles%state(l, body%law%slots%volume, c)
-    case ('mass')
-      field%values(1, p) = body%particles%motion(l, motion_mass(nd), c)
-    case ('displacement')
-      field%values(:, p) = position - initial
-    case ('volume')
-      column = 1
-    case ('plastic_strain')
-      column = body%law%slots%plastic
-    case ('temperature')
-      column = body%law%slots%temperature
-    case ('damage')
-      column = body%law%slots%damage
-    case ('energy')
-      column = body%law%slots%energy
-    case default  ! the rest has been filled in by gather_snapshot
-      column = 0
-    end select
-    if (column > 0) field%values(1, p) = body%particles%state(l, column, c)
-  end subroutine take_field
-
-  !> Stress of a particle, xx yy zz xy yz xz.
-  pure function particle_stress(body, l, c) result(stress)
-    type(body_t), intent(in) :: body
-    integer, intent(in) :: l, c
-    real(dp) :: stress(size(voigt_names))
-    integer :: s, n
-    stress = 0.0_dp
-    s = body%law%slots%stress
-    n = body%law%slots%stresses
-    if (n == 1) then
-      stress(:3) = body%particles%state(l, s, c)
-    else
-      stress(:n) = body%particles%state(l, s:s + n - 1, c)
-    end if
-  end function particle_stress
-
-  !> Row of bodies.csv: time, body, mass, centroid, velocity, kinetic and internal energy,
-  !! particles.
-  pure function gather_body_row(model, b) result(row)
-    type(model_t), intent(in) :: model
-    integer, intent(in) :: b
-    real(dp) :: row(size(bodies_columns))
-    real(dp) :: centroid(3)
-    associate (sums => model%totals%bodies(b))
-      centroid = mesh_position(model%mesh%origin, model%mesh%h, sums%moment/sums%mass)
-      centroid(model%mesh%ndim + 1:) = 0.0_dp
-      row = [model%clock%time, real(b, dp), sums%mass, centroid, sums%momentum/sums%mass, &
-             sums%kinetic, sums%internal, real(model%totals%particles(b), dp)]
-    end associate
-  end function gather_body_row
-
-  !> Checksum of the whole particle state, independent of order and layout.
-  function gather_checksum(model) result(checksum)
-    type(model_t), intent(in) :: model
-    integer(i8) :: checksum
-    integer :: b, c, l, n
-    integer(i4) :: ids(lanes)
-    real(dp), allocatable :: values(:, :)
-    checksum = 0_i8
-    do b = 1, size(model%bodies)
-      associate (particles => model%bodies(b)%particles)
-        allocate (values(particles%motion_columns + particles%state_columns, lanes))
-        do c = 1, particles%chunks
-          n = 0
-          do l = 1, lanes
-            if (particles%id(l, c) == 0) cycle
-            n = n + 1
-            ids(n) = particles%id(l, c)
-            values(:particles%motion_columns, n) = particles%motion(l, :, c)
-            values(particles%motion_columns + 1:, n) = particles%state(l, :, c)
-          end do
-          checksum = checksum_add(checksum, checksum_particles(ids(:n), values(:, :n)))
-        end do
-        deallocate (values)
-      end associate
-    end do
-    checksum = parallel_sum(checksum)
-  end function gather_checksum
-
   !> Initial positions by id, by seeding once more: nothing is stored during the run.
-  subroutine gather_initial_positions(scene, model, initial, error)
+  subroutine snapshot_initial_positions(scene, model, initial, error)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     real(dp), allocatable, intent(out) :: initial(:, :)
@@ -359,6 +233,6 @@ contains
       grown(:, n + 1:) = x
       call move_alloc(grown, initial)
     end do
-  end subroutine gather_initial_positions
+  end subroutine snapshot_initial_positions
 
-end module sgmp_gathering
+end module sgmp_snapshot_make

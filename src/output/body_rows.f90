@@ -1,0 +1,41 @@
+!> bodies.csv: one row per body and sample, sums over its particles and its name.
+module sgmp_body_rows
+  use sgmp_errors, only: error_t
+  use sgmp_history, only: bodies_columns, history_t
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_position
+  use sgmp_model, only: model_t
+  implicit none
+  private
+  public :: body_rows_write
+
+contains
+
+  !> Writes a row for each body.
+  subroutine body_rows_write(file, model, error)
+    type(history_t), intent(inout) :: file
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(out) :: error
+    integer :: b
+    do b = 1, size(model%bodies)
+      call file%write_row(model%clock%step, body_row(model, b), error, trim(model%bodies(b)%name))
+      if (allocated(error)) return
+    end do
+  end subroutine body_rows_write
+
+  !> Time, body, mass, centroid, velocity, kinetic and internal energy,
+  !! particles.
+  pure function body_row(model, b) result(row)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    real(dp) :: row(size(bodies_columns))
+    real(dp) :: centroid(3)
+    associate (sums => model%totals%bodies(b))
+      centroid = mesh_position(model%mesh%origin, model%mesh%h, sums%moment/sums%mass)
+      centroid(model%mesh%ndim + 1:) = 0.0_dp
+      row = [model%clock%time, real(b, dp), sums%mass, centroid, sums%momentum/sums%mass, &
+             sums%kinetic, sums%internal, real(model%totals%particles(b), dp)]
+    end associate
+  end function body_row
+
+end module sgmp_body_rows
