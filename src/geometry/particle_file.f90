@@ -8,28 +8,31 @@ module sgmp_particle_file
   private
   public :: particle_file_read
 
-  integer, parameter :: position_columns = 4  !! and volume
-  integer, parameter :: most = 7              !! columns
+  integer, parameter :: with_velocity = 7, without = 4  !! numbers in a line
   real(dp), parameter :: largest = 0.1_dp*huge(1.0_dp)
+  character(*), parameter :: separators = ' ,'//achar(9)//achar(13)
+  character(*), parameter :: expected = &
+    'expected: x y z volume [velocity_x velocity_y velocity_z], volume > 0'
 
 contains
 
   !> Reads all particles; the first line decides whether there are velocities.
-  subroutine particle_file_read(file, place, positions, volumes, error, velocities)
+  subroutine particle_file_read(file, place, ndim, positions, volumes, error, velocities)
     character(*), intent(in) :: file, place      !! place: of the card that names it
+    integer, intent(in) :: ndim                  !! coordinates beyond must be zero
     real(dp), allocatable, intent(out) :: positions(:, :), volumes(:)  !! (3, n), (n)
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable, intent(out), optional :: velocities(:, :)
       !! (3, n), allocated if the file has them
     real(dp), allocatable :: rows(:, :)
-    integer :: unit, status, columns
+    integer :: unit, status
     open (newunit=unit, file=file, status='old', action='read', iostat=status)
     if (status /= 0) then
       call error_make(error, exit_io, "the particle file '"//file//"' cannot be opened", &
                       'check its path', place)
       return
     end if
-    call read_rows(unit, file, rows, columns, error)
+    call read_rows(unit, file, ndim, rows, error)
     close (unit)
     if (allocated(error)) return
     if (size(rows, 2) == 0) then
@@ -39,61 +42,108 @@ contains
     end if
     positions = rows(1:3, :)
     volumes = rows(4, :)
-    if (present(velocities) .and. columns == most) velocities = rows(5:7, :)
+    if (present(velocities) .and. size(rows, 1) == with_velocity) velocities = rows(5:7, :)
   end subroutine particle_file_read
 
-  !> All rows of a particle file; the first decides whether there are 4 or 7 columns.
-  subroutine read_rows(unit, file, rows, columns, error)
+  !> All rows of a particle file, each with as many numbers as the first.
+  subroutine read_rows(unit, file, ndim, rows, error)
     integer, intent(in) :: unit
     character(*), intent(in) :: file
-    real(dp), allocatable, intent(out) :: rows(:, :)  !! (most, n)
-    integer, intent(out) :: columns
+    integer, intent(in) :: ndim
+    real(dp), allocatable, intent(out) :: rows(:, :)  !! (4 or 7, n)
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: longer(:, :)
-    character(1000) :: line
-    real(dp) :: row(most)
-    integer :: n, status, line_number
-    allocate (rows(most, 1000))
-    columns = 0
+    character(:), allocatable :: line, wrong
+    real(dp) :: row(with_velocity)
+    integer :: n, found, line_number
+    allocate (rows(without, 0))
     n = 0
     line_number = 0
-    do
-      read (unit, '(a)', iostat=status) line
-      if (status /= 0) exit
+    do while (next_line(unit, line))
       line_number = line_number + 1
-      if (scan(line, '#!') > 0) line = line(:scan(line, '#!') - 1)
-      if (line == '') cycle
-      row = 0.0_dp
-      if (columns == 0) columns = merge(most, position_columns, readable(line, most))
-      read (line, *, iostat=status) row(:columns)
-      if (status == 0 .and. any(.not. abs(row) <= largest)) status = 1
-      if (status /= 0 .or. row(4) <= 0.0_dp) then
-        call error_make(error, exit_deck, 'not a particle: '//trim(line), &
-                        'expected: x y z volume [velocity_x velocity_y velocity_z], volume > 0', &
+      if (verify(line, separators) == 0) cycle
+      call read_numbers(line, row, found, wrong)
+      if (n == 0 .and. found == with_velocity) rows = reshape(rows, [with_velocity, 0])
+      if (wrong == '') wrong = objection(row, found, size(rows, 1), ndim)
+      if (wrong /= '') then
+        call error_make(error, exit_deck, 'not a particle ('//wrong//'): '//trim(line), expected, &
                         file//':'//integer_text(line_number)//':1')
         return
       end if
       if (n == size(rows, 2)) then
-        allocate (longer(most, 2*n))
+        allocate (longer(size(rows, 1), max(1000, 2*n)))
         longer(:, :n) = rows
         call move_alloc(longer, rows)
       end if
       n = n + 1
-      rows(:, n) = row
+      rows(:, n) = row(:found)
     end do
-    longer = rows(:, :n)
-    call move_alloc(longer, rows)
+    rows = rows(:, :n)
   end subroutine read_rows
 
-  !> Whether a line holds this many numbers.
-  function readable(line, columns) result(yes)
+  !> What is wrong with the numbers of a line, nothing if it is a particle.
+  pure function objection(row, found, columns, ndim) result(text)
+    real(dp), intent(in) :: row(:)
+    integer, intent(in) :: found, columns  !! numbers in this line and in the first
+    integer, intent(in) :: ndim
+    character(:), allocatable :: text
+    text = ''
+    if (found /= columns) then
+      text = integer_text(found)//' numbers, not '//integer_text(columns)
+    else if (any(.not. abs(row(:found)) <= largest)) then
+      text = 'a number is not finite'
+    else if (row(4) <= 0.0_dp) then
+      text = 'the volume is not positive'
+    else if (any(abs(row(ndim + 1:3)) > 0.0_dp)) then
+      text = 'a coordinate beyond the dimension is not 0'
+    end if
+  end function objection
+
+  !> The next line without its comment; false at the end of the file.
+  function next_line(unit, line) result(there)
+    integer, intent(in) :: unit
+    character(:), allocatable, intent(inout) :: line
+    logical :: there
+    character(256) :: part
+    integer :: length, status
+    line = ''
+    do
+      read (unit, '(a)', advance='no', size=length, iostat=status) part
+      if (status == 0 .or. is_iostat_eor(status)) line = line//part(:length)
+      if (status /= 0) exit
+    end do
+    there = is_iostat_eor(status) .or. len(line) > 0
+    if (scan(line, '#!') > 0) line = line(:scan(line, '#!') - 1)
+  end function next_line
+
+  !> The numbers of a line: how many there are, and the first of them.
+  pure subroutine read_numbers(line, row, found, wrong)
     character(*), intent(in) :: line
-    integer, intent(in) :: columns
-    logical :: yes
-    real(dp) :: row(columns)
-    integer :: status
-    read (line, *, iostat=status) row
-    yes = status == 0
-  end function readable
+    real(dp), intent(out) :: row(:)
+    integer, intent(out) :: found
+    character(:), allocatable, intent(out) :: wrong  !! what is no number
+    real(dp) :: value
+    integer :: first, last, status
+    row = 0.0_dp
+    found = 0
+    wrong = ''
+    first = 1
+    do
+      last = verify(line(first:), separators)
+      if (last == 0) return
+      first = first + last - 1
+      last = scan(line(first:)//' ', separators) + first - 2
+      status = verify(line(first:last), '0123456789+-.eEdD')
+      if (status == 0) read (line(first:last), *, iostat=status) value
+      if (status /= 0) then
+        wrong = "'"//line(first:last)//"' is not a number"
+        return
+      end if
+      found = found + 1
+      if (found <= size(row)) row(found) = value
+      first = last + 1
+      if (first > len(line)) return
+    end do
+  end subroutine read_numbers
 
 end module sgmp_particle_file

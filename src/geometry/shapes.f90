@@ -10,7 +10,8 @@ module sgmp_shapes
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: shape_t, surface_depth, shapes_anchor, shapes_box, shapes_inside, shapes_near
+  public :: shape_t, surface_depth, shapes_anchor, shapes_box, shapes_inside, shapes_near, &
+            shapes_volume
   public :: shape_block, shape_cylinder, shape_sphere, shape_ring, shape_cone, shape_ogive, &
     shape_halfspace, shape_names
   public :: combine_union, combine_difference, combine_intersection
@@ -116,6 +117,36 @@ contains
       upper = max(upper, high)
     end do
   end subroutine shapes_box
+
+  !> Volume of a combination of shapes by the midpoint rule, exact for a block.
+  pure function shapes_volume(shapes, ndim, points) result(volume)
+    type(shape_t), intent(in) :: shapes(:)
+    integer, intent(in) :: ndim
+    integer, intent(in) :: points          !! along each axis
+    real(dp) :: volume, lower(3), upper(3), step(3), point(3), from(3), to(3)
+    type(shape_t), allocatable :: near(:)
+    integer :: n(3), i, j, k, hits
+    call shapes_box(shapes, lower, upper)
+    n = 1
+    n(:ndim) = points
+    lower(ndim + 1:) = 0.0_dp
+    upper(ndim + 1:) = 0.0_dp
+    step = (upper - lower)/n
+    hits = 0
+    do k = 1, n(3)
+      do j = 1, n(2)
+        from = lower + step*([0, j, k] - 0.5_dp)
+        to = from
+        to(1) = upper(1)
+        near = shapes_near(shapes, from, to, ndim)
+        do i = 1, n(1)
+          point = lower + step*([i, j, k] - 0.5_dp)
+          if (shapes_inside(near, point, ndim, 0.0_dp)) hits = hits + 1
+        end do
+      end do
+    end do
+    volume = hits*product(step(:ndim))
+  end function shapes_volume
 
   !> A point where a lattice that fills the shapes has a corner: the first shape's lower corner;
   !! round shapes have their axis (a sphere its centre) there, so that particles lie symmetrically

@@ -8,7 +8,10 @@ module sgmp_mesh
   implicit none
   private
   public :: mesh_t, mesh_make, mesh_position, mesh_coordinate
+  public :: axis_names
   public :: wall_free, wall_slip, wall_fixed
+
+  character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
 
   integer, parameter :: wall_free = 0  !! material may leave or the face is open
   integer, parameter :: wall_slip = 1  !! normal velocity vanishes (symmetry)

@@ -11,6 +11,7 @@ module sgmp_cost_estimate
   use sgmp_material_kinds, only: material_names
   use sgmp_model, only: model_t
   use sgmp_particles, only: particles_bytes
+  use sgmp_report, only: report_shape_mass
   use sgmp_rows, only: rows_points
   use sgmp_scene, only: scene_t, update_names
   use sgmp_text, only: integer_text, real_text
@@ -59,10 +60,24 @@ contains
       call put('body        '//trim(body%name)//': '//integer_text(body%particles%count)// &
                ' particles of '//trim(material%name)//' ('//trim(material_names(material%kind))// &
                '), '//bytes_text(particles_bytes(body%particles)))
+      call put_mass(model%totals%bodies(b)%mass, report_shape_mass(scene, model, b))
       call put('  stored    position, velocity, mass, volume and id (always)')
       call put_slots(body%law%slots)
     end associate
   end subroutine put_body
+
+  !> Mass of a body's particles beside that of its shapes.
+  subroutine put_mass(mass, shape_mass)
+    real(dp), intent(in) :: mass, shape_mass     !! shape_mass: 0 where there are no shapes
+    character(24) :: percent
+    if (shape_mass <= 0.0_dp) then
+      call put('  mass      '//real_text(mass))
+    else
+      write (percent, '(sp, f0.1)') 100.0_dp*(mass/shape_mass - 1.0_dp)
+      call put('  mass      '//real_text(mass)//'; of its shapes '//real_text(shape_mass)//' ('// &
+               trim(percent)//' %)')
+    end if
+  end subroutine put_mass
 
   !> Fields of the second stream with the card that asked for them.
   subroutine put_slots(slots)

@@ -12,6 +12,7 @@ module sgmp_report
   use sgmp_process, only: peak_memory_bytes
   use sgmp_run_log, only: level_normal, level_quiet, level_verbose, log_row_t, log_t
   use sgmp_scene, only: scene_t, update_names
+  use sgmp_seeding, only: seeding_shape_volume
   use sgmp_summary, only: summary_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: limit_courant, limit_names
@@ -20,7 +21,8 @@ module sgmp_report
   implicit none
   private
   public :: effort_t, effort_share, report_balance, report_banner, report_courant, report_end, &
-            report_fraction, report_level, report_remaining, report_row, report_start, summary_write
+            report_fraction, report_level, report_remaining, report_row, report_start, summary_write, &
+            report_shape_mass
 
   !> What a run has cost.
   type :: effort_t
@@ -93,8 +95,37 @@ contains
     if (model%ranks%partition%ranks > 1 .and. .not. model%ranks%partition%divisible) then
       call log%warning('a scene in 1D is not divided: the first rank does all the work')
     end if
+    call warn_of_masses(log, scene, model)
     call warn_of_strangers(log, model)
   end subroutine report_start
+
+  !> Bodies whose particles make up more or less than their shapes.
+  subroutine warn_of_masses(log, scene, model)
+    type(log_t), intent(inout) :: log
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    real(dp), parameter :: tolerated = 0.1_dp
+    real(dp) :: mass, shape_mass
+    integer :: b
+    do b = 1, size(model%bodies)
+      mass = model%totals%bodies(b)%mass
+      shape_mass = report_shape_mass(scene, model, b)
+      if (shape_mass <= 0.0_dp .or. abs(mass - shape_mass) <= tolerated*shape_mass) cycle
+      call log%warning("the particles of body '"//trim(model%bodies(b)%name)//"' have a mass of "// &
+                       real_text(mass)//', its shapes of '//real_text(shape_mass)// &
+                       ': choose a spacing of which its sides are multiples, or a smaller one')
+    end do
+  end subroutine warn_of_masses
+
+  !> Mass of a body's shapes, 0 where it has none.
+  pure function report_shape_mass(scene, model, b) result(mass)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    real(dp) :: mass
+    mass = model%bodies(b)%law%density*seeding_shape_volume(scene%bodies(b), model%mesh%ndim, &
+                                                            size(scene%bodies))
+  end function report_shape_mass
 
   !> A warning of bodies in different velocity fields without contact between them.
   subroutine warn_of_strangers(log, model)

@@ -29,7 +29,7 @@ module sgmp_build_model
   use sgmp_phases, only: phase_layout
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
   use sgmp_scene, only: body_card_t, material_card_t, scene_at_rest, scene_t
-  use sgmp_seeding, only: seeding_check_overlap, seeding_generate, survey_t
+  use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
   use sgmp_step, only: step_start
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
@@ -150,6 +150,8 @@ contains
       do d = 1, mesh%ndim
         x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
       end do
+      call seeding_check_inside(card, mesh, x, error)
+      if (allocated(error)) return
       call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, material%density, &
                           volume, first_history(card, material, body%law, mesh%ndim), first_id, &
                           ids)

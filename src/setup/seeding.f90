@@ -6,15 +6,20 @@ module sgmp_seeding
   use sgmp_lattice, only: lattice_cubic, lattice_fits, lattice_gauss, lattice_ijk, lattice_jitter, &
                           lattice_layers, lattice_lines, lattice_point, lattice_t, &
                           lattice_tolerance, lattice_too_many, lattice_volume
+  use sgmp_mesh, only: axis_names, mesh_position, mesh_t
   use sgmp_particle_file, only: particle_file_read
   use sgmp_scene, only: body_card_t, layout_file, layout_gauss
   use sgmp_shapes, only: combine_union, infinite_length, shape_t, shapes_anchor, shapes_box, &
-                         shapes_inside, shapes_near
+                         shapes_inside, shapes_near, shapes_volume
   use sgmp_slabs, only: slab_holds, slab_plane, slab_t
+  use sgmp_text, only: real_text
   use sgmp_turn, only: turn_back, turn_box, turn_forth, turn_t
   implicit none
   private
-  public :: seeding_generate, seeding_check_overlap, seeding_overlap, seeding_survey, survey_t
+  public :: seeding_generate, seeding_check_inside, seeding_check_overlap, seeding_overlap, &
+            seeding_shape_volume, seeding_survey, survey_t
+
+  real(dp), parameter :: farthest = 1.0e7_dp  !! cells from the grid's origin, where 1e-9 are left
 
   !> Where a body's particles are, before any of them is made.
   type :: survey_t
@@ -52,7 +57,11 @@ contains
       !! (n) which particles of the whole body they are, from 1; comes with the slab
     type(lattice_t) :: lattice
     if (body%layout == layout_file) then
-      call particle_file_read(body%file, place_of(body), positions, volumes, error, velocities)
+      call particle_file_read(body%file, place_of(body), dimension, positions, volumes, &
+                              error, velocities)
+      if (allocated(error)) return
+      call check_reach(body, minval(positions, dim=2), maxval(positions, dim=2), cell, grid_lower, &
+                       dimension, error)
       if (present(slab) .and. .not. allocated(error)) then
         call keep_slab(slab, positions, volumes, ids)
       end if
@@ -86,7 +95,11 @@ contains
     real(dp), allocatable :: positions(:, :), volumes(:)
     integer :: layer, line, p
     if (body%layout == layout_file) then
-      call particle_file_read(body%file, place_of(body), positions, volumes, error)
+      call particle_file_read(body%file, place_of(body), dimension, positions, volumes, &
+                              error)
+      if (allocated(error)) return
+      call check_reach(body, minval(positions, dim=2), maxval(positions, dim=2), cell, grid_lower, &
+                       dimension, error)
       if (allocated(error)) return
       call survey_open(survey, 1)
       do p = 1, merge(size(volumes), 0, sharer == 0)
@@ -140,6 +153,22 @@ contains
     survey%load(plane - survey%first + 1) = survey%load(plane - survey%first + 1) + 1
   end subroutine survey_note
 
+  !> An error where a body is so far from the grid's origin that its particles could not move.
+  subroutine check_reach(body, lower, upper, cell, grid_lower, ndim, error)
+    type(body_card_t), intent(in) :: body
+    real(dp), intent(in) :: lower(3), upper(3)   !! of the body
+    real(dp), intent(in) :: cell, grid_lower(3)
+    integer, intent(in) :: ndim
+    type(error_t), allocatable, intent(out) :: error
+    real(dp) :: cells
+    cells = maxval(max(abs(lower(:ndim)/cell - grid_lower(:ndim)/cell), &
+                       abs(upper(:ndim)/cell - grid_lower(:ndim)/cell)))
+    if (cells <= farthest) return
+    call error_make(error, exit_deck, "body '"//trim(body%name)//"' reaches "//real_text(cells)// &
+                    " cells from the grid's origin; there can be "//real_text(farthest), &
+                    'move the body or the corner of the grid, or use larger cells', place_of(body))
+  end subroutine check_reach
+
   !> The lattice around a body, or why there is none.
   subroutine lay_lattice(body, cell, grid_lower, ndim, lattice, error)
     type(body_card_t), intent(in) :: body
@@ -147,15 +176,23 @@ contains
     integer, intent(in) :: ndim
     type(lattice_t), intent(out) :: lattice
     type(error_t), allocatable, intent(out) :: error
-    real(dp) :: lower(3), upper(3), corner(3)
+    real(dp) :: lower(3), upper(3), corner(3), low(3), high(3)
     integer :: status
     call shapes_box(body%shapes, lower, upper)
-    if (body%layout == layout_gauss .and. ndim > 1) call turn_box(turn_of(body), lower, upper)
+    low = lower
+    high = upper
+    if (ndim > 1) call turn_box(turn_of(body), low, high)
+    if (body%layout == layout_gauss) then
+      lower = low
+      upper = high
+    end if
     if (any(abs([lower(:ndim), upper(:ndim)]) > infinite_length)) then
       call error_make(error, exit_deck, "body '"//trim(body%name)//"' is unbounded", &
                       'give its shapes a finite length', place_of(body))
       return
     end if
+    call check_reach(body, low, high, cell, grid_lower, ndim, error)
+    if (allocated(error)) return
     if (body%layout == layout_gauss) then
       call lattice_gauss(lower, upper, grid_lower, cell, body%ppc, ndim, lattice, status)
     else
@@ -299,6 +336,39 @@ contains
     positions = positions(:, ids)
     volumes = volumes(ids)
   end subroutine keep_slab
+
+  !> An error where a body is not inside the faces of the grid, or a wall cuts it.
+  subroutine seeding_check_inside(body, mesh, coordinates, error)
+    type(body_card_t), intent(in) :: body
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: coordinates(:, :)    !! (3, n) of its particles (cells)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: d, p
+    do p = 1, size(coordinates, 2)
+      do d = 1, mesh%ndim
+        if (coordinates(d, p) >= mesh%lower(d) .and. coordinates(d, p) <= mesh%upper(d)) cycle
+        call error_make(error, exit_deck, "body '"//trim(body%name)//"' reaches out of the grid "// &
+                        'along '//axis_names(d)//', where it has a particle at '// &
+                        real_text(mesh_position(mesh%origin(d), mesh%h, coordinates(d, p))), &
+                        'move or cut the body, widen the grid, or leave that face open', &
+                        place_of(body))
+        return
+      end do
+    end do
+  end subroutine seeding_check_inside
+
+  !> Volume of a body's shapes to about a percent (length**dimension), 0 where it has none.
+  pure function seeding_shape_volume(body, ndim, bodies) result(volume)
+    type(body_card_t), intent(in) :: body
+    integer, intent(in) :: ndim
+    integer, intent(in) :: bodies                !! of the scene, who share the effort
+    real(dp) :: volume
+    integer, parameter :: effort = 2**22, finest = 64, coarsest = 12
+    volume = 0.0_dp
+    if (body%layout == layout_file) return
+    volume = shapes_volume(body%shapes, ndim, max(coarsest, min(finest, int( &
+                           (real(effort, dp)/bodies)**(1.0_dp/ndim)))))
+  end function seeding_shape_volume
 
   !> An error where another body's shape contains one of these particles and neither body allows it.
   subroutine seeding_check_overlap(bodies, own, positions, dimension, error)

@@ -11,7 +11,7 @@ module sgmp_rebin_phases
   use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i4
   use sgmp_lost_particles, only: lost_particles_find_bins
-  use sgmp_mesh, only: mesh_t
+  use sgmp_mesh, only: axis_names, mesh_t
   use sgmp_movers, only: movers_read, movers_reset, movers_t, movers_write
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
   use sgmp_parallel, only: parallel_collect
@@ -28,7 +28,6 @@ module sgmp_rebin_phases
   private
   public :: phase_rebin_particles
 
-  character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
   integer, parameter :: few = 512                !! movers that are not worth a meeting of threads
 
 contains
