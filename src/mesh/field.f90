@@ -89,7 +89,7 @@ contains
     call large_pages_ask(new%node, size(new%node, kind=i8))
     call field_clear(new)
     call field_move(field, new)
-    call field_swap(new, field)
+    call field_replace(new, field)
   end subroutine field_build
 
   !> Zeroes all values, every thread those of some planes, so that their memory lies near it.
@@ -221,7 +221,7 @@ contains
   end subroutine field_move
 
   !> Hands the new layout over without copying it.
-  pure subroutine field_swap(new, field)
+  pure subroutine field_replace(new, field)
     type(field_t), intent(inout) :: new, field
     field%points = new%points
     field%planes = new%planes
@@ -236,6 +236,6 @@ contains
     call move_alloc(new%plane_store, field%plane_store)
     call move_alloc(new%moment, field%moment)
     call move_alloc(new%node, field%node)
-  end subroutine field_swap
+  end subroutine field_replace
 
 end module sgmp_field

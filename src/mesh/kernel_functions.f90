@@ -5,7 +5,7 @@ module sgmp_kernel_functions
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: kernel_function, gimp_function, gimp_slope, hat_function, hat_slope
+  public :: kernel_function, gimp_function, gimp_slope
 
 contains
 

@@ -10,7 +10,7 @@ module sgmp_partition
   use sgmp_slabs, only: far_plane
   implicit none
   private
-  public :: partition_t, partition_make, partition_cut, partition_set, partition_owner, &
+  public :: partition_t, partition_make, partition_cut, partition_owner, &
     partition_loads, partition_imbalance
 
   integer, parameter :: bisections = 60

@@ -25,28 +25,30 @@ module sgmp_neighbours
 contains
 
   !> Forgets the messages of the last exchange.
-  subroutine neighbours_free(swap)
-    type(neighbours_t), intent(inout) :: swap
-    swap%to_below%n = 0
-    swap%to_above%n = 0
-    swap%from_below%n = 0
-    swap%from_above%n = 0
+  subroutine neighbours_free(messages)
+    type(neighbours_t), intent(inout) :: messages
+    messages%to_below%n = 0
+    messages%to_above%n = 0
+    messages%from_below%n = 0
+    messages%from_above%n = 0
   end subroutine neighbours_free
 
   !> Sends what has been written for both sides; the buffers must not be touched before
   !! `neighbours_wait`.
-  subroutine neighbours_send(swap, traffic, sides)
-    type(neighbours_t), intent(inout), target, asynchronous :: swap
+  subroutine neighbours_send(messages, traffic, sides)
+    type(neighbours_t), intent(inout), target, asynchronous :: messages
     type(traffic_t), intent(inout) :: traffic
     logical, intent(in), optional :: sides(2)  !! below, above: as the ranks there see it, too;
                                                !! absent: both
     logical :: there(2)
     there = sides_with_ranks(sides)
     if (there(1)) then
-      call send(swap%to_below, parallel_rank() - 1, swap%request(1), swap%open(1), traffic)
+      call send(messages%to_below, parallel_rank() - 1, messages%request(1), messages%open(1), &
+                traffic)
     end if
     if (there(2)) then
-      call send(swap%to_above, parallel_rank() + 1, swap%request(2), swap%open(2), traffic)
+      call send(messages%to_above, parallel_rank() + 1, messages%request(2), messages%open(2), &
+                traffic)
     end if
   end subroutine neighbours_send
 
@@ -73,17 +75,17 @@ contains
   end function sides_with_ranks
 
   !> Receives what the neighbours sent; nothing from where there is none.
-  subroutine neighbours_receive(swap, sides)
-    type(neighbours_t), intent(inout) :: swap
+  subroutine neighbours_receive(messages, sides)
+    type(neighbours_t), intent(inout) :: messages
     logical, intent(in), optional :: sides(2)  !! see neighbours_send
     logical :: there(2)
     there = sides_with_ranks(sides)
-    swap%from_below%n = 0
-    swap%from_above%n = 0
-    swap%from_below%read = 0
-    swap%from_above%read = 0
-    if (there(1)) call receive(swap%from_below, parallel_rank() - 1)
-    if (there(2)) call receive(swap%from_above, parallel_rank() + 1)
+    messages%from_below%n = 0
+    messages%from_above%n = 0
+    messages%from_below%read = 0
+    messages%from_above%read = 0
+    if (there(1)) call receive(messages%from_below, parallel_rank() - 1)
+    if (there(2)) call receive(messages%from_above, parallel_rank() + 1)
   end subroutine neighbours_receive
 
   subroutine receive(buffer, rank)
@@ -101,14 +103,14 @@ contains
   end subroutine receive
 
   !> Waits until the messages sent may be written over.
-  subroutine neighbours_wait(swap)
-    type(neighbours_t), intent(inout), target, asynchronous :: swap
+  subroutine neighbours_wait(messages)
+    type(neighbours_t), intent(inout), target, asynchronous :: messages
     integer :: side
     do side = 1, 2
-      if (swap%open(side)) call mpi_wait(swap%request(side), mpi_status_ignore)
-      swap%open(side) = .false.
+      if (messages%open(side)) call mpi_wait(messages%request(side), mpi_status_ignore)
+      messages%open(side) = .false.
     end do
-    call neighbours_free(swap)
+    call neighbours_free(messages)
   end subroutine neighbours_wait
 
 end module sgmp_neighbours

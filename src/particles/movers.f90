@@ -20,8 +20,8 @@ module sgmp_movers
     integer, allocatable :: bin(:)          !! after re-binning: their bin, 0 where none is held
     real(dp), allocatable :: particle(:, :)  !! (columns of motion, then of state, n)
     real(dp), allocatable :: values(:, :)   !! (values, n) what they give to the grid
-    logical :: homeless = .false.           !! some have no bin although one should be held
-    integer :: culprit(2) = 0               !! first that must not leave the grid, and the axis
+    logical :: without_bin = .false.           !! some have no bin although one should be held
+    integer :: escaped(2) = 0               !! first that must not leave the grid, and the axis
     integer :: freed = 0
     integer, allocatable :: chunk(:)        !! (freed) chunks without particles, in no bin
   end type movers_t
@@ -34,8 +34,8 @@ contains
     integer, intent(in) :: nstate, nvalues
     movers%n = 0
     movers%freed = 0
-    movers%homeless = .false.
-    movers%culprit = 0
+    movers%without_bin = .false.
+    movers%escaped = 0
     if (allocated(movers%id)) then
       if (size(movers%particle, 1) == nstate .and. size(movers%values, 1) == nvalues) return
     end if
@@ -97,11 +97,11 @@ contains
     new%values(:, :n) = movers%values(:, :n)
     new%freed = movers%freed
     call move_alloc(movers%chunk, new%chunk)
-    call movers_swap(new, movers)
+    call movers_replace(new, movers)
   end subroutine movers_reserve
 
   !> Hands a list over.
-  pure subroutine movers_swap(from, to)
+  pure subroutine movers_replace(from, to)
     type(movers_t), intent(inout) :: from
     type(movers_t), intent(out) :: to
     to%n = from%n
@@ -114,7 +114,7 @@ contains
     call move_alloc(from%particle, to%particle)
     call move_alloc(from%values, to%values)
     call move_alloc(from%chunk, to%chunk)
-  end subroutine movers_swap
+  end subroutine movers_replace
 
   !> Appends a mover to a message.
   pure subroutine movers_write(movers, m, buffer)

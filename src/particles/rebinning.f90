@@ -49,7 +49,7 @@ contains
     do t = 1, size(lists)
       call particles_find_bins(particles, lower, upper, lists(t))
     end do
-    new_bins = any(lists%homeless)
+    new_bins = any(lists%without_bin)
     if (new_bins) call particles_extend_bins(particles, lists, lower, upper)
     call particles_close_lists(particles, lists)
     do t = 1, size(arrivals)
@@ -69,7 +69,7 @@ contains
     type(movers_t), intent(inout) :: movers
     integer :: m, bin(3), d
     d = particles%ndim
-    movers%homeless = .false.
+    movers%without_bin = .false.
     do m = 1, movers%n
       movers%bin(m) = 0
       movers%gone(m) = any(movers%particle(:d, m) < lower(:d) .or. &
@@ -81,7 +81,7 @@ contains
       if (movers%row(m) > 0) then
         movers%bin(m) = particles%bin_start(movers%row(m)) + bin(1)
       else
-        movers%homeless = .true.
+        movers%without_bin = .true.
       end if
     end do
   end subroutine particles_find_bins

@@ -317,7 +317,7 @@ contains
     outside = inside < NDIM*lanes - 0.5_dp
   end subroutine drift
 
-  !> Largest c + |v| for the time step (Eq. 69), and whether every particle is still in its senses:
+  !> Largest c + |v| for the time step (Eq. 69), and whether the state of all particles makes sense:
   !! not inside out, slower than anything, and with a sound speed (c^2 turns negative where a
   !! blown-up state leaves the range of an equation of state).
   pure subroutine check_chunk(nl, id, live, motion, speed2, jacobian, work)

@@ -57,7 +57,7 @@ contains
             momentum = -momentum
           else if (x < mesh%lower(d) - particles%shift .or. &
                    x > mesh%upper(d) + particles%shift) then
-            movers%culprit = [m, d]
+            movers%escaped = [m, d]
             return
           end if
         end associate

@@ -43,7 +43,7 @@ module sgmp_plan
     integer :: cleared = 1                       !! next stored interval to zero in `planes`
     real(dp) :: fastest = 0.0_dp                 !! largest c + |v|
     integer(i4) :: fastest_id = 0                !! its particle
-    integer(i4) :: bad_id = 0                    !! first particle with a senseless state, 0: none
+    integer(i4) :: bad_id = 0                    !! first particle whose state makes no sense
     logical :: no_sound = .false.                !! its sound speed is imaginary
   end type workspace_t
 

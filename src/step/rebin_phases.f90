@@ -49,13 +49,13 @@ contains
     changed = .false.
     findings%moved = 0
     if (plan%drift) then
-      call report_culprits(plan, mesh, bodies, team%movers, findings%failure)
+      call report_escaped(plan, mesh, bodies, team%movers, findings%failure)
       if (ranks%partition%ranks > 1) then
         call exchange_movers(plan, mesh, bodies, team%movers, ranks, findings, timers)
       end if
       findings%moved = sum(team%movers%n)
       do b = 1, size(bodies)
-        if (.not. any(team%movers(b, :)%homeless)) cycle
+        if (.not. any(team%movers(b, :)%without_bin)) cycle
         associate (particles => bodies(b)%particles)
           call particles_extend_bins(particles, team%movers(b, :), mesh%lower - particles%shift, &
                                      mesh%upper + particles%shift)
@@ -75,7 +75,7 @@ contains
   end subroutine phase_rebin_particles
 
   !> An error for the first particle that has left the grid where it must not.
-  subroutine report_culprits(plan, mesh, bodies, lists, failure)
+  subroutine report_escaped(plan, mesh, bodies, lists, failure)
     type(plan_t), intent(in) :: plan
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: bodies(:)
@@ -84,8 +84,8 @@ contains
     integer :: b, s
     do b = 1, size(bodies)
       do s = 1, size(lists, 2) - 1
-        associate (movers => lists(b, s), m => lists(b, s)%culprit(1), &
-                   d => lists(b, s)%culprit(2))
+        associate (movers => lists(b, s), m => lists(b, s)%escaped(1), &
+                   d => lists(b, s)%escaped(2))
           if (movers%n == 0 .or. m == 0 .or. allocated(failure)) cycle
           call error_make(failure, exit_numerical, 'particle '// &
                           integer_text(movers%id(m))//' of body '// &
@@ -98,7 +98,7 @@ contains
         end associate
       end do
     end do
-  end subroutine report_culprits
+  end subroutine report_escaped
 
   !> Tells the neighbours of the particles that have moved into their planes, or next to them.
   !!

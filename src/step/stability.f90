@@ -16,7 +16,6 @@ module sgmp_stability
   use sgmp_field, only: field_t
   use sgmp_field_nodes, only: field_node_planes, field_remap, field_solve
   use sgmp_halo, only: halo_own_planes
-  use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_exact_sums
@@ -33,13 +32,14 @@ module sgmp_stability
 
   integer, parameter :: most_iterations = 16
   integer, parameter :: interval = 320  !! steps between two probes: they cost a step an iteration
-  !> Part of the limit that is used, by update (usf, musl, usl, usavg). Particles move on until the
-  !! next probe, and they move through the grid, which the limit of resting particles does not see:
-  !! MPM's jumps of the gradient at cell faces feed energy into the motion well below it. Measured:
+  !> Part of the limit that is used, by update (usf, musl, usl, usavg) and kernel (mpm, gimp, sgmp).
+  !! Particles move on until the next probe, and they move through the grid, which the limit of
+  !! resting particles does not see: MPM's jumps of the gradient at cell faces feed energy into the motion well below it. Measured:
   !! doc/time-step.md.
-  real(dp), parameter :: safety(4) = [0.78_dp, 0.78_dp, 0.85_dp, 0.78_dp]
+  real(dp), parameter :: safety(4, 3) = reshape([0.13_dp, 0.35_dp, 0.85_dp, 0.50_dp, &
+                                                 0.78_dp, 0.78_dp, 0.85_dp, 0.78_dp, &
+                                                 0.78_dp, 0.78_dp, 0.85_dp, 0.78_dp], [4, 3])
   real(dp), parameter :: safety_contact = 0.40_dp  !! bodies that may touch: impulses come and go
-  real(dp), parameter :: safety_mpm(4) = [0.13_dp, 0.35_dp, 0.85_dp, 0.50_dp]
 
   !> A vector of the nodes of one field.
   type :: vector_t
@@ -61,8 +61,7 @@ contains
         clock%next_probe = clock%step + interval
         if (present(found)) found = .true.
       end if
-      part = merge(safety_mpm(model%method%update), safety(model%method%update), &
-                   model%fields(1)%kernel == kernel_mpm)
+      part = safety(model%method%update, model%fields(1)%kernel)
       if (size(model%contact%pairs) > 0) part = min(part, safety_contact)
       clock%cfl = part*clock%limit
     end associate
