@@ -3,7 +3,7 @@ module sgmp_spelling
   implicit none
   private
   public :: string_t, word_lower, word_is_identifier, word_distance, word_nearest, word_in_list, &
-    word_item, word_count, suggestion
+    word_item, word_items, word_count, word_position, words_joined, suggestion
 
   !> A text of any length, for arrays of texts.
   type :: string_t
@@ -137,6 +137,17 @@ contains
     word = list(first:last)
   end function word_item
 
+  !> All words of a blank-separated list.
+  pure function word_items(list) result(words)
+    character(*), intent(in) :: list
+    type(string_t), allocatable :: words(:)
+    integer :: i
+    allocate (words(word_count(list)))
+    do i = 1, size(words)
+      words(i)%text = word_item(list, i)
+    end do
+  end function word_items
+
   !> Position of a word in a blank-separated list, 0 where it is not in it.
   pure integer function word_in_list(word, list) result(position)
     character(*), intent(in) :: word, list
@@ -149,5 +160,27 @@ contains
       end if
     end do
   end function word_in_list
+
+  !> Place of a word among names, counted from 1; 0 where it is not among them.
+  pure integer function word_position(word, names) result(position)
+    character(*), intent(in) :: word
+    character(*), intent(in) :: names(:)  !! padded with blanks
+    do position = 1, size(names)
+      if (names(position) == word) return
+    end do
+    position = 0
+  end function word_position
+
+  !> Names as one blank-separated list.
+  pure function words_joined(names) result(list)
+    character(*), intent(in) :: names(:)  !! padded with blanks
+    character(:), allocatable :: list
+    integer :: i
+    list = ''
+    do i = 1, size(names)
+      list = list//trim(names(i))
+      if (i < size(names)) list = list//' '
+    end do
+  end function words_joined
 
 end module sgmp_spelling

@@ -5,16 +5,17 @@ module sgmp_contact_pairs
   private
   public :: contact_pair_t
   public :: normal_average, normal_first, normal_second, normal_stiffer, normal_separating, &
-            normal_words
+            normal_names
 
-  !> Where the common normal of a pair comes from, in the order of `normal_words`.
+  !> Where the common normal of a pair comes from, in the order of `normal_names`.
   integer, parameter :: normal_separating = 1
     !! along the shortest line between the bodies around the node
   integer, parameter :: normal_average = 2  !! from both bodies
   integer, parameter :: normal_first = 3    !! of the pair's first body
   integer, parameter :: normal_second = 4   !! of the pair's second body
   integer, parameter :: normal_stiffer = 5  !! of the stiffer of the two
-  character(*), parameter :: normal_words = 'separating average first second stiffer'
+  character(10), parameter :: normal_names(*) = [character(10) :: &
+    'separating', 'average', 'first', 'second', 'stiffer']
 
   !> Two bodies with a contact card.
   type :: contact_pair_t

@@ -1,16 +1,17 @@
 !> Reads a deck: text -> statements -> cards -> scene, with every error of the deck found in one go.
 module sgmp_deck
-  use sgmp_cards, only: card_default, card_free, card_parse, deck_card_t
+  use sgmp_card_parse, only: card_default, card_parse
+  use sgmp_deck_card, only: card_free, deck_card_t
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
   use sgmp_lexer, only: lexer_read, statement_t
   use sgmp_parameters, only: parameters_t
-  use sgmp_registry, only: registry_t
-  use sgmp_scene, only: scene_free, scene_t
-  use sgmp_scene_build, only: scene_build
-  use sgmp_scene_check, only: scene_check, scene_check_cards
-  use sgmp_spelling, only: string_t, suggestion, word_lower
+  use sgmp_registry, only: read_first, read_last, registry_t
+  use sgmp_scene, only: scene_t
+  use sgmp_scene_draft, only: draft_t
+  use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
+  use sgmp_units, only: units_check
   implicit none
   private
   public :: deck_read
@@ -24,6 +25,19 @@ contains
     character(*), intent(in) :: settings(:)  !! `NAME=VALUE` from the command line
     type(scene_t), intent(out) :: scene      !! to be released with `scene_free`
     type(deck_errors_t), intent(out) :: errors
+    type(draft_t) :: draft
+    draft%scene%file = path
+    draft%scene%title = path
+    call read_file(path, settings, draft)
+    scene = draft%scene
+    errors = draft%errors
+  end subroutine deck_read
+
+  !> Statements, then cards, then the scene.
+  subroutine read_file(path, settings, draft)
+    character(*), intent(in) :: path
+    character(*), intent(in) :: settings(:)
+    type(draft_t), intent(inout) :: draft
     type(registry_t) :: registry
     type(statement_t), allocatable :: statements(:)
     type(parameters_t) :: parameters
@@ -32,30 +46,97 @@ contains
     logical :: complete
     integer :: i
     registry = deck_table()
-    scene%file = path
-    scene%title = path
     deck%file = path
-    call lexer_read(path, statements, complete, errors)
+    call lexer_read(path, statements, complete, draft%errors)
     if (size(statements) == 0) return
-    call parameters%start(settings, errors)
+    call parameters%start(settings, draft%errors)
     allocate (cards(0))
     do i = 1, size(statements)
-      call read_statement(registry, statements(i), parameters, cards, errors)
+      call read_statement(registry, statements(i), parameters, cards, draft%errors)
     end do
-    call parameters%check_use(errors)
-    call scene_check_cards(registry, cards, deck, complete, errors)
-    call add_default_cards(registry, deck, parameters, cards, errors)
-    call scene_build(cards, scene, errors)
-    call scene_check(registry, cards, scene, errors)
+    call parameters%check_use(draft%errors)
+    call check_repeated(registry, cards, draft%errors)
+    if (complete) call check_needed(registry, cards, deck, draft%errors)
+    call add_default_cards(registry, deck, parameters, cards, draft%errors)
+    call read_cards(registry, cards, draft)
+    call check_cards(registry, cards, draft)
     call drop_overridden(cards)
-    if (errors%count() == 0) then
-      scene%resolved = deck_echo(registry, parameters, cards)
-      call deck_fixed(registry, parameters, cards, scene%fixed)
+    if (draft%errors%count() == 0) then
+      draft%scene%resolved = deck_echo(registry, parameters, cards)
+      call deck_fixed(registry, parameters, cards, draft%scene%fixed)
     end if
     do i = 1, size(cards)
       call card_free(cards(i))
     end do
-  end subroutine deck_read
+  end subroutine read_file
+
+  !> Cards that may appear once only.
+  subroutine check_repeated(registry, cards, errors)
+    type(registry_t), intent(in) :: registry
+    type(deck_card_t), intent(in) :: cards(:)
+    type(deck_errors_t), intent(inout) :: errors
+    integer :: i, k
+    do i = 1, size(cards)
+      if (.not. registry%cards(cards(i)%definition)%once) cycle
+      do k = 1, i - 1
+        if (cards(k)%definition /= cards(i)%definition) cycle
+        call errors%add(cards(i)%position, "card '"//cards(i)%name//"' is given twice", &
+                        'first given at '//cards(k)%position%text())
+        exit
+      end do
+    end do
+  end subroutine check_repeated
+
+  !> Cards without which there is nothing to compute.
+  subroutine check_needed(registry, cards, deck, errors)
+    type(registry_t), intent(in) :: registry
+    type(deck_card_t), intent(in) :: cards(:)
+    type(position_t), intent(in) :: deck         !! the file as a whole
+    type(deck_errors_t), intent(inout) :: errors
+    integer :: i
+    do i = 1, size(registry%cards)
+      if (registry%cards(i)%needed == '' .or. any(cards%definition == i)) cycle
+      call errors%add(deck, "the deck has no card '"//registry%cards(i)%name//"'", &
+                      registry%cards(i)%needed)
+    end do
+  end subroutine check_needed
+
+  !> Fills the scene: what others refer to first, otherwise in the order of the deck.
+  subroutine read_cards(registry, cards, draft)
+    type(registry_t), intent(in) :: registry
+    type(deck_card_t), intent(in) :: cards(:)
+    type(draft_t), intent(inout) :: draft
+    integer :: i, turn
+    associate (scene => draft%scene)
+      allocate (scene%contacts(0), scene%materials(0), scene%bodies(0), scene%bodyforces(0), &
+                scene%detonations(0), scene%gauges(0), scene%output%fields(0))
+    end associate
+    do turn = read_first, read_last
+      do i = 1, size(cards)
+        associate (definition => registry%cards(cards(i)%definition))
+          if (definition%turn /= turn) cycle
+          if (turn == read_last .and. cards(i)%failed) cycle
+          call definition%read(cards(i), draft)
+        end associate
+      end do
+    end do
+  end subroutine read_cards
+
+  !> Relations between cards, and orders of magnitude; cards that failed are left alone.
+  subroutine check_cards(registry, cards, draft)
+    type(registry_t), intent(in) :: registry
+    type(deck_card_t), intent(in) :: cards(:)
+    type(draft_t), intent(inout) :: draft
+    integer :: i
+    do i = 1, size(cards)
+      if (cards(i)%failed) cycle
+      associate (definition => registry%cards(cards(i)%definition))
+        if (associated(definition%check)) call definition%check(cards(i), draft)
+        if (draft%scene%units(1) == '') cycle
+        call units_check(definition%keys, cards(i), draft%scene%units, draft%errors)
+      end associate
+    end do
+  end subroutine check_cards
 
   !> Parameters are defined as they come; everything else becomes a card.
   subroutine read_statement(registry, statement, parameters, cards, errors)
@@ -79,7 +160,7 @@ contains
       end if
     end associate
     call card_parse(registry%cards(number), number, statement, parameters, card, errors)
-    call append_card(cards, card)
+    cards = [cards, card]
   end subroutine read_statement
 
   !> `parameter name = value [name = value …]`.
@@ -119,10 +200,10 @@ contains
       associate (definition => registry%cards(i))
         if (.not. definition%once) cycle
         if (any([(definition%keys(k)%required, k=1, size(definition%keys))])) cycle
-        if (definition%name == 'time') cycle
+        if (definition%needed /= '') cycle
         if (any(cards%definition == i)) cycle
         call card_default(definition, i, deck, parameters, card, errors)
-        call append_card(cards, card)
+        cards = [cards, card]
       end associate
     end do
   end subroutine add_default_cards
@@ -141,26 +222,7 @@ contains
   pure function known_keywords(registry) result(names)
     type(registry_t), intent(in) :: registry
     type(string_t), allocatable :: names(:)
-    type(string_t), allocatable :: cards(:)
-    integer :: n
-    cards = registry%card_names()
-    n = size(cards)
-    allocate (names(n + 2))
-    names(:n) = cards
-    names(n + 1)%text = 'parameter'
-    names(n + 2)%text = 'include'
+    names = [registry%card_names(), word_items('parameter include')]
   end function known_keywords
-
-  subroutine append_card(cards, card)
-    type(deck_card_t), allocatable, intent(inout) :: cards(:)
-    type(deck_card_t), intent(in) :: card
-    type(deck_card_t), allocatable :: longer(:)
-    integer :: n
-    n = size(cards)
-    allocate (longer(n + 1))
-    longer(:n) = cards
-    longer(n + 1) = card
-    call move_alloc(longer, cards)
-  end subroutine append_card
 
 end module sgmp_deck

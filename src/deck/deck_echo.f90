@@ -1,10 +1,11 @@
 !> The complete resolved deck: every card and key with its value, itself a valid deck with the same
 !! meaning.
 module sgmp_deck_echo
-  use sgmp_cards, only: deck_card_t, value_t
+  use sgmp_deck_card, only: deck_card_t, value_t
+  use sgmp_keys, only: kind_expression, kind_integer, kind_interval, kind_list, kind_logical, &
+                       kind_real, kind_text, kind_vector
   use sgmp_parameters, only: parameters_t
-  use sgmp_registry, only: card_definition_t, kind_expression, kind_integer, kind_interval, &
-                           kind_list, kind_logical, kind_real, kind_text, kind_vector, registry_t
+  use sgmp_registry, only: card_definition_t, registry_t
   use sgmp_scene, only: statement_text_t
   use sgmp_spelling, only: word_is_identifier, word_lower
   use sgmp_text, only: real_text_plain
@@ -40,33 +41,24 @@ contains
     type(parameters_t), intent(in) :: parameters
     type(deck_card_t), intent(in) :: cards(:)
     type(statement_text_t), allocatable, intent(out) :: fixed(:)
+    type(statement_text_t) :: new
     integer :: i
     allocate (fixed(0))
     do i = 1, size(parameters%list)
       if (.not. in_formulas(registry, cards, trim(parameters%list(i)%name))) cycle
-      call append(fixed, parameter_text(registry, parameters, i, cards), &
-                  parameters%list(i)%position%text())
+      new%text = parameter_text(registry, parameters, i, cards)
+      new%location = parameters%list(i)%position%text()
+      fixed = [fixed, new]
     end do
     do i = 1, size(cards)
       associate (definition => registry%cards(cards(i)%definition))
         if (definition%free) cycle
-        call append(fixed, card_text(definition, cards(i), .true.), cards(i)%position%text())
+        new%text = card_text(definition, cards(i), .true.)
+        new%location = cards(i)%position%text()
+        fixed = [fixed, new]
       end associate
     end do
   end subroutine deck_fixed
-
-  subroutine append(list, text, location)
-    type(statement_text_t), allocatable, intent(inout) :: list(:)
-    character(*), intent(in) :: text, location
-    type(statement_text_t), allocatable :: longer(:)
-    integer :: n
-    n = size(list)
-    allocate (longer(n + 1))
-    longer(:n) = list
-    longer(n + 1)%text = text
-    longer(n + 1)%location = location
-    call move_alloc(longer, list)
-  end subroutine append
 
   !> One parameter, as a comment where no formula needs it any more.
   function parameter_text(registry, parameters, number, cards) result(text)

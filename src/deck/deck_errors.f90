@@ -76,18 +76,14 @@ contains
     character(*), intent(in) :: message
     logical, intent(in) :: warning
     character(*), intent(in), optional :: remedy
-    type(deck_error_t), allocatable :: longer(:)
-    integer :: n
-    n = 0
-    if (allocated(self%entries)) n = size(self%entries)
-    allocate (longer(n + 1))
-    if (n > 0) longer(:n) = self%entries
-    longer(n + 1)%warning = warning
-    longer(n + 1)%position = position
-    longer(n + 1)%message = message
-    longer(n + 1)%remedy = ''
-    if (present(remedy)) longer(n + 1)%remedy = remedy
-    call move_alloc(longer, self%entries)
+    type(deck_error_t) :: new
+    new%warning = warning
+    new%position = position
+    new%message = message
+    new%remedy = ''
+    if (present(remedy)) new%remedy = remedy
+    if (.not. allocated(self%entries)) allocate (self%entries(0))
+    self%entries = [self%entries, new]
   end subroutine append
 
   !> Number of errors, warnings not counted.

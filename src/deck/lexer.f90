@@ -74,7 +74,7 @@ contains
       if (word_lower(own(i)%tokens(1)%text) == 'include') then
         call include_file(path, own(i), open_files, statements, complete, errors)
       else
-        call append_statement(statements, own(i))
+        statements = [statements, own(i)]
       end if
     end do
     if (size(own) == 0) call errors%add(whole_file(path), 'the file has no cards', &
@@ -226,7 +226,7 @@ contains
           call errors%add(last, 'the file ends after a continuation', 'remove the &')
         end associate
       end if
-      if (size(statement%tokens) > 0) call append_statement(statements, statement)
+      if (size(statement%tokens) > 0) statements = [statements, statement]
       deallocate (statement%tokens)
       allocate (statement%tokens(0))
     end do
@@ -263,7 +263,7 @@ contains
         return
       end if
       call take_token(line%source, first, token, next, errors)
-      call append_token(tokens, token)
+      tokens = [tokens, token]
     end do
   end subroutine split_line
 
@@ -337,29 +337,5 @@ contains
     type(position_t) :: place
     place%file = path
   end function whole_file
-
-  subroutine append_token(tokens, token)
-    type(token_t), allocatable, intent(inout) :: tokens(:)
-    type(token_t), intent(in) :: token
-    type(token_t), allocatable :: longer(:)
-    integer :: n
-    n = size(tokens)
-    allocate (longer(n + 1))
-    longer(:n) = tokens
-    longer(n + 1) = token
-    call move_alloc(longer, tokens)
-  end subroutine append_token
-
-  subroutine append_statement(statements, statement)
-    type(statement_t), allocatable, intent(inout) :: statements(:)
-    type(statement_t), intent(in) :: statement
-    type(statement_t), allocatable :: longer(:)
-    integer :: n
-    n = size(statements)
-    allocate (longer(n + 1))
-    longer(:n) = statements
-    longer(n + 1) = statement
-    call move_alloc(longer, statements)
-  end subroutine append_statement
 
 end module sgmp_lexer

@@ -89,8 +89,7 @@ contains
     type(token_t), intent(in) :: name, value
     type(deck_errors_t), intent(inout) :: errors
     type(parameter_t) :: new, from_deck
-    type(parameter_t), allocatable :: longer(:)
-    integer :: i, n
+    integer :: i
     if (.not. name_allowed(self, name, errors)) return
     call interpret(self, name, value%text, value%quoted, value%position, new, errors)
     do i = 1, size(self%settings)
@@ -108,11 +107,7 @@ contains
         new = from_deck
       end if
     end do
-    n = size(self%list)
-    allocate (longer(n + 1))
-    longer(:n) = self%list
-    longer(n + 1) = new
-    call move_alloc(longer, self%list)
+    self%list = [self%list, new]
   end subroutine define
 
   !> Whether a parameter may have this name.

@@ -1,45 +1,33 @@
 !> What a deck may say: the type of the table of cards and keys, and how to look things up in it.
 !!
-!! The table itself is in `sgmp_deck_table`. Each key is registered there once; the parser, the
-!! defaults, the echo, the
-!! help and the reference are made from it.
+!! Each card is registered once, with its keys and with the procedures that read and check it; the
+!! parser, the defaults, the echo, the help and the reference are made from that. The table itself
+!! is in `sgmp_deck_table`.
 module sgmp_registry
+  use sgmp_deck_card, only: deck_card_t
+  use sgmp_keys, only: key, key_t
+  use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, word_in_list
   implicit none
   private
-  public :: registry_t, card_definition_t, key_definition_t, kind_name
-  public :: kind_real, kind_integer, kind_logical, kind_word, kind_name_word, kind_text, &
-    kind_vector, kind_expression, &
-            kind_interval, kind_list
+  public :: registry_t, card_definition_t
+  public :: read_first, read_second, read_last
 
-  integer, parameter :: kind_real = 1       !! number or constant expression
-  integer, parameter :: kind_integer = 2    !! whole number
-  integer, parameter :: kind_logical = 3    !! yes or no
-  integer, parameter :: kind_word = 4       !! one of `choices`
-  integer, parameter :: kind_name_word = 5  !! a name chosen by the user
-  integer, parameter :: kind_text = 6       !! anything
-  integer, parameter :: kind_vector = 7     !! (a,b,c), (a,b) or a
-  integer, parameter :: kind_expression = 8  !! function of position and time
-  integer, parameter :: kind_interval = 9   !! lower:upper, either may be `open`; or `open`
-  integer, parameter :: kind_list = 10      !! words of `choices` separated by commas
+  !> When a card is read: what others refer to comes first. Only cards of the last turn are not read
+  !! at all where they failed; the others are, for their names.
+  integer, parameter :: read_first = 1   !! refers to nothing, others refer to it
+  integer, parameter :: read_second = 2  !! refers to those
+  integer, parameter :: read_last = 3    !! refers to anything; in the order of the deck
 
-  !> One key of a card.
-  type :: key_definition_t
-    character(:), allocatable :: name
-    integer :: kind = kind_real
-    character(:), allocatable :: help
-    character(:), allocatable :: unit     !! physical dimension, '' for none
-    character(:), allocatable :: default  !! as it would be written; '' for none
-    character(:), allocatable :: range    !! e.g. '(0,inf)' or '[0,1]'; '' for any
-    character(:), allocatable :: choices  !! words separated by blanks
-    character(:), allocatable :: when
-      !! values of the card's selector for which the key exists; '' for all
-    character(:), allocatable :: source   !! where the default or the formula comes from
-    logical :: required = .false.
-    integer :: slot = 0
-      !! place among the words without `key=`; 0: only as `key=value`
-    logical :: free = .false.             !! may be changed when a run is restarted
-  end type key_definition_t
+  abstract interface
+    !> Reads a card into the scene, or checks it when all cards are read.
+    subroutine card_action(card, draft)
+      import :: deck_card_t, draft_t
+      implicit none
+      type(deck_card_t), intent(in) :: card
+      type(draft_t), intent(inout) :: draft
+    end subroutine card_action
+  end interface
 
   !> One card.
   type :: card_definition_t
@@ -48,9 +36,14 @@ module sgmp_registry
     character(:), allocatable :: example
     character(:), allocatable :: selector
       !! name of the key that decides which others exist; '' for none
+    character(:), allocatable :: needed
+      !! what to say where a deck has no such card; '' where it needs none
     logical :: once = .false.             !! may appear once only
     logical :: free = .false.             !! may be changed when a run is restarted
-    type(key_definition_t), allocatable :: keys(:)
+    type(key_t), allocatable :: keys(:)
+    integer :: turn = read_last           !! one of read_*
+    procedure(card_action), pointer, nopass :: read => null()
+    procedure(card_action), pointer, nopass :: check => null()
   contains
     procedure :: find_key
     procedure :: find_slot
@@ -63,6 +56,7 @@ module sgmp_registry
   contains
     procedure :: card => register_card
     procedure :: key => register_key
+    procedure :: keys => register_keys
     procedure :: find_card
     procedure :: card_names
   end type registry_t
@@ -70,28 +64,31 @@ module sgmp_registry
 contains
 
   !> Registers a card; the keys that follow belong to it.
-  subroutine register_card(self, name, help, example, once, selector, free)
+  subroutine register_card(self, name, help, example, read, check, once, selector, free, needed, &
+                           turn)
     class(registry_t), intent(inout) :: self
     character(*), intent(in) :: name, help, example
+    procedure(card_action) :: read
+    procedure(card_action), optional :: check
     logical, intent(in), optional :: once, free
-    character(*), intent(in), optional :: selector
-    type(card_definition_t), allocatable :: longer(:)
-    integer :: n
-    n = 0
-    if (allocated(self%cards)) n = size(self%cards)
-    allocate (longer(n + 1))
-    if (n > 0) longer(:n) = self%cards
-    associate (card => longer(n + 1))
-      card%name = name
-      card%help = help
-      card%example = example
-      card%selector = ''
-      if (present(selector)) card%selector = selector
-      if (present(once)) card%once = once
-      if (present(free)) card%free = free
-      allocate (card%keys(0))
-    end associate
-    call move_alloc(longer, self%cards)
+    character(*), intent(in), optional :: selector, needed
+    integer, intent(in), optional :: turn
+    type(card_definition_t) :: new
+    new%name = name
+    new%help = help
+    new%example = example
+    new%selector = ''
+    new%needed = ''
+    new%read => read
+    if (present(check)) new%check => check
+    if (present(selector)) new%selector = selector
+    if (present(needed)) new%needed = needed
+    if (present(once)) new%once = once
+    if (present(free)) new%free = free
+    if (present(turn)) new%turn = turn
+    allocate (new%keys(0))
+    if (.not. allocated(self%cards)) allocate (self%cards(0))
+    self%cards = [self%cards, new]
   end subroutine register_card
 
   !> Registers a key of the card registered last.
@@ -104,36 +101,31 @@ contains
     character(*), intent(in), optional :: unit, default, range, choices, when, source
     logical, intent(in), optional :: required, free
     integer, intent(in), optional :: slot
-    type(key_definition_t), allocatable :: longer(:)
-    integer :: n
     associate (card => self%cards(size(self%cards)))
-      n = size(card%keys)
-      allocate (longer(n + 1))
-      longer(:n) = card%keys
-      associate (key => longer(n + 1))
-        key%name = name
-        key%kind = kind
-        key%help = help
-        key%unit = text_or_empty(unit)
-        key%default = text_or_empty(default)
-        key%range = text_or_empty(range)
-        key%choices = text_or_empty(choices)
-        key%when = text_or_empty(when)
-        key%source = text_or_empty(source)
-        if (present(required)) key%required = required
-        if (present(slot)) key%slot = slot
-        if (present(free)) key%free = free
-      end associate
-      call move_alloc(longer, card%keys)
+      card%keys = [card%keys, key(name, kind, help, unit, default, range, choices, when, source, &
+                                  required, slot, free)]
     end associate
   end subroutine register_key
 
-  pure function text_or_empty(text) result(value)
-    character(*), intent(in), optional :: text
-    character(:), allocatable :: value
-    value = ''
-    if (present(text)) value = text
-  end function text_or_empty
+  !> Registers keys that exist for one value of the selector; a key known already exists for it,
+  !! too. Without a selector they exist always.
+  subroutine register_keys(self, keys, selected)
+    class(registry_t), intent(inout) :: self
+    type(key_t), intent(in) :: keys(:)
+    character(*), intent(in), optional :: selected
+    integer :: i, known
+    associate (card => self%cards(size(self%cards)))
+      do i = 1, size(keys)
+        known = card%find_key(keys(i)%name)
+        if (known == 0) then
+          card%keys = [card%keys, keys(i)]
+          if (present(selected)) card%keys(size(card%keys))%when = selected
+        else
+          card%keys(known)%when = card%keys(known)%when//' '//selected
+        end if
+      end do
+    end associate
+  end subroutine register_keys
 
   !> Number of a card in the table, 0 where there is none of this name.
   pure integer function find_card(self, name) result(number)
@@ -196,15 +188,5 @@ contains
       names(n)%text = self%keys(i)%name
     end do
   end function key_names
-
-  !> What is written for a kind of value, for help and messages.
-  pure function kind_name(kind) result(text)
-    integer, intent(in) :: kind
-    character(:), allocatable :: text
-    character(22), parameter :: names(*) = [character(22) :: &
-      'number', 'whole number', 'yes or no', 'word', 'name', 'text', 'vector (a,b,c)', &
-      'formula of x y z', 'interval lower:upper', 'words, comma-separated']
-    text = trim(names(kind))
-  end function kind_name
 
 end module sgmp_registry

@@ -3,7 +3,8 @@ module sgmp_registry_help
   use sgmp_deck_table, only: deck_table
   use sgmp_errors, only: error_make, error_t, exit_usage
   use sgmp_expression, only: expression_functions, expression_variables
-  use sgmp_registry, only: card_definition_t, key_definition_t, kind_name, registry_t
+  use sgmp_keys, only: key_t, kind_name
+  use sgmp_registry, only: card_definition_t, registry_t
   use sgmp_spelling, only: suggestion, word_lower
   implicit none
   private
@@ -56,7 +57,7 @@ contains
 
   !> Kind, unit, default and limits of a key in one line.
   function facts(key) result(text)
-    type(key_definition_t), intent(in) :: key
+    type(key_t), intent(in) :: key
     character(:), allocatable :: text
     text = kind_name(key%kind)
     if (key%choices /= '') text = text//': '//key%choices
@@ -126,42 +127,42 @@ contains
   end subroutine write_section
 
   function slot_mark(key) result(text)
-    type(key_definition_t), intent(in) :: key
+    type(key_t), intent(in) :: key
     character(:), allocatable :: text
     text = ''
     if (key%slot > 0) text = ' (word '//achar(iachar('0') + key%slot)//')'
   end function slot_mark
 
   function value_cell(key) result(text)
-    type(key_definition_t), intent(in) :: key
+    type(key_t), intent(in) :: key
     character(:), allocatable :: text
     text = kind_name(key%kind)
     if (key%choices /= '') text = key%choices
   end function value_cell
 
   function default_cell(key) result(text)
-    type(key_definition_t), intent(in) :: key
+    type(key_t), intent(in) :: key
     character(:), allocatable :: text
     text = key%default
     if (key%required) text = '*required*'
   end function default_cell
 
   function range_cell(key) result(text)
-    type(key_definition_t), intent(in) :: key
+    type(key_t), intent(in) :: key
     character(:), allocatable :: text
     text = ''
     if (key%range /= '') text = '`'//key%range//'`'
   end function range_cell
 
   function source_cell(key) result(text)
-    type(key_definition_t), intent(in) :: key
+    type(key_t), intent(in) :: key
     character(:), allocatable :: text
     text = ''
     if (key%source /= '') text = ' ('//key%source//')'
   end function source_cell
 
   function free_cell(key) result(text)
-    type(key_definition_t), intent(in) :: key
+    type(key_t), intent(in) :: key
     character(:), allocatable :: text
     text = ''
     if (key%free) text = '; may be changed on restart'

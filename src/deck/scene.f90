@@ -5,11 +5,12 @@
 !! deck's own consistent
 !! units. Vectors always have three components; those beyond the dimension are ignored.
 module sgmp_scene
+  use sgmp_constitutive, only: constitutive_t
   use sgmp_contact_pairs, only: normal_separating
   use sgmp_expression, only: expression_free, expression_t
   use sgmp_kernels, only: method_sgmp
   use sgmp_kinds, only: dp
-  use sgmp_material_kinds, only: eos_none, hardening_perfect, material_elastic
+  use sgmp_mesh, only: wall_free
   use sgmp_shapes, only: shape_t
   implicit none
   private
@@ -20,20 +21,20 @@ module sgmp_scene
             detonation_card_t, output_card_t, gauge_card_t, stop_card_t, checkpoint_card_t, &
             balance_card_t, &
             statement_text_t
-  public :: wall_free, wall_slip, wall_fixed
   public :: update_usf, update_musl, update_usl, update_usavg, update_names
-  public :: layout_lattice, layout_gauss, layout_file
-  public :: lost_error, lost_remove, lost_reflect, name_length
+  public :: layout_lattice, layout_gauss, layout_file, layout_names
+  public :: lost_error, lost_remove, lost_reflect, lost_names, name_length
 
   integer, parameter :: name_length = 32
 
-  integer, parameter :: wall_free = 0, wall_slip = 1, wall_fixed = 2
   integer, parameter :: update_usf = 1, update_musl = 2, update_usl = 3, update_usavg = 4
   character(8), parameter :: update_names(4) = [character(8) :: 'usf', 'musl', 'usl', 'usavg']
-  integer, parameter :: damage_constants = 5
   integer, parameter :: layout_lattice = 1, layout_gauss = 2, layout_file = 3
+  character(7), parameter :: layout_names(2) = [character(7) :: 'uniform', 'gauss']
+    !! what the card body may ask for
   real(dp), parameter :: contact_lambda_default = -1.0_dp  !! from the particle spacings
   integer, parameter :: lost_error = 1, lost_remove = 2, lost_reflect = 3
+  character(7), parameter :: lost_names(*) = [character(7) :: 'error', 'remove', 'reflect']
 
   !> Background grid: cubic cells of side `cell`; an open face follows the particles.
   type :: grid_card_t
@@ -69,40 +70,10 @@ module sgmp_scene
     integer :: steps = huge(1)     !! stop after so many steps
   end type time_card_t
 
-  !> A material with its equation of state; unused entries are zero.
+  !> A material: its law with its equation of state and viscosity.
   type :: material_card_t
     character(name_length) :: name = ''
-    integer :: kind = material_elastic
-    real(dp) :: density = 0.0_dp                  !! initial density
-    real(dp) :: young = 0.0_dp, poisson = 0.0_dp
-    logical :: small_strain = .false.             !! linear theory, constant volume, no spin
-    ! J2
-    integer :: hardening = hardening_perfect
-    real(dp) :: yield = 0.0_dp                    !! initial yield stress
-    real(dp) :: hardening_modulus = 0.0_dp
-      !! linear: d(sigma_y)/d(ep); power: factor B of sigma_y = yield + B ep^n
-    real(dp) :: hardening_exponent = 1.0_dp       !! n
-    ! Johnson-Cook (yield = A, hardening_modulus = B, hardening_exponent = n)
-    real(dp) :: rate_coefficient = 0.0_dp         !! C
-    real(dp) :: reference_rate = 1.0_dp           !! strain rate at which the rate factor is 1
-    real(dp) :: thermal_exponent = 1.0_dp         !! m
-    logical :: thermal = .false.
-      !! temperature carried and yield stress softened (complete model)
-    real(dp) :: room_temperature = 293.0_dp, melt_temperature = 0.0_dp, specific_heat = 0.0_dp, &
-      taylor_quinney = 0.9_dp
-    logical :: failure = .false.
-    real(dp) :: damage(damage_constants) = 0.0_dp  !! D1..D5
-    ! explosive
-    real(dp) :: detonation_speed = 0.0_dp         !! D
-    real(dp) :: burn_cells = 0.0_dp
-      !! ramp of the burn fraction in cells; 0: instantaneous
-    ! equation of state
-    integer :: eos = eos_none
-    real(dp) :: jwl_a = 0.0_dp, jwl_b = 0.0_dp, jwl_r1 = 0.0_dp, jwl_r2 = 0.0_dp, jwl_omega = 0.0_dp
-    real(dp) :: energy0 = 0.0_dp                  !! initial energy per initial volume
-    real(dp) :: c0 = 0.0_dp, s = 0.0_dp, gamma0 = 0.0_dp  !! Mie-Grueneisen
-    ! bulk viscosity of Eq. (q = rho h^2 b1 tr^2 - b2 rho h c tr)
-    real(dp) :: viscosity_quadratic = 0.0_dp, viscosity_linear = 0.0_dp
+    type(constitutive_t) :: law
   end type material_card_t
 
   !> A body: geometry, particle layout, material, initial velocity.

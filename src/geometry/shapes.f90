@@ -14,13 +14,15 @@ module sgmp_shapes
             shapes_volume
   public :: shape_block, shape_cylinder, shape_sphere, shape_ring, shape_cone, shape_ogive, &
     shape_halfspace, shape_names
-  public :: combine_union, combine_difference, combine_intersection
+  public :: combine_union, combine_difference, combine_intersection, combine_names
   public :: infinite_length
 
   integer, parameter :: shape_block = 1, shape_cylinder = 2, shape_sphere = 3, shape_ring = 4, &
     shape_cone = 5, shape_ogive = 6, shape_halfspace = 7
-  character(*), parameter :: shape_names = 'block cylinder sphere ring cone ogive halfspace'
+  character(9), parameter :: shape_names(*) = [character(9) :: &
+    'block', 'cylinder', 'sphere', 'ring', 'cone', 'ogive', 'halfspace']
   integer, parameter :: combine_union = 1, combine_difference = 2, combine_intersection = 3
+  character(9), parameter :: combine_names(*) = [character(9) :: 'add', 'subtract', 'intersect']
   real(dp), parameter :: infinite_length = 0.1_dp*huge(1.0_dp)  !! whatever is longer has no end
 
   !> One primitive of constructive solid geometry.

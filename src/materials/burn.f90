@@ -1,10 +1,13 @@
 !> Programmed burn of explosives: lighting times from detonation points, burn fraction as a ramp
 !! (theory 4).
 module sgmp_burn
+  use sgmp_keys, only: key, key_t, kind_real, values_t
   use sgmp_kinds, only: dp, lanes
+  use sgmp_material_history, only: history_t
   implicit none
   private
   public :: burn_source_t, burn_lighting_time, burn_fraction, burn_fraction_lanes, burn_never
+  public :: burn_keys, burn_read
 
   real(dp), parameter :: burn_never = huge(1.0_dp)  !! lighting time of what no source reaches
 
@@ -17,6 +20,27 @@ module sgmp_burn
   end type burn_source_t
 
 contains
+
+  !> Keys of an explosive.
+  function burn_keys() result(keys)
+    type(key_t), allocatable :: keys(:)
+    keys = [key('detonation_speed', kind_real, 'speed of the programmed burn', unit='speed', &
+                range='(0,inf)', required=.true.), &
+            key('burn_cells', kind_real, 'cells over which the burn fraction rises; 0: at once', &
+                range='[0,inf)', default='0')]
+  end function burn_keys
+
+  !> Constants of an explosive from the values of its keys.
+  pure subroutine burn_read(values, speed, cells, history)
+    class(values_t), intent(in) :: values
+    real(dp), intent(out) :: speed  !! detonation speed D
+    real(dp), intent(out) :: cells  !! width of the ramp in cells
+    type(history_t), intent(inout) :: history
+    speed = values%number('detonation_speed')
+    cells = values%number('burn_cells')
+    history%mean_stress = .true.
+    history%lighting = .true.
+  end subroutine burn_read
 
   !> Time at which the detonation front of the first source to do so arrives: min(time +
   !! distance/speed).

@@ -9,9 +9,11 @@
 !! (G1) is exactly what puts the Hugoniot E = p (1 - v)/2 on the cubic; the cubic is
 !! rho0 c0^2 eta/(1 - s eta)^2, eta = 1 - v, up to an error of order mu^4.
 module sgmp_eos_gruneisen
+  use sgmp_keys, only: key, key_t, kind_real, values_t
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
+  public :: gruneisen_keys, gruneisen_read
   public :: gruneisen_t, gruneisen_init, gruneisen_terms, gruneisen_lanes
   public :: gruneisen_hugoniot_pressure
 
@@ -24,6 +26,26 @@ module sgmp_eos_gruneisen
   end type gruneisen_t
 
 contains
+
+  !> Keys of the equation.
+  function gruneisen_keys() result(keys)
+    type(key_t), allocatable :: keys(:)
+    keys = [key('c0', kind_real, 'bulk sound speed', unit='speed', range='(0,inf)', &
+                required=.true.), &
+            key('s', kind_real, 'slope of shock speed over particle speed', range='[0,inf)', &
+                required=.true.), &
+            key('gamma0', kind_real, 'Grueneisen coefficient', range='[0,inf)', required=.true.)]
+  end function gruneisen_keys
+
+  !> Equation from the values of its keys.
+  pure subroutine gruneisen_read(density, values, law, sound_speed)
+    real(dp), intent(in) :: density     !! initial density (mass/volume)
+    class(values_t), intent(in) :: values
+    type(gruneisen_t), intent(out) :: law
+    real(dp), intent(out) :: sound_speed  !! of the bulk at the start
+    sound_speed = values%number('c0')
+    law = gruneisen_init(density, sound_speed, values%number('s'), values%number('gamma0'))
+  end subroutine gruneisen_read
 
   !> Constants from initial density, sound speed, slope of the shock velocity, and Grueneisen's
   !! parameter.

@@ -5,9 +5,11 @@
 !! with v = V/V0 and E the energy per initial volume, in the form p = a0(v) + b0(v) E that sgmp_eos
 !! solves.
 module sgmp_eos_jwl
+  use sgmp_keys, only: key, key_t, kind_real, values_t
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
+  public :: jwl_keys, jwl_read
   public :: jwl_t, jwl_init, jwl_terms, jwl_lanes, jwl_hugoniot_pressure, jwl_chapman_jouguet
 
   !> Constants of (W1).
@@ -20,6 +22,24 @@ module sgmp_eos_jwl
   end type jwl_t
 
 contains
+
+  !> Keys of the equation.
+  function jwl_keys() result(keys)
+    type(key_t), allocatable :: keys(:)
+    keys = [key('a', kind_real, 'JWL A', unit='stress', required=.true.), &
+            key('b', kind_real, 'JWL B', unit='stress', required=.true.), &
+            key('r1', kind_real, 'JWL R1', range='(0,inf)', required=.true.), &
+            key('r2', kind_real, 'JWL R2', range='(0,inf)', required=.true.), &
+            key('omega', kind_real, 'JWL omega', range='(0,inf)', required=.true.)]
+  end function jwl_keys
+
+  !> Equation from the values of its keys.
+  pure function jwl_read(values) result(law)
+    class(values_t), intent(in) :: values
+    type(jwl_t) :: law
+    law = jwl_init(values%number('a'), values%number('b'), values%number('r1'), &
+                   values%number('r2'), values%number('omega'))
+  end function jwl_read
 
   !> Constants from plain numbers; r1, r2 > 0.
   pure function jwl_init(a, b, r1, r2, omega) result(law)

@@ -1,16 +1,21 @@
 !> Von Mises plasticity with isotropic hardening: perfect, linear, or power law (theory 4).
 module sgmp_material_j2
+  use sgmp_keys, only: key, key_t, kind_word, values_t
   use sgmp_kinds, only: dp, lanes
-  use sgmp_radial_return, only: hardening_power_term, hardening_t, radial_return_linear, &
-                                radial_return_power
+  use sgmp_material_history, only: history_t
+  use sgmp_radial_return, only: hardening_keys, hardening_power_term, hardening_t, &
+                                radial_return_linear, radial_return_power
+  use sgmp_spelling, only: word_position, words_joined
   implicit none
   private
   public :: j2_t, j2_init, j2_yield_stress, j2_return
+  public :: j2_keys, j2_read
   public :: j2_perfect, j2_linear, j2_power
 
   integer, parameter :: j2_perfect = 1  !! sigma_y = yield
   integer, parameter :: j2_linear = 2  !! sigma_y = yield + modulus ep
   integer, parameter :: j2_power = 3   !! sigma_y = yield + modulus ep^exponent
+  character(8), parameter :: j2_names(*) = [character(8) :: 'perfect', 'linear', 'power']
 
   !> Hardening law.
   type :: j2_t
@@ -21,6 +26,27 @@ module sgmp_material_j2
   end type j2_t
 
 contains
+
+  !> Keys of the law, besides the moduli.
+  function j2_keys() result(keys)
+    type(key_t), allocatable :: keys(:)
+    type(key_t), allocatable :: shared(:)
+    shared = hardening_keys()
+    keys = [shared(1), &
+            key('hardening', kind_word, 'hardening law', choices=words_joined(j2_names), &
+                default=trim(j2_names(j2_perfect))), &
+            shared(2:)]
+  end function j2_keys
+
+  !> Law from the values of its keys.
+  pure subroutine j2_read(values, law, history)
+    class(values_t), intent(in) :: values
+    type(j2_t), intent(out) :: law
+    type(history_t), intent(inout) :: history
+    law = j2_init(word_position(values%word('hardening'), j2_names), values%number('yield'), &
+                  values%number('hardening_modulus'), values%number('hardening_exponent'))
+    history%plastic = .true.
+  end subroutine j2_read
 
   !> Hardening law from plain numbers; a power law of exponent 1 is treated as linear, and so
   !! exactly.

@@ -10,18 +10,22 @@
 !! is implicit in the plastic strain and its rate; the temperature is that of the beginning of the
 !! step.
 module sgmp_material_jc
+  use sgmp_keys, only: fault_make, fault_t, key, key_t, kind_logical, kind_real, values_t
   use sgmp_kinds, only: dp, lanes
-  use sgmp_radial_return, only: hardening_power_term, hardening_t, radial_return_linear, &
-                                radial_return_power, radial_return_rate
+  use sgmp_material_history, only: history_t
+  use sgmp_radial_return, only: hardening_keys, hardening_power_term, hardening_t, &
+                                radial_return_linear, radial_return_power, radial_return_rate
   implicit none
   private
   public :: jc_t, jc_init, jc_set_thermal, jc_set_failure
+  public :: jc_keys, jc_read
   public :: jc_yield_stress, jc_homologous_temperature, jc_softening, jc_rate_factor
   public :: jc_failure_strain
   public :: jc_return, jc_return_simple
 
   integer, parameter :: flow_linear = 1, flow_power = 2, flow_rate = 3
   integer, parameter :: damage_constants = 5
+  character(2), parameter :: damage_names(damage_constants) = ['d1', 'd2', 'd3', 'd4', 'd5']
 
   real(dp), parameter :: tiny_number = 1.0e-30_dp
   real(dp), parameter :: least_failure_strain = 1.0e-6_dp  !! floor of ep_f (D1 may be negative)
@@ -47,6 +51,64 @@ module sgmp_material_jc
   end type jc_t
 
 contains
+
+  !> Keys of the law, besides the moduli.
+  function jc_keys() result(keys)
+    type(key_t), allocatable :: keys(:)
+    integer :: i
+    keys = [hardening_keys(), &
+            key('rate_coefficient', kind_real, 'Johnson-Cook C', range='[0,inf)', default='0'), &
+            key('reference_rate', kind_real, 'strain rate at which the rate factor is 1', &
+                unit='1/time', range='(0,inf)', default='1'), &
+            key('thermal', kind_logical, 'carry the temperature and soften the yield stress', &
+                default='no'), &
+            key('thermal_exponent', kind_real, 'Johnson-Cook m', range='(0,inf)', default='1'), &
+            key('room_temperature', kind_real, 'initial and reference temperature', &
+                unit='temperature', range='[0,inf)', default='293'), &
+            key('melt_temperature', kind_real, 'melting temperature; needed if thermal', &
+                unit='temperature', range='(0,inf)'), &
+            key('specific_heat', kind_real, 'specific heat; needed if thermal', &
+                unit='specific heat', range='(0,inf)'), &
+            key('taylor_quinney', kind_real, 'part of the plastic work that becomes heat', &
+                range='[0,1]', default='0.9'), &
+            key('failure', kind_logical, 'Johnson-Cook damage and failure', default='no')]
+    do i = 1, damage_constants
+      keys = [keys, key(damage_names(i), kind_real, 'Johnson-Cook damage constant', default='0')]
+    end do
+  end function jc_keys
+
+  !> Law from the values of its keys.
+  pure subroutine jc_read(density, values, law, history, fault)
+    real(dp), intent(in) :: density  !! initial density (mass/volume)
+    class(values_t), intent(in) :: values
+    type(jc_t), intent(out) :: law
+    type(history_t), intent(inout) :: history
+    type(fault_t), allocatable, intent(out) :: fault
+    integer :: i
+    law = jc_init(values%number('yield'), values%number('hardening_modulus'), &
+                  values%number('hardening_exponent'), values%number('rate_coefficient'), &
+                  values%number('reference_rate'))
+    if (values%flag('thermal')) then
+      call jc_set_thermal(law, values%number('thermal_exponent'), &
+                          values%number('room_temperature'), values%number('melt_temperature'), &
+                          density*values%number('specific_heat'), values%number('taylor_quinney'))
+    end if
+    if (values%flag('failure')) then
+      call jc_set_failure(law, [(values%number(damage_names(i)), i=1, damage_constants)])
+    end if
+    history%plastic = .true.
+    history%temperature = law%thermal
+    history%damage = law%failure
+    history%first_temperature = values%number('room_temperature')
+    if (law%thermal .and. .not. (values%has('melt_temperature') .and. &
+                                 values%has('specific_heat'))) then
+      call fault_make(fault, '', 'thermal=yes needs melt_temperature and specific_heat', 'add both')
+    else if (values%has('melt_temperature') .and. &
+             values%number('melt_temperature') <= values%number('room_temperature')) then
+      call fault_make(fault, 'melt_temperature', &
+                      'the melting temperature is not above room temperature', 'check both')
+    end if
+  end subroutine jc_read
 
   !> Law without temperature and failure, from plain numbers.
   pure function jc_init(yield, modulus, exponent, rate_coefficient, reference_rate) result(law)

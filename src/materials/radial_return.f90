@@ -10,10 +10,11 @@
 !! A lane that has settled is frozen, so its bits do not depend on its neighbours, and the chunk
 !! leaves when all have: without a step where all are elastic, usually after two.
 module sgmp_radial_return
+  use sgmp_keys, only: key, key_t, kind_real
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
-  public :: hardening_t
+  public :: hardening_t, hardening_keys
   public :: return_linear, return_factor, hardening_power_term
   public :: radial_return_linear, radial_return_power, radial_return_rate
 
@@ -35,6 +36,18 @@ module sgmp_radial_return
   end type hardening_t
 
 contains
+
+  !> Keys of yield stress and hardening.
+  function hardening_keys() result(keys)
+    type(key_t), allocatable :: keys(:)
+    keys = [key('yield', kind_real, 'initial yield stress (Johnson-Cook A)', unit='stress', &
+                range='(0,inf)', required=.true.), &
+            key('hardening_modulus', kind_real, &
+                'slope, or factor of the power law (Johnson-Cook B)', unit='stress', &
+                range='[0,inf)', default='0'), &
+            key('hardening_exponent', kind_real, &
+                'exponent of the power law (Johnson-Cook n)', range='(0,inf)', default='1')]
+  end function hardening_keys
 
   !> Plastic increment for linear hardening (n = 1, C = 0), exact.
   pure function return_linear(law, softening, trial, ep) result(dep)

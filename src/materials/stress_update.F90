@@ -9,15 +9,14 @@
 !! state takes its pressure work from the change of volume.
 module DIM(sgmp_stress_update)
   use sgmp_burn, only: burn_fraction_lanes
-  use sgmp_constitutive, only: constitutive_t
+  use sgmp_constitutive, only: constitutive_t, eos_jwl, eos_none, material_elastic, &
+                               material_j2, material_johnson_cook, material_neo_hookean
   use sgmp_eos, only: eos_energy_pressure, eos_sound_speed_lanes
   use sgmp_eos_gruneisen, only: gruneisen_lanes
   use sgmp_eos_jwl, only: jwl_lanes
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_j2, only: j2_return
   use sgmp_material_jc, only: jc_return, jc_return_simple
-  use sgmp_material_kinds, only: eos_jwl, eos_none, material_elastic, material_j2, &
-                                 material_johnson_cook, material_neo_hookean
   use sgmp_viscosity, only: viscosity_lanes
   use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none

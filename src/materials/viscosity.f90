@@ -1,9 +1,11 @@
 !> Bulk viscosity that spreads shocks over a few cells (von Neumann and Richtmyer 1950, Landshoff
 !! 1955; theory 4).
 module sgmp_viscosity
+  use sgmp_keys, only: key, key_t, kind_real, values_t
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
+  public :: viscosity_keys, viscosity_read
   public :: viscosity_t, viscosity_pressure, viscosity_lanes
 
   !> Coefficients; the defaults are the customary ones.
@@ -13,6 +15,20 @@ module sgmp_viscosity
   end type viscosity_t
 
 contains
+
+  !> Keys of the bulk viscosity.
+  function viscosity_keys() result(keys)
+    type(key_t), allocatable :: keys(:)
+    keys = [key('quadratic', kind_real, 'b1', range='[0,inf)', default='1.5'), &
+            key('linear', kind_real, 'b2', range='[0,inf)', default='0.06')]
+  end function viscosity_keys
+
+  !> Coefficients from the values of those keys.
+  pure function viscosity_read(values) result(law)
+    class(values_t), intent(in) :: values
+    type(viscosity_t) :: law
+    law = viscosity_t(quadratic=values%number('quadratic'), linear=values%number('linear'))
+  end function viscosity_read
 
   !> Viscous pressure q = rho h^2 b1 tr^2 - b2 rho h c tr in compression (tr < 0), else 0; adds to
   !! the pressure (stress).

@@ -9,13 +9,15 @@ module sgmp_mesh
   private
   public :: mesh_t, mesh_make, mesh_position, mesh_coordinate
   public :: axis_names
-  public :: wall_free, wall_slip, wall_fixed
+  public :: wall_free, wall_slip, wall_fixed, wall_names
 
   character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
 
   integer, parameter :: wall_free = 0  !! material may leave or the face is open
   integer, parameter :: wall_slip = 1  !! normal velocity vanishes (symmetry)
   integer, parameter :: wall_fixed = 2  !! all velocity components vanish
+  character(8), parameter :: wall_names(wall_free:wall_fixed) = [character(8) :: &
+    'free', 'slip', 'fixed']
 
   !> Grid geometry; axes beyond the dimension are unused.
   type :: mesh_t

@@ -4,11 +4,10 @@ module sgmp_cost_estimate
   use, intrinsic :: iso_fortran_env, only: output_unit
   use sgmp_body, only: body_t
   use sgmp_columns, only: node_total
-  use sgmp_constitutive, only: slots_t
+  use sgmp_constitutive, only: material_names, slots_t
   use sgmp_field, only: field_bytes
   use sgmp_kernels, only: method_names
   use sgmp_kinds, only: dp, i8
-  use sgmp_material_kinds, only: material_names
   use sgmp_model, only: model_t
   use sgmp_particles, only: particles_bytes
   use sgmp_report, only: report_shape_mass
@@ -58,8 +57,9 @@ contains
     integer, intent(in) :: b
     associate (body => model%bodies(b), material => scene%materials(scene%bodies(b)%material))
       call put('body        '//trim(body%name)//': '//integer_text(body%particles%count)// &
-               ' particles of '//trim(material%name)//' ('//trim(material_names(material%kind))// &
-               '), '//bytes_text(particles_bytes(body%particles)))
+               ' particles of '//trim(material%name)//' ('// &
+               trim(material_names(material%law%kind))//'), '// &
+               bytes_text(particles_bytes(body%particles)))
       call put_mass(model%totals%bodies(b)%mass, report_shape_mass(scene, model, b))
       call put('  stored    position, velocity, mass, volume and id (always)')
       call put_slots(body%law%slots)

@@ -4,21 +4,13 @@ module sgmp_build_model
   use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
   use sgmp_burn, only: burn_lighting_time, burn_source_t
-  use sgmp_constitutive, only: constitutive_t, slots_make
+  use sgmp_constitutive, only: law_first_history, law_slots
   use sgmp_energy, only: ledger_open
-  use sgmp_eos_gruneisen, only: gruneisen_init
-  use sgmp_eos_jwl, only: jwl_init
   use sgmp_errors, only: error_t
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
   use sgmp_kernels, only: method_cpgimp, method_kernel, stencil_shift
   use sgmp_kinds, only: dp, i4, lanes
-  use sgmp_material_elastic, only: elastic_init
-  use sgmp_material_j2, only: j2_init, j2_linear, j2_perfect, j2_power
-  use sgmp_material_jc, only: jc_init, jc_set_failure, jc_set_thermal
-  use sgmp_material_kinds, only: eos_gruneisen, eos_jwl, eos_none, hardening_linear, &
-                                 hardening_perfect, material_elastic, material_explosive, &
-                                 material_j2, material_johnson_cook, material_neo_hookean
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
@@ -28,12 +20,11 @@ module sgmp_build_model
   use sgmp_partition, only: partition_make
   use sgmp_phases, only: phase_layout
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
-  use sgmp_scene, only: body_card_t, material_card_t, scene_at_rest, scene_t
+  use sgmp_scene, only: body_card_t, scene_at_rest, scene_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
   use sgmp_step, only: step_start
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
-  use sgmp_voigt, only: stress_components
   implicit none
   private
   public :: model_build
@@ -144,17 +135,21 @@ contains
                                                   0.0_dp)
         end do
       end if
-      call make_law(scene, material, mesh, needs_initial(body), body%law)
+      body%law = material%law
+      body%law%h = mesh%h
       body%law%rigid = body%rigid
+      call law_slots(body%law, mesh%ndim, &
+                     stretch=merge(mesh%ndim, 0, scene%method%kind == method_cpgimp), &
+                     initial=merge(mesh%ndim, 0, needs_initial(body)), spin=spin_components(scene))
       call contact_add_slot(scene, number, body%law%slots)
       do d = 1, mesh%ndim
         x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
       end do
       call seeding_check_inside(card, mesh, x, error)
       if (allocated(error)) return
-      call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, material%density, &
-                          volume, first_history(card, material, body%law, mesh%ndim), first_id, &
-                          ids)
+      call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, &
+                          material%law%density, volume, first_history(card, body, mesh%ndim), &
+                          first_id, ids)
       call ranks_hold(model%ranks%partition, body%particles)
       call set_velocities(card, mesh, file_velocity, body)
       call fill_positions(scene, mesh, body)
@@ -183,49 +178,6 @@ contains
     yes = body%forced .and. any(body%force%uses_initial_position)
   end function needs_initial
 
-  !> Constants and history columns of a body.
-  subroutine make_law(scene, card, mesh, initial, law)
-    type(scene_t), intent(in) :: scene
-    type(material_card_t), intent(in) :: card
-    type(mesh_t), intent(in) :: mesh
-    logical, intent(in) :: initial
-    type(constitutive_t), intent(out) :: law
-    integer :: n
-    logical :: plastic
-    n = mesh%ndim
-    law%kind = card%kind
-    law%eos = card%eos
-    law%density = card%density
-    law%h = mesh%h
-    law%small_strain = card%small_strain
-    law%detonation_speed = card%detonation_speed
-    law%burn_cells = card%burn_cells
-    law%viscous = card%viscosity_quadratic > 0.0_dp .or. card%viscosity_linear > 0.0_dp
-    law%viscosity%quadratic = card%viscosity_quadratic
-    law%viscosity%linear = card%viscosity_linear
-    if (card%kind /= material_explosive) then
-      law%elastic = elastic_init(card%density, card%young, card%poisson)
-    end if
-    call set_plasticity(card, law)
-    select case (card%eos)
-    case (eos_jwl)
-      law%jwl = jwl_init(card%jwl_a, card%jwl_b, card%jwl_r1, card%jwl_r2, card%jwl_omega)
-      law%slowest = 1.0e-3_dp*card%detonation_speed
-    case (eos_gruneisen)
-      law%gruneisen = gruneisen_init(card%density, card%c0, card%s, card%gamma0)
-      law%slowest = 1.0e-3_dp*card%c0
-    case default  ! none: the pressure is elastic
-    end select
-    plastic = card%kind == material_j2 .or. card%kind == material_johnson_cook
-    law%slots = slots_make(stresses=merge(1, stress_components(n), &
-                                              card%kind == material_explosive), &
-                           plastic=plastic, temperature=law%thermal, damage=law%failure, &
-                           energy=card%eos /= eos_none, lighting=card%kind == material_explosive, &
-                           deformation=merge(n*n, 0, card%kind == material_neo_hookean), &
-                           stretch=merge(n, 0, scene%method%kind == method_cpgimp), &
-                           initial=merge(n, 0, initial), spin=spin_components(scene))
-  end subroutine make_law
-
   !> Components of the spin that particles carry: one in the plane, three in space.
   pure function spin_components(scene) result(n)
     type(scene_t), intent(in) :: scene
@@ -234,54 +186,19 @@ contains
     if (scene%method%spin) n = merge(1, 3, scene%dimension == 2)
   end function spin_components
 
-  !> J2 and Johnson-Cook constants.
-  subroutine set_plasticity(card, law)
-    type(material_card_t), intent(in) :: card
-    type(constitutive_t), intent(inout) :: law
-    select case (card%kind)
-    case (material_j2)
-      select case (card%hardening)
-      case (hardening_perfect)
-        law%j2 = j2_init(j2_perfect, card%yield, 0.0_dp, 1.0_dp)
-      case (hardening_linear)
-        law%j2 = j2_init(j2_linear, card%yield, card%hardening_modulus, 1.0_dp)
-      case default  ! hardening_power
-        law%j2 = j2_init(j2_power, card%yield, card%hardening_modulus, card%hardening_exponent)
-      end select
-    case (material_johnson_cook)
-      law%jc = jc_init(card%yield, card%hardening_modulus, card%hardening_exponent, &
-                       card%rate_coefficient, card%reference_rate)
-      law%thermal = card%thermal
-      law%failure = card%failure
-      if (card%thermal) then
-        call jc_set_thermal(law%jc, card%thermal_exponent, card%room_temperature, &
-                            card%melt_temperature, card%density*card%specific_heat, &
-                            card%taylor_quinney)
-      end if
-      if (card%failure) call jc_set_failure(law%jc, card%damage)
-    case default  ! no plasticity
-    end select
-  end subroutine set_plasticity
-
-  !> First values of the history columns behind the volume.
-  pure function first_history(card, material, law, ndim) result(history)
+  !> First values of the history columns behind the volume: what the law says, and the card's own.
+  pure function first_history(card, body, ndim) result(history)
     type(body_card_t), intent(in) :: card
-    type(material_card_t), intent(in) :: material
-    type(constitutive_t), intent(in) :: law
+    type(body_t), intent(in) :: body
     integer, intent(in) :: ndim
-    real(dp) :: history(law%slots%total - 1)
-    integer :: d
-    history = 0.0_dp
-    if (law%slots%surface > 0) history(law%slots%surface - 1) = contact_no_surface
-    if (law%slots%temperature > 0) history(law%slots%temperature - 1) = &
-      merge(card%temperature, material%room_temperature, card%temperature >= 0.0_dp)
-    if (law%slots%energy > 0) history(law%slots%energy - 1) = material%energy0
-    do d = 1, ndim
-      if (law%slots%deformation > 0) then
-        history(law%slots%deformation - 1 + (d - 1)*(ndim + 1)) = 1.0_dp
+    real(dp) :: history(2:body%law%slots%total)
+    history = law_first_history(body%law, ndim)
+    associate (slots => body%law%slots)
+      if (slots%surface > 0) history(slots%surface) = contact_no_surface
+      if (slots%temperature > 0 .and. card%temperature >= 0.0_dp) then
+        history(slots%temperature) = card%temperature
       end if
-      if (law%slots%stretch > 0) history(law%slots%stretch - 2 + d) = 1.0_dp
-    end do
+    end associate
   end function first_history
 
   !> Initial velocities: the card's functions of position, plus what a particle file gives.

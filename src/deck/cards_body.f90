@@ -1,0 +1,237 @@
+!> The cards `body`, `add`, `subtract` and `intersect`: bodies and their shapes.
+module sgmp_cards_body
+  use sgmp_deck_card, only: deck_card_t
+  use sgmp_deck_errors, only: deck_errors_t
+  use sgmp_keys, only: kind_integer, kind_name_word, kind_real, kind_text, kind_vector, kind_word
+  use sgmp_kinds, only: dp
+  use sgmp_registry, only: read_second, registry_t
+  use sgmp_scene, only: body_card_t, layout_file, layout_gauss, layout_lattice, layout_names
+  use sgmp_scene_draft, only: draft_t
+  use sgmp_shapes, only: combine_names, combine_union, shape_block, shape_cone, shape_cylinder, &
+                         shape_halfspace, shape_names, shape_ogive, shape_ring, shape_sphere, &
+                         shape_t
+  use sgmp_spelling, only: word_position, words_joined
+  use sgmp_text, only: integer_text, real_text_plain
+  implicit none
+  private
+  public :: register_body
+
+  integer, parameter :: round(*) = [shape_cylinder, shape_ring, shape_cone, shape_ogive]
+  character(*), parameter :: from_file = 'file'  !! the word for a body without a shape
+
+contains
+
+  !> Registers the cards of this group.
+  subroutine register_body(registry)
+    type(registry_t), intent(inout) :: registry
+    call registry%card('body', 'A body: its first shape, its material, its particles. Further '// &
+                       'shapes are added, subtracted or intersected by the cards of those names.', &
+                       'body rod cylinder material=copper radius=3.8 length=25.4 spacing=0.38', &
+                       read_body, check_particle_number, selector='shape', needed='add a body', &
+                       turn=read_second)
+    call registry%key('name', kind_name_word, 'name used by other cards', slot=1, required=.true.)
+    call registry%key('shape', kind_word, 'first shape; file: particles from a file', slot=2, &
+                      choices=words_joined(pack(shape_names, shape_names /= &
+                                                shape_names(shape_halfspace)))//' '//from_file, &
+                      required=.true.)
+    call registry%key('material', kind_name_word, 'the material', required=.true.)
+    call register_shape_keys(registry)
+    call registry%key('file', kind_text, 'text file with a line per particle: x y z volume '// &
+                      '[velocity_x velocity_y velocity_z]; a relative path starts at the deck', &
+                      when=from_file, required=.true.)
+    call registry%key('layout', kind_word, 'uniform: particles in the middle of cubes; gauss: '// &
+                      'Gauss points of each grid cell', choices=words_joined(layout_names), &
+                      default=trim(layout_names(layout_lattice)))
+    call registry%key('spacing', kind_real, 'lattice constant; default: cell/ppc', unit='length', &
+                      range='(0,inf)')
+    call registry%key('ppc', kind_integer, 'particles per cell along each axis', range='[1,10]', &
+                      default='2')
+    call registry%key('jitter', kind_real, 'largest random displacement, in spacings', &
+                      range='[0,0.5]', default='0')
+    call registry%key('rotation', kind_real, 'angle in degrees about z, turns shapes and lattice', &
+                      default='0')
+    call registry%key('pivot', kind_vector, 'centre of the rotation', unit='length', &
+                      default='(0,0,0)')
+    call registry%key('lattice_origin', kind_vector, &
+                      'a corner of the cubes of the lattice; default: lower corner of the '// &
+                      'first shape, or the axis of a round one', unit='length')
+    call registry%key('temperature', kind_real, 'initial temperature; default: room temperature', &
+                      unit='temperature', range='[0,inf)')
+    call registry%key('overlap', kind_word, 'allow: bodies may share space at the start', &
+                      choices='error allow', default='error')
+    call register_combination(registry, combine_names(1), 'Adds a shape to a body.')
+    call register_combination(registry, combine_names(2), 'Cuts a shape out of a body.')
+    call register_combination(registry, combine_names(3), 'Keeps what lies inside a shape.')
+  end subroutine register_body
+
+  subroutine register_combination(registry, name, help)
+    type(registry_t), intent(inout) :: registry
+    character(*), intent(in) :: name, help
+    call registry%card(trim(name), help, trim(name)//' rod sphere centre=(0,0,0) radius=1', &
+                       read_combination, selector='shape')
+    call registry%key('body', kind_name_word, 'the body', slot=1, required=.true.)
+    call registry%key('shape', kind_word, 'the shape', slot=2, required=.true., &
+                      choices=words_joined(shape_names))
+    call register_shape_keys(registry)
+  end subroutine register_combination
+
+  !> Keys of a shape, shared by body, add, subtract and intersect.
+  subroutine register_shape_keys(registry)
+    type(registry_t), intent(inout) :: registry
+    character(:), allocatable :: block, plane, ball, rounds
+    block = trim(shape_names(shape_block))
+    plane = trim(shape_names(shape_halfspace))
+    ball = trim(shape_names(shape_sphere))
+    rounds = words_joined(shape_names(round))
+    call registry%key('lower', kind_vector, 'lower corner', unit='length', when=block, &
+                      required=.true.)
+    call registry%key('upper', kind_vector, 'upper corner', unit='length', when=block, &
+                      required=.true.)
+    call registry%key('centre', kind_vector, 'centre; of the base for cylinder, ring, cone, '// &
+                      'ogive; a point of the plane for halfspace', unit='length', &
+                      default='(0,0,0)', when=ball//' '//plane//' '//rounds)
+    call registry%key('axis', kind_vector, 'direction of the axis; outward normal of a halfspace', &
+                      default='(0,0,1)', when=plane//' '//rounds)
+    call registry%key('radius', kind_real, 'outer radius, of the base for cone and ogive', &
+                      unit='length', range='(0,inf)', when=ball//' '//rounds, required=.true.)
+    call registry%key('inner', kind_real, 'inner radius', unit='length', range='(0,inf)', &
+                      when=trim(shape_names(shape_ring)), required=.true.)
+    call registry%key('top', kind_real, 'radius of the top', unit='length', range='[0,inf)', &
+                      when=trim(shape_names(shape_cone)), default='0')
+    call registry%key('length', kind_real, 'length along the axis; not needed in 2D', &
+                      unit='length', range='(0,inf)', when=rounds)
+  end subroutine register_shape_keys
+
+  subroutine read_body(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    type(body_card_t) :: new
+    if (.not. draft%new_name(card, draft%scene%bodies%name, 'bodies')) return
+    new%name = card%word('name')
+    new%location = card%position%text()
+    if (.not. card%failed) call fill_body(card, draft, new)
+    draft%scene%bodies = [draft%scene%bodies, new]
+  end subroutine read_body
+
+  subroutine fill_body(card, draft, body)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    type(body_card_t), intent(inout) :: body
+    body%material = draft%material_of(card)
+    body%layout = card%pick('layout', layout_names)
+    allocate (body%shapes(0))
+    if (card%word('shape') == from_file) then
+      body%layout = layout_file
+      body%file = card%word('file')
+      if (index(body%file, '/') /= 1) body%file = directory_of(card%position%file)//body%file
+    else
+      call append_shape(card, combine_union, draft%scene%dimension, body, draft%errors)
+    end if
+    body%ppc = card%whole('ppc')
+    body%spacing = card%number('spacing', absent=draft%scene%grid%cell/body%ppc)
+    body%jitter = card%number('jitter')
+    body%rotation = card%number('rotation')
+    body%pivot = card%vector('pivot')
+    if (card%has('lattice_origin')) body%lattice_origin = card%vector('lattice_origin')
+    body%temperature = card%number('temperature', absent=-1.0_dp)
+    body%allow_overlap = card%word('overlap') == 'allow'
+    draft%scene%allow_overlap = draft%scene%allow_overlap .or. body%allow_overlap
+    if (body%layout /= layout_gauss) return
+    if (card%has('spacing') .or. body%jitter > 0.0_dp) then
+      call draft%errors%add(card%position, 'spacing and jitter mean nothing for layout=gauss', &
+                            'use ppc, or layout=uniform')
+    end if
+  end subroutine fill_body
+
+  pure function directory_of(path) result(directory)
+    character(*), intent(in) :: path
+    character(:), allocatable :: directory
+    directory = path(:index(path, '/', back=.true.))
+  end function directory_of
+
+  subroutine read_combination(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: b
+    b = draft%body_of(card, 'body')
+    if (b <= 0) return
+    if (.not. allocated(draft%scene%bodies(b)%shapes)) return
+    if (draft%scene%bodies(b)%layout == layout_file) then
+      call draft%errors%add(card%position, 'particles from a file have no shape', &
+                            'remove this card')
+      return
+    end if
+    call append_shape(card, word_position(card%name, combine_names), draft%scene%dimension, &
+                      draft%scene%bodies(b), draft%errors)
+  end subroutine read_combination
+
+  subroutine append_shape(card, operation, dimension, body, errors)
+    type(deck_card_t), intent(in) :: card
+    integer, intent(in) :: operation  !! one of combine_*
+    integer, intent(in) :: dimension
+    type(body_card_t), intent(inout) :: body
+    type(deck_errors_t), intent(inout) :: errors
+    type(shape_t) :: new
+    new%kind = card%pick('shape', shape_names)
+    new%combine = operation
+    new%lower = card%vector('lower')
+    new%upper = card%vector('upper')
+    new%centre = card%vector('centre')
+    new%radius = card%number('radius')
+    new%radius2 = card%number('inner') + card%number('top')
+    new%length = card%number('length', absent=huge(1.0_dp))
+    if (card%has('axis')) new%axis = card%vector('axis')
+    call check_shape(card, new, dimension, errors)
+    if (norm2(new%axis) > 0.0_dp) new%axis = new%axis/norm2(new%axis)
+    body%shapes = [body%shapes, new]
+  end subroutine append_shape
+
+  subroutine check_shape(card, shape, dimension, errors)
+    type(deck_card_t), intent(in) :: card
+    type(shape_t), intent(in) :: shape
+    integer, intent(in) :: dimension
+    type(deck_errors_t), intent(inout) :: errors
+    logical :: in_plane
+    if (shape%kind == shape_block) then
+      if (any(shape%upper(:dimension) <= shape%lower(:dimension))) then
+        call errors%add(card%place('upper'), 'the block is empty', &
+                        'each component of upper must exceed that of lower')
+      end if
+    end if
+    if (norm2(shape%axis) <= 0.0_dp) then
+      call errors%add(card%place('axis'), 'the axis has no direction', 'e.g. axis=(0,0,1)')
+      return
+    end if
+    if (shape%kind == shape_ring .and. shape%radius2 >= shape%radius) then
+      call errors%add(card%place('inner'), 'the inner radius is not smaller than the outer', &
+                      'make inner smaller')
+    end if
+    in_plane = dimension < 3 .and. all(abs(shape%axis(:dimension)) <= 0.0_dp)
+    if (.not. any(round == shape%kind) .or. in_plane .or. card%has('length')) return
+    call errors%add(card%position, 'the '//card%word('shape')//" needs a 'length'", 'add length=…')
+  end subroutine check_shape
+
+  !> Particle numbers are 32-bit integers; a block tells at once how many there will be.
+  subroutine check_particle_number(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    real(dp) :: particles, spacing
+    integer :: i
+    if (card%word('shape') /= shape_names(shape_block)) return
+    spacing = draft%scene%grid%cell/card%whole('ppc')
+    spacing = card%number('spacing', absent=spacing)
+    if (spacing <= 0.0_dp) return
+    particles = 1.0_dp
+    associate (lower => card%vector('lower'), upper => card%vector('upper'))
+      do i = 1, draft%scene%dimension
+        particles = particles*max(1.0_dp, (upper(i) - lower(i))/spacing)
+      end do
+    end associate
+    if (particles > real(huge(1), dp)) then
+      call draft%errors%add(card%position, "body '"//card%word('name')//"' would have about "// &
+                            real_text_plain(anint(particles))//' particles', &
+                            'use a larger spacing; at most '//integer_text(huge(1)))
+    end if
+  end subroutine check_particle_number
+
+end module sgmp_cards_body

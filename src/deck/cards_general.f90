@@ -1,0 +1,57 @@
+!> The cards `title`, `units` and `dimension`.
+module sgmp_cards_general
+  use sgmp_deck_card, only: deck_card_t
+  use sgmp_keys, only: kind_integer, kind_text, kind_word
+  use sgmp_registry, only: read_first, registry_t
+  use sgmp_scene_draft, only: draft_t
+  use sgmp_spelling, only: words_joined
+  use sgmp_units, only: length_units, mass_units, time_units
+  implicit none
+  private
+  public :: register_general
+
+contains
+
+  !> Registers the cards of this group.
+  subroutine register_general(registry)
+    type(registry_t), intent(inout) :: registry
+    call registry%card('title', 'What the run is called in its output.', 'title "Taylor bar"', &
+                       read_title, once=.true., free=.true.)
+    call registry%key('text', kind_text, 'the title', slot=1, required=.true.)
+    call registry%card('units', "Units of the deck's numbers; labels the output and enables "// &
+                       'checks of orders of magnitude. The numbers must be consistent: force '// &
+                       'in mass*length/time^2, stress in mass/(length*time^2).', 'units mm g ms', &
+                       read_units, once=.true.)
+    call registry%key('length', kind_word, 'unit of length', choices=words_joined(length_units), &
+                      slot=1, required=.true.)
+    call registry%key('mass', kind_word, 'unit of mass', choices=words_joined(mass_units), &
+                      slot=2, required=.true.)
+    call registry%key('time', kind_word, 'unit of time', choices=words_joined(time_units), &
+                      slot=3, required=.true.)
+    call registry%card('dimension', '1: uniaxial strain along x; 2: plane strain, per unit '// &
+                       'thickness; 3.', 'dimension 2', read_dimension, once=.true., &
+                       turn=read_first)
+    call registry%key('value', kind_integer, 'number of dimensions', default='3', range='[1,3]', &
+                      slot=1)
+  end subroutine register_general
+
+  subroutine read_title(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    draft%scene%title = card%word('text')
+  end subroutine read_title
+
+  subroutine read_units(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    draft%scene%units = [character(8) :: card%word('length'), card%word('mass'), card%word('time')]
+  end subroutine read_units
+
+  subroutine read_dimension(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    draft%scene%dimension = 1  ! checks the least where the card is wrong
+    if (.not. card%failed) draft%scene%dimension = card%whole('value')
+  end subroutine read_dimension
+
+end module sgmp_cards_general

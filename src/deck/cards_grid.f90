@@ -1,0 +1,142 @@
+!> The cards `grid`, `wall` and `lost`: where material may be.
+module sgmp_cards_grid
+  use sgmp_deck_card, only: deck_card_t
+  use sgmp_keys, only: kind_interval, kind_real, kind_word
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: axis_names, wall_free, wall_names
+  use sgmp_registry, only: read_first, registry_t
+  use sgmp_scene, only: lost_error, lost_names
+  use sgmp_scene_draft, only: draft_t
+  use sgmp_spelling, only: words_joined
+  use sgmp_text, only: integer_text, real_text_plain
+  implicit none
+  private
+  public :: register_grid
+
+  character(1), parameter :: sides(2) = ['-', '+']
+
+contains
+
+  !> Registers the cards of this group.
+  subroutine register_grid(registry)
+    type(registry_t), intent(inout) :: registry
+    integer :: axis, side
+    call registry%card('grid', 'Background grid of cubic cells. Walls lie at the ends given '// &
+                       'here; do not extend the box by hand.', 'grid cell=h x=0:1 y=open '// &
+                       'z=0:open', read_grid, check_grid, once=.true., turn=read_first, &
+                       needed='add a grid, e.g. grid cell=0.1')
+    call registry%key('cell', kind_real, 'side h of a cell', unit='length', range='(0,inf)', &
+                      required=.true.)
+    do axis = 1, 3
+      call registry%key(axis_names(axis), kind_interval, &
+                        'extent; an open end follows the particles', unit='length', &
+                        default='open')
+    end do
+    call registry%card('wall', 'Boundary condition of the faces of the grid. A face with a '// &
+                       'wall needs an extent in the card grid.', 'wall x-=fixed y-=slip', &
+                       read_walls, check_walls, once=.true.)
+    do axis = 1, 3
+      do side = 1, 2
+        call registry%key(axis_names(axis)//sides(side), kind_word, &
+                          'fixed: no velocity; slip: no normal velocity; free: nothing', &
+                          choices=words_joined(wall_names), default=trim(wall_names(wall_free)))
+      end do
+    end do
+    call registry%card('lost', 'What happens to a particle that leaves through a closed face '// &
+                       'without a wall.', 'lost remove', read_lost, once=.true.)
+    call registry%key('policy', kind_word, 'error: stop; remove: count and drop; reflect: turn '// &
+                      'back', choices=words_joined(lost_names), &
+                      default=trim(lost_names(lost_error)), slot=1)
+  end subroutine register_grid
+
+  subroutine read_grid(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: axis
+    if (card%failed) return
+    draft%scene%grid%cell = card%number('cell')
+    do axis = 1, 3
+      associate (extent => card%values(card%at(axis_names(axis))))
+        draft%scene%grid%open(:, axis) = extent%open
+        draft%scene%grid%lower(axis) = extent%vector(1)
+        draft%scene%grid%upper(axis) = extent%vector(2)
+      end associate
+    end do
+  end subroutine read_grid
+
+  !> Box: whole number of cells, no extent beyond the dimension.
+  subroutine check_grid(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    real(dp), parameter :: tolerance = 1.0e-6_dp  ! cells
+    real(dp), parameter :: most_cells = 2.0e9_dp  ! along one axis
+    real(dp) :: length, cells
+    integer :: axis
+    associate (cell => draft%scene%grid%cell, dimension => draft%scene%dimension, &
+               errors => draft%errors)
+      if (cell <= 0.0_dp) return
+      do axis = 1, 3
+        associate (value => card%values(card%at(axis_names(axis))))
+          if (axis > dimension .and. .not. all(value%open)) then
+            call errors%add(value%position, 'extent along '//axis_names(axis)//' in '// &
+                            integer_text(dimension)//'D', 'remove it or change the dimension')
+          end if
+          if (any(value%open)) cycle
+          length = value%vector(2) - value%vector(1)
+          cells = length/cell
+          if (cells > most_cells) then
+            call errors%add(value%position, 'the box has '//real_text_plain(anint(cells))// &
+                            ' cells along '//axis_names(axis), 'use larger cells')
+          else if (abs(cells - anint(cells)) > tolerance .or. cells < 0.5_dp) then
+            call errors%add(value%position, 'the box is not a whole number of cells: '// &
+                            real_text_plain(length)//' / '//real_text_plain(cell)//' = '// &
+                            real_text_plain(cells), 'nearest cell='// &
+                            real_text_plain(length/max(1.0_dp, anint(cells)))// &
+                            ', or change the extent')
+          end if
+        end associate
+      end do
+    end associate
+  end subroutine check_grid
+
+  subroutine read_walls(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: axis, side
+    do axis = 1, 3
+      do side = 1, 2
+        draft%scene%grid%wall(side, axis) = wall_free - 1 + &
+                                            card%pick(axis_names(axis)//sides(side), wall_names)
+      end do
+    end do
+  end subroutine read_walls
+
+  subroutine check_walls(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    character(2) :: face
+    integer :: axis, side
+    do axis = 1, 3
+      do side = 1, 2
+        if (draft%scene%grid%wall(side, axis) == wall_free) cycle
+        face = axis_names(axis)//sides(side)
+        if (axis > draft%scene%dimension) then
+          call draft%errors%add(card%place(face), 'a wall on '//face//' in '// &
+                                integer_text(draft%scene%dimension)//'D', &
+                                'remove it or change the dimension')
+        else if (draft%scene%grid%open(side, axis)) then
+          call draft%errors%add(card%place(face), 'a wall on '//face//', which is open', &
+                                'say where the wall is: grid '//axis_names(axis)//'='// &
+                                trim(merge('lower:open', 'open:upper', side == 1)))
+        end if
+      end do
+    end do
+  end subroutine check_walls
+
+  subroutine read_lost(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    draft%scene%grid%lost = card%pick('policy', lost_names)
+  end subroutine read_lost
+
+end module sgmp_cards_grid

@@ -1,0 +1,112 @@
+!> The cards `velocity`, `gravity`, `bodyforce` and `detonation`: what sets bodies in motion.
+module sgmp_cards_load
+  use sgmp_constitutive, only: material_explosive
+  use sgmp_deck_card, only: deck_card_t
+  use sgmp_expression, only: expression_clone, expression_free
+  use sgmp_keys, only: kind_expression, kind_name_word, kind_real, kind_vector
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: axis_names
+  use sgmp_registry, only: registry_t
+  use sgmp_scene, only: bodyforce_card_t, detonation_card_t
+  use sgmp_scene_draft, only: draft_t
+  implicit none
+  private
+  public :: register_load
+
+contains
+
+  !> Registers the cards of this group.
+  subroutine register_load(registry)
+    type(registry_t), intent(inout) :: registry
+    call registry%card('velocity', 'Initial velocity of a body.', 'velocity rod z="-190"', &
+                       read_velocity)
+    call registry%key('body', kind_name_word, 'the body; default: all', default='all', slot=1)
+    call register_components(registry, 'speed')
+    call registry%card('gravity', 'Constant acceleration of everything.', 'gravity (0,0,-9.81)', &
+                       read_gravity, once=.true.)
+    call registry%key('vector', kind_vector, 'acceleration', unit='acceleration', slot=1, &
+                      required=.true.)
+    call registry%card('bodyforce', 'Force per unit mass as a function of x y z (where the '// &
+                       'particle is), x0 y0 z0 (where it was at the start) and t.', &
+                       'bodyforce bar x="sin(pi*x0)*cos(t)"', read_bodyforce)
+    call registry%key('body', kind_name_word, 'the body; default: all', default='all', slot=1)
+    call register_components(registry, 'acceleration')
+    call registry%card('detonation', 'A point or a plane from which explosives are lit.', &
+                       'detonation point=(0,0,0)', read_detonation, check_detonation)
+    call registry%key('point', kind_vector, 'the point, or a point of the plane', unit='length', &
+                      default='(0,0,0)')
+    call registry%key('time', kind_real, 'when', unit='time', default='0')
+    call registry%key('normal', kind_vector, 'normal of a plane wave; without it the wave is '// &
+                      'spherical')
+  end subroutine register_load
+
+  !> Keys x, y, z that are functions of position.
+  subroutine register_components(registry, unit)
+    type(registry_t), intent(inout) :: registry
+    character(*), intent(in) :: unit
+    integer :: axis
+    do axis = 1, 3
+      call registry%key(axis_names(axis), kind_expression, 'component', unit=unit, default='0')
+    end do
+  end subroutine register_components
+
+  subroutine read_velocity(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: named, b, axis
+    named = draft%body_of(card, 'body')
+    do axis = 1, 3
+      associate (value => card%values(card%at(axis_names(axis))), bodies => draft%scene%bodies)
+        if (value%expression%uses_time) then
+          call draft%errors%add(value%position, 'the initial velocity cannot depend on t', &
+                                'use x, y and z')
+        end if
+        do b = 1, size(bodies)
+          if (named /= 0 .and. named /= b) cycle
+          call expression_free(bodies(b)%velocity(axis))
+          bodies(b)%velocity(axis) = expression_clone(value%expression)
+        end do
+      end associate
+    end do
+  end subroutine read_velocity
+
+  subroutine read_gravity(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    draft%scene%gravity = card%vector('vector')
+  end subroutine read_gravity
+
+  subroutine read_bodyforce(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    type(bodyforce_card_t) :: new
+    integer :: axis
+    new%body = draft%body_of(card, 'body')
+    if (new%body < 0) return
+    do axis = 1, 3
+      new%force(axis) = expression_clone(card%values(card%at(axis_names(axis)))%expression)
+    end do
+    draft%scene%bodyforces = [draft%scene%bodyforces, new]
+  end subroutine read_bodyforce
+
+  subroutine read_detonation(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    type(detonation_card_t) :: new
+    new%point = card%vector('point')
+    new%time = card%number('time')
+    new%plane = card%has('normal')
+    if (new%plane) new%normal = card%vector('normal')
+    if (norm2(new%normal) > 0.0_dp) new%normal = new%normal/norm2(new%normal)
+    draft%scene%detonations = [draft%scene%detonations, new]
+  end subroutine read_detonation
+
+  subroutine check_detonation(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    if (any(draft%scene%materials%law%kind == material_explosive)) return
+    call draft%errors%add(card%position, 'a detonation without an explosive', &
+                          'add a material of kind explosive, or remove this card')
+  end subroutine check_detonation
+
+end module sgmp_cards_load

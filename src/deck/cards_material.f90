@@ -1,0 +1,127 @@
+!> The cards `material`, `eos` and `viscosity`. Which laws there are, what they are called and which
+!! keys they have is said in src/materials.
+module sgmp_cards_material
+  use sgmp_constitutive, only: eos_keys, eos_names, eos_none, eos_read, law_check, law_keys, &
+                               law_read, law_set_viscosity, material_names
+  use sgmp_deck_card, only: deck_card_t
+  use sgmp_keys, only: fault_t, kind_name_word, kind_real, kind_word
+  use sgmp_registry, only: read_first, registry_t
+  use sgmp_scene, only: material_card_t
+  use sgmp_scene_draft, only: draft_t
+  use sgmp_spelling, only: word_position, words_joined
+  use sgmp_viscosity, only: viscosity_keys
+  implicit none
+  private
+  public :: register_material
+
+contains
+
+  !> Registers the cards of this group.
+  subroutine register_material(registry)
+    type(registry_t), intent(inout) :: registry
+    integer :: i
+    call registry%card('material', 'A material: name, kind, constants.', &
+                       'material steel elastic density=7850 young=210e9 poisson=0.3', &
+                       read_material, check_material, selector='kind', needed='add a material', &
+                       turn=read_first)
+    call registry%key('name', kind_name_word, 'name used by other cards', slot=1, required=.true.)
+    call registry%key('kind', kind_word, 'constitutive model', slot=2, required=.true., &
+                      choices=words_joined(material_names))
+    call registry%key('density', kind_real, 'initial density', unit='density', range='(0,inf)', &
+                      required=.true.)
+    do i = 1, size(material_names)
+      call registry%keys(law_keys(i), trim(material_names(i)))
+    end do
+    call registry%card('eos', 'Equation of state of a material.', &
+                       'eos copper gruneisen c0=3940 s=1.49 gamma0=1.96', read_eos, &
+                       selector='kind')
+    call registry%key('material', kind_name_word, 'the material', slot=1, required=.true.)
+    call registry%key('kind', kind_word, 'equation', choices=words_joined(eos_names), slot=2, &
+                      required=.true.)
+    do i = 1, size(eos_names)
+      call registry%keys(eos_keys(i), trim(eos_names(i)))
+    end do
+    call registry%key('energy0', kind_real, 'initial energy per initial volume', unit='stress', &
+                      range='[0,inf)', default='0')
+    call registry%card('viscosity', 'Bulk viscosity in compression, q = rho h^2 b1 (tr D)^2 - '// &
+                       'b2 rho h c tr D; none without this card.', 'viscosity copper', &
+                       read_viscosity)
+    call registry%key('material', kind_name_word, 'the material; default: all', default='all', &
+                      slot=1)
+    call registry%keys(viscosity_keys())
+  end subroutine register_material
+
+  subroutine read_material(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    type(material_card_t) :: new
+    type(fault_t), allocatable :: fault
+    integer :: kind
+    if (.not. draft%new_name(card, draft%scene%materials%name, 'materials')) return
+    new%name = card%word('name')
+    kind = card%pick('kind', material_names)
+    if (.not. card%failed) then
+      call law_read(kind, card, new%law, fault)
+      call complain(card, fault, draft)
+    end if
+    if (kind > 0) new%law%kind = kind  ! also where the constants are wrong: other cards ask
+    draft%scene%materials = [draft%scene%materials, new]
+  end subroutine read_material
+
+  subroutine check_material(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    type(fault_t), allocatable :: fault
+    integer :: i
+    i = word_position(card%word('name'), draft%scene%materials%name)
+    if (i == 0) return
+    call law_check(draft%scene%materials(i)%law, card%word('name'), fault)
+    call complain(card, fault, draft)
+  end subroutine check_material
+
+  !> Passes on what a law has to say about a card.
+  subroutine complain(card, fault, draft)
+    type(deck_card_t), intent(in) :: card
+    type(fault_t), allocatable, intent(in) :: fault
+    type(draft_t), intent(inout) :: draft
+    if (.not. allocated(fault)) return
+    if (fault%key == '') then
+      call draft%errors%add(card%position, fault%message, fault%remedy)
+    else
+      call draft%errors%add(card%place(fault%key), fault%message, fault%remedy)
+    end if
+  end subroutine complain
+
+  subroutine read_eos(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: i
+    i = draft%material_of(card)
+    if (i == 0) return
+    associate (law => draft%scene%materials(i)%law)
+      if (law%eos == eos_none) then
+        call eos_read(card%pick('kind', eos_names), card, law)
+      else
+        call draft%errors%add(card%position, "material '"//card%word('material')// &
+                              "' has two equations of state", 'remove one of the cards eos')
+      end if
+    end associate
+  end subroutine read_eos
+
+  subroutine read_viscosity(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: i, first, last
+    first = 1
+    last = size(draft%scene%materials)
+    if (card%word('material') /= 'all') then
+      first = draft%material_of(card)
+      last = first
+    end if
+    if (first == 0) return
+    do i = first, last
+      call law_set_viscosity(card, draft%scene%materials(i)%law)
+    end do
+  end subroutine read_viscosity
+
+end module sgmp_cards_material

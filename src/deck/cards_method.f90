@@ -1,0 +1,148 @@
+!> The cards `method`, `time` and `stop`: how and how long the scene is computed.
+module sgmp_cards_method
+  use sgmp_deck_card, only: deck_card_t
+  use sgmp_kernels, only: method_cpgimp, method_gimp, method_names, method_sgmp
+  use sgmp_keys, only: kind_integer, kind_real, kind_word
+  use sgmp_kinds, only: dp
+  use sgmp_registry, only: registry_t
+  use sgmp_scene, only: update_musl, update_names
+  use sgmp_scene_draft, only: draft_t
+  use sgmp_spelling, only: words_joined
+  implicit none
+  private
+  public :: register_method
+
+contains
+
+  !> Registers the cards of this group.
+  subroutine register_method(registry)
+    type(registry_t), intent(inout) :: registry
+    call registry%card('method', 'Spatial discretisation and order of the update.', &
+                       'method sgmp update=musl', read_method, check_method, once=.true.)
+    call registry%key('kind', kind_word, 'discretisation', choices=words_joined(method_names), &
+                      default=trim(method_names(method_sgmp)), slot=1, &
+                      source='sections 2 to 4 of the paper')
+    call registry%key('update', kind_word, 'when the stress is updated: first, modified last, '// &
+                      'last', choices=words_joined(update_names), &
+                      default=trim(update_names(update_musl)), &
+                      source="MUSL is the paper's recommendation; usavg: half first, half last")
+    call registry%key('flip', kind_real, 'part of the velocity taken from increments; 0 is '// &
+                      'pure PIC', range='[0,1]', default='1')
+    call registry%key('mass_cutoff', kind_real, &
+                      'nodes lighter than this times the heaviest particle are ignored; '// &
+                      'default: 1e-12, for gimp and cpgimp 1e-20 (their weights end as a square)', &
+                      range='[0,1)')
+    call registry%key('stress', kind_word, 'quadrature of the stress: as in the paper, or '// &
+                      'normalised by the volume that particles fill (sgmp only)', &
+                      choices='plain normalised', default='plain', &
+                      source='doc/normalised-stress.md')
+    call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
+                      'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
+    call registry%key('spin', kind_word, 'whether particles carry the rotation of what is '// &
+                      'around them to the grid, so that what turns keeps turning (sgmp, musl)', &
+                      choices='none carried', default='none', source='doc/spin.md')
+    call register_time(registry)
+  end subroutine register_method
+
+  subroutine register_time(registry)
+    type(registry_t), intent(inout) :: registry
+    call registry%card('time', 'Time integration; end or steps must be given.', &
+                       'time end=80e-3 cfl=0.8', read_time, check_time, once=.true., &
+                       needed='add an end, e.g. time end=1')
+    call registry%key('end', kind_real, 'end time', unit='time', range='(0,inf)', free=.true.)
+    call registry%key('cfl', kind_real, 'Courant number: dt = cfl*h/(c+|v|); auto: the largest '// &
+                      'that is safe for the scheme on this scene', range='(0,inf)', &
+                      choices='auto', default='0.5', source='Eq. 69; doc/time-step.md', free=.true.)
+    call registry%key('dt', kind_real, 'fixed time step instead of the Courant number', &
+                      unit='time', range='(0,inf)')
+    call registry%key('dt_min', kind_real, 'the run aborts below this step; default: 1e-6 of '// &
+                      'the first', unit='time', range='(0,inf)')
+    call registry%key('growth', kind_real, 'largest ratio of successive steps', range='[1,inf)', &
+                      default='1.05')
+    call registry%key('steps', kind_integer, 'stop after so many steps', range='[1,inf)', &
+                      free=.true.)
+    call registry%card('stop', 'Conditions that end a run early.', 'stop kinetic_below=0.01', &
+                       read_stop, once=.true., free=.true.)
+    call registry%key('energy_growth', kind_real, &
+                      'abort when the total energy exceeds its reference this many times', &
+                      range='(1,inf)', default='10')
+    call registry%key('kinetic_below', kind_real, &
+                      'finish when the kinetic energy falls below this fraction of its maximum', &
+                      range='[0,1)', default='0')
+  end subroutine register_time
+
+  subroutine read_method(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    associate (method => draft%scene%method)
+      method%kind = card%pick('kind', method_names)
+      method%update = card%pick('update', update_names)
+      method%flip = card%number('flip')
+      ! At the end of its support a GIMP weight is the square of its gradient: a node lighter by
+      ! 1e-12 than a particle still carries 1e-6 of its force, and dropping that is felt in the
+      ! momentum.
+      if (any(method%kind == [method_gimp, method_cpgimp])) method%mass_cutoff = 1.0e-20_dp
+      method%mass_cutoff = card%number('mass_cutoff', absent=method%mass_cutoff)
+      method%normalised = card%word('stress') == 'normalised'
+      method%interior = card%number('interior')
+      method%spin = card%word('spin') == 'carried'
+    end associate
+  end subroutine read_method
+
+  !> Options that exist for some methods only.
+  subroutine check_method(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    associate (method => draft%scene%method, errors => draft%errors)
+      if (method%normalised .and. method%kind /= method_sgmp) then
+        call errors%add(card%position, 'normalised stress exists for method sgmp only', &
+                        'remove stress=normalised or use method sgmp')
+      end if
+      if (.not. method%spin) return
+      if (method%kind /= method_sgmp .or. method%update /= update_musl) then
+        call errors%add(card%position, 'spin=carried exists for method sgmp update=musl only', &
+                        'remove spin=carried or use method sgmp update=musl')
+      end if
+      if (draft%scene%dimension == 1) then
+        call errors%add(card%position, 'spin=carried needs two dimensions', 'remove spin=carried')
+      end if
+      if (method%flip < 1.0_dp) then
+        call errors%add(card%position, 'spin=carried needs flip=1', 'remove flip or spin=carried')
+      end if
+    end associate
+  end subroutine check_method
+
+  subroutine read_time(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    associate (time => draft%scene%time)
+      time%end = card%number('end', absent=huge(1.0_dp))
+      time%cfl = card%number('cfl')
+      time%cfl_auto = card%has('cfl') .and. card%word('cfl') == 'auto'
+      time%dt = card%number('dt')
+      time%dt_min = card%number('dt_min')
+      time%growth = card%number('growth')
+      time%steps = card%whole('steps', absent=huge(1))
+    end associate
+  end subroutine read_time
+
+  subroutine check_time(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    if (.not. (card%has('end') .or. card%has('steps'))) then
+      call draft%errors%add(card%position, 'the time has no end', 'add end=… or steps=…')
+    end if
+    if (card%has('dt') .and. card%values(card%at('cfl'))%given) then
+      call draft%errors%add(card%place('cfl'), 'both dt and cfl are given', &
+                            'remove one of the two')
+    end if
+  end subroutine check_time
+
+  subroutine read_stop(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    draft%scene%stop%energy_growth = card%number('energy_growth')
+    draft%scene%stop%kinetic_below = card%number('kinetic_below')
+  end subroutine read_stop
+
+end module sgmp_cards_method

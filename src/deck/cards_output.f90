@@ -1,0 +1,130 @@
+!> The cards `output`, `history`, `gauge`, `checkpoint` and `balance`: what is written when, and how
+!! ranks share the work.
+module sgmp_cards_output
+  use sgmp_deck_card, only: deck_card_t
+  use sgmp_keys, only: kind_integer, kind_list, kind_name_word, kind_real, kind_vector, kind_word
+  use sgmp_kinds, only: dp
+  use sgmp_particle_fields, only: particle_field_names
+  use sgmp_registry, only: registry_t
+  use sgmp_scene, only: gauge_card_t, name_length
+  use sgmp_scene_draft, only: draft_t
+  use sgmp_spelling, only: word_count, word_item, word_position
+  implicit none
+  private
+  public :: register_output
+
+contains
+
+  !> Registers the cards of this group.
+  subroutine register_output(registry)
+    type(registry_t), intent(inout) :: registry
+    call registry%card('output', 'Files of particles. vtkhdf (one file), vtu (a file per dump) '// &
+                       'and tecplot: at the start, every so much time, and at the end; csv: '// &
+                       'particles_end.csv.', &
+                       'output vtkhdf every=1e-3 fields=stress,pressure', read_output, &
+                       selector='kind', free=.true.)
+    call registry%key('kind', kind_word, 'format', choices='vtkhdf vtu tecplot csv', slot=1, &
+                      required=.true.)
+    call registry%key('at', kind_word, 'when', choices='end', default='end', when='csv')
+    call registry%key('every', kind_real, 'interval; default: start and end only', unit='time', &
+                      range='(0,inf)', when='vtkhdf vtu tecplot')
+    call registry%key('fields', kind_list, 'fields besides id, body, position and velocity', &
+                      choices=particle_field_names())
+    call registry%card('history', 'Rows of history.csv and bodies.csv.', 'history steps=10', &
+                       read_history, once=.true., free=.true.)
+    call registry%key('steps', kind_integer, 'a row every so many steps', range='[1,inf)', &
+                      default='1')
+    call registry%key('every', kind_real, 'a row every so much time instead: at the first step '// &
+                      'at or after it', unit='time', range='(0,inf)')
+    call registry%card('gauge', 'History of the particle nearest to a point at the start.', &
+                       'gauge foot point=(0,0,0)', read_gauge)
+    call registry%key('name', kind_name_word, 'name in gauges.csv', slot=1, required=.true.)
+    call registry%key('point', kind_vector, 'the point', unit='length', required=.true.)
+    call register_interrupts(registry)
+  end subroutine register_output
+
+  subroutine register_interrupts(registry)
+    type(registry_t), intent(inout) :: registry
+    call registry%card('checkpoint', 'Files checkpoint_NNNNNNN.h5, from which --restart goes '// &
+                       'on. Without this card one is written only when a signal, the time '// &
+                       'limit or the stop file ends the run; with it one more at the end.', &
+                       'checkpoint every=1000 minutes=30', read_checkpoint, once=.true., &
+                       free=.true.)
+    call registry%key('every', kind_integer, 'after every so many steps', range='[1,inf)')
+    call registry%key('minutes', kind_real, 'after so many minutes of wall time', range='(0,inf)')
+    call registry%key('keep', kind_integer, 'how many are kept', range='[1,inf)', default='2')
+    call registry%card('balance', 'How work is divided anew among the ranks of a parallel run, '// &
+                       'which changes no result.', 'balance every=100 gain=0.1', read_balance, &
+                       once=.true., free=.true.)
+    call registry%key('every', kind_integer, 'look after every so many steps; 0: never', &
+                      range='[0,inf)', default='16')
+    call registry%key('gain', kind_real, 'cut anew if the largest load shrinks by this part', &
+                      range='[0,1)', default='0.05')
+  end subroutine register_interrupts
+
+  subroutine read_output(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    character(:), allocatable :: fields
+    character(name_length) :: field
+    integer :: i
+    fields = card%word('fields')
+    associate (output => draft%scene%output)
+      select case (card%word('kind'))
+      case ('vtkhdf')
+        output%vtkhdf = .true.
+      case ('vtu')
+        output%vtu = .true.
+      case ('tecplot')
+        output%tecplot = .true.
+      case default
+        output%csv_end = .true.
+      end select
+      if (card%has('every')) then
+        if (output%every > 0.0_dp .and. abs(output%every - card%number('every')) > 0.0_dp) then
+          call draft%errors%add(card%place('every'), 'two outputs with different intervals', &
+                                'give both the same every')
+        end if
+        output%every = card%number('every')
+      end if
+      do i = 1, word_count(fields)
+        field = word_item(fields, i)
+        if (word_position(field, output%fields) > 0) cycle
+        output%fields = [output%fields, field]
+      end do
+    end associate
+  end subroutine read_output
+
+  subroutine read_history(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    draft%scene%output%history_steps = card%whole('steps')
+    draft%scene%output%history_every = card%number('every')
+  end subroutine read_history
+
+  subroutine read_gauge(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    type(gauge_card_t) :: new
+    if (.not. draft%new_name(card, draft%scene%gauges%name, 'gauges')) return
+    new%name = card%word('name')
+    new%point = card%vector('point')
+    draft%scene%gauges = [draft%scene%gauges, new]
+  end subroutine read_gauge
+
+  subroutine read_checkpoint(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    draft%scene%checkpoint%every = card%whole('every')
+    draft%scene%checkpoint%minutes = card%number('minutes')
+    draft%scene%checkpoint%keep = card%whole('keep')
+  end subroutine read_checkpoint
+
+  subroutine read_balance(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    draft%scene%balance%every = card%whole('every')
+    draft%scene%balance%gain = card%number('gain')
+  end subroutine read_balance
+
+end module sgmp_cards_output

@@ -1,0 +1,70 @@
+!> A scene in the making: what the cards read so far say, and what is wrong with them.
+module sgmp_scene_draft
+  use sgmp_deck_card, only: deck_card_t
+  use sgmp_deck_errors, only: deck_errors_t
+  use sgmp_scene, only: scene_t
+  use sgmp_spelling, only: suggestion, word_items, word_position, words_joined
+  implicit none
+  private
+  public :: draft_t
+
+  !> Scene and errors, and how names in cards become numbers in the scene.
+  type :: draft_t
+    type(scene_t) :: scene
+    type(deck_errors_t) :: errors
+  contains
+    procedure :: material_of
+    procedure :: body_of
+    procedure :: new_name
+  end type draft_t
+
+contains
+
+  !> Number of the material that a card names, 0 and an error where there is none.
+  integer function material_of(self, card) result(number)
+    class(draft_t), intent(inout) :: self
+    type(deck_card_t), intent(in) :: card
+    number = word_position(card%word('material'), self%scene%materials%name)
+    if (number == 0) call unknown(self, card, 'material', 'material', self%scene%materials%name)
+  end function material_of
+
+  !> Number of the body that a key names, 0 for all, negative and an error where there is none.
+  integer function body_of(self, card, key) result(number)
+    class(draft_t), intent(inout) :: self
+    type(deck_card_t), intent(in) :: card
+    character(*), intent(in) :: key
+    number = 0
+    if (card%word(key) == 'all') return
+    number = word_position(card%word(key), self%scene%bodies%name)
+    if (number > 0) return
+    number = -1
+    call unknown(self, card, key, 'body', self%scene%bodies%name)
+  end function body_of
+
+  !> Whether the name that a card gives is one, and not among those of its kind; else an error.
+  logical function new_name(self, card, names, plural) result(new)
+    class(draft_t), intent(inout) :: self
+    type(deck_card_t), intent(in) :: card
+    character(*), intent(in) :: names(:)
+    character(*), intent(in) :: plural  !! what they name
+    new = card%word('name') /= ''
+    if (.not. new) return
+    new = word_position(card%word('name'), names) == 0
+    if (.not. new) call self%errors%add(card%place('name'), 'there are two '//plural//" '"// &
+                                        card%word('name')//"'", 'rename one of them')
+  end function new_name
+
+  subroutine unknown(draft, card, key, what, names)
+    type(draft_t), intent(inout) :: draft
+    type(deck_card_t), intent(in) :: card
+    character(*), intent(in) :: key, what
+    character(*), intent(in) :: names(:)
+    character(:), allocatable :: plural
+    plural = what//'s'
+    if (what == 'body') plural = 'bodies'
+    call draft%errors%add(card%place(key), 'there is no '//what//" '"//card%word(key)//"'", &
+                          suggestion(card%word(key), word_items(words_joined(names)), &
+                                     plural//' of this deck'))
+  end subroutine unknown
+
+end module sgmp_scene_draft

@@ -1,0 +1,77 @@
+!> Units of a deck's numbers: what they are called, and orders of magnitude worth a warning.
+module sgmp_units
+  use sgmp_deck_card, only: deck_card_t
+  use sgmp_deck_errors, only: deck_errors_t
+  use sgmp_keys, only: key_t, kind_real
+  use sgmp_kinds, only: dp
+  use sgmp_spelling, only: word_position
+  use sgmp_text, only: real_text_plain
+  implicit none
+  private
+  public :: length_units, mass_units, time_units, units_check
+
+  !> A unit and its size in SI units (m kg s).
+  character(2), parameter :: length_units(*) = [character(2) :: 'm', 'mm', 'cm', 'um', 'km']
+  real(dp), parameter :: metres(*) = [1.0_dp, 1.0e-3_dp, 1.0e-2_dp, 1.0e-6_dp, 1.0e3_dp]
+  character(2), parameter :: mass_units(*) = [character(2) :: 'kg', 'g', 'mg', 't']
+  real(dp), parameter :: kilograms(*) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e3_dp]
+  character(2), parameter :: time_units(*) = [character(2) :: 's', 'ms', 'us', 'ns']
+  real(dp), parameter :: seconds(*) = [1.0_dp, 1.0e-3_dp, 1.0e-6_dp, 1.0e-9_dp]
+
+contains
+
+  !> Warns where a number of a card, in SI units, is outside of what matter does.
+  subroutine units_check(keys, card, units, errors)
+    type(key_t), intent(in) :: keys(:)    !! of the card
+    type(deck_card_t), intent(in) :: card
+    character(*), intent(in) :: units(3)  !! length, mass, time of the deck
+    type(deck_errors_t), intent(inout) :: errors
+    real(dp) :: si, low, high, factor
+    integer :: i
+    do i = 1, size(keys)
+      associate (key => keys(i), value => card%values(i))
+        if (key%kind /= kind_real .or. .not. value%given) cycle
+        if (abs(value%number) <= 0.0_dp) cycle
+        call plausible(key%unit, units, factor, low, high)
+        si = abs(value%number)*factor
+        if (si >= low .and. si <= high) cycle
+        call errors%warn(value%position, key%name//' = '//real_text_plain(value%number)//' is '// &
+                         real_text_plain(real(real(si), dp))//' in SI units (m kg s)', &
+                         'is it in '//trim(units(1))//' '//trim(units(2))//' '//trim(units(3))//'?')
+      end associate
+    end do
+  end subroutine units_check
+
+  !> Factor to SI units, and the range in which materials and motions are found.
+  subroutine plausible(unit, units, factor, low, high)
+    character(*), intent(in) :: unit       !! of the key
+    character(*), intent(in) :: units(3)   !! length, mass, time of the deck
+    real(dp), intent(out) :: factor, low, high
+    real(dp) :: length, mass, time
+    length = metres(word_position(units(1), length_units))
+    mass = kilograms(word_position(units(2), mass_units))
+    time = seconds(word_position(units(3), time_units))
+    factor = 1.0_dp
+    low = 0.0_dp
+    high = huge(1.0_dp)
+    select case (unit)
+    case ('density')
+      factor = mass/length**3
+      low = 1.0e-2_dp
+      high = 3.0e4_dp
+    case ('stress')
+      factor = mass/(length*time**2)
+      low = 1.0e-3_dp
+      high = 1.0e13_dp
+    case ('speed')
+      factor = length/time
+      high = 1.0e5_dp
+    case ('specific heat')
+      factor = (length/time)**2
+      low = 1.0e1_dp
+      high = 2.0e4_dp
+    case default  ! lengths and times may be anything
+    end select
+  end subroutine plausible
+
+end module sgmp_units
