@@ -1,0 +1,174 @@
+#!/usr/bin/env python3
+"""Particles of bodies beside a second, plain implementation: every point of a lattice is asked for itself whether it is inside.
+
+The shapes' formulas are those of solid geometry, written down here once more: a cone frustum that widens, a tangent ogive
+(an arc that leaves the base upright and ends in the tip), half-spaces, turned bodies, Gauss points of cells.
+
+usage: seeding.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+import itertools
+import math
+import os
+
+from _runs import SCRATCH, Report, run
+
+CELL = 1.0
+DECK = """
+dimension {dimension}
+grid cell=1
+method mpm
+time dt=1e-12 steps=1
+material m elastic density=2 young=1e-9 poisson=0
+body b {card}
+{more}
+output csv fields=initial_position,volume,mass
+"""
+
+
+def unit(vector):
+    """A vector of length 1."""
+    length = math.sqrt(sum(v*v for v in vector))
+    return [v/length for v in vector]
+
+
+def along_and_beside(point, centre, axis):
+    """Distance along an axis from its foot, and from the axis."""
+    offset = [p - c for p, c in zip(point, centre)]
+    along = sum(o*a for o, a in zip(offset, unit(axis)))
+    return along, math.sqrt(max(0.0, sum(o*o for o in offset) - along**2))
+
+
+def cone(centre, axis, radius, top, length):
+    """Inside a frustum."""
+    def inside(point):
+        along, beside = along_and_beside(point, centre, axis)
+        return 0 <= along < length and beside <= radius + (top - radius)*along/length
+    return inside
+
+
+def ogive(centre, axis, radius, length):
+    """Inside a tangent ogive: a circle with its centre in the plane of the base, beyond the axis, through edge and tip."""
+    beyond = (length**2 - radius**2)/(2*radius) # (radius + beyond)^2 = length^2 + beyond^2
+
+    def inside(point):
+        along, beside = along_and_beside(point, centre, axis)
+        return 0 <= along < length and along**2 + (beside + beyond)**2 <= (radius + beyond)**2
+    return inside
+
+
+def halfspace(centre, axis):
+    """Behind a plane."""
+    return lambda point: sum((p - c)*a for p, c, a in zip(point, centre, axis)) < 0
+
+
+def block(lower, upper):
+    """In a box."""
+    return lambda point: all(a <= p < b for p, a, b in zip(point, lower, upper))
+
+
+def ring(centre, radius, inner):
+    """Between two circles, in the plane."""
+    return lambda point: inner <= math.hypot(point[0] - centre[0], point[1] - centre[1]) <= radius
+
+
+def lattice(corner, spacing, low, high, dimension=3):
+    """Centres of the cubes between two corners."""
+    axes = []
+    for axis in range(dimension):
+        first = math.floor((low - corner[axis])/spacing) - 1
+        last = math.ceil((high - corner[axis])/spacing) + 1
+        axes.append([corner[axis] + (i + 0.5)*spacing for i in range(first, last + 1)])
+    return itertools.product(*axes)
+
+
+def turned(point, degrees, pivot):
+    """A point turned about z."""
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    x, y = point[0] - pivot[0], point[1] - pivot[1]
+    return (pivot[0] + c*x - s*y, pivot[1] + s*x + c*y, *point[2:])
+
+
+def compare(report, name, card, expected, volume, dimension=3, more=""):
+    """The same points, each with its volume (a number or a function of the point) and mass."""
+    result = run(name, DECK.format(dimension=dimension, card=card, more=more))
+    if not report.finished(result, name):
+        return
+    rows = result.table("particles_end.csv")
+    axes = "xyz"[:dimension]
+    found = sorted(tuple(round(row[f"{a}0"], 6) + 0.0 for a in axes) for row in rows)
+    wanted = sorted(tuple(round(p, 6) + 0.0 for p in point) for point in expected)
+    report.check(len(wanted) > 0 and found == wanted,
+                 f"{name}: {len(found)} particles, expected {len(wanted)}; {sorted(set(found) ^ set(wanted))[:4]}")
+    for row in rows:
+        share = volume(tuple(row[f"{a}0"] for a in axes)) if callable(volume) else volume
+        if not report.check(abs(row["volume"] - share) < 1e-9 and abs(row["mass"] - 2*share) < 1e-9,
+                            f"{name}: volume {row['volume']}, mass {row['mass']}, expected {share}"):
+            break
+
+
+def solids(report):
+    """Solids of revolution, some on axes that are neither a coordinate nor of length 1."""
+    spacing, corner = 0.4, (0.1, -0.05, 0.15)
+    origin = "lattice_origin=(0.1,-0.05,0.15) spacing=0.4"
+    points = list(lattice(corner, spacing, -8, 8))
+    for name, card, inside in (
+            ("widening", "cone material=m centre=(0,0,-1) radius=1 top=2.6 length=3", cone((0, 0, -1), (0, 0, 1), 1, 2.6, 3)),
+            ("pointed", "cone material=m centre=(0,1,0) axis=(0,2,0) radius=2 length=3", cone((0, 1, 0), (0, 1, 0), 2, 0, 3)),
+            ("oblique", "cone material=m centre=(1,0,0) axis=(3,-4,12) radius=0.5 top=2 length=4", cone((1, 0, 0), (3, -4, 12), 0.5, 2, 4)),
+            ("slender", "ogive material=m centre=(0,0,0) radius=1.5 length=5", ogive((0, 0, 0), (0, 0, 1), 1.5, 5)),
+            ("down", "ogive material=m centre=(0,0.3,1) axis=(0,0,-2) radius=2 length=3", ogive((0, 0.3, 1), (0, 0, -1), 2, 3))):
+        compare(report, name, f"{card} {origin}", [point for point in points if inside(point)], spacing**3)
+
+
+def cuts(report):
+    """A block behind a plane, without a wedge; a plane's normal need not have length 1."""
+    spacing, corner = 0.5, (0, 0, 0)
+    body = block((0, 0, 0), (4, 4, 4))
+    plane, wedge = halfspace((2.1, 2.1, 2.1), (1, 2, 3)), halfspace((1, 0, 0), (5, 0, -1))
+    points = [point for point in lattice(corner, spacing, 0, 4) if body(point)]
+    card = "block material=m lower=(0,0,0) upper=(4,4,4) spacing=0.5"
+    compare(report, "behind", card, [p for p in points if plane(p)], spacing**3,
+            more="intersect b halfspace centre=(2.1,2.1,2.1) axis=(1,2,3)")
+    compare(report, "beyond", card, [p for p in points if plane(p) and not wedge(p)], spacing**3,
+            more="intersect b halfspace centre=(2.1,2.1,2.1) axis=(10,20,30)\nsubtract b halfspace centre=(1,0,0) axis=(5,0,-1)")
+
+
+def turns(report):
+    """A turned lattice; Gauss points of cells in a turned box, whose box is wider than the box."""
+    degrees, pivot, spacing = 35.0, (1, 2), 0.3
+    body = block((0, 0), (3, 1.2))
+    corner = (0.1, 0.05)
+    inside = [turned(p, degrees, pivot) for p in lattice(corner, spacing, -1, 4, 2) if body(p)]
+    compare(report, "turned", "block material=m lower=(0,0) upper=(3,1.2) spacing=0.3 lattice_origin=(0.1,0.05) rotation=35 pivot=(1,2)",
+            inside, spacing**2, 2)
+    places, weights = (0.5 - math.sqrt(0.15), 0.5, 0.5 + math.sqrt(0.15)), (5/18, 8/18, 5/18)
+    points = {}
+    for cell in itertools.product(range(-10, 11), repeat=2):
+        for (x, wx), (y, wy) in itertools.product(zip(places, weights), repeat=2):
+            points[cell[0] + x, cell[1] + y] = wx*wy
+    inside = {p: w for p, w in points.items() if body(turned(p, -degrees, pivot))}
+    rounded = {tuple(round(c, 6) for c in p): w for p, w in inside.items()}
+    compare(report, "gauss", "block material=m lower=(0,0) upper=(3,1.2) layout=gauss ppc=3 rotation=35 pivot=(1,2)", list(inside),
+            lambda p: rounded.get(tuple(round(c, 6) for c in p), -1), 2)
+    inside = [p for p in lattice((0.2, 0.3), 0.25, -5, 5, 2) if ring((0.3, -0.2), 3, 1.7)(p)]
+    compare(report, "ring", "ring material=m centre=(0.3,-0.2) radius=3 inner=1.7 spacing=0.25 lattice_origin=(0.2,0.3)", inside, 0.0625, 2)
+
+
+def files(report):
+    """A file's volume of zero is refused at its line."""
+    path = os.path.join(SCRATCH, "volumes.txt")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("0.5 0.5 0.5 0.125\n1.5 0.5 0.5 0\n")
+    result = run("volumes", DECK.format(dimension=3, card=f"file material=m file={path}", more=""))
+    report.check(result.code == 3 and "volumes.txt:2" in result.text, f"zero volume: exit code {result.code}\n{result.text}")
+
+
+def main():
+    """All of it."""
+    report = Report()
+    for part in (solids, cuts, turns, files):
+        part(report)
+    report.end()
+
+
+main()
