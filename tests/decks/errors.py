@@ -36,6 +36,7 @@ EXPECTED = {
     "include_bad": [r"included\.inp:6:1: error: unknown card 'metod'", r"did you mean 'method'"],
     "include_loop": [r"include_loop_2\.inp:1:9: error: .*include_loop\.inp' includes itself"],
     "interval": [r"{d}:3:18: error: the interval '1:0' is empty"],
+    "melt": [r"{d}:6:42: error: the melting temperature is not above room temperature"],
     "missing_cards": [r"{d}: error: the deck has no card '%s'" % card for card in ("grid", "time", "body")],
     "missing_include": [r"{d}:7:9: error: there is no file '.*nothing\.inp'"],
     "missing_key": [r"{d}:5:1: error: card 'material' needs 'young'"],

@@ -41,6 +41,32 @@ history every=0.002
 AUTOMATIC = LEAVING.replace("time end=0.012 cfl=0.5", "time steps=400 cfl=auto").replace("x=0:8", "x=open") + "history steps=20\n"
 AUTOMATIC = AUTOMATIC.replace("history every=0.001\n", "")
 
+# Ends where the kinetic energy has fallen to a part of its maximum, which was at the start.
+CALMING = """
+dimension 1
+grid cell=0.05 x=0:1
+wall x-=fixed x+=fixed
+time end=1 cfl=0.2
+material m elastic density=4 young=16 poisson=0
+body b block material=m lower=0 upper=1
+velocity b x="1e-4*sin(pi*x)"
+stop kinetic_below=0.04
+"""
+# Steps that grow as fast as they may.
+GROWING = """
+dimension 1
+grid cell=0.5 x=0:open
+wall x-=fixed
+time cfl=0.4 growth=1.02 steps=60
+material gas explosive density=2 detonation_speed=1e6
+eos gas jwl a=300 b=3 r1=4 r2=1 omega=0.3 energy0=7
+body b block material=gas lower=0 upper=2 ppc=2
+detonation point=(0,0,0)
+"""
+# Nodes are light beside a particle that has left the grid by the time of the checkpoint.
+LIGHT = LEAVING.replace("body b", "material lead elastic density=0.04 young=210 poisson=0.3\nmethod sgmp mass_cutoff=0.05\n"
+                        "body gone block material=lead lower=(7,6) upper=(8,7) spacing=0.5\nvelocity gone x=900\nbody b")
+
 # name, deck, settings, what a straight run takes in steps, threads after the restart
 SCENES = [
     ("block", deck("block.inp", EVERYTHING), {"cells": 5, "steps": 40, "drift": 0.3, "jitter": 0.4}, 40, 2),
@@ -57,6 +83,9 @@ SCENES = [
     ("reflected", LEAVING.replace("policy = remove", "policy = reflect"), {}, 10, 1),
     ("automatic", AUTOMATIC, {}, 400, 2),
     ("push", PUSH, {}, 20, 2),
+    ("calming", CALMING, {}, 40, 1),
+    ("growing", GROWING, {}, 60, 1),
+    ("light", LIGHT, {}, 10, 1),
 ]
 EVERY_UPDATE = {"bar": ("sgmp",), "block": ("sgmp", "gimp"), "rings": ("sgmp",)}
 EVERY_METHOD = ("block", "rings", "bar")
@@ -94,9 +123,18 @@ def other_ranks(report):
                         **settings, **choice)
 
 
+def kept(report):
+    """As many checkpoints are kept as the deck says, the last ones; two where it says nothing."""
+    for keep, expected in (("", 2), (" keep=1", 1), (" keep=3", 3)):
+        result = straight(report, "kept", deck("block.inp", f"checkpoint every=4{keep}\n"), cells=4, steps=26)
+        steps = [*range(4, 26, 4), 26]
+        report.check(checkpoints(result.folder) == steps[-expected:], f"keep{keep}: {checkpoints(result.folder)}")
+
+
 def main():
     """Straight and interrupted runs of all scenes."""
     report = Report()
+    kept(report)
     other_ranks(report)
     for name, text, settings, steps, threads in SCENES:
         for method, update in variants(name):

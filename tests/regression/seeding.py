@@ -131,6 +131,8 @@ def cuts(report):
             more="intersect b halfspace centre=(2.1,2.1,2.1) axis=(1,2,3)")
     compare(report, "beyond", card, [p for p in points if plane(p) and not wedge(p)], spacing**3,
             more="intersect b halfspace centre=(2.1,2.1,2.1) axis=(10,20,30)\nsubtract b halfspace centre=(1,0,0) axis=(5,0,-1)")
+    ball = [p for p in points if sum((c - 2.2)**2 for c in p) <= 1.1**2]
+    compare(report, "ball", card, ball, spacing**3, more="intersect b sphere centre=(2.2,2.2,2.2) radius=1.1")
 
 
 def turns(report):
@@ -142,13 +144,15 @@ def turns(report):
     compare(report, "turned", "block material=m lower=(0,0) upper=(3,1.2) spacing=0.3 lattice_origin=(0.1,0.05) rotation=35 pivot=(1,2)",
             inside, spacing**2, 2)
     places, weights = (0.5 - math.sqrt(0.15), 0.5, 0.5 + math.sqrt(0.15)), (5/18, 8/18, 5/18)
+    # Along its diagonal, the box is turned to stand almost upright; a box around that diagonal would be far too narrow.
+    body = block((0, 0), (8, 6))
     points = {}
-    for cell in itertools.product(range(-10, 11), repeat=2):
+    for cell in itertools.product(range(-12, 13), repeat=2):
         for (x, wx), (y, wy) in itertools.product(zip(places, weights), repeat=2):
             points[cell[0] + x, cell[1] + y] = wx*wy
     inside = {p: w for p, w in points.items() if body(turned(p, -degrees, pivot))}
     rounded = {tuple(round(c, 6) for c in p): w for p, w in inside.items()}
-    compare(report, "gauss", "block material=m lower=(0,0) upper=(3,1.2) layout=gauss ppc=3 rotation=35 pivot=(1,2)", list(inside),
+    compare(report, "gauss", "block material=m lower=(0,0) upper=(8,6) layout=gauss ppc=3 rotation=35 pivot=(1,2)", list(inside),
             lambda p: rounded.get(tuple(round(c, 6) for c in p), -1), 2)
     inside = [p for p in lattice((0.2, 0.3), 0.25, -5, 5, 2) if ring((0.3, -0.2), 3, 1.7)(p)]
     compare(report, "ring", "ring material=m centre=(0.3,-0.2) radius=3 inner=1.7 spacing=0.25 lattice_origin=(0.2,0.3)", inside, 0.0625, 2)
