@@ -1,4 +1,4 @@
-/* What Fortran has no words for: signals, files that are safe on the disk, space, numbered files.
+/* What Fortran has no words for: signals, files that are safe on the disk, space, numbered files, locks, memory.
  * Called from module sgmp_posix, which says what each function is for. */
 #define _GNU_SOURCE
 #include <dirent.h>
@@ -6,8 +6,10 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 static volatile sig_atomic_t received = 0;
@@ -17,26 +19,34 @@ static void note(int number)
   received = number;
 }
 
-/* SIGTERM, SIGUSR1 and SIGXCPU are noted; a file that outgrows its limit is an error, not the end. */
+/* SIGTERM, SIGUSR1, SIGXCPU and the first SIGINT are noted; the second SIGINT ends the program (a
+ * background job of a shell ignores it). A file
+ * that outgrows its limit is an error, not the end. */
 void sgmp_signals_watch(void)
 {
-  const int watched[] = {SIGTERM, SIGUSR1, SIGXCPU};
+  const int watched[] = {SIGTERM, SIGUSR1, SIGXCPU, SIGINT};
   struct sigaction action;
   memset(&action, 0, sizeof action);
   action.sa_handler = note;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
-  for (size_t i = 0; i < sizeof watched/sizeof *watched; i++) sigaction(watched[i], &action, NULL);
+  for (size_t i = 0; i < sizeof watched/sizeof *watched; i++) {
+    struct sigaction before;
+    if (watched[i] == SIGINT && sigaction(SIGINT, NULL, &before) == 0 && before.sa_handler == SIG_IGN) continue;
+    action.sa_flags = watched[i] == SIGINT ? SA_RESTART | (int)SA_RESETHAND : SA_RESTART;
+    sigaction(watched[i], &action, NULL);
+  }
   signal(SIGXFSZ, SIG_IGN);
 }
 
-/* 0: none, 1: SIGTERM, 2: SIGUSR1, 3: SIGXCPU. */
+/* 0: none, 1: SIGTERM, 2: SIGUSR1, 3: SIGXCPU, 4: SIGINT. */
 int sgmp_signal_seen(void)
 {
   switch (received) {
     case SIGTERM: return 1;
     case SIGUSR1: return 2;
     case SIGXCPU: return 3;
+    case SIGINT: return 4;
     default: return 0;
   }
 }
@@ -96,4 +106,78 @@ int64_t sgmp_file_number(const char *folder, const char *prefix, const char *suf
 void sgmp_environment_default(const char *name, const char *value)
 {
   setenv(name, value, 0);
+}
+
+/* Takes byte `rank` of a lock file for as long as the process lives. The first rank must find all bytes
+ * free, so that processes left over from an earlier run keep a new one out. 0: taken; the number of a
+ * process that has a byte; -1: the file system has no locks, -2: the file cannot be made (errno). */
+int64_t sgmp_folder_lock(const char *path, int64_t rank)
+{
+  const int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (file < 0) return -2;
+  struct flock wanted = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_start = rank, .l_len = rank == 0 ? 0 : 1};
+  if (fcntl(file, F_SETLK, &wanted) != 0) {
+    if (errno != EACCES && errno != EAGAIN) return -1;
+    if (fcntl(file, F_GETLK, &wanted) != 0 || wanted.l_type == F_UNLCK) return -1;
+    return wanted.l_pid > 0 ? wanted.l_pid : INT64_MAX;
+  }
+  struct flock others = {.l_type = F_UNLCK, .l_whence = SEEK_SET, .l_start = 1, .l_len = 0};
+  if (rank == 0) fcntl(file, F_SETLK, &others);
+  return 0;
+}
+
+/* The number behind a word in a file such as /proc/meminfo, or the first one where the word is empty; -1:
+ * there is none. */
+static int64_t number_in_file(const char *path, const char *word)
+{
+  FILE *file = fopen(path, "r");
+  if (file == NULL) return -1;
+  char line[512];
+  long long number = -1;
+  while (fgets(line, sizeof line, file) != NULL) {
+    if (strncmp(line, word, strlen(word)) != 0) continue;
+    if (sscanf(line + strlen(word), " %lld", &number) != 1) number = -1;
+    break;
+  }
+  fclose(file);
+  return number;
+}
+
+/* What is left of the memory of a control group and of those around it (Linux, version 2). */
+static int64_t left_in_groups(int64_t least)
+{
+  char group[1024] = "", path[1200];
+  FILE *file = fopen("/proc/self/cgroup", "r");
+  if (file == NULL) return least;
+  while (fgets(group, sizeof group, file) != NULL && strncmp(group, "0::", 3) != 0) group[0] = 0;
+  fclose(file);
+  if (group[0] == 0) return least;
+  group[strcspn(group, "\n")] = 0;
+  for (;;) {
+    snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.max", group + 3);
+    const int64_t most = number_in_file(path, "");
+    snprintf(path, sizeof path, "/sys/fs/cgroup%s/memory.stat", group + 3);
+    const int64_t used = number_in_file(path, "anon");
+    if (most >= 0 && used >= 0 && most - used < least) least = most - used;
+    char *last = strrchr(group + 3, '/');
+    if (last == NULL) return least;
+    *last = 0;
+  }
+}
+
+/* Bytes that this process and others on its machine can still have: what the machine, the control groups
+ * and the limit on addresses leave; the largest number where nobody says. */
+int64_t sgmp_memory_available(void)
+{
+  int64_t least = INT64_MAX;
+  const int64_t free_kilobytes = number_in_file("/proc/meminfo", "MemAvailable:");
+  if (free_kilobytes >= 0) least = 1024*free_kilobytes;
+  least = left_in_groups(least);
+  struct rlimit limit;
+  const int64_t pages = number_in_file("/proc/self/statm", "");
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && pages >= 0) {
+    const int64_t left = (int64_t)limit.rlim_cur - pages*sysconf(_SC_PAGESIZE);
+    if (left < least) least = left;
+  }
+  return least;
 }

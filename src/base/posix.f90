@@ -1,13 +1,18 @@
 !> What the operating system does for a run besides reading and writing: signals, files that are
-!! safe on the disk, space, numbered files (posix.c).
+!! safe on the disk, space, numbered files, locks (posix.c).
 module sgmp_posix
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_null_char
   use sgmp_kinds, only: i8
   implicit none
   private
-  public :: environment_default, file_number, file_reserve, file_sync, signal_name, signals_watch
+  public :: environment_default, file_number, file_reserve, file_sync, folder_lock, signal_name, &
+            signals_watch
+  public :: lock_taken, lock_unknown, lock_impossible
 
-  character(8), parameter :: names(3) = [character(8) :: 'SIGTERM', 'SIGUSR1', 'SIGXCPU']
+  character(8), parameter :: names(4) = [character(8) :: 'SIGTERM', 'SIGUSR1', 'SIGXCPU', 'SIGINT']
+  integer(i8), parameter :: lock_taken = 0_i8      !! by this process
+  integer(i8), parameter :: lock_unknown = -1_i8   !! the file system has no locks
+  integer(i8), parameter :: lock_impossible = -2_i8  !! the file cannot be made
 
   interface
     subroutine c_signals_watch() bind(c, name='sgmp_signals_watch')
@@ -39,6 +44,13 @@ module sgmp_posix
       integer(c_int64_t), value :: below
       integer(c_int64_t) :: number
     end function c_file_number
+    function c_folder_lock(path, rank) result(holder) bind(c, name='sgmp_folder_lock')
+      import :: c_char, c_int64_t
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int64_t), value :: rank
+      integer(c_int64_t) :: holder
+    end function c_folder_lock
     subroutine c_environment_default(name, value) bind(c, name='sgmp_environment_default')
       import :: c_char
       implicit none
@@ -48,8 +60,8 @@ module sgmp_posix
 
 contains
 
-  !> From now on SIGTERM, SIGUSR1 and SIGXCPU are noted instead of ending the program, and a file
-  !! that outgrows its limit (SIGXFSZ) fails like a full disk.
+  !> From now on SIGTERM, SIGUSR1, SIGXCPU and the first SIGINT (Ctrl-C) are noted instead of ending
+  !! the program, and a file that outgrows its limit (SIGXFSZ) fails like a full disk.
   subroutine signals_watch()
     call c_signals_watch()
   end subroutine signals_watch
@@ -87,6 +99,15 @@ contains
     number = int(c_file_number(c_text(folder), c_text(prefix), c_text(suffix), &
                                int(below, c_int64_t)), i8)
   end function file_number
+
+  !> Takes a rank's part of a lock file until the process ends, however it ends; the first rank,
+  !! who comes first, gets it only where no process of another run has any part.
+  function folder_lock(path, rank) result(holder)
+    character(*), intent(in) :: path
+    integer, intent(in) :: rank
+    integer(i8) :: holder                  !! lock_*, or the number of a process that has the lock
+    holder = int(c_folder_lock(c_text(path), int(rank, c_int64_t)), i8)
+  end function folder_lock
 
   !> Gives an environment variable a value unless the user has.
   subroutine environment_default(name, value)

@@ -1,11 +1,27 @@
 !> What the operating system knows about this process.
 module sgmp_process
+  use, intrinsic :: iso_c_binding, only: c_int64_t
   use sgmp_kinds, only: i8
   implicit none
   private
-  public :: peak_memory_bytes
+  public :: memory_available_bytes, peak_memory_bytes
+
+  interface
+    function c_memory_available() result(bytes) bind(c, name='sgmp_memory_available')
+      import :: c_int64_t
+      implicit none
+      integer(c_int64_t) :: bytes
+    end function c_memory_available
+  end interface
 
 contains
+
+  !> Bytes that the processes on this machine can still have by what the machine, the control groups
+  !! and the limits of this process leave (posix.c).
+  function memory_available_bytes() result(bytes)
+    integer(i8) :: bytes
+    bytes = int(c_memory_available(), i8)
+  end function memory_available_bytes
 
   !> Peak resident memory in bytes, 0 where the system does not tell (read from /proc/self/status).
   function peak_memory_bytes() result(bytes)

@@ -311,6 +311,7 @@ contains
     real(dp) :: new(lanes, NDIM, NDIM), bij(lanes, NSTRESS), mu, lambda, j
     integer :: l, a, b, c
     integer, parameter :: row(6) = voigt_axes(1, :), col(6) = voigt_axes(2, :)
+    real(dp), parameter :: collapsed = 1.0e-100_dp  !! stands for a volume without a logarithm
     mu = law%elastic%shear
     lambda = law%elastic%lambda
     do a = 1, NDIM
@@ -335,7 +336,7 @@ contains
       end if
     end do
     do l = 1, lanes
-      j = volume(l)*law%density/mass(l)
+      j = max(volume(l)*law%density/mass(l), collapsed)  ! the caller looks at the jacobian
       do c = 1, NSTRESS
         stress(l, c) = mu/j*bij(l, c)
         if (c <= 3) stress(l, c) = stress(l, c) + (lambda*log(j) - mu)/j

@@ -5,9 +5,10 @@
 !! once.
 module sgmp_parallel
   use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_alltoall, mpi_alltoallv, &
-                     mpi_bcast, mpi_character, mpi_comm, mpi_comm_rank, mpi_comm_size, &
-                     mpi_comm_world, mpi_datatype, mpi_double_precision, mpi_exscan, &
-                     mpi_finalize, mpi_in_place, mpi_init_thread, mpi_integer, mpi_integer8, &
+                     mpi_bcast, mpi_character, mpi_comm, mpi_comm_free, mpi_comm_rank, &
+                     mpi_comm_size, mpi_comm_split_type, mpi_comm_type_shared, mpi_comm_world, &
+                     mpi_datatype, mpi_double_precision, mpi_exscan, mpi_finalize, &
+                     mpi_in_place, mpi_info_null, mpi_init_thread, mpi_integer, mpi_integer8, &
                      mpi_logical, mpi_lor, mpi_max, mpi_maxloc, mpi_min, mpi_sum, &
                      mpi_thread_funneled, mpi_2double_precision, mpi_type_commit, &
                      mpi_type_contiguous, mpi_type_free
@@ -17,7 +18,7 @@ module sgmp_parallel
   implicit none
   private
   public :: parallel_start, parallel_end, parallel_attach
-  public :: parallel_rank, parallel_ranks, parallel_communicator
+  public :: parallel_rank, parallel_ranks, parallel_ranks_here, parallel_communicator
   public :: parallel_any, parallel_sum, parallel_min, parallel_max, parallel_max_place
   public :: parallel_exact_sums, parallel_scan, parallel_agree, parallel_deal, parallel_collect, &
             parallel_gather, parallel_trade
@@ -66,6 +67,17 @@ contains
     integer :: ranks
     ranks = all_ranks
   end function parallel_ranks
+
+  !> Number of ranks on this machine; all ranks must ask.
+  function parallel_ranks_here() result(ranks)
+    integer :: ranks
+    type(mpi_comm) :: machine
+    ranks = 1
+    if (all_ranks == 1) return
+    call mpi_comm_split_type(communicator, mpi_comm_type_shared, own_rank, mpi_info_null, machine)
+    call mpi_comm_size(machine, ranks)
+    call mpi_comm_free(machine)
+  end function parallel_ranks_here
 
   !> The communicator of all ranks, for parallel files; only with MPI started.
   function parallel_communicator() result(all)

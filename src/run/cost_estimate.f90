@@ -17,7 +17,7 @@ module sgmp_cost_estimate
   use sgmp_time_step, only: clock_choose, clock_t, limit_names
   implicit none
   private
-  public :: cost_estimate_write
+  public :: cost_estimate_write, cost_estimate_write_need
 
 contains
 
@@ -50,6 +50,18 @@ contains
              ' bytes per particle, grid included')
     call put_time(scene, model, particles)
   end subroutine cost_estimate_write
+
+  !> What is known of a scene that would strain the memory, where nothing has been built.
+  subroutine cost_estimate_write_need(scene, need, available)
+    type(scene_t), intent(in) :: scene
+    real(dp), intent(in) :: need, available      !! bytes on this machine
+    character(:), allocatable :: verdict
+    call put('deck        '//scene%file//': '//scene%title)
+    verdict = 'too large to be built for a check'
+    if (need > available) verdict = 'does not fit, and would be refused'
+    call put('memory      about '//bytes_text(nint(need, i8))//' needed, '// &
+             bytes_text(nint(min(available, 1.0e18_dp), i8))//' available: '//verdict)
+  end subroutine cost_estimate_write_need
 
   subroutine put_body(scene, model, b)
     type(scene_t), intent(in) :: scene

@@ -6,20 +6,21 @@ module sgmp_simulation
   use sgmp_checkpoint, only: checkpoint_bytes, checkpoint_path, checkpoint_set_aside, &
                              checkpoint_write
   use sgmp_command_line, only: command_line_t
-  use sgmp_cost_estimate, only: cost_estimate_write
+  use sgmp_cost_estimate, only: cost_estimate_write, cost_estimate_write_need
   use sgmp_energy, only: ledger_total
   use sgmp_errors, only: error_make, error_t, exit_io, exit_numerical, exit_stopped
-  use sgmp_file_tools, only: directory_make
   use sgmp_kinds, only: dp, i8
+  use sgmp_memory_need, only: memory_need_here, memory_refuse
   use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_close, outputs_flush, outputs_next_time, outputs_open, &
                           outputs_step, outputs_stop, outputs_t
-  use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_ranks
+  use sgmp_parallel, only: parallel_agree, parallel_any, parallel_rank, parallel_ranks
   use sgmp_report, only: effort_share, effort_t, report_balance, report_banner, report_courant, &
                          report_end, report_fraction, report_level, report_remaining, report_row, &
                          report_start, summary_write
   use sgmp_restart, only: restart_find, restart_read
   use sgmp_run_log, only: log_t
+  use sgmp_run_folder, only: run_folder_clear, run_folder_open
   use sgmp_scene, only: scene_t
   use sgmp_stability, only: stability_choose
   use sgmp_step, only: step_take
@@ -39,6 +40,12 @@ contains
     integer, intent(in) :: threads
     type(error_t), allocatable, intent(out) :: error
     type(model_t), allocatable :: model
+    real(dp) :: need, available
+    call memory_need_here(scene, need, available)
+    if (parallel_any(need > 0.5_dp*available)) then
+      if (parallel_rank() == 0) call cost_estimate_write_need(scene, need, available)
+      return
+    end if
     allocate (model)
     call model_build(scene, threads, model, error)
     call parallel_agree(error)
@@ -64,6 +71,10 @@ contains
     started = wall_time()
     effort%threads = threads
     allocate (model, outputs)
+    call memory_refuse(scene, error)
+    if (allocated(error)) return
+    call run_folder_open(folder, error)
+    if (allocated(error)) return
     call open_log(log, folder, options, error)
     if (allocated(error)) return
     call report_banner(log, scene, threads)
@@ -96,17 +107,14 @@ contains
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
   end subroutine simulation_run
 
-  !> Makes the folder and the log in it, on the first rank.
+  !> Opens the log, on the first rank.
   subroutine open_log(log, folder, options, error)
     type(log_t), intent(inout) :: log
     character(*), intent(in) :: folder
     type(command_line_t), intent(in) :: options
     type(error_t), allocatable, intent(out) :: error
     if (parallel_rank() == 0) then
-      call directory_make(folder, error)
-      if (.not. allocated(error)) then
-        call log%open(folder//'/run.log', report_level(options), error, options%restart /= '')
-      end if
+      call log%open(folder//'/run.log', report_level(options), error, options%restart /= '')
     end if
     call parallel_agree(error)
   end subroutine open_log
@@ -134,7 +142,7 @@ contains
     if (effort%restart == '') then
       call model_build(scene, threads, model, error)
       call parallel_agree(error)
-      if (.not. allocated(error)) call checkpoint_set_aside(folder, -1_i8, error)
+      if (.not. allocated(error)) call run_folder_clear(folder, error)
     else
       call restart_read(effort%restart, scene, threads, model, outputs, &
                         effort%earlier_particle_steps, error)

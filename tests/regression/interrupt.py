@@ -65,6 +65,7 @@ def by_file(going):
 def requests(report, reference):
     """Signals, through a launcher too, the time limit, the stop file."""
     stops(report, reference, "sigterm", lambda going: going.end(signal.SIGTERM))
+    stops(report, reference, "sigint", lambda going: going.end(signal.SIGINT))
     stops(report, reference, "sigusr1", lambda going: going.end(signal.SIGUSR1), threads=2)
     stops(report, reference, "sigxcpu", lambda going: going.end(signal.SIGXCPU))
     stops(report, reference, "mpirun", lambda going: going.end(signal.SIGTERM), mpirun(1))

@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+"""The folder of results belongs to one run, whose files only are in it; what cannot fit into memory is refused; odd masses are told.
+
+usage: folder.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+import fcntl
+import os
+import re
+import resource
+import signal
+import subprocess
+import time
+
+from _restarts import ENVIRONMENT, Going, clear, command, execute, mpirun
+from _runs import SCRATCH, Report
+
+DECK = """dimension 2
+parameter steps = 20
+parameter side = 4
+parameter spacing = 0.5
+grid cell=1
+time cfl=0.3 end=1e9 steps=steps
+material m elastic density=2 young=100 poisson=0.3
+body plate block material=m lower=(0,0) upper=(side,side) spacing=spacing
+velocity plate x="0.1*x"
+"""
+EVERYTHING = """output vtu every=0.1
+output vtkhdf every=0.1
+output tecplot every=0.1
+output csv at=end
+gauge g point=(1,1)
+body other block material=m lower=(5,0) upper=(7,2) spacing=0.5
+contact all
+checkpoint every=10
+"""
+STOPPED, WRONG_DECK, WRONG_FILE = 6, 3, 5
+ENDLESS = {"steps": 100000000}
+
+
+def going(name, launcher=()):
+    """A run that does not end by itself, once it steps."""
+    clear(name)
+    run = Going(command(name, DECK, settings=ENDLESS), name, launcher)
+    run.wait_for(lambda: run.has_steps(4))
+    return run
+
+
+def locked(report):
+    """A second run in the folder of one that is going is refused and harms nothing; after a kill the folder is free."""
+    for title, launcher in (("alone", ()), ("ranks", mpirun(2))):
+        name = f"locked_{title}"
+        first = going(name, launcher)
+        second = execute(command(name, DECK), name)
+        report.check(second.code == WRONG_FILE and "still going" in second.text and "--output" in second.text,
+                     f"{name}: exit code {second.code}\n{second.text}")
+        result = first.end(signal.SIGTERM)
+        report.check(result.code == STOPPED, f"{name}: the first ended with {result.code}\n{result.text}")
+    first = going("locked_kill")
+    first.kill()
+    report.finished(execute(command("locked_kill", DECK), "locked_kill"), "after a kill")
+
+
+def orphans(report):
+    """Every rank has its part of the lock, and any part keeps a new run out: so does a rank that outlives its run."""
+    name = "orphan"
+    path = os.path.join(SCRATCH, name, ".lock")
+    run = going(name, mpirun(2))
+    for rank in (0, 1, 2):
+        report.check(is_free(path, rank) == (rank == 2), f"{name}: part {rank} of the lock")
+    run.end(signal.SIGTERM)
+    with open(path, "r+b") as file:
+        fcntl.lockf(file, fcntl.LOCK_EX, 1, 1)
+        second = execute(command(name, DECK), name)
+    report.check(second.code == WRONG_FILE and str(os.getpid()) in second.text, f"{name}: exit code {second.code}\n{second.text}")
+    report.finished(execute(command(name, DECK), name), "after the orphan's end")
+
+
+def is_free(path, rank):
+    """Whether a part of the lock could be had."""
+    with open(path, "r+b") as file:
+        try:
+            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, rank)
+        except OSError:
+            return False
+    return True
+
+
+def interrupted(report):
+    """Ctrl-C: checkpoint, summary and a message; a second one ends the program."""
+    name = "ctrl_c"
+    result = going(name).end(signal.SIGINT)
+    report.check(result.code == STOPPED and "SIGINT" in result.text and result.summary.get("exit_status") == STOPPED,
+                 f"{name}: exit code {result.code}\n{result.text}\n{result.summary}")
+    report.check(any(entry.startswith("checkpoint_") for entry in os.listdir(result.folder)), f"{name}: no checkpoint")
+
+
+def stale(report):
+    """A new run removes what the run before has left; what is not the program's stays."""
+    name = "stale"
+    folder = clear(name)
+    report.finished(execute(command(name, DECK + EVERYTHING), name), name)
+    before = set(os.listdir(folder))
+    for needed in ("contact.csv", "gauges.csv", "particles.pvd", "particles.vtkhdf", "particles.dat", "particles_end.csv",
+                   "particles_0000000.vtu"):
+        report.check(needed in before, f"{name}: no {needed} to be removed")
+    with open(os.path.join(folder, "notes.txt"), "w", encoding="ascii") as file:
+        file.write("mine\n")
+    report.finished(execute(command(name, DECK), name), name)
+    after = set(os.listdir(folder))
+    expected = {".lock", "run.log", "history.csv", "bodies.csv", "summary.json", "notes.txt"}
+    left = {entry for entry in after - expected if not entry.endswith(".h5.old")}
+    report.check(not left and expected <= after, f"{name}: {sorted(after)}")
+    execute(command(name, DECK + "body twin block material=m lower=(0,0) upper=(1,1)\n"), name)  # refused: bodies overlap
+    report.check("summary.json" not in os.listdir(folder), f"{name}: the summary of the run before survives a failure")
+
+
+def too_large(report):
+    """Under a limit on memory: refused before anything is allocated, with a remedy; --check says what would be needed."""
+    name = "memory"
+    settings = {"side": 4000, "spacing": 0.25}
+
+    def limited():
+        resource.setrlimit(resource.RLIMIT_AS, (2 * 1024**3, 2 * 1024**3))
+
+    for options, code, words in (((), WRONG_DECK, "GiB of memory"), (("--check",), 0, "does not fit")):
+        started = time.monotonic()
+        done = subprocess.run(command(name, DECK, options, settings), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
+                              timeout=300, env=ENVIRONMENT, preexec_fn=limited)
+        text = done.stdout.decode("utf-8", "replace")
+        report.check(done.returncode == code and words in text, f"{name} {options}: exit code {done.returncode}\n{text}")
+        report.check(time.monotonic() - started < 60, f"{name} {options}: took {time.monotonic() - started:.0f} s")
+
+
+def estimated(report):
+    """The need that decides is near the measured peak."""
+    for title, settings in (("four per cell", {"side": 400}), ("one per cell", {"side": 300, "spacing": 1})):
+        name = "peak"
+        result = execute(command(name, DECK, settings={**settings, "steps": 1}), name)
+        report.finished(result, name)
+
+        def limited():
+            resource.setrlimit(resource.RLIMIT_AS, (600 * 1024**2, 600 * 1024**2))
+
+        done = subprocess.run(command(name, DECK, ("--check",), {"side": 10 * settings["side"], "spacing": settings.get("spacing", 0.5)}),
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, env=ENVIRONMENT, preexec_fn=limited)
+        found = re.search(r"about ([\d.]+) MiB needed", done.stdout.decode("utf-8", "replace"))
+        if report.check(found, f"{title}: no need in\n{done.stdout.decode()}"):
+            process = 40e6
+            need = (float(found.group(1)) * 1024**2 - process) / 100 + process
+            peak = result["peak_memory_bytes"]
+            report.check(0.8 < need / peak < 1.25, f"{title}: estimated {need/1e6:.0f} MB, measured {peak/1e6:.0f} MB")
+            print(f"{title}: estimated {need/1e6:.0f} MB, measured {peak/1e6:.0f} MB")
+
+
+def masses(report):
+    """A body thinner than its spacing has more mass than its shape: --check shows it, a run warns."""
+    thin = DECK.replace("upper=(side,side)", "upper=(6,0.3)")
+    result = execute(command("thin", thin, ("--check",)), "thin")
+    report.check(re.search(r"mass +6\.0+; of its shapes 3\.60+ \(\+66\.7 %\)", result.text), f"thin: {result.text}")
+    line = [word for word in command("thin", thin) if word != "--quiet"]
+    result = execute(line, "thin")
+    report.check("warning" in result.text and "'plate'" in result.text and "mass" in result.text, f"thin: {result.text}")
+    result = execute([word for word in command("thick", DECK) if word != "--quiet"], "thick")
+    report.check("mass" not in result.text, f"thick: {result.text}")
+
+
+def main():
+    """All checks; the exit code is that of the report."""
+    os.makedirs(SCRATCH, exist_ok=True)
+    report = Report()
+    for check in (locked, orphans, interrupted, stale, too_large, estimated, masses):
+        check(report)
+    report.end()
+
+
+if __name__ == "__main__":
+    main()
