@@ -166,6 +166,11 @@ class Section:
     commands: list = field(default_factory=list)
 
 
+def band(known, reference):
+    """How far a value may be from a known deviation."""
+    return min(0.05 * abs(known), 0.25 * abs(known - float(reference)))
+
+
 class Book:
     """Results, sections, figures and tables of a verification run."""
 
@@ -179,9 +184,10 @@ class Book:
 
     def add(self, case, quantity, value, reference, tolerance, passed, note="", known=None):
         """`known`: what the value is known to be where the target is out of reach, for a reason that the note gives. Such a
-        check is reported as not passed; it counts as failed only if the value has moved away by more than a quarter."""
+        check is reported as not passed; it counts as failed only if the value has left the band about the known one, whose width is
+        half of the deviation and at most a tenth of the value: a deviation that shrinks or grows is news."""
         value = float(value)
-        deviation = bool(not passed and known is not None and abs(value - known) <= 0.25 * abs(known))
+        deviation = bool(not passed and known is not None and abs(value - known) <= band(known, reference))
         self.results.append({"section": self.sections[-1].title if self.sections else "", "case": case, "quantity": quantity,
                              "value": value if math.isfinite(value) else str(value),
                              "reference": reference, "tolerance": tolerance, "pass": bool(passed),

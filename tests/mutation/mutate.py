@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Puts small faults into src/, one at a time, and sees whether the tests notice.
 
-usage: mutate.py [--sample N] [--seed N] [--files FILE …] [--kinds KIND …] [--budget SECONDS] [--jobs N]
+usage: mutate.py [--sample N] [--seed N] [--files FILE …] [--kinds KIND …] [--without TEST …] [--budget SECONDS] [--jobs N]
 
 All faults of the sample are compiled into one copy of the sources, each behind a switch (SGMP_MUTANT). A first round of all
 tests without a fault tells which tests come by which fault and how long they take; then every fault is switched on, and the
@@ -255,6 +255,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1, help="of the sample (default 1)")
     parser.add_argument("--files", nargs="*", default=[], help="sources, or folders of them (default src)")
     parser.add_argument("--kinds", nargs="*", default=list(KINDS), choices=KINDS, help="labels of the tests that run (default all)")
+    parser.add_argument("--without", nargs="*", default=[], help="tests that do not run")
     parser.add_argument("--budget", type=float, default=120.0, help="seconds of regression tests per fault (default 120)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="faults at the same time (default: processors)")
     options = parser.parse_args()
@@ -268,7 +269,7 @@ def main():
     drawn = len(chosen)
     chosen = build(chosen, options.jobs)
     print(f"{drawn} faults, {drawn - len(chosen)} of them no Fortran; built after {time.monotonic() - start:.0f} s", flush=True)
-    tests = [test for test in tests_of_build() if test.kind in options.kinds]
+    tests = [test for test in tests_of_build() if test.kind in options.kinds and test.name not in options.without]
     without_faults(tests, options.jobs)
     print(f"{len(tests)} tests pass without a fault; {time.monotonic() - start:.0f} s", flush=True)
     known = equivalents()
