@@ -1,11 +1,12 @@
 !> The cards `method`, `time` and `stop`: how and how long the scene is computed.
 module sgmp_cards_method
   use sgmp_deck_card, only: deck_card_t
+  use sgmp_deck_errors, only: deck_errors_t
   use sgmp_kernels, only: method_cpgimp, method_gimp, method_names, method_sgmp
   use sgmp_keys, only: kind_integer, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
-  use sgmp_scene, only: update_musl, update_names
+  use sgmp_scene, only: method_card_t, update_musl, update_names
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: words_joined
   implicit none
@@ -38,6 +39,9 @@ contains
                       source='doc/normalised-stress.md')
     call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
                       'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
+    call registry%key('rotation', kind_word, 'exact: rigid rotation strains nothing and internal '// &
+                      'forces have no moment, at free surfaces as well (sgmp only)', &
+                      choices='plain exact', default='plain', source='doc/spin.md')
     call registry%key('spin', kind_word, 'whether particles carry the rotation of what is '// &
                       'around them to the grid, so that what turns keeps turning (sgmp, musl)', &
                       choices='none carried', default='none', source='doc/spin.md')
@@ -85,6 +89,7 @@ contains
       method%mass_cutoff = card%number('mass_cutoff', absent=method%mass_cutoff)
       method%normalised = card%word('stress') == 'normalised'
       method%interior = card%number('interior')
+      method%rotation = card%word('rotation') == 'exact'
       method%spin = card%word('spin') == 'carried'
     end associate
   end subroutine read_method
@@ -98,6 +103,7 @@ contains
         call errors%add(card%position, 'normalised stress exists for method sgmp only', &
                         'remove stress=normalised or use method sgmp')
       end if
+      call check_rotation(card, method, errors)
       if (.not. method%spin) return
       if (method%kind /= method_sgmp .or. method%update /= update_musl) then
         call errors%add(card%position, 'spin=carried exists for method sgmp update=musl only', &
@@ -111,6 +117,25 @@ contains
       end if
     end associate
   end subroutine check_method
+
+  !> Where exact rotation exists.
+  subroutine check_rotation(card, method, errors)
+    type(deck_card_t), intent(in) :: card
+    type(method_card_t), intent(in) :: method
+    type(deck_errors_t), intent(inout) :: errors
+    if (.not. method%rotation) return
+    if (method%kind /= method_sgmp) then
+      call errors%add(card%position, 'rotation=exact exists for method sgmp only', &
+                      'remove rotation=exact or use method sgmp')
+    end if
+    if (method%spin) then
+      call errors%add(card%position, 'rotation=exact and spin=carried exclude each other', &
+                      'remove spin=carried: rotation=exact needs no help')
+    end if
+    if (method%flip < 1.0_dp) then
+      call errors%add(card%position, 'rotation=exact needs flip=1', 'remove flip or rotation=exact')
+    end if
+  end subroutine check_rotation
 
   subroutine read_time(card, draft)
     type(deck_card_t), intent(in) :: card

@@ -55,6 +55,7 @@ module sgmp_scene
     real(dp) :: mass_cutoff = 1.0e-12_dp
       !! nodes lighter than this times the largest particle mass are ignored
     logical :: normalised = .false.   !! volume-normalised stress (sgmp only)
+    logical :: rotation = .false.     !! rigid rotation strains nothing (sgmp only)
     logical :: spin = .false.         !! particles carry their spin (sgmp only)
     real(dp) :: interior = 0.25_dp    !! filling beyond which a cell counts as interior
   end type method_card_t

@@ -18,6 +18,8 @@ module sgmp_columns
     integer :: forces = 0              !! components of it
     integer :: external = 0            !! external force, 0: no body force acts
     integer :: volume = 0              !! 0: not carried
+    integer :: offset = 0              !! first moments of the mass about the centres (mass times
+                                       !! cells), the last columns; 0: not carried
     integer :: total = 0
   end type columns_t
 
@@ -31,11 +33,12 @@ module sgmp_columns
 contains
 
   !> Lays out the columns of the sums.
-  pure function columns_make(ndim, kernel, external, volume, spins) result(columns)
+  pure function columns_make(ndim, kernel, external, volume, spins, offset) result(columns)
     integer, intent(in) :: ndim, kernel
     logical, intent(in) :: external    !! with an external force
     logical, intent(in) :: volume      !! with the volume
     integer, intent(in) :: spins       !! components of the spin that particles carry
+    logical, intent(in), optional :: offset  !! with the first moments of the mass
     type(columns_t) :: columns
     columns%spin = columns%momentum + ndim
     columns%spins = spins
@@ -49,6 +52,11 @@ contains
     if (volume) then
       columns%total = columns%total + 1
       columns%volume = columns%total
+    end if
+    if (.not. present(offset)) return
+    if (offset) then
+      columns%offset = columns%total + 1
+      columns%total = columns%total + ndim
     end if
   end function columns_make
 

@@ -10,6 +10,8 @@ module sgmp_field
   use sgmp_kinds, only: dp, i8
   use sgmp_large_pages, only: large_pages_ask
   use sgmp_mesh, only: mesh_t
+  use sgmp_rotation_points, only: rotation_points_clear, rotation_points_make, &
+                                  rotation_points_move, rotation_points_t
   use sgmp_rows, only: key_k, row_key, rows_contains, rows_dilate, rows_locate, rows_t
   implicit none
   private
@@ -31,19 +33,21 @@ module sgmp_field
     integer, allocatable :: plane_store(:)  !! (planes + 1): first interval of `store` in each plane
     integer :: largest_plane = 0                    !! records of the largest plane
     real(dp), allocatable :: moment(:, :)           !! (points, columns%total) sums over particles
+    type(rotation_points_t) :: rotation             !! for columns%offset > 0
     real(dp), allocatable :: node(:, :)             !! (points, node_total) values at the nodes
   end type field_t
 
 contains
 
   !> An empty field.
-  pure subroutine field_init(field, mesh, kernel, body_force, volume, spins)
+  pure subroutine field_init(field, mesh, kernel, body_force, volume, spins, rotation)
     type(field_t), intent(out) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel        !! one of kernel_*
     logical, intent(in) :: body_force    !! columns for an external force
     logical, intent(in), optional :: volume  !! a column for the volume (normalised stress)
     integer, intent(in), optional :: spins   !! columns for the spin that particles carry
+    logical, intent(in), optional :: rotation  !! rotation is exact
     logical :: with_volume
     integer :: nspin
     with_volume = .false.
@@ -52,7 +56,8 @@ contains
     if (present(spins)) nspin = spins
     field%kernel = kernel
     field%ndim = mesh%ndim
-    field%columns = columns_make(mesh%ndim, kernel, body_force, with_volume, nspin)
+    field%columns = columns_make(mesh%ndim, kernel, body_force, with_volume, nspin, &
+                                 rotation)
     field%points = 0
     allocate (field%moment(0, field%columns%total), field%node(0, node_total(mesh%ndim)))
     allocate (field%plane_k(0))
@@ -87,6 +92,9 @@ contains
     allocate (new%node(new%points, node_total(new%ndim)))
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))
+    if (new%columns%offset > 0) then
+      call rotation_points_make(new%ndim, new%points, field%rotation%least_offset, new%rotation)
+    end if
     call field_clear(new)
     call field_move(field, new)
     call field_replace(new, field)
@@ -102,6 +110,7 @@ contains
       last = field%plane_start(p + 1) - 1
       field%moment(first:last, :) = 0.0_dp
       field%node(first:last, :) = 0.0_dp
+      if (field%columns%offset > 0) call rotation_points_clear(first, last, field%rotation)
     end do
     !$omp end parallel do
   end subroutine field_clear
@@ -236,6 +245,7 @@ contains
     call move_alloc(new%plane_store, field%plane_store)
     call move_alloc(new%moment, field%moment)
     call move_alloc(new%node, field%node)
+    call rotation_points_move(new%rotation, field%rotation)
   end subroutine field_replace
 
 end module sgmp_field

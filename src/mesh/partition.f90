@@ -31,13 +31,14 @@ module sgmp_partition
 contains
 
   !> The widths that a method needs, and where walls allow cuts; all planes go to the first rank.
-  pure subroutine partition_make(partition, mesh, kernel, normalised, divisible, rank, ranks)
+  pure subroutine partition_make(partition, mesh, kernel, normalised, divisible, rank, ranks, rotation)
     type(partition_t), intent(out) :: partition
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel            !! one of kernel_*
     logical, intent(in) :: normalised        !! stresses are scaled by the volumes of neighbours
     logical, intent(in) :: divisible         !! planes may go to other ranks than the first
     integer, intent(in) :: rank, ranks
+    logical, intent(in), optional :: rotation  !! velocities and forces are corrected by neighbours'
     integer :: more, r
     partition%rank = rank
     partition%ranks = ranks
@@ -46,6 +47,11 @@ contains
     partition%nodes = stencil_reach(kernel)
     ! Nodes need the centres below them, too.
     partition%moments = [merge(1 + more, 0, kernel_centred(kernel)), partition%nodes + more]
+    if (present(rotation)) then
+      ! The force at a node takes the moments of nodes next to it, and these the masses of centres up
+      ! to two cells from there.
+      if (rotation) partition%moments = [3, partition%nodes + 2]
+    end if
     partition%bins = partition%moments + [stencil_width(kernel) - 1, 0]
     partition%least = max(partition%bins(1), partition%bins(2)) + 1
     ! A wall's fold and mirror images must be inside what one rank holds completely.

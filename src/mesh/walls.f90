@@ -9,7 +9,7 @@ module sgmp_walls
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
+  use sgmp_mesh, only: mesh_t, wall_fixed, wall_free, wall_slip
   use sgmp_rows, only: key_j, key_k
   use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
@@ -50,6 +50,9 @@ contains
       else if (wall /= wall_fixed) then
         parity = stress_parity(1 + column - columns%force, normal, ndim)
       end if
+    else if (columns%offset > 0 .and. column >= columns%offset) then
+      ! A mirror turns the lever across it round, whatever the wall does to velocities.
+      parity = vector_parity(1 + column - columns%offset, normal, wall_slip)
     end if
   end function moment_parity
 

@@ -54,12 +54,14 @@ contains
     model%method%gravity = scene%gravity
     model%method%normalised = scene%method%normalised
     model%method%interior = scene%method%interior
+    model%method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
     model%method%spins = spin_components(scene)
     model%method%lost_policy = scene%grid%lost
     kernel = method_kernel(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%totals%bodies(size(scene%bodies)))
     call partition_make(model%ranks%partition, model%mesh, kernel, model%method%normalised, &
-                        model%mesh%ndim > 1, parallel_rank(), parallel_ranks())
+                        model%mesh%ndim > 1, parallel_rank(), parallel_ranks(), &
+                        model%method%rotation)
     if (seeded) then
       call partition_first(scene, model, kernel, surveys, error)
       if (allocated(error)) return
@@ -270,7 +272,7 @@ contains
     allocate (model%fields(contact_fields(model)))
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
-                      model%method%normalised, model%method%spins)
+                      model%method%normalised, model%method%spins, model%method%rotation)
     end do
     call team_make(model%team, threads, model%mesh%ndim, size(model%fields), size(model%bodies))
     allocate (model%ranks%below(size(model%fields)), model%ranks%above(size(model%fields)))

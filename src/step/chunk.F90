@@ -19,7 +19,7 @@ module DIM(sgmp_chunk)
   use sgmp_sums, only: sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sum_viscous, sweep_sums
   use DIM(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_scatter, &
-                                linear_scatter_force, linear_weights
+                                linear_scatter_force, linear_scatter_moment, linear_weights
   use DIM(sgmp_transfer_product), only: product_gather, product_gather_gradient, product_scatter, &
                                         product_scatter_force, product_spread, product_spread_t
   implicit none
@@ -29,7 +29,7 @@ module DIM(sgmp_chunk)
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 2 + 2*NDIM + NSPIN + NFLUX
+  integer, parameter :: most_columns = 2 + 3*NDIM + NSPIN + NFLUX
   integer, parameter :: most_gathered = 2*NDIM + NGRAD
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
@@ -42,6 +42,7 @@ module DIM(sgmp_chunk)
     integer :: width = 2, layers = 1, lines = 1, rows = 1, points = 2  !! of the stencil
     real(dp) :: shift = 0.5_dp           !! of the stencil against the grid (cells)
     integer :: nq = 0                    !! columns of the moments that are scattered
+    integer :: plain = 0                 !! of these, all but the last: the mass's first moments
     integer :: spin = 0                  !! columns before the spin; 0: none is carried
     integer :: momentum = 0              !! columns before the momentum
     integer :: forces = 0                !! columns before the forces (MPM, GIMP)
@@ -75,14 +76,15 @@ contains
     task%points = merge(NWIDE_SUM, NCORNER, task%wide)
     task%shift = stencil_shift(kernel)
     task%nq = plan%last_column - plan%first_column + 1
+    task%plain = task%nq - merge(NDIM, 0, plan%offset)
     task%forces = merge(1, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
     if (plan%spins > 0 .and. plan%momentum) then
       task%momentum = merge(1, 0, plan%mass)
       task%spin = task%forces
       task%forces = task%forces + plan%spins
     end if
-    task%flux = merge(task%forces, task%nq, task%centred)
-    task%values = merge(max(task%nq, task%flux + NFLUX), task%nq, plan%stress)
+    task%flux = merge(task%forces, task%plain, task%centred)
+    task%values = merge(max(task%plain, task%flux + NFLUX), task%plain, plan%stress)
     task%vectors = NDIM*size(plan%vectors)
     task%stride = max(1, task%vectors + merge(NGRAD, 0, plan%gradient > 0))
     task%velocity = 1 + merge(NDIM, 0, plan%kick)
@@ -148,7 +150,7 @@ contains
     if (task%spin > 0) call spin_collect(plan%spin_keep, plan%spin_gain, task%live(1, nl), &
                                          got(1, task%gradient), motion(1, mass_at), &
                                          state(1, body%law%slots%spin), values(1, task%spin + 1))
-    if (plan%stress .and. (.not. task%centred .or. task%nq > task%forces + NFLUX)) then
+    if (plan%stress .and. (.not. task%centred .or. task%plain > task%forces + NFLUX)) then
       call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, motion, state, values)
     end if
     if (outside) call note_movers(task, s, nl, nb, motion, state, id, xi, values, movers)
@@ -399,8 +401,8 @@ contains
       values(:, n + 1:n + NDIM) = 0.0_dp
       n = n + NDIM
     end if
-    if (plan%volume) values(:, task%nq) = live*state(:, 1)
-    if (n == task%nq - merge(1, 0, plan%volume)) return
+    if (plan%volume) values(:, task%plain) = live*state(:, 1)
+    if (n == task%plain - merge(1, 0, plan%volume)) return
     values(:, n + 1:n + NDIM) = 0.0_dp
     mass = live*motion(:, mass_at)
     if (body%forced) then
@@ -476,7 +478,8 @@ contains
         call spin_to_origin(task%h, xi, values(1, task%spin + 1), values(1, task%momentum + 1))
         call spin_to_corners(task%h, xi, values(1, task%spin + 1), stencil(1, task%momentum + 1))
       end if
-      call linear_scatter(task%nq, xi, values, stencil)
+      call linear_scatter(task%plain, xi, values, stencil)
+      if (task%nq > task%plain) call linear_scatter_moment(xi, values, stencil(1, task%plain + 1))
       return
     end if
     plain = task%forces

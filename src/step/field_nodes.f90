@@ -2,6 +2,7 @@
 !! threads share the planes.
 module sgmp_field_nodes
   use sgmp_field, only: field_t
+  use sgmp_field_rotation, only: field_rotation_forces
   use sgmp_halo, only: halo_planes
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
@@ -29,8 +30,9 @@ contains
     type(method_t), intent(in) :: method
     type(team_t), intent(in) :: team
     type(partition_t), intent(in) :: partition
-    integer :: p, p1, p2
-    call halo_planes(field, partition%own + [-1, partition%nodes], p1, p2)
+    integer :: p, p1, p2, more
+    more = merge(1, 0, method%rotation)
+    call halo_planes(field, partition%own + [-1 - more, partition%nodes + more], p1, p2)
     !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
     !$omp& default(none) shared(field, mesh, method, team, p1, p2) private(p)
     do p = p1, p2
@@ -49,6 +51,7 @@ contains
     type(partition_t), intent(in) :: partition
     real(dp), intent(inout) :: sums(:, :)        !! (nodes_sums, planes), added to
     integer :: p, p1, p2
+    if (field%columns%offset > 0) call field_rotation_forces(field, mesh, team, partition)
     call field_node_planes(field, partition, p1, p2)
     !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
     !$omp& default(none) shared(field, mesh, dt, gravity, cutoff, forced, team, sums, p1, p2) &

@@ -96,6 +96,11 @@ contains
       plan%last_column = field%columns%force + field%columns%forces - 1
     end if
     plan%volume = plan%stress .and. field%columns%volume > 0 .and. .not. plan%probe
+    plan%offset = plan%stress .and. field%columns%offset > 0 .and. .not. plan%probe
+    if (plan%offset .and. .not. plan%mass) then
+      plan%offset = .false.
+      plan%last_column = field%columns%offset - 1
+    end if
   end subroutine sweep_columns
 
   !> Whether there are planes that are swept first because neighbours wait for them.

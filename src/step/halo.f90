@@ -17,11 +17,11 @@ module sgmp_halo
   private
   public :: halo_own_planes, halo_planes, halo_write_below, halo_write_above, halo_read_sums
   public :: halo_put_bins, halo_get_bins
-  public :: halo_put_moments, halo_get_planes, halo_clear
+  public :: halo_put_moments, halo_put_nodes, halo_get_planes, halo_clear
 
-  !> What a section holds: columns of the moments, or a layer (2, 3) of the sums before the planes
-  !! are joined.
-  integer, parameter :: section_moments = 1
+  !> What a section holds: columns of the moments, columns of the nodes' values, or a layer (2, 3)
+  !! of the sums before the planes are joined.
+  integer, parameter :: section_moments = 1, section_nodes = -1
 
 contains
 
@@ -150,17 +150,33 @@ contains
     type(field_t), intent(in) :: field
     integer, intent(in) :: p, columns(2)
     type(buffer_t), intent(inout) :: buffer
+    call put_columns(field, p, columns, field%moment, section_moments, buffer)
+  end subroutine halo_put_moments
+
+  !> Appends columns of the nodes' values of one plane.
+  pure subroutine halo_put_nodes(field, p, columns, buffer)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: p, columns(2)
+    type(buffer_t), intent(inout) :: buffer
+    call put_columns(field, p, columns, field%node, section_nodes, buffer)
+  end subroutine halo_put_nodes
+
+  pure subroutine put_columns(field, p, columns, values, section, buffer)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: p, columns(2), section
+    real(dp), intent(in) :: values(:, :)
+    type(buffer_t), intent(inout) :: buffer
     integer :: s, q, n, to, from
-    call put_head(field, p, section_moments, columns(2) - columns(1) + 1, buffer)
+    call put_head(field, p, section, columns(2) - columns(1) + 1, buffer)
     do s = field%plane_work(p), field%plane_work(p + 1) - 1
       call put_row(field, s, n, buffer)
       from = field%neighbour(0, 0, s) + field%work%first(s)
       do q = columns(1), columns(2)
         call buffer_take(buffer, n, to)
-        buffer%values(to + 1:to + n) = field%moment(from:from + n - 1, q)
+        buffer%values(to + 1:to + n) = values(from:from + n - 1, q)
       end do
     end do
-  end subroutine halo_put_moments
+  end subroutine put_columns
 
   !> Appends one layer of the sums of one plane.
   pure subroutine put_layer(field, p, layer, nq, planes, buffer)
@@ -203,7 +219,7 @@ contains
   !! place.
   pure subroutine halo_get_planes(field, columns, work, buffer, complete)
     type(field_t), intent(inout) :: field
-    integer, intent(in) :: columns(2)            !! those that sections of moments hold
+    integer, intent(in) :: columns(2)            !! those that sections of moments or nodes hold
     type(workspace_t), intent(inout) :: work     !! receives layers
     type(buffer_t), intent(inout) :: buffer
     logical, intent(out) :: complete
@@ -258,6 +274,8 @@ contains
           select case (section)
           case (section_moments)
             field%moment(at:at + n - 1, column + q - 1) = values
+          case (section_nodes)
+            field%node(at:at + n - 1, column + q - 1) = values
           case default
             at = at - field%plane_start(p) + 1
             work%planes(section, q, at:at + n - 1, &

@@ -13,12 +13,16 @@ module DIM(sgmp_nodes)
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
+#if NDIM > 1
+  use DIM(sgmp_rotation), only: rotation_force
+#endif
   use sgmp_rows, only: key_j, key_k
   use sgmp_sums, only: nodes_external, nodes_ignored, nodes_mass_aa, nodes_mass_av, nodes_sums
   use sgmp_voigt, only: flux_between
   implicit none
   private
   public :: nodes_normalise, nodes_solve, nodes_velocity, nodes_remap
+  public :: node_forces
 
   integer, parameter :: tile = 128
   integer, parameter :: before_a = node_acceleration - 1      !! columns before the acceleration
@@ -124,6 +128,9 @@ contains
         call node_moments(field, s, first, n, .true., m, p)
         if (field%columns%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
         call node_forces(field, mesh%inverse_h, s, first, n, f)
+#if NDIM > 1
+        if (field%columns%offset > 0) call rotation_force(field, s, first, n, f)
+#endif
         if (driven) then
           call external_forces(field, s, first, n, m, gravity, forced, external)
           f(:n, :) = f(:n, :) + external(:n, :)

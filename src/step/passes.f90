@@ -11,6 +11,8 @@ module sgmp_passes
                            nodes_solve_2d => nodes_solve, nodes_velocity_2d => nodes_velocity
   use sgmp_nodes_3d, only: nodes_normalise_3d => nodes_normalise, nodes_remap_3d => nodes_remap, &
                            nodes_solve_3d => nodes_solve, nodes_velocity_3d => nodes_velocity
+  use sgmp_nodes_rotation_2d, only: nodes_rotation_2d => nodes_rotation
+  use sgmp_nodes_rotation_3d, only: nodes_rotation_3d => nodes_rotation
   use sgmp_plan, only: plan_t, workspace_t
   use sgmp_rebinning, only: arrivals_t
   use sgmp_sums, only: nodes_sums
@@ -97,6 +99,16 @@ module sgmp_passes
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: plane
     end subroutine nodes_remap
+
+    !> See sgmp_nodes_rotation: one stage of exact rotation of one plane.
+    pure subroutine nodes_rotation(field, mesh, plane, stage, cutoff, columns)
+      import :: dp, field_t, mesh_t
+      type(field_t), intent(inout) :: field
+      type(mesh_t), intent(in) :: mesh
+      integer, intent(in) :: plane, stage
+      real(dp), intent(in) :: cutoff
+      integer, intent(in) :: columns(:)
+    end subroutine nodes_rotation
   end interface
 
   !> The passes of one dimension.
@@ -108,6 +120,7 @@ module sgmp_passes
     procedure(nodes_solve), pointer, nopass :: solve => null()
     procedure(nodes_velocity), pointer, nopass :: velocity => null()
     procedure(nodes_remap), pointer, nopass :: remap => null()
+    procedure(nodes_rotation), pointer, nopass :: rotation => null()  !! none in 1D
   end type passes_t
 
 contains
@@ -122,10 +135,10 @@ contains
                         nodes_solve_1d, nodes_velocity_1d, nodes_remap_1d)
     case (2)
       passes = passes_t(sweep_slab_2d, sweep_join_2d, sweep_add_movers_2d, nodes_normalise_2d, &
-                        nodes_solve_2d, nodes_velocity_2d, nodes_remap_2d)
+                        nodes_solve_2d, nodes_velocity_2d, nodes_remap_2d, nodes_rotation_2d)
     case default
       passes = passes_t(sweep_slab_3d, sweep_join_3d, sweep_add_movers_3d, nodes_normalise_3d, &
-                        nodes_solve_3d, nodes_velocity_3d, nodes_remap_3d)
+                        nodes_solve_3d, nodes_velocity_3d, nodes_remap_3d, nodes_rotation_3d)
     end select
   end function passes_of
 

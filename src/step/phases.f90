@@ -10,6 +10,7 @@ module sgmp_phases
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_build, field_t
   use sgmp_field_nodes, only: field_normalise, field_remap, field_solve, field_velocity
+  use sgmp_field_rotation, only: field_rotation_place, field_rotation_prepare, field_rotation_swap
   use sgmp_field_sweep, only: field_sweep, sweep_columns
   use sgmp_findings, only: findings_t
   use sgmp_halo, only: halo_own_planes
@@ -30,8 +31,8 @@ module sgmp_phases
   implicit none
   private
   public :: phase_contact_force, phase_contact_velocity, phase_find_contact, phase_fold, &
-            phase_layout, phase_mirror, phase_normalise, phase_remap, phase_solve, phase_sweep, &
-            phase_velocity
+            phase_layout, phase_mirror, phase_normalise, phase_place, phase_remap, phase_rotation, &
+            phase_solve, phase_sweep, phase_velocity
 
 contains
 
@@ -149,6 +150,54 @@ contains
       end if
     end do
   end subroutine mirror
+
+  !> Prepares exact rotation for the masses as they lie.
+  subroutine phase_rotation(method, mesh, fields, bodies, team, partition)
+    type(method_t), intent(in) :: method
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(team_t), intent(in) :: team
+    type(partition_t), intent(in) :: partition
+    integer :: f
+    if (.not. method%rotation) return
+    do f = 1, size(fields)
+      if (rigid_field(bodies, f) > 0) cycle
+      call field_rotation_prepare(fields(f), mesh, method%cutoff, team, partition)
+    end do
+  end subroutine phase_rotation
+
+  !> Takes nodal velocities to the places of the nodes, where rotation is exact.
+  subroutine phase_place(step, method, mesh, fields, bodies, columns, team, ranks, findings, timers)
+    integer, intent(in) :: step                  !! its number
+    type(method_t), intent(in) :: method
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: columns(:)            !! first column of each, ascending
+    type(team_t), intent(in) :: team
+    type(ranks_t), intent(inout) :: ranks
+    type(findings_t), intent(inout) :: findings
+    type(timers_t), intent(inout) :: timers
+    logical :: complete
+    real(dp) :: since
+    integer :: f
+    if (.not. method%rotation) return
+    do f = 1, size(fields)
+      if (rigid_field(bodies, f) > 0) cycle
+      if (ranks%partition%ranks > 1) then
+        since = wall_time()
+        call field_rotation_swap(fields(f), columns, ranks, complete)
+        call timers_move(timers, phase_halo, since)
+        if (.not. complete .and. .not. allocated(findings%failure)) then
+          call error_make(findings%failure, exit_numerical, 'a rank has no place for velocities '// &
+                          'of its neighbour in step '//integer_text(step), &
+                          'this is a fault of the program: report it')
+        end if
+      end if
+      call field_rotation_place(fields(f), mesh, columns, team, ranks%partition)
+    end do
+  end subroutine phase_place
 
   !> Volume-normalised stress at all centres, where the scene asks for it.
   subroutine phase_normalise(method, mesh, fields, team, partition)

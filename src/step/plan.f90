@@ -8,6 +8,7 @@ module sgmp_plan
   !> One sweep: gather, advance, scatter.
   type :: plan_t
     logical :: volume = .false.            !! with the stress, the particles' volume
+    logical :: offset = .false.            !! with the stress, first moments of the mass
     logical :: probe = .false.  !! nothing advances: particles answer with the stress or momentum of
                                 !! what they read, per wave modulus and mass (sgmp_stability)
     logical :: kick = .false.              !! v += a dt_kick

@@ -19,7 +19,7 @@ module sgmp_stability
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_exact_sums
-  use sgmp_phases, only: phase_mirror, phase_normalise, phase_sweep
+  use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_rotation, phase_sweep
   use sgmp_plan, only: plan_t
   use sgmp_rebin_phases, only: phase_rebin_particles
   use sgmp_rigid_bodies, only: rigid_field
@@ -79,6 +79,8 @@ contains
     logical :: smoothing
     smoothing = model%method%update /= update_usl
     allocate (saved, source=model%fields)
+    call phase_rotation(model%method, model%mesh, model%fields, model%bodies, model%team, &
+                        model%ranks%partition)
     call start(model)
     call vector_get(model, before)
     call accelerate(model)
@@ -198,6 +200,10 @@ contains
     type(plan_t) :: own
     own = plan
     own%step = model%clock%step
+    if (plan%stress) then
+      call phase_place(own%step, model%method, model%mesh, model%fields, model%bodies, &
+                       [node_acceleration], model%team, model%ranks, model%findings, model%timers)
+    end if
     call phase_mirror(model%mesh, model%fields, model%bodies, [node_acceleration], &
                       model%team%threads)
     call phase_sweep(own, model%mesh, model%fields, model%bodies, model%team, model%ranks, &

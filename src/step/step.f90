@@ -10,8 +10,8 @@ module sgmp_step
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_phases, only: phase_contact_force, phase_contact_velocity, phase_find_contact, &
-                         phase_mirror, phase_normalise, phase_remap, phase_solve, phase_sweep, &
-                         phase_velocity
+                         phase_mirror, phase_normalise, phase_place, phase_remap, phase_rotation, &
+                         phase_solve, phase_sweep, phase_velocity
   use sgmp_plan, only: plan_t
   use sgmp_rebin_phases, only: phase_rebin_particles
   use sgmp_rigid_bodies, only: rigid_choose_speed
@@ -38,7 +38,7 @@ contains
     plan%strain = .true.
     plan%mass = .true.
     plan%momentum = .true.
-    plan%stress = model%method%update /= update_usf
+    plan%stress = model%method%update /= update_usf .or. model%method%rotation
     plan%dt_strain = tiny(1.0_dp)**0.25_dp
     allocate (plan%vectors(0))
     call step_open(model)
@@ -52,6 +52,7 @@ contains
     real(dp) :: dt_kick
     dt_kick = clock_kick_step(model%clock)
     call step_open(model)
+    if (model%method%rotation) call prepare_rotation(model)
     select case (model%method%update)
     case (update_musl)
       call step_musl(model, dt_kick)
@@ -102,7 +103,7 @@ contains
     call remap(model)
     plan = plan_drift_strain(model)
     plan%dt_strain = 0.5_dp*plan%dt_strain
-    plan%stress = .false.
+    plan%stress = model%method%rotation  ! which brings the first moments of the mass
     call step_sweep(model, plan, phase_drift)
   end subroutine step_usavg
 
@@ -129,6 +130,10 @@ contains
       if (.not. strains_before(model)) call find_contact(model)
       call phase_contact_force(contact_step(model), mesh, fields, bodies, contact, team%threads, &
                                partition, model%timers)
+      ! Where a sweep of its own moves the particles the velocity waits for it: see remap.
+      if (any(method%update == [update_usf, update_usl])) then
+        call place(model, [node_velocity(mesh%ndim)])
+      end if
       call phase_mirror(mesh, fields, bodies, [node_acceleration, node_velocity(mesh%ndim)], &
                         team%threads)
     end associate
@@ -145,6 +150,7 @@ contains
       call find_contact(model)
       call phase_contact_velocity(contact_step(model), .true., mesh, fields, bodies, &
                                   model%contact, team%threads, model%ranks%partition, model%timers)
+      call place(model, [velocity])
       call phase_mirror(mesh, fields, bodies, [velocity], team%threads)
     end associate
     call timers_stop(model%timers, phase_grid)
@@ -159,10 +165,31 @@ contains
       call phase_remap(mesh, fields, bodies, team, model%ranks%partition)
       call phase_contact_velocity(contact_step(model), .false., mesh, fields, bodies, &
                                   model%contact, team%threads, model%ranks%partition, model%timers)
+      if (model%method%rotation) then
+        call place(model, [node_remapped, node_velocity(mesh%ndim)])
+        call phase_mirror(mesh, fields, bodies, [node_velocity(mesh%ndim)], team%threads)
+      end if
       call phase_mirror(mesh, fields, bodies, [node_remapped], team%threads)
     end associate
     call timers_stop(model%timers, phase_grid)
   end subroutine remap
+
+  !> What exact rotation needs to know of the masses.
+  subroutine prepare_rotation(model)
+    type(model_t), intent(inout) :: model
+    call timers_start(model%timers)
+    call phase_rotation(model%method, model%mesh, model%fields, model%bodies, model%team, &
+                        model%ranks%partition)
+    call timers_stop(model%timers, phase_grid)
+  end subroutine prepare_rotation
+
+  !> Nodal velocities, each from a column on, as they are at the places of the nodes.
+  subroutine place(model, columns)
+    type(model_t), intent(inout) :: model
+    integer, intent(in) :: columns(:)
+    call phase_place(model%clock%step + 1, model%method, model%mesh, model%fields, model%bodies, &
+                     columns, model%team, model%ranks, model%findings, model%timers)
+  end subroutine place
 
   !> Whether the step strains with the velocity before the kick, so that contact is found there.
   pure function strains_before(model) result(yes)
@@ -299,6 +326,7 @@ contains
     plan%drift = .true.
     plan%mass = .true.
     plan%momentum = .true.
+    plan%stress = model%method%rotation  ! which brings the first moments of the mass
     plan%dt_kick = dt_kick
     plan%dt = model%clock%dt
     plan%flip = model%method%flip

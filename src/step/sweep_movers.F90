@@ -13,7 +13,7 @@ module DIM(sgmp_sweep_movers)
   use sgmp_plan, only: plan_t
   use sgmp_rebinning, only: arrivals_t
   use DIM(sgmp_spin), only: spin_lever
-  use DIM(sgmp_transfer), only: flux_of, linear_gradients, linear_weights
+  use DIM(sgmp_transfer), only: flux_of, linear_gradients, linear_weights, stride_of
   use DIM(sgmp_transfer_product), only: product_gradients, product_weights
   implicit none
   private
@@ -77,6 +77,8 @@ contains
           pile%sums(:, :task%nq) = 0.0_dp
         end if
         call add_mover(task, forces, l, w, g, movers%values(1, at(l)), pile%sums)
+        if (task%nq > task%plain) call add_mover_moment(task, xi(l, :), w(l, :), &
+                                                        movers%values(1, at(l)), pile%sums)
         if (task%spin > 0) call add_mover_spin(task, xi(l, :), w(l, :), movers%values(1, at(l)), &
                                                pile%sums)
       end associate
@@ -113,6 +115,20 @@ contains
       if (gradients) g(:, :NCORNER, :) = slopes
     end if
   end subroutine mover_weights
+
+  !> First moments of one particle's mass about the points of its stencil.
+  pure subroutine add_mover_moment(task, xi, w, mass, sums)
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: xi(NDIM), w(largest_stencil), mass
+    real(dp), intent(inout) :: sums(largest_stencil, most_columns)
+    integer :: e, d
+    do d = 1, NDIM
+      do e = 1, NCORNER
+        sums(e, task%plain + d) = sums(e, task%plain + d) + mass*w(e)* &
+            (xi(d) - real(mod((e - 1)/stride_of(d), 2), dp))
+      end do
+    end do
+  end subroutine add_mover_moment
 
   !> What the spin of one particle adds to the momentum of its stencil's points: m h spin x (way
   !! from the particle to the point).
@@ -159,7 +175,7 @@ contains
     points = task%width*task%rows
     own(:points, 0) = w(lane, :points)
     if (forces) own(:points, 1:) = g(lane, :points, :)
-    do q = 1, task%nq
+    do q = 1, task%plain
       a = q - task%forces                         ! axis of the force, if it is one
       if (forces .and. a >= 1 .and. a <= NDIM) then
         do b = 1, NDIM

@@ -14,10 +14,22 @@ module DIM(sgmp_transfer)
   implicit none
   private
   public :: linear_weights, linear_gradients, linear_gather, linear_gather_gradient
-  public :: linear_scatter, linear_scatter_force, linear_carry, flux_of
+  public :: linear_scatter, linear_scatter_force, linear_scatter_moment, linear_carry
+  public :: flux_of, stride_of
 
   !> Flux component that acts along one axis across another.
   integer, parameter :: flux_of(NDIM, NDIM) = flux_between(:NDIM, :NDIM, NDIM)
+
+  !> Way between a stencil's points along an axis, and the points that are the lower ones along it.
+#if NDIM == 1
+  integer, parameter :: stride_of(1) = 1, lower_point(1, 1) = 1
+#elif NDIM == 2
+  integer, parameter :: stride_of(2) = [2, 1]
+  integer, parameter :: lower_point(2, 2) = reshape([1, 2, 1, 3], [2, 2])
+#else
+  integer, parameter :: stride_of(3) = [4, 2, 1]
+  integer, parameter :: lower_point(4, 3) = reshape([1, 2, 3, 4, 1, 2, 5, 6, 1, 3, 5, 7], [4, 3])
+#endif
 
 contains
 
@@ -307,6 +319,59 @@ contains
 #endif
     end do
   end subroutine linear_scatter_force
+
+  !> Adds the first moments of the particles' masses about the points of their stencil, N m (x_p -
+  !! x_c) in cells; pads must bring zeros.
+  !!
+  !! Along one axis both points get the same but for the sign, as the lever of one is the weight of
+  !! the other.
+  pure subroutine linear_scatter_moment(xi, mass, sums)
+    real(dp), intent(in) :: xi(lanes, NDIM), mass(lanes)
+    real(dp), intent(inout) :: sums(NCORNER, NDIM)
+    real(dp) :: part(lanes), w(NCORNER/2, lanes), t(NCORNER/2)
+    integer :: a, e, l
+    do a = 1, NDIM
+      part = mass*xi(:, a)*(1.0_dp - xi(:, a))
+      call other_weights(xi, a, w)
+      !$omp simd private(l)
+      do e = 1, NCORNER/2
+        t(e) = 0.0_dp
+        do l = 1, lanes
+          t(e) = t(e) + w(e, l)*part(l)
+        end do
+      end do
+      do e = 1, NCORNER/2
+        sums(lower_point(e, a), a) = sums(lower_point(e, a), a) + t(e)
+        sums(lower_point(e, a) + stride_of(a), a) = sums(lower_point(e, a) + stride_of(a), a) - t(e)
+      end do
+    end do
+  end subroutine linear_scatter_moment
+
+  !> Products of the linear weights of all axes but one.
+  pure subroutine other_weights(xi, axis, w)
+    real(dp), intent(in) :: xi(lanes, NDIM)
+    integer, intent(in) :: axis
+    real(dp), intent(out) :: w(NCORNER/2, lanes)
+    integer :: l
+#if NDIM == 3
+    integer :: p, q
+#endif
+    do l = 1, lanes
+#if NDIM == 1
+      w(1, l) = merge(1.0_dp, xi(l, 1), axis == 1)
+#elif NDIM == 2
+      w(2, l) = xi(l, 3 - axis)
+      w(1, l) = 1.0_dp - w(2, l)
+#else
+      p = merge(2, 1, axis == 1)
+      q = merge(2, 3, axis == 3)
+      w(4, l) = xi(l, p)*xi(l, q)
+      w(3, l) = xi(l, p) - w(4, l)
+      w(2, l) = xi(l, q) - w(4, l)
+      w(1, l) = (1.0_dp - xi(l, p)) - w(2, l)
+#endif
+    end do
+  end subroutine other_weights
 
 #if NDIM > 1
   !> One component of the force: `along` x both layers get the opposite; of what acts `across` x the

@@ -24,11 +24,12 @@ MPI.pop("OMPI_MCA_ess_singleton_isolated", None)
 WALLS = """
 parameter method = sgmp
 parameter update = musl
+parameter rotation = plain
 parameter stress = plain
 dimension {dimension}
 grid cell=1 x=0:open y=0:{top}{z}
 wall x-=fixed y-=slip {walls}
-method $method update=$update stress=$stress
+method $method update=$update rotation=$rotation stress=$stress
 time end=0.0012 cfl=0.3
 material tnt explosive density=1.63e-3 detonation_speed=6930 burn_cells=2
 eos tnt jwl a=371200 b=3210 r1=4.15 r2=0.95 omega=0.30 energy0=6993
@@ -63,9 +64,10 @@ output csv at=end
 CLIMB = """
 parameter method = sgmp
 parameter update = musl
+parameter rotation = plain
 dimension 3
 grid cell=1 x=open:open y=open:open z=0:open
-method $method update=$update
+method $method update=$update rotation=$rotation
 time dt=0.1 steps=40
 material m elastic density=1 young=1 poisson=0.2
 body a block material=m lower=(2,2,2) upper=(8,8,12) ppc=2 jitter=0.3
@@ -94,11 +96,12 @@ output csv at=end
 PILE = """
 parameter method = sgmp
 parameter update = musl
+parameter rotation = plain
 parameter normal = separating
 dimension 2
 grid cell=1 x=-20:open y=0:open
 wall y-=slip
-method $method update=$update
+method $method update=$update rotation=$rotation
 time steps=60 cfl=0.3
 gravity (0,-0.02)
 material m elastic density=1 young=1 poisson=0.2
@@ -122,11 +125,12 @@ balance every=3 gain=0
 TOWER = """
 parameter method = sgmp
 parameter update = musl
+parameter rotation = plain
 parameter normal = separating
 dimension 3
 grid cell=1 x=open:open y=0:open z=0:open
 wall y-=slip z-=fixed
-method $method update=$update
+method $method update=$update rotation=$rotation
 time steps=24 cfl=0.3
 gravity (0,0,-0.02)
 material m elastic density=1 young=1 poisson=0.2
@@ -171,6 +175,10 @@ SCENES = [
     ("climb_mpm", CLIMB, {"method": "mpm", "update": "usavg"}, FEW),
     ("climb_balanced", CLIMB + "balance every=3 gain=0\n", {}, FEW),
     ("climb_gimp_balanced", CLIMB + "balance every=4 gain=0\n", {"method": "gimp", "update": "usf"}, FEW),
+    ("plane_rotation", PLANE, {"rotation": "exact"}, LAYOUTS),
+    ("space_rotation", SPACE, {"rotation": "exact", "stress": "normalised", "update": "usavg"}, FEW),
+    ("climb_rotation", CLIMB, {"rotation": "exact"}, LAYOUTS),
+    ("climb_rotation_balanced", CLIMB + "balance every=3 gain=0\n", {"rotation": "exact", "update": "usf"}, FEW),
     ("fast", FAST, {}, LAYOUTS),
     ("rigid", RIGID, {}, FEW),
     ("rings", "rings.inp", {"h": 2, "t_end": 0.6}, LAYOUTS),
@@ -179,7 +187,9 @@ SCENES = [
     ("pile", PILE, {}, LAYOUTS),
     ("pile_gimp", PILE, {"method": "gimp", "update": "usf", "normal": "average"}, FEW),
     ("pile_mpm", PILE, {"method": "mpm", "update": "usavg"}, FEW),
+    ("pile_rotation", PILE, {"rotation": "exact"}, LAYOUTS),
     ("tower", TOWER, {}, FEW),
+    ("tower_rotation", TOWER, {"rotation": "exact", "update": "usl"}, FEW),
     ("tower_cpgimp", TOWER, {"method": "cpgimp", "update": "usf", "normal": "first"}, FEW),
 ]
 # Shortened so that a run takes a second or two; every method and update for some.

@@ -1,0 +1,72 @@
+!> What exact rotation keeps at the points of a velocity field (`method rotation=exact`,
+!! doc/spin.md).
+module sgmp_rotation_points
+  use sgmp_kinds, only: dp
+  implicit none
+  private
+  public :: rotation_points_t, rotation_points_make, rotation_points_clear, rotation_points_move
+  public :: at_node, at_centre, at_force
+  public :: stage_offsets, stage_inertia, stage_inverses, stage_moments, stage_couples, stage_curls, &
+            stage_place
+
+  !> Which points take part, columns of `at`: nodes whose centre of mass is not at their place,
+  !! centres around those, nodes around those.
+  integer, parameter :: at_node = 1, at_centre = 2, at_force = 3
+
+  !> Stages, one pass over the planes each: the first three find where the masses are, the next two
+  !! correct the forces, the last two velocities.
+  integer, parameter :: stage_offsets = 1, stage_inertia = 2, stage_inverses = 3, &
+                        stage_moments = 4, stage_couples = 5, stage_curls = 6, stage_place = 7
+
+  type :: rotation_points_t
+    !> Offsets below this many cells are taken for none: a lattice of particles has none but round-off
+    !! and what strains of 1e-3 make of it.
+    real(dp) :: least_offset = 2.0e-3_dp
+    real(dp), allocatable :: offset(:, :)   !! (points, ndim) nodes: from a node to the centre of mass
+                                            !! of what it stands for (cells)
+    real(dp), allocatable :: inverse(:, :)  !! (points, 1 or 9) nodes: inverse of the tensor that
+                                            !! gives the curl around a node from its angular velocity
+    real(dp), allocatable :: moment(:, :)   !! (points, 1 or 3) nodes: moment of the force
+    real(dp), allocatable :: centre(:, :)   !! (points, 2 or 9) centres: that tensor, later the
+                                            !! couples, or the curls of two velocities, times the mass
+    logical, allocatable :: at(:, :)        !! (points, 3): see at_node
+  end type rotation_points_t
+
+contains
+
+  !> Room for some points.
+  pure subroutine rotation_points_make(ndim, points, least_offset, rotation)
+    integer, intent(in) :: ndim, points
+    real(dp), intent(in) :: least_offset
+    type(rotation_points_t), intent(out) :: rotation
+    integer :: components
+    components = merge(1, 3, ndim == 2)
+    rotation%least_offset = least_offset
+    allocate (rotation%offset(points, ndim), rotation%inverse(points, components**2))
+    allocate (rotation%moment(points, components), rotation%centre(points, max(2, components**2)))
+    allocate (rotation%at(points, 3))
+  end subroutine rotation_points_make
+
+  !> Nothing takes part of the points of a range.
+  pure subroutine rotation_points_clear(first, last, rotation)
+    integer, intent(in) :: first, last
+    type(rotation_points_t), intent(inout) :: rotation
+    rotation%offset(first:last, :) = 0.0_dp
+    rotation%inverse(first:last, :) = 0.0_dp
+    rotation%moment(first:last, :) = 0.0_dp
+    rotation%centre(first:last, :) = 0.0_dp
+    rotation%at(first:last, :) = .false.
+  end subroutine rotation_points_clear
+
+  !> Hands what is kept over without copying it.
+  pure subroutine rotation_points_move(from, to)
+    type(rotation_points_t), intent(inout) :: from, to
+    to%least_offset = from%least_offset
+    call move_alloc(from%offset, to%offset)
+    call move_alloc(from%inverse, to%inverse)
+    call move_alloc(from%moment, to%moment)
+    call move_alloc(from%centre, to%centre)
+    call move_alloc(from%at, to%at)
+  end subroutine rotation_points_move
+
+end module sgmp_rotation_points

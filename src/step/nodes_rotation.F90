@@ -1,0 +1,65 @@
+! dimension-generic
+#include "dimension.inc"
+#if NDIM > 1
+!> The stages of exact rotation as passes over the planes of a field (doc/spin.md).
+module DIM(sgmp_nodes_rotation)
+  use sgmp_field, only: field_t
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t
+  use DIM(sgmp_nodes), only: node_forces
+  use DIM(sgmp_rotation), only: next_run, rotation_couples, rotation_curls, rotation_inertia, &
+                                rotation_inverses, rotation_moments, rotation_offsets, &
+                                rotation_place, tile
+  use sgmp_rotation_points, only: at_node, stage_couples, stage_curls, stage_inertia, &
+                                  stage_inverses, stage_moments, stage_offsets
+  implicit none
+  private
+  public :: nodes_rotation
+
+contains
+
+  !> One stage of one plane.
+  pure subroutine nodes_rotation(field, mesh, plane, stage, cutoff, columns)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane, stage
+    real(dp), intent(in) :: cutoff           !! nodes lighter than this are ignored
+    integer, intent(in) :: columns(:)        !! first columns of velocities
+    select case (stage)
+    case (stage_offsets)
+      call rotation_offsets(field, mesh, plane, cutoff)
+    case (stage_inertia)
+      call rotation_inertia(field, plane)
+    case (stage_inverses)
+      call rotation_inverses(field, mesh, plane)
+    case (stage_moments)
+      call force_moments(field, mesh, plane)
+    case (stage_couples)
+      call rotation_couples(field, plane)
+    case (stage_curls)
+      call rotation_curls(field, plane, columns)
+    case default  ! stage_place
+      call rotation_place(field, plane, columns)
+    end select
+  end subroutine nodes_rotation
+
+  !> Moments of the internal forces about the nodes whose centre of mass is not at their place.
+  pure subroutine force_moments(field, mesh, plane)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane
+    real(dp) :: f(tile, NDIM)
+    integer :: s, first, last
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      last = field%work%first(s) - 1
+      do
+        call next_run(field, s, at_node, first, last)
+        if (last < first) exit
+        call node_forces(field, mesh%inverse_h, s, first, last - first + 1, f)
+        call rotation_moments(field, s, first, last - first + 1, f)
+      end do
+    end do
+  end subroutine force_moments
+
+end module DIM(sgmp_nodes_rotation)
+#endif
