@@ -23,7 +23,8 @@ import report
 from common import BUILD, ROOT, Book, forget_old_runs
 
 EXAMPLES = ("bar", "bar_rotated", "bar_stability", "beam", "energy", "tnt_slab", "vortex", "taylor_bar", "normalised",
-            "contact_bars", "contact_sliding", "contact_rolling", "contact_rings", "contact_hertz", "contact_gap", "contact_rod")
+            "contact_bars", "contact_sliding", "contact_rolling", "contact_rings", "contact_hertz", "contact_gap", "contact_rod",
+            "contact_rest")
 
 
 def load(example):

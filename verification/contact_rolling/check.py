@@ -71,7 +71,7 @@ def spheres(book, full):
         axis.plot(time, x, ":" if soft else "--" if h < 0.2 else "-", color=COLOURS["normalised" if more else method], linewidth=1.2, label=label)
         if soft:
             continue
-        known = 11.38 if (method, angle, h) == ("sgmp", 45, 0.2) and not more else None
+        known = 11.79 if (method, angle, h) == ("sgmp", 45, 0.2) and not more else None
         book.within(f"sphere, {angle} degrees, h = {h:g} m, {name}", "way after 2.2 s (m)", x[-1], solution, 0.02,
                     ROLLING if known else "", known=known)
     t = np.linspace(0, 2.2, 50)
