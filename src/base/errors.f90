@@ -6,7 +6,7 @@ module sgmp_errors
   implicit none
   private
   public :: error_t, error_make
-  public :: exit_ok, exit_usage, exit_deck, exit_numerical, exit_io, exit_stopped
+  public :: exit_ok, exit_usage, exit_deck, exit_numerical, exit_io, exit_stopped, exit_codes
 
   integer, parameter :: exit_ok = 0        !! finished
   integer, parameter :: exit_usage = 2     !! wrong command line
@@ -14,6 +14,23 @@ module sgmp_errors
   integer, parameter :: exit_numerical = 4  !! blow-up, lost particles, time step below its minimum
   integer, parameter :: exit_io = 5        !! a file could not be read or written
   integer, parameter :: exit_stopped = 6   !! time limit or signal, after a complete checkpoint
+
+  !> An exit code in words.
+  type :: exit_code_t
+    integer :: code
+    character(88) :: meaning
+  end type exit_code_t
+
+  !> All of them, for help and documents.
+  type(exit_code_t), parameter :: exit_codes(*) = [ &
+    exit_code_t(exit_ok, 'finished'), &
+    exit_code_t(exit_usage, 'command line'), &
+    exit_code_t(exit_deck, 'deck; all errors are listed with file:line:column'), &
+    exit_code_t(exit_numerical, &
+                'the computation: not a number, energy growth, lost particles, time step too small'), &
+    exit_code_t(exit_io, 'files; the folder belongs to a run that is still going'), &
+    exit_code_t(exit_stopped, &
+                'stopped by a signal, the time limit or the stop file, after a checkpoint')]
 
   !> One failure.
   type :: error_t

@@ -29,7 +29,8 @@ contains
       write (unit, '(2x, a, t16, a)') 'parameter', &
         'parameter name = value: a number, or a word used as $name.'
       write (unit, '(2x, a, t16, a)') 'include', 'include "file": another file''s cards.'
-      write (unit, '(a)') '', 'sgmp help --markdown writes the complete reference.'
+      write (unit, '(a)') '', 'sgmp help --markdown writes the complete reference, '// &
+        'sgmp --help lists the options.'
       return
     end if
     i = registry%find_card(word_lower(keyword))

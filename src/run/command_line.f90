@@ -1,20 +1,21 @@
 !> The command line: what to do and with which settings.
 module sgmp_command_line
   use sgmp_errors, only: error_make, error_t, exit_usage
-  use sgmp_spelling, only: string_t, suggestion, word_count, word_item
+  use sgmp_options, only: option_find, options, topic_options
+  use sgmp_spelling, only: string_t, suggestion, word_items, words_joined
   implicit none
   private
-  public :: command_line_t, command_line_read, command_line_parse, command_line_write_usage
-  public :: action_run, action_help, action_markdown, action_version
+  public :: command_line_t, command_line_read, command_line_parse
+  public :: action_run, action_help, action_markdown, action_version, action_usage, &
+            action_usage_markdown, action_completion
 
   integer, parameter :: action_run = 1      !! run or check a deck
-  integer, parameter :: action_help = 2     !! show cards, or usage where no keyword is given
+  integer, parameter :: action_help = 2     !! show cards, or the keys of one
   integer, parameter :: action_markdown = 3  !! write the deck reference
   integer, parameter :: action_version = 4  !! print the version
-
-  character(*), parameter :: known_options = &
-                             '--check --set --output --threads --restart --time-limit --quiet '// &
-                             '--verbose --help --version'
+  integer, parameter :: action_usage = 5    !! show the options
+  integer, parameter :: action_usage_markdown = 6  !! write them as tables
+  integer, parameter :: action_completion = 7      !! write a script for the shell
 
   !> What the user asked for.
   type :: command_line_t
@@ -34,8 +35,8 @@ module sgmp_command_line
 contains
 
   !> Reads the program's own command line.
-  subroutine command_line_read(options, error)
-    type(command_line_t), intent(out) :: options
+  subroutine command_line_read(chosen, error)
+    type(command_line_t), intent(out) :: chosen
     type(error_t), allocatable, intent(out) :: error
     type(string_t), allocatable :: arguments(:)
     integer :: i, length
@@ -45,20 +46,20 @@ contains
       allocate (character(length) :: arguments(i)%text)
       if (length > 0) call get_command_argument(i, arguments(i)%text)
     end do
-    call command_line_parse(arguments, options, error)
+    call command_line_parse(arguments, chosen, error)
   end subroutine command_line_read
 
   !> Parses words as they follow the program's name.
-  subroutine command_line_parse(arguments, options, error)
+  subroutine command_line_parse(arguments, chosen, error)
     type(string_t), intent(in) :: arguments(:)
-    type(command_line_t), intent(out) :: options
+    type(command_line_t), intent(out) :: chosen
     type(error_t), allocatable, intent(out) :: error  !! exit_usage
     integer :: i
-    options%keyword = ''
-    options%output = ''
-    options%deck = ''
-    options%restart = ''
-    allocate (character(longest(arguments)) :: options%settings(0))
+    chosen%keyword = ''
+    chosen%output = ''
+    chosen%deck = ''
+    chosen%restart = ''
+    allocate (character(longest(arguments)) :: chosen%settings(0))
     if (size(arguments) == 0) then
       call error_make(error, exit_usage, 'no deck given', &
                       'usage: sgmp DECK [--check] …; see sgmp --help')
@@ -66,7 +67,10 @@ contains
     end if
     select case (arguments(1)%text)
     case ('help')
-      call parse_help(arguments, options, error)
+      call parse_help(arguments, chosen, error)
+      return
+    case ('completion')
+      call parse_completion(arguments, chosen, error)
       return
     case ('import')
       call not_available('import', error)
@@ -76,40 +80,40 @@ contains
     end select
     do while (i <= size(arguments) .and. .not. allocated(error))
       if (index(arguments(i)%text, '-') == 1) then
-        call take_option(arguments, i, options, error)
-      else if (options%deck /= '') then
+        call take_option(arguments, i, chosen, error)
+      else if (chosen%deck /= '') then
         call error_make(error, exit_usage, "more than one deck: '"//arguments(i)%text//"'", &
                         'run them one after the other')
       else
-        options%deck = arguments(i)%text
+        chosen%deck = arguments(i)%text
       end if
       i = i + 1
     end do
     if (allocated(error)) return
-    call check_combination(options, error)
+    call check_combination(chosen, error)
   end subroutine command_line_parse
 
   !> Options that exclude or need each other.
-  subroutine check_combination(options, error)
-    type(command_line_t), intent(in) :: options
+  subroutine check_combination(chosen, error)
+    type(command_line_t), intent(in) :: chosen
     type(error_t), allocatable, intent(out) :: error
-    if (options%action /= action_run) return
-    if (options%deck == '') then
+    if (chosen%action /= action_run) return
+    if (chosen%deck == '') then
       call error_make(error, exit_usage, 'no deck given', &
                       'usage: sgmp DECK [--check] …; see sgmp --help')
-    else if (options%quiet .and. options%verbose) then
+    else if (chosen%quiet .and. chosen%verbose) then
       call error_make(error, exit_usage, '--quiet and --verbose exclude each other', 'remove one')
     end if
   end subroutine check_combination
 
   !> Takes the option at `i`; `i` ends at its last word. Values may follow as `--option=value` too.
-  subroutine take_option(arguments, i, options, error)
+  subroutine take_option(arguments, i, chosen, error)
     type(string_t), intent(in) :: arguments(:)
     integer, intent(inout) :: i
-    type(command_line_t), intent(inout) :: options
+    type(command_line_t), intent(inout) :: chosen
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: name, value
-    integer :: equals
+    integer :: equals, number
     name = arguments(i)%text
     equals = index(name, '=')
     value = ''
@@ -117,63 +121,76 @@ contains
       value = name(equals + 1:)
       name = name(:equals - 1)
     end if
+    if (name == '-h') name = '--help'
+    number = option_find(name)
+    if (number == 0) then
+      call error_make(error, exit_usage, "unknown option '"//name//"'", &
+                      suggestion(name, word_items(words_joined(options%name)), 'options'))
+      return
+    end if
+    if (options(number)%value == '' .and. equals > 0) then
+      call error_make(error, exit_usage, name//' takes no value', 'remove ='//value)
+    else if (options(number)%value /= '') then
+      if (equals == 0 .and. i < size(arguments)) then
+        i = i + 1
+        value = arguments(i)%text
+      end if
+      if (value == '') call error_make(error, exit_usage, name//' needs a value', &
+                                       'e.g. '//example_of(name))
+    end if
+    if (allocated(error)) return
     select case (name)
     case ('--check')
-      options%check = .true.
+      chosen%check = .true.
     case ('--quiet')
-      options%quiet = .true.
+      chosen%quiet = .true.
     case ('--verbose')
-      options%verbose = .true.
-    case ('--help', '-h')
-      options%action = action_help
+      chosen%verbose = .true.
+    case ('--help')
+      chosen%action = action_usage
     case ('--version')
-      options%action = action_version
-    case ('--set', '--output', '--threads', '--restart', '--time-limit')
-      if (equals == 0) call next_word(arguments, i, name, value, error)
-      if (allocated(error)) return
-      equals = 0
-      call take_value(name, value, options, error)
+      chosen%action = action_version
     case default
-      call error_make(error, exit_usage, "unknown option '"//name//"'", &
-                      suggestion(name, all_options(), 'options'))
+      call take_value(name, value, chosen, error)
     end select
-    if (equals > 0 .and. .not. allocated(error)) then
-      call error_make(error, exit_usage, name//' takes no value', 'remove ='//value)
-    end if
   end subroutine take_option
 
   !> Takes the value of an option that has one.
-  subroutine take_value(name, value, options, error)
+  subroutine take_value(name, value, chosen, error)
     character(*), intent(in) :: name, value
-    type(command_line_t), intent(inout) :: options
+    type(command_line_t), intent(inout) :: chosen
     type(error_t), allocatable, intent(out) :: error
     integer :: status
     select case (name)
     case ('--set')
-      options%settings = [character(len(options%settings)) :: options%settings, value]
+      chosen%settings = [character(len(chosen%settings)) :: chosen%settings, value]
     case ('--output')
-      options%output = value
+      chosen%output = value
     case ('--restart')
-      options%restart = value
-      if (value == '') call error_make(error, exit_usage, '--restart needs a value', &
-                                       'e.g. '//example_of(name))
+      chosen%restart = value
     case ('--time-limit')
-      options%time_limit = seconds_of(value)
-      if (options%time_limit < 1) then
+      chosen%time_limit = seconds_of(value)
+      if (chosen%time_limit < 1) then
         call error_make(error, exit_usage, "'"//value//"' is not a time HH:MM:SS", &
                         'e.g. '//example_of(name))
       end if
     case default  ! --threads
       status = 1
       if (verify(value, '0123456789') == 0 .and. len(value) < 6) then
-        read (value, *, iostat=status) options%threads
+        read (value, *, iostat=status) chosen%threads
       end if
-      if (status /= 0 .or. options%threads < 1) then
+      if (status /= 0 .or. chosen%threads < 1) then
         call error_make(error, exit_usage, "'"//value//"' is not a number of threads", &
                         'e.g. '//example_of(name))
       end if
     end select
   end subroutine take_value
+
+  pure function example_of(name) result(text)
+    character(*), intent(in) :: name
+    character(:), allocatable :: text
+    text = trim(options(option_find(name))%example)
+  end function example_of
 
   !> Seconds of `HH:MM:SS`, `MM:SS` or `SS`; 0 where it is none of these.
   pure function seconds_of(text) result(seconds)
@@ -195,55 +212,50 @@ contains
     end do
   end function seconds_of
 
-  subroutine next_word(arguments, i, name, value, error)
+  !> `help [CARD|options] [--markdown]`.
+  subroutine parse_help(arguments, chosen, error)
     type(string_t), intent(in) :: arguments(:)
-    integer, intent(inout) :: i
-    character(*), intent(in) :: name
-    character(:), allocatable, intent(inout) :: value
+    type(command_line_t), intent(inout) :: chosen
     type(error_t), allocatable, intent(out) :: error
-    if (i < size(arguments)) then
-      i = i + 1
-      value = arguments(i)%text
-    end if
-    if (value == '') call error_make(error, exit_usage, name//' needs a value', &
-                                     'e.g. '//example_of(name))
-  end subroutine next_word
-
-  pure function example_of(name) result(text)
-    character(*), intent(in) :: name
-    character(:), allocatable :: text
-    select case (name)
-    case ('--set')
-      text = '--set h=0.5'
-    case ('--threads')
-      text = '--threads 2'
-    case ('--restart')
-      text = '--restart latest'
-    case ('--time-limit')
-      text = '--time-limit 23:45:00'
-    case default
-      text = '--output results'
-    end select
-  end function example_of
-
-  !> `help [keyword]` or `help --markdown`.
-  subroutine parse_help(arguments, options, error)
-    type(string_t), intent(in) :: arguments(:)
-    type(command_line_t), intent(inout) :: options
-    type(error_t), allocatable, intent(out) :: error
-    options%action = action_help
-    if (size(arguments) == 1) return
-    if (size(arguments) > 2) then
-      call error_make(error, exit_usage, 'help takes one keyword', 'e.g. sgmp help body')
-    else if (arguments(2)%text == '--markdown') then
-      options%action = action_markdown
-    else if (index(arguments(2)%text, '-') == 1) then
-      call error_make(error, exit_usage, "unknown option '"//arguments(2)%text//"' of help", &
-                      "did you mean '--markdown'?")
+    logical :: markdown
+    integer :: i
+    markdown = .false.
+    do i = 2, size(arguments)
+      if (arguments(i)%text == '--markdown') then
+        markdown = .true.
+      else if (index(arguments(i)%text, '-') == 1) then
+        call error_make(error, exit_usage, "unknown option '"//arguments(i)%text//"' of help", &
+                        "did you mean '--markdown'?")
+        return
+      else if (chosen%keyword /= '') then
+        call error_make(error, exit_usage, 'help takes one keyword', 'e.g. sgmp help body')
+        return
+      else
+        chosen%keyword = arguments(i)%text
+      end if
+    end do
+    if (chosen%keyword == topic_options) then
+      chosen%action = merge(action_usage_markdown, action_usage, markdown)
+    else if (markdown .and. chosen%keyword /= '') then
+      call error_make(error, exit_usage, '--markdown writes the complete reference', &
+                      'leave out the card, or --markdown')
     else
-      options%keyword = arguments(2)%text
+      chosen%action = merge(action_markdown, action_help, markdown)
     end if
   end subroutine parse_help
+
+  !> `completion bash`.
+  subroutine parse_completion(arguments, chosen, error)
+    type(string_t), intent(in) :: arguments(:)
+    type(command_line_t), intent(inout) :: chosen
+    type(error_t), allocatable, intent(out) :: error
+    logical :: known
+    chosen%action = action_completion
+    known = size(arguments) == 2
+    if (known) known = arguments(2)%text == 'bash'
+    if (.not. known) call error_make(error, exit_usage, 'completion is there for one shell', &
+                                     'write: sgmp completion bash')
+  end subroutine parse_completion
 
   subroutine not_available(name, error)
     character(*), intent(in) :: name
@@ -251,17 +263,6 @@ contains
     call error_make(error, exit_usage, name//' is not available in this version', &
                     'see sgmp --help for what is')
   end subroutine not_available
-
-  pure function all_options() result(names)
-    type(string_t), allocatable :: names(:)
-    character(:), allocatable :: words
-    integer :: i
-    words = known_options
-    allocate (names(word_count(words)))
-    do i = 1, size(names)
-      names(i)%text = word_item(words, i)
-    end do
-  end function all_options
 
   pure integer function longest(arguments) result(length)
     type(string_t), intent(in) :: arguments(:)
@@ -271,26 +272,5 @@ contains
       length = max(length, len(arguments(i)%text))
     end do
   end function longest
-
-  !> Writes how the program is called.
-  subroutine command_line_write_usage(unit)
-    integer, intent(in) :: unit  !! formatted unit
-    write (unit, '(a)') &
-      'usage: sgmp DECK [options]       run a deck', &
-      '       sgmp help [CARD]          cards of a deck, or the keys of one', &
-      '       sgmp help --markdown      the complete deck reference', &
-      '       sgmp --version', '', &
-      'options:', &
-      '  --check             build everything, run nothing, print what would run', &
-      '  --set NAME=VALUE    replace the value of a parameter of the deck; may be repeated', &
-      '  --output DIR        directory of the results (default: <deck>.out)', &
-      '  --threads N         number of threads', &
-      '  --restart FILE      go on from a checkpoint; latest: from the last good one of the '// &
-      'directory', &
-      '  --time-limit T      stop with a checkpoint before HH:MM:SS of wall time are over', &
-      '  --quiet, --verbose  less or more on the terminal', '', &
-      'exit codes: 0 finished, 2 usage, 3 deck, 4 numerical, 5 input/output, 6 stopped after a '// &
-      'checkpoint'
-  end subroutine command_line_write_usage
 
 end module sgmp_command_line

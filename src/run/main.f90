@@ -6,11 +6,13 @@ program sgmp
   use, intrinsic :: iso_c_binding, only: c_int
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-  use sgmp_command_line, only: action_help, action_markdown, action_run, action_version, &
+  use sgmp_command_line, only: action_completion, action_help, action_markdown, action_run, &
+                               action_usage, action_usage_markdown, action_version, &
                                command_line_read, command_line_t
   use sgmp_deck, only: deck_read
   use sgmp_deck_errors, only: deck_errors_t
   use sgmp_errors, only: error_t, exit_deck, exit_io, exit_ok, exit_stopped
+  use sgmp_options, only: options_completion, options_markdown, options_usage
   use sgmp_parallel, only: parallel_agree, parallel_end, parallel_rank, parallel_start
   use sgmp_posix, only: environment_default, signals_watch
   use sgmp_registry_help, only: registry_write_help, registry_write_markdown
@@ -67,6 +69,12 @@ contains
       call registry_write_help(output_unit, options%keyword, error)
     case (action_markdown)
       call registry_write_markdown(output_unit)
+    case (action_usage)
+      call options_usage(output_unit)
+    case (action_usage_markdown)
+      call options_markdown(output_unit)
+    case (action_completion)
+      call options_completion(output_unit)
     case (action_version)
       write (output_unit, '(a)') 'sgmp '//version_string//' ('//commit_hash//') '//compiler_string
     case default

@@ -1,0 +1,139 @@
+!> The options of the command line: the one table from which they are parsed, listed, documented and
+!! completed.
+module sgmp_options
+  use sgmp_deck_table, only: deck_table
+  use sgmp_errors, only: exit_codes
+  use sgmp_registry, only: registry_t
+  use sgmp_spelling, only: words_joined
+  use sgmp_text, only: integer_text
+  implicit none
+  private
+  public :: option_t, options, option_find, options_usage, options_markdown, options_completion
+  public :: topic_options
+
+  !> One option.
+  type :: option_t
+    character(12) :: name
+    character(10) :: value    !! what its value is called; '' for none
+    character(24) :: example
+    character(80) :: help
+  end type option_t
+
+  type(option_t), parameter :: options(*) = [ &
+    option_t('--check', '', '', 'build everything, run nothing, print what would run'), &
+    option_t('--set', 'NAME=VALUE', '--set h=0.5', &
+             'replace the value of a parameter of the deck; may be repeated'), &
+    option_t('--output', 'DIR', '--output results', &
+             'directory of the results (default: the name of the deck and .out)'), &
+    option_t('--threads', 'N', '--threads 2', 'number of threads (default: all of OpenMP)'), &
+    option_t('--restart', 'FILE', '--restart latest', &
+             'go on from a checkpoint; latest: from the last good one of the directory'), &
+    option_t('--time-limit', 'HH:MM:SS', '--time-limit 23:45:00', &
+             'stop with a checkpoint before so much wall time is over'), &
+    option_t('--quiet', '', '', 'less on the terminal'), &
+    option_t('--verbose', '', '', 'more on the terminal, the deck with all defaults among it'), &
+    option_t('--help', '', '', 'show options and exit codes; also -h and sgmp help options'), &
+    option_t('--version', '', '', 'show version, commit and compiler')]
+
+  character(*), parameter :: topic_options = 'options'  !! sgmp help options
+
+contains
+
+  !> Number of an option in the table, 0 where there is none of this name.
+  pure integer function option_find(name) result(number)
+    character(*), intent(in) :: name
+    do number = 1, size(options)
+      if (options(number)%name == name) return
+    end do
+    number = 0
+  end function option_find
+
+  !> Writes how the program is called.
+  subroutine options_usage(unit)
+    integer, intent(in) :: unit  !! formatted unit
+    integer :: i
+    write (unit, '(a)') &
+      'usage: sgmp DECK [options]       run a deck', &
+      '       sgmp help [CARD]          cards of a deck, or the keys of one', &
+      '       sgmp help --markdown      the complete deck reference', &
+      '       sgmp completion bash      what makes the shell complete options and cards', '', &
+      'options:'
+    do i = 1, size(options)
+      write (unit, '(2x, a, t27, a)') called(options(i)), trim(options(i)%help)
+    end do
+    write (unit, '(a)') '', 'exit codes:'
+    do i = 1, size(exit_codes)
+      write (unit, '(2x, i0, t7, a)') exit_codes(i)%code, trim(exit_codes(i)%meaning)
+    end do
+  end subroutine options_usage
+
+  !> Writes the same as tables for doc/user-guide.md.
+  subroutine options_markdown(unit)
+    integer, intent(in) :: unit  !! formatted unit
+    integer :: i
+    write (unit, '(a)') '| option | meaning |', '|---|---|'
+    do i = 1, size(options)
+      write (unit, '(a)') '| `'//called(options(i))//'` | '//trim(options(i)%help)//' |'
+    end do
+    write (unit, '(a)') '', '| exit code | meaning |', '|---|---|'
+    do i = 1, size(exit_codes)
+      write (unit, '(a)') '| '//integer_text(exit_codes(i)%code)//' | '// &
+        trim(exit_codes(i)%meaning)//' |'
+    end do
+  end subroutine options_markdown
+
+  !> An option with what its value is called.
+  pure function called(option) result(text)
+    type(option_t), intent(in) :: option
+    character(:), allocatable :: text
+    text = trim(trim(option%name)//' '//option%value)
+  end function called
+
+  !> Writes a script that makes bash complete decks, options, their values and the names of cards.
+  subroutine options_completion(unit)
+    integer, intent(in) :: unit  !! formatted unit
+    type(registry_t) :: registry
+    integer :: i
+    registry = deck_table()
+    write (unit, '(a)') &
+      '# Completion of sgmp for bash: eval "$(sgmp completion bash)"', &
+      '_sgmp() {', &
+      '  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} choices=', &
+      '  COMPREPLY=()', &
+      '  case $before in'
+    do i = 1, size(options)
+      if (options(i)%value == '') cycle
+      write (unit, '(a)') '    '//trim(options(i)%name)//') '//values_of(options(i))//' return ;;'
+    end do
+    write (unit, '(a)', advance='no') '    help) choices="'//topic_options//' --markdown'
+    do i = 1, size(registry%cards)
+      write (unit, '(a)', advance='no') ' '//registry%cards(i)%name
+    end do
+    write (unit, '(a)') '" ;;', &
+      '    completion) choices=bash ;;', &
+      '    *) case $word in', &
+      '         -*) choices="'//words_joined(options%name)//'" ;;', &
+      '         *) COMPREPLY=($(compgen -f -X "!*.inp" -- "$word") $(compgen -d -- "$word"))', &
+      '            if ((COMP_CWORD == 1)); then choices="help completion"; fi ;;', &
+      '       esac ;;', &
+      '  esac', &
+      '  COMPREPLY+=($(compgen -W "$choices" -- "$word"))', &
+      '}', &
+      'complete -o filenames -F _sgmp sgmp'
+  end subroutine options_completion
+
+  !> Command of the script that lists the values of an option.
+  pure function values_of(option) result(command)
+    type(option_t), intent(in) :: option
+    character(:), allocatable :: command
+    select case (option%value)
+    case ('DIR')
+      command = 'COMPREPLY=($(compgen -d -- "$word"));'
+    case ('FILE')
+      command = 'COMPREPLY=($(compgen -W latest -- "$word") $(compgen -f -- "$word"));'
+    case default  ! names and numbers
+      command = ''
+    end select
+  end function values_of
+
+end module sgmp_options
