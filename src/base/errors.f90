@@ -27,7 +27,8 @@ module sgmp_errors
     exit_code_t(exit_usage, 'command line'), &
     exit_code_t(exit_deck, 'deck; all errors are listed with file:line:column'), &
     exit_code_t(exit_numerical, &
-                'the computation: not a number, energy growth, lost particles, time step too small'), &
+                'the computation: not a number, energy growth, lost particles, '// &
+                'time step too small'), &
     exit_code_t(exit_io, 'files; the folder belongs to a run that is still going'), &
     exit_code_t(exit_stopped, &
                 'stopped by a signal, the time limit or the stop file, after a checkpoint')]

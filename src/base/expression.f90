@@ -27,6 +27,7 @@ module sgmp_expression
   public :: expression_t, expression_make, expression_constant, expression_clone, expression_free
   public :: expression_variables, expression_functions
 
+  integer, parameter :: longest_formula = 1500  !! muParser's messages end at 2048 letters
   !> Words that a parameter may not be called, because they mean something inside an expression.
   character(*), parameter :: expression_variables = 'x y z x0 y0 z0 t pi'
   character(*), parameter :: expression_functions = &
@@ -177,6 +178,11 @@ contains
     if (present(token)) token = ''
     if (len_trim(text) == 0) then
       call error_make(error, exit_deck, 'empty expression', 'write a number or a formula')
+      return
+    end if
+    if (len(text) > longest_formula) then
+      call error_make(error, exit_deck, 'the formula is too long', &
+                      'put parts of it into parameters')
       return
     end if
     allocate (expression%shared)

@@ -2,7 +2,8 @@
 !! keys they have is said in src/materials.
 module sgmp_cards_material
   use sgmp_constitutive, only: eos_keys, eos_names, eos_none, eos_read, law_check, law_keys, &
-                               law_read, law_set_viscosity, material_names
+                               law_read, law_set_viscosity, material_explosive, &
+                               material_names
   use sgmp_deck_card, only: deck_card_t
   use sgmp_keys, only: fault_t, kind_name_word, kind_real, kind_word
   use sgmp_registry, only: read_first, registry_t
@@ -77,6 +78,11 @@ contains
     if (i == 0) return
     call law_check(draft%scene%materials(i)%law, card%word('name'), fault)
     call complain(card, fault, draft)
+    if (draft%scene%materials(i)%law%kind == material_explosive .and. &
+        size(draft%scene%detonations) == 0) then
+      call draft%errors%add(card%position, "nothing lights the explosive '"//card%word('name')// &
+                            "'", 'add a card detonation, e.g. detonation point=(0,0,0)')
+    end if
   end subroutine check_material
 
   !> Passes on what a law has to say about a card.

@@ -5,12 +5,16 @@ module sgmp_deck
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
+  use sgmp_keys, only: key_t, kind_expression, kind_vector
+  use sgmp_kinds, only: dp
   use sgmp_lexer, only: lexer_read, statement_t
+  use sgmp_mesh, only: axis_names
   use sgmp_parameters, only: parameters_t
   use sgmp_registry, only: read_first, read_last, registry_t
   use sgmp_scene, only: scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
+  use sgmp_text, only: integer_text
   use sgmp_units, only: units_check
   implicit none
   private
@@ -49,6 +53,7 @@ contains
     deck%file = path
     call lexer_read(path, statements, complete, draft%errors)
     if (size(statements) == 0) return
+    if (foreign(statements(1), draft%errors)) return
     call parameters%start(settings, draft%errors)
     allocate (cards(0))
     do i = 1, size(statements)
@@ -69,6 +74,26 @@ contains
       call card_free(cards(i))
     end do
   end subroutine read_file
+
+  !> Whether a file is a deck of another program, which its first word tells; that is then the only
+  !! error.
+  logical function foreign(first, errors)
+    type(statement_t), intent(in) :: first
+    type(deck_errors_t), intent(inout) :: errors
+    type(deck_errors_t) :: only
+    character(:), allocatable :: language
+    associate (keyword => first%tokens(1))
+      language = ''
+      if (index(word_lower(keyword%text), 'mpm3') == 1) language = 'MPM3D'
+      if (index(keyword%text, '*') == 1) language = 'LS-DYNA'
+      foreign = language /= ''
+      if (.not. foreign) return
+      call only%add(keyword%position, 'this is a deck of '//language// &
+                    ', which sgmp does not read', &
+                    'write it anew; see doc/deck-reference.md or sgmp help')
+      errors = only
+    end associate
+  end function foreign
 
   !> Cards that may appear once only.
   subroutine check_repeated(registry, cards, errors)
@@ -131,6 +156,7 @@ contains
     do i = 1, size(cards)
       if (cards(i)%failed) cycle
       associate (definition => registry%cards(cards(i)%definition))
+        call check_plane(definition%keys, cards(i), draft)
         if (associated(definition%check)) call definition%check(cards(i), draft)
         if (draft%scene%units(1) == '') cycle
         call units_check(definition%keys, cards(i), draft%scene%units, draft%errors)
@@ -186,6 +212,35 @@ contains
       end do
     end associate
   end subroutine define_parameters
+
+  !> No component of a place or a motion beyond the dimension; directions alone may point there.
+  subroutine check_plane(keys, card, draft)
+    type(key_t), intent(in) :: keys(:)  !! of the card
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    logical :: beyond(3)
+    integer :: i, axis
+    associate (n => draft%scene%dimension)
+      do i = 1, size(keys)
+        associate (key => keys(i), value => card%values(i))
+          if (.not. value%given) cycle
+          beyond = .false.
+          if (key%kind == kind_vector .and. key%unit /= '') then
+            beyond(n + 1:) = abs(value%vector(n + 1:)) > 0.0_dp
+          else if (key%kind == kind_expression) then
+            beyond(n + 1:) = axis_names(n + 1:) == key%name .and. &
+                             .not. (value%expression%is_constant .and. &
+                                    abs(value%expression%value) <= 0.0_dp)
+          end if
+          axis = findloc(beyond, .true., 1)
+          if (axis == 0) cycle
+          call draft%errors%add(value%position, "'"//key%name//"' has a component along "// &
+                                axis_names(axis)//' in '//integer_text(n)//'D', &
+                                'make it 0, or change the dimension')
+        end associate
+      end do
+    end associate
+  end subroutine check_plane
 
   !> Cards that mean something when absent, so that the echo is complete.
   subroutine add_default_cards(registry, deck, parameters, cards, errors)

@@ -9,13 +9,14 @@ module sgmp_parameters
   use sgmp_lexer, only: token_t
   use sgmp_spelling, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, &
                         word_item, word_lower, word_nearest
-  use sgmp_text, only: real_text_plain
+  use sgmp_text, only: integer_text, real_text_plain
   implicit none
   private
   public :: parameters_t, name_size
 
   real(dp), parameter :: largest = 1.0e60_dp  !! so that products of a few numbers do not overflow
   integer, parameter :: name_size = 32  !! longest name of a parameter
+  integer, parameter :: longest_text = 10000  !! of a value once its `$names` are replaced
 
   !> One parameter: a number, or a word where `is_word`.
   type :: parameter_t
@@ -197,6 +198,13 @@ contains
     do
       dollar = index(text(next:), '$')
       if (dollar == 0) exit
+      if (len(replaced) > longest_text) then
+        call errors%add(position, "what '"//text//"' stands for has more than "// &
+                        integer_text(longest_text)//' letters', &
+                        'do parameters stand in each other again and again?')
+        replaced = ''
+        return
+      end if
       dollar = dollar + next - 1
       replaced = replaced//text(next:dollar - 1)
       call name_after_dollar(text, dollar, name, next)
