@@ -41,7 +41,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(model_t), allocatable :: model
     real(dp) :: need, available
-    call memory_need_here(scene, need, available)
+    call memory_need_here(scene, need, available, error)
+    if (allocated(error)) return
     if (parallel_any(need > 0.5_dp*available)) then
       if (parallel_rank() == 0) call cost_estimate_write_need(scene, need, available)
       return

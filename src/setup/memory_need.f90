@@ -11,7 +11,7 @@ module sgmp_memory_need
   use sgmp_parallel, only: parallel_any, parallel_ranks, parallel_ranks_here
   use sgmp_process, only: memory_available_bytes
   use sgmp_scene, only: body_card_t, layout_file, layout_gauss, scene_t
-  use sgmp_seeding, only: seeding_shape_volume
+  use sgmp_seeding, only: seeding_check_lattices, seeding_shape_volume
   use sgmp_text, only: real_text
   implicit none
   private
@@ -38,10 +38,16 @@ contains
     end do
   end function memory_need
 
-  !> Bytes that the ranks of this machine will need, and those they can have.
-  subroutine memory_need_here(scene, need, available)
+  !> Bytes that the ranks of this machine will need, and those they can have; an error where the
+  !! bodies cannot be counted.
+  subroutine memory_need_here(scene, need, available, error)
     type(scene_t), intent(in) :: scene
     real(dp), intent(out) :: need, available
+    type(error_t), allocatable, intent(out) :: error
+    need = 0.0_dp
+    available = 0.0_dp
+    call seeding_check_lattices(scene, error)
+    if (allocated(error)) return
     need = memory_need(scene)*parallel_ranks_here()/parallel_ranks()
     available = real(memory_available_bytes(), dp)
   end subroutine memory_need_here
@@ -51,7 +57,8 @@ contains
     type(scene_t), intent(in) :: scene
     type(error_t), allocatable, intent(out) :: error
     real(dp) :: need, available
-    call memory_need_here(scene, need, available)
+    call memory_need_here(scene, need, available, error)
+    if (allocated(error)) return
     if (.not. parallel_any(need > available)) return
     call error_make(error, exit_deck, 'the run needs about '//real_text(need/gibibyte)// &
                     ' GiB of memory, and there are '//real_text(available/gibibyte), &

@@ -6,9 +6,9 @@ module sgmp_seeding
   use sgmp_lattice, only: lattice_cubic, lattice_fits, lattice_gauss, lattice_ijk, lattice_jitter, &
                           lattice_layers, lattice_lines, lattice_point, lattice_t, &
                           lattice_tolerance, lattice_too_many, lattice_volume
-  use sgmp_mesh, only: axis_names, mesh_position, mesh_t
+  use sgmp_mesh, only: axis_names, mesh_make, mesh_position, mesh_t
   use sgmp_particle_file, only: particle_file_read
-  use sgmp_scene, only: body_card_t, layout_file, layout_gauss
+  use sgmp_scene, only: body_card_t, layout_file, layout_gauss, scene_t
   use sgmp_shapes, only: combine_union, infinite_length, shape_t, shapes_anchor, shapes_box, &
                          shapes_inside, shapes_near, shapes_volume
   use sgmp_slabs, only: slab_holds, slab_plane, slab_t
@@ -16,8 +16,8 @@ module sgmp_seeding
   use sgmp_turn, only: turn_back, turn_box, turn_forth, turn_t
   implicit none
   private
-  public :: seeding_generate, seeding_check_inside, seeding_check_overlap, seeding_overlap, &
-            seeding_shape_volume, seeding_survey, survey_t
+  public :: seeding_generate, seeding_check_inside, seeding_check_lattices, seeding_check_overlap, &
+            seeding_overlap, seeding_shape_volume, seeding_survey, survey_t
 
   real(dp), parameter :: farthest = 1.0e7_dp  !! cells from the grid's origin, where 1e-9 are left
 
@@ -152,6 +152,23 @@ contains
     end if
     survey%load(plane - survey%first + 1) = survey%load(plane - survey%first + 1) + 1
   end subroutine survey_note
+
+  !> An error where the lattice of a body of the scene cannot be laid, before any is filled.
+  subroutine seeding_check_lattices(scene, error)
+    type(scene_t), intent(in) :: scene
+    type(error_t), allocatable, intent(out) :: error
+    type(mesh_t) :: mesh
+    type(lattice_t) :: lattice
+    integer :: b
+    mesh = mesh_make(scene%dimension, scene%grid%cell, scene%grid%lower, scene%grid%upper, &
+                     scene%grid%open, scene%grid%wall)
+    do b = 1, size(scene%bodies)
+      if (scene%bodies(b)%layout == layout_file) cycle
+      call lay_lattice(scene%bodies(b), scene%grid%cell, mesh%origin, scene%dimension, lattice, &
+                       error)
+      if (allocated(error)) return
+    end do
+  end subroutine seeding_check_lattices
 
   !> An error where a body is so far from the grid's origin that its particles could not move.
   subroutine check_reach(body, lower, upper, cell, grid_lower, ndim, error)
