@@ -45,20 +45,22 @@ contains
     type(registry_t) :: registry
     type(statement_t), allocatable :: statements(:)
     type(parameters_t) :: parameters
-    type(deck_card_t), allocatable :: cards(:)
+    type(deck_card_t), allocatable :: cards(:), found(:)
     type(position_t) :: deck
     logical :: complete
-    integer :: i
+    integer :: i, n
     registry = deck_table()
     deck%file = path
     call lexer_read(path, statements, complete, draft%errors)
     if (size(statements) == 0) return
     if (foreign(statements(1), draft%errors)) return
     call parameters%start(settings, draft%errors)
-    allocate (cards(0))
+    allocate (found(size(statements)))
+    n = 0
     do i = 1, size(statements)
-      call read_statement(registry, statements(i), parameters, cards, draft%errors)
+      call read_statement(registry, statements(i), parameters, found, n, draft%errors)
     end do
+    cards = found(:n)
     call parameters%check_use(draft%errors)
     call check_repeated(registry, cards, draft%errors)
     if (complete) call check_needed(registry, cards, deck, draft%errors)
@@ -165,13 +167,13 @@ contains
   end subroutine check_cards
 
   !> Parameters are defined as they come; everything else becomes a card.
-  subroutine read_statement(registry, statement, parameters, cards, errors)
+  subroutine read_statement(registry, statement, parameters, cards, n, errors)
     type(registry_t), intent(in) :: registry
     type(statement_t), intent(in) :: statement
     type(parameters_t), intent(inout) :: parameters
-    type(deck_card_t), allocatable, intent(inout) :: cards(:)
+    type(deck_card_t), intent(inout) :: cards(:)
+    integer, intent(inout) :: n              !! cards so far
     type(deck_errors_t), intent(inout) :: errors
-    type(deck_card_t) :: card
     integer :: number
     associate (keyword => statement%tokens(1))
       if (word_lower(keyword%text) == 'parameter') then
@@ -185,8 +187,8 @@ contains
         return
       end if
     end associate
-    call card_parse(registry%cards(number), number, statement, parameters, card, errors)
-    cards = [cards, card]
+    n = n + 1
+    call card_parse(registry%cards(number), number, statement, parameters, cards(n), errors)
   end subroutine read_statement
 
   !> `parameter name = value [name = value …]`.

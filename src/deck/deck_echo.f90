@@ -41,23 +41,24 @@ contains
     type(parameters_t), intent(in) :: parameters
     type(deck_card_t), intent(in) :: cards(:)
     type(statement_text_t), allocatable, intent(out) :: fixed(:)
-    type(statement_text_t) :: new
-    integer :: i
-    allocate (fixed(0))
+    type(statement_text_t) :: found(size(parameters%list) + size(cards))
+    integer :: i, n
+    n = 0
     do i = 1, size(parameters%list)
       if (.not. in_formulas(registry, cards, trim(parameters%list(i)%name))) cycle
-      new%text = parameter_text(registry, parameters, i, cards)
-      new%location = parameters%list(i)%position%text()
-      fixed = [fixed, new]
+      n = n + 1
+      found(n)%text = parameter_text(registry, parameters, i, cards)
+      found(n)%location = parameters%list(i)%position%text()
     end do
     do i = 1, size(cards)
       associate (definition => registry%cards(cards(i)%definition))
         if (definition%free) cycle
-        new%text = card_text(definition, cards(i), .true.)
-        new%location = cards(i)%position%text()
-        fixed = [fixed, new]
+        n = n + 1
+        found(n)%text = card_text(definition, cards(i), .true.)
+        found(n)%location = cards(i)%position%text()
       end associate
     end do
+    fixed = found(:n)
   end subroutine deck_fixed
 
   !> One parameter, as a comment where no formula needs it any more.

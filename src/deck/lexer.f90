@@ -54,7 +54,7 @@ contains
     type(string_t), allocatable :: lines(:)
     type(statement_t), allocatable :: own(:)
     logical :: failed
-    integer :: i
+    integer :: i, first
     do i = 1, size(open_files)
       if (open_files(i)%text /= path) cycle
       complete = .false.
@@ -70,13 +70,14 @@ contains
     complete = complete .and. .not. failed
     if (failed) return
     call lexer_split(path, lines, own, errors)
+    first = 1
     do i = 1, size(own)
-      if (word_lower(own(i)%tokens(1)%text) == 'include') then
-        call include_file(path, own(i), open_files, statements, complete, errors)
-      else
-        statements = [statements, own(i)]
-      end if
+      if (word_lower(own(i)%tokens(1)%text) /= 'include') cycle
+      statements = [statements, own(first:i - 1)]
+      call include_file(path, own(i), open_files, statements, complete, errors)
+      first = i + 1
     end do
+    statements = [statements, own(first:)]
     if (size(own) == 0) call errors%add(whole_file(path), 'the file has no cards', &
                                         'see `sgmp help` for the cards of a deck')
   end subroutine read_file
@@ -205,11 +206,11 @@ contains
     type(string_t), intent(in) :: lines(:)
     type(statement_t), allocatable, intent(out) :: statements(:)
     type(deck_errors_t), intent(inout) :: errors
-    type(statement_t) :: statement
+    type(statement_t) :: statement, found(size(lines))
     type(position_t) :: place
     logical :: continued, pending
-    integer :: i, tokens_before
-    allocate (statements(0))
+    integer :: i, n, tokens_before
+    n = 0
     allocate (statement%tokens(0))
     place%file = path
     pending = .false.
@@ -226,10 +227,13 @@ contains
           call errors%add(last, 'the file ends after a continuation', 'remove the &')
         end associate
       end if
-      if (size(statement%tokens) > 0) statements = [statements, statement]
-      deallocate (statement%tokens)
-      allocate (statement%tokens(0))
+      if (size(statement%tokens) > 0) then
+        n = n + 1
+        call move_alloc(statement%tokens, found(n)%tokens)
+        allocate (statement%tokens(0))
+      end if
     end do
+    statements = found(:n)
   end subroutine lexer_split
 
   !> Appends the tokens of one line.
