@@ -41,7 +41,7 @@ def main():
     parser.add_argument("--lower", type=float, default=0.1)
     parser.add_argument("--upper", type=float, default=3.2)
     parser.add_argument("--sgmp", default="build/release/sgmp")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()  # settings may stand behind options, as the usage says
     with tempfile.TemporaryDirectory() as folder:
         lower, upper = options.lower, options.upper
         while upper - lower > 0.05:
