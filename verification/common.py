@@ -33,10 +33,10 @@ from sgmp_io import plot_style, read_history, read_particles_csv, read_summary  
 SOLVER = ROOT / "build/release/sgmp"
 BUILD = ROOT / "build/verification"
 NUMERICAL_ABORT = 4  # exit code of a run that blows up
-COLOURS = {"mpm": "#d62728", "gimp": "#ff9d1c", "cpgimp": "#8c564b", "sgmp": "#1f5fb4", "normalised": "#2ca02c"}
-NAMES = {"mpm": "MPM", "gimp": "GIMP", "cpgimp": "cpGIMP", "sgmp": "SGMP", "normalised": "SGMP, normalised stress"}
-MARKERS = {"mpm": "o", "gimp": "^", "cpgimp": "v", "sgmp": "s", "normalised": "D"}
-VARIANTS = {name: {"method": name} for name in ("mpm", "gimp", "cpgimp", "sgmp")}  # parameters of the decks behind a name
+COLOURS = {"mpm": "#d62728", "gimp": "#ff9d1c", "cpgimp": "#8c564b", "sgmp": "#1f5fb4", "bspline": "#7a3fb0", "normalised": "#2ca02c"}
+NAMES = {"mpm": "MPM", "gimp": "GIMP", "cpgimp": "cpGIMP", "sgmp": "SGMP", "bspline": "B-spline", "normalised": "SGMP, normalised stress"}
+MARKERS = {"mpm": "o", "gimp": "^", "cpgimp": "v", "sgmp": "s", "bspline": "P", "normalised": "D"}
+VARIANTS = {name: {"method": name} for name in ("mpm", "gimp", "cpgimp", "sgmp", "bspline")}  # parameters of the decks behind a name
 VARIANTS["normalised"] = {"method": "sgmp", "stress": "normalised"}
 
 

@@ -2,7 +2,7 @@
 module sgmp_cards_method
   use sgmp_deck_card, only: deck_card_t
   use sgmp_deck_errors, only: deck_errors_t
-  use sgmp_kernels, only: method_cpgimp, method_gimp, method_names, method_sgmp
+  use sgmp_kernels, only: kernel_sized, method_kernel, method_names, method_sgmp
   use sgmp_keys, only: kind_integer, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
@@ -31,7 +31,7 @@ contains
                       'pure PIC', range='[0,1]', default='1')
     call registry%key('mass_cutoff', kind_real, &
                       'nodes lighter than this times the heaviest particle are ignored; '// &
-                      'default: 1e-12, for gimp and cpgimp 1e-20 (their weights end as a square)', &
+                      'default: 1e-12, for gimp, cpgimp, bspline 1e-20 (their weights end as a square)', &
                       range='[0,1)')
     call registry%key('stress', kind_word, 'quadrature of the stress: as in the paper, or '// &
                       'normalised by the volume that particles fill (sgmp only)', &
@@ -85,7 +85,7 @@ contains
       ! At the end of its support a GIMP weight is the square of its gradient: a node lighter by
       ! 1e-12 than a particle still carries 1e-6 of its force, and dropping that is felt in the
       ! momentum.
-      if (any(method%kind == [method_gimp, method_cpgimp])) method%mass_cutoff = 1.0e-20_dp
+      if (kernel_sized(method_kernel(method%kind))) method%mass_cutoff = 1.0e-20_dp
       method%mass_cutoff = card%number('mass_cutoff', absent=method%mass_cutoff)
       method%normalised = card%word('stress') == 'normalised'
       method%interior = card%number('interior')

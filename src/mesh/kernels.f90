@@ -6,16 +6,23 @@ module sgmp_kernels
   private
   public :: kernel_mpm, kernel_gimp, kernel_sgmp, kernel_centred, kernel_folds, kernel_sized
   public :: stencil_reach, stencil_shift, stencil_width
-  public :: method_mpm, method_gimp, method_cpgimp, method_sgmp, method_kernel, method_names
+  public :: method_mpm, method_gimp, method_cpgimp, method_sgmp, method_bspline
+  public :: method_half_size, method_kernel, method_names
 
   integer, parameter :: kernel_mpm = 1   !! linear hat functions, particle to node
-  integer, parameter :: kernel_gimp = 2  !! GIMP functions, particle to node (uGIMP and cpGIMP)
+  integer, parameter :: kernel_gimp = 2  !! GIMP functions, particle to node (uGIMP, cpGIMP, B-spline)
   integer, parameter :: kernel_sgmp = 3  !! linear on the auxiliary grid, then a fixed map from
                                          !! centres to nodes
 
-  integer, parameter :: method_mpm = 1, method_gimp = 2, method_cpgimp = 3, method_sgmp = 4
-  character(8), parameter :: method_names(4) = [character(8) :: 'mpm', 'gimp', 'cpgimp', 'sgmp']
-  integer, parameter :: method_kernel(4) = [kernel_mpm, kernel_gimp, kernel_gimp, kernel_sgmp]
+  integer, parameter :: method_mpm = 1, method_gimp = 2, method_cpgimp = 3, method_sgmp = 4, &
+                        method_bspline = 5
+  character(8), parameter :: method_names(5) = [character(8) :: 'mpm', 'gimp', 'cpgimp', 'sgmp', &
+                                                'bspline']
+  integer, parameter :: method_kernel(5) = [kernel_mpm, kernel_gimp, kernel_gimp, kernel_sgmp, &
+                                            kernel_gimp]
+  !> Half-size of a particle (cells) where the method fixes it, 0: from the particles' spacing. The
+  !! quadratic B-spline is the GIMP function of particles as wide as a cell, whatever their volume.
+  real(dp), parameter :: method_half_size(5) = [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.5_dp]
 
   !> Properties of a kernel.
   type :: kernel_t

@@ -9,7 +9,7 @@ module sgmp_build_model
   use sgmp_errors, only: error_t
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
-  use sgmp_kernels, only: method_cpgimp, method_kernel, stencil_shift
+  use sgmp_kernels, only: method_cpgimp, method_half_size, method_kernel, stencil_shift
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_model, only: model_t
@@ -126,7 +126,8 @@ contains
       body%first_id = first_id
       body%spacing = card%spacing
       if (body%spacing <= 0.0_dp) body%spacing = scene%grid%cell/card%ppc
-      body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
+      body%half_size = method_half_size(scene%method%kind)
+      if (all(body%half_size <= 0.0_dp)) body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
       call attach_force(scene, number, body)
       body%rigid = card%rigid
       if (body%rigid) then

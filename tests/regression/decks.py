@@ -64,7 +64,7 @@ def main():
     for deck in sorted(decks & set(SHORT)):
         result = run("check", deck, options=["--check"])
         report.check(result.code == 0 and "memory" in result.text, f"{deck} --check: {result.code}\n{result.text}")
-        for method in ("mpm", "gimp", "cpgimp", "sgmp"):
+        for method in ("mpm", "gimp", "cpgimp", "bspline", "sgmp"):
             for update in ("usf", "musl", "usl"):
                 check(report, deck, method, update, {})
     for deck in sorted(decks & set(SHORT)):

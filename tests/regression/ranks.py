@@ -171,6 +171,7 @@ SCENES = [
     ("space_normalised", SPACE, {"stress": "normalised"}, FEW),
     ("climb", CLIMB, {}, LAYOUTS),
     ("climb_gimp", CLIMB, {"method": "gimp", "update": "usl"}, FEW),
+    ("climb_bspline", CLIMB, {"method": "bspline", "update": "musl"}, FEW),
     ("climb_cpgimp", CLIMB, {"method": "cpgimp", "update": "usf"}, FEW),
     ("climb_mpm", CLIMB, {"method": "mpm", "update": "usavg"}, FEW),
     ("climb_balanced", CLIMB + "balance every=3 gain=0\n", {}, FEW),
@@ -212,9 +213,9 @@ DECKS = {
 # What goes wrong on any layout: MPM with USL.
 UNSTABLE = {("rings.inp", "mpm", "usl"), ("pile", "mpm", "usl"), ("tower", "mpm", "usl")}
 # USL gains energy at the Courant numbers of these decks, on one rank as on many.
-UNSTABLE |= {("taylor_bar.inp", method, "usl") for method in ("sgmp", "gimp", "mpm", "cpgimp")}
+UNSTABLE |= {("taylor_bar.inp", method, "usl") for method in ("sgmp", "gimp", "mpm", "cpgimp", "bspline")}
 UNSTABLE |= {("bar_stability.inp", method, "usl") for method in ("mpm", "cpgimp")}
-METHODS = ("sgmp", "gimp", "mpm", "cpgimp")
+METHODS = ("sgmp", "gimp", "mpm", "cpgimp", "bspline")
 UPDATES = ("musl", "usf", "usl", "usavg")
 # What differs from run to run and not because of the layout.
 OWN_WORDS = ("summary.json", "run.log")

@@ -99,7 +99,7 @@ def variants(name):
     for update in ("usf", "usl", "usavg"):
         for method in EVERY_UPDATE.get(name, ()):
             yield method, update
-    for method in ("gimp", "mpm", "cpgimp") if name in EVERY_METHOD else ():
+    for method in ("gimp", "mpm", "cpgimp", "bspline") if name in EVERY_METHOD else ():
         yield method, "musl"
 
 

@@ -49,7 +49,7 @@ def same_for_threads(report):
     """1, 2 and 3 threads, once 7; all methods and updates with the block that drifts through the grid."""
     for name, deck, settings in SCENES:
         everything = name in ("jittered", "rotated_bar")
-        for method in ("sgmp", "gimp", "mpm", "cpgimp") if everything else ("sgmp",):
+        for method in ("sgmp", "gimp", "mpm", "cpgimp", "bspline") if everything else ("sgmp",):
             for update in ("musl", "usf", "usl", "usavg") if everything and method in ("sgmp", "gimp") else ("musl",):
                 sums = {}
                 for threads in (1, 2, 3) + ((7,) if name == "jittered" and update == "musl" else ()):

@@ -10,7 +10,7 @@ from common import COLOURS, MARKERS, NAMES, VARIANTS, Case, cell_ticks, main, po
 from exact import error  # noqa: E402
 
 DT, SHORT, LARGE = 1e-5, 0.02, 0.3536
-METHODS = ("mpm", "gimp", "cpgimp", "sgmp")
+METHODS = ("mpm", "gimp", "cpgimp", "sgmp", "bspline")
 
 
 def references():
@@ -78,7 +78,7 @@ def short_time(book, full, reference):
     best, finest = sizes.index(256), len(sizes) - 1
     book.within("bar, short time", "error of MPM at 1/256 (m)", curves["mpm"][best], 6.22e-8, 0.02)
     book.at_least("bar, short time", "MPM at 1/1024 over MPM at 1/256: the error grows", curves["mpm"][finest] / curves["mpm"][best], 1.5)
-    for method in ("sgmp", "mpm", "cpgimp"):
+    for method in ("sgmp", "mpm", "cpgimp", "bspline"):
         for cells in (8, 64, 512):
             book.within("bar, short time", f"error at 1/{cells}, {NAMES[method]}, against the independent code",
                         curves[method][sizes.index(cells)], reference["short time", method, cells], 0.02)
@@ -102,9 +102,9 @@ def large_deformation(book, full, reference):
              "cpGIMP starts from equal distances, for which its particles fill the bar; Gauss points do not suit it.")
     sizes = (8, 16, 32, 64, 128, 256)
     targets = {"sgmp": (2.63e-4, 6.1e-5, 2.5e-5, 1.0e-5, 4.3e-6, 3.6e-6), "cpgimp": (8.8e-5, 1.9e-5, 4.1e-6, 5.9e-7, 2.2e-7, 8.1e-8)}
-    layouts = {"sgmp": "gauss", "cpgimp": "uniform", "mpm": "gauss", "gimp": "gauss", "normalised": "gauss"}
+    layouts = {"sgmp": "gauss", "cpgimp": "uniform", "mpm": "gauss", "gimp": "gauss", "bspline": "gauss", "normalised": "gauss"}
     curves, used, points = {}, {}, []
-    for method in ("sgmp", "normalised", "cpgimp", "mpm", "gimp") if full else ("sgmp", "normalised", "cpgimp", "mpm"):
+    for method in ("sgmp", "normalised", "cpgimp", "mpm", "bspline", "gimp") if full else ("sgmp", "normalised", "cpgimp", "mpm", "bspline"):
         used[method] = sizes + (512, 1024) if full and method in ("sgmp", "normalised", "cpgimp") else sizes if full or method != "mpm" else sizes[:4]
         curves[method], _, runs = errors_of("bar_large", LARGE, used[method], **VARIANTS[method], layout=layouts[method])
         points += [point(NAMES[method], method, f"h = 1/{n}, {layouts[method]} layout", run, e) for n, run, e in zip(used[method], runs, curves[method])]
@@ -114,6 +114,9 @@ def large_deformation(book, full, reference):
             book.within("bar, large deformation", f"error of {NAMES[method]} at 1/{cells} (m)", found, value, 0.05)
             book.within("bar, large deformation", f"error of {NAMES[method]} at 1/{cells}, against the independent code", found,
                         reference["large deformation", method, cells], 0.02)
+    for cells in (8, 16, 32, 64, 128):
+        book.within("bar, large deformation", f"error of {NAMES['bspline']} at 1/{cells}, against the independent code",
+                    curves["bspline"][sizes.index(cells)], reference["large deformation", "bspline", cells], 0.02)
     for cells, value in ((64, 3.4e-6), (256, 2.3e-7)):
         book.within("bar, large deformation", f"error of SGMP with normalised stress at 1/{cells} (m)", curves["normalised"][sizes.index(cells)], value, 0.05)
     order, = slopes([1 / 16, 1 / 256], [curves["normalised"][sizes.index(n)] for n in (16, 256)])

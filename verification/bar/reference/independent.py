@@ -36,6 +36,11 @@ def weights(method, x, h, half):
     if method == "sgmp":
         w0, w1 = 0.5 - r, 0.5 + r
         return nearest - 1, np.array([0.5 * w0, 0.5 + 0 * r, 0.5 * w1]), np.array([-w0, w0 - w1, w1]) / h
+    if method == "bspline":  # third difference of the truncated square (de Boor)
+        ramps = [np.clip(np.array([r + 1, r, r - 1]) + 1.5 - k, 0, None) for k in range(4)]
+        factors = (1, -3, 3, -1)
+        return (nearest - 1, 0.5 * sum(c * ramp**2 for c, ramp in zip(factors, ramps)),
+                sum(c * ramp for c, ramp in zip(factors, ramps)) / h)
     # GIMP: the hat function averaged over the particle, as a difference of its second integral
     xi = np.array([r + 1, r, r - 1])
     l = half / h
@@ -143,9 +148,9 @@ def main():
     for method in ("mpm", "sgmp"):
         rows += [("one step", method, cells, run(method, cells, 1e-5)) for cells in (8, 64, 512, 8192)]
     for method, sizes in (("sgmp", (8, 16, 32, 64, 128, 256, 512, 1024)), ("mpm", (8, 16, 32, 64, 128, 256, 512, 1024)),
-                          ("cpgimp", (8, 64, 512))):
+                          ("cpgimp", (8, 64, 512)), ("bspline", (8, 64, 512))):
         rows += [("short time", method, cells, run(method, cells, 0.02)) for cells in sizes]
-    for method, layout in (("sgmp", "gauss"), ("cpgimp", "uniform"), ("mpm", "gauss")):
+    for method, layout in (("sgmp", "gauss"), ("cpgimp", "uniform"), ("mpm", "gauss"), ("bspline", "gauss")):
         for cells in (8, 16, 32, 64, 128, 256):
             rows.append(("large deformation", method, cells, run(method, cells, 0.3536, large=True, layout=layout)))
             print(rows[-1], flush=True)
