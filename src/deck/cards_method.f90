@@ -31,7 +31,7 @@ contains
                       'pure PIC', range='[0,1]', default='1')
     call registry%key('mass_cutoff', kind_real, &
                       'nodes lighter than this times the heaviest particle are ignored; '// &
-                      'default: 1e-12, for gimp, cpgimp, bspline 1e-20 (their weights end as a square)', &
+                      'default: 1e-12, for gimp, cpgimp, bspline 1e-20 (weights end as a square)', &
                       range='[0,1)')
     call registry%key('stress', kind_word, 'quadrature of the stress: as in the paper, or '// &
                       'normalised by the volume that particles fill (sgmp only)', &
