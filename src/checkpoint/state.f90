@@ -81,6 +81,7 @@ contains
     call archive%pass(ledger%remainder)
     call archive%pass(ledger%predicted)
     call archive%pass(ledger%largest_kinetic)
+    call archive%pass(ledger%supplied)
     call archive%pass(ledger%momentum)
     call archive%pass(ledger%ignored_nodes)
   end subroutine pass_ledger

@@ -68,7 +68,8 @@ contains
     call registry%card('stop', 'Conditions that end a run early.', 'stop kinetic_below=0.01', &
                        read_stop, once=.true., free=.true.)
     call registry%key('energy_growth', kind_real, &
-                      'abort when the total energy exceeds its reference this many times', &
+                      'abort when there is this many times the energy that the scene was '// &
+                      'given, at the start or by external work', &
                       range='(1,inf)', default='10')
     call registry%key('kinetic_below', kind_real, &
                       'finish when the kinetic energy falls below this fraction of its maximum', &

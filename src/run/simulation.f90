@@ -7,7 +7,7 @@ module sgmp_simulation
                              checkpoint_write
   use sgmp_command_line, only: command_line_t
   use sgmp_cost_estimate, only: cost_estimate_write, cost_estimate_write_need
-  use sgmp_energy, only: ledger_total
+  use sgmp_energy, only: ledger_drift
   use sgmp_errors, only: error_make, error_t, exit_io, exit_numerical, exit_stopped
   use sgmp_kinds, only: dp, i8
   use sgmp_memory_need, only: memory_need_here, memory_refuse
@@ -269,22 +269,22 @@ contains
     yes = yes .or. sum(model%totals%particles) == 0_i8
   end function finished
 
-  !> Energy growth beyond the deck's limit, or beyond all sense, is a failure.
+  !> Energy from nowhere beyond the deck's limit, or beyond all sense, is a failure.
   subroutine guard(scene, model)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(inout) :: model
-    real(dp) :: total, reference
+    real(dp) :: drift
     if (allocated(model%findings%failure)) return
-    total = ledger_total(model%ledger)
-    reference = max(abs(model%ledger%initial_total), abs(model%ledger%external_work))
-    if (total /= total) then
+    drift = ledger_drift(model%ledger)
+    if (drift /= drift) then
       call error_make(model%findings%failure, exit_numerical, &
                       'the total energy is not a number in step '// &
                       integer_text(model%clock%step), &
                       'reduce cfl; the last dump shows where it started')
-    else if (reference > 0.0_dp .and. total/scene%stop%energy_growth > reference) then
-      call error_make(model%findings%failure, exit_numerical, 'the total energy has grown to '// &
-                      real_text(total/reference)//' times its reference in step '// &
+    else if (model%ledger%supplied > 0.0_dp .and. &
+             drift > scene%stop%energy_growth - 1.0_dp) then
+      call error_make(model%findings%failure, exit_numerical, 'the energy has grown to '// &
+                      real_text(1.0_dp + drift)//' times what the scene was given in step '// &
                       integer_text(model%clock%step)//' at time '// &
                       real_text(model%clock%time)//'; the fastest is '// &
                       fastest_particle(scene, model), &

@@ -11,7 +11,7 @@ module sgmp_energy
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: ledger_t, ledger_open, ledger_step, ledger_total, step_sums_t
+  public :: ledger_t, ledger_open, ledger_step, ledger_total, ledger_drift, step_sums_t
 
   !> Sums of one step.
   type :: step_sums_t
@@ -39,6 +39,8 @@ module sgmp_energy
     real(dp) :: remainder = 0.0_dp           !! kinetic energy that the identity does not explain
     real(dp) :: predicted = 0.0_dp           !! sum of the energy errors that the identities predict
     real(dp) :: largest_kinetic = 0.0_dp
+    real(dp) :: supplied = 0.0_dp            !! most that was there to be spent: of the energy at
+                                             !! the start and the external work at any time
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: ignored_nodes = 0.0_dp
   end type ledger_t
@@ -52,6 +54,17 @@ contains
     total = ledger%kinetic + ledger%internal
   end function ledger_total
 
+  !> Part of the energy supplied that has come from nowhere (or, if negative, is gone): the total
+  !! energy and what contact has turned to heat, less the energy at the start and the external work,
+  !! over the most that was there to be spent. What the scheme itself dissipates or creates is in it;
+  !! so is the kinetic energy of removed particles.
+  pure function ledger_drift(ledger) result(drift)
+    type(ledger_t), intent(in) :: ledger
+    real(dp) :: drift
+    drift = (ledger_total(ledger) + ledger%contact_dissipation - ledger%initial_total - &
+             ledger%external_work)/max(ledger%supplied, tiny(1.0_dp))
+  end function ledger_drift
+
   !> Starts a ledger from the initial state.
   pure subroutine ledger_open(ledger, kinetic, internal, momentum)
     type(ledger_t), intent(out) :: ledger
@@ -61,6 +74,7 @@ contains
     ledger%initial_total = kinetic + internal
     ledger%momentum = momentum
     ledger%largest_kinetic = kinetic
+    ledger%supplied = max(kinetic, abs(kinetic + internal))
   end subroutine ledger_open
 
   !> Books one step; `exact` says that the kinetic identity applies (pure FLIP, no particle lost).
@@ -83,6 +97,7 @@ contains
     ledger%viscous_dissipation = ledger%viscous_dissipation + sums%viscous
     ledger%momentum = sums%momentum
     ledger%largest_kinetic = max(ledger%largest_kinetic, sums%kinetic)
+    ledger%supplied = max(ledger%supplied, abs(ledger%external_work))
     ledger%ignored_nodes = max(ledger%ignored_nodes, sums%ignored_nodes)
   end subroutine ledger_step
 
