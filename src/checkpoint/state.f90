@@ -63,6 +63,8 @@ contains
     call archive%pass(clock%dt)
     call archive%pass(clock%dt_before)
     call archive%pass(clock%dt_free)
+    call archive%pass(clock%longest)
+    call archive%pass(clock%shortest)
     call archive%pass(clock%smallest)
     call archive%pass(clock%next_probe)
     call archive%pass(clock%limit)

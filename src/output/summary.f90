@@ -23,8 +23,8 @@ module sgmp_summary
     private
     type(item_t), allocatable :: items(:)
   contains
-    procedure, private :: set_i4, set_i8, set_real, set_logical, set_text, set_reals
-    generic :: set => set_i4, set_i8, set_real, set_logical, set_text, set_reals
+    procedure, private :: set_i4, set_i8, set_real, set_logical, set_text, set_reals, set_texts
+    generic :: set => set_i4, set_i8, set_real, set_logical, set_text, set_reals, set_texts
     procedure :: json => summary_json
     procedure :: write => summary_write
   end type summary_t
@@ -83,6 +83,20 @@ contains
     character(*), intent(in) :: value
     call store(self, key, quoted(value))
   end subroutine set_text
+
+  subroutine set_texts(self, key, value)
+    class(summary_t), intent(inout) :: self
+    character(*), intent(in) :: key
+    character(*), intent(in) :: value(:)  !! less the blanks at their ends
+    character(:), allocatable :: text
+    integer :: i
+    text = '['
+    do i = 1, size(value)
+      if (i > 1) text = text//', '
+      text = text//quoted(trim(value(i)))
+    end do
+    call store(self, key, text//']')
+  end subroutine set_texts
 
   !> Sets or replaces the value under a dotted key.
   subroutine store(self, key, json)

@@ -28,6 +28,7 @@ module sgmp_simulation
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: clock_advance, clock_choose
   use sgmp_timers, only: phase_output, phase_probe, timers_start, timers_stop, timers_t, wall_time
+  use sgmp_verdict, only: verdict_t
   implicit none
   private
   public :: simulation_run, simulation_check
@@ -68,6 +69,7 @@ contains
     type(error_t), allocatable :: problem
     type(effort_t) :: effort
     type(stopping_t) :: stopping
+    type(verdict_t) :: verdict
     real(dp) :: started, solving
     started = wall_time()
     effort%threads = threads
@@ -102,8 +104,9 @@ contains
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
     effort%wall = wall_time() - started
     call effort_share(effort, model)
-    call report_end(log, model, effort, error)
-    call summary_write(scene, model, effort, folder//'/summary.json', error)
+    call verdict%reach(scene, model, error)
+    call report_end(log, model, effort, verdict, error)
+    call summary_write(scene, model, effort, verdict, folder//'/summary.json', error)
     call log%close(problem)
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
   end subroutine simulation_run

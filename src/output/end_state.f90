@@ -1,0 +1,171 @@
+!> What the particles look like at the end of a run, as far as it tells a sound result from one that
+!! is not: extremes, particles apart from their bodies, volumes without room.
+module sgmp_end_state
+  use sgmp_body, only: body_t
+  use sgmp_filling, only: filling_measure
+  use sgmp_kernels, only: kernel_mpm
+  use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_material_kinds, only: material_explosive
+  use sgmp_model, only: model_t
+  use sgmp_motion, only: motion_mass
+  use sgmp_parallel, only: parallel_gather, parallel_max, parallel_min, parallel_sum
+  use sgmp_particle_fields, only: particle_field_find, particle_field_t, particle_place_t
+  use sgmp_pieces, only: pieces_find
+  use sgmp_rows, only: key_j, key_k, row_key
+  use sgmp_scene, only: body_card_t, scene_t
+  use sgmp_shapes, only: combine_union
+  implicit none
+  private
+  public :: end_state_t, end_state_take
+
+  !> Of the particles of bodies that are not rigid.
+  type :: end_state_t
+    integer(i8) :: particles = 0_i8
+    real(dp) :: compression = 1.0_dp         !! largest density over the initial one
+    real(dp) :: expansion = 1.0_dp           !! largest volume over the initial one
+    real(dp) :: per_cell = huge(1.0_dp)      !! least particles per cell: a cell over the largest
+    integer(i8) :: stretched = 0_i8          !! particles larger than a cell
+    real(dp) :: pressure(2) = 0.0_dp         !! least and largest
+    real(dp) :: room = 0.0_dp  !! sum of volumes over the box between walls; 0: not closed
+    real(dp) :: excess = 0.0_dp              !! part of the volume that has no room
+    integer(i8) :: separated = 0_i8          !! particles out of reach of their body's main piece
+    real(dp) :: separated_part = 0.0_dp      !! largest part of any body
+    integer :: separated_body = 0
+  end type end_state_t
+
+contains
+
+  !> Looks at the particles of all ranks; all must call it.
+  subroutine end_state_take(scene, model, state)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(end_state_t), intent(out) :: state
+    integer :: b
+    state%pressure = [huge(1.0_dp), -huge(1.0_dp)]
+    do b = 1, size(model%bodies)
+      if (model%bodies(b)%rigid) cycle
+      state%particles = state%particles + model%totals%particles(b)
+      call look_at_body(model%bodies(b), model%mesh%ndim, model%mesh%h, state)
+      if (holds_together(model%bodies(b))) call find_separated(scene%bodies(b), model, b, state)
+    end do
+    state%compression = parallel_max(state%compression)
+    state%expansion = parallel_max(state%expansion)
+    state%per_cell = parallel_min(state%per_cell)
+    state%stretched = parallel_sum(state%stretched)
+    state%pressure = [parallel_min(state%pressure(1)), parallel_max(state%pressure(2))]
+    if (state%particles == 0_i8) state%pressure = 0.0_dp
+    call filling_measure(model, state%room, state%excess)
+  end subroutine end_state_take
+
+  !> Extremes of this rank's particles of a body.
+  subroutine look_at_body(body, nd, h, state)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: nd
+    real(dp), intent(in) :: h
+    type(end_state_t), intent(inout) :: state
+    type(particle_field_t) :: field
+    real(dp) :: volume, ratio, pressure
+    integer :: c, l
+    field = particle_field_find('pressure')
+    do c = 1, body%particles%chunks
+      do l = 1, lanes
+        if (body%particles%id(l, c) == 0) cycle
+        volume = body%particles%state(l, body%law%slots%volume, c)
+        ratio = volume*body%law%density/body%particles%motion(l, motion_mass(nd), c)
+        pressure = sum(field%take(body, particle_place_t(nd, l, c)))
+        state%compression = max(state%compression, 1.0_dp/ratio)
+        state%expansion = max(state%expansion, ratio)
+        state%per_cell = min(state%per_cell, h**nd/volume)
+        if (volume > h**nd) state%stretched = state%stretched + 1
+        state%pressure = [min(state%pressure(1), pressure), max(state%pressure(2), pressure)]
+      end do
+    end do
+  end subroutine look_at_body
+
+  !> Whether a body is meant to stay in one piece: no gas, and its material does not fail.
+  pure function holds_together(body) result(yes)
+    type(body_t), intent(in) :: body
+    logical :: yes
+    yes = body%law%kind /= material_explosive .and. .not. body%law%failure
+  end function holds_together
+
+  !> Counts the particles of a body out of reach of its largest pieces, of which it may have as
+  !! many as its card unites shapes: particles hold together as long as they share grid points.
+  subroutine find_separated(card, model, b, state)
+    type(body_card_t), intent(in) :: card
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    type(end_state_t), intent(inout) :: state
+    integer(i8), allocatable :: key(:), number(:)
+    integer, allocatable :: first(:), last(:), piece(:)
+    integer(i8) :: apart
+    integer :: reach, n, p
+    if (.not. allocated(card%shapes)) return  ! from a file: any number of pieces
+    call gather_intervals(model%bodies(b), key, first, last, number)
+    allocate (piece(size(key)))
+    reach = merge(1, 2, model%fields(model%bodies(b)%field)%kernel == kernel_mpm)
+    call pieces_find(key, first, last, [reach, reach, reach], piece)
+    do n = 1, size(piece)
+      if (piece(n) == n) cycle
+      number(piece(n)) = number(piece(n)) + number(n)
+      number(n) = 0
+    end do
+    apart = sum(number)
+    do p = 1, count(card%shapes%combine == combine_union)
+      if (size(number) == 0) exit
+      n = maxloc(number, 1)
+      apart = apart - number(n)
+      number(n) = 0
+    end do
+    state%separated = state%separated + apart
+    if (real(apart, dp) > state%separated_part*real(max(1_i8, model%totals%particles(b)), dp)) then
+      state%separated_part = real(apart, dp)/real(model%totals%particles(b), dp)
+      state%separated_body = b
+    end if
+  end subroutine find_separated
+
+  !> Occupied bins of a body on all ranks, as intervals of rows with their particles.
+  subroutine gather_intervals(body, key, first, last, number)
+    type(body_t), intent(in) :: body
+    integer(i8), allocatable, intent(out) :: key(:), number(:)
+    integer, allocatable, intent(out) :: first(:), last(:)
+    real(dp), allocatable :: own(:), all(:), table(:, :)
+    integer :: s, i, n, start
+    allocate (own(5*size(body%particles%size)))
+    n = 0
+    do s = 1, body%particles%bins%n
+      start = huge(1)
+      do i = body%particles%bins%first(s), body%particles%bins%last(s) + 1
+        if (occupied(i)) then
+          if (start == huge(1)) then
+            start = i
+            n = n + 1
+            own(5*n - 4:5*n) = real([key_j(body%particles%bins%key(s)), &
+                                     key_k(body%particles%bins%key(s)), i, i, 0], dp)
+          end if
+          own(5*n - 1) = real(i, dp)
+          own(5*n) = own(5*n) + body%particles%size(body%particles%bin_start(s) + i)
+        else
+          start = huge(1)
+        end if
+      end do
+    end do
+    call parallel_gather(own(:5*n), all)  ! ranks own ascending planes
+    table = reshape(all, [5, size(all)/5])
+    key = row_key(nint(table(1, :)), nint(table(2, :)))
+    first = nint(table(3, :))
+    last = nint(table(4, :))
+    number = nint(table(5, :), i8)
+
+  contains
+
+    pure function occupied(bin) result(yes)
+      integer, intent(in) :: bin
+      logical :: yes
+      yes = bin <= body%particles%bins%last(s)
+      if (yes) yes = body%particles%size(body%particles%bin_start(s) + bin) > 0
+    end function occupied
+
+  end subroutine gather_intervals
+
+end module sgmp_end_state

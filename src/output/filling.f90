@@ -1,0 +1,161 @@
+!> Whether the particles' volumes fit into the room that they have.
+!!
+!! Every particle spreads its volume over the cells around it with the weights of the auxiliary
+!! grid, what falls behind a wall back into the scene. Where the volumes of a cell sum to more than
+!! the cell, particles have lost touch with the space they stand for: their neighbours are gone, or
+!! their volumes have drifted. Shares are whole numbers, so that sums depend on no order and on no
+!! layout of ranks.
+module sgmp_filling
+  use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_mesh, only: mesh_t, wall_free
+  use sgmp_model, only: model_t
+  use sgmp_parallel, only: parallel_deal, parallel_sum
+  use sgmp_partition, only: partition_owner
+  use sgmp_sorting, only: sort_order
+  implicit none
+  private
+  public :: filling_measure
+
+  integer(i8), parameter :: unit = 2_i8**24      !! of volume, in a cell
+  real(dp), parameter :: most = 1.0e4_dp         !! cells; larger particles count as so large
+  integer(i8), parameter :: base = 2_i8**20      !! cells on either side of the origin
+
+contains
+
+  !> Volumes of all particles that move freely: their sum, and the part of it that has no room in
+  !! the cells around it.
+  subroutine filling_measure(model, sum_over_box, excess)
+    type(model_t), intent(in) :: model
+    real(dp), intent(out) :: sum_over_box     !! 0 where walls do not enclose the scene
+    real(dp), intent(out) :: excess
+    integer(i8), allocatable :: cell(:), share(:)
+    integer(i8) :: total, without
+    call spread_volumes(model, cell, share)
+    call send_home(model, cell, share)
+    call merge_cells(cell, share)
+    total = parallel_sum(sum(share))
+    without = parallel_sum(sum(max(0_i8, share - unit)))
+    excess = real(without, dp)/real(max(1_i8, total), dp)
+    sum_over_box = 0.0_dp
+    if (all(model%mesh%wall(:, :model%mesh%ndim) /= wall_free)) then
+      sum_over_box = real(total, dp)/(real(unit, dp)* &
+                     product(real(model%mesh%cells(:model%mesh%ndim), dp)))
+    end if
+  end subroutine filling_measure
+
+  !> Shares of this rank's particles, cells in ascending order and named once.
+  subroutine spread_volumes(model, cell, share)
+    type(model_t), intent(in) :: model
+    integer(i8), allocatable, intent(out) :: cell(:), share(:)
+    integer :: b, c, l, n, nd
+    n = 0
+    nd = model%mesh%ndim
+    do b = 1, size(model%bodies)
+      if (.not. model%bodies(b)%rigid) n = n + model%bodies(b)%particles%count
+    end do
+    allocate (cell(n*2**nd), share(n*2**nd))
+    n = 0
+    do b = 1, size(model%bodies)
+      if (model%bodies(b)%rigid) cycle
+      associate (particles => model%bodies(b)%particles)
+        do c = 1, particles%chunks
+          do l = 1, lanes
+            if (particles%id(l, c) == 0) cycle
+            call spread_one(model%mesh, particles%motion(l, :nd, c), &
+                            particles%state(l, model%bodies(b)%law%slots%volume, c), &
+                            cell(n + 1:n + 2**nd), share(n + 1:n + 2**nd))
+            n = n + 2**nd
+          end do
+        end do
+      end associate
+    end do
+    call merge_cells(cell, share)
+  end subroutine spread_volumes
+
+  !> Shares of one particle.
+  pure subroutine spread_one(mesh, x, volume, cell, share)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: x(:)              !! (ndim) in cells
+    real(dp), intent(in) :: volume
+    integer(i8), intent(out) :: cell(:), share(:)   !! (2**ndim)
+    integer :: corner, axis, at(3), low(3), up
+    real(dp) :: weight, part
+    low = 0
+    low(:mesh%ndim) = floor(x - 0.5_dp)
+    do corner = 0, size(cell) - 1
+      weight = min(volume/mesh%h**mesh%ndim, most)
+      at = 0
+      do axis = 1, mesh%ndim
+        up = ibits(corner, axis - 1, 1)
+        part = x(axis) - 0.5_dp - low(axis)
+        weight = weight*merge(part, 1.0_dp - part, up == 1)
+        at(axis) = folded(mesh, axis, low(axis) + up)
+      end do
+      cell(corner + 1) = ((at(3) + base)*2*base + at(2) + base)*2*base + at(1) + base
+      share(corner + 1) = nint(weight*unit, i8)
+    end do
+  end subroutine spread_one
+
+  !> A cell, or its mirror image if it lies behind a wall.
+  pure function folded(mesh, axis, i) result(j)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis, i
+    integer :: j
+    j = i
+    if (i < mesh%lower(axis) .and. mesh%wall(1, axis) /= wall_free) j = 2*mesh%lower(axis) - 1 - i
+    if (i >= mesh%upper(axis) .and. mesh%wall(2, axis) /= wall_free) j = 2*mesh%upper(axis) - 1 - i
+  end function folded
+
+  !> Gives the shares to the ranks that own the cells' planes.
+  subroutine send_home(model, cell, share)
+    type(model_t), intent(in) :: model
+    integer(i8), allocatable, intent(inout) :: cell(:), share(:)
+    real(dp), allocatable :: columns(:, :), received(:, :)
+    integer, allocatable :: owner(:)
+    integer :: n
+    if (model%ranks%partition%ranks == 1) return
+    allocate (owner(size(cell)), columns(3, size(cell)))
+    do n = 1, size(cell)
+      owner(n) = partition_owner(model%ranks%partition, plane_of(cell(n), model%mesh%ndim))
+      columns(:, n) = [real(cell(n)/(2*base), dp), real(modulo(cell(n), 2*base), dp), &
+                       real(share(n), dp)]
+    end do
+    call parallel_deal(columns, owner, received)
+    cell = nint(received(1, :), i8)*2*base + nint(received(2, :), i8)
+    share = nint(received(3, :), i8)
+  end subroutine send_home
+
+  !> The plane of a cell along the slowest axis.
+  pure function plane_of(cell, ndim) result(plane)
+    integer(i8), intent(in) :: cell
+    integer, intent(in) :: ndim
+    integer :: plane
+    plane = 0
+    if (ndim > 1) plane = int(modulo(cell/(2*base)**(ndim - 1), 2*base) - base)
+  end function plane_of
+
+  !> Adds the shares of equal cells.
+  pure subroutine merge_cells(cell, share)
+    integer(i8), allocatable, intent(inout) :: cell(:), share(:)
+    integer, allocatable :: order(:)
+    integer :: n, m
+    if (size(cell) == 0) return
+    allocate (order(size(cell)))
+    call sort_order(cell, order)
+    cell = cell(order)
+    share = share(order)
+    m = 1
+    do n = 2, size(cell)
+      if (cell(n) == cell(m)) then
+        share(m) = share(m) + share(n)
+      else
+        m = m + 1
+        cell(m) = cell(n)
+        share(m) = share(n)
+      end if
+    end do
+    cell = cell(:m)
+    share = share(:m)
+  end subroutine merge_cells
+
+end module sgmp_filling

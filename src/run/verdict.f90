@@ -1,0 +1,285 @@
+!> The verdict on a run: whether what it left behind can be sound, and if not, why (doc/verdict.md).
+!!
+!! Every criterion looks at the state at the end and at sums that the run has kept anyway; nothing
+!! of it costs anything in the time loop. Each has a deck in tests/regression/verdict.py that trips
+!! it.
+module sgmp_verdict
+  use sgmp_energy, only: ledger_drift
+  use sgmp_errors, only: error_t, exit_stopped
+  use sgmp_end_state, only: end_state_t, end_state_take
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t, wall_free
+  use sgmp_model, only: model_t
+  use sgmp_parallel, only: parallel_any
+  use sgmp_run_log, only: log_t
+  use sgmp_scene, only: scene_t
+  use sgmp_shapes, only: combine_union, infinite_length, shape_block, shape_cylinder, shape_ring, &
+                         shape_t
+  use sgmp_summary, only: summary_t
+  use sgmp_text, only: integer_text, real_text
+  use sgmp_time_step, only: limit_names
+  implicit none
+  private
+  public :: verdict_t, body_thickness
+
+  ! What a sound run stays within.
+  real(dp), parameter :: largest_gain = 0.05_dp        !! drift of the energy upwards
+  real(dp), parameter :: largest_loss = 0.25_dp        !! and downwards
+  real(dp), parameter :: largest_room = 1.05_dp        !! sum of volumes over a closed box
+  real(dp), parameter :: largest_excess = 0.1_dp       !! part of the volume without room
+  real(dp), parameter :: largest_separated = 0.01_dp   !! part of a body
+  real(dp), parameter :: largest_stretched = 0.01_dp   !! part of the particles larger than a cell
+  real(dp), parameter :: largest_compression = 30.0_dp  !! density over the initial one
+  real(dp), parameter :: largest_collapse = 20.0_dp    !! longest step over shortest
+  real(dp), parameter :: least_thickness = 2.0_dp      !! cells across a body
+
+  integer, parameter :: reason_length = 240
+
+  !> What was found, and what of it speaks against the run.
+  type :: verdict_t
+    private
+    logical :: looked = .false.            !! the particles were in a state to be looked at
+    type(end_state_t) :: state
+    character(reason_length), allocatable :: reasons(:)
+    real(dp) :: thickness = huge(1.0_dp)   !! of the thinnest body, in cells
+    real(dp) :: drift = 0.0_dp, contact = 0.0_dp, viscous = 0.0_dp  !! parts of the energy supplied
+    real(dp) :: steps(2) = 0.0_dp          !! shortest and longest
+    character(16) :: limited_by = ''       !! the last one
+  contains
+    procedure :: reach => verdict_reach
+    procedure :: report => verdict_report
+    procedure :: summarise => verdict_summarise
+    procedure, private :: object
+  end type verdict_t
+
+contains
+
+  !> Looks at the end of a run and judges it; all ranks must call it.
+  subroutine verdict_reach(self, scene, model, error)
+    class(verdict_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(in) :: error  !! what ended the run early
+    real(dp) :: supplied
+    integer :: b, thinnest
+    allocate (self%reasons(0))
+    supplied = max(model%ledger%supplied, tiny(1.0_dp))
+    self%drift = ledger_drift(model%ledger)
+    self%contact = model%ledger%contact_dissipation/supplied
+    self%viscous = model%ledger%viscous_dissipation/supplied
+    self%steps = [model%clock%shortest, model%clock%longest]
+    self%limited_by = limit_names(model%clock%limited_by)
+    thinnest = 0
+    do b = 1, size(scene%bodies)
+      if (scene%bodies(b)%rigid) cycle
+      if (body_thickness(scene%bodies(b)%shapes, model%mesh) >= self%thickness) cycle
+      self%thickness = body_thickness(scene%bodies(b)%shapes, model%mesh)
+      thinnest = b
+    end do
+    self%looked = .true.
+    if (allocated(error)) self%looked = error%code == exit_stopped
+    self%looked = .not. parallel_any(.not. self%looked)
+    if (.not. self%looked) then
+      if (allocated(error)) call self%object('it failed: '//error%message)
+      return
+    end if
+    call end_state_take(scene, model, self%state)
+    call judge_energy(self, model%findings%lost)
+    call judge_particles(self, scene)
+    call judge_resolution(self, scene, thinnest)
+  end subroutine verdict_reach
+
+  !> Bodies too thin for the grid, steps that have collapsed.
+  subroutine judge_resolution(self, scene, thinnest)
+    type(verdict_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: thinnest        !! body
+    if (self%thickness < least_thickness) then
+      call self%object("body '"//trim(scene%bodies(thinnest)%name)//"' is "// &
+                       real_text(self%thickness)//' cells thick: pressures in it are not '// &
+                       'resolved; use smaller cells')
+    end if
+    if (self%steps(2) > largest_collapse*self%steps(1)) then
+      call self%object('the time step has shrunk from '//real_text(self%steps(2))//' to '// &
+                       real_text(self%steps(1))//': look at the fastest particles')
+    end if
+  end subroutine judge_resolution
+
+  !> Energy from nowhere, or gone.
+  subroutine judge_energy(self, lost)
+    type(verdict_t), intent(inout) :: self
+    integer, intent(in) :: lost            !! particles that took their energy along
+    if (self%drift > largest_gain) then
+      call self%object('the energy has grown by '//percent(self%drift)// &
+                       ' of what the scene was given: reduce cfl')
+    else if (self%drift < -largest_loss .and. lost == 0) then
+      call self%object(percent(-self%drift)//' of the energy that the scene was given is gone, '// &
+                       'not into contact: use update=musl, smaller cells')
+    end if
+  end subroutine judge_energy
+
+  !> Particles that no longer stand for the space around them.
+  subroutine judge_particles(self, scene)
+    type(verdict_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene
+    associate (found => self%state)
+      if (found%room > largest_room) then
+        call self%object('the particles'' volumes sum to '//real_text(found%room)// &
+                         ' times the closed box: they have drifted')
+      end if
+      if (found%excess > largest_excess) then
+        call self%object(percent(found%excess)//' of the particles'' volume has no room in the '// &
+                         'cells around them: volumes have drifted, or neighbours are gone')
+      end if
+      if (found%separated_part > largest_separated) then
+        call self%object(percent(found%separated_part)//" of body '"// &
+                         trim(scene%bodies(found%separated_body)%name)// &
+                         "' is out of reach of the rest, though its material does not fail: "// &
+                         'numerical fracture')
+      end if
+      if (found%stretched > largest_stretched*found%particles) then
+        call self%object(integer_text(found%stretched)//' particles are larger than a cell: '// &
+                         'they leave gaps between them')
+      end if
+      if (found%compression > largest_compression) then
+        call self%object('material is '//real_text(found%compression)// &
+                         ' times as dense as at the start')
+      end if
+    end associate
+  end subroutine judge_particles
+
+  !> Adds a reason.
+  subroutine object(self, reason)
+    class(verdict_t), intent(inout) :: self
+    character(*), intent(in) :: reason
+    character(reason_length) :: padded
+    padded = reason
+    self%reasons = [self%reasons, padded]
+  end subroutine object
+
+  !> Closing lines of the log: what was found, then the verdict; doubts are warnings.
+  subroutine verdict_report(self, log)
+    class(verdict_t), intent(in) :: self
+    type(log_t), intent(inout) :: log
+    integer :: r
+    if (self%looked .and. self%state%particles > 0) then
+      associate (found => self%state)
+        call log%line('density up to '//real_text(found%compression)//' times, volume up to '// &
+                      real_text(found%expansion)//' times the initial one; pressure '// &
+                      real_text(found%pressure(1))//' to '//real_text(found%pressure(2)))
+        call log%line('at least '//real_text(found%per_cell)//' particles per cell, '// &
+                      integer_text(found%separated)//' out of reach of their bodies, '// &
+                      percent(found%excess)//' of their volume without room'//thinnest(self))
+      end associate
+    end if
+    call log%line('energy: drift '//percent(self%drift)//', contact '//percent(self%contact)// &
+                  ', viscosity '//percent(self%viscous)//' of what the scene was given; steps '// &
+                  real_text(self%steps(1))//' to '//real_text(self%steps(2))// &
+                  ', last limited by '//trim(self%limited_by))
+    if (size(self%reasons) == 0) call log%line('verdict: sound')
+    do r = 1, size(self%reasons)
+      call log%warning('verdict: doubtful: '//trim(self%reasons(r)))
+    end do
+  end subroutine verdict_report
+
+  pure function thinnest(self) result(text)
+    type(verdict_t), intent(in) :: self
+    character(:), allocatable :: text
+    text = ''
+    if (self%thickness < huge(1.0_dp)) then
+      text = '; thinnest body '//real_text(self%thickness)//' cells'
+    end if
+  end function thinnest
+
+  !> The same for summary.json.
+  subroutine verdict_summarise(self, summary)
+    class(verdict_t), intent(in) :: self
+    type(summary_t), intent(inout) :: summary
+    call summary%set('verdict', trim(merge('sound   ', 'doubtful', size(self%reasons) == 0)))
+    call summary%set('verdict_reasons', self%reasons)
+    call summary%set('end_state.contact_share', self%contact)
+    call summary%set('end_state.viscous_share', self%viscous)
+    call summary%set('end_state.shortest_step', self%steps(1))
+    call summary%set('end_state.longest_step', self%steps(2))
+    call summary%set('end_state.limited_by', trim(self%limited_by))
+    if (self%thickness < huge(1.0_dp)) then
+      call summary%set('end_state.thinnest_body_cells', self%thickness)
+    end if
+    if (.not. self%looked) return
+    associate (found => self%state)
+      call summary%set('end_state.largest_compression', found%compression)
+      call summary%set('end_state.largest_expansion', found%expansion)
+      call summary%set('end_state.least_particles_per_cell', found%per_cell)
+      call summary%set('end_state.particles_larger_than_a_cell', found%stretched)
+      call summary%set('end_state.particles_out_of_reach', found%separated)
+      call summary%set('end_state.volume_without_room', found%excess)
+      if (found%room > 0.0_dp) call summary%set('end_state.volume_over_box', found%room)
+      call summary%set('end_state.least_pressure', found%pressure(1))
+      call summary%set('end_state.largest_pressure', found%pressure(2))
+    end associate
+  end subroutine verdict_summarise
+
+  !> Cells across the thinnest of the shapes that a body unites; huge where that has no end, or the
+  !! shape is unknown. A wall continues a body that touches it, two walls without end.
+  pure function body_thickness(shapes, mesh) result(cells)
+    type(shape_t), allocatable, intent(in) :: shapes(:)
+    type(mesh_t), intent(in) :: mesh
+    real(dp) :: cells
+    integer :: s
+    cells = huge(1.0_dp)
+    if (.not. allocated(shapes)) return
+    do s = 1, size(shapes)
+      if (shapes(s)%combine /= combine_union) cycle
+      cells = min(cells, shape_thickness(shapes(s), mesh)/mesh%h)
+    end do
+    if (cells >= infinite_length/mesh%h) cells = huge(1.0_dp)
+  end function body_thickness
+
+  !> Least distance between opposite surfaces of a shape.
+  pure function shape_thickness(shape, mesh) result(thickness)
+    type(shape_t), intent(in) :: shape
+    type(mesh_t), intent(in) :: mesh
+    real(dp) :: thickness, across
+    integer :: axis
+    thickness = huge(1.0_dp)
+    select case (shape%kind)
+    case (shape_block)
+      do axis = 1, mesh%ndim
+        across = shape%upper(axis) - shape%lower(axis)
+        if (at_wall(mesh, 1, axis, shape%lower(axis))) across = 2.0_dp*across
+        if (at_wall(mesh, 2, axis, shape%upper(axis))) then
+          across = merge(huge(1.0_dp), 2.0_dp*across, at_wall(mesh, 1, axis, shape%lower(axis)))
+        end if
+        thickness = min(thickness, across)
+      end do
+    case (shape_ring)
+      thickness = shape%radius - shape%radius2
+    case (shape_cylinder)
+      thickness = 2.0_dp*shape%radius
+      if (mesh%ndim == 3) thickness = min(thickness, shape%length)
+    case default
+      if (shape%radius > 0.0_dp) thickness = 2.0_dp*shape%radius
+    end select
+  end function shape_thickness
+
+  !> Whether a coordinate lies on a wall, but for a hundredth of a cell.
+  pure function at_wall(mesh, side, axis, x) result(yes)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: side, axis
+    real(dp), intent(in) :: x
+    logical :: yes
+    integer :: node
+    node = merge(mesh%lower(axis), mesh%upper(axis), side == 1)
+    yes = mesh%wall(side, axis) /= wall_free
+    if (yes) yes = abs(mesh%origin(axis) + node*mesh%h - x) < 0.01_dp*mesh%h
+  end function at_wall
+
+  pure function percent(part) result(text)
+    real(dp), intent(in) :: part
+    character(:), allocatable :: text
+    character(24) :: number
+    write (number, '(f24.2)') max(-1.0e12_dp, min(1.0e12_dp, 100.0_dp*part))
+    text = trim(adjustl(number))//' %'
+  end function percent
+
+end module sgmp_verdict

@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""The verdict on a run: each criterion with a deck that trips it and one beside it that does not; the same for any ranks and threads.
+
+usage: verdict.py SGMP SOURCE_DIR SCRATCH_DIR
+
+That the decks are unsound is known from outside: a bar that flies apart uniformly to ten times its length has no gaps; gas between
+walls fills the box once; a block under its weight has the density that its modulus allows; energy is conserved.
+"""
+import os
+import subprocess
+
+from _runs import ENVIRONMENT, SCRATCH, SGMP, Report, Run, run
+
+# Stretches to 1 + strain times its length, nearly without force.
+STRETCH = """
+parameter method = sgmp
+parameter strain = 9
+dimension 2
+grid cell=0.25 x=0:open y=0:1
+wall x-=slip y-=slip y+=slip
+method $method
+time end=strain cfl=0.4
+material rubber neo_hookean density=1 young=1e-3 poisson=0
+body bar block material=rubber lower=(0,0) upper=(1,1) ppc=2
+velocity bar x=x
+"""
+GAS = """
+parameter method = sgmp
+parameter stress = plain
+parameter fill = 12
+parameter t_end = 0.1
+dimension 2
+grid cell=1 x=0:20 y=0:12
+wall x-=slip x+=slip y-=slip y+=slip
+method $method stress=$stress
+time end=t_end cfl=0.4
+material tnt explosive density=1.63e-3 detonation_speed=6930
+eos tnt jwl a=371200 b=3210 r1=4.15 r2=0.95 omega=0.30 energy0=6993
+body charge block material=tnt lower=(0,0) upper=(20,fill) ppc=2
+detonation point=(0,0,0)
+history steps=100
+"""
+# Weighs more than it can carry: hypo-elastic, young far below density*gravity*height.
+HEAP = """
+parameter young = 0.3
+dimension 2
+grid cell=0.25 x=0:2 y=0:4
+wall x-=slip x+=slip y-=slip y+=slip
+method sgmp
+time end=40 cfl=0.3
+gravity (0,-1,0)
+material soft elastic density=1 young=young poisson=0.3
+body heap block material=soft lower=(0,0) upper=(2,2) ppc=2
+history steps=100
+"""
+TUBE = """
+parameter inner = 6.5
+dimension 2
+grid cell=1
+method sgmp
+time end=1 cfl=0.4
+material metal elastic density=1 young=100 poisson=0.3
+body tube ring material=metal centre=(0,0,0) radius=8 inner=inner spacing=0.5
+velocity tube x="0.01*x" y="0.01*y"
+"""
+# A bar that rings at a wave length of two cells, which usl damps.
+RINGING = """
+parameter update = musl
+parameter cfl = 0.5
+dimension 1
+grid cell=0.125 x=0:2
+wall x-=fixed
+method sgmp update=$update
+time end=20 cfl=cfl
+material stuff elastic density=1 young=1 poisson=0
+body bar block material=stuff lower=0 upper=2 ppc=2
+velocity bar x="0.001*sin(8*pi*x)"
+stop energy_growth=1e6
+"""
+
+
+def doubts(report, name, deck, words, **settings):
+    """A run that ends with exit code 0 and is called doubtful for a reason with these words."""
+    result = run(name, deck, **settings)
+    if report.finished(result, name):
+        report.check(result["verdict"] == "doubtful", f"{name}: {result['verdict']}")
+        report.check(any(words in reason for reason in result["verdict_reasons"]), f"{name}: {result['verdict_reasons']}")
+        report.check(f"verdict: doubtful: {result['verdict_reasons'][0]}" in result.text, f"{name}: not in words: {result.text}")
+    return result
+
+
+def sound(report, name, deck, **settings):
+    """A run that is not doubted."""
+    result = run(name, deck, **settings)
+    if report.finished(result, name):
+        report.check(result["verdict"] == "sound" and result["verdict_reasons"] == [], f"{name}: {result['verdict_reasons']}")
+        with open(os.path.join(result.folder, "run.log"), encoding="utf-8") as log:
+            report.check("verdict: sound" in log.read(), f"{name}: not in run.log")
+    return result
+
+
+def criteria(report):
+    """Each with a deck that trips it, and the same deck in order."""
+    for method in ("sgmp", "gimp", "mpm"):
+        result = doubts(report, f"stretch_{method}", STRETCH, "numerical fracture", method=method)
+        report.check(result["end_state.particles_out_of_reach"] >= 32, f"{method}: {result['end_state']}")
+        sound(report, f"stretch_little_{method}", STRETCH, method=method, strain=0.5)
+    doubts(report, "stretch", STRETCH, "larger than a cell")
+    doubts(report, "stretch", STRETCH, "no room in the cells")
+    for method in ("gimp", "mpm"):
+        result = doubts(report, f"gas_{method}", GAS, "no room in the cells", method=method, t_end=0.2)
+        report.check("drift of volumes" in result.text, f"gas {method}: no warning at the start: {result.text}")
+    doubts(report, "gas_half", GAS, "no room in the cells", fill=6, t_end=0.2)
+    doubts(report, "gas_mpm", GAS, "times the closed box", method="mpm", t_end=0.2)
+    doubts(report, "gas_normalised", GAS, "energy has grown", fill=6, stress="normalised", t_end=0.2)
+    result = sound(report, "gas", GAS)
+    report.check(abs(result["end_state.volume_over_box"] - 1) < 0.03, f"gas: volumes {result['end_state.volume_over_box']}")
+    doubts(report, "heap", HEAP, "times as dense")
+    result = sound(report, "heap_stiff", HEAP, young=30)
+    report.check(1 < result["end_state.largest_compression"] < 1.3, f"heap: {result['end_state']}")
+    doubts(report, "tube", TUBE, "1.50000 cells thick")
+    result = sound(report, "tube_thick", TUBE, inner=5)
+    report.check(result["end_state.thinnest_body_cells"] == 3, f"tube: {result['end_state']}")
+    doubts(report, "ringing_usl", RINGING, "is gone", update="usl")
+    sound(report, "ringing", RINGING)
+
+
+def failures(report):
+    """A run that fails is doubtful, and says why."""
+    result = run("failed", RINGING, cfl=6)
+    report.check(result.code == 4 and result["verdict"] == "doubtful" and result["verdict_reasons"][0].startswith("it failed: "),
+                 f"failed: {result.code} {result.summary.get('verdict_reasons')}")
+
+
+def layouts(report):
+    """The same findings for any number of ranks and threads."""
+    for name, deck in (("stretch", STRETCH), ("gas_half", GAS.replace("fill = 12", "fill = 6"))):
+        expected = run(name + "_1", deck)
+        for ranks, threads in ((1, 2), (3, 1)):
+            folder = os.path.join(SCRATCH, f"{name}_{ranks}_{threads}")
+            command = ["mpirun", "--oversubscribe", "-n", str(ranks), SGMP,
+                       os.path.join(SCRATCH, name + "_1.inp"), "--quiet", "--threads", str(threads), "--output", folder]
+            environment = {key: value for key, value in ENVIRONMENT.items() if key != "OMPI_MCA_ess_singleton_isolated"}
+            done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False, env=environment)
+            result = Run(done.returncode, done.stdout.decode(), folder)
+            if report.finished(result, f"{name} {ranks}x{threads}"):
+                for key in ("verdict", "verdict_reasons", "end_state"):
+                    report.check(result[key] == expected[key], f"{name} {ranks}x{threads}: {key} {result[key]}, {expected[key]}")
+
+
+def main():
+    """All of them."""
+    report = Report()
+    criteria(report)
+    failures(report)
+    layouts(report)
+    report.end()
+
+
+main()
