@@ -2,10 +2,10 @@
 !! is not: extremes, particles apart from their bodies, volumes without room.
 module sgmp_end_state
   use sgmp_body, only: body_t
+  use sgmp_constitutive, only: material_explosive
   use sgmp_filling, only: filling_measure
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp, i8, lanes
-  use sgmp_material_kinds, only: material_explosive
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_gather, parallel_max, parallel_min, parallel_sum

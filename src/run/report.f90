@@ -2,11 +2,11 @@
 module sgmp_report
   use sgmp_checksum, only: checksum_text
   use sgmp_command_line, only: command_line_t
+  use sgmp_constitutive, only: material_explosive
   use sgmp_energy, only: ledger_drift, ledger_total
   use sgmp_errors, only: error_t, exit_ok, exit_stopped
   use sgmp_kernels, only: kernel_sgmp, method_names
   use sgmp_kinds, only: dp, i8
-  use sgmp_material_kinds, only: material_explosive
   use sgmp_mesh, only: wall_free
   use sgmp_model_checksum, only: model_checksum
   use sgmp_model, only: model_t
