@@ -143,10 +143,10 @@ def main():
             choice = {"method": method, "update": update} if "include" in text else {}
             title = f"{name}_{method}_{update}"
             card = text + f"checkpoint every={max(2, steps//5)} keep=100\n"
-            reference = straight(report, title, card, **settings, **choice)
+            reference = straight(report, title, card, **{**choice, **settings})
             saved = checkpoints(reference.folder)
             if report.check(len(saved) > 2, f"{title}: {reference.text} only the checkpoints {saved} of {steps} steps"):
-                goes_on(report, reference, title + "_restarted", card, saved[len(saved)//2 - 1], threads, **settings, **choice)
+                goes_on(report, reference, title + "_restarted", card, saved[len(saved)//2 - 1], threads, **{**choice, **settings})
     report.end()
 
 
