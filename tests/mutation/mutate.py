@@ -59,7 +59,7 @@ class Test:
         start = time.monotonic()
         with open(scratch / "output.txt", "w+", encoding="utf-8", errors="replace") as output:
             process = subprocess.Popen(command, cwd=scratch, stdout=output, stderr=subprocess.STDOUT, start_new_session=True,
-                                       env={**os.environ, **self.environment, **environment})
+                                       preexec_fn=hear_interrupts, env={**os.environ, **self.environment, **environment})
             try:
                 code = process.wait(timeout)
             except subprocess.TimeoutExpired:
@@ -69,6 +69,11 @@ class Test:
             text = output.read()
         fine = code is not None and (any(re.search(p, text) for p in self.passes) if self.passes else code == 0)
         return fine, text, time.monotonic() - start
+
+
+def hear_interrupts():
+    """A shell's background job ignores Ctrl-C, and so would the runs that a test interrupts."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def end_session(process):
