@@ -29,7 +29,8 @@ module sgmp_contact
     type(contact_pair_t), allocatable :: pairs(:)  !! none: one field for all bodies
     type(shared_nodes_t) :: shared         !! nodes where the fields of pairs meet
     type(buffer_t) :: memory               !! states of links until the next layout
-    type(buffer_t) :: terms                !! of the ledger: what contact did in the step, own planes
+    type(buffer_t) :: terms
+      !! of the ledger: what contact did in the step, own planes
   end type contact_t
 
   !> What contact must know of the step at hand.
@@ -137,6 +138,7 @@ contains
   end subroutine contact_velocity
 
   !> Contact at one node: the trial.
+  ! allow(S901): two solves and what they give to whom, on arrays that all of it shares
   subroutine trial_node(shared, n, bodies, fields, step)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n

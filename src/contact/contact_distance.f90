@@ -5,7 +5,7 @@ module sgmp_contact_distance
   use sgmp_contact_normals, only: contact_normal, volume_gradient
   use sgmp_contact_pairs, only: contact_pair_t, normal_separating
   use sgmp_field, only: field_t
-  use sgmp_kernels, only: stencil_width
+  use sgmp_kernels, only: stencil_reach
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_separation, only: separation
@@ -203,7 +203,7 @@ contains
       node(1) = real(shared%point(1, n), dp)
       if (shared%ndim == 2) node(2) = real(shared%point(3, n), dp)
       if (shared%ndim == 3) node(2:3) = real(shared%point(2:3, n), dp)
-      support = 0.5_dp*stencil_width(shared%kernel) - edge
+      support = 0.5_dp*(stencil_reach(shared%kernel) + 1) - edge
       balls = 0
       do r = 1, last_row
         last = surface%start(bins(2, r) + 1) - 1
@@ -226,9 +226,9 @@ contains
     balls = lanes*((balls + lanes - 1)/lanes)
   end subroutine cloud_around
 
-  !> A group of balls, its positions relative to a node. A particle on the edge of the node's support
-  !! gives nothing to it, and into which bin it has fallen is a matter of its last bits: it is left
-  !! out.
+  !> A group of balls, its positions relative to a node. A particle on the edge of the node's
+  !! support gives nothing to it, and into which bin it has fallen is a matter of its last bits: it
+  !! is left out.
   pure subroutine copy_group(stride, from, behind, node, support, stride_to, to, behind_to)
     integer, intent(in) :: stride, behind, stride_to, behind_to
     real(dp), intent(in) :: from(stride, 4), node(4), support

@@ -1,5 +1,5 @@
-!> Grid nodes that two or more velocity fields share: which bodies and pairs are there, which bins of
-!! particles are around, and where both bodies of a pair have mass.
+!> Grid nodes that two or more velocity fields share: which bodies and pairs are there, which bins
+!! of particles are around, and where both bodies of a pair have mass.
 !!
 !! The list is rebuilt with the layout of the fields and holds nothing for bodies that are apart.
 !! Everything at one node depends on that node alone, so nodes can be visited in any order and by
@@ -17,7 +17,8 @@ module sgmp_shared_nodes
   use sgmp_surface_particles, only: surface_bins, surface_list, surface_t
   implicit none
   private
-  public :: node_terms_t, shared_nodes_t, shared_build, shared_mark, shared_meet, shared_members, most_rows, &
+  public :: node_terms_t, shared_nodes_t, shared_build, shared_mark, shared_meet, shared_members, &
+    most_rows, &
             row_axis
 
   integer, parameter :: most_rows = 9          !! rows of bins whose particles give to a node

@@ -94,11 +94,12 @@ contains
   end subroutine check_contact
 
   !> Whether a deck has nothing that could touch, which is an error.
-  logical function lonely(card, draft)
+  function lonely(card, draft) result(yes)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
-    lonely = size(draft%scene%bodies) < 2
-    if (lonely) call draft%errors%add(card%position, "'"//card%name//"' in a deck with one body", &
+    logical :: yes
+    yes = size(draft%scene%bodies) < 2
+    if (yes) call draft%errors%add(card%position, "'"//card%name//"' in a deck with one body", &
                                       'remove this card, or add the other body')
   end function lonely
 

@@ -39,7 +39,8 @@ contains
                       source='doc/normalised-stress.md')
     call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
                       'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
-    call registry%key('rotation', kind_word, 'exact: rigid rotation strains nothing and internal '// &
+    call registry%key('rotation', kind_word, &
+      'exact: rigid rotation strains nothing and internal '// &
                       'forces have no moment, at free surfaces as well (sgmp only)', &
                       choices='plain exact', default='plain', source='doc/spin.md')
     call registry%key('spin', kind_word, 'whether particles carry the rotation of what is '// &

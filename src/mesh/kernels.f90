@@ -16,13 +16,13 @@ module sgmp_kernels
 
   integer, parameter :: method_mpm = 1, method_gimp = 2, method_cpgimp = 3, method_sgmp = 4, &
                         method_bspline = 5
-  character(8), parameter :: method_names(5) = [character(8) :: 'mpm', 'gimp', 'cpgimp', 'sgmp', &
+  character(8), parameter :: method_names(*) = [character(8) :: 'mpm', 'gimp', 'cpgimp', 'sgmp', &
                                                 'bspline']
-  integer, parameter :: method_kernel(5) = [kernel_mpm, kernel_gimp, kernel_gimp, kernel_sgmp, &
+  integer, parameter :: method_kernel(*) = [kernel_mpm, kernel_gimp, kernel_gimp, kernel_sgmp, &
                                             kernel_gimp]
   !> Half-size of a particle (cells) where the method fixes it, 0: from the particles' spacing. The
   !! quadratic B-spline is the GIMP function of particles as wide as a cell, whatever their volume.
-  real(dp), parameter :: method_half_size(5) = [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.5_dp]
+  real(dp), parameter :: method_half_size(*) = [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.5_dp]
 
   !> Properties of a kernel.
   type :: kernel_t

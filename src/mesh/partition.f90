@@ -31,7 +31,8 @@ module sgmp_partition
 contains
 
   !> The widths that a method needs, and where walls allow cuts; all planes go to the first rank.
-  pure subroutine partition_make(partition, mesh, kernel, normalised, divisible, rank, ranks, rotation)
+  pure subroutine partition_make(partition, mesh, kernel, normalised, divisible, rank, ranks, &
+    rotation)
     type(partition_t), intent(out) :: partition
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel            !! one of kernel_*
@@ -48,8 +49,8 @@ contains
     ! Nodes need the centres below them, too.
     partition%moments = [merge(1 + more, 0, kernel_centred(kernel)), partition%nodes + more]
     if (present(rotation)) then
-      ! The force at a node takes the moments of nodes next to it, and these the masses of centres up
-      ! to two cells from there.
+      ! The force at a node takes the moments of nodes next to it, and these the masses of centres
+      ! up to two cells from there.
       if (rotation) partition%moments = [3, partition%nodes + 2]
     end if
     partition%bins = partition%moments + [stencil_width(kernel) - 1, 0]

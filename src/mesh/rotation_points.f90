@@ -6,7 +6,8 @@ module sgmp_rotation_points
   private
   public :: rotation_points_t, rotation_points_make, rotation_points_clear, rotation_points_move
   public :: at_node, at_centre, at_force
-  public :: stage_offsets, stage_inertia, stage_inverses, stage_moments, stage_couples, stage_curls, &
+  public :: stage_offsets, stage_inertia, stage_inverses, stage_moments, stage_couples, &
+    stage_curls, &
             stage_place
 
   !> Which points take part, columns of `at`: nodes whose centre of mass is not at their place,
@@ -19,16 +20,19 @@ module sgmp_rotation_points
                         stage_moments = 4, stage_couples = 5, stage_curls = 6, stage_place = 7
 
   type :: rotation_points_t
-    !> Offsets below this many cells are taken for none: a lattice of particles has none but round-off
-    !! and what strains of 1e-3 make of it.
+    !> Offsets below this many cells are taken for none: a lattice of particles has none but
+    !! round-off and what strains of 1e-3 make of it.
     real(dp) :: least_offset = 2.0e-3_dp
-    real(dp), allocatable :: offset(:, :)   !! (points, ndim) nodes: from a node to the centre of mass
+    real(dp), allocatable :: offset(:, :)
+      !! (points, ndim) nodes: from a node to the centre of mass
                                             !! of what it stands for (cells)
     real(dp), allocatable :: inverse(:, :)  !! (points, 1 or 9) nodes: inverse of the tensor that
-                                            !! gives the curl around a node from its angular velocity
+                                            !! gives the curl around a node from its angular
+                                            !! velocity
     real(dp), allocatable :: moment(:, :)   !! (points, 1 or 3) nodes: moment of the force
     real(dp), allocatable :: centre(:, :)   !! (points, 2 or 9) centres: that tensor, later the
-                                            !! couples, or the curls of two velocities, times the mass
+                                            !! couples, or the curls of two velocities, times the
+                                            !! mass
     logical, allocatable :: at(:, :)        !! (points, 3): see at_node
   end type rotation_points_t
 

@@ -1,4 +1,5 @@
-!> The checksum of a run: of all that its particles hold, alike for every number of ranks and threads.
+!> The checksum of a run: of all that its particles hold, alike for every number of ranks and
+!! threads.
 module sgmp_model_checksum
   use sgmp_checksum, only: checksum_add, checksum_particles
   use sgmp_kinds, only: dp, i4, i8, lanes

@@ -18,8 +18,8 @@ module sgmp_snapshot_make
 
 contains
 
-  !> A snapshot of this rank's particles with the fields asked for; `initial` holds the initial positions by
-  !! id.
+  !> A snapshot of this rank's particles with the fields asked for; `initial` holds the initial
+  !! positions by id.
   subroutine own_snapshot(model, names, initial, snapshot)
     type(model_t), intent(in) :: model
     character(*), intent(in) :: names(:)

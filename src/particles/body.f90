@@ -3,8 +3,8 @@ module sgmp_body
   use sgmp_constitutive, only: constitutive_t
   use sgmp_expression, only: expression_t
   use sgmp_field, only: field_base, field_t
-  use sgmp_kinds, only: dp, i4
   use sgmp_kernels, only: stencil_width
+  use sgmp_kinds, only: dp, i4
   use sgmp_particles, only: particles_t
   use sgmp_rows, only: key_j, key_k
   implicit none

@@ -1,5 +1,5 @@
-!> The folder of a run's results: made, locked against other runs, and cleared of the files of the run
-!! before.
+!> The folder of a run's results: made, locked against other runs, and cleared of the files of the
+!! run before.
 module sgmp_run_folder
   use sgmp_checkpoint, only: checkpoint_set_aside
   use sgmp_errors, only: error_make, error_t, exit_io

@@ -19,8 +19,8 @@ module sgmp_simulation
                          report_end, report_fraction, report_level, report_remaining, report_row, &
                          report_start, summary_write
   use sgmp_restart, only: restart_find, restart_read
-  use sgmp_run_log, only: log_t
   use sgmp_run_folder, only: run_folder_clear, run_folder_open
+  use sgmp_run_log, only: log_t
   use sgmp_scene, only: scene_t
   use sgmp_stability, only: stability_choose
   use sgmp_step, only: step_take

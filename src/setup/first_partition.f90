@@ -1,8 +1,8 @@
 !> The first partition of a scene among the ranks, found by counting particles before any is made.
 module sgmp_first_partition
   use sgmp_errors, only: error_make, error_t, exit_deck
-  use sgmp_kinds, only: dp, i8
   use sgmp_kernels, only: stencil_shift
+  use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_agree, parallel_max, parallel_sum
   use sgmp_partition, only: partition_cut

@@ -19,7 +19,8 @@ module sgmp_memory_need
 
   real(dp), parameter :: bytes_of_process = 4.0e7_dp  !! libraries, MPI, HDF5
   real(dp), parameter :: gibibyte = 1024.0_dp**3
-  integer, parameter :: history_columns = 1           !! besides volume and stress: of a simple plastic material
+  integer, parameter :: history_columns = 1
+    !! besides volume and stress: of a simple plastic material
 
 contains
 

@@ -364,7 +364,8 @@ contains
     do p = 1, size(coordinates, 2)
       do d = 1, mesh%ndim
         if (coordinates(d, p) >= mesh%lower(d) .and. coordinates(d, p) <= mesh%upper(d)) cycle
-        call error_make(error, exit_deck, "body '"//trim(body%name)//"' reaches out of the grid "// &
+        call error_make(error, exit_deck, &
+          "body '"//trim(body%name)//"' reaches out of the grid "// &
                         'along '//axis_names(d)//', where it has a particle at '// &
                         real_text(mesh_position(mesh%origin(d), mesh%h, coordinates(d, p))), &
                         'move or cut the body, widen the grid, or leave that face open', &

@@ -2,8 +2,8 @@
 !! share them, and what ranks tell each other.
 !!
 !! Particles read the nodes of planes own(1)..own(2) + nodes. A velocity that is to be taken to a
-!! node's place needs the velocities of the nodes next to it, which at the cut are a neighbour's; all
-!! else both ranks work out from the moments they hold.
+!! node's place needs the velocities of the nodes next to it, which at the cut are a neighbour's;
+!! all else both ranks work out from the moments they hold.
 module sgmp_field_rotation
   use sgmp_buffer, only: buffer_t
   use sgmp_field, only: field_t

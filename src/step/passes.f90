@@ -30,6 +30,7 @@ module sgmp_passes
     !> See sgmp_sweep: sweeps the particles of some planes.
     subroutine sweep_slab(mesh, field, number, bodies, plan, plane1, plane2, sums, movers, work)
       import :: body_t, dp, field_t, mesh_t, movers_t, plan_t, workspace_t
+      implicit none
       type(mesh_t), intent(in) :: mesh
       type(field_t), intent(inout) :: field
       integer, intent(in) :: number
@@ -44,6 +45,7 @@ module sgmp_passes
     !> See sgmp_sweep: completes the first planes of a slab.
     pure subroutine sweep_join(field, plan, plane1, plane2, own, below)
       import :: field_t, plan_t, workspace_t
+      implicit none
       type(field_t), intent(inout) :: field
       type(plan_t), intent(in) :: plan
       integer, intent(in) :: plane1, plane2
@@ -54,6 +56,7 @@ module sgmp_passes
     !> See sgmp_sweep_movers: adds particles that changed bins to some planes.
     subroutine sweep_add_movers(mesh, field, body, plan, lists, arrivals, planes)
       import :: arrivals_t, body_t, field_t, mesh_t, movers_t, plan_t
+      implicit none
       type(mesh_t), intent(in) :: mesh
       type(field_t), intent(inout) :: field
       type(body_t), intent(in) :: body
@@ -66,6 +69,7 @@ module sgmp_passes
     !> See sgmp_nodes: volume-normalised stress of one plane.
     pure subroutine nodes_normalise(field, mesh, plane, interior)
       import :: dp, field_t, mesh_t
+      implicit none
       type(field_t), intent(inout) :: field
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: plane
@@ -75,6 +79,7 @@ module sgmp_passes
     !> See sgmp_nodes: momentum equation of one plane.
     pure subroutine nodes_solve(field, mesh, plane, dt, gravity, cutoff, forced, sums)
       import :: dp, field_t, mesh_t, nodes_sums
+      implicit none
       type(field_t), intent(inout) :: field
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: plane
@@ -86,6 +91,7 @@ module sgmp_passes
     !> See sgmp_nodes: velocity of one plane from the projected momentum.
     pure subroutine nodes_velocity(field, mesh, plane, cutoff)
       import :: dp, field_t, mesh_t
+      implicit none
       type(field_t), intent(inout) :: field
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: plane
@@ -95,6 +101,7 @@ module sgmp_passes
     !> See sgmp_nodes: re-mapped velocity of one plane.
     pure subroutine nodes_remap(field, mesh, plane)
       import :: field_t, mesh_t
+      implicit none
       type(field_t), intent(inout) :: field
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: plane
@@ -103,6 +110,7 @@ module sgmp_passes
     !> See sgmp_nodes_rotation: one stage of exact rotation of one plane.
     pure subroutine nodes_rotation(field, mesh, plane, stage, cutoff, columns)
       import :: dp, field_t, mesh_t
+      implicit none
       type(field_t), intent(inout) :: field
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: plane, stage

@@ -190,7 +190,8 @@ contains
         call field_rotation_swap(fields(f), columns, ranks, complete)
         call timers_move(timers, phase_halo, since)
         if (.not. complete .and. .not. allocated(findings%failure)) then
-          call error_make(findings%failure, exit_numerical, 'a rank has no place for velocities '// &
+          call error_make(findings%failure, exit_numerical, &
+            'a rank has no place for velocities '// &
                           'of its neighbour in step '//integer_text(step), &
                           'this is a fault of the program: report it')
         end if

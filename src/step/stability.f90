@@ -34,8 +34,8 @@ module sgmp_stability
   integer, parameter :: interval = 320  !! steps between two probes: they cost a step an iteration
   !> Part of the limit that is used, by update (usf, musl, usl, usavg) and kernel (mpm, gimp, sgmp).
   !! Particles move on until the next probe, and they move through the grid, which the limit of
-  !! resting particles does not see: MPM's jumps of the gradient at cell faces feed energy into the motion well below it. Measured:
-  !! doc/time-step.md.
+  !! resting particles does not see: MPM's jumps of the gradient at cell faces feed energy into the
+  !! motion well below it. Measured: doc/time-step.md.
   real(dp), parameter :: safety(4, 3) = reshape([0.13_dp, 0.35_dp, 0.85_dp, 0.50_dp, &
                                                  0.78_dp, 0.78_dp, 0.85_dp, 0.78_dp, &
                                                  0.78_dp, 0.78_dp, 0.85_dp, 0.78_dp], [4, 3])

@@ -3,11 +3,11 @@
 #if NDIM > 1
 !> Rigid rotation without strain (doc/spin.md).
 !!
-!! A node's velocity belongs to the centre of mass of what the node stands for, X_I, which near a free
-!! surface is not the node's place x_I. It is taken there by the angular velocity w_I of what is
-!! around the node, v^_I = v_I - w_I x (X_I - x_I), before particles are strained and moved by it;
-!! the forces are the transpose of that. Rigid motion then strains nothing, and the internal forces
-!! have no moment about the centres of mass, which is what particles receive.
+!! A node's velocity belongs to the centre of mass of what the node stands for, X_I, which near a
+!! free surface is not the node's place x_I. It is taken there by the angular velocity w_I of what
+!! is around the node, v^_I = v_I - w_I x (X_I - x_I), before particles are strained and moved by
+!! it; the forces are the transpose of that. Rigid motion then strains nothing, and the internal
+!! forces have no moment about the centres of mass, which is what particles receive.
 !!
 !! w_I is the angular velocity that a rigid motion would need for the curl found around the node:
 !! with J_c = 1 + sum_I D_I (x) G_cI the curl of omega x X at a centre is (tr J - J) omega. Lengths
@@ -157,12 +157,13 @@ contains
     at = field%neighbour(0, 0, s) + first - 1
     do i = 1, n
       k = angular_tensor(slopes(i, :, :))
-      field%rotation%centre(at + i, :) = field%moment(at + i, field%columns%mass)*reshape(k, [NSPIN*NSPIN])
+      field%rotation%centre(at + i, :) = field%moment(at + i, field%columns%mass)*reshape(k, &
+        [NSPIN*NSPIN])
     end do
   end subroutine inertia_run
 
-  !> The tensor that takes an angular velocity to the curl of the velocity that its rigid motion gives
-  !! to centres of mass, tr J - J (in the plane tr J); from the derivatives of the offsets.
+  !> The tensor that takes an angular velocity to the curl of the velocity that its rigid motion
+  !! gives to centres of mass, tr J - J (in the plane tr J); from the derivatives of the offsets.
   !!
   !! In bodies thinner than a cell along two axes, of which the nodes' centres of mass are about the
   !! same, the trace is kept from vanishing.
@@ -313,14 +314,15 @@ contains
         at = field%neighbour(0, 0, s) + first
         do q = 1, NSPIN
           call sums_row(n, field%rotation%moment(1, q), node_rows(field, s, first), t)
-          field%rotation%centre(at:at + n - 1, q) = field%moment(at:at + n - 1, field%columns%mass)*t(:n)
+          field%rotation%centre(at:at + n - 1, q) = field%moment(at:at + n - 1, &
+            field%columns%mass)*t(:n)
         end do
       end do
     end do
   end subroutine rotation_couples
 
-  !> f = f - sum_c T_c x G_cI for a tile of nodes: with the couples the force has no moment about the
-  !! centres of mass.
+  !> f = f - sum_c T_c x G_cI for a tile of nodes: with the couples the force has no moment about
+  !! the centres of mass.
   pure subroutine rotation_force(field, s, first, n, f)
     type(field_t), intent(in) :: field
     integer, intent(in) :: s, first, n
@@ -496,8 +498,8 @@ contains
     end do
   end subroutine sums_row
 
-  !> Adds a factor times the differences, upper minus lower along an axis, of the points around those
-  !! of a row.
+  !> Adds a factor times the differences, upper minus lower along an axis, of the points around
+  !! those of a row.
   pure subroutine add_differences(n, factor, axis, column, b, total)
     integer, intent(in) :: n, axis, b(NROW)
     real(dp), intent(in) :: factor, column(*)
