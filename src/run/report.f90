@@ -8,8 +8,8 @@ module sgmp_report
   use sgmp_kernels, only: kernel_sgmp, method_names
   use sgmp_kinds, only: dp, i8
   use sgmp_mesh, only: wall_free
-  use sgmp_model_checksum, only: model_checksum
   use sgmp_model, only: model_t
+  use sgmp_model_checksum, only: model_checksum
   use sgmp_parallel, only: parallel_agree, parallel_collect, parallel_ranks, parallel_sum
   use sgmp_process, only: peak_memory_bytes
   use sgmp_run_log, only: level_normal, level_quiet, level_verbose, log_row_t, log_t
@@ -24,7 +24,8 @@ module sgmp_report
   implicit none
   private
   public :: effort_t, effort_share, report_balance, report_banner, report_courant, report_end, &
-            report_fraction, report_level, report_remaining, report_row, report_start, summary_write, &
+            report_fraction, report_level, report_remaining, report_row, report_start, &
+              summary_write, &
             report_shape_mass
 
   !> What a run has cost.
@@ -152,7 +153,8 @@ contains
       do b = a + 1, size(model%bodies)
         if (model%bodies(a)%field == model%bodies(b)%field) cycle
         if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
-        if (any([(all(model%contact%pairs(p)%body == [a, b]) .or. all(model%contact%pairs(p)%body == [b, a]), &
+        if (any([(all(model%contact%pairs(p)%body == [a, &
+          b]) .or. all(model%contact%pairs(p)%body == [b, a]), &
                   p=1, size(model%contact%pairs))])) cycle
         found = found + 1
         if (found == 1) first = [a, b]
