@@ -79,17 +79,18 @@ contains
 
   !> Whether a file is a deck of another program, which its first word tells; that is then the only
   !! error.
-  logical function foreign(first, errors)
+  function foreign(first, errors) result(yes)
     type(statement_t), intent(in) :: first
     type(deck_errors_t), intent(inout) :: errors
+    logical :: yes
     type(deck_errors_t) :: only
     character(:), allocatable :: language
     associate (keyword => first%tokens(1))
       language = ''
       if (index(word_lower(keyword%text), 'mpm3') == 1) language = 'MPM3D'
       if (index(keyword%text, '*') == 1) language = 'LS-DYNA'
-      foreign = language /= ''
-      if (.not. foreign) return
+      yes = language /= ''
+      if (.not. yes) return
       call only%add(keyword%position, 'this is a deck of '//language// &
                     ', which sgmp does not read', &
                     'write it anew; see doc/deck-reference.md or sgmp help')

@@ -10,7 +10,8 @@ module sgmp_kernels
   public :: method_half_size, method_kernel, method_names
 
   integer, parameter :: kernel_mpm = 1   !! linear hat functions, particle to node
-  integer, parameter :: kernel_gimp = 2  !! GIMP functions, particle to node (uGIMP, cpGIMP, B-spline)
+  integer, parameter :: kernel_gimp = 2  !! GIMP functions, particle to node: uGIMP, cpGIMP and
+                                         !! the B-spline
   integer, parameter :: kernel_sgmp = 3  !! linear on the auxiliary grid, then a fixed map from
                                          !! centres to nodes
 

@@ -223,16 +223,18 @@ contains
     do i = 2, size(arguments)
       if (arguments(i)%text == '--markdown') then
         markdown = .true.
-      else if (index(arguments(i)%text, '-') == 1) then
+        cycle
+      end if
+      if (index(arguments(i)%text, '-') == 1) then
         call error_make(error, exit_usage, "unknown option '"//arguments(i)%text//"' of help", &
                         "did you mean '--markdown'?")
         return
-      else if (chosen%keyword /= '') then
+      end if
+      if (chosen%keyword /= '') then
         call error_make(error, exit_usage, 'help takes one keyword', 'e.g. sgmp help body')
         return
-      else
-        chosen%keyword = arguments(i)%text
       end if
+      chosen%keyword = arguments(i)%text
     end do
     if (chosen%keyword == topic_options) then
       chosen%action = merge(action_usage_markdown, action_usage, markdown)

@@ -116,7 +116,8 @@ contains
       mass = model%totals%bodies(b)%mass
       shape_mass = report_shape_mass(scene, model, b)
       if (shape_mass <= 0.0_dp .or. abs(mass - shape_mass) <= tolerated*shape_mass) cycle
-      call log%warning("the particles of body '"//trim(model%bodies(b)%name)//"' have a mass of "// &
+      call log%warning("the particles of body '"//trim(model%bodies(b)%name)// &
+                       "' have a mass of "// &
                        real_text(mass)//', its shapes of '//real_text(shape_mass)// &
                        ': choose a spacing of which its sides are multiples, or a smaller one')
     end do

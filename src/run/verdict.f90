@@ -4,9 +4,9 @@
 !! of it costs anything in the time loop. Each has a deck in tests/regression/verdict.py that trips
 !! it.
 module sgmp_verdict
+  use sgmp_end_state, only: end_state_t, end_state_take
   use sgmp_energy, only: ledger_drift
   use sgmp_errors, only: error_t, exit_stopped
-  use sgmp_end_state, only: end_state_t, end_state_take
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_free
   use sgmp_model, only: model_t
@@ -124,11 +124,11 @@ contains
     type(scene_t), intent(in) :: scene
     associate (found => self%state)
       if (found%room > largest_room) then
-        call self%object('the particles'' volumes sum to '//real_text(found%room)// &
+        call self%object("the particles' volumes sum to "//real_text(found%room)// &
                          ' times the closed box: they have drifted')
       end if
       if (found%excess > largest_excess) then
-        call self%object(percent(found%excess)//' of the particles'' volume has no room in the '// &
+        call self%object(percent(found%excess)//" of the particles' volume has no room in the "// &
                          'cells around them: volumes have drifted, or neighbours are gone')
       end if
       if (found%separated_part > largest_separated) then

@@ -21,7 +21,7 @@ module sgmp_field_rotation
   private
   public :: field_rotation_prepare, field_rotation_forces, field_rotation_swap, field_rotation_place
 
-  integer, parameter :: no_columns(0) = [integer ::]
+  integer, parameter :: no_columns(0) = 0
 
 contains
 

@@ -525,6 +525,7 @@ contains
                                       corner_slope_3(column, b, i))
       end do
 #endif
+    case default  ! the axes are complete
     end select
   end subroutine add_differences
 
