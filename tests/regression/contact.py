@@ -216,14 +216,27 @@ def strangers(executable, scratch):
     return good
 
 
+def pressed(executable, source, scratch):
+    """A plate pressed slowly into an elastic sphere (deck of verification/contact_hertz, coarse): the force late in the loading is
+    Hertz's, 4/3 E/(1 - nu^2) R^2 (d/R)^1.5, within a quarter; nodes a cell and a half away must see the other body."""
+    with open(os.path.join(source, "verification", "contact_hertz", "hertz.inp"), encoding="utf-8") as file:
+        deck = file.read()
+    rows = run(executable, os.path.join(scratch, "pressed"), deck, "--threads", "1", "--set", "cells=12")[0]["contact"]
+    late = rows[int(0.85*len(rows)):]
+    hertz = sum(4/3/(1 - 0.3**2)*(0.02*row["time"]/rows[-1]["time"])**1.5 for row in late)/4  # a quarter of the sphere
+    ratio = sum(row["force_z"] for row in late)/hertz
+    return check(0.75 < ratio < 1.25, f"plate on a sphere, 12 cells per radius: force {ratio:.3f} of Hertz's")
+
+
 def main():
     """Runs all checks."""
-    executable, _, scratch = sys.argv[1:4]
+    executable, source, scratch = sys.argv[1:4]
     good = bars(executable, scratch)
     good &= sliding(executable, scratch)
     good &= rest(executable, scratch)
     good &= positions(executable, scratch)
     good &= strangers(executable, scratch)
+    good &= pressed(executable, source, scratch)
     return 0 if good else 1
 
 

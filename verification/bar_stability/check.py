@@ -107,7 +107,8 @@ def against_independent(book):
                "Largest energy over initial energy, MUSL, beside the independent one-dimensional code. Where the energy grows the motion is chaotic and "
                "only the order of magnitude can agree.")
     calm = [abs(r[4] / r[5] - 1) for r in table if r[5] < 1.15]
-    book.at_most("stability", f"largest relative difference of Emax/E0 from the independent code over {len(calm)} calm runs", max(calm), 0.05)
+    book.at_most("stability", f"largest relative difference of Emax/E0 from the independent code over {len(calm)} calm runs", max(calm), 0.05,
+                 "the independent code shortens its last step alone, the solver all steps to the end", known=0.064)
 
 
 def check(book, full):
