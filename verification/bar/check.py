@@ -82,6 +82,8 @@ def short_time(book, full, reference):
         for cells in (8, 64, 512):
             book.within("bar, short time", f"error at 1/{cells}, {NAMES[method]}, against the independent code",
                         curves[method][sizes.index(cells)], reference["short time", method, cells], 0.02)
+    order, = slopes([1 / 8, 1 / 256], [curves["bspline"][sizes.index(n)] for n in (8, 256)])
+    book.near("bar, short time", f"order of {NAMES['bspline']} from 1/8 to 1/256", order, 2.0, 0.02)
     drawn = [(NAMES[m], m, "-", sizes, curves[m]) for m in METHODS]
     if full:
         for steps, line in ((1000, "--"), (500, ":")):
