@@ -1,6 +1,8 @@
 !> Text files with a particle per line: `x y z volume [velocity_x velocity_y velocity_z]`; # and !
 !! begin comments.
 module sgmp_particle_file
+  use, intrinsic :: ieee_exceptions, only: ieee_get_halting_mode, ieee_overflow, ieee_set_flag, &
+                                           ieee_set_halting_mode
   use sgmp_errors, only: error_make, error_t, exit_deck, exit_io
   use sgmp_kinds, only: dp
   use sgmp_text, only: integer_text
@@ -117,7 +119,7 @@ contains
   end function next_line
 
   !> The numbers of a line: how many there are, and the first of them.
-  pure subroutine read_numbers(line, row, found, wrong)
+  subroutine read_numbers(line, row, found, wrong)
     character(*), intent(in) :: line
     real(dp), intent(out) :: row(:)
     integer, intent(out) :: found
@@ -134,7 +136,7 @@ contains
       first = first + last - 1
       last = scan(line(first:)//' ', separators) + first - 2
       status = verify(line(first:last), '0123456789+-.eEdD')
-      if (status == 0) read (line(first:last), *, iostat=status) value
+      if (status == 0) call read_number(line(first:last), value, status)
       if (status /= 0) then
         wrong = "'"//line(first:last)//"' is not a number"
         return
@@ -145,5 +147,20 @@ contains
       if (first > len(line)) return
     end do
   end subroutine read_numbers
+
+  !> Reads a number. One beyond the largest becomes infinite, which is an error of the file and not
+  !! of the program: it must not trap.
+  subroutine read_number(word, value, status)
+    character(*), intent(in) :: word
+    real(dp), intent(out) :: value
+    integer, intent(out) :: status
+    logical :: traps
+    call ieee_get_halting_mode(ieee_overflow, traps)
+    if (traps) call ieee_set_halting_mode(ieee_overflow, .false.)
+    read (word, *, iostat=status) value
+    if (.not. traps) return
+    call ieee_set_flag(ieee_overflow, .false.)
+    call ieee_set_halting_mode(ieee_overflow, .true.)
+  end subroutine read_number
 
 end module sgmp_particle_file

@@ -225,14 +225,17 @@ contains
     type(shape_t), allocatable, intent(in) :: shapes(:)
     type(mesh_t), intent(in) :: mesh
     real(dp) :: cells
+    real(dp) :: thinnest
     integer :: s
     cells = huge(1.0_dp)
     if (.not. allocated(shapes)) return
+    thinnest = infinite_length
     do s = 1, size(shapes)
-      if (shapes(s)%combine /= combine_union) cycle
-      cells = min(cells, shape_thickness(shapes(s), mesh)/mesh%h)
+      if (shapes(s)%combine == combine_union) then
+        thinnest = min(thinnest, shape_thickness(shapes(s), mesh))
+      end if
     end do
-    if (cells >= infinite_length/mesh%h) cells = huge(1.0_dp)
+    if (thinnest < infinite_length) cells = thinnest/mesh%h
   end function body_thickness
 
   !> Least distance between opposite surfaces of a shape.

@@ -204,7 +204,7 @@ contains
     type(model_t), intent(in) :: model
     type(contact_step_t) :: step
     step%dt_kick = clock_kick_step(model%clock)
-    step%gap_speed = model%mesh%h/model%clock%dt
+    if (size(model%contact%pairs) > 0) step%gap_speed = model%mesh%h/model%clock%dt
     step%gravity = model%method%gravity
     step%strains_with_trial = model%method%update == update_usl
     if (step%strains_with_trial .or. strains_before(model)) step%before = 1.0_dp
