@@ -27,8 +27,8 @@ grid cell=0.5
 method {method}
 time dt=1e-3 steps=900
 material m elastic density=2 young=1e3 poisson=0
-body table block material=m lower=(-4,-2,-4) upper=(4,0,4) ppc={ppc}
-body block block material=m lower=(-1,1.2,-1) upper=(1,2.2,1) ppc={ppc}
+body table block material=m lower=(-4,-2,-{deep}) upper=(4,0,{deep}) ppc={ppc}
+body block block material=m lower=(-1,1.2,-{thick}) upper=(1,2.2,{thick}) ppc={ppc}
 rigid table
 velocity block y=-speed
 contact table block {keys}
@@ -70,7 +70,7 @@ def distance(report):
         for method in ("sgmp", "mpm") if dimension == 2 else ("sgmp",):
             for ppc, keys, wanted in ((2, "", 0.5), (3, "", 1/3), (2, "lambda=0.8", 0.8), (2, "lambda=0.35", 0.35)):
                 name = f"fall_{dimension}_{method}_{ppc}_{keys.replace('=', '')}"
-                deck = FALL.format(dimension=dimension, method=method, ppc=ppc, keys=keys)
+                deck = FALL.format(dimension=dimension, deep=4*(dimension - 2), thick=dimension - 2, method=method, ppc=ppc, keys=keys)
                 result = run(name, deck.replace("steps=900", "steps=700"))
                 if not report.finished(result, name):
                     continue
@@ -86,7 +86,7 @@ def depth(report):
     """The surfaces meet a fifth of a cell below a row of nodes: with half a cell of depth this one takes part and no other."""
     nodes = {}
     for keys in ("", "depth=0.5", "depth=3"):
-        deck = FALL.format(dimension=2, method="sgmp", ppc=2, keys=keys)
+        deck = FALL.format(dimension=2, deep=0, thick=0, method="sgmp", ppc=2, keys=keys)
         result = run("depth", deck.replace("(-4,-2,-4)", "(-4,-2.1,-4)").replace("(4,0,4)", "(4,-0.1,4)"))
         if report.finished(result, f"depth {keys}"):
             nodes[keys] = max(row["contact_nodes"] for row in result.table("contact.csv"))

@@ -32,12 +32,12 @@ material johnson_cook johnson_cook density=density young=young poisson=0.3 yield
 eos johnson_cook gruneisen c0=5*m/s s=1.5 gamma0=2
 viscosity elastic quadratic=1.5 linear=0.06
 gravity 0,{g},0
-body b block material=$kind lower=(ox,oy,0) upper=(ox+2*m,oy+1.5*m,1*m) ppc=2 jitter=jitter
+body b block material=$kind lower=(ox,oy,0) upper=(ox+2*m,oy+1.5*m,{thick}*m) ppc=2 jitter=jitter
 velocity b x="(1+2*cos(2*(x-ox)/m+(y-oy)/m))*m/s" y="sin(3*(x-ox)/m)*m/s"{vz}
 output csv at=end fields=stress,density,mass
 """
-PLANE = BLOCK.format(dimension=2, z="", vz="", g="-0.5*m/s^2")
-SPACE = BLOCK.format(dimension=3, z=" z=open", vz=' z="0.5*cos(2*(y-oy)/m)*m/s"', g="-0.5*m/s^2")
+PLANE = BLOCK.format(dimension=2, thick=0, z="", vz="", g="-0.5*m/s^2")
+SPACE = BLOCK.format(dimension=3, thick=1, z=" z=open", vz=' z="0.5*cos(2*(y-oy)/m)*m/s"', g="-0.5*m/s^2")
 # powers of length, mass and time in each column
 POWERS = {"x": (1, 0, 0), "velocity": (1, 0, -1), "stress": (-1, 1, -2), "density": (-3, 1, 0)}
 

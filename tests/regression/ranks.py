@@ -41,11 +41,11 @@ output vtu every=0.0005 fields=stress,pressure
 output tecplot
 output vtkhdf every=0.0005 fields=stress
 history every=0.0001
-gauge near point=(1,1,1)
+gauge near point=({near})
 gauge far point=({size})
 """
-PLANE = WALLS.format(dimension=2, top=18, z="", walls="y+=slip", size="10,18,0")
-SPACE = WALLS.format(dimension=3, top="open", z=" z=0:16", walls="z-=fixed z+=slip", size="5,6,16")
+PLANE = WALLS.format(dimension=2, near="1,1", top=18, z="", walls="y+=slip", size="10,18,0")
+SPACE = WALLS.format(dimension=3, near="1,1,1", top="open", z=" z=0:16", walls="z-=fixed z+=slip", size="5,6,16")
 # Particles that cross several cells in a step, some of which leave the grid.
 FAST = """
 dimension 2

@@ -73,7 +73,7 @@ grid cell=0.5{box}
 method sgmp update=musl spin=carried
 time dt=0.01 steps=150
 material gel elastic density=1 young=20 poisson=0.3
-body b block material=gel lower=({low},0.2,0) upper=(2,1.7,1) ppc=2
+body b block material=gel lower=({low},0.2,0) upper=(2,1.7,{thick}) ppc=2
 velocity b x="0.3*x*(y-1)" y="-0.2*x*x"{z}
 output csv at=end
 """
@@ -83,8 +83,8 @@ def mirror(report):
     """What a slip wall cuts off moves as its mirror image."""
     for dimension in (2, 3):
         z = ' z="0.1*x*x*y"' if dimension == 3 else ""
-        half = run(f"half_{dimension}", BLOCK.format(dimension=dimension, box=" x=0:open", wall="wall x-=slip", low="0", z=z))
-        whole = run(f"whole_{dimension}", BLOCK.format(dimension=dimension, box="", wall="", low="-2", z=z))
+        half = run(f"half_{dimension}", BLOCK.format(dimension=dimension, thick=dimension - 2, box=" x=0:open", wall="wall x-=slip", low="0", z=z))
+        whole = run(f"whole_{dimension}", BLOCK.format(dimension=dimension, thick=dimension - 2, box="", wall="", low="-2", z=z))
         if not (report.finished(half, "half") and report.finished(whole, "whole")):
             return
         state = [sorted((tuple(round(row[k], 7) + 0.0 for k in ("x", "y")), row["velocity_x"], row["velocity_y"])
