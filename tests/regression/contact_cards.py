@@ -87,11 +87,12 @@ def depth(report):
     nodes = {}
     for keys in ("", "depth=0.5", "depth=3"):
         deck = FALL.format(dimension=2, deep=0, thick=0, method="sgmp", ppc=2, keys=keys)
-        result = run("depth", deck.replace("(-4,-2,-4)", "(-4,-2.1,-4)").replace("(4,0,4)", "(4,-0.1,4)"))
+        result = run("depth", deck.replace("(-4,-2,-0)", "(-4,-2.1,0)").replace("(4,0,0)", "(4,-0.1,0)"))
         if report.finished(result, f"depth {keys}"):
             nodes[keys] = max(row["contact_nodes"] for row in result.table("contact.csv"))
-    # The block is four cells wide: five nodes of a row carry it, and those of the next row below.
-    report.check(nodes == {"": 10, "depth=0.5": 5, "depth=3": 10}, f"nodes in contact: {nodes}")
+    # The block is four cells wide: five nodes of a row carry it. Particles of both bodies lie within the cell and a half that
+    # a node reaches of three rows: 0.8 cells below the surfaces, 0.2 and 1.2 above.
+    report.check(nodes == {"": 15, "depth=0.5": 5, "depth=3": 15}, f"nodes in contact: {nodes}")
 
 
 def main():
