@@ -7,6 +7,8 @@
 !! determinant of the step's deformation gradient. Internal energy grows by V_old (1/2 (sigma_old +
 !! sigma_new) - q) : deps, which is exact for a linear stress path in one dimension; an equation of
 !! state takes its pressure work from the change of volume.
+!!
+!! Longer than 500 lines: the stages are small lane loops that the compiler inlines into one update.
 module DIM(sgmp_stress_update)
   use sgmp_burn, only: burn_fraction_lanes
   use sgmp_constitutive, only: constitutive_t, eos_jwl, eos_none, material_elastic, &

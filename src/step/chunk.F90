@@ -4,6 +4,7 @@
 !! particles give to the accumulator of their stencil.
 !!
 !! Chunks are many and small, so what is the same for all of them is worked out once, in a task.
+!! Longer than 500 lines: all that happens to a chunk, inlined into one pass.
 module DIM(sgmp_chunk)
   use DIM(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t

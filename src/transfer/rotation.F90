@@ -12,6 +12,8 @@
 !! w_I is the angular velocity that a rigid motion would need for the curl found around the node:
 !! with J_c = 1 + sum_I D_I (x) G_cI the curl of omega x X at a centre is (tr J - J) omega. Lengths
 !! are in cells. Points far from surfaces, where D_I vanishes, are passed over.
+!!
+!! Longer than 500 lines: correction and transpose must be read side by side.
 module DIM(sgmp_rotation)
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
