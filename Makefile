@@ -59,8 +59,8 @@ test: build setup-test ## Build and run all tests
 test-full: build setup-test ## The same with more kills, damaged bits and layouts (minutes)
 	SGMP_TEST_FULL=1 ctest --test-dir build/release --parallel $(JOBS) --output-on-failure --no-tests=error
 
-mutate: build setup-test ## Put small faults into the sources and see whether tests notice (SAMPLE=200, SEED=1; MUTATE=FILE: all of it)
-	$(PYTHON) tests/mutation/mutate.py $(if $(MUTATE),--files $(MUTATE)) $(if $(SAMPLE),--sample $(SAMPLE)) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
+mutate: build setup-test ## Put small faults into the sources and see whether tests notice (SAMPLE=200, SEED=1; MUTATE=FILE: all of it; FAULTS=LIST)
+	$(PYTHON) tests/mutation/mutate.py $(if $(MUTATE),--files $(MUTATE)) $(if $(FAULTS),--faults $(FAULTS)) $(if $(SAMPLE),--sample $(SAMPLE)) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
 
 debug: setup build/debug/.configured ## Build build/debug/sgmp with all run-time checks
 	cmake --build build/debug --parallel $(JOBS)

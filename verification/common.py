@@ -188,10 +188,11 @@ class Book:
         half of the deviation and at most a tenth of the value: a deviation that shrinks or grows is news."""
         value = float(value)
         deviation = bool(not passed and known is not None and abs(value - known) <= band(known, reference))
+        a_band = {} if known is None or not band(known, reference) else {"known": known, "band": band(known, reference)}
         self.results.append({"section": self.sections[-1].title if self.sections else "", "case": case, "quantity": quantity,
                              "value": value if math.isfinite(value) else str(value),
                              "reference": reference, "tolerance": tolerance, "pass": bool(passed),
-                             "known_deviation": deviation, "note": note})
+                             "known_deviation": deviation, "note": note, **a_band})
         print(f"  {'pass' if passed else 'known' if deviation else 'FAIL'}  {case}: {quantity} = {value:.6g}  ({tolerance} {reference})", flush=True)
         return bool(passed)
 
@@ -204,6 +205,14 @@ class Book:
         """The value is within an absolute tolerance of its reference."""
         return self.add(case, quantity, value, reference, f"± {absolute:g} about", abs(value - reference) <= absolute, note,
                         known)
+
+    def regression(self, case, quantity, value, found, relative, note=""):
+        """The value is what the program has given before, within a relative tolerance. There is no reference that says it is right:
+        a change is to be looked at, and may be a gain."""
+        passed = self.add(case, quantity, value, found, f"regression value ± {100 * relative:g} %:",
+                          abs(value - found) <= relative * abs(found), note)
+        self.results[-1]["regression"] = True
+        return passed
 
     def at_most(self, case, quantity, value, bound, note="", known=None):
         return self.add(case, quantity, value, bound, "at most", value <= bound, note, known)

@@ -15,7 +15,7 @@ table { border-collapse: collapse; margin: .8em 0; font-size: 13.5px; }
 td, th { padding: .2em .7em; border-bottom: 1px solid #ddd; text-align: right; } th { background: #f2f5fa; }
 td:first-child, th:first-child, .word { text-align: left; }
 summary { color: #1f5fb4; cursor: pointer; font-size: 13.5px; }
-.pass { color: #17803d; font-weight: 600; } .fail { color: #c0182a; font-weight: 600; } .deviates { color: #b36b00; font-weight: 600; }
+.pass, .unchanged { color: #17803d; font-weight: 600; } .fail { color: #c0182a; font-weight: 600; } .deviates { color: #b36b00; font-weight: 600; }
 figure { margin: 1em 0; } figure img { max-width: 100%; } figcaption, caption { color: #555; font-size: 13.5px; text-align: left; }
 pre { background: #f5f5f5; padding: .7em; overflow-x: auto; font-size: 12.5px; } nav a { margin-right: 1.1em; }
 """
@@ -53,7 +53,17 @@ def results_html(results):
 
 
 def word_of(result):
+    if result["pass"] and result.get("regression"):
+        return "unchanged"
     return "pass" if result["pass"] else "deviates" if result["known_deviation"] else "fail"
+
+
+def deviations(results):
+    """Header and rows of the known deviations: where each must stay."""
+    rows = [[r["case"], r["quantity"], f"{r['tolerance']} {number(r['reference'])}",
+             f"{number(r['known'] - r['band'])} to {number(r['known'] + r['band'])}", number(r["value"]), r["note"]]
+            for r in results if "band" in r and not r["pass"]]
+    return ["case", "quantity", "target", "known band", "value", "reason"], rows
 
 
 def anchor(title):
@@ -70,7 +80,7 @@ def write(book, command, version, took):
             f"{html.escape(platform.machine())}, one core per run, {took}</p>",
             f"<p class={'fail' if failed else 'pass'}>{len(book.results)} checks: {passed} pass, {len(book.results) - passed - failed} deviate for a "
             f"known reason, {failed} fail.</p>",
-            "<nav>" + "".join(f"<a href='#{anchor(s.title)}'>{html.escape(s.title)}</a>" for s in book.sections) + "<a href='#checks'>All checks</a></nav>"]
+            "<nav>" + "".join(f"<a href='#{anchor(s.title)}'>{html.escape(s.title)}</a>" for s in book.sections) + "<a href='#deviations'>Known deviations</a><a href='#checks'>All checks</a></nav>"]
     for section in book.sections:
         body.append(f"<h2 id='{anchor(section.title)}'>{html.escape(section.title)}</h2>")
         for kind, content in section.text:
@@ -87,6 +97,7 @@ def write(book, command, version, took):
             body += ["<h3>Checks</h3>", results_html(chosen)]
         if section.commands:
             body += ["<h3>Commands</h3>", "<pre>" + html.escape("\n".join(dict.fromkeys(section.commands))) + "</pre>"]
+    body += ["<h2 id=deviations>Known deviations</h2>", table_html(*deviations(book.results), "Targets that are missed for a reason that is understood")]
     body += ["<h2 id=checks>All checks</h2>", results_html(book.results), "</body></html>"]
     (book.output / "report.html").write_text("\n".join(body))
     (book.output / "results.json").write_text(json.dumps({"version": version, "command": command, "date": time.strftime("%Y-%m-%d"),
@@ -118,4 +129,7 @@ def publish(book, folder, command, version, took):
             lines += ["| case | quantity | value | target | result | note |", "|---|---|---|---|---|---|"]
             lines += [f"| {r['case']} | {r['quantity']} | {number(r['value'])} | {r['tolerance']} {number(r['reference'])} | "
                       f"{word_of(r)} | {r['note']} |" for r in chosen] + [""]
+    header, rows = deviations(book.results)
+    lines += ["## Known deviations", "", "| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    lines += ["| " + " | ".join(row) + " |" for row in rows] + [""]
     (folder / "README.md").write_text("\n".join(lines))

@@ -69,7 +69,8 @@ def main():
         report.publish(book, ROOT / "doc/verification", command, version(), took)
     failed = book.failed()
     passed = sum(result["pass"] for result in book.results)
-    print(f"\n{len(book.results)} checks: {passed} pass, {len(book.results) - passed - len(failed)} known deviations, {len(failed)} fail; "
+    kept = sum(result["pass"] and result.get("regression", False) for result in book.results)
+    print(f"\n{len(book.results)} checks: {passed} pass ({kept} of them regression values), {len(book.results) - passed - len(failed)} known deviations, {len(failed)} fail; "
           f"{time.time() - start:.0f} s")
     for result in book.results:
         if not result["pass"]:

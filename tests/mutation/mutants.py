@@ -242,6 +242,24 @@ def candidates(file, source):
             yield from mutants_of_statement(file, statement, reals)
 
 
+def by_hand(file, source, was, now, what):
+    """The fault that a text in one statement makes, written by hand."""
+    found = [s for s in statements(source.split("\n")) if was in s.text]
+    if len(found) != 1:
+        raise ValueError(f"{file}: {len(found)} statements with: {was}")
+    line, text = found[0].first + 1, found[0].text
+    part, condition, loop = "statement", split_condition(text), LOOP.match(text)
+    if condition and was in condition[1]:
+        part, text = "condition", condition[1]
+    elif condition:
+        text = condition[2][1:].strip()
+    elif loop:
+        # The bounds alone; the name of the counter stays.
+        part, text = "loop", loop.group(3)
+        was, now = (side.removeprefix(loop.group(2)) for side in (was, now))
+    return Mutant(file, line, part, text, text.replace(was, now, 1), what)
+
+
 # ------------------------------------------------------------------------------------------------ all in one source
 def choice(mutants, was):
     """Text of a plain statement that is one of several."""

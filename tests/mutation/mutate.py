@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Puts small faults into src/, one at a time, and sees whether the tests notice.
 
-usage: mutate.py [--sample N] [--seed N] [--files FILE …] [--kinds KIND …] [--without TEST …] [--budget SECONDS] [--jobs N]
+usage: mutate.py [--sample N] [--seed N] [--files FILE …] [--faults LIST] [--kinds KIND …] [--without TEST …] [--budget SECONDS]
+                 [--jobs N]
 
 All faults of the sample are compiled into one copy of the sources, each behind a switch (SGMP_MUTANT). A first round of all
 tests without a fault tells which tests come by which fault and how long they take; then every fault is switched on, and the
@@ -105,14 +106,27 @@ def reason_of(mutant, known):
     return None
 
 
+def listed(path):
+    """Faults that a file lists: end of the path | part of a statement | what stands there instead | what is wrong."""
+    for line in pathlib.Path(path).read_text(encoding="utf-8").splitlines():
+        if line.strip() and not line.startswith("#"):
+            file, was, now, what = (part.strip() for part in line.split(" | "))
+            file = f"src/{file}"
+            yield mutants.by_hand(file, (ROOT / file).read_text(encoding="utf-8"), was, now, what)
+
+
 def draw(files, size, seed):
     """A sample of all mutants of some files."""
     found = [m for file in files for m in mutants.candidates(file, (ROOT / file).read_text(encoding="utf-8"))]
-    chosen = found if size is None or size >= len(found) else random.Random(seed).sample(found, size)
+    return numbered(found if size is None or size >= len(found) else random.Random(seed).sample(found, size)), len(found)
+
+
+def numbered(chosen):
+    """Mutants in the order of their places, with numbers from 1."""
     chosen.sort(key=lambda m: (m.file, m.line))
     for number, mutant in enumerate(chosen, 1):
         mutant.number = number
-    return chosen, len(found)
+    return chosen
 
 
 def make_tree(chosen):
@@ -258,6 +272,7 @@ def main():
     parser.add_argument("--sample", type=int, help="number of faults (default 200, with --files all)")
     parser.add_argument("--seed", type=int, default=1, help="of the sample (default 1)")
     parser.add_argument("--files", nargs="*", default=[], help="sources, or folders of them (default src)")
+    parser.add_argument("--faults", help="a file that lists faults by hand, instead of a sample")
     parser.add_argument("--kinds", nargs="*", default=list(KINDS), choices=KINDS, help="labels of the tests that run (default all)")
     parser.add_argument("--without", nargs="*", default=[], help="tests that do not run")
     parser.add_argument("--budget", type=float, default=120.0, help="seconds of regression tests per fault (default 120)")
@@ -269,7 +284,11 @@ def main():
                     for p in ([place] if place.is_file() else place.rglob("*.[fF]90"))})
     files = [file for file in files if not LEFT_OUT.search(file)] if not options.files else files
     size = options.sample or (None if options.files else 200)
-    chosen, total = draw(files, size, options.seed)
+    if options.faults:
+        chosen = numbered(list(listed(options.faults)))
+        total = len(chosen)
+    else:
+        chosen, total = draw(files, size, options.seed)
     drawn = len(chosen)
     chosen = build(chosen, options.jobs)
     print(f"{drawn} faults, {drawn - len(chosen)} of them no Fortran; built after {time.monotonic() - start:.0f} s", flush=True)

@@ -120,7 +120,7 @@ def large_deformation(book, full, reference):
         book.within("bar, large deformation", f"error of {NAMES['bspline']} at 1/{cells}, against the independent code",
                     curves["bspline"][sizes.index(cells)], reference["large deformation", "bspline", cells], 0.02)
     for cells, value in ((64, 3.4e-6), (256, 2.3e-7)):
-        book.within("bar, large deformation", f"error of SGMP with normalised stress at 1/{cells} (m)", curves["normalised"][sizes.index(cells)], value, 0.05)
+        book.regression("bar, large deformation", f"error of SGMP with normalised stress at 1/{cells} (m)", curves["normalised"][sizes.index(cells)], value, 0.05)
     order, = slopes([1 / 16, 1 / 256], [curves["normalised"][sizes.index(n)] for n in (16, 256)])
     book.at_least("bar, large deformation", "order of SGMP with normalised stress, 1/16 to 1/256", order, 1.9)
     book.at_most("bar, large deformation", "error of SGMP with normalised stress at 1/256 (m)", curves["normalised"][sizes.index(256)], 3.5e-7)
