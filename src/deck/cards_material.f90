@@ -6,6 +6,7 @@ module sgmp_cards_material
                                material_names
   use sgmp_deck_card, only: deck_card_t
   use sgmp_keys, only: fault_t, kind_name_word, kind_real, kind_word
+  use sgmp_kinds, only: dp
   use sgmp_registry, only: read_first, registry_t
   use sgmp_scene, only: material_card_t
   use sgmp_scene_draft, only: draft_t
@@ -44,6 +45,8 @@ contains
     end do
     call registry%key('energy0', kind_real, 'initial energy per initial volume', unit='stress', &
                       range='[0,inf)', default='0')
+    call registry%key('pressure0', kind_real, 'initial pressure, in place of energy0', &
+                      unit='stress', when=words_joined(pack(eos_names, eos_names /= 'jwl')))
     call registry%card('viscosity', 'Bulk viscosity in compression, q = rho h^2 b1 (tr D)^2 - '// &
                        'b2 rho h c tr D; none without this card.', 'viscosity copper', &
                        read_viscosity)
@@ -101,12 +104,18 @@ contains
   subroutine read_eos(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
-    integer :: i
+    type(fault_t), allocatable :: fault
+    integer :: i, eos
     i = draft%material_of(card)
     if (i == 0) return
     associate (law => draft%scene%materials(i)%law)
       if (law%eos == eos_none) then
-        call eos_read(card%pick('kind', eos_names), card, law)
+        eos = card%pick('kind', eos_names)
+        if (law%density > 0.0_dp) then
+          call eos_read(eos, card, law, fault)
+          call complain(card, fault, draft)
+        end if
+        law%eos = eos  ! also where the material's card is wrong: other cards ask
       else
         call draft%errors%add(card%position, "material '"//card%word('material')// &
                               "' has two equations of state", 'remove one of the cards eos')

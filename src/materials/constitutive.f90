@@ -4,15 +4,22 @@
 !! A law is described in a module of its own, material_<law>.f90: keys of the deck, constants and
 !! how they come from the values of the keys, history, kernel. Here it has a number, a name, a
 !! component of `constitutive_t`, and a case in law_keys, law_pressure and law_read; its kernel is
-!! called in stress_update.F90. Nothing else knows of it.
+!! called in stress_update.F90. An equation of state has a number, a name, a component, and a case in
+!! eos_keys, eos_set and eos_terms; its lane kernel is called there, too. Nothing else knows of them.
 module sgmp_constitutive
   use sgmp_burn, only: burn_keys, burn_read
-  use sgmp_eos_gruneisen, only: gruneisen_keys, gruneisen_read, gruneisen_t
-  use sgmp_eos_jwl, only: jwl_keys, jwl_read, jwl_t
+  use sgmp_eos, only: eos_sound_speed_squared
+  use sgmp_eos_gruneisen, only: gruneisen_keys, gruneisen_read, gruneisen_t, gruneisen_terms
+  use sgmp_eos_jwl, only: jwl_keys, jwl_read, jwl_t, jwl_terms
+  use sgmp_eos_polynomial, only: polynomial_keys, polynomial_read, polynomial_t, polynomial_terms
+  use sgmp_eos_stiffened_gas, only: ideal_gas_keys, stiffened_gas_keys, stiffened_gas_read, &
+                                    stiffened_gas_t, stiffened_gas_terms
+  use sgmp_eos_tait, only: tait_keys, tait_read, tait_t, tait_terms
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
   use sgmp_kinds, only: dp
   use sgmp_material_elastic, only: elastic_keys, elastic_read, elastic_t, moduli_keys, &
                                    moduli_read, neo_hookean_read
+  use sgmp_material_fluid, only: fluid_keys, fluid_read
   use sgmp_material_history, only: history_t
   use sgmp_material_j2, only: j2_keys, j2_read, j2_t
   use sgmp_material_jc, only: jc_keys, jc_read, jc_t
@@ -22,23 +29,27 @@ module sgmp_constitutive
   private
   public :: constitutive_t, slots_t, slots_make
   public :: material_elastic, material_neo_hookean, material_j2, material_johnson_cook, &
-            material_explosive, material_names
-  public :: eos_none, eos_jwl, eos_gruneisen, eos_names
+            material_explosive, material_fluid, material_names
+  public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
+            eos_tait, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check
-  public :: eos_keys, eos_read, law_set_viscosity
+  public :: eos_keys, eos_read, eos_terms, law_set_viscosity
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
-                        material_johnson_cook = 4, material_explosive = 5
+                        material_johnson_cook = 4, material_explosive = 5, material_fluid = 6
   character(16), parameter :: material_names(*) = [character(16) :: &
-    'elastic', 'neo_hookean', 'j2', 'johnson_cook', 'explosive']
+    'elastic', 'neo_hookean', 'j2', 'johnson_cook', 'explosive', 'fluid']
 
-  integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2
-  character(16), parameter :: eos_names(*) = [character(16) :: 'jwl', 'gruneisen']
+  integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2, eos_ideal_gas = 3, &
+                        eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6
+  character(16), parameter :: eos_names(*) = [character(16) :: &
+    'jwl', 'gruneisen', 'ideal_gas', 'stiffened_gas', 'polynomial', 'tait']
 
   !> Where the pressure of a law comes from.
   integer, parameter :: pressure_own = 1       !! the law itself: it takes no equation of state
   integer, parameter :: pressure_either = 2    !! the bulk modulus, or an equation for solids
   integer, parameter :: pressure_products = 3  !! an equation for detonation products
+  integer, parameter :: pressure_state = 4     !! any other equation of state
 
   !> Of the speed of sound or detonation at the start: the least that an equation of state returns.
   real(dp), parameter :: slowest_part = 1.0e-3_dp
@@ -72,6 +83,10 @@ module sgmp_constitutive
     type(jc_t) :: jc
     type(jwl_t) :: jwl
     type(gruneisen_t) :: gruneisen
+    type(stiffened_gas_t) :: gas               !! the ideal gas, too
+    type(polynomial_t) :: polynomial
+    type(tait_t) :: tait
+    real(dp) :: fluid_viscosity = 0.0_dp       !! Newton's, of a fluid (stress times time)
     logical :: small_strain = .false.          !! the linear theory: constant volume, no spin
     logical :: rigid = .false.                 !! prescribed motion: no stress
     logical :: thermal = .false., failure = .false.
@@ -98,6 +113,8 @@ contains
       keys = [moduli_keys(), j2_keys()]
     case (material_johnson_cook)
       keys = [moduli_keys(), jc_keys()]
+    case (material_fluid)
+      keys = fluid_keys()
     case default  ! material_explosive
       keys = burn_keys()
     end select
@@ -111,6 +128,8 @@ contains
       pressure = pressure_own
     case (material_explosive)
       pressure = pressure_products
+    case (material_fluid)
+      pressure = pressure_state
     case default
       pressure = pressure_either
     end select
@@ -137,41 +156,117 @@ contains
       call jc_read(law%density, values, law%jc, law%history, fault)
       law%thermal = law%jc%thermal
       law%failure = law%jc%failure
+    case (material_fluid)
+      call fluid_read(values, law%fluid_viscosity, law%history)
     case default  ! material_explosive
       call burn_read(values, law%detonation_speed, law%burn_cells, law%history)
     end select
   end subroutine law_read
 
-  !> Keys of an equation of state, besides its initial energy.
+  !> Keys of an equation of state, besides its initial energy or pressure.
   function eos_keys(eos) result(keys)
     integer, intent(in) :: eos  !! one of eos_*
     type(key_t), allocatable :: keys(:)
     select case (eos)
     case (eos_jwl)
       keys = jwl_keys()
+    case (eos_ideal_gas)
+      keys = ideal_gas_keys()
+    case (eos_stiffened_gas)
+      keys = stiffened_gas_keys()
+    case (eos_polynomial)
+      keys = polynomial_keys()
+    case (eos_tait)
+      keys = tait_keys()
     case default  ! eos_gruneisen
       keys = gruneisen_keys()
     end select
   end function eos_keys
 
-  !> Gives a law an equation of state from the values of its keys.
-  pure subroutine eos_read(eos, values, law)
+  !> Gives a law an equation of state from the values of its keys, and the state it starts from.
+  pure subroutine eos_read(eos, values, law, fault)
     integer, intent(in) :: eos  !! one of eos_*
     class(values_t), intent(in) :: values
     type(constitutive_t), intent(inout) :: law
-    real(dp) :: speed
+    type(fault_t), allocatable, intent(out) :: fault
+    call eos_set(eos, values, law)
+    law%history%energy = .true.
+    law%history%first_energy = values%number('energy0')
+    if (eos == eos_jwl) then
+      law%slowest = slowest_part*law%detonation_speed
+    else
+      call start_state(values, law, fault)
+    end if
+  end subroutine eos_read
+
+  !> Constants of an equation of state from the values of its keys.
+  pure subroutine eos_set(eos, values, law)
+    integer, intent(in) :: eos  !! one of eos_*
+    class(values_t), intent(in) :: values
+    type(constitutive_t), intent(inout) :: law
     law%eos = eos
     select case (eos)
     case (eos_jwl)
       law%jwl = jwl_read(values)
-      speed = law%detonation_speed
+    case (eos_ideal_gas, eos_stiffened_gas)
+      law%gas = stiffened_gas_read(values)
+    case (eos_polynomial)
+      law%polynomial = polynomial_read(values)
+    case (eos_tait)
+      law%tait = tait_read(law%density, values)
     case default  ! eos_gruneisen
-      call gruneisen_read(law%density, values, law%gruneisen, speed)
+      law%gruneisen = gruneisen_read(law%density, values)
     end select
-    law%slowest = slowest_part*speed
-    law%history%energy = .true.
-    law%history%first_energy = values%number('energy0')
-  end subroutine eos_read
+  end subroutine eos_set
+
+  !> Terms of p = a0(v) + b0(v) E of a law's equation of state, and their derivatives.
+  pure subroutine eos_terms(law, v, a0, b0, da, db)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: v                  !! volume over initial volume
+    real(dp), intent(out) :: a0, b0, da, db    !! (stress), 1, d/dv of both
+    select case (law%eos)
+    case (eos_jwl)
+      call jwl_terms(law%jwl, v, a0, b0, da, db)
+    case (eos_ideal_gas, eos_stiffened_gas)
+      call stiffened_gas_terms(law%gas, v, a0, b0, da, db)
+    case (eos_polynomial)
+      call polynomial_terms(law%polynomial, v, a0, b0, da, db)
+    case (eos_tait)
+      call tait_terms(law%tait, v, a0, b0, da, db)
+    case default  ! eos_gruneisen
+      call gruneisen_terms(law%gruneisen, v, a0, b0, da, db)
+    end select
+  end subroutine eos_terms
+
+  !> Energy, pressure and sound speed at the initial density; the energy follows from the pressure
+  !! where that is given.
+  pure subroutine start_state(values, law, fault)
+    class(values_t), intent(in) :: values
+    type(constitutive_t), intent(inout) :: law
+    type(fault_t), allocatable, intent(out) :: fault
+    real(dp) :: a0, b0, da, db, pressure, speed_squared
+    call eos_terms(law, 1.0_dp, a0, b0, da, db)
+    if (values%has('pressure0')) then
+      if (abs(law%history%first_energy) > 0.0_dp) then
+        call fault_make(fault, 'energy0', 'energy0 and pressure0 are both given', 'keep one of them')
+      else if (b0 > 0.0_dp) then
+        law%history%first_energy = (values%number('pressure0') - a0)/b0
+      else if (abs(values%number('pressure0') - a0) > 0.0_dp) then
+        call fault_make(fault, 'pressure0', 'the pressure does not depend on the energy', &
+                        'give the pressure by the equation''s constants')
+      end if
+    end if
+    pressure = a0 + b0*law%history%first_energy
+    law%history%first_mean_stress = 0.0_dp - pressure  ! no negative zero
+    speed_squared = eos_sound_speed_squared(law%density, 1.0_dp, pressure, &
+                                            law%history%first_energy, da, db, b0, 1.0_dp)
+    if (speed_squared > 0.0_dp) then
+      law%slowest = slowest_part*sqrt(speed_squared)
+    else if (.not. allocated(fault)) then
+      call fault_make(fault, '', 'the initial state has no speed of sound', &
+                      'check the constants, and energy0 or pressure0')
+    end if
+  end subroutine start_state
 
   !> Whether a law has the equation of state that it needs, and none that it does not know.
   pure subroutine law_check(law, name, fault)
@@ -187,6 +282,9 @@ contains
     else if (pressure /= pressure_products .and. law%eos == eos_jwl) then
       call fault_make(fault, '', "'"//name//"' has a JWL equation but no burn", &
                       'make it explosive')
+    else if (pressure == pressure_state .and. law%eos == eos_none) then
+      call fault_make(fault, '', trim(material_names(law%kind))//" '"//name// &
+                      "' has no equation of state", 'add one, e.g. eos '//name//' tait c0=…')
     else if (pressure == pressure_own .and. law%eos /= eos_none) then
       call fault_make(fault, '', "the pressure of '"//name//"' is elastic already", &
                       'remove the card eos, or use j2 or johnson_cook')
@@ -225,6 +323,7 @@ contains
     associate (slots => law%slots)
       if (slots%temperature > 0) first(slots%temperature) = law%history%first_temperature
       if (slots%energy > 0) first(slots%energy) = law%history%first_energy
+      first(slots%stress:slots%stress + min(3, slots%stresses) - 1) = law%history%first_mean_stress
       do d = 1, ndim
         if (slots%deformation > 0) first(slots%deformation + (d - 1)*(ndim + 1)) = 1.0_dp
         if (slots%stretch > 0) first(slots%stretch + d - 1) = 1.0_dp

@@ -38,14 +38,12 @@ contains
   end function gruneisen_keys
 
   !> Equation from the values of its keys.
-  pure subroutine gruneisen_read(density, values, law, sound_speed)
+  pure function gruneisen_read(density, values) result(law)
     real(dp), intent(in) :: density     !! initial density (mass/volume)
     class(values_t), intent(in) :: values
-    type(gruneisen_t), intent(out) :: law
-    real(dp), intent(out) :: sound_speed  !! of the bulk at the start
-    sound_speed = values%number('c0')
-    law = gruneisen_init(density, sound_speed, values%number('s'), values%number('gamma0'))
-  end subroutine gruneisen_read
+    type(gruneisen_t) :: law
+    law = gruneisen_init(density, values%number('c0'), values%number('s'), values%number('gamma0'))
+  end function gruneisen_read
 
   !> Constants from initial density, sound speed, slope of the shock velocity, and Grueneisen's
   !! parameter.

@@ -16,6 +16,7 @@ module sgmp_material_history
     logical :: deformation = .false.    !! deformation gradient
     real(dp) :: first_temperature = 0.0_dp
     real(dp) :: first_energy = 0.0_dp
+    real(dp) :: first_mean_stress = 0.0_dp
   end type history_t
 
 end module sgmp_material_history

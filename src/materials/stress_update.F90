@@ -11,12 +11,17 @@
 !! Longer than 500 lines: the stages are small lane loops that the compiler inlines into one update.
 module DIM(sgmp_stress_update)
   use sgmp_burn, only: burn_fraction_lanes
-  use sgmp_constitutive, only: constitutive_t, eos_jwl, eos_none, material_elastic, &
+  use sgmp_constitutive, only: constitutive_t, eos_ideal_gas, eos_jwl, eos_none, eos_polynomial, &
+                               eos_stiffened_gas, eos_tait, material_elastic, material_fluid, &
                                material_j2, material_johnson_cook, material_neo_hookean
   use sgmp_eos, only: eos_energy_pressure, eos_sound_speed_lanes
   use sgmp_eos_gruneisen, only: gruneisen_lanes
   use sgmp_eos_jwl, only: jwl_lanes
+  use sgmp_eos_polynomial, only: polynomial_lanes
+  use sgmp_eos_stiffened_gas, only: stiffened_gas_lanes
+  use sgmp_eos_tait, only: tait_lanes
   use sgmp_kinds, only: dp, lanes
+  use sgmp_material_fluid, only: fluid_diffusion_speed
   use sgmp_material_j2, only: j2_return
   use sgmp_material_jc, only: jc_return, jc_return_simple
   use sgmp_viscosity, only: viscosity_lanes
@@ -72,11 +77,15 @@ contains
                        b(1, law%slots%deformation), speed2, q, work)
     case (material_j2, material_johnson_cook)
       call plastic(law, dt, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
-    case default  ! material_explosive
+    case default  ! material_explosive, material_fluid
       none = 0.0_dp
       call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), none, strain, trace, jacobian, &
                    old_volume, work)
-      call explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
+      if (law%kind == material_fluid) then
+        call fluid(law, dt, mass, old_volume, strain, trace, nb, b, speed2, q, work)
+      else
+        call explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
+      end if
     end select
     call stress_flux(law, b(1, 1), q, live, b(1, s), flux)
     !$omp simd simdlen(8)
@@ -92,7 +101,7 @@ contains
   pure subroutine stress_flux(law, volume, q, live, stress, flux)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: volume(lanes), q(lanes), live(lanes)
-    real(dp), intent(in) :: stress(lanes, NSTRESS)      !! or the mean stress alone, for explosives
+    real(dp), intent(in) :: stress(lanes, NSTRESS)      !! or the mean stress alone
     real(dp), intent(out) :: flux(lanes, NFLUX)
     real(dp) :: v
     integer :: l, c
@@ -486,6 +495,69 @@ contains
                            b(1, law%slots%energy), b(1, law%slots%stress), speed2, q, work)
   end subroutine explosive
 
+  !> A fluid: pressure from the equation of state, and Newton's viscous stress where it has one.
+  subroutine fluid(law, dt, mass, old_volume, strain, trace, nb, b, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), strain(lanes, NFLUX), trace(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
+    real(dp) :: mean(lanes), viscous_work(lanes), ones(lanes)
+    integer :: l, s
+    s = law%slots%stress
+    ones = 1.0_dp
+    if (law%slots%stresses == 1) then
+      viscous_work = 0.0_dp
+      call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, viscous_work, 0.0_dp, &
+                             ones, b(1, law%slots%energy), b(1, s), speed2, q, work)
+      return
+    end if
+    call newtonian(law%fluid_viscosity, dt, strain, trace, b(1, s), mean, viscous_work)
+    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, viscous_work, 0.0_dp, ones, &
+                           b(1, law%slots%energy), mean, speed2, q, work)
+    call add_mean(mean, b(1, s))
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      work(l) = work(l) + viscous_work(l)
+      speed2(l) = merge((sqrt(max(speed2(l), 0.0_dp)) &
+                         + fluid_diffusion_speed(law%fluid_viscosity, mass(l)/b(l, 1), law%h))**2, &
+                        speed2(l), speed2(l) >= 0.0_dp)
+    end do
+  end subroutine fluid
+
+  !> Viscous stress 2 eta dev D of the step, its work per old volume, and the mean of the old
+  !! stress.
+  pure subroutine newtonian(viscosity, dt, strain, trace, stress, mean, work)
+    real(dp), intent(in) :: viscosity, dt, strain(lanes, NFLUX), trace(lanes)
+    real(dp), intent(inout) :: stress(lanes, NSTRESS)  !! in: old stress; out: new viscous stress
+    real(dp), intent(out) :: mean(lanes), work(lanes)
+    real(dp) :: eta, old, double
+    integer :: l, c
+    eta = 0.0_dp
+    if (dt > 0.0_dp) eta = viscosity/dt
+    !$omp simd simdlen(8) private(old, double, c)
+    do l = 1, lanes
+      mean(l) = (stress(l, 1) + stress(l, 2) + stress(l, 3))*(1.0_dp/3.0_dp)
+      old = -mean(l)*trace(l)
+      do c = 1, NFLUX
+        old = old + stress(l, stress_of(c))*strain(l, c)
+      end do
+      do c = 1, 3
+        stress(l, c) = -(2.0_dp/3.0_dp)*eta*trace(l)
+      end do
+      double = 0.0_dp
+      do c = 1, NDIM
+        stress(l, c) = stress(l, c) + 2.0_dp*eta*strain(l, c)
+        double = double + stress(l, c)*strain(l, c)
+      end do
+      do c = NDIM + 1, NFLUX
+        stress(l, stress_of(c)) = eta*strain(l, c)
+        double = double + stress(l, stress_of(c))*strain(l, c)
+      end do
+      work(l) = 0.5_dp*(old + double)
+    end do
+  end subroutine newtonian
+
   !> Pressure and energy by an equation of state linear in the energy; `mean` is the mean stress -p.
   subroutine equation_of_state(law, dt, mass, old_volume, volume, trace, deviatoric_work, &
                                stiffness, burnt, energy, mean, speed2, q, work)
@@ -513,6 +585,12 @@ contains
     select case (law%eos)
     case (eos_jwl)
       call jwl_lanes(law%jwl, v, a0, b0, da, db)
+    case (eos_ideal_gas, eos_stiffened_gas)
+      call stiffened_gas_lanes(law%gas, v, a0, b0, da, db)
+    case (eos_polynomial)
+      call polynomial_lanes(law%polynomial, v, a0, b0, da, db)
+    case (eos_tait)
+      call tait_lanes(law%tait, v, a0, b0, da, db)
     case default  ! eos_gruneisen
       call gruneisen_lanes(law%gruneisen, v, a0, b0, da, db)
     end select

@@ -12,6 +12,36 @@ ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive", "OMPI_MCA_ess_singlet
                "OMPI_MCA_orte_tmpdir_base": SCRATCH}
 
 
+# A body of every kind of matter without strength, in a box.
+FLUIDS = """
+parameter method = sgmp
+parameter update = musl
+dimension 2
+grid cell=1 x=0:12 y=0:open
+wall x-=slip x+=fixed y-=slip
+method $method update=$update
+time steps=40 cfl=0.4
+gravity (0,-2)
+material air fluid density=0.1 viscosity=0.05
+material water fluid density=1
+material oil fluid density=0.9 viscosity=0.2
+material brine fluid density=1.1
+eos air ideal_gas gamma=1.4 pressure0=20
+eos water tait c0=30 exponent=7 pressure0=20
+eos oil stiffened_gas gamma=4.4 p_inf=150 pressure0=20
+eos brine polynomial a1=900 a2=900 a3=400 b0=0.3 b1=0.3 energy0=60
+viscosity all
+body air block material=air lower=(0,6) upper=(12,12) ppc=2
+body water block material=water lower=(0,0) upper=(4,6) ppc=2 jitter=0.2
+body oil block material=oil lower=(4,0) upper=(8,6) ppc=2
+body brine block material=brine lower=(8,0) upper=(12,6) ppc=2
+velocity water x=6 y=3
+velocity oil y=-3
+history steps=10
+output csv at=end fields=stress,density,energy
+"""
+
+
 class Run:
     """One finished run: exit code, everything printed, summary.json, its folder."""
 

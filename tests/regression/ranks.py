@@ -11,7 +11,7 @@ import os
 import re
 import subprocess
 
-from _runs import ENVIRONMENT, INPUT, SCRATCH, SGMP, Report, Run
+from _runs import ENVIRONMENT, FLUIDS, INPUT, SCRATCH, SGMP, Report, Run
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]
@@ -185,6 +185,7 @@ SCENES = [
     ("rings", "rings.inp", {"h": 2, "t_end": 0.6}, LAYOUTS),
     ("rings_gimp", "rings.inp", {"h": 2, "t_end": 0.3, "method": "gimp", "update": "usl"}, FEW),
     ("sphere_slope", "sphere_slope.inp", {"h": 0.4, "t_end": 0.01, "stress": "normalised"}, FEW),
+    ("fluids", FLUIDS, {}, FEW),
     ("pile", PILE, {}, LAYOUTS),
     ("pile_gimp", PILE, {"method": "gimp", "update": "usf", "normal": "average"}, FEW),
     ("pile_mpm", PILE, {"method": "mpm", "update": "usavg"}, FEW),

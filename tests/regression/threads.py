@@ -5,7 +5,7 @@ usage: threads.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import os
 
-from _runs import INPUT, Report, run
+from _runs import FLUIDS, INPUT, Report, run
 
 # Detonation from a corner of a charge in two or three dimensions, walls on two sides.
 CHARGE = """
@@ -35,6 +35,7 @@ SCENES = [
     ("beam", "beam.inp", {"h": 1.25, "t_end": 0.003}),
     ("jwl_2d", PLANE, {}),
     ("jwl_3d", SPACE, {}),
+    ("fluids", FLUIDS, {}),
     ("contact", "two_blocks.inp", {"width": 5, "length": 4, "steps": 60, "drift": 0.3, "speed": 0.05}),
     ("bar", "bar.inp", {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1}),
     ("normalised_block", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3, "jitter": 0.4, "stress": "normalised"}),
