@@ -1,5 +1,6 @@
 !> A list of numbers that grows while a message is written, and is read front to back.
 module sgmp_buffer
+  use sgmp_growing, only: grow
   use sgmp_kinds, only: dp
   implicit none
   private
@@ -19,14 +20,10 @@ contains
     type(buffer_t), intent(inout) :: buffer
     integer, intent(in) :: count
     integer, intent(out) :: before
-    real(dp), allocatable :: longer(:)
     if (.not. allocated(buffer%values)) allocate (buffer%values(max(count, 64)))
     before = buffer%n
     buffer%n = before + count
-    if (buffer%n <= size(buffer%values)) return
-    allocate (longer(max(buffer%n, 2*size(buffer%values))))
-    longer(:before) = buffer%values(:before)
-    call move_alloc(longer, buffer%values)
+    call grow(buffer%values, before, buffer%n)
   end subroutine buffer_take
 
   !> Appends values.

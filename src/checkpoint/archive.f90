@@ -1,6 +1,7 @@
 !> A list of numbers that is filled from variables, or fills them, by one and the same procedure: so
 !! what is read back is what was written, in the same order.
 module sgmp_archive
+  use sgmp_growing, only: grow
   use sgmp_kinds, only: dp, i4, i8
   implicit none
   private
@@ -53,7 +54,6 @@ contains
   pure subroutine pass_reals(self, values)
     class(archive_t), intent(inout) :: self
     real(dp), intent(inout) :: values(:)
-    real(dp), allocatable :: longer(:)
     integer :: last
     last = self%real_place + size(values)
     if (last > size(self%reals)) then
@@ -61,9 +61,7 @@ contains
         self%complete = .false.
         return
       end if
-      allocate (longer(2*last), source=0.0_dp)
-      longer(:self%real_place) = self%reals(:self%real_place)
-      call move_alloc(longer, self%reals)
+      call grow(self%reals, self%real_place, last)
     end if
     if (self%reading) then
       values = self%reals(self%real_place + 1:last)
@@ -76,15 +74,12 @@ contains
   pure subroutine pass_i8(self, value)
     class(archive_t), intent(inout) :: self
     integer(i8), intent(inout) :: value
-    integer(i8), allocatable :: longer(:)
     if (self%whole_place == size(self%wholes)) then
       if (self%reading) then
         self%complete = .false.
         return
       end if
-      allocate (longer(2*self%whole_place + 1), source=0_i8)
-      longer(:self%whole_place) = self%wholes(:self%whole_place)
-      call move_alloc(longer, self%wholes)
+      call grow(self%wholes, self%whole_place, self%whole_place + 1)
     end if
     self%whole_place = self%whole_place + 1
     if (self%reading) then

@@ -8,6 +8,7 @@
 module sgmp_surface_particles
   use sgmp_body, only: body_t
   use sgmp_buffer, only: buffer_get, buffer_put, buffer_t, buffer_take, buffer_whole
+  use sgmp_growing, only: grow
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_motion, only: motion_mass
   use sgmp_particles, only: particles_t
@@ -328,16 +329,15 @@ contains
     end do
   end subroutine surface_read
 
-  !> Room for guests; those that are there stay.
+  !> Room for guests; those that are there stay, all of as many columns.
   pure subroutine make_room(surface, columns, guests)
     type(surface_t), intent(inout) :: surface
     integer, intent(in) :: columns, guests
-    real(dp), allocatable :: longer(:, :)
+    if (allocated(surface%guest)) then
+      if (size(surface%guest, 1) /= columns) deallocate (surface%guest)
+    end if
     if (.not. allocated(surface%guest)) allocate (surface%guest(columns, 0))
-    if (size(surface%guest, 1) == columns .and. size(surface%guest, 2) >= guests) return
-    allocate (longer(columns, 2*guests))
-    if (surface%guests > 0) longer(:, :surface%guests) = surface%guest(:, :surface%guests)
-    call move_alloc(longer, surface%guest)
+    call grow(surface%guest, surface%guests, guests)
   end subroutine make_room
 
 end module sgmp_surface_particles

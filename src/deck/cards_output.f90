@@ -90,7 +90,7 @@ contains
       do i = 1, word_count(fields)
         field = word_item(fields, i)
         if (word_position(field, output%fields) > 0) cycle
-        output%fields = [output%fields, field]
+        output%fields = [character(name_length) :: output%fields, field]
       end do
     end associate
   end subroutine read_output

@@ -1,9 +1,8 @@
 !> The validated description of a simulation: what the deck says, and nothing about how it is
 !! solved.
 !!
-!! The deck reader fills a `scene_t`; the driver builds a model from it. All numbers are in the
-!! deck's own consistent
-!! units. Vectors always have three components; those beyond the dimension are ignored.
+!! The deck reader fills a `scene_t`; set-up builds a model from it. All numbers are in the deck's
+!! own consistent units. Vectors always have three components; those beyond the dimension are zero.
 module sgmp_scene
   use sgmp_constitutive, only: constitutive_t
   use sgmp_contact_pairs, only: normal_separating
@@ -14,13 +13,11 @@ module sgmp_scene
   use sgmp_shapes, only: shape_t
   implicit none
   private
-  public :: contact_card_t, contact_lambda_default
-  public :: scene_at_rest, scene_t, scene_free
-  public :: grid_card_t, method_card_t, time_card_t, material_card_t, &
-    body_card_t, bodyforce_card_t, &
-            detonation_card_t, output_card_t, gauge_card_t, stop_card_t, checkpoint_card_t, &
-            balance_card_t, &
-            statement_text_t
+  public :: balance_card_t, body_card_t, bodyforce_card_t, checkpoint_card_t, contact_card_t, &
+            detonation_card_t, gauge_card_t, grid_card_t, material_card_t, method_card_t, &
+            output_card_t, statement_text_t, stop_card_t, time_card_t
+  public :: contact_lambda_default
+  public :: scene_at_rest, scene_free, scene_t
   public :: update_usf, update_musl, update_usl, update_usavg, update_names
   public :: layout_lattice, layout_gauss, layout_file, layout_names
   public :: lost_error, lost_remove, lost_reflect, lost_names, name_length

@@ -391,17 +391,11 @@ contains
   subroutine add_name(self, name)
     class(hdf5_file_t), intent(inout) :: self
     character(*), intent(in) :: name
-    type(string_t), allocatable :: names(:)
-    integer(i8), allocatable :: sums(:, :)
-    integer :: n
-    n = size(self%names)
-    allocate (names(n + 1), sums(checksum_sums, n + 1))
-    names(:n) = self%names
-    names(n + 1)%text = name
-    sums(:, :n) = self%sums
-    sums(:, n + 1) = 0_i8
-    call move_alloc(names, self%names)
-    call move_alloc(sums, self%sums)
+    type(string_t) :: new
+    integer :: i
+    new%text = name
+    self%names = [self%names, new]
+    self%sums = reshape([self%sums, (0_i8, i=1, checksum_sums)], [checksum_sums, size(self%names)])
   end subroutine add_name
 
   !> Whether the file has an object of this name.

@@ -4,6 +4,7 @@ module sgmp_particle_file
   use, intrinsic :: ieee_exceptions, only: ieee_get_halting_mode, ieee_overflow, ieee_set_flag, &
                                            ieee_set_halting_mode
   use sgmp_errors, only: error_make, error_t, exit_deck, exit_io
+  use sgmp_growing, only: grow
   use sgmp_kinds, only: dp
   use sgmp_text, only: integer_text
   implicit none
@@ -54,7 +55,6 @@ contains
     integer, intent(in) :: ndim
     real(dp), allocatable, intent(out) :: rows(:, :)  !! (4 or 7, n)
     type(error_t), allocatable, intent(out) :: error
-    real(dp), allocatable :: longer(:, :)
     character(:), allocatable :: line, wrong
     real(dp) :: row(with_velocity)
     integer :: n, found, line_number
@@ -72,11 +72,7 @@ contains
                         file//':'//integer_text(line_number)//':1')
         return
       end if
-      if (n == size(rows, 2)) then
-        allocate (longer(size(rows, 1), max(1000, 2*n)))
-        longer(:, :n) = rows
-        call move_alloc(longer, rows)
-      end if
+      call grow(rows, n, n + 1)
       n = n + 1
       rows(:, n) = row(:found)
     end do

@@ -220,18 +220,14 @@ contains
     type(model_t), intent(in) :: model
     real(dp), allocatable, intent(out) :: initial(:, :)
     type(error_t), allocatable, intent(out) :: error
-    real(dp), allocatable :: x(:, :), volume(:), grown(:, :)
-    integer :: b, n
+    real(dp), allocatable :: x(:, :), volume(:)
+    integer :: b
     allocate (initial(3, 0))
     do b = 1, size(scene%bodies)
       call seeding_generate(scene%bodies(b), scene%grid%cell, model%mesh%origin, model%mesh%ndim, &
                             x, volume, error)
       if (allocated(error)) return
-      n = size(initial, 2)
-      allocate (grown(3, n + size(x, 2)))
-      grown(:, :n) = initial
-      grown(:, n + 1:) = x
-      call move_alloc(grown, initial)
+      initial = reshape([initial, x], [3, size(initial, 2) + size(x, 2)])
     end do
   end subroutine snapshot_initial_positions
 

@@ -102,21 +102,18 @@ contains
   subroutine store(self, key, json)
     type(summary_t), intent(inout) :: self
     character(*), intent(in) :: key, json
-    type(item_t), allocatable :: longer(:)
-    integer :: i, n
+    type(item_t) :: new
+    integer :: i
     if (.not. allocated(self%items)) allocate (self%items(0))
-    n = size(self%items)
-    do i = 1, n
+    do i = 1, size(self%items)
       if (self%items(i)%key == trim(key)) then
         self%items(i)%json = json
         return
       end if
     end do
-    allocate (longer(n + 1))
-    longer(:n) = self%items
-    longer(n + 1)%key = trim(key)
-    longer(n + 1)%json = json
-    call move_alloc(longer, self%items)
+    new%key = trim(key)
+    new%json = json
+    self%items = [self%items, new]
   end subroutine store
 
   !> Writes the object to a file that appears complete or not at all.

@@ -285,16 +285,12 @@ contains
   subroutine set_entry(entries, entry)
     type(entry_t), allocatable, intent(inout) :: entries(:)
     type(entry_t), intent(in) :: entry
-    type(entry_t), allocatable :: longer(:)
     integer :: n
     n = size(entries)
     if (n > 0) then
       if (entries(n)%file == entry%file) n = n - 1
     end if
-    allocate (longer(n + 1))
-    longer(:n) = entries(:n)
-    longer(n + 1) = entry
-    call move_alloc(longer, entries)
+    entries = [entries(:n), entry]
   end subroutine set_entry
 
   pure function attribute(line, name) result(value)

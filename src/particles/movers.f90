@@ -4,6 +4,7 @@
 !! own, in the order of its sweep.
 module sgmp_movers
   use sgmp_buffer, only: buffer_get, buffer_put, buffer_t, buffer_whole
+  use sgmp_growing, only: grow
   use sgmp_kinds, only: dp, i4
   implicit none
   private
@@ -70,12 +71,7 @@ contains
   pure subroutine movers_free_chunk(movers, chunk)
     type(movers_t), intent(inout) :: movers
     integer, intent(in) :: chunk
-    integer, allocatable :: more(:)
-    if (movers%freed == size(movers%chunk)) then
-      allocate (more(2*movers%freed))
-      more(:movers%freed) = movers%chunk
-      call move_alloc(more, movers%chunk)
-    end if
+    call grow(movers%chunk, movers%freed, movers%freed + 1)
     movers%freed = movers%freed + 1
     movers%chunk(movers%freed) = chunk
   end subroutine movers_free_chunk

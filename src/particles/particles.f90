@@ -5,6 +5,7 @@
 !! apart: `motion` (position, velocity, mass) is all that a momentum sweep touches,
 !! `state` (volume, stress, history) is read only where stress is updated.
 module sgmp_particles
+  use sgmp_growing, only: grow
   use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_large_pages, only: large_pages_ask
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
@@ -311,15 +312,10 @@ contains
   pure subroutine chunks_give_back(particles, chunks)
     type(particles_t), intent(inout) :: particles
     integer, intent(in) :: chunks(:)
-    integer, allocatable :: more(:)
     integer :: n
     n = particles%spares + size(chunks)
     if (.not. allocated(particles%spare)) allocate (particles%spare(n))
-    if (n > size(particles%spare)) then
-      allocate (more(2*n))
-      more(:particles%spares) = particles%spare(:particles%spares)
-      call move_alloc(more, particles%spare)
-    end if
+    call grow(particles%spare, particles%spares, n)
     particles%spare(particles%spares + 1:n) = chunks
     particles%spares = n
     particles%scattered = particles%chunks > many_chunks

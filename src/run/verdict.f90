@@ -152,9 +152,7 @@ contains
   subroutine object(self, reason)
     class(verdict_t), intent(inout) :: self
     character(*), intent(in) :: reason
-    character(reason_length) :: padded
-    padded = reason
-    self%reasons = [self%reasons, padded]
+    self%reasons = [character(reason_length) :: self%reasons, reason]
   end subroutine object
 
   !> Closing lines of the log: what was found, then the verdict; doubts are warnings.
