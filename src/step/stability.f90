@@ -11,11 +11,15 @@
 !! the particles' layout and the method. Every particle is given the same wave speed, the largest,
 !! by which the Courant number is defined; so the result does not depend on the materials' scale.
 !! Both operators are self-adjoint in the energy norm of K: Lanczos iteration, from below.
+!!
+!! Where the grid hardly resists, as around a particle that is alone, the limit is that of Courant,
+!! Friedrichs and Lewy: in a step, stress reaches no farther than a stencil out and a stencil back.
 module sgmp_stability
   use sgmp_columns, only: node_acceleration, node_inverse_mass
   use sgmp_field, only: field_t
   use sgmp_field_nodes, only: field_node_planes, field_remap, field_solve
   use sgmp_halo, only: halo_own_planes
+  use sgmp_kernels, only: stencil_reach
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_exact_sums
@@ -74,7 +78,7 @@ contains
     real(dp) :: courant
     type(field_t), allocatable :: saved(:)
     type(vector_t), allocatable :: now(:), before(:)
-    real(dp) :: alpha(most_iterations), beta(most_iterations), square
+    real(dp) :: alpha(most_iterations), beta(most_iterations), square, largest
     integer :: j, n
     logical :: smoothing
     smoothing = model%method%update /= update_usl
@@ -102,9 +106,11 @@ contains
       call move_alloc(now, before)
     end do
     call move_alloc(saved, model%fields)
-    courant = huge(1.0_dp)
-    if (n > 0) courant = merge(2.0_dp, sqrt(2.0_dp), smoothing)/ &
-                         (model%mesh%h*sqrt(largest_eigenvalue(alpha(:n), beta(2:n))))
+    courant = 2.0_dp*stencil_reach(model%fields(1)%kernel)
+    if (n == 0) return
+    largest = largest_eigenvalue(alpha(:n), beta(2:n))
+    if (largest > 0.0_dp) courant = min(courant, merge(2.0_dp, sqrt(2.0_dp), smoothing)/ &
+                                        (model%mesh%h*sqrt(largest)))
   end function stability_limit
 
   !> From the acceleration a of `now`: the next vector A now - alpha now - beta before, in the

@@ -43,9 +43,37 @@ def others(report):
         report.check(growth(result) < 1.1, f"{name}: energy grows {growth(result)} times at cfl {result['cfl']}")
 
 
+# Nothing resists a particle that is alone, so nothing limits its step but the reach of its stencil.
+ALONE = """
+parameter method = sgmp
+dimension 2
+grid cell=1
+method $method
+time cfl=auto end=20
+gravity (0,-0.5)
+material m elastic density=2 young=1 poisson=0.3
+body a block material=m lower=(0.1,0.2) upper=(0.6,0.7) spacing=0.5
+velocity a x=5 y=3
+output csv at=end
+"""
+
+
+def alone(report):
+    """A particle alone flies its parabola in a number of steps that makes sense."""
+    for method, reach in (("mpm", 2), ("gimp", 4), ("sgmp", 4), ("bspline", 4)):
+        result = run(f"alone_{method}", ALONE, method=method)
+        if not report.finished(result, f"alone, {method}"):
+            continue
+        report.check(result["cfl_limit"] <= reach and result["cfl"] < reach, f"alone, {method}: cfl {result['cfl']} of {result['cfl_limit']}")
+        row, = result.table("particles_end.csv")
+        wrong = max(abs(row["x"] - 100.35), abs(row["y"] - (0.45 + 60 - 100)))
+        report.check(wrong < 1e-9, f"alone, {method}: {wrong} cells beside its parabola after {result['steps']} steps")
+
+
 def main():
     """All checks."""
     report = Report()
+    alone(report)
     bar(report)
     others(report)
     report.end()
