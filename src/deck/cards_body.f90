@@ -106,11 +106,12 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     type(body_card_t) :: new
-    if (.not. draft%new_name(card, draft%scene%bodies%name, 'bodies')) return
+    if (.not. draft%new_name(card, draft%scene%bodies(:draft%bodies)%name, 'bodies')) return
     new%name = card%word('name')
     new%location = card%position%text()
     if (.not. card%failed) call fill_body(card, draft, new)
-    draft%scene%bodies = [draft%scene%bodies, new]
+    draft%bodies = draft%bodies + 1
+    draft%scene%bodies(draft%bodies) = new
   end subroutine read_body
 
   subroutine fill_body(card, draft, body)

@@ -10,7 +10,7 @@ module sgmp_deck
   use sgmp_lexer, only: lexer_read, statement_t
   use sgmp_mesh, only: axis_names
   use sgmp_parameters, only: parameters_t
-  use sgmp_registry, only: read_first, read_last, registry_t
+  use sgmp_registry, only: read_first, read_last, read_second, registry_t
   use sgmp_scene, only: scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
@@ -136,8 +136,9 @@ contains
     type(draft_t), intent(inout) :: draft
     integer :: i, turn
     associate (scene => draft%scene)
-      allocate (scene%contacts(0), scene%materials(0), scene%bodies(0), scene%bodyforces(0), &
-                scene%detonations(0), scene%gauges(0), scene%output%fields(0))
+      allocate (scene%contacts(0), scene%materials(0), scene%bodyforces(0), scene%detonations(0), &
+                scene%gauges(0), scene%output%fields(0))
+      allocate (scene%bodies(count(registry%cards(cards%definition)%turn == read_second)))
     end associate
     do turn = read_first, read_last
       do i = 1, size(cards)
@@ -147,6 +148,7 @@ contains
           call definition%read(cards(i), draft)
         end associate
       end do
+      if (turn == read_second) draft%scene%bodies = draft%scene%bodies(:draft%bodies)
     end do
   end subroutine read_cards
 

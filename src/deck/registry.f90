@@ -16,7 +16,7 @@ module sgmp_registry
   !> When a card is read: what others refer to comes first. Only cards of the last turn are not read
   !! at all where they failed; the others are, for their names.
   integer, parameter :: read_first = 1   !! refers to nothing, others refer to it
-  integer, parameter :: read_second = 2  !! refers to those
+  integer, parameter :: read_second = 2  !! refers to those: bodies
   integer, parameter :: read_last = 3    !! refers to anything; in the order of the deck
 
   abstract interface

@@ -11,6 +11,7 @@ module sgmp_scene_draft
   !> Scene and errors, and how names in cards become numbers in the scene.
   type :: draft_t
     type(scene_t) :: scene
+    integer :: bodies = 0  !! read so far; the scene has room for all, since to move one costs a lot
     type(deck_errors_t) :: errors
   contains
     procedure :: material_of

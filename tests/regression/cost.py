@@ -3,6 +3,7 @@
 
 usage: cost.py SGMP SOURCE_DIR SCRATCH_DIR
 """
+import os
 import re
 
 from _runs import Report, run
@@ -68,9 +69,25 @@ def thin(report):
         report.check(result["peak_memory_bytes"] < 50e6, f"{result['peak_memory_bytes']/MIB:.1f} MiB")
 
 
+def many(report):
+    """Bodies and shapes by the thousand are read and laid in seconds: copies of all of them with each took a minute."""
+    head = "dimension 2\ngrid cell=1\ntime cfl=0.4 steps=1\nmaterial m elastic density=1 young=1 poisson=0.3\n"
+    bodies = "".join(f"body b{i} block material=m lower=({i%50*2},{i//50*2}) upper=({i%50*2 + 1},{i//50*2 + 1}) ppc=1\n" for i in range(1500))
+    holes = "body b block material=m lower=(0,0) upper=(100,60) ppc=1\n" + "".join(
+        f"subtract b sphere centre=({i%50*2 + 0.5},{i//50*2 + 0.5}) radius=0.6\n" for i in range(1500))
+    for title, cards in (("bodies", bodies), ("holes", holes)):
+        before = os.times()
+        result = run(f"many_{title}", head + cards, options=["--check"])
+        after = os.times()
+        seconds = after.children_user - before.children_user + after.children_system - before.children_system
+        print(f"1500 {title}: checked in {seconds:.1f} s")
+        report.check(result.code == 0 and seconds < 6, f"1500 {title}: exit code {result.code}, {seconds:.1f} s")
+
+
 def main():
     """All costs."""
     report = Report()
+    many(report)
     thin(report)
     sparse(report)
     dense(report)
