@@ -18,7 +18,7 @@ MAKEFLAGS += --no-print-directory
 # Threads that wait for others give their core away: on a busy machine spinning makes small runs several times slower.
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help setup setup-test setup-dev build run verify verify-full test test-full mutate debug test-debug bench lint format coverage doc install clean
+.PHONY: help setup setup-test setup-dev build run verify verify-full test test-full fuzz mutate debug test-debug bench lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
 
 help: ## List the targets
@@ -58,6 +58,11 @@ test: build setup-test ## Build and run all tests
 
 test-full: build setup-test ## The same with more kills, damaged bits and layouts (minutes)
 	SGMP_TEST_FULL=1 ctest --test-dir build/release --parallel $(JOBS) --output-on-failure --no-tests=error
+
+fuzz: build setup-test ## Damaged decks and checkpoints, then random scenes (INPUTS=100000 of each, SCENES=1500, SEED=1)
+	$(PYTHON) tests/fuzz/decks.py build/release/sgmp . build/fuzz/decks --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
+	$(PYTHON) tests/fuzz/checkpoints.py build/release/sgmp . build/fuzz/checkpoints --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
+	$(PYTHON) tests/fuzz/scenes.py build/release/sgmp . build/fuzz/scenes --inputs $(or $(SCENES),1500) --seed $(or $(SEED),1)
 
 mutate: build setup-test ## Put small faults into the sources and see whether tests notice (SAMPLE=200, SEED=1; MUTATE=FILE: all of it; FAULTS=LIST)
 	$(PYTHON) tests/mutation/mutate.py $(if $(MUTATE),--files $(MUTATE)) $(if $(FAULTS),--faults $(FAULTS)) $(if $(SAMPLE),--sample $(SAMPLE)) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)

@@ -1,0 +1,110 @@
+!> What a command line asks for, done: help, or a deck read, checked and run; errors in words.
+module sgmp_program
+  use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+  use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+  use sgmp_command_line, only: action_completion, action_help, action_markdown, action_usage, &
+                               action_usage_markdown, action_version, command_line_t
+  use sgmp_deck, only: deck_read
+  use sgmp_deck_errors, only: deck_errors_t
+  use sgmp_errors, only: error_t, exit_deck, exit_ok, exit_stopped
+  use sgmp_options, only: options_completion, options_markdown, options_usage
+  use sgmp_parallel, only: parallel_rank
+  use sgmp_posix, only: signals_watch
+  use sgmp_registry_help, only: registry_write_help, registry_write_markdown
+  use sgmp_scene, only: scene_free, scene_t
+  use sgmp_simulation, only: simulation_check, simulation_run
+  use sgmp_version, only: commit_hash, compiler_string, version_string
+  implicit none
+  private
+  public :: program_act, program_report
+
+contains
+
+  !> Does what the command line asks for.
+  subroutine program_act(options, error, status)
+    type(command_line_t), intent(in) :: options
+    type(error_t), allocatable, intent(out) :: error
+    integer, intent(out) :: status         !! exit code, where there is no error
+    logical :: speaks
+    status = exit_ok
+    speaks = parallel_rank() == 0
+    select case (options%action)
+    case (action_help)
+      if (speaks) call registry_write_help(output_unit, options%keyword, error)
+    case (action_markdown)
+      if (speaks) call registry_write_markdown(output_unit)
+    case (action_usage)
+      if (speaks) call options_usage(output_unit)
+    case (action_usage_markdown)
+      if (speaks) call options_markdown(output_unit)
+    case (action_completion)
+      if (speaks) call options_completion(output_unit)
+    case (action_version)
+      if (speaks) write (output_unit, '(a)') 'sgmp '//version_string//' ('//commit_hash//') '// &
+        compiler_string
+    case default
+      call run_deck(options, error, status)
+    end select
+  end subroutine program_act
+
+  !> Reads a deck, then checks or runs it.
+  subroutine run_deck(options, error, status)
+    type(command_line_t), intent(in) :: options
+    type(error_t), allocatable, intent(out) :: error
+    integer, intent(out) :: status
+    type(scene_t) :: scene
+    type(deck_errors_t) :: errors
+    integer :: threads
+    status = exit_ok
+    call deck_read(options%deck, options%settings, scene, errors)
+    if (errors%count() > 0) then
+      if (parallel_rank() == 0) call errors%print(error_unit)
+      status = exit_deck
+      return
+    end if
+    if (errors%warnings() > 0 .and. .not. options%quiet .and. parallel_rank() == 0) then
+      call errors%print(error_unit)
+    end if
+    threads = options%threads
+    if (threads == 0) threads = omp_get_max_threads()
+    call omp_set_num_threads(threads)
+    if (options%check) then
+      call simulation_check(scene, threads, error)
+    else
+      call signals_watch()
+      call simulation_run(scene, options, threads, output_folder(options), error)
+    end if
+    call scene_free(scene)
+  end subroutine run_deck
+
+  !> Folder of the output: as asked for, or the deck's name with .out in the current folder.
+  pure function output_folder(options) result(folder)
+    type(command_line_t), intent(in) :: options
+    character(:), allocatable :: folder
+    integer :: slash, dot
+    if (len(options%output) > 0) then
+      folder = options%output
+      return
+    end if
+    slash = index(options%deck, '/', back=.true.)
+    folder = options%deck(slash + 1:)
+    dot = index(folder, '.', back=.true.)
+    if (dot > 1) folder = folder(:dot - 1)
+    folder = folder//'.out'
+  end function output_folder
+
+  !> Prints an error: where, what, and what to do.
+  subroutine program_report(error)
+    type(error_t), intent(in) :: error
+    character(:), allocatable :: where_
+    if (error%code == exit_stopped) then  ! as asked for: no error
+      write (error_unit, '(a)') error%message//'; '//error%remedy
+      return
+    end if
+    where_ = ''
+    if (len(error%location) > 0) where_ = error%location//': '
+    write (error_unit, '(a)') where_//'error: '//error%message
+    if (len(error%remedy) > 0) write (error_unit, '(a)') '  remedy: '//error%remedy
+  end subroutine program_report
+
+end module sgmp_program
