@@ -4,6 +4,8 @@ SHELL := /bin/bash
 .SHELLFLAGS := -o pipefail -c
 .DEFAULT_GOAL := help
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+# Tests wait for processes to start for a third of their time.
+TEST_JOBS ?= $(shell echo $$(($(JOBS) + ($(JOBS) + 1)/2)))
 PREFIX ?= /usr/local
 RUN_DIR := build/run/taylor_bar
 PYTHON = $(shell test -x build/venv/bin/python && echo build/venv/bin/python || echo python3)
@@ -18,7 +20,7 @@ MAKEFLAGS += --no-print-directory
 # Threads that wait for others give their core away: on a busy machine spinning makes small runs several times slower.
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help setup setup-test setup-dev build run verify verify-full test test-full fuzz mutate debug test-debug bench lint format coverage doc install clean
+.PHONY: help setup setup-test setup-dev build run verify verify-full test test-full sanitize fuzz mutate debug test-debug bench lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
 
 help: ## List the targets
@@ -54,10 +56,16 @@ verify-full: build ## The same with all sizes and figures, and the copy in doc/v
 	$(PYTHON) verification/verify.py --full
 
 test: build setup-test ## Build and run all tests
-	ctest --test-dir build/release --parallel $(JOBS) --output-on-failure --no-tests=error
+	ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
 
-test-full: build setup-test ## The same with more kills, damaged bits and layouts (minutes)
-	SGMP_TEST_FULL=1 ctest --test-dir build/release --parallel $(JOBS) --output-on-failure --no-tests=error
+test-full: build setup-test ## The same with all layouts, more kills and random scenes, sanitizers, a sample of small faults (an hour)
+	SGMP_TEST_FULL=1 ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
+	$(MAKE) sanitize
+	$(MAKE) mutate SAMPLE=$(or $(SAMPLE),40)
+
+sanitize: setup setup-test build/sanitize/.configured ## Run units, broken decks and some scenes with address and undefined-behaviour sanitizers
+	cmake --build build/sanitize --parallel $(JOBS)
+	ctest --test-dir build/sanitize --parallel $(TEST_JOBS) --output-on-failure --no-tests=error -R '^(test_|decks_|regression_(values|cards|seeding|soak)$$)'
 
 fuzz: build setup-test ## Damaged decks and checkpoints, then random scenes (INPUTS=100000 of each, SCENES=1500, SEED=1)
 	$(PYTHON) tests/fuzz/decks.py build/release/sgmp . build/fuzz/decks --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
@@ -71,7 +79,7 @@ debug: setup build/debug/.configured ## Build build/debug/sgmp with all run-time
 	cmake --build build/debug --parallel $(JOBS)
 
 test-debug: debug setup-test ## Run all tests on the debug build
-	ctest --test-dir build/debug --parallel $(JOBS) --output-on-failure --no-tests=error
+	ctest --test-dir build/debug --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
 
 bench: build ## Measure nanoseconds per particle and step beside targets and what the machine can do (minutes)
 	$(PYTHON) scripts/bench/bench.py build/release/sgmp

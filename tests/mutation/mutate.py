@@ -21,7 +21,6 @@ import pathlib
 import queue
 import random
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -34,7 +33,7 @@ ROOT = HERE.parents[1]
 WORK = ROOT / "build" / "mutation"
 KINDS = ("unit", "decks", "regression")
 LEAST, LEAST_OF_AREA, AREA = 0.85, 0.75, 8
-COPIES = ("CMakeLists.txt", "cmake", "doc", "input", "scripts", "src", "tests") # as they are now, whatever changes meanwhile
+COPIES = ("CMakeLists.txt", "cmake", "doc", "input", "scripts", "src", "tests", "verification") # as they are now, whatever changes meanwhile
 # Nothing that a test could see: speed, times of clocks, hints to the system. The program's own file has no module.
 LEFT_OUT = re.compile(r"/(main|prefetch|large_pages|timers|process|cost_estimate)\.[fF]90$")
 
@@ -132,22 +131,32 @@ def numbered(chosen):
 def make_tree(chosen):
     """A copy of the project whose sources hold the mutants; owners of the lines of each file."""
     tree = WORK / "tree"
-    shutil.rmtree(tree, ignore_errors=True)
-    tree.mkdir(parents=True)
-    for name in COPIES:
-        (shutil.copytree if (ROOT / name).is_dir() else shutil.copy)(ROOT / name, tree / name)
-    if (ROOT / "build/venv").exists():
-        (tree / "build").mkdir()
+    files = [path for name in COPIES for path in ([ROOT / name] if (ROOT / name).is_file() else (ROOT / name).rglob("*"))]
+    wanted = {path.relative_to(ROOT): path for path in files if path.is_file() and "__pycache__" not in path.parts}
+    wanted |= {pathlib.Path("src/base") / name: HERE / name for name in ("mutant.c", "mutant.f90")}
+    for path in [path for path in tree.rglob("*") if path.is_file() and path.relative_to(tree) not in wanted]:
+        path.unlink()
+    mutated = {m.file for m in chosen}
+    for name, path in wanted.items():
+        if name.as_posix() not in mutated:
+            write_changed(tree / name, path.read_bytes())
+    if (ROOT / "build/venv").exists() and not (tree / "build/venv").is_symlink():
+        (tree / "build").mkdir(exist_ok=True)
         (tree / "build/venv").symlink_to((ROOT / "build/venv").resolve())
-    for name in ("mutant.c", "mutant.f90"):
-        shutil.copy(HERE / name, tree / "src/base" / name)
-    return {file: write_source(tree, file, chosen) for file in {m.file for m in chosen}}
+    return {file: write_source(tree, file, chosen) for file in mutated}
+
+
+def write_changed(path, contents):
+    """Writes a file where that changes it, so that the build repeats no more than it must."""
+    if not path.is_file() or path.read_bytes() != contents:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(contents)
 
 
 def write_source(tree, file, chosen):
     """Writes one source with its mutants; line -> mutants there."""
     text, owners = mutants.with_switches((ROOT / file).read_text(encoding="utf-8"), [m for m in chosen if m.file == file])
-    (tree / file).write_text(text, encoding="utf-8")
+    write_changed(tree / file, text.encode("utf-8"))
     return owners
 
 
