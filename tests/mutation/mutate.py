@@ -33,7 +33,7 @@ ROOT = HERE.parents[1]
 WORK = ROOT / "build" / "mutation"
 KINDS = ("unit", "decks", "regression")
 LEAST, LEAST_OF_AREA, AREA = 0.85, 0.75, 8
-COPIES = ("CMakeLists.txt", "cmake", "doc", "input", "scripts", "src", "tests", "verification") # as they are now, whatever changes meanwhile
+COPIES = ("CMakeLists.txt", "cmake", "doc", "input", "scripts", "src", "tests", "verification") # as they are now
 # Nothing that a test could see: speed, times of clocks, hints to the system. The program's own file has no module.
 LEFT_OUT = re.compile(r"/(main|prefetch|large_pages|timers|process|cost_estimate)\.[fF]90$")
 
@@ -134,8 +134,9 @@ def make_tree(chosen):
     files = [path for name in COPIES for path in ([ROOT / name] if (ROOT / name).is_file() else (ROOT / name).rglob("*"))]
     wanted = {path.relative_to(ROOT): path for path in files if path.is_file() and "__pycache__" not in path.parts}
     wanted |= {pathlib.Path("src/base") / name: HERE / name for name in ("mutant.c", "mutant.f90")}
-    for path in [path for path in tree.rglob("*") if path.is_file() and path.relative_to(tree) not in wanted]:
-        path.unlink()
+    for path in [path for name in COPIES for path in (tree / name).rglob("*")]:
+        if path.is_file() and path.relative_to(tree) not in wanted:
+            path.unlink()
     mutated = {m.file for m in chosen}
     for name, path in wanted.items():
         if name.as_posix() not in mutated:
