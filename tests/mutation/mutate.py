@@ -241,7 +241,7 @@ def try_mutant(mutant, tests, budget, worker):
             break
         spent += test.seconds
         ran += 1
-        fine, _, _ = test.run(worker, {"SGMP_MUTANT": str(mutant.number)}, 20.0 + 5.0*test.seconds)
+        fine, _, _ = test.run(worker, {"SGMP_MUTANT": str(mutant.number), "SGMP_TEST_FIRST_ENDS": "1"}, 20.0 + 5.0*test.seconds)
         if not fine:
             return test.name, ran, len(coming) - ran
     return None, ran, len(coming) - ran
