@@ -83,8 +83,14 @@ def distance(report):
 
 
 def depth(report):
-    """The surfaces meet a fifth of a cell below a row of nodes: with half a cell of depth this one takes part and no other."""
+    """The surfaces meet a fifth of a cell below a row of nodes: with half a cell of depth this one takes part and no other. So it does
+    where they meet two fifths below it, for depth is measured half way between the particles, which are half a cell apart."""
     nodes = {}
+    deck = FALL.format(dimension=2, deep=0, thick=0, method="sgmp", ppc=2, keys="depth=0.5")
+    result = run("depth", deck.replace("(-4,-2,-0)", "(-4,-2.2,0)").replace("(4,0,0)", "(4,-0.2,0)"))
+    if report.finished(result, "depth, two fifths"):
+        most = max(row["contact_nodes"] for row in result.table("contact.csv"))
+        report.check(most == 5, f"nodes in contact, two fifths of a cell below them: {most}")
     for keys in ("", "depth=0.5", "depth=3"):
         deck = FALL.format(dimension=2, deep=0, thick=0, method="sgmp", ppc=2, keys=keys)
         result = run("depth", deck.replace("(-4,-2,-0)", "(-4,-2.1,0)").replace("(4,0,0)", "(4,-0.1,0)"))
