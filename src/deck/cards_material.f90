@@ -2,9 +2,10 @@
 !! keys they have is said in src/materials.
 module sgmp_cards_material
   use sgmp_constitutive, only: eos_keys, eos_names, eos_none, eos_read, law_check, law_keys, &
-                               law_read, law_set_viscosity, material_explosive, &
-                               material_names
+                               law_read, law_set_failure, law_set_viscosity, &
+                               material_explosive, material_names
   use sgmp_deck_card, only: deck_card_t
+  use sgmp_failure, only: failure_keys
   use sgmp_keys, only: fault_t, kind_name_word, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: read_first, registry_t
@@ -47,6 +48,11 @@ contains
                       range='[0,inf)', default='0')
     call registry%key('pressure0', kind_real, 'initial pressure, in place of energy0', &
                       unit='stress', when=words_joined(pack(eos_names, eos_names /= 'jwl')))
+    call registry%card('failure', 'When a material fails, and what it carries then. Johnson and '// &
+                       'Cook''s damage is material … johnson_cook failure=yes; without this card '// &
+                       'it leaves pressure alone.', 'failure copper pmin=-1.5e9', read_failure)
+    call registry%key('material', kind_name_word, 'the material', slot=1, required=.true.)
+    call registry%keys(failure_keys())
     call registry%card('viscosity', 'Bulk viscosity in compression, q = rho h^2 b1 (tr D)^2 - '// &
                        'b2 rho h c tr D; none without this card.', 'viscosity copper', &
                        read_viscosity)
@@ -122,6 +128,24 @@ contains
       end if
     end associate
   end subroutine read_eos
+
+  subroutine read_failure(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    type(fault_t), allocatable :: fault
+    integer :: i
+    i = draft%material_of(card)
+    if (i == 0 .or. card%failed) return
+    associate (law => draft%scene%materials(i)%law)
+      if (law%failure%given) then
+        call draft%errors%add(card%position, "material '"//card%word('material')// &
+                              "' has two cards failure", 'write all criteria on one card')
+      else
+        call law_set_failure(card, card%word('material'), law, fault)
+        call complain(card, fault, draft)
+      end if
+    end associate
+  end subroutine read_failure
 
   subroutine read_viscosity(card, draft)
     type(deck_card_t), intent(in) :: card

@@ -15,6 +15,7 @@ module sgmp_constitutive
   use sgmp_eos_stiffened_gas, only: ideal_gas_keys, stiffened_gas_keys, stiffened_gas_read, &
                                     stiffened_gas_t, stiffened_gas_terms
   use sgmp_eos_tait, only: tait_keys, tait_read, tait_t, tait_terms
+  use sgmp_failure, only: failure_none, failure_read, failure_t
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
   use sgmp_kinds, only: dp
   use sgmp_material_elastic, only: elastic_keys, elastic_read, elastic_t, moduli_keys, &
@@ -33,7 +34,7 @@ module sgmp_constitutive
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check
-  public :: eos_keys, eos_read, eos_terms, law_set_viscosity
+  public :: eos_keys, eos_read, eos_terms, law_set_failure, law_set_viscosity
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6
@@ -89,11 +90,14 @@ module sgmp_constitutive
     real(dp) :: fluid_viscosity = 0.0_dp       !! Newton's, of a fluid (stress times time)
     logical :: small_strain = .false.          !! the linear theory: constant volume, no spin
     logical :: rigid = .false.                 !! prescribed motion: no stress
-    logical :: thermal = .false., failure = .false.
+    logical :: thermal = .false.
+    logical :: fails = .false.                 !! by damage, or a fluid's tension is bounded
+    type(failure_t) :: failure
     real(dp) :: density = 0.0_dp               !! initial density
     real(dp) :: detonation_speed = 0.0_dp, burn_cells = 0.0_dp
     logical :: viscous = .false.               !! bulk viscosity acts
     type(viscosity_t) :: viscosity
+    real(dp) :: bulk_speed = 0.0_dp            !! of sound in the bulk at the start, without shear
     real(dp) :: slowest = 0.0_dp               !! least sound speed an equation of state may return
     real(dp) :: h = 0.0_dp  !! cell side, the length of the viscosity and of the burn front
   end type constitutive_t
@@ -149,19 +153,27 @@ contains
     case (material_neo_hookean)
       call neo_hookean_read(law%density, values, law%elastic, law%history)
     case (material_j2)
-      law%elastic = moduli_read(law%density, values)
+      call solid_read(values, law)
       call j2_read(values, law%j2, law%history)
     case (material_johnson_cook)
-      law%elastic = moduli_read(law%density, values)
+      call solid_read(values, law)
       call jc_read(law%density, values, law%jc, law%history, fault)
       law%thermal = law%jc%thermal
-      law%failure = law%jc%failure
+      law%fails = law%jc%failure
     case (material_fluid)
       call fluid_read(values, law%fluid_viscosity, law%history)
     case default  ! material_explosive
       call burn_read(values, law%detonation_speed, law%burn_cells, law%history)
     end select
   end subroutine law_read
+
+  !> Moduli of a solid.
+  pure subroutine solid_read(values, law)
+    class(values_t), intent(in) :: values
+    type(constitutive_t), intent(inout) :: law
+    law%elastic = moduli_read(law%density, values)
+    law%bulk_speed = sqrt(law%elastic%bulk/law%density)
+  end subroutine solid_read
 
   !> Keys of an equation of state, besides its initial energy or pressure.
   function eos_keys(eos) result(keys)
@@ -261,7 +273,8 @@ contains
     speed_squared = eos_sound_speed_squared(law%density, 1.0_dp, pressure, &
                                             law%history%first_energy, da, db, b0, 1.0_dp)
     if (speed_squared > 0.0_dp) then
-      law%slowest = slowest_part*sqrt(speed_squared)
+      law%bulk_speed = sqrt(speed_squared)
+      law%slowest = slowest_part*law%bulk_speed
     else if (.not. allocated(fault)) then
       call fault_make(fault, '', 'the initial state has no speed of sound', &
                       'check the constants, and energy0 or pressure0')
@@ -290,6 +303,34 @@ contains
                       'remove the card eos, or use j2 or johnson_cook')
     end if
   end subroutine law_check
+
+  !> Gives a law criteria of failure from the values of its keys.
+  pure subroutine law_set_failure(values, name, law, fault)
+    class(values_t), intent(in) :: values
+    character(*), intent(in) :: name  !! of the material
+    type(constitutive_t), intent(inout) :: law
+    type(fault_t), allocatable, intent(out) :: fault
+    law%failure = failure_read(values)
+    law%fails = .true.
+    select case (law%kind)
+    case (material_j2, material_johnson_cook)
+      law%history%damage = .true.
+      if (.not. (law%jc%failure .or. values%has('pmin') .or. values%has('principal_stress') .or. &
+                 values%has('plastic_strain'))) then
+        call fault_make(fault, '', "nothing says when '"//name//"' fails", &
+                        'give pmin, principal_stress or plastic_strain, or johnson_cook failure=yes')
+      end if
+    case (material_fluid)
+      if (.not. values%has('pmin') .or. values%has('principal_stress') .or. &
+          values%has('plastic_strain')) then
+        call fault_make(fault, '', "a fluid such as '"//name//"' fails by pmin alone", &
+                        'give pmin, and no other criterion')
+      end if
+    case default
+      call fault_make(fault, '', "'"//name//"' ("//trim(material_names(law%kind))//') cannot fail', &
+                      'use j2, johnson_cook or fluid')
+    end select
+  end subroutine law_set_failure
 
   !> Gives a law bulk viscosity from the values of its keys.
   pure subroutine law_set_viscosity(values, law)

@@ -220,8 +220,8 @@ contains
 
   !> Lane kernel, complete model: temperature where the law is thermal, damage where it fails.
   !!
-  !! A lane fails when its damage reaches 1, where it then stays: factor and further dep are 0. The
-  !! mean stress of a failed lane is the caller's affair.
+  !! A lane fails when its damage reaches 1, where it then stays. What it carries from then on is the
+  !! caller's affair (sgmp_failure), who gives it no deviator to return.
   pure subroutine jc_return(law, shear3, dt, trial, mean, ep, temperature, damage, factor, dep)
     type(jc_t), intent(in) :: law                !! constants
     real(dp), intent(in) :: shear3               !! three times the shear modulus (stress)
@@ -233,14 +233,12 @@ contains
     real(dp), intent(inout) :: damage(lanes)     !! updated by (J3); 1: failed
     real(dp), intent(out) :: factor(lanes)       !! scales the trial deviator
     real(dp), intent(out) :: dep(lanes)          !! plastic strain increment
-    real(dp) :: softening(lanes), carried(lanes)
+    real(dp) :: softening(lanes)
     softening = 1.0_dp
-    carried = trial
     if (law%thermal) call softening_lanes(law, temperature, softening)
-    if (law%failure) call carried_lanes(damage, trial, carried)
-    call flow_lanes(law, shear3, dt, softening, carried, ep, factor, dep)
-    if (law%failure) call damage_lanes(law, dt, carried, mean, temperature, dep, damage, factor)
-    if (law%thermal) call heat_lanes(law, carried, factor, dep, temperature)
+    call flow_lanes(law, shear3, dt, softening, trial, ep, factor, dep)
+    if (law%failure) call damage_lanes(law, dt, trial, factor, mean, temperature, dep, damage)
+    if (law%thermal) call heat_lanes(law, trial, factor, dep, temperature)
   end subroutine jc_return
 
   !> Lane kernel, model without temperature and failure.
@@ -300,24 +298,12 @@ contains
     end do
   end subroutine softening_lanes
 
-  !> Trial stress that a lane can carry: none once it has failed.
-  pure subroutine carried_lanes(damage, trial, carried)
-    real(dp), intent(in) :: damage(lanes), trial(lanes)
-    real(dp), intent(out) :: carried(lanes)
-    integer :: p
-    !$omp simd simdlen(8)
-    do p = 1, lanes
-      carried(p) = merge(trial(p), 0.0_dp, damage(p) < 1.0_dp)
-    end do
-  end subroutine carried_lanes
-
-  !> Damage (J3) with the temperature of the beginning of the step; failed lanes lose their
-  !! deviator.
-  pure subroutine damage_lanes(law, dt, trial, mean, temperature, dep, damage, factor)
+  !> Damage (J3) with the temperature of the beginning of the step.
+  pure subroutine damage_lanes(law, dt, trial, factor, mean, temperature, dep, damage)
     type(jc_t), intent(in) :: law
     real(dp), intent(in) :: dt
-    real(dp), dimension(lanes), intent(in) :: trial, mean, temperature, dep
-    real(dp), dimension(lanes), intent(inout) :: damage, factor
+    real(dp), dimension(lanes), intent(in) :: trial, factor, mean, temperature, dep
+    real(dp), dimension(lanes), intent(inout) :: damage
     real(dp) :: equivalent, triaxiality, floor_stress, rate_ratio
     integer :: p
     floor_stress = 1.0e-9_dp*(law%yield + law%modulus)
@@ -329,7 +315,6 @@ contains
       rate_ratio = dep(p)/(dt*law%reference_rate)
       damage(p) = damage(p) + dep(p)/jc_failure_strain(law, triaxiality, rate_ratio, temperature(p))
       damage(p) = merge(damage(p), 1.0_dp, damage(p) < 1.0_dp)
-      factor(p) = merge(factor(p), 0.0_dp, damage(p) < 1.0_dp)
     end do
   end subroutine damage_lanes
 

@@ -20,6 +20,7 @@ module DIM(sgmp_stress_update)
   use sgmp_eos_polynomial, only: polynomial_lanes
   use sgmp_eos_stiffened_gas, only: stiffened_gas_lanes
   use sgmp_eos_tait, only: tait_lanes
+  use sgmp_failure, only: failure_bounds, failure_judge, failure_none
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_fluid, only: fluid_diffusion_speed
   use sgmp_material_j2, only: j2_return
@@ -370,15 +371,18 @@ contains
     real(dp), intent(out) :: trace(lanes), jacobian(lanes), old_volume(lanes)
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
     real(dp) :: strain(lanes, NFLUX), mean(lanes), norm(lanes), factor(lanes), increment(lanes)
-    real(dp) :: ones(lanes), pressure_work(lanes), shear, bulk
+    real(dp) :: ones(lanes), pressure_work(lanes), failed(lanes), shear, bulk
     integer :: l, s
     s = law%slots%stress
     shear = law%elastic%shear
     bulk = law%elastic%bulk
+    if (law%fails) call judge(law, nb, b, failed)
     call predict(law, shear, -2.0_dp/3.0_dp*shear, dt, grad, b(1, 1), b(1, s), strain, trace, &
                  jacobian, old_volume, work)
     call von_mises(b(1, s), mean, norm)
+    if (law%fails) norm = (1.0_dp - failed)*norm
     call return_to_yield(law, 3.0_dp*shear, dt, norm, mean, nb, b, factor, increment)
+    if (law%fails) factor = (1.0_dp - failed)*factor
     call relax(factor, mean, strain, trace, b(1, s), work)
     if (law%eos == eos_none) then
       !$omp simd simdlen(8)
@@ -398,8 +402,67 @@ contains
         work(l) = work(l) + pressure_work(l)
       end do
     end if
+    if (law%fails) call release(law, failed, mass, old_volume, trace, nb, b, mean, speed2, work)
     call add_mean(mean, b(1, s))
   end subroutine plastic
+
+  !> Which lanes have failed, by the stress and history at the beginning of the step.
+  subroutine judge(law, nb, b, failed)
+    type(constitutive_t), intent(in) :: law
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: failed(lanes)  !! 1 or 0
+    real(dp) :: stress(lanes, 6)
+    stress = 0.0_dp
+    stress(:, :NSTRESS) = b(:, law%slots%stress:law%slots%stress + NSTRESS - 1)
+    call failure_judge(law%failure, stress, b(1, law%slots%plastic), b(1, law%slots%damage), failed)
+  end subroutine judge
+
+  !> What failed lanes carry of their pressure. Without an equation of state it follows the volume
+  !! and not the strain of the step, so that a gap closes where it opened.
+  subroutine release(law, failed, mass, old_volume, trace, nb, b, mean, speed2, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: failed(lanes), mass(lanes), old_volume(lanes), trace(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb), mean(lanes), speed2(lanes), work(lanes)
+    real(dp) :: least(lanes), most(lanes), energy(lanes), closed
+    integer :: l
+    call failure_bounds(law%failure, failed, least, most)
+    if (law%eos == eos_none) then
+      do l = 1, lanes
+        closed = law%elastic%bulk*log(b(l, 1)*law%density/mass(l))
+        if (failed(l) < 0.5_dp) closed = mean(l)
+        work(l) = work(l) + 0.5_dp*(closed - mean(l))*trace(l)
+        mean(l) = closed
+      end do
+      energy = 0.0_dp
+      call bound_pressure(law, mass, old_volume, b(1, 1), least, most, energy, mean, speed2, work)
+    else
+      call bound_pressure(law, mass, old_volume, b(1, 1), least, most, b(1, law%slots%energy), &
+                          mean, speed2, work)
+    end if
+  end subroutine release
+
+  !> Keeps the pressure within bounds, and does the work that it has then done. Where it is held up
+  !! waves have the speed that they have when the matter closes.
+  pure subroutine bound_pressure(law, mass, old_volume, volume, least, most, energy, mean, speed2, &
+                                 work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in), dimension(lanes) :: mass, old_volume, volume, least, most
+    real(dp), intent(inout), dimension(lanes) :: energy, mean, speed2, work
+    real(dp) :: bounded, missing
+    integer :: l
+    !$omp simd simdlen(8) private(bounded, missing)
+    do l = 1, lanes
+      bounded = merge(-mean(l), least(l), -mean(l) > least(l))
+      bounded = merge(bounded, most(l), bounded < most(l))
+      missing = 0.5_dp*(-mean(l) - bounded)*(volume(l) - old_volume(l))
+      work(l) = work(l) + missing/old_volume(l)
+      energy(l) = energy(l) + missing*law%density/mass(l)
+      speed2(l) = merge(law%bulk_speed**2, speed2(l), bounded > -mean(l))
+      mean(l) = -bounded
+    end do
+  end subroutine bound_pressure
 
   !> Mean of a stress and von Mises norm of its deviator.
   pure subroutine von_mises(stress, mean, norm)
@@ -466,14 +529,14 @@ contains
     real(dp) :: damage(lanes), temperature(lanes)
     if (law%kind == material_j2) then
       call j2_return(law%j2, shear3, norm, b(1, law%slots%plastic), factor, increment)
-    else if (law%thermal .or. law%failure) then
+    else if (law%thermal .or. law%jc%failure) then
       damage = 0.0_dp
       temperature = law%jc%room
-      if (law%failure) damage = b(:, law%slots%damage)
+      if (law%jc%failure) damage = b(:, law%slots%damage)
       if (law%thermal) temperature = b(:, law%slots%temperature)
       call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, damage, &
                      factor, increment)
-      if (law%failure) b(:, law%slots%damage) = damage
+      if (law%jc%failure) b(:, law%slots%damage) = damage
       if (law%thermal) b(:, law%slots%temperature) = temperature
     else
       call jc_return_simple(law%jc, shear3, dt, norm, b(1, law%slots%plastic), factor, increment)
@@ -510,11 +573,13 @@ contains
       viscous_work = 0.0_dp
       call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, viscous_work, 0.0_dp, &
                              ones, b(1, law%slots%energy), b(1, s), speed2, q, work)
+      if (law%fails) call cavitate(law, mass, old_volume, nb, b, b(1, s), speed2, work)
       return
     end if
     call newtonian(law%fluid_viscosity, dt, strain, trace, b(1, s), mean, viscous_work)
     call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, viscous_work, 0.0_dp, ones, &
                            b(1, law%slots%energy), mean, speed2, q, work)
+    if (law%fails) call cavitate(law, mass, old_volume, nb, b, mean, speed2, work)
     call add_mean(mean, b(1, s))
     !$omp simd simdlen(8)
     do l = 1, lanes
@@ -524,6 +589,19 @@ contains
                         speed2(l), speed2(l) >= 0.0_dp)
     end do
   end subroutine fluid
+
+  !> The tension that a fluid bears is bounded.
+  pure subroutine cavitate(law, mass, old_volume, nb, b, mean, speed2, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: mass(lanes), old_volume(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb), mean(lanes), speed2(lanes), work(lanes)
+    real(dp) :: least(lanes), most(lanes)
+    least = -law%failure%tension
+    most = failure_none
+    call bound_pressure(law, mass, old_volume, b(1, 1), least, most, b(1, law%slots%energy), mean, &
+                        speed2, work)
+  end subroutine cavitate
 
   !> Viscous stress 2 eta dev D of the step, its work per old volume, and the mean of the old
   !! stress.

@@ -2,7 +2,7 @@
 !! is not: extremes, particles apart from their bodies, volumes without room.
 module sgmp_end_state
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: material_explosive
+  use sgmp_constitutive, only: material_explosive, material_fluid
   use sgmp_filling, only: filling_measure
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp, i8, lanes
@@ -82,11 +82,12 @@ contains
     end do
   end subroutine look_at_body
 
-  !> Whether a body is meant to stay in one piece: no gas, and its material does not fail.
+  !> Whether a body is meant to stay in one piece: no fluid, and its material does not fail.
   pure function holds_together(body) result(yes)
     type(body_t), intent(in) :: body
     logical :: yes
-    yes = body%law%kind /= material_explosive .and. .not. body%law%failure
+    yes = body%law%kind /= material_explosive .and. body%law%kind /= material_fluid .and. &
+          .not. body%law%fails
   end function holds_together
 
   !> Counts the particles of a body out of reach of its largest pieces, of which it may have as

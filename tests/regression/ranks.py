@@ -11,7 +11,7 @@ import os
 import re
 import subprocess
 
-from _runs import ENVIRONMENT, FLUIDS, INPUT, SCRATCH, SGMP, Report, Run
+from _runs import ENVIRONMENT, FAILING, FLUIDS, INPUT, SCRATCH, SGMP, Report, Run
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]
@@ -186,6 +186,7 @@ SCENES = [
     ("rings_gimp", "rings.inp", {"h": 2, "t_end": 0.3, "method": "gimp", "update": "usl"}, FEW),
     ("sphere_slope", "sphere_slope.inp", {"h": 0.4, "t_end": 0.01, "stress": "normalised"}, FEW),
     ("fluids", FLUIDS, {}, FEW),
+    ("failing", FAILING, {}, FEW),
     ("pile", PILE, {}, LAYOUTS),
     ("pile_gimp", PILE, {"method": "gimp", "update": "usf", "normal": "average"}, FEW),
     ("pile_mpm", PILE, {"method": "mpm", "update": "usavg"}, FEW),

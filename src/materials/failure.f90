@@ -1,0 +1,120 @@
+!> Failure: when a particle fails, and what it carries from then on (theory 4).
+!!
+!! A particle has failed once its damage is 1: by Johnson and Cook's D1..D5, or at once where the
+!! stress or the plastic strain at the beginning of a step meets a criterion:
+!!
+!!     mean stress > -pmin                         (spall)
+!!     largest principal stress > principal_stress (Rankine)
+!!     equivalent plastic strain >= plastic_strain
+!!
+!! Failed matter carries nothing, or pressure alone (it closes again when it is compressed to its
+!! initial density), or everything: then the damage is only a mark. A fluid tears without damage: its
+!! pressure does not fall below pmin.
+module sgmp_failure
+  use sgmp_keys, only: key, key_t, kind_real, kind_word, values_t
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_spelling, only: word_position, words_joined
+  implicit none
+  private
+  public :: failure_keys, failure_read
+  public :: failure_t, failure_judge, failure_bounds, largest_principal_stress
+  public :: carries_nothing, carries_pressure, carries_everything, failure_none
+
+  integer, parameter :: carries_nothing = 1, carries_pressure = 2, carries_everything = 3
+  character(10), parameter :: carries_names(*) = [character(10) :: &
+    'nothing', 'pressure', 'everything']
+
+  real(dp), parameter :: failure_none = huge(1.0_dp)  !! limit of a criterion that is not asked for
+
+  !> Criteria and consequence.
+  type :: failure_t
+    logical :: given = .false.                       !! by a card
+    integer :: carries = carries_pressure            !! one of carries_*
+    real(dp) :: tension = failure_none               !! -pmin (stress)
+    real(dp) :: principal_stress = failure_none      !! (stress)
+    real(dp) :: plastic_strain = failure_none
+  end type failure_t
+
+contains
+
+  !> Keys of the card.
+  function failure_keys() result(keys)
+    type(key_t), allocatable :: keys(:)
+    keys = [key('pmin', kind_real, 'pressure (negative: tension) below which it spalls; a '// &
+                'fluid''s pressure stays there', unit='stress', range='(-inf,0]'), &
+            key('principal_stress', kind_real, 'largest principal stress above which it fails', &
+                unit='stress', range='(0,inf)'), &
+            key('plastic_strain', kind_real, 'equivalent plastic strain at which it fails', &
+                range='(0,inf)'), &
+            key('carries', kind_word, 'what failed matter carries; everything: damage is only a '// &
+                'mark', choices=words_joined(carries_names), &
+                default=trim(carries_names(carries_pressure)))]
+  end function failure_keys
+
+  !> Criteria from the values of those keys.
+  pure function failure_read(values) result(law)
+    class(values_t), intent(in) :: values
+    type(failure_t) :: law
+    law%given = .true.
+    law%carries = word_position(values%word('carries'), carries_names)
+    law%tension = -values%number('pmin', -failure_none)
+    law%principal_stress = values%number('principal_stress', failure_none)
+    law%plastic_strain = values%number('plastic_strain', failure_none)
+  end function failure_read
+
+  !> Lane kernel: damage 1 where a criterion is met; which lanes carry less than their law says.
+  pure subroutine failure_judge(law, stress, plastic_strain, damage, failed)
+    type(failure_t), intent(in) :: law
+    real(dp), intent(in) :: stress(lanes, 6)       !! in Voigt's order
+    real(dp), intent(in) :: plastic_strain(lanes)  !! equivalent
+    real(dp), intent(inout) :: damage(lanes)
+    real(dp), intent(out) :: failed(lanes)         !! 1 or 0
+    real(dp) :: mean, released
+    integer :: p
+    released = merge(0.0_dp, 1.0_dp, law%carries == carries_everything)
+    if (law%principal_stress < failure_none) then
+      do p = 1, lanes
+        if (largest_principal_stress(stress(p, :)) > law%principal_stress) damage(p) = 1.0_dp
+      end do
+    end if
+    !$omp simd simdlen(8) private(mean)
+    do p = 1, lanes
+      mean = (stress(p, 1) + stress(p, 2) + stress(p, 3))*(1.0_dp/3.0_dp)
+      damage(p) = merge(1.0_dp, damage(p), mean > law%tension)
+      damage(p) = merge(1.0_dp, damage(p), plastic_strain(p) >= law%plastic_strain)
+      failed(p) = merge(released, 0.0_dp, damage(p) >= 1.0_dp)
+    end do
+  end subroutine failure_judge
+
+  !> Lane kernel: bounds of the pressure, none where a lane has not failed.
+  pure subroutine failure_bounds(law, failed, least, most)
+    type(failure_t), intent(in) :: law
+    real(dp), intent(in) :: failed(lanes)                !! 1 or 0
+    real(dp), intent(out) :: least(lanes), most(lanes)   !! (stress)
+    real(dp) :: top
+    integer :: p
+    top = merge(0.0_dp, failure_none, law%carries == carries_nothing)
+    !$omp simd simdlen(8)
+    do p = 1, lanes
+      least(p) = merge(0.0_dp, -failure_none, failed(p) > 0.5_dp)
+      most(p) = merge(top, failure_none, failed(p) > 0.5_dp)
+    end do
+  end subroutine failure_bounds
+
+  !> Largest eigenvalue of a stress, in closed form (Smith 1961).
+  pure function largest_principal_stress(stress) result(largest)
+    real(dp), intent(in) :: stress(6)  !! in Voigt's order: xx yy zz xy yz xz
+    real(dp) :: largest
+    real(dp) :: mean, size, d(3), determinant
+    mean = sum(stress(:3))/3.0_dp
+    d = stress(:3) - mean
+    size = sqrt((sum(d**2) + 2.0_dp*sum(stress(4:)**2))/6.0_dp)
+    largest = mean
+    if (.not. size > 0.0_dp) return
+    determinant = d(1)*(d(2)*d(3) - stress(5)**2) - stress(4)*(stress(4)*d(3) - stress(5)*stress(6)) &
+                  + stress(6)*(stress(4)*stress(5) - d(2)*stress(6))
+    largest = mean + 2.0_dp*size*cos(acos(max(-1.0_dp, min(1.0_dp, 0.5_dp*determinant/size**3))) &
+                                     /3.0_dp)
+  end function largest_principal_stress
+
+end module sgmp_failure
