@@ -5,7 +5,7 @@ Errors (exit code 1): all that fortitude finds (fortitude.toml); a module not ca
 file; a stop outside of main.f90. Reported only: files over 400 lines, procedures over 60.
 
 Dimension-generic sources (see cmake/dimension_generic.cmake) are no Fortran before the preprocessor: fortitude gets
-their one-, two- and three-dimensional versions, with the line numbers of the source.
+their one-, two-, three-dimensional and axisymmetric versions, with the line numbers of the source.
 """
 import argparse
 import os
@@ -20,6 +20,8 @@ FILE_LINES, PROCEDURE_LINES = 400, 60
 
 STRING = re.compile(r"'[^']*'|\"[^\"]*\"")
 GENERIC = re.compile(r"^! dimension-generic", re.MULTILINE)
+AXISYMMETRIC = re.compile(r"^! dimension-generic, axisymmetric", re.MULTILINE)
+VARIANTS = (("-DNDIM=3",), ("-DNDIM=2",), ("-DNDIM=1",), ("-DNDIM=2", "-DAXISYMMETRIC"))
 MODULE = re.compile(r"^\s*module\s+(?!procedure\b|subroutine\b|function\b)(?:DIM\((\w+)\)|(\w+))\s*$", re.IGNORECASE)
 SUBMODULE = re.compile(r"^\s*submodule\s*\(", re.IGNORECASE)
 STOP = re.compile(r"^\s*(\d+\s+)?(if\s*\(.*\)\s*)?(error\s*)?stop(\s+[\w'(]|\s*$)", re.IGNORECASE)
@@ -78,9 +80,9 @@ def own_rules(paths):
 
 
 # -------------------------------------------------------------------------------------------------- fortitude
-def specialised(path, dimension, include_flags):
+def specialised(path, variant, include_flags):
     """The source after the preprocessor, every line at its place."""
-    command = [os.environ.get("FC", "gfortran"), "-E", "-cpp", f"-DNDIM={dimension}", *include_flags, str(path)]
+    command = [os.environ.get("FC", "gfortran"), "-E", "-cpp", *variant, *include_flags, str(path)]
     text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     lines = [""] * len(path.read_text(encoding="utf-8").splitlines())
     file, number = None, 0
@@ -96,18 +98,19 @@ def specialised(path, dimension, include_flags):
 
 
 def fortitude_errors(program, folder, paths):
-    """Runs it over a copy for each dimension; what it says of one line is said once."""
+    """Runs it over a copy for each variant; what it says of one line is said once."""
     program = str(pathlib.Path(program).absolute())
     generic = [p for p in paths if p.suffix == ".F90" and GENERIC.search(p.read_text(encoding="utf-8"))]
     include_flags = [f"-I{place}" for place in sorted({p.parent for p in folder.rglob("*.inc")})]
     found = {}
-    for dimension in (3, 2, 1):
+    round_about = [p for p in generic if AXISYMMETRIC.search(p.read_text(encoding="utf-8"))]
+    for variant in VARIANTS:
         with tempfile.TemporaryDirectory() as scratch:
-            for path in paths if dimension == 3 else generic:
+            for path in paths if variant == VARIANTS[0] else generic if len(variant) == 1 else round_about:
                 target = pathlib.Path(scratch, path)
                 target.parent.mkdir(parents=True, exist_ok=True)
                 if path in generic:
-                    target.write_text(specialised(path, dimension, include_flags), encoding="utf-8")
+                    target.write_text(specialised(path, variant, include_flags), encoding="utf-8")
                 else:
                     shutil.copyfile(path, target)
             shutil.copyfile("fortitude.toml", pathlib.Path(scratch, "fortitude.toml"))

@@ -1,7 +1,7 @@
 !> Functions of position and time written as text, evaluated by muParser.
 !!
-!! Variables are x, y, z (current position), x0, y0, z0 (initial position) and t; `pi` and the
-!! deck's parameters are
+!! Variables are x, y, z (current position), x0, y0, z0 (initial position) and t, in axisymmetric
+!! scenes r, z, r0, z0 and t; `pi` and the deck's parameters are
 !! constants; upper and lower case are the same; both `^` and `**` mean power. muParser's own
 !! functions are available.
 !!
@@ -25,15 +25,17 @@ module sgmp_expression
   implicit none
   private
   public :: expression_t, expression_make, expression_constant, expression_clone, expression_free
-  public :: expression_variables, expression_functions
+  public :: expression_variables, expression_functions, expression_ring_variables
 
   integer, parameter :: longest_formula = 1500  !! muParser's messages end at 2048 letters
   !> Words that a parameter may not be called, because they mean something inside an expression.
   character(*), parameter :: expression_variables = 'x y z x0 y0 z0 t pi'
+  character(*), parameter :: expression_ring_variables = 'r z r0 z0 t pi'  !! axisymmetric scenes
   character(*), parameter :: expression_functions = &
     'sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh log2 log10 log ln exp '// &
     'sqrt sign rint abs min max sum avg _pi _e'
   character(2), parameter :: variable_names(*) = ['x ', 'y ', 'z ', 'x0', 'y0', 'z0', 't ']
+  character(2), parameter :: ring_names(*) = ['r ', 'z ', '  ', 'r0', 'z0', '  ', 't ']
   integer, parameter :: slots = 256
     !! threads beyond this number compile a parser for each evaluation
 
@@ -51,6 +53,7 @@ module sgmp_expression
   !> What all plain copies of an expression share.
   type :: shared_t
     character(:), allocatable :: source                !! lower-case text with `**` written `^`
+    character(2) :: variables(size(variable_names)) = variable_names  !! '' for none
     character(32), allocatable :: parameter_names(:)
     real(dp), allocatable :: parameter_values(:)
     type(slot_t) :: slot(0:slots - 1)
@@ -163,7 +166,7 @@ contains
 
   !> Compiles a text; on error the expression is zero and the message names the offending token.
   subroutine expression_make(expression, text, parameter_names, parameter_values, error, position, &
-                             token)
+                             token, axisymmetric)
     type(expression_t), intent(out) :: expression
     character(*), intent(in) :: text                     !! e.g. `v0*sin(pi*x/L)`
     character(*), intent(in) :: parameter_names(:)       !! constants it may use
@@ -171,6 +174,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer, intent(out), optional :: position           !! column of the error in the text, from 1
     character(*), intent(out), optional :: token         !! the word that muParser stumbled over
+    logical, intent(in), optional :: axisymmetric        !! variables are r and z
     type(ieee_status_type) :: status
     integer :: i
     expression%text = text
@@ -187,6 +191,9 @@ contains
     end if
     allocate (expression%shared)
     expression%shared%source = muparser_source(text)
+    if (present(axisymmetric)) then
+      if (axisymmetric) expression%shared%variables = ring_names
+    end if
     allocate (expression%shared%parameter_names(size(parameter_names)))
     do i = 1, size(parameter_names)
       expression%shared%parameter_names(i) = word_lower(parameter_names(i))
@@ -220,6 +227,7 @@ contains
     if (.not. associated(expression%shared)) return
     allocate (clone%shared)
     clone%shared%source = expression%shared%source
+    clone%shared%variables = expression%shared%variables
     clone%shared%parameter_names = expression%shared%parameter_names
     clone%shared%parameter_values = expression%shared%parameter_values
   end function expression_clone
@@ -247,8 +255,8 @@ contains
   !> The value at a point and time; not finite where the formula is not.
   function evaluate(self, position, initial_position, time) result(value)
     class(expression_t), intent(in) :: self
-    real(dp), intent(in) :: position(3)         !! x, y, z
-    real(dp), intent(in) :: initial_position(3)  !! x0, y0, z0
+    real(dp), intent(in) :: position(3)         !! x, y, z; r, z
+    real(dp), intent(in) :: initial_position(3)  !! x0, y0, z0; r0, z0
     real(dp), intent(in) :: time                !! t
     real(dp) :: value
     type(parser_t), pointer :: parser
@@ -322,7 +330,7 @@ contains
       select case (fortran_text(name))
       case ('t')
         expression%uses_time = .true.
-      case ('x0', 'y0', 'z0')
+      case ('x0', 'y0', 'z0', 'r0')
         expression%uses_initial_position = .true.
       case default
         expression%uses_position = .true.
@@ -350,8 +358,9 @@ contains
     !$omp critical (sgmp_expression_create)
     parser%handle = mup_create(0_c_int)
     call mup_set_error_handler(parser%handle, c_funloc(ignore_error))
-    do i = 1, size(variable_names)
-      call mup_define_var(parser%handle, c_text(trim(variable_names(i))), &
+    do i = 1, size(shared%variables)
+      if (shared%variables(i) == '') cycle
+      call mup_define_var(parser%handle, c_text(trim(shared%variables(i))), &
                           c_loc(parser%variables(i)))
     end do
     call mup_define_const(parser%handle, c_text('pi'), pi)

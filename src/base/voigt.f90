@@ -1,9 +1,12 @@
-!> Order of the components of symmetric tensors, in 1, 2 (plane strain) and 3 dimensions.
+!> Order of the components of symmetric tensors, in 1, 2 (plane strain) and 3 dimensions, and in
+!! axisymmetric scenes, where x y z are r z theta.
 !!
 !! Particles store the stress components xx yy zz xy yz xz, cut after the last that exists; of these
-!! only those along the grid's axes exert a force (fluxes) and do work on the strain. Everything is
-!! a constant, indexed by the dimension last, so that dimension-generic sources lose nothing.
+!! only those along the grid's axes exert a force (fluxes) and do work on the strain; about an axis
+!! of symmetry the hoop stress does, too. Everything is a constant, indexed by the space last, so
+!! that dimension-generic sources lose nothing.
 module sgmp_voigt
+  use sgmp_space, only: spaces
   implicit none
   private
   public :: voigt_names, voigt_axes, stress_components, flux_components
@@ -14,16 +17,19 @@ module sgmp_voigt
   integer, parameter :: voigt_axes(2, most) = &
     reshape([1, 1, 2, 2, 3, 3, 1, 2, 2, 3, 1, 3], [2, most])
   integer, parameter :: stress_components(3) = [3, 4, 6]  !! stored
-  integer, parameter :: flux_components(3) = [1, 3, 6]    !! that exert a force
+  integer, parameter :: flux_components(spaces) = [1, 3, 6, 4]  !! that exert a force
 
-  !> Stress component of each flux (and strain) component, 0 beyond the last: (component, ndim).
-  integer, parameter :: flux_stress(most, 3) = reshape([1, 0, 0, 0, 0, 0, &
+  !> Stress component of each flux (and strain) component, 0 beyond the last: (component, space).
+  integer, parameter :: flux_stress(most, spaces) = reshape([1, 0, 0, 0, 0, 0, &
                                                         1, 2, 4, 0, 0, 0, &
-                                                        1, 2, 3, 4, 5, 6], [most, 3])
+                                                        1, 2, 3, 4, 5, 6, &
+                                                        1, 2, 4, 3, 0, 0], [most, spaces])
 
-  !> Flux component that acts along one axis across another, 0 beyond the last: (a, b, ndim).
-  integer, parameter :: flux_between(3, 3, 3) = reshape([1, 0, 0, 0, 0, 0, 0, 0, 0, &
+  !> Flux component that acts along one axis across another, 0 beyond the last: (a, b, space).
+  integer, parameter :: flux_between(3, 3, spaces) = reshape([1, 0, 0, 0, 0, 0, 0, 0, 0, &
                                                          1, 3, 0, 3, 2, 0, 0, 0, 0, &
-                                                         1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3, 3])
+                                                         1, 4, 6, 4, 2, 5, 6, 5, 3, &
+                                                         1, 3, 0, 3, 2, 0, 0, 0, 0], &
+                                                         [3, 3, spaces])
 
 end module sgmp_voigt

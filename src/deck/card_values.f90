@@ -28,14 +28,15 @@ contains
       failed = .false.
       select case (key%kind)
       case (kind_real)
-        value%named = word_in_list(word_lower(value%text), key%choices) > 0
-        if (value%named) then
-          value%text = word_lower(value%text)
-          return
-        end if
+        call take_word(key, value, parameters, failed, errors)
+        if (failed) card%failed = .true.
+        if (value%named) return
         call parameters%number(value%text, value%position, value%number, failed, errors)
         if (.not. failed) call check_range(key, value, failed, errors)
       case (kind_integer)
+        call take_word(key, value, parameters, failed, errors)
+        if (failed) card%failed = .true.
+        if (value%named) return
         call parameters%number(value%text, value%position, value%number, failed, errors)
         if (.not. failed) call check_integer(key, value, failed, errors)
         if (.not. failed) call check_range(key, value, failed, errors)
@@ -61,6 +62,25 @@ contains
       if (failed) card%failed = .true.
     end associate
   end subroutine evaluate_value
+
+  !> Takes a word that a key accepts instead of a number; one that is no parameter either is an
+  !! error.
+  subroutine take_word(key, value, parameters, failed, errors)
+    type(key_t), intent(in) :: key
+    type(value_t), intent(inout) :: value
+    type(parameters_t), intent(in) :: parameters
+    logical, intent(out) :: failed
+    type(deck_errors_t), intent(inout) :: errors
+    character(:), allocatable :: word
+    failed = .false.
+    value%named = .false.
+    word = word_lower(value%text)
+    if (key%choices == '' .or. .not. word_is_identifier(word) .or. word == 'pi') return
+    if (parameters%find(word) > 0) return
+    value%named = .true.
+    value%text = word
+    call check_choice(key, word, value%position, failed, errors)
+  end subroutine take_word
 
   subroutine check_range(key, value, failed, errors)
     type(key_t), intent(in) :: key

@@ -126,7 +126,13 @@ contains
       body%file = card%word('file')
       if (index(body%file, '/') /= 1) body%file = directory_of(card%position%file)//body%file
     else
-      call append_shape(card, combine_union, draft%scene%dimension, body, draft%errors)
+      call append_shape(card, combine_union, draft%scene%dimension, draft%scene%axisymmetric, &
+                        body, draft%errors)
+    end if
+    body%rings = draft%scene%axisymmetric
+    if (body%rings .and. abs(card%number('rotation')) > 0.0_dp) then
+      call draft%errors%add(card%place('rotation'), 'a body of revolution cannot be turned', &
+                            'remove rotation')
     end if
     body%ppc = card%whole('ppc')
     body%spacing = card%number('spacing', absent=draft%scene%grid%cell/body%ppc)
@@ -163,13 +169,14 @@ contains
       return
     end if
     call append_shape(card, word_position(card%name, combine_names), draft%scene%dimension, &
-                      draft%scene%bodies(b), draft%errors)
+                      draft%scene%axisymmetric, draft%scene%bodies(b), draft%errors)
   end subroutine read_combination
 
-  subroutine append_shape(card, operation, dimension, body, errors)
+  subroutine append_shape(card, operation, dimension, axisymmetric, body, errors)
     type(deck_card_t), intent(in) :: card
     integer, intent(in) :: operation  !! one of combine_*
     integer, intent(in) :: dimension
+    logical, intent(in) :: axisymmetric
     type(body_card_t), intent(inout) :: body
     type(deck_errors_t), intent(inout) :: errors
     type(shape_t) :: new
@@ -182,6 +189,11 @@ contains
     new%radius2 = card%number('inner') + card%number('top')
     new%length = card%number('length', absent=huge(1.0_dp))
     if (card%has('axis')) new%axis = card%vector('axis')
+    if (axisymmetric) then
+      ! The z axis is the second one; as a third component the default direction means it, too.
+      new%axis = [new%axis(1), new%axis(2) + new%axis(3), 0.0_dp]
+      call check_ring(card, new, errors)
+    end if
     call check_shape(card, new, dimension, errors)
     if (norm2(new%axis) > 0.0_dp) new%axis = new%axis/norm2(new%axis)
     body%shapes = [body%shapes, new]
@@ -211,6 +223,27 @@ contains
     if (.not. any(round == shape%kind) .or. in_plane .or. card%has('length')) return
     call errors%add(card%position, 'the '//card%word('shape')//" needs a 'length'", 'add length=…')
   end subroutine check_shape
+
+  !> A shape must be the section of a body of revolution.
+  subroutine check_ring(card, shape, errors)
+    type(deck_card_t), intent(in) :: card
+    type(shape_t), intent(in) :: shape
+    type(deck_errors_t), intent(inout) :: errors
+    if (shape%kind == shape_block .and. shape%lower(1) < 0.0_dp) then
+      call errors%add(card%place('lower'), 'the block reaches beyond the axis, to r < 0', &
+                      'write the half-plane: lower=(0,z), or r of the inner radius')
+    else if (any(round == shape%kind) .and. abs(shape%axis(1)) > 0.0_dp) then
+      call errors%add(card%place('axis'), 'the axis of a '//card%word('shape')// &
+                      ' in an axisymmetric scene is z', 'write axis=(0,1) or axis=(0,-1)')
+    else if (any(round == shape%kind) .and. abs(shape%centre(1)) > 0.0_dp) then
+      call errors%add(card%place('centre'), 'the '//card%word('shape')//' is not about the axis', &
+                      'write centre=(0,z); a tube is a ring with inner and radius, or a block')
+    else if (shape%kind == shape_sphere .and. abs(shape%centre(1)) > 0.0_dp .and. &
+             shape%centre(1) < shape%radius) then
+      call errors%add(card%place('centre'), 'the sphere is neither about the axis nor beside it', &
+                      'write centre=(0,z), or a centre at r > radius for a torus')
+    end if
+  end subroutine check_ring
 
   !> Particle numbers are 32-bit integers; a block tells at once how many there will be.
   subroutine check_particle_number(card, draft)

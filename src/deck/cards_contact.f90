@@ -4,10 +4,10 @@ module sgmp_cards_contact
   use sgmp_deck_card, only: deck_card_t
   use sgmp_expression, only: expression_clone, expression_free
   use sgmp_keys, only: kind_expression, kind_name_word, kind_real, kind_word
-  use sgmp_mesh, only: axis_names
   use sgmp_registry, only: registry_t
   use sgmp_scene, only: contact_card_t
   use sgmp_scene_draft, only: draft_t
+  use sgmp_space, only: axis_names, space_axisymmetric
   use sgmp_spelling, only: word_position, words_joined
   implicit none
   private
@@ -43,9 +43,11 @@ contains
                        'rigid punch y="-v0*sin(pi*t)"', read_rigid, check_rigid)
     call registry%key('body', kind_name_word, 'the body', slot=1, required=.true.)
     do axis = 1, 3
-      call registry%key(axis_names(axis), kind_expression, 'velocity, a function of t', &
+      call registry%key(axis_names(axis, 3), kind_expression, 'velocity, a function of t', &
                         unit='speed', default='0')
     end do
+    call registry%key(axis_names(1, space_axisymmetric), kind_expression, 'velocity along r of '// &
+                      'an axisymmetric scene', unit='speed')
   end subroutine register_contact
 
   subroutine read_contact(card, draft)
@@ -81,6 +83,11 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     integer :: named(2)
+    if (draft%scene%axisymmetric) then
+      call draft%errors%add(card%position, 'contact in an axisymmetric scene is not there yet', &
+                            'bodies stick where they meet without this card; or use dimension 3')
+      return
+    end if
     if (lonely(card, draft)) return
     associate (bodies => draft%scene%bodies)
       named = [word_position(card%word('first'), bodies%name), &
@@ -119,7 +126,7 @@ contains
       end if
       body%rigid = .true.
       do axis = 1, 3
-        associate (value => card%values(card%at(axis_names(axis))))
+        associate (value => card%values(card%at(draft%axis_key(axis))))
           if (value%expression%uses_position .or. value%expression%uses_initial_position) then
             call errors%add(value%position, &
                             'the velocity of a rigid body cannot depend on position', 'use t only')

@@ -29,10 +29,13 @@ contains
     call registry%key('time', kind_word, 'unit of time', choices=words_joined(time_units), &
                       slot=3, required=.true.)
     call registry%card('dimension', '1: uniaxial strain along x; 2: plane strain, per unit '// &
-                       'thickness; 3.', 'dimension 2', read_dimension, once=.true., &
-                       turn=read_first)
+                       'thickness; 3; axisymmetric: a body of revolution by its half-plane, '// &
+                       'with axes r and z in the place of x, y and z, vectors (r,z), and '// &
+                       'particles that are whole rings; stands before all cards but title '// &
+                       'and units.', &
+                       'dimension axisymmetric', read_dimension, once=.true., turn=read_first)
     call registry%key('value', kind_integer, 'number of dimensions', default='3', range='[1,3]', &
-                      slot=1)
+                      choices='axisymmetric', slot=1, source='doc/theory.md, 7')
   end subroutine register_general
 
   subroutine read_title(card, draft)
@@ -51,7 +54,9 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     draft%scene%dimension = 1  ! checks the least where the card is wrong
-    if (.not. card%failed) draft%scene%dimension = card%whole('value')
+    if (card%failed) return
+    draft%scene%axisymmetric = card%word('value') == 'axisymmetric'
+    draft%scene%dimension = merge(2, card%whole('value'), draft%scene%axisymmetric)
   end subroutine read_dimension
 
 end module sgmp_cards_general

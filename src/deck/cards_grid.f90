@@ -3,12 +3,13 @@ module sgmp_cards_grid
   use sgmp_deck_card, only: deck_card_t
   use sgmp_keys, only: kind_interval, kind_real, kind_word
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: axis_names, wall_free, wall_names
+  use sgmp_mesh, only: wall_free, wall_names
   use sgmp_registry, only: read_first, registry_t
   use sgmp_scene, only: lost_error, lost_names
   use sgmp_scene_draft, only: draft_t
+  use sgmp_space, only: axis_names, space_axisymmetric
   use sgmp_spelling, only: words_joined
-  use sgmp_text, only: integer_text, real_text_plain
+  use sgmp_text, only: real_text_plain
   implicit none
   private
   public :: register_grid
@@ -28,20 +29,25 @@ contains
     call registry%key('cell', kind_real, 'side h of a cell', unit='length', range='(0,inf)', &
                       required=.true.)
     do axis = 1, 3
-      call registry%key(axis_names(axis), kind_interval, &
+      call registry%key(axis_names(axis, 3), kind_interval, &
                         'extent; an open end follows the particles', unit='length', &
                         default='open')
     end do
+    call registry%key(axis_names(1, space_axisymmetric), kind_interval, 'extent of an '// &
+                      'axisymmetric scene, in the place of x: from the axis, 0', unit='length')
     call registry%card('wall', 'Boundary condition of the faces of the grid. A face with a '// &
                        'wall needs an extent in the card grid.', 'wall x-=fixed y-=slip', &
                        read_walls, check_walls, once=.true.)
     do axis = 1, 3
       do side = 1, 2
-        call registry%key(axis_names(axis)//sides(side), kind_word, &
+        call registry%key(axis_names(axis, 3)//sides(side), kind_word, &
                           'fixed: no velocity; slip: no normal velocity; free: nothing', &
                           choices=words_joined(wall_names), default=trim(wall_names(wall_free)))
       end do
     end do
+    call registry%key(axis_names(1, space_axisymmetric)//sides(2), kind_word, 'outer wall of '// &
+                      'an axisymmetric scene, in the place of x+; the axis needs no card', &
+                      choices=words_joined(wall_names))
     call registry%card('lost', 'What happens to a particle that leaves through a closed face '// &
                        'without a wall.', 'lost remove', read_lost, once=.true.)
     call registry%key('policy', kind_word, 'error: stop; remove: count and drop; reflect: turn '// &
@@ -56,7 +62,7 @@ contains
     if (card%failed) return
     draft%scene%grid%cell = card%number('cell')
     do axis = 1, 3
-      associate (extent => card%values(card%at(axis_names(axis))))
+      associate (extent => card%values(card%at(draft%axis_key(axis))))
         draft%scene%grid%open(:, axis) = extent%open
         draft%scene%grid%lower(axis) = extent%vector(1)
         draft%scene%grid%upper(axis) = extent%vector(2)
@@ -76,17 +82,23 @@ contains
                errors => draft%errors)
       if (cell <= 0.0_dp) return
       do axis = 1, 3
-        associate (value => card%values(card%at(axis_names(axis))))
+        associate (value => card%values(card%at(draft%axis_key(axis))))
           if (axis > dimension .and. .not. all(value%open)) then
-            call errors%add(value%position, 'extent along '//axis_names(axis)//' in '// &
-                            integer_text(dimension)//'D', 'remove it or change the dimension')
+            call errors%add(value%position, 'extent along '//draft%axis_key(axis)//' '// &
+                            draft%in_space(), 'remove it or change the dimension')
+          end if
+          if (axis == 1 .and. draft%scene%axisymmetric .and. .not. value%open(1) .and. &
+              abs(value%vector(1)) > 0.0_dp) then
+            call errors%add(value%position, 'the grid begins at r = '// &
+                            real_text_plain(value%vector(1))//' and not at the axis', &
+                            'write r=0:… or r=open; a hollow body needs no inner face')
           end if
           if (any(value%open)) cycle
           length = value%vector(2) - value%vector(1)
           cells = length/cell
           if (cells > most_cells) then
             call errors%add(value%position, 'the box has '//real_text_plain(anint(cells))// &
-                            ' cells along '//axis_names(axis), 'use larger cells')
+                            ' cells along '//draft%axis_key(axis), 'use larger cells')
           else if (abs(cells - anint(cells)) > tolerance .or. cells < 0.5_dp) then
             call errors%add(value%position, 'the box is not a whole number of cells: '// &
                             real_text_plain(length)//' / '//real_text_plain(cell)//' = '// &
@@ -105,8 +117,9 @@ contains
     integer :: axis, side
     do axis = 1, 3
       do side = 1, 2
-        draft%scene%grid%wall(side, axis) = wall_free - 1 + &
-                                            card%pick(axis_names(axis)//sides(side), wall_names)
+        if (axis == 1 .and. side == 1 .and. draft%scene%axisymmetric) cycle
+        draft%scene%grid%wall(side, axis) = &
+          max(wall_free, wall_free - 1 + card%pick(draft%axis_key(axis)//sides(side), wall_names))
       end do
     end do
   end subroutine read_walls
@@ -119,14 +132,13 @@ contains
     do axis = 1, 3
       do side = 1, 2
         if (draft%scene%grid%wall(side, axis) == wall_free) cycle
-        face = axis_names(axis)//sides(side)
+        face = draft%axis_key(axis)//sides(side)
         if (axis > draft%scene%dimension) then
-          call draft%errors%add(card%place(face), 'a wall on '//face//' in '// &
-                                integer_text(draft%scene%dimension)//'D', &
+          call draft%errors%add(card%place(face), 'a wall on '//face//' '//draft%in_space(), &
                                 'remove it or change the dimension')
         else if (draft%scene%grid%open(side, axis)) then
           call draft%errors%add(card%place(face), 'a wall on '//face//', which is open', &
-                                'say where the wall is: grid '//axis_names(axis)//'='// &
+                                'say where the wall is: grid '//draft%axis_key(axis)//'='// &
                                 trim(merge('lower:open', 'open:upper', side == 1)))
         end if
       end do

@@ -5,10 +5,10 @@ module sgmp_cards_load
   use sgmp_expression, only: expression_clone, expression_free
   use sgmp_keys, only: kind_expression, kind_name_word, kind_real, kind_vector
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: axis_names
   use sgmp_registry, only: registry_t
   use sgmp_scene, only: bodyforce_card_t, detonation_card_t
   use sgmp_scene_draft, only: draft_t
+  use sgmp_space, only: axis_names, space_axisymmetric
   implicit none
   private
   public :: register_load
@@ -23,7 +23,7 @@ contains
     call registry%key('body', kind_name_word, 'the body; default: all', default='all', slot=1)
     call register_components(registry, 'speed')
     call registry%card('gravity', 'Constant acceleration of everything.', 'gravity (0,0,-9.81)', &
-                       read_gravity, once=.true.)
+                       read_gravity, check_gravity, once=.true.)
     call registry%key('vector', kind_vector, 'acceleration', unit='acceleration', slot=1, &
                       required=.true.)
     call registry%card('bodyforce', 'Force per unit mass as a function of x y z (where the '// &
@@ -40,14 +40,16 @@ contains
                       'spherical')
   end subroutine register_load
 
-  !> Keys x, y, z that are functions of position.
+  !> Keys x, y, z, or r and z, that are functions of position.
   subroutine register_components(registry, unit)
     type(registry_t), intent(inout) :: registry
     character(*), intent(in) :: unit
     integer :: axis
     do axis = 1, 3
-      call registry%key(axis_names(axis), kind_expression, 'component', unit=unit, default='0')
+      call registry%key(axis_names(axis, 3), kind_expression, 'component', unit=unit, default='0')
     end do
+    call registry%key(axis_names(1, space_axisymmetric), kind_expression, &
+                      'component of an axisymmetric scene, in the place of x', unit=unit)
   end subroutine register_components
 
   subroutine read_velocity(card, draft)
@@ -56,7 +58,8 @@ contains
     integer :: named, b, axis
     named = draft%body_of(card, 'body')
     do axis = 1, 3
-      associate (value => card%values(card%at(axis_names(axis))), bodies => draft%scene%bodies)
+      associate (value => card%values(card%at(draft%axis_key(axis))), &
+                 bodies => draft%scene%bodies)
         if (value%expression%uses_time) then
           call draft%errors%add(value%position, 'the initial velocity cannot depend on t', &
                                 'use x, y and z')
@@ -76,6 +79,15 @@ contains
     draft%scene%gravity = card%vector('vector')
   end subroutine read_gravity
 
+  !> Gravity along the radius has no direction.
+  subroutine check_gravity(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    if (.not. draft%scene%axisymmetric .or. abs(draft%scene%gravity(1)) <= 0.0_dp) return
+    call draft%errors%add(card%place('vector'), 'gravity along r in an axisymmetric scene', &
+                          'write gravity (0,gz); what pulls to the axis is a bodyforce')
+  end subroutine check_gravity
+
   subroutine read_bodyforce(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
@@ -84,7 +96,7 @@ contains
     new%body = draft%body_of(card, 'body')
     if (new%body < 0) return
     do axis = 1, 3
-      new%force(axis) = expression_clone(card%values(card%at(axis_names(axis)))%expression)
+      new%force(axis) = expression_clone(card%values(card%at(draft%axis_key(axis)))%expression)
     end do
     draft%scene%bodyforces = [draft%scene%bodyforces, new]
   end subroutine read_bodyforce

@@ -39,6 +39,10 @@ contains
                       source='doc/normalised-stress.md')
     call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
                       'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
+    call registry%key('hoop', kind_real, 'axisymmetric: correction C of the hoop strain next '// &
+                      'to the axis; the default is that of particles anywhere, 1/8 that of a '// &
+                      'lattice of two per cell that stays (sgmp only)', range='[0,1]', &
+                      source='doc/theory.md, 7')
     call registry%key('rotation', kind_word, &
       'exact: rigid rotation strains nothing and internal '// &
                       'forces have no moment, at free surfaces as well (sgmp only)', &
@@ -91,6 +95,7 @@ contains
       method%mass_cutoff = card%number('mass_cutoff', absent=method%mass_cutoff)
       method%normalised = card%word('stress') == 'normalised'
       method%interior = card%number('interior')
+      method%hoop = card%number('hoop', absent=method%hoop)
       method%rotation = card%word('rotation') == 'exact'
       method%spin = card%word('spin') == 'carried'
     end associate
@@ -106,6 +111,7 @@ contains
                         'remove stress=normalised or use method sgmp')
       end if
       call check_rotation(card, method, errors)
+      call check_axisymmetric(card, draft%scene%axisymmetric, method, errors)
       if (.not. method%spin) return
       if (method%kind /= method_sgmp .or. method%update /= update_musl) then
         call errors%add(card%position, 'spin=carried exists for method sgmp update=musl only', &
@@ -119,6 +125,26 @@ contains
       end if
     end associate
   end subroutine check_method
+
+  !> What axisymmetric scenes alone have, and what they do not have.
+  subroutine check_axisymmetric(card, axisymmetric, method, errors)
+    type(deck_card_t), intent(in) :: card
+    logical, intent(in) :: axisymmetric
+    type(method_card_t), intent(in) :: method
+    type(deck_errors_t), intent(inout) :: errors
+    if (card%has('hoop') .and. .not. (axisymmetric .and. method%kind == method_sgmp)) then
+      call errors%add(card%place('hoop'), 'the hoop strain is corrected in axisymmetric scenes '// &
+                      'with method sgmp only', 'remove hoop')
+    end if
+    if (.not. axisymmetric) return
+    if (method%spin) call errors%add(card%place('spin'), 'spin=carried does not exist in '// &
+                                     'axisymmetric scenes: a ring turns about no point', &
+                                     'remove spin=carried')
+    if (method%rotation) call errors%add(card%place('rotation'), 'rotation=exact does not '// &
+                                         'exist in axisymmetric scenes: no body of revolution '// &
+                                         'turns as a whole in its half-plane', &
+                                         'remove rotation=exact')
+  end subroutine check_axisymmetric
 
   !> Where exact rotation exists.
   subroutine check_rotation(card, method, errors)

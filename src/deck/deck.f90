@@ -1,20 +1,19 @@
 !> Reads a deck: text -> statements -> cards -> scene, with every error of the deck found in one go.
 module sgmp_deck
   use sgmp_card_parse, only: card_default, card_parse
-  use sgmp_deck_card, only: card_free, deck_card_t
+  use sgmp_deck_card, only: card_free, deck_card_t, value_t
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
-  use sgmp_keys, only: key_t, kind_expression, kind_vector
+  use sgmp_keys, only: key_t, kind_expression, kind_interval, kind_vector
   use sgmp_kinds, only: dp
   use sgmp_lexer, only: lexer_read, statement_t
-  use sgmp_mesh, only: axis_names
+  use sgmp_mesh, only: wall_free, wall_names
   use sgmp_parameters, only: parameters_t
   use sgmp_registry, only: read_first, read_last, read_second, registry_t
   use sgmp_scene, only: scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
-  use sgmp_text, only: integer_text
   use sgmp_units, only: units_check
   implicit none
   private
@@ -192,7 +191,30 @@ contains
     end associate
     n = n + 1
     call card_parse(registry%cards(number), number, statement, parameters, cards(n), errors)
+    if (cards(n)%name == 'dimension') call choose_variables(cards(:n), parameters, errors)
   end subroutine read_statement
+
+  !> From here on formulas are functions of r and z, if the last card says so.
+  subroutine choose_variables(cards, parameters, errors)
+    type(deck_card_t), intent(in) :: cards(:)
+    type(parameters_t), intent(inout) :: parameters
+    type(deck_errors_t), intent(inout) :: errors
+    integer :: i
+    associate (card => cards(size(cards)))
+      parameters%axisymmetric = card%word('value') == 'axisymmetric'
+      if (.not. parameters%axisymmetric) return
+      do i = 1, size(cards) - 1
+        if (cards(i)%name == 'title' .or. cards(i)%name == 'units') cycle
+        call errors%add(card%position, "'dimension axisymmetric' comes after the card '"// &
+                        cards(i)%name//"'", 'put it first: it names the axes of all other cards')
+        return
+      end do
+      if (parameters%find('r') + parameters%find('r0') > 0) then
+        call errors%add(card%position, 'r and r0 mean the radius in an axisymmetric scene', &
+                        'give the parameter of that name another one')
+      end if
+    end associate
+  end subroutine choose_variables
 
   !> `parameter name = value [name = value …]`.
   subroutine define_parameters(statement, parameters, errors)
@@ -229,23 +251,51 @@ contains
       do i = 1, size(keys)
         associate (key => keys(i), value => card%values(i))
           if (.not. value%given) cycle
+          call check_axis(key, value, draft)
           beyond = .false.
           if (key%kind == kind_vector .and. key%unit /= '') then
             beyond(n + 1:) = abs(value%vector(n + 1:)) > 0.0_dp
           else if (key%kind == kind_expression) then
-            beyond(n + 1:) = axis_names(n + 1:) == key%name .and. &
-                             .not. (value%expression%is_constant .and. &
-                                    abs(value%expression%value) <= 0.0_dp)
+            beyond(n + 1:) = [(draft%axis_key(axis) == key%name, axis=n + 1, 3)] .and. &
+                             .not. says_nothing(key, value)
           end if
           axis = findloc(beyond, .true., 1)
           if (axis == 0) cycle
           call draft%errors%add(value%position, "'"//key%name//"' has a component along "// &
-                                axis_names(axis)//' in '//integer_text(n)//'D', &
+                                draft%axis_key(axis)//' '//draft%in_space(), &
                                 'make it 0, or change the dimension')
         end associate
       end do
     end associate
   end subroutine check_plane
+
+  !> No axis x in an axisymmetric scene, and no r in any other.
+  subroutine check_axis(key, value, draft)
+    type(key_t), intent(in) :: key
+    type(value_t), intent(in) :: value
+    type(draft_t), intent(inout) :: draft
+    character(1) :: name
+    name = merge('x', 'r', draft%scene%axisymmetric)
+    if (all(key%name /= [name//' ', name//'-', name//'+'])) return
+    if (says_nothing(key, value)) return
+    call draft%errors%add(value%position, "there is no axis '"//name//"' "//draft%in_space(), &
+                          'the axes are '//trim(merge('r and z  ', 'x, y, z  ', &
+                                                      draft%scene%axisymmetric)))
+  end subroutine check_axis
+
+  !> Whether a value is what the key means when it is not given.
+  pure function says_nothing(key, value) result(yes)
+    type(key_t), intent(in) :: key
+    type(value_t), intent(in) :: value
+    logical :: yes
+    if (key%kind == kind_interval) then
+      yes = all(value%open)
+    else if (key%kind == kind_expression) then
+      yes = value%expression%is_constant .and. abs(value%expression%value) <= 0.0_dp
+    else
+      yes = value%text == wall_names(wall_free)
+    end if
+  end function says_nothing
 
   !> Cards that mean something when absent, so that the echo is complete.
   subroutine add_default_cards(registry, deck, parameters, cards, errors)

@@ -16,7 +16,7 @@ module sgmp_deck_card
     character(:), allocatable :: text      !! after replacement of `$name`; words in lower case
     type(position_t) :: position           !! of the value, or of the card where not given
     real(dp) :: number = 0.0_dp            !! real, integer
-    logical :: named = .false.             !! real: one of the key's words instead of a number
+    logical :: named = .false.             !! number: one of the key's words instead
     logical :: flag = .false.              !! logical
     real(dp) :: vector(3) = 0.0_dp         !! vector; interval: lower, upper
     integer :: components = 0              !! of the vector

@@ -3,8 +3,8 @@
 module sgmp_parameters
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_errors, only: error_t
-  use sgmp_expression, only: expression_free, expression_functions, expression_make, expression_t, &
-                             expression_variables
+  use sgmp_expression, only: expression_free, expression_functions, expression_make, &
+                             expression_ring_variables, expression_t, expression_variables
   use sgmp_kinds, only: dp
   use sgmp_lexer, only: token_t
   use sgmp_spelling, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, &
@@ -39,6 +39,7 @@ module sgmp_parameters
   type :: parameters_t
     type(parameter_t), allocatable :: list(:)
     type(setting_t), allocatable :: settings(:)
+    logical :: axisymmetric = .false.  !! formulas are functions of r and z
   contains
     procedure :: start
     procedure :: define
@@ -122,7 +123,7 @@ contains
     if (.not. word_is_identifier(lower) .or. len(lower) > name_size) then
       call errors%add(name%position, "'"//name%text//"' cannot name a parameter", &
                       'a name is a letter, then letters, digits and underscores, 32 at most')
-    else if (word_in_list(lower, expression_variables) > 0 .or. &
+    else if (word_in_list(lower, variables(self)) > 0 .or. &
              word_in_list(lower, expression_functions) > 0) then
       call errors%add(name%position, "'"//name%text//"' already means something in expressions", &
                       'choose another name')
@@ -312,6 +313,14 @@ contains
     call expression_free(expression)
   end subroutine number
 
+  !> Names of the variables of formulas.
+  pure function variables(self) result(words)
+    class(parameters_t), intent(in) :: self
+    character(:), allocatable :: words
+    words = expression_variables
+    if (self%axisymmetric) words = expression_ring_variables
+  end function variables
+
   subroutine try_expression(self, text, expression, error, column, token)
     class(parameters_t), intent(in) :: self
     character(*), intent(in) :: text
@@ -330,7 +339,7 @@ contains
       names(n) = self%list(i)%name
       values(n) = self%list(i)%value
     end do
-    call expression_make(expression, text, names, values, error, column, token)
+    call expression_make(expression, text, names, values, error, column, token, self%axisymmetric)
   end subroutine try_expression
 
   !> Marks the parameters whose names occur in an expression.
@@ -397,7 +406,7 @@ contains
     type(string_t), allocatable :: all(:)
     character(:), allocatable :: words
     integer :: i, n
-    words = expression_variables//' '//expression_functions
+    words = variables(self)//' '//expression_functions
     n = size(self%list)
     allocate (all(n + word_count(words)))
     do i = 1, size(all)

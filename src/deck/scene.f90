@@ -4,6 +4,7 @@
 !! The deck reader fills a `scene_t`; set-up builds a model from it. All numbers are in the deck's
 !! own consistent units. Vectors always have three components; those beyond the dimension are zero.
 module sgmp_scene
+  use sgmp_axis, only: axis_correction
   use sgmp_constitutive, only: constitutive_t
   use sgmp_contact_pairs, only: normal_separating
   use sgmp_expression, only: expression_free, expression_t
@@ -11,13 +12,14 @@ module sgmp_scene
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_free
   use sgmp_shapes, only: shape_t
+  use sgmp_space, only: space_axisymmetric
   implicit none
   private
   public :: balance_card_t, body_card_t, bodyforce_card_t, checkpoint_card_t, contact_card_t, &
             detonation_card_t, gauge_card_t, grid_card_t, material_card_t, method_card_t, &
             output_card_t, statement_text_t, stop_card_t, time_card_t
   public :: contact_lambda_default
-  public :: scene_at_rest, scene_free, scene_t
+  public :: scene_at_rest, scene_free, scene_space, scene_t
   public :: update_usf, update_musl, update_usl, update_usavg, update_names
   public :: layout_lattice, layout_gauss, layout_file, layout_names
   public :: lost_error, lost_remove, lost_reflect, lost_names, name_length
@@ -54,6 +56,7 @@ module sgmp_scene
     logical :: normalised = .false.   !! volume-normalised stress (sgmp only)
     logical :: rotation = .false.     !! rigid rotation strains nothing (sgmp only)
     logical :: spin = .false.         !! particles carry their spin (sgmp only)
+    real(dp) :: hoop = axis_correction  !! correction of the hoop strain (axisymmetric)
     real(dp) :: interior = 0.25_dp    !! filling beyond which a cell counts as interior
   end type method_card_t
 
@@ -95,6 +98,7 @@ module sgmp_scene
       !! initial temperature; negative: the material's room temperature
     character(:), allocatable :: location         !! file:line:column of the card, for messages
     logical :: allow_overlap = .false.            !! may share space with other bodies at t = 0
+    logical :: rings = .false.                    !! axisymmetric: particles are rings about r = 0
     logical :: rigid = .false.                    !! moves as prescribed, whatever acts on it
     type(expression_t) :: motion(3)               !! its velocity, functions of t
   end type body_card_t
@@ -173,7 +177,8 @@ module sgmp_scene
     character(:), allocatable :: resolved         !! echo of the complete resolved deck
     type(statement_text_t), allocatable :: fixed(:)  !! of it what a restart may not change
     character(8) :: units(3) = ''                 !! length, mass, time; empty: not declared
-    integer :: dimension = 3
+    integer :: dimension = 3                      !! axes of the grid
+    logical :: axisymmetric = .false.             !! they are r and z
     type(grid_card_t) :: grid
     type(method_card_t) :: method
     type(time_card_t) :: time
@@ -211,6 +216,13 @@ contains
       end if
     end do
   end subroutine scene_free
+
+  !> The space of a scene (sgmp_space).
+  pure function scene_space(scene) result(space)
+    type(scene_t), intent(in) :: scene
+    integer :: space
+    space = merge(space_axisymmetric, scene%dimension, scene%axisymmetric)
+  end function scene_space
 
   !> Whether a body is rigid and never moves.
   pure function scene_at_rest(card) result(rests)

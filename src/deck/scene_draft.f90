@@ -2,8 +2,10 @@
 module sgmp_scene_draft
   use sgmp_deck_card, only: deck_card_t
   use sgmp_deck_errors, only: deck_errors_t
-  use sgmp_scene, only: scene_t
+  use sgmp_scene, only: scene_space, scene_t
+  use sgmp_space, only: axis_names
   use sgmp_spelling, only: suggestion, word_items, word_position, words_joined
+  use sgmp_text, only: integer_text
   implicit none
   private
   public :: draft_t
@@ -14,12 +16,30 @@ module sgmp_scene_draft
     integer :: bodies = 0  !! read so far; the scene has room for all, since to move one costs a lot
     type(deck_errors_t) :: errors
   contains
+    procedure :: axis_key
+    procedure :: in_space
     procedure :: material_of
     procedure :: body_of
     procedure :: new_name
   end type draft_t
 
 contains
+
+  !> Name that an axis has in the keys of the scene.
+  pure function axis_key(self, axis) result(name)
+    class(draft_t), intent(in) :: self
+    integer, intent(in) :: axis
+    character(1) :: name
+    name = axis_names(axis, scene_space(self%scene))
+  end function axis_key
+
+  !> The scene's dimension in words, to end a message.
+  pure function in_space(self) result(text)
+    class(draft_t), intent(in) :: self
+    character(:), allocatable :: text
+    text = 'in '//integer_text(self%scene%dimension)//'D'
+    if (self%scene%axisymmetric) text = 'in an axisymmetric scene'
+  end function in_space
 
   !> Number of the material that a card names, 0 and an error where there is none.
   integer function material_of(self, card) result(number)

@@ -7,7 +7,7 @@
 !! A further shape is a number, its name, and a `case` in `in_shape`, `shape_depth` and `shape_box`;
 !! the deck takes the name from here.
 module sgmp_shapes
-  use sgmp_kinds, only: dp
+  use sgmp_kinds, only: dp, pi
   implicit none
   private
   public :: shape_t, surface_depth, shapes_anchor, shapes_box, shapes_inside, shapes_near, &
@@ -120,12 +120,14 @@ contains
     end do
   end subroutine shapes_box
 
-  !> Volume of a combination of shapes by the midpoint rule, exact for a block.
-  pure function shapes_volume(shapes, ndim, points) result(volume)
+  !> Volume of a combination of shapes by the midpoint rule, exact for a block; of sections in a
+  !! half-plane, that of the body of revolution.
+  pure function shapes_volume(shapes, ndim, points, rings) result(volume)
     type(shape_t), intent(in) :: shapes(:)
     integer, intent(in) :: ndim
     integer, intent(in) :: points          !! along each axis
-    real(dp) :: volume, lower(3), upper(3), step(3), point(3), from(3), to(3)
+    logical, intent(in), optional :: rings  !! only x > 0 counts, and by its way about x = 0
+    real(dp) :: volume, lower(3), upper(3), step(3), point(3), from(3), to(3), ways
     type(shape_t), allocatable :: near(:)
     integer :: n(3), i, j, k, hits
     call shapes_box(shapes, lower, upper)
@@ -135,6 +137,7 @@ contains
     upper(ndim + 1:) = 0.0_dp
     step = (upper - lower)/n
     hits = 0
+    ways = 0.0_dp
     do k = 1, n(3)
       do j = 1, n(2)
         from = lower + step*([0, j, k] - 0.5_dp)
@@ -143,11 +146,16 @@ contains
         near = shapes_near(shapes, from, to, ndim)
         do i = 1, n(1)
           point = lower + step*([i, j, k] - 0.5_dp)
-          if (shapes_inside(near, point, ndim, 0.0_dp)) hits = hits + 1
+          if (.not. shapes_inside(near, point, ndim, 0.0_dp)) cycle
+          hits = hits + 1
+          ways = ways + 2.0_dp*pi*max(point(1), 0.0_dp)
         end do
       end do
     end do
     volume = hits*product(step(:ndim))
+    if (present(rings)) then
+      if (rings) volume = ways*product(step(:ndim))
+    end if
   end function shapes_volume
 
   !> A point where a lattice that fills the shapes has a corner: the first shape's lower corner;
@@ -251,7 +259,7 @@ contains
     case default
       depth = shape%radius - radius
     end select
-    if (ndim == 3) depth = min(depth, along, shape%length - along)
+    if (any(abs(shape%axis(:ndim)) > 0.0_dp)) depth = min(depth, along, shape%length - along)
   end function shape_depth
 
   pure subroutine shape_box(shape, lower, upper)

@@ -1,4 +1,4 @@
-! dimension-generic
+! dimension-generic, axisymmetric
 #include "dimension.inc"
 !> Stress update of one chunk of particles: strain and rotation (Jaumann rate), constitutive law,
 !! volume, energy, flux.
@@ -32,8 +32,11 @@ module DIM(sgmp_stress_update)
   public :: stress_update, stress_flux, stress_probe
 
   !> Stress component of each flux (and strain) component, and its two axes.
-  integer, parameter :: stress_of(NFLUX) = flux_stress(:NFLUX, NDIM)
+  integer, parameter :: stress_of(NFLUX) = flux_stress(:NFLUX, SPACE)
   integer, parameter :: strain_pair(2, NFLUX) = voigt_axes(:, stress_of)
+#ifdef AXISYMMETRIC
+  integer, parameter :: hoop = 3                        !! of the stress components
+#endif
 
 contains
 
@@ -110,7 +113,7 @@ contains
       do c = 1, NFLUX
         do l = 1, lanes
           flux(l, c) = 0.0_dp
-          if (c <= NDIM) flux(l, c) = live(l)*volume(l)*(stress(l, 1) - q(l))
+          if (stress_of(c) <= 3) flux(l, c) = live(l)*volume(l)*(stress(l, 1) - q(l))
         end do
       end do
       return
@@ -124,6 +127,9 @@ contains
       do c = NDIM + 1, NFLUX
         flux(l, c) = v*stress(l, stress_of(c))
       end do
+#ifdef AXISYMMETRIC
+      flux(l, NFLUX) = v*(stress(l, hoop) - q(l))
+#endif
     end do
   end subroutine stress_flux
 
@@ -143,9 +149,18 @@ contains
     do a = 1, NDIM
       trace = trace + grad(:, (a - 1)*NDIM + a)
     end do
+#ifdef AXISYMMETRIC
+    trace = trace + grad(:, NGRAD)
+#endif
     do c = 1, NFLUX
       a = strain_pair(1, c)
       b = strain_pair(2, c)
+#ifdef AXISYMMETRIC
+      if (a == hoop) then
+        flux(:, c) = weight*(2.0_dp*shear*grad(:, NGRAD) + lame*trace)
+        cycle
+      end if
+#endif
       flux(:, c) = shear*(grad(:, (a - 1)*NDIM + b) + grad(:, (b - 1)*NDIM + a))
       if (a == b) flux(:, c) = flux(:, c) + lame*trace
       flux(:, c) = weight*flux(:, c)
@@ -202,16 +217,27 @@ contains
       strain(l, 3) = xy + yx
       trace(l) = strain(l, 1) + strain(l, 2)
       jacobian(l) = (1.0_dp + strain(l, 1))*(1.0_dp + strain(l, 2)) - xy*yx
+#ifdef AXISYMMETRIC
+      strain(l, NFLUX) = dt*grad(l, NGRAD)
+      trace(l) = trace(l) + strain(l, NFLUX)
+      jacobian(l) = jacobian(l)*(1.0_dp + strain(l, NFLUX))
+#endif
       s1 = stress(l, 1)
       s2 = stress(l, 2)
       s3 = stress(l, 3)
       s4 = stress(l, 4)
       work(l) = 0.5_dp*(s1*strain(l, 1) + s2*strain(l, 2) + s4*strain(l, 3))
+#ifdef AXISYMMETRIC
+      work(l) = work(l) + 0.5_dp*(s3*strain(l, NFLUX))
+#endif
       mean = lame*trace(l)
       w = turn*(grad(l, 2) - grad(l, 3))
       stress(l, 1) = (s1 + 2.0_dp*w*s4) + (mean + shear2*strain(l, 1))
       stress(l, 2) = (s2 - 2.0_dp*w*s4) + (mean + shear2*strain(l, 2))
       stress(l, 3) = s3 + mean
+#ifdef AXISYMMETRIC
+      stress(l, 3) = stress(l, 3) + shear2*strain(l, NFLUX)
+#endif
       stress(l, 4) = (s4 + w*(s2 - s1)) + shear*strain(l, 3)
 #else
     !$omp simd simdlen(8) private(s1, s2, s3, s4, s5, s6, mean, wxy, wyz, wxz) &
@@ -349,6 +375,9 @@ contains
     end do
     do l = 1, lanes
       j = max(volume(l)*law%density/mass(l), collapsed)  ! the caller looks at the jacobian
+#ifdef AXISYMMETRIC
+      bij(l, hoop) = (j/(f(l, 1, 1)*f(l, 2, 2) - f(l, 2, 1)*f(l, 1, 2)))**2
+#endif
       do c = 1, NSTRESS
         stress(l, c) = mu/j*bij(l, c)
         if (c <= 3) stress(l, c) = stress(l, c) + (lambda*log(j) - mu)/j

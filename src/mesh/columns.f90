@@ -2,15 +2,18 @@
 !! nodes. The only place that counts them.
 module sgmp_columns
   use sgmp_kernels, only: kernel_centred
+  use sgmp_space, only: space_axisymmetric, space_dimensions, spaces
   use sgmp_voigt, only: flux_components
   implicit none
   private
   public :: columns_t, columns_make
-  public :: node_acceleration, node_remapped, node_velocity, node_inverse_mass, node_total
+  public :: node_acceleration, node_inertia, node_inverse_mass, node_remapped, node_total, &
+            node_velocity
 
   !> Columns of the sums; vectors and tensors by their first column.
   type :: columns_t
     integer :: mass = 1
+    integer :: radial = 0              !! mass times radius (cells), 0: there is no axis
     integer :: momentum = 2
     integer :: spin = 0                !! the spin that particles carry, times their mass
     integer :: spins = 0               !! components of it, 0: none is carried
@@ -28,22 +31,29 @@ module sgmp_columns
   integer, parameter :: node_acceleration = 1, node_remapped = node_acceleration
   integer, parameter :: node_velocity(3) = [2, 3, 4]
   integer, parameter :: node_inverse_mass(3) = [3, 5, 7]
-  integer, parameter :: node_total(3) = node_inverse_mass
+  integer, parameter :: node_inertia = 6     !! axisymmetric: radial mass over mass
+  integer, parameter :: node_total(spaces) = [node_inverse_mass, node_inertia]
 
 contains
 
   !> Lays out the columns of the sums.
-  pure function columns_make(ndim, kernel, external, volume, spins, offset) result(columns)
-    integer, intent(in) :: ndim, kernel
+  pure function columns_make(space, kernel, external, volume, spins, offset) result(columns)
+    integer, intent(in) :: space, kernel
     logical, intent(in) :: external    !! with an external force
     logical, intent(in) :: volume      !! with the volume
     integer, intent(in) :: spins       !! components of the spin that particles carry
     logical, intent(in), optional :: offset  !! with the first moments of the mass
     type(columns_t) :: columns
+    integer :: ndim
+    ndim = space_dimensions(space)
+    if (space == space_axisymmetric) then
+      columns%radial = columns%momentum
+      columns%momentum = columns%radial + 1
+    end if
     columns%spin = columns%momentum + ndim
     columns%spins = spins
     columns%force = columns%spin + spins
-    columns%forces = merge(flux_components(ndim), ndim, kernel_centred(kernel))
+    columns%forces = merge(flux_components(space), ndim, kernel_centred(kernel))
     columns%total = columns%force + columns%forces - 1
     if (external) then
       columns%external = columns%total + 1

@@ -21,6 +21,7 @@ module sgmp_field
   type :: field_t
     integer :: kernel = kernel_sgmp                 !! one of kernel_*
     integer :: ndim = 3
+    integer :: space = 3                            !! see sgmp_space
     type(columns_t) :: columns                      !! what the columns of `moment` hold
     integer :: points = 0                           !! stored points
     type(rows_t) :: work, store
@@ -56,10 +57,11 @@ contains
     if (present(spins)) nspin = spins
     field%kernel = kernel
     field%ndim = mesh%ndim
-    field%columns = columns_make(mesh%ndim, kernel, body_force, with_volume, nspin, &
+    field%space = mesh%space
+    field%columns = columns_make(mesh%space, kernel, body_force, with_volume, nspin, &
                                  rotation)
     field%points = 0
-    allocate (field%moment(0, field%columns%total), field%node(0, node_total(mesh%ndim)))
+    allocate (field%moment(0, field%columns%total), field%node(0, node_total(mesh%space)))
     allocate (field%plane_k(0))
     allocate (field%plane_start(1), source=1)
     allocate (field%plane_work(1), field%plane_store(1), source=1)
@@ -77,6 +79,7 @@ contains
     reach = (w - 1)*one
     new%kernel = field%kernel
     new%ndim = field%ndim
+    new%space = field%space
     new%columns = field%columns
     call rows_dilate(bins, [0, 0, 0], reach, stencil)
     if (kernel_centred(field%kernel)) then
@@ -89,7 +92,7 @@ contains
     call field_number(new)
     call field_link(new)
     allocate (new%moment(new%points, new%columns%total))
-    allocate (new%node(new%points, node_total(new%ndim)))
+    allocate (new%node(new%points, node_total(new%space)))
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))
     if (new%columns%offset > 0) then

@@ -4,24 +4,25 @@
 !! scaling. Node i of an axis sits at X = i, cell centre (auxiliary node) i at X = i + 1/2. A closed
 !! box spans nodes 0..cells.
 module sgmp_mesh
+  use sgmp_axis, only: axis_cell
   use sgmp_kinds, only: dp
+  use sgmp_space, only: space_axisymmetric, space_dimensions
   implicit none
   private
-  public :: mesh_t, mesh_make, mesh_position, mesh_coordinate
-  public :: axis_names
-  public :: wall_free, wall_slip, wall_fixed, wall_names
-
-  character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
+  public :: mesh_t, mesh_make, mesh_position, mesh_coordinate, mesh_filled
+  public :: wall_axis, wall_free, wall_slip, wall_fixed, wall_names
 
   integer, parameter :: wall_free = 0  !! material may leave or the face is open
   integer, parameter :: wall_slip = 1  !! normal velocity vanishes (symmetry)
   integer, parameter :: wall_fixed = 2  !! all velocity components vanish
+  integer, parameter :: wall_axis = 3  !! a slip wall behind which radii are negative
   character(8), parameter :: wall_names(wall_free:wall_fixed) = [character(8) :: &
     'free', 'slip', 'fixed']
 
   !> Grid geometry; axes beyond the dimension are unused.
   type :: mesh_t
-    integer :: ndim = 3                  !! 1, 2 (plane strain) or 3
+    integer :: ndim = 3                  !! 1, 2 or 3 axes
+    integer :: space = 3                 !! one of those of sgmp_space
     real(dp) :: h = 1.0_dp               !! cell side (length)
     real(dp) :: inverse_h = 1.0_dp
     real(dp) :: origin(3) = 0.0_dp       !! position of node 0
@@ -30,30 +31,37 @@ module sgmp_mesh
     integer :: cells(3) = 0              !! cells between the faces, where both are given
     integer :: lower(3) = -huge(1)/4     !! first node a particle's cell may have
     integer :: upper(3) = huge(1)/4      !! last node
+    real(dp) :: hoop = 0.0_dp            !! correction of the hoop strain (sgmp_axis)
   end type mesh_t
 
 contains
 
-  !> A mesh from plain arguments; faces that are not open must be a whole number of cells apart.
-  pure function mesh_make(ndim, h, lower, upper, open, wall) result(mesh)
-    integer, intent(in) :: ndim           !! dimension
+  !> A mesh from plain arguments; faces that are not open must be a whole number of cells apart. An
+  !! axisymmetric one begins at the axis.
+  pure function mesh_make(space, h, lower, upper, open, wall) result(mesh)
+    integer, intent(in) :: space          !! number of dimensions, or space_axisymmetric
     real(dp), intent(in) :: h             !! cell side (length)
     real(dp), intent(in) :: lower(3), upper(3)  !! corners of the box (length)
     logical, intent(in) :: open(2, 3)     !! face not given
     integer, intent(in) :: wall(2, 3)     !! kind of wall per face
     type(mesh_t) :: mesh
     integer :: axis
-    mesh%ndim = ndim
+    mesh%ndim = space_dimensions(space)
+    mesh%space = space
     mesh%h = h
     mesh%inverse_h = 1.0_dp/h
     mesh%open = open
     mesh%wall = wall
-    do axis = 1, ndim
-      if (.not. open(1, axis)) then
-        mesh%origin(axis) = lower(axis)
+    if (space == space_axisymmetric) then
+      mesh%open(1, 1) = .false.
+      mesh%wall(1, 1) = wall_axis
+    end if
+    do axis = 1, mesh%ndim
+      if (.not. mesh%open(1, axis)) then
+        if (mesh%wall(1, axis) /= wall_axis) mesh%origin(axis) = lower(axis)
         mesh%lower(axis) = 0
         if (.not. open(2, axis)) then
-          mesh%cells(axis) = nint((upper(axis) - lower(axis))/h)
+          mesh%cells(axis) = nint((upper(axis) - mesh%origin(axis))/h)
           mesh%upper(axis) = mesh%cells(axis)
         end if
       else if (.not. open(2, axis)) then
@@ -76,5 +84,18 @@ contains
     real(dp) :: coordinate
     coordinate = (x - origin)/h
   end function mesh_coordinate
+
+  !> How many cells a volume fills where it is; a ring, how many sections of cells.
+  pure function mesh_filled(mesh, x, volume) result(cells)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: x(:)          !! its place (cells)
+    real(dp), intent(in) :: volume
+    real(dp) :: cells
+    if (mesh%space == space_axisymmetric) then
+      cells = volume/(x(1)*axis_cell(mesh%h))
+    else
+      cells = volume/mesh%h**mesh%ndim
+    end if
+  end function mesh_filled
 
 end module sgmp_mesh

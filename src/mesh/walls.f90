@@ -9,7 +9,7 @@ module sgmp_walls
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t, wall_fixed, wall_free, wall_slip
+  use sgmp_mesh, only: mesh_t, wall_axis, wall_fixed, wall_free, wall_slip
   use sgmp_rows, only: key_j, key_k
   use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
@@ -27,28 +27,32 @@ contains
   end function has_walls
 
   !> Sign with which a column of the moments is folded at a wall of the given kind and normal axis.
-  pure function moment_parity(column, columns, normal, wall, ndim, centred) result(parity)
+  pure function moment_parity(column, columns, normal, wall, space, centred) result(parity)
     integer, intent(in) :: column        !! column of field%moment
     type(columns_t), intent(in) :: columns
     integer, intent(in) :: normal        !! axis of the wall's normal
-    integer, intent(in) :: wall          !! wall_slip or wall_fixed
-    integer, intent(in) :: ndim
+    integer, intent(in) :: wall          !! wall_slip, wall_fixed or wall_axis
+    integer, intent(in) :: space
     logical, intent(in) :: centred       !! stresses at centres, not forces at nodes
     real(dp) :: parity
     parity = 1.0_dp
     if (column == columns%mass) return
+    if (column == columns%radial) then
+      if (wall == wall_axis) parity = -1.0_dp
+      return
+    end if
     if (column < columns%spin) then
       parity = vector_parity(1 + column - columns%momentum, normal, wall)
     else if (column < columns%force) then
       ! An axial vector: a mirror keeps only the rotation about its normal.
-      if (wall /= wall_fixed .and. (1 + column - columns%spin /= normal .or. ndim == 2)) then
+      if (wall /= wall_fixed .and. (1 + column - columns%spin /= normal .or. space == 2)) then
         parity = -1.0_dp
       end if
     else if (column < columns%force + columns%forces) then
       if (.not. centred) then
         parity = vector_parity(1 + column - columns%force, normal, wall)
       else if (wall /= wall_fixed) then
-        parity = stress_parity(1 + column - columns%force, normal, ndim)
+        parity = stress_parity(1 + column - columns%force, normal, space)
       end if
     else if (columns%offset > 0 .and. column >= columns%offset) then
       ! A mirror turns the lever across it round, whatever the wall does to velocities.
@@ -64,12 +68,12 @@ contains
   end function vector_parity
 
   !> The same for a stress component at a slip wall: shear stresses at the wall are odd.
-  pure function stress_parity(flux, normal, ndim) result(parity)
+  pure function stress_parity(flux, normal, space) result(parity)
     integer, intent(in) :: flux          !! component
-    integer, intent(in) :: normal, ndim
+    integer, intent(in) :: normal, space
     real(dp) :: parity
     integer :: axes(2)
-    axes = voigt_axes(:, flux_stress(flux, ndim))
+    axes = voigt_axes(:, flux_stress(flux, space))
     parity = merge(-1.0_dp, 1.0_dp, axes(1) /= axes(2) .and. any(axes == normal))
   end function stress_parity
 
@@ -90,7 +94,7 @@ contains
         call ghost_records(field, s, axis, ghost, image, from, to, n)
         do q = q1, q2
           if (n == 0) exit
-          parity = moment_parity(q, field%columns, axis, mesh%wall(side, axis), field%ndim, &
+          parity = moment_parity(q, field%columns, axis, mesh%wall(side, axis), field%space, &
                                  kernel_centred(field%kernel))
           field%moment(to:to + n - 1, q) = field%moment(to:to + n - 1, q) + &
                                            parity*field%moment(from:from + n - 1, q)

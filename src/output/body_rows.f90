@@ -5,6 +5,7 @@ module sgmp_body_rows
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_position
   use sgmp_model, only: model_t
+  use sgmp_space, only: axes_in_output
   implicit none
   private
   public :: body_rows_write
@@ -30,11 +31,14 @@ contains
     integer, intent(in) :: b
     real(dp) :: row(size(bodies_columns))
     real(dp) :: centroid(3)
+    integer :: axes(3)
     associate (sums => model%totals%bodies(b))
       centroid = mesh_position(model%mesh%origin, model%mesh%h, sums%moment/sums%mass)
       centroid(model%mesh%ndim + 1:) = 0.0_dp
-      row = [model%clock%time, real(b, dp), sums%mass, centroid, sums%momentum/sums%mass, &
-             sums%kinetic, sums%internal, real(model%totals%particles(b), dp)]
+      axes = axes_in_output(:, model%mesh%space)
+      row = [model%clock%time, real(b, dp), sums%mass, centroid(axes), &
+             sums%momentum(axes)/sums%mass, sums%kinetic, sums%internal, &
+             real(model%totals%particles(b), dp)]
     end associate
   end function body_row
 

@@ -6,6 +6,7 @@ module sgmp_end_state
   use sgmp_filling, only: filling_measure
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_mesh, only: mesh_filled, mesh_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_gather, parallel_max, parallel_min, parallel_sum
@@ -45,7 +46,7 @@ contains
     do b = 1, size(model%bodies)
       if (model%bodies(b)%rigid) cycle
       state%particles = state%particles + model%totals%particles(b)
-      call look_at_body(model%bodies(b), model%mesh%ndim, model%mesh%h, state)
+      call look_at_body(model%bodies(b), model%mesh, state)
       if (holds_together(model%bodies(b))) call find_separated(scene%bodies(b), model, b, state)
     end do
     state%compression = parallel_max(state%compression)
@@ -58,14 +59,14 @@ contains
   end subroutine end_state_take
 
   !> Extremes of this rank's particles of a body.
-  subroutine look_at_body(body, nd, h, state)
+  subroutine look_at_body(body, mesh, state)
     type(body_t), intent(in) :: body
-    integer, intent(in) :: nd
-    real(dp), intent(in) :: h
+    type(mesh_t), intent(in) :: mesh
     type(end_state_t), intent(inout) :: state
     type(particle_field_t) :: field
-    real(dp) :: volume, ratio, pressure
-    integer :: c, l
+    real(dp) :: volume, ratio, pressure, cells
+    integer :: c, l, nd
+    nd = mesh%ndim
     field = particle_field_find('pressure')
     do c = 1, body%particles%chunks
       do l = 1, lanes
@@ -75,8 +76,9 @@ contains
         pressure = sum(field%take(body, particle_place_t(nd, l, c)))
         state%compression = max(state%compression, 1.0_dp/ratio)
         state%expansion = max(state%expansion, ratio)
-        state%per_cell = min(state%per_cell, h**nd/volume)
-        if (volume > h**nd) state%stretched = state%stretched + 1
+        cells = mesh_filled(mesh, body%particles%motion(l, :nd, c), volume)
+        state%per_cell = min(state%per_cell, 1.0_dp/cells)
+        if (cells > 1.0_dp) state%stretched = state%stretched + 1
         state%pressure = [min(state%pressure(1), pressure), max(state%pressure(2), pressure)]
       end do
     end do

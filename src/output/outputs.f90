@@ -15,6 +15,7 @@ module sgmp_outputs
   use sgmp_scene, only: name_length, scene_t
   use sgmp_snapshot, only: snapshot_t
   use sgmp_snapshot_make, only: snapshot_initial_positions, snapshot_slice, snapshot_whole
+  use sgmp_space, only: axes_in_output
   use sgmp_tecplot, only: tecplot_t
   use sgmp_vtkhdf, only: vtkhdf_t
   use sgmp_vtu, only: vtu_series_t
@@ -261,7 +262,7 @@ contains
         model%clock%step, [model%clock%time, model%clock%dt, l%kinetic, l%internal, &
                            ledger_total(l), l%external_work, l%contact_dissipation, &
                            l%viscous_dissipation, l%interpolation_error, l%remainder, &
-                           l%momentum], error)
+                           l%momentum(axes_in_output(:, model%mesh%space))], error)
     end associate
     if (allocated(error)) return
     call body_rows_write(outputs%bodies, model, error)
@@ -322,7 +323,9 @@ contains
     call snapshot_whole(model, none, outputs%initial, snapshot)
     if (parallel_rank() == 0) then
       do g = 1, size(scene%gauges)
-        nearest = minloc(distance2(snapshot%position, scene%gauges(g)%point, model%mesh%ndim), 1)
+        nearest = minloc(distance2(snapshot%position, &
+                                   scene%gauges(g)%point(axes_in_output(:, model%mesh%space)), &
+                                   snapshot%dimension), 1)
         outputs%gauge_ids(g) = snapshot%id(nearest)
       end do
     else

@@ -12,6 +12,7 @@ module sgmp_snapshot_make
   use sgmp_seeding, only: seeding_generate
   use sgmp_snapshot, only: snapshot_field_t, snapshot_t
   use sgmp_sorting, only: sort_order
+  use sgmp_space, only: axes_in_output
   implicit none
   private
   public :: snapshot_whole, snapshot_slice, snapshot_initial_positions
@@ -28,11 +29,12 @@ contains
     type(particle_field_t), allocatable :: kinds(:)
     type(particle_place_t) :: at
     real(dp) :: values(most_components)
-    integer, allocatable :: place(:)
+    integer, allocatable :: axes(:), place(:)
     integer :: b, c, l, p, f, n, nd, visited
     n = sum(model%bodies%particles%count)
     nd = model%mesh%ndim
-    snapshot%dimension = nd
+    axes = axes_in_output(:nd, model%mesh%space)
+    snapshot%dimension = maxval(axes)
     snapshot%step = model%clock%step
     snapshot%time = model%clock%time
     call order_of_ids(model, place)  ! first, while there is little else
@@ -40,7 +42,7 @@ contains
     snapshot%position = 0.0_dp
     snapshot%velocity = 0.0_dp
     snapshot%body_names = model%bodies%name
-    call declare_fields(names, nd, n, kinds, snapshot%fields)
+    call declare_fields(names, model%mesh%space, n, kinds, snapshot%fields)
     at%ndim = nd
     visited = 0
     do b = 1, size(model%bodies)
@@ -52,9 +54,9 @@ contains
             p = place(visited)
             snapshot%id(p) = body%particles%id(l, c)
             snapshot%body(p) = b
-            snapshot%position(:nd, p) = mesh_position(model%mesh%origin(:nd), model%mesh%h, &
+            snapshot%position(axes, p) = mesh_position(model%mesh%origin(:nd), model%mesh%h, &
                                                       body%particles%motion(l, :nd, c))
-            snapshot%velocity(:nd, p) = &
+            snapshot%velocity(axes, p) = &
               body%particles%motion(l, motion_velocity(nd):motion_velocity(nd) + nd - 1, c)
             at%lane = l
             at%chunk = c
@@ -198,9 +200,9 @@ contains
   end subroutine order_of_ids
 
   !> Makes room for the fields asked for; initial positions have a place of their own.
-  subroutine declare_fields(names, ndim, n, kinds, fields)
+  subroutine declare_fields(names, space, n, kinds, fields)
     character(*), intent(in) :: names(:)
-    integer, intent(in) :: ndim, n
+    integer, intent(in) :: space, n
     type(particle_field_t), allocatable, intent(out) :: kinds(:)
     type(snapshot_field_t), allocatable, intent(out) :: fields(:)
     integer :: f
@@ -209,7 +211,7 @@ contains
     allocate (fields(size(kinds)))
     do f = 1, size(fields)
       fields(f)%name = kinds(f)%name
-      fields(f)%components = particle_field_components(kinds(f), ndim)
+      fields(f)%components = particle_field_components(kinds(f), space)
       allocate (fields(f)%values(size(fields(f)%components), n), source=0.0_dp)
     end do
   end subroutine declare_fields
@@ -227,7 +229,8 @@ contains
       call seeding_generate(scene%bodies(b), scene%grid%cell, model%mesh%origin, model%mesh%ndim, &
                             x, volume, error)
       if (allocated(error)) return
-      initial = reshape([initial, x], [3, size(initial, 2) + size(x, 2)])
+      initial = reshape([initial, x(axes_in_output(:, model%mesh%space), :)], &
+                        [3, size(initial, 2) + size(x, 2)])
     end do
   end subroutine snapshot_initial_positions
 

@@ -4,7 +4,8 @@ module sgmp_particle_fields
   use sgmp_body, only: body_t
   use sgmp_kinds, only: dp
   use sgmp_motion, only: motion_mass
-  use sgmp_voigt, only: stress_components, voigt_names
+  use sgmp_space, only: axes_in_output, space_dimensions
+  use sgmp_voigt, only: stress_components, voigt_axes, voigt_names
   implicit none
   private
   public :: particle_field_t, particle_place_t, particle_field_find, particle_field_names, &
@@ -80,19 +81,32 @@ contains
   end function particle_field_find
 
   !> Names of a field's components as columns of a table have them; a scalar's is its own.
-  pure function particle_field_components(field, ndim) result(names)
+  pure function particle_field_components(field, space) result(names)
     type(particle_field_t), intent(in) :: field
-    integer, intent(in) :: ndim
+    integer, intent(in) :: space
     character(32), allocatable :: names(:)
+    integer :: c
     select case (field%kind)
     case (tensor)
-      names = trim(field%name)//'_'//voigt_names(:stress_components(ndim))
+      names = [(trim(field%name)//'_'//output_name(c, space), &
+                c=1, stress_components(space_dimensions(space)))]
     case (vector)
       names = trim(field%name)//'_'//vector_ends
     case default  ! scalar
       names = [character(32) :: field%name]
     end select
   end function particle_field_components
+
+  !> Name in output of a stored stress component.
+  pure function output_name(component, space) result(name)
+    integer, intent(in) :: component, space
+    character(2) :: name
+    integer :: axes(2), c
+    axes = axes_in_output(voigt_axes(:, component), space)
+    do c = 1, size(voigt_names)
+      if (all(voigt_axes(:, c) == [minval(axes), maxval(axes)])) name = voigt_names(c)
+    end do
+  end function output_name
 
   pure function initial_position(body, at) result(values)
     type(body_t), intent(in) :: body

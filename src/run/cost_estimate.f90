@@ -28,14 +28,18 @@ contains
     integer(i8) :: bytes, particles
     integer :: b
     call put('deck        '//scene%file//': '//scene%title)
-    call put('dimension   '//integer_text(scene%dimension)// &
-             trim(merge(' (plane strain)', '               ', scene%dimension == 2)))
+    if (scene%axisymmetric) then
+      call put('dimension   axisymmetric')
+    else
+      call put('dimension   '//integer_text(scene%dimension)// &
+               trim(merge(' (plane strain)', '               ', scene%dimension == 2)))
+    end if
     call put('method      '//trim(method_names(scene%method%kind))//', '// &
              trim(update_names(scene%method%update)))
     call put('grid        cell '//real_text(model%mesh%h)//', active points '// &
              integer_text(sum(rows_points(model%fields%work)))//' (stored '// &
              integer_text(sum(model%fields%points))//'), '// &
-             integer_text(model%fields(1)%columns%total + node_total(model%mesh%ndim))// &
+             integer_text(model%fields(1)%columns%total + node_total(model%mesh%space))// &
              ' values each, '// &
              bytes_text(sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])))
     bytes = sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])

@@ -91,7 +91,7 @@ contains
     type(log_t), intent(inout) :: log
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    call log%line(integer_text(scene%dimension)//'D, '// &
+    call log%line(space_text(scene)//', '// &
                   trim(method_names(scene%method%kind))//'-'// &
                   trim(update_names(scene%method%update))//', '// &
                   integer_text(sum(model%totals%particles))//' particles, '// &
@@ -103,6 +103,14 @@ contains
     call warn_of_strangers(log, model)
     call warn_of_closed_gas(log, model)
   end subroutine report_start
+
+  !> What a scene is computed in.
+  pure function space_text(scene) result(text)
+    type(scene_t), intent(in) :: scene
+    character(:), allocatable :: text
+    text = integer_text(scene%dimension)//'D'
+    if (scene%axisymmetric) text = 'axisymmetric'
+  end function space_text
 
   !> Bodies whose particles make up more or less than their shapes.
   subroutine warn_of_masses(log, scene, model)
@@ -301,7 +309,11 @@ contains
     call summary%set('title', scene%title)
     call summary%set('method', trim(method_names(scene%method%kind)))
     call summary%set('update', trim(update_names(scene%method%update)))
-    call summary%set('dimension', scene%dimension)
+    if (scene%axisymmetric) then
+      call summary%set('dimension', 'axisymmetric')
+    else
+      call summary%set('dimension', scene%dimension)
+    end if
     call summary%set('cfl', model%clock%cfl)
     call summary%set('cfl_limit', model%clock%limit)
     call summary%set('h', scene%grid%cell)

@@ -20,7 +20,7 @@ module sgmp_build_model
   use sgmp_partition, only: partition_make
   use sgmp_phases, only: phase_layout
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
-  use sgmp_scene, only: body_card_t, scene_at_rest, scene_t
+  use sgmp_scene, only: body_card_t, scene_at_rest, scene_space, scene_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
   use sgmp_step, only: step_start
   use sgmp_team, only: team_make
@@ -47,8 +47,11 @@ contains
     logical :: seeded
     seeded = .true.
     if (present(empty)) seeded = .not. empty
-    model%mesh = mesh_make(scene%dimension, scene%grid%cell, scene%grid%lower, scene%grid%upper, &
-                           scene%grid%open, scene%grid%wall)
+    associate (grid => scene%grid)
+      model%mesh = mesh_make(scene_space(scene), grid%cell, grid%lower, grid%upper, grid%open, &
+                             grid%wall)
+    end associate
+    model%mesh%hoop = scene%method%hoop
     model%method%update = scene%method%update
     model%method%flip = scene%method%flip
     model%method%gravity = scene%gravity
@@ -275,7 +278,7 @@ contains
       call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
                       model%method%normalised, model%method%spins, model%method%rotation)
     end do
-    call team_make(model%team, threads, model%mesh%ndim, size(model%fields), size(model%bodies))
+    call team_make(model%team, threads, model%mesh%space, size(model%fields), size(model%bodies))
     allocate (model%ranks%below(size(model%fields)), model%ranks%above(size(model%fields)))
     call ranks_renew_bins(model%ranks, model%bodies)
     call phase_layout(model%mesh, model%fields, model%bodies, model%contact, model%team, &

@@ -34,7 +34,8 @@ contains
       if (scene%bodies(b)%layout == layout_file) cycle  ! its size is that of a file
       in_cell = per_cell(scene, scene%bodies(b))
       particles = in_cell/scene%grid%cell**scene%dimension* &
-                  seeding_shape_volume(scene%bodies(b), scene%dimension, size(scene%bodies))
+                  seeding_shape_volume(scene%bodies(b), scene%dimension, size(scene%bodies), &
+                                       section=.true.)
       bytes = bytes + particles*(of_particle(scene, in_cell) + of_grid(scene)/in_cell)
     end do
   end function memory_need

@@ -2,16 +2,17 @@
 !! file; a survey that counts them before any is made; bodies that overlap.
 module sgmp_seeding
   use sgmp_errors, only: error_make, error_t, exit_deck
-  use sgmp_kinds, only: dp, i4
+  use sgmp_kinds, only: dp, i4, pi
   use sgmp_lattice, only: lattice_cubic, lattice_fits, lattice_gauss, lattice_ijk, lattice_jitter, &
                           lattice_layers, lattice_lines, lattice_point, lattice_t, &
                           lattice_tolerance, lattice_too_many, lattice_volume
-  use sgmp_mesh, only: axis_names, mesh_make, mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_make, mesh_position, mesh_t
   use sgmp_particle_file, only: particle_file_read
-  use sgmp_scene, only: body_card_t, layout_file, layout_gauss, scene_t
+  use sgmp_scene, only: body_card_t, layout_file, layout_gauss, scene_space, scene_t
   use sgmp_shapes, only: combine_union, infinite_length, shape_t, shapes_anchor, shapes_box, &
                          shapes_inside, shapes_near, shapes_volume
   use sgmp_slabs, only: slab_holds, slab_plane, slab_t
+  use sgmp_space, only: axis_names
   use sgmp_text, only: real_text
   use sgmp_turn, only: turn_back, turn_box, turn_forth, turn_t
   implicit none
@@ -160,7 +161,7 @@ contains
     type(mesh_t) :: mesh
     type(lattice_t) :: lattice
     integer :: b
-    mesh = mesh_make(scene%dimension, scene%grid%cell, scene%grid%lower, scene%grid%upper, &
+    mesh = mesh_make(scene_space(scene), scene%grid%cell, scene%grid%lower, scene%grid%upper, &
                      scene%grid%open, scene%grid%wall)
     do b = 1, size(scene%bodies)
       if (scene%bodies(b)%layout == layout_file) cycle
@@ -257,9 +258,11 @@ contains
       if (.not. shapes_inside(shapes, tested, lattice%ndim, lattice%margin)) cycle
       call lattice_jitter(lattice, ijk, point)
       if (lattice_turns) call turn_forth(turn, point)
+      if (body%rings .and. point(1) <= 0.0_dp) cycle
       found%n = found%n + 1
       found%position(:, found%n) = point
       found%volume(found%n) = lattice_volume(lattice, ijk)
+      if (body%rings) found%volume(found%n) = 2.0_dp*pi*point(1)*found%volume(found%n)
     end do
   end subroutine fill_line
 
@@ -366,7 +369,7 @@ contains
         if (coordinates(d, p) >= mesh%lower(d) .and. coordinates(d, p) <= mesh%upper(d)) cycle
         call error_make(error, exit_deck, &
           "body '"//trim(body%name)//"' reaches out of the grid "// &
-                        'along '//axis_names(d)//', where it has a particle at '// &
+                        'along '//axis_names(d, mesh%space)//', where it has a particle at '// &
                         real_text(mesh_position(mesh%origin(d), mesh%h, coordinates(d, p))), &
                         'move or cut the body, widen the grid, or leave that face open', &
                         place_of(body))
@@ -375,17 +378,21 @@ contains
     end do
   end subroutine seeding_check_inside
 
-  !> Volume of a body's shapes to about a percent (length**dimension), 0 where it has none.
-  pure function seeding_shape_volume(body, ndim, bodies) result(volume)
+  !> Volume of a body's shapes to about a percent (length**dimension; of rings length**3), 0 where
+  !! it has none.
+  pure function seeding_shape_volume(body, ndim, bodies, section) result(volume)
     type(body_card_t), intent(in) :: body
     integer, intent(in) :: ndim
     integer, intent(in) :: bodies                !! of the scene, who share the effort
+    logical, intent(in), optional :: section     !! of rings, the area of their section instead
     real(dp) :: volume
+    logical :: rings
     integer, parameter :: effort = 2**22, finest = 64, coarsest = 12
     volume = 0.0_dp
     if (body%layout == layout_file) return
+    rings = body%rings .and. .not. present(section)
     volume = shapes_volume(body%shapes, ndim, max(coarsest, min(finest, int( &
-                           (real(effort, dp)/bodies)**(1.0_dp/ndim)))))
+                           (real(effort, dp)/bodies)**(1.0_dp/ndim)))), rings)
   end function seeding_shape_volume
 
   !> An error where another body's shape contains one of these particles and neither body allows it.

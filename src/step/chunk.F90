@@ -1,4 +1,4 @@
-! dimension-generic
+! dimension-generic, axisymmetric
 #include "dimension.inc"
 !> One chunk of particles in a sweep: reads the grid, kicks, drifts, strains, and adds what the
 !! particles give to the accumulator of their stencil.
@@ -6,7 +6,7 @@
 !! Chunks are many and small, so what is the same for all of them is worked out once, in a task.
 !! Longer than 500 lines: all that happens to a chunk, inlined into one pass.
 module DIM(sgmp_chunk)
-  use DIM(sgmp_axis_weights), only: axis_weights, gimp_size
+  use CARTESIAN(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: constitutive_t
   use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_shift, stencil_width
@@ -15,14 +15,15 @@ module DIM(sgmp_chunk)
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_add, movers_t
   use sgmp_plan, only: plan_t, workspace_t
-  use DIM(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
+  use CARTESIAN(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use sgmp_sums, only: sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sum_viscous, sweep_sums
-  use DIM(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_scatter, &
-                                linear_scatter_force, linear_scatter_moment, linear_weights
-  use DIM(sgmp_transfer_product), only: product_gather, product_gather_gradient, product_scatter, &
-                                        product_scatter_force, product_spread, product_spread_t
+  use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_scatter, &
+                                      linear_scatter_force, linear_scatter_moment, linear_weights
+  use CARTESIAN(sgmp_transfer_product), only: product_gather, product_gather_gradient, &
+                                              product_scatter, product_scatter_force, &
+                                              product_spread, product_spread_t
   implicit none
   private
   public :: chunk_advance, particle_axes, task_make, task_t
@@ -30,10 +31,14 @@ module DIM(sgmp_chunk)
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 2 + 3*NDIM + NSPIN + NFLUX
+  integer, parameter :: most_columns = 1 + NMASS + 3*NDIM + NSPIN + NFLUX
   integer, parameter :: most_gathered = 2*NDIM + NGRAD
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
+
+#ifdef AXISYMMETRIC
+  real(dp), parameter :: least_radius = 1.0e-12_dp  !! (cells) of a particle on the axis
+#endif
 
   !> What a sweep asks of every chunk of a field, and the extents of the field's stencil.
   type :: task_t
@@ -78,9 +83,9 @@ contains
     task%shift = stencil_shift(kernel)
     task%nq = plan%last_column - plan%first_column + 1
     task%plain = task%nq - merge(NDIM, 0, plan%offset)
-    task%forces = merge(1, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
+    task%forces = merge(NMASS, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
     if (plan%spins > 0 .and. plan%momentum) then
-      task%momentum = merge(1, 0, plan%mass)
+      task%momentum = merge(NMASS, 0, plan%mass)
       task%spin = task%forces
       task%forces = task%forces + plan%spins
     end if
@@ -126,9 +131,17 @@ contains
     call locate(motion, origin, xi)
     if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
     call gather(task, plan%gradient > 0, xi, axes, row, records, got)
+#ifdef AXISYMMETRIC
+    if (.not. task%centred .and. plan%gradient > 0) then
+      call gather_hoop(task, xi, axes, row, records, motion, got(1, task%gradient + NGRAD - 1))
+    end if
+#endif
     if (nl < lanes) call hold_pads(task%stride, task%live(1, nl), got)
     if (plan%probe) then
       call probe(body%law, plan%stress, task, task%live(1, nl), motion(1, mass_at), got, values)
+#ifdef AXISYMMETRIC
+      if (plan%stress .and. .not. task%centred) call hoop_force(task, motion, values)
+#endif
       call scatter(task, plan%stress, xi, axes, values, stencil)
       return
     end if
@@ -147,6 +160,9 @@ contains
       call stress_flux(body%law, state(1, 1), speed2, task%live(1, nl), &
                        state(1, body%law%slots%stress), values(1, task%flux + 1))
     end if
+#ifdef AXISYMMETRIC
+    if (plan%stress .and. .not. task%centred) call hoop_force(task, motion, values)
+#endif
     call collect(plan%mass, plan%momentum, task%live(1, nl), motion, values)
     if (task%spin > 0) call spin_collect(plan%spin_keep, plan%spin_gain, task%live(1, nl), &
                                          got(1, task%gradient), motion(1, mass_at), &
@@ -267,6 +283,35 @@ contains
                                               records(task%gradient, 1), row, got(1, task%gradient))
   end subroutine gather
 
+#ifdef AXISYMMETRIC
+  !> Hoop strain rate of a chunk where particles read the nodes (MPM, GIMP): v_r/r.
+  pure subroutine gather_hoop(task, xi, axes, row, records, motion, rate)
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
+    integer, intent(in) :: row(most_rows)
+    real(dp), intent(in) :: records(task%stride, *), motion(lanes, motion_total(NDIM))
+    real(dp), intent(out) :: rate(lanes)
+    real(dp) :: w(lanes, NCORNER)
+    if (task%wide) then
+      call product_gather(1, axes, task%stride, records(task%gradient, 1), row, rate)
+    else
+      call linear_weights(xi, w)
+      call linear_gather(1, w, task%stride, records(task%gradient, 1), row, rate)
+    end if
+    rate = task%inverse_h*rate/max(motion(:, 1), least_radius)
+  end subroutine gather_hoop
+
+  !> Turns the hoop stress times volume into the radial force that its particles exert.
+  pure subroutine hoop_force(task, motion, values)
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
+    associate (hoop => values(:, task%flux + NFLUX))
+      hoop = -task%inverse_h*hoop/max(motion(:, 1), least_radius)
+    end associate
+  end subroutine hoop_force
+#endif
+
   !> v += a dt (Eq. 29), blended with PIC where asked for; sums for the energy ledger.
   pure subroutine kick(dt, live, acceleration, flip, grid_velocity, motion, lane_sums)
     real(dp), intent(in) :: dt, live(lanes), acceleration(lanes, NDIM)
@@ -359,7 +404,7 @@ contains
     end do
   end subroutine check_chunk
 
-  !> Mass and momentum, the first columns that go to the grid.
+  !> Mass (about an axis, its moment, too) and momentum, the first columns that go to the grid.
   pure subroutine collect(with_mass, with_momentum, live, motion, values)
     logical, intent(in) :: with_mass, with_momentum
     real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM))
@@ -368,10 +413,13 @@ contains
     integer :: n, d, l
     n = 0
     if (with_mass) then
-      n = 1
+      n = NMASS
       !$omp simd simdlen(8)
       do l = 1, lanes
         values(l, 1) = live(l)*motion(l, mass_at)
+#ifdef AXISYMMETRIC
+        values(l, NMASS) = values(l, 1)*motion(l, 1)
+#endif
       end do
     end if
     if (.not. with_momentum) return
@@ -491,6 +539,9 @@ contains
                                               stencil(1, rest + 1))
       if (stress) call linear_scatter_force(xi, task%inverse_h, values(1, task%flux + 1), &
                                             stencil(1, plain + 1))
+#ifdef AXISYMMETRIC
+      if (stress) call linear_scatter(1, xi, values(1, task%flux + NFLUX), stencil(1, plain + 1))
+#endif
     else
       call product_spread(axes, axes(1, 1, 1, 2), stress, spread)
       if (plain > 0) call product_scatter(plain, spread, values, stencil)
@@ -498,6 +549,10 @@ contains
                                             stencil(1, rest + 1))
       if (stress) call product_scatter_force(spread, values(1, task%flux + 1), &
                                              stencil(1, plain + 1))
+#ifdef AXISYMMETRIC
+      if (stress) call product_scatter(1, spread, values(1, task%flux + NFLUX), &
+                                       stencil(1, plain + 1))
+#endif
     end if
   end subroutine scatter
 

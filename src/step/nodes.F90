@@ -1,4 +1,4 @@
-! dimension-generic
+! dimension-generic, axisymmetric
 #include "dimension.inc"
 !> The grid's part of a step: momentum equation at the nodes (Eqs. 17-20, 33, 34) and the MUSL
 !! re-map.
@@ -6,22 +6,28 @@
 !! With SGMP a node gathers from the 2^d centres around it with fixed weights: 1/2 per axis, and
 !! +-1/h along the axis of a derivative. Rows are handled in tiles so that the partial sums of a
 !! tile stay in the first-level cache.
+!!
+!! In axisymmetric scenes the radial component has an inertia of its own (sgmp_axis): momentum and
+!! force along r are divided by it as they come, and what follows knows of one mass.
 module DIM(sgmp_nodes)
-  use sgmp_columns, only: node_acceleration, node_inverse_mass, node_remapped, node_total, &
-                          node_velocity
+#ifdef AXISYMMETRIC
+  use sgmp_axis, only: axis_hoop_weights, axis_inertia
+#endif
+  use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_remapped, &
+                          node_total, node_velocity
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
 #if NDIM > 1
-  use DIM(sgmp_rotation), only: rotation_force
+  use CARTESIAN(sgmp_rotation), only: rotation_force
 #endif
   use sgmp_rows, only: key_j, key_k
   use sgmp_sums, only: nodes_external, nodes_ignored, nodes_mass_aa, nodes_mass_av, nodes_sums
   use sgmp_voigt, only: flux_between
   implicit none
   private
-  public :: nodes_normalise, nodes_solve, nodes_velocity, nodes_remap
+  public :: nodes_solve, nodes_velocity, nodes_remap
   public :: node_forces
 
   integer, parameter :: tile = 128
@@ -31,80 +37,6 @@ module DIM(sgmp_nodes)
   integer, parameter :: flux_of(NDIM, NDIM) = flux_between(:NDIM, :NDIM, NDIM)
 
 contains
-
-  !> Volume-normalised stress: multiplies the stress moments of interior centres by h^d/V_c, where
-  !! V_c is the volume that particles gave to the centre, so that it is weighted by the cell's
-  !! volume whatever the particles' positions.
-  !!
-  !! A centre is interior if it and all its neighbours are filled beyond the fraction `interior`;
-  !! what lies behind a wall counts as filled. Volumes are only read and stresses only scaled, so
-  !! planes may be done in any order.
-  pure subroutine nodes_normalise(field, mesh, plane, interior)
-    type(field_t), intent(inout) :: field
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: plane
-    real(dp), intent(in) :: interior
-    real(dp) :: least(0:tile + 1), factor(tile), cell, around
-    integer :: s, first, n, i, q, idx
-    cell = mesh%h**NDIM
-    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
-      do first = field%work%first(s), field%work%last(s), tile
-        n = min(tile, field%work%last(s) - first + 1)
-        call least_volume(field, mesh, s, first, n, cell, least)
-        idx = field%neighbour(0, 0, s) + first - 1
-        !$omp simd private(around)
-        do i = 1, n
-          around = min(least(i - 1), least(i), least(i + 1))
-          factor(i) = cell/merge(field%moment(idx + i, field%columns%volume), cell, &
-                                 around > interior*cell)
-        end do
-        do q = field%columns%force, field%columns%force + NFLUX - 1
-          !$omp simd
-          do i = 1, n
-            field%moment(idx + i, q) = factor(i)*field%moment(idx + i, q)
-          end do
-        end do
-      end do
-    end do
-  end subroutine nodes_normalise
-
-  !> Least volume over the rows around each centre of a tile and its two neighbours.
-  pure subroutine least_volume(field, mesh, s, first, n, cell, least)
-    type(field_t), intent(in) :: field
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: s, first, n
-    real(dp), intent(in) :: cell
-    real(dp), intent(out) :: least(0:tile + 1)
-    integer :: dj, dk, i, b, j, k, side
-    j = key_j(field%work%key(s))
-    k = key_k(field%work%key(s))
-    least = cell
-    do dk = merge(-1, 0, NDIM > 1), merge(1, 0, NDIM > 1)
-      do dj = merge(-1, 0, NDIM > 2), merge(1, 0, NDIM > 2)
-        if (NDIM > 1 .and. behind_wall(mesh, NDIM, k + dk)) cycle
-        if (NDIM > 2 .and. behind_wall(mesh, 2, j + dj)) cycle
-        b = field%neighbour(dj, dk, s) + first - 1
-        !$omp simd
-        do i = 0, n + 1
-          least(i) = min(least(i), field%moment(b + i, field%columns%volume))
-        end do
-      end do
-    end do
-    do side = 1, 2
-      if (mesh%wall(side, 1) == wall_free) cycle
-      i = merge(mesh%lower(1) - 1, mesh%upper(1), side == 1) - first + 1
-      if (i >= 0 .and. i <= n + 1) least(i) = cell
-    end do
-  end subroutine least_volume
-
-  !> Whether centres of that index lie behind a wall of the axis.
-  pure function behind_wall(mesh, axis, centre) result(yes)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: axis, centre
-    logical :: yes
-    yes = (mesh%wall(1, axis) /= wall_free .and. centre == mesh%lower(axis) - 1) .or. &
-          (mesh%wall(2, axis) /= wall_free .and. centre == mesh%upper(axis))
-  end function behind_wall
 
   !> Acceleration and trial velocity of the nodes of one plane (Eqs. 33, 34).
   pure subroutine nodes_solve(field, mesh, plane, dt, gravity, cutoff, forced, sums)
@@ -127,7 +59,7 @@ contains
         n = min(tile, field%work%last(s) - first + 1)
         call node_moments(field, s, first, n, .true., m, p)
         if (field%columns%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
-        call node_forces(field, mesh%inverse_h, s, first, n, f)
+        call node_forces(field, mesh, s, first, n, f)
 #if NDIM > 1
         if (field%columns%offset > 0) call rotation_force(field, s, first, n, f)
 #endif
@@ -136,6 +68,11 @@ contains
           f(:n, :) = f(:n, :) + external(:n, :)
         end if
         idx = field%neighbour(0, 0, s) + first
+#ifdef AXISYMMETRIC
+        call radial_inertia(field, s, first, n, m, field%node(idx, node_inertia))
+        call divide_radial(n, field%node(idx, node_inertia), p)
+        call divide_radial(n, field%node(idx, node_inertia), f)
+#endif
         call solve_tile(n, size(field%node, 1), m, p, f, dt, cutoff, field%node(idx, 1))
         call hold_walls(field, mesh, s, first, n, [node_acceleration, node_velocity(NDIM)])
         call book_energies(n, first, driven, size(field%node, 1), m, external, dt, &
@@ -152,15 +89,19 @@ contains
     integer, intent(in) :: plane
     real(dp), intent(in) :: cutoff
     real(dp) :: m(tile), p(tile, NDIM), f(tile, NDIM)
-    integer :: s, first, n
+    integer :: s, first, n, idx
     f = 0.0_dp
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         call node_moments(field, s, first, n, .true., m, p)
         if (field%columns%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
-        call solve_tile(n, size(field%node, 1), m, p, f, 0.0_dp, cutoff, &
-                        field%node(field%neighbour(0, 0, s) + first, 1))
+        idx = field%neighbour(0, 0, s) + first
+#ifdef AXISYMMETRIC
+        call radial_inertia(field, s, first, n, m, field%node(idx, node_inertia))
+        call divide_radial(n, field%node(idx, node_inertia), p)
+#endif
+        call solve_tile(n, size(field%node, 1), m, p, f, 0.0_dp, cutoff, field%node(idx, 1))
         call hold_walls(field, mesh, s, first, n, [node_acceleration, node_velocity(NDIM)])
       end do
     end do
@@ -179,6 +120,9 @@ contains
         call node_moments(field, s, first, n, .false., m, p)
         if (field%columns%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
         idx = field%neighbour(0, 0, s) + first
+#ifdef AXISYMMETRIC
+        call divide_radial(n, field%node(idx, node_inertia), p)
+#endif
         call divide_tile(n, size(field%node, 1), p, field%node(idx, 1))
         call hold_walls(field, mesh, s, first, n, [node_remapped])
       end do
@@ -189,7 +133,7 @@ contains
   pure subroutine divide_tile(n, stride, p, node)
     integer, intent(in) :: n, stride
     real(dp), intent(in) :: p(tile, NDIM)
-    real(dp), intent(inout) :: node(stride, node_total(NDIM))
+    real(dp), intent(inout) :: node(stride, node_total(SPACE))
     integer :: i, a
     !$omp simd private(a)
     do i = 1, n
@@ -207,7 +151,7 @@ contains
     integer, intent(in) :: n, first, stride      !! nodes, place of the first, stride of `node`
     logical, intent(in) :: driven                !! there are external forces
     real(dp), intent(in) :: m(tile), external(tile, NDIM), dt
-    real(dp), intent(in) :: node(stride, node_total(NDIM))
+    real(dp), intent(in) :: node(stride, node_total(SPACE))
     real(dp), intent(inout) :: sums(lanes, nodes_external), ignored
     real(dp), dimension(0:tile + 2*lanes) :: aa, av, ev
     real(dp) :: active, a2, v2, light
@@ -227,6 +171,12 @@ contains
       do a = 1, NDIM
         a2 = a2 + node(i, before_a + a)**2
         v2 = v2 + node(i, before_a + a)*(node(i, before_v + a) - dt*node(i, before_a + a))
+#ifdef AXISYMMETRIC
+        if (a == 1) then
+          a2 = node(i, node_inertia)*a2
+          v2 = node(i, node_inertia)*v2
+        end if
+#endif
       end do
       aa(before + i - 1) = active*a2
       av(before + i - 1) = active*v2
@@ -317,6 +267,49 @@ contains
 #endif
   end subroutine add_spin
 
+#ifdef AXISYMMETRIC
+  !> Radial mass of a tile of nodes over its mass.
+  pure subroutine radial_inertia(field, s, first, n, m, inertia)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first, n
+    real(dp), intent(in) :: m(tile)
+    real(dp), intent(inout) :: inertia(n)
+    real(dp) :: moment(tile)
+    integer :: i
+    if (kernel_centred(field%kernel)) then
+      call mean_row(n, field%moment(1, field%columns%radial), centre_rows(field, s, first), moment)
+    else
+      i = field%neighbour(0, 0, s) + first
+      moment(:n) = field%moment(i:i + n - 1, field%columns%radial)
+    end if
+    call axis_inertia(first, n, m, moment, inertia)
+  end subroutine radial_inertia
+
+  !> Divides the radial component of a tile's vector by its inertia.
+  pure subroutine divide_radial(n, inertia, vector)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: inertia(n)
+    real(dp), intent(inout) :: vector(tile, NDIM)
+    vector(:n, 1) = vector(:n, 1)/inertia
+  end subroutine divide_radial
+
+  !> Adds the force of the hoop stress, the transpose of the hoop strain, to a tile of nodes.
+  pure subroutine add_hoop_force(mesh, n, first, flux, b, f)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: n, first, b(NROW)  !! b: as for divergence_row
+    real(dp), intent(in) :: flux(*)           !! hoop stress times volume, at the centres
+    real(dp), intent(inout) :: f(n)
+    real(dp) :: inner(0:tile), outer(0:tile)  !! from the centres left of the nodes on
+    integer :: i
+    call axis_hoop_weights(mesh%hoop, first - 1, n + 1, inner, outer)
+    !$omp simd
+    do i = 1, n
+      f(i) = f(i) - mesh%inverse_h*(outer(i - 1)*corner_sum(flux, b, i - 1) &
+                                    + inner(i)*corner_sum(flux, b, i))
+    end do
+  end subroutine add_hoop_force
+#endif
+
   !> Means of the centres around the nodes of a row.
   pure subroutine mean_row(n, column, b, mean)
     integer, intent(in) :: n, b(NROW)
@@ -330,16 +323,16 @@ contains
   end subroutine mean_row
 
   !> Internal forces of a tile of nodes (Eq. 19; MPM Eq. 11).
-  pure subroutine node_forces(field, inverse_h, s, first, n, f)
+  pure subroutine node_forces(field, mesh, s, first, n, f)
     type(field_t), intent(in) :: field
-    real(dp), intent(in) :: inverse_h
+    type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
     real(dp), intent(inout) :: f(tile, NDIM)
     integer :: a, i, before
     before = field%columns%force - 1
     if (kernel_centred(field%kernel)) then
       do a = 1, NDIM
-        call divergence_row(n, inverse_h*0.5_dp**(NDIM - 1), &
+        call divergence_row(n, mesh%inverse_h*0.5_dp**(NDIM - 1), &
                             field%moment(1, before + flux_of(a, 1)), &
 #if NDIM > 1
                             field%moment(1, before + flux_of(a, 2)), &
@@ -349,6 +342,10 @@ contains
 #endif
                             centre_rows(field, s, first), f(1, a))
       end do
+#ifdef AXISYMMETRIC
+      call add_hoop_force(mesh, n, first, field%moment(1, before + NFLUX), &
+                          centre_rows(field, s, first), f(1, 1))
+#endif
     else
       i = field%neighbour(0, 0, s) + first
       f(:n, :) = field%moment(i:i + n - 1, before + 1:before + NDIM)
@@ -431,7 +428,7 @@ contains
   pure subroutine solve_tile(n, stride, m, p, f, dt, cutoff, node)
     integer, intent(in) :: n, stride
     real(dp), intent(in) :: m(tile), p(tile, NDIM), f(tile, NDIM), dt, cutoff
-    real(dp), intent(inout) :: node(stride, node_total(NDIM))
+    real(dp), intent(inout) :: node(stride, node_total(SPACE))
     real(dp) :: inverse
     integer :: i, a
     !$omp simd private(inverse, a)

@@ -55,7 +55,7 @@ contains
       do
         call next_run(field, s, at_node, first, last)
         if (last < first) exit
-        call node_forces(field, mesh%inverse_h, s, first, last - first + 1, f)
+        call node_forces(field, mesh, s, first, last - first + 1, f)
         call rotation_moments(field, s, first, last - first + 1, f)
       end do
     end do

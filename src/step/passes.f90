@@ -1,18 +1,24 @@
-!> The procedures that pass over the planes of a field, by dimension: chosen here, once.
+!> The procedures that pass over the planes of a field, by space: chosen here, once.
 module sgmp_passes
   use sgmp_body, only: body_t
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_movers, only: movers_t
-  use sgmp_nodes_1d, only: nodes_normalise_1d => nodes_normalise, nodes_remap_1d => nodes_remap, &
-                           nodes_solve_1d => nodes_solve, nodes_velocity_1d => nodes_velocity
-  use sgmp_nodes_2d, only: nodes_normalise_2d => nodes_normalise, nodes_remap_2d => nodes_remap, &
-                           nodes_solve_2d => nodes_solve, nodes_velocity_2d => nodes_velocity
-  use sgmp_nodes_3d, only: nodes_normalise_3d => nodes_normalise, nodes_remap_3d => nodes_remap, &
-                           nodes_solve_3d => nodes_solve, nodes_velocity_3d => nodes_velocity
+  use sgmp_nodes_1d, only: nodes_remap_1d => nodes_remap, nodes_solve_1d => nodes_solve, &
+                           nodes_velocity_1d => nodes_velocity
+  use sgmp_nodes_2d, only: nodes_remap_2d => nodes_remap, nodes_solve_2d => nodes_solve, &
+                           nodes_velocity_2d => nodes_velocity
+  use sgmp_nodes_3d, only: nodes_remap_3d => nodes_remap, nodes_solve_3d => nodes_solve, &
+                           nodes_velocity_3d => nodes_velocity
+  use sgmp_nodes_normalise_1d, only: nodes_normalise_1d => nodes_normalise
+  use sgmp_nodes_normalise_2d, only: nodes_normalise_2d => nodes_normalise
+  use sgmp_nodes_normalise_3d, only: nodes_normalise_3d => nodes_normalise
+  use sgmp_nodes_normalise_rz, only: nodes_normalise_rz => nodes_normalise
   use sgmp_nodes_rotation_2d, only: nodes_rotation_2d => nodes_rotation
   use sgmp_nodes_rotation_3d, only: nodes_rotation_3d => nodes_rotation
+  use sgmp_nodes_rz, only: nodes_remap_rz => nodes_remap, nodes_solve_rz => nodes_solve, &
+                           nodes_velocity_rz => nodes_velocity
   use sgmp_plan, only: plan_t, workspace_t
   use sgmp_rebinning, only: arrivals_t
   use sgmp_sums, only: nodes_sums
@@ -22,6 +28,8 @@ module sgmp_passes
   use sgmp_sweep_movers_1d, only: sweep_add_movers_1d => sweep_add_movers
   use sgmp_sweep_movers_2d, only: sweep_add_movers_2d => sweep_add_movers
   use sgmp_sweep_movers_3d, only: sweep_add_movers_3d => sweep_add_movers
+  use sgmp_sweep_movers_rz, only: sweep_add_movers_rz => sweep_add_movers
+  use sgmp_sweep_rz, only: sweep_join_rz => sweep_join, sweep_slab_rz => sweep_slab
   implicit none
   private
   public :: passes_t, passes_of
@@ -66,7 +74,7 @@ module sgmp_passes
       integer, intent(in) :: planes(2)
     end subroutine sweep_add_movers
 
-    !> See sgmp_nodes: volume-normalised stress of one plane.
+    !> See sgmp_nodes_normalise: volume-normalised stress of one plane.
     pure subroutine nodes_normalise(field, mesh, plane, interior)
       import :: dp, field_t, mesh_t
       implicit none
@@ -119,7 +127,7 @@ module sgmp_passes
     end subroutine nodes_rotation
   end interface
 
-  !> The passes of one dimension.
+  !> The passes of one space.
   type :: passes_t
     procedure(sweep_slab), pointer, nopass :: sweep => null()
     procedure(sweep_join), pointer, nopass :: join => null()
@@ -128,25 +136,28 @@ module sgmp_passes
     procedure(nodes_solve), pointer, nopass :: solve => null()
     procedure(nodes_velocity), pointer, nopass :: velocity => null()
     procedure(nodes_remap), pointer, nopass :: remap => null()
-    procedure(nodes_rotation), pointer, nopass :: rotation => null()  !! none in 1D
+    procedure(nodes_rotation), pointer, nopass :: rotation => null()  !! none in 1D, about an axis
   end type passes_t
 
 contains
 
-  !> The passes of a dimension.
-  function passes_of(ndim) result(passes)
-    integer, intent(in) :: ndim
+  !> The passes of a space.
+  function passes_of(space) result(passes)
+    integer, intent(in) :: space
     type(passes_t) :: passes
-    select case (ndim)
+    select case (space)
     case (1)
       passes = passes_t(sweep_slab_1d, sweep_join_1d, sweep_add_movers_1d, nodes_normalise_1d, &
                         nodes_solve_1d, nodes_velocity_1d, nodes_remap_1d)
     case (2)
       passes = passes_t(sweep_slab_2d, sweep_join_2d, sweep_add_movers_2d, nodes_normalise_2d, &
                         nodes_solve_2d, nodes_velocity_2d, nodes_remap_2d, nodes_rotation_2d)
-    case default
+    case (3)
       passes = passes_t(sweep_slab_3d, sweep_join_3d, sweep_add_movers_3d, nodes_normalise_3d, &
                         nodes_solve_3d, nodes_velocity_3d, nodes_remap_3d, nodes_rotation_3d)
+    case default  ! space_axisymmetric
+      passes = passes_t(sweep_slab_rz, sweep_join_rz, sweep_add_movers_rz, nodes_normalise_rz, &
+                        nodes_solve_rz, nodes_velocity_rz, nodes_remap_rz)
     end select
   end function passes_of
 

@@ -11,7 +11,7 @@ module sgmp_rebin_phases
   use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i4
   use sgmp_lost_particles, only: lost_particles_find_bins
-  use sgmp_mesh, only: axis_names, mesh_t
+  use sgmp_mesh, only: mesh_t
   use sgmp_movers, only: movers_read, movers_reset, movers_t, movers_write
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
   use sgmp_parallel, only: parallel_collect
@@ -21,6 +21,7 @@ module sgmp_rebin_phases
   use sgmp_ranks, only: ranks_t
   use sgmp_rebinning, only: arrivals_t, particles_close_lists, particles_extend_bins, &
                             particles_receive, particles_receive_rest
+  use sgmp_space, only: axis_names
   use sgmp_team, only: team_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_timers, only: phase_halo, timers_move, timers_t, wall_time
@@ -90,7 +91,7 @@ contains
           call error_make(failure, exit_numerical, 'particle '// &
                           integer_text(movers%id(m))//' of body '// &
                           trim(bodies(b)%name)//' left the grid along '// &
-                          axis_names(d)//' at '// &
+                          axis_names(d, mesh%space)//' at '// &
                           real_text(mesh%origin(d) + mesh%h*movers%particle(d, m))// &
                           ' in step '//integer_text(plan%step), &
                           'extend the grid, leave that face open, or choose '// &

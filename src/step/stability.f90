@@ -15,7 +15,7 @@
 !! Where the grid hardly resists, as around a particle that is alone, the limit is that of Courant,
 !! Friedrichs and Lewy: in a step, stress reaches no farther than a stencil out and a stencil back.
 module sgmp_stability
-  use sgmp_columns, only: node_acceleration, node_inverse_mass
+  use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass
   use sgmp_field, only: field_t
   use sgmp_field_nodes, only: field_node_planes, field_remap, field_solve
   use sgmp_halo, only: halo_own_planes
@@ -218,13 +218,14 @@ contains
                                model%team, model%ranks, model%findings, model%timers)
   end subroutine probe
 
-  !> Sum of m u . v over the nodes, u a vector and v what the nodes hold.
+  !> Sum of m u . v over the nodes, u a vector and v what the nodes hold; about an axis the radial
+  !! components have an inertia of their own.
   function mass_product(model, u) result(product)
     type(model_t), intent(in) :: model
     type(vector_t), intent(in) :: u(:)
     real(dp) :: product
     real(dp), allocatable :: terms(:, :)
-    real(dp) :: total(1)
+    real(dp) :: total(1), weight
     integer :: f, p, p1, p2, s, i, n, place
     n = model%mesh%ndim
     product = 0.0_dp
@@ -238,7 +239,10 @@ contains
             do i = field%work%first(s), field%work%last(s)
               place = field%neighbour(0, 0, s) + i
               if (.not. field%node(place, node_inverse_mass(n)) > 0.0_dp) cycle
-              terms(1, p) = terms(1, p) + sum(u(f)%x(place, :)*field%node(place, :n))/ &
+              weight = 0.0_dp  ! that the radial component has beyond the others
+              if (field%columns%radial > 0) weight = field%node(place, node_inertia) - 1.0_dp
+              terms(1, p) = terms(1, p) + (sum(u(f)%x(place, :)*field%node(place, :n)) + &
+                                           weight*u(f)%x(place, 1)*field%node(place, 1))/ &
                             field%node(place, node_inverse_mass(n))
             end do
           end do

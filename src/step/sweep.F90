@@ -1,4 +1,4 @@
-! dimension-generic
+! dimension-generic, axisymmetric
 #include "dimension.inc"
 !> A sweep over the particles of a slab of planes: read the grid, advance, write the grid.
 !!
@@ -20,8 +20,8 @@ module DIM(sgmp_sweep)
   use sgmp_plan, only: plan_t, workspace_t
   use sgmp_rows, only: key_j, key_k
   use sgmp_sums, only: sweep_sums
-  use DIM(sgmp_transfer), only: linear_carry
-  use DIM(sgmp_transfer_product), only: product_carry
+  use CARTESIAN(sgmp_transfer), only: linear_carry
+  use CARTESIAN(sgmp_transfer_product), only: product_carry
   implicit none
   private
   public :: sweep_slab, sweep_join
@@ -113,7 +113,7 @@ contains
     do p = plane, plane + task%layers - 1
       slot = mod(p, task%layers) + 1
       if (work%record_plane(slot) == p) cycle
-      call auxmesh_fill(field, mesh%inverse_h, p, plan%vectors, plan%gradient, &
+      call auxmesh_fill(field, mesh, p, plan%vectors, plan%gradient, &
                         size(work%records, 1), work%records(1, (slot - 1)*field%largest_plane + 1))
       if (plan%gradient > 0) then
         call auxmesh_mirror(field, mesh, p, NDIM*size(plan%vectors), size(work%records, 1), &

@@ -1,4 +1,4 @@
-! dimension-generic
+! dimension-generic, axisymmetric
 #include "dimension.inc"
 !> What particles that have changed bins give to the grid, once they are in their new bins: added to
 !! the sums of some planes in the order of bins and ids, as a sweep would have done.
@@ -12,9 +12,9 @@ module DIM(sgmp_sweep_movers)
   use sgmp_movers, only: movers_t
   use sgmp_plan, only: plan_t
   use sgmp_rebinning, only: arrivals_t
-  use DIM(sgmp_spin), only: spin_lever
-  use DIM(sgmp_transfer), only: flux_of, linear_gradients, linear_weights, stride_of
-  use DIM(sgmp_transfer_product), only: product_gradients, product_weights
+  use CARTESIAN(sgmp_spin), only: spin_lever
+  use CARTESIAN(sgmp_transfer), only: flux_of, linear_gradients, linear_weights, stride_of
+  use CARTESIAN(sgmp_transfer_product), only: product_gradients, product_weights
   implicit none
   private
   public :: sweep_add_movers
@@ -181,6 +181,9 @@ contains
         do b = 1, NDIM
           call add_product(points, -values(task%flux + flux_of(b, a)), own(1, b), sums(1, q))
         end do
+#ifdef AXISYMMETRIC
+        if (a == 1) call add_product(points, values(task%flux + NFLUX), own, sums(1, q))
+#endif
       else
         call add_product(points, values(q), own, sums(1, q))
       end if

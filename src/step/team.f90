@@ -39,13 +39,13 @@ contains
   end function team_slabs
 
   !> A team without particles.
-  subroutine team_make(team, threads, ndim, fields, bodies)
+  subroutine team_make(team, threads, space, fields, bodies)
     type(team_t), intent(out) :: team
-    integer, intent(in) :: threads, ndim
+    integer, intent(in) :: threads, space
     integer, intent(in) :: fields, bodies        !! how many
     integer :: b, s
     team%threads = threads
-    team%passes = passes_of(ndim)
+    team%passes = passes_of(space)
     allocate (team%slabs(team_slabs(threads) + 1, fields))
     allocate (team%workspaces(team_slabs(threads), fields))
     allocate (team%movers(bodies, team_slabs(threads) + 1))

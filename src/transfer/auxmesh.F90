@@ -1,14 +1,17 @@
-! dimension-generic
+! dimension-generic, axisymmetric
 #include "dimension.inc"
 !> The auxiliary grid of SGMP: values at cell centres from the nodes around them (Eqs. 25, 26, 32,
 !! 33), as records that the particle sweeps read.
 !!
 !! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
 module DIM(sgmp_auxmesh)
+#ifdef AXISYMMETRIC
+  use sgmp_axis, only: axis_hoop_weights
+#endif
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t, wall_fixed
+  use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
@@ -20,9 +23,9 @@ contains
 
   !> Records of one plane: first the vectors whose node columns are listed, then the gradient of one
   !! vector.
-  pure subroutine auxmesh_fill(field, inverse_h, plane, vectors, gradient, stride, records)
+  pure subroutine auxmesh_fill(field, mesh, plane, vectors, gradient, stride, records)
     type(field_t), intent(in) :: field
-    real(dp), intent(in) :: inverse_h
+    type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane                 !! plane of the field
     integer, intent(in) :: vectors(:)            !! first node column of each vector to interpolate
     integer, intent(in) :: gradient  !! first node column of the vector to differentiate; 0: none
@@ -43,7 +46,7 @@ contains
         if (gradient == 0) cycle
         do a = 0, NDIM - 1
           if (kernel_centred(field%kernel)) then
-            call fill_gradient(field, inverse_h, s, first, n, gradient + a, stride, &
+            call fill_gradient(field, mesh%inverse_h, s, first, n, gradient + a, stride, &
                                records(q + 1, point))
             q = q + NDIM
           else
@@ -51,12 +54,18 @@ contains
             call fill_value(field, s, first, n, gradient + a, stride, records(q, point))
           end if
         end do
+#ifdef AXISYMMETRIC
+        if (kernel_centred(field%kernel)) then
+          call fill_hoop(mesh, n, first, field%node(1, gradient), node_rows(field, s, first), &
+                         stride, records(q + 1, point))
+        end if
+#endif
       end do
     end do
   end subroutine auxmesh_fill
 
   !> Makes the gradients of one plane even at centres behind fixed walls, as the stress is when it
-  !! is folded (theory 3).
+  !! is folded (theory 3), and the hoop strain behind an outer wall.
   !!
   !! The nodes behind the wall are the odd image of those inside, which leaves the derivatives along
   !! the wall odd.
@@ -69,6 +78,9 @@ contains
     real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
     integer :: s, axis, side, ghost, row(3), first, last, base
     if (NDIM == 1 .or. .not. kernel_centred(field%kernel)) return
+#ifdef AXISYMMETRIC
+    if (mesh%wall(2, 1) /= wall_free) call mirror_hoop(field, mesh, plane, before, stride, records)
+#endif
     if (.not. any(mesh%wall(:, :NDIM) == wall_fixed)) return
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       row = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
@@ -104,7 +116,42 @@ contains
         if (b /= axis) records(before + a*NDIM + b, :) = -records(before + a*NDIM + b, :)
       end do
     end do
+#ifdef AXISYMMETRIC
+    if (axis == 2) records(before + NGRAD, :) = -records(before + NGRAD, :)
+#endif
   end subroutine reverse_along
+
+#ifdef AXISYMMETRIC
+  !> Copies the hoop strain to centres behind the outer wall, where the formula would take the
+  !! radius of the image.
+  pure subroutine mirror_hoop(field, mesh, plane, before, stride, records)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane, before, stride
+    real(dp), intent(inout) :: records(stride, *)
+    integer :: s, ghost
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      if (mesh%upper(1) <= field%work%first(s) .or. mesh%upper(1) > field%work%last(s)) cycle
+      ghost = field%neighbour(0, 0, s) - field%plane_start(plane) + 1 + mesh%upper(1)
+      records(before + NGRAD, ghost) = records(before + NGRAD, ghost - 1)
+    end do
+  end subroutine mirror_hoop
+
+  !> Hoop strain rates at the centres of a row (sgmp_axis).
+  pure subroutine fill_hoop(mesh, n, first, column, b, stride, records)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: n, first, b(NROW), stride
+    real(dp), intent(in) :: column(*)            !! radial velocity
+    real(dp), intent(inout) :: records(stride, n)
+    real(dp) :: inner(tile), outer(tile)
+    integer :: i
+    call axis_hoop_weights(mesh%hoop, first, n, inner, outer)
+    do i = 1, n
+      records(1, i) = mesh%inverse_h*(inner(i)*corner_sum(column, b, i - 1) &
+                                      + outer(i)*corner_sum(column, b, i))
+    end do
+  end subroutine fill_hoop
+#endif
 
   !> One component: mean of the 2^d nodes around each centre (SGMP), or the node itself.
   pure subroutine fill_value(field, s, first, n, column, stride, records)

@@ -15,6 +15,15 @@ DECK_ERROR = 3
 # deck without .inp: what must be found in the output, {d} stands for its path; (options, …) may come first
 EXPECTED = {
     "after_continuation": [r"{d}:7:10: error: text after the continuation"],
+    "axisymmetric": [r"{d}:3:18: error: there is no axis 'x' in an axisymmetric scene", r"{d}:3:24: error: the grid begins at r = 1",
+                     r"{d}:4:17: error: a wall on y- in an axisymmetric scene", r"{d}:5:18: error: spin=carried does not exist",
+                     r"{d}:7:9: error: 'vector' has a component along y", r"{d}:7:9: error: gravity along r",
+                     r"{d}:9:37: error: the block reaches beyond the axis", r"{d}:10:59: error: the axis of a cylinder .* is z",
+                     r"{d}:11:51: error: the sphere is neither about the axis nor beside it", r"{d}:11:68: error: a body of revolution",
+                     r"{d}:12:37: error: '0\.1\*y': unexpected 'y'", r"{d}:13:1: error: contact in an axisymmetric scene", r"^12 error"],
+    "axisymmetric_late": [r"{d}:2:1: error: 'dimension axisymmetric' comes after the card 'grid'", r"^1 error"],
+    "axisymmetric_names": [r"{d}:2:18: error: there is no axis 'r' in 2D", r"{d}:3:18: error: the hoop strain is corrected",
+                           r"{d}:7:16: error: there is no axis 'r' in 2D", r"^3 error"],
     "bad_expression": [r"{d}:8:19: error: .*'yung'", r"did you mean 'young'"],
     "bad_number": [r"{d}:4:12: error: .*'abc'", r"numbers are written like"],
     "binary": [r"{d}:1:1: error: not a text file"],
@@ -28,6 +37,7 @@ EXPECTED = {
     "contact_rigid": [r"{d}:10:1: error: contact of two rigid bodies"],
     "continuation": [r"{d}:7:8: error: the file ends after a continuation"],
     "dimension": [r"{d}:2:11: error: .* out of range", r"\[1,3\]"],
+    "dimension_word": [r"{d}:1:11: error: 'axisymetric' is unknown for 'value'", r"did you mean 'axisymmetric'"],
     "doubling": [r"{d}:21:17: error: what '\$p13\$p13' stands for has more than 10000 letters"],
     "duplicate_names": [r"{d}:7:10: error: there are two materials 'steel'", r"{d}:8:6: error: there are two bodies 'bar'"],
     "empty": [r"{d}: error: the file has no cards"],

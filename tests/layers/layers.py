@@ -20,7 +20,7 @@ LIBRARIES = {"mpi_f08": ("parallel", "files"), "hdf5": ("files",), "omp_lib": ("
 UNCUT = set()
 SUFFIXES = (".f90", ".F90", ".inc", ".c", ".h")
 
-NAME = r"(?:DIM\(\s*(\w+)\s*\)|(\w+))"
+NAME = r"(?:(?:DIM|CARTESIAN)\(\s*(\w+)\s*\)|(\w+))"
 MODULE = re.compile(rf"^\s*module\s+(?!procedure\b|subroutine\b|function\b){NAME}\s*$", re.IGNORECASE)
 SUBMODULE = re.compile(r"^\s*submodule\s*\(\s*(\w+)", re.IGNORECASE)
 USE = re.compile(rf"^\s*use\b\s*(?:,\s*(?P<nature>\w+)\s*)?(?:::)?\s*{NAME}\s*(?:,|$)", re.IGNORECASE)
@@ -30,7 +30,7 @@ STRING = re.compile(r"'[^']*'|\"[^\"]*\"")
 
 def base_name(name):
     """The module that a source writes for all dimensions: sgmp_x for sgmp_x_1d."""
-    return re.sub(r"_[123]d$", "", name.lower())
+    return re.sub(r"_([123]d|rz)$", "", name.lower())
 
 
 class Source:

@@ -23,6 +23,7 @@ SHORT = {
     "rod_plate.inp": ({"h": 1.5, "t_end": 0.001}, 0.07, 0.08),
     "sphere_slope.inp": ({"h": 0.8, "t_end": 0.04}, 1e-12, 1e-12),
     "taylor_bar.inp": ({"h": 1.9, "t_end": 0.002, "cfl": 0.3}, 0.012, 0.06),
+    "taylor_bar_axisymmetric.inp": ({"h": 1.9, "t_end": 0.002, "cfl": 0.3}, 0.012, 0.06),
     "tnt_slab.inp": ({"h": 1, "t_end": 0.0005}, 6e-05, 0.00025),
     "two_blocks.inp": ({"width": 3, "length": 5, "steps": 20}, 0.25, 0.31),
     "vortex.inp": ({"cells": 8, "part": 0.3, "cfl": 0.2}, 0.075, 0.023),

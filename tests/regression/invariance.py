@@ -38,6 +38,36 @@ output csv at=end fields=stress,density,mass
 """
 PLANE = BLOCK.format(dimension=2, thick=0, z="", vz="", g="-0.5*m/s^2")
 SPACE = BLOCK.format(dimension=3, thick=1, z=" z=open", vz=' z="0.5*cos(2*(y-oy)/m)*m/s"', g="-0.5*m/s^2")
+# The same about an axis; the place along it is free.
+RINGS = """
+parameter m = 1
+parameter kg = 1
+parameter s = 1
+parameter oz = 0
+parameter jitter = 0.3
+parameter kind = elastic
+parameter method = sgmp
+parameter update = musl
+dimension axisymmetric
+grid cell=0.25*m r=0:5*m z=oz:oz+5*m
+wall r+=slip z-=fixed
+method $method update=$update
+time dt=0.002*s steps=60
+parameter density = 2*kg/m^3
+parameter young = 50*kg/(m*s^2)
+material elastic elastic density=density young=young poisson=0.3
+material j2 j2 density=density young=young poisson=0.3 yield=0.7*kg/(m*s^2) hardening=linear &
+  hardening_modulus=3*kg/(m*s^2)
+material johnson_cook johnson_cook density=density young=young poisson=0.3 yield=0.7*kg/(m*s^2) &
+  hardening_modulus=3*kg/(m*s^2) hardening_exponent=0.4 rate_coefficient=0.02 reference_rate=0.1/s &
+  thermal=yes melt_temperature=1000 specific_heat=0.001*m^2/s^2
+eos johnson_cook gruneisen c0=5*m/s s=1.5 gamma0=2
+viscosity elastic quadratic=1.5 linear=0.06
+gravity 0,-0.5*m/s^2
+body b cylinder material=$kind centre=(0,oz) radius=2*m length=1.5*m ppc=2 jitter=jitter
+velocity b r="2*sin(r/m)*cos((z-oz)/m)*m/s" z="sin(3*r/m)*m/s"
+output csv at=end fields=stress,density,mass
+"""
 # powers of length, mass and time in each column
 POWERS = {"x": (1, 0, 0), "velocity": (1, 0, -1), "stress": (-1, 1, -2), "density": (-3, 1, 0)}
 
@@ -107,6 +137,18 @@ output csv at=end fields=stress,density
 """
 
 
+def same_along_the_axis(report):
+    """A scene about an axis moved along it by anything exact has the same bits."""
+    for method in ("sgmp", "gimp", "mpm"):
+        plain, moved = (run(f"axis_{method}_{place}", RINGS, method=method, oz=place, jitter=0) for place in (0, 4))
+        if not (report.finished(plain, f"axis {method}") and report.finished(moved, f"axis {method} moved")):
+            continue
+        rows, others = plain.table("particles_end.csv"), moved.table("particles_end.csv")
+        wrong = {column for row, other in zip(rows, others) for column, value in row.items()
+                 if column != "z" and other[column] != value}
+        report.check(len(rows) == len(others) and not wrong, f"axis {method}: other bits in {sorted(wrong)}")
+
+
 def same_by_whole_cells(report):
     """Without boundaries: moved by whole cells; bins, rows and planes have other numbers, positions other digits."""
     for method in ("sgmp", "gimp", "mpm"):
@@ -164,6 +206,8 @@ def main():
     for dimension, deck in ((2, PLANE), (3, SPACE)):
         same_in_other_units(report, dimension, deck)
         same_elsewhere(report, dimension, deck)
+    same_in_other_units(report, 3, RINGS)        # masses are those of whole rings
+    same_along_the_axis(report)
     same_by_whole_cells(report)
     same_when_turned(report)
     report.end()

@@ -76,6 +76,8 @@ SCENES = [
     ("rotation", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "jitter": 0.4, "rotation": "exact"}, 30, 2),
     ("rotation_usf", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "jitter": 0.4, "rotation": "exact", "update": "usf"}, 30, 2),
     ("taylor_bar", deck("taylor_bar.inp"), {"h": 1.9, "t_end": 0.01, "cfl": 1, "material": "full"}, 26, 2),
+    ("rings_of_a_bar", deck("taylor_bar_axisymmetric.inp", "gauge foot point=(0,0)\n"),
+     {"h": 0.76, "t_end": 0.01, "cfl": 1, "material": "full"}, 66, 2),
     ("beam", deck("beam.inp", "output tecplot every=t_end/20\n"), {"h": 1.25, "t_end": 0.003}, 120, 3),
     ("bar", deck("bar.inp"), {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1}, 200, 1),
     ("tnt_slab", deck("tnt_slab.inp"), {"h": 2, "t_end": 0.006}, 180, 1),

@@ -1,0 +1,128 @@
+! dimension-generic, axisymmetric
+#include "dimension.inc"
+!> Volume-normalised stress at the centres of one plane (doc/normalised-stress.md).
+module DIM(sgmp_nodes_normalise)
+#ifdef AXISYMMETRIC
+  use sgmp_axis, only: axis_cell, axis_radius, axis_radius_filled
+#endif
+  use sgmp_field, only: field_t
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t, wall_free
+  use sgmp_rows, only: key_j, key_k
+  implicit none
+  private
+  public :: nodes_normalise
+
+  integer, parameter :: tile = 128
+
+contains
+
+  !> Volume-normalised stress: multiplies the stress moments of interior centres by V/V_c, where
+  !! V_c is the volume that particles gave to the centre and V what they give where they fill
+  !! everything (h^d), so that it is weighted by the cell's volume whatever the particles' positions.
+  !!
+  !! A centre is interior if it and all its neighbours are filled beyond the fraction `interior`;
+  !! what lies behind a wall counts as filled. Volumes are only read and stresses only scaled, so
+  !! planes may be done in any order.
+  pure subroutine nodes_normalise(field, mesh, plane, interior)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane
+    real(dp), intent(in) :: interior
+    real(dp) :: least(0:tile + 1), factor(tile), filled(tile), cell, around
+    integer :: s, first, n, i, q, idx
+    cell = cell_volume(mesh%h)
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        call least_volume(field, mesh, s, first, n, cell, least)
+        idx = field%neighbour(0, 0, s) + first - 1
+        call filled_volumes(cell, first, n, filled)
+        !$omp simd private(around)
+        do i = 1, n
+          around = min(least(i - 1), least(i), least(i + 1))
+          factor(i) = filled(i)/merge(field%moment(idx + i, field%columns%volume), filled(i), &
+                                      around > interior*cell)
+        end do
+        do q = field%columns%force, field%columns%force + NFLUX - 1
+          !$omp simd
+          do i = 1, n
+            field%moment(idx + i, q) = factor(i)*field%moment(idx + i, q)
+          end do
+        end do
+      end do
+    end do
+  end subroutine nodes_normalise
+
+  !> Volume of a cell; about an axis, over its radius in cells.
+  pure function cell_volume(h) result(volume)
+    real(dp), intent(in) :: h
+    real(dp) :: volume
+#ifdef AXISYMMETRIC
+    volume = axis_cell(h)
+#else
+    volume = h**NDIM
+#endif
+  end function cell_volume
+
+  !> Volumes that particles give to the centres of a row where they fill everything.
+  pure subroutine filled_volumes(cell, first, n, filled)
+    real(dp), intent(in) :: cell              !! cell_volume
+    integer, intent(in) :: first, n           !! first centre, how many
+    real(dp), intent(out) :: filled(tile)
+    filled(:n) = cell
+#ifdef AXISYMMETRIC
+    block
+      integer :: i
+      do i = 1, n
+        filled(i) = cell*axis_radius_filled(first + i - 1)
+      end do
+    end block
+#endif
+  end subroutine filled_volumes
+
+  !> Least volume (about an axis, over the radius) over the rows around each centre of a tile and
+  !! its two neighbours.
+  pure subroutine least_volume(field, mesh, s, first, n, cell, least)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp), intent(in) :: cell
+    real(dp), intent(out) :: least(0:tile + 1)
+    integer :: dj, dk, i, b, j, k, side
+    j = key_j(field%work%key(s))
+    k = key_k(field%work%key(s))
+    least = cell
+    do dk = merge(-1, 0, NDIM > 1), merge(1, 0, NDIM > 1)
+      do dj = merge(-1, 0, NDIM > 2), merge(1, 0, NDIM > 2)
+        if (NDIM > 1 .and. behind_wall(mesh, NDIM, k + dk)) cycle
+        if (NDIM > 2 .and. behind_wall(mesh, 2, j + dj)) cycle
+        b = field%neighbour(dj, dk, s) + first - 1
+        !$omp simd
+        do i = 0, n + 1
+#ifdef AXISYMMETRIC
+          least(i) = min(least(i), field%moment(b + i, field%columns%volume)/ &
+                                   axis_radius(first + i - 1))
+#else
+          least(i) = min(least(i), field%moment(b + i, field%columns%volume))
+#endif
+        end do
+      end do
+    end do
+    do side = 1, 2
+      if (mesh%wall(side, 1) == wall_free) cycle
+      i = merge(mesh%lower(1) - 1, mesh%upper(1), side == 1) - first + 1
+      if (i >= 0 .and. i <= n + 1) least(i) = cell
+    end do
+  end subroutine least_volume
+
+  !> Whether centres of that index lie behind a wall of the axis.
+  pure function behind_wall(mesh, axis, centre) result(yes)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis, centre
+    logical :: yes
+    yes = (mesh%wall(1, axis) /= wall_free .and. centre == mesh%lower(axis) - 1) .or. &
+          (mesh%wall(2, axis) /= wall_free .and. centre == mesh%upper(axis))
+  end function behind_wall
+
+end module DIM(sgmp_nodes_normalise)
