@@ -19,7 +19,7 @@ contains
 
   !> Volume-normalised stress: multiplies the stress moments of interior centres by V/V_c, where
   !! V_c is the volume that particles gave to the centre and V what they give where they fill
-  !! everything (h^d), so that it is weighted by the cell's volume whatever the particles' positions.
+  !! everything (h^d), so that it is weighted by the cell's volume wherever particles are.
   !!
   !! A centre is interior if it and all its neighbours are filled beyond the fraction `interior`;
   !! what lies behind a wall counts as filled. Volumes are only read and stresses only scaled, so
