@@ -653,12 +653,12 @@ contains
         stress(l, c) = -(2.0_dp/3.0_dp)*eta*trace(l)
       end do
       double = 0.0_dp
-      do c = 1, NDIM
-        stress(l, c) = stress(l, c) + 2.0_dp*eta*strain(l, c)
-        double = double + stress(l, c)*strain(l, c)
-      end do
-      do c = NDIM + 1, NFLUX
-        stress(l, stress_of(c)) = eta*strain(l, c)
+      do c = 1, NFLUX
+        if (stress_of(c) <= 3) then
+          stress(l, stress_of(c)) = stress(l, stress_of(c)) + 2.0_dp*eta*strain(l, c)
+        else
+          stress(l, stress_of(c)) = eta*strain(l, c)
+        end if
         double = double + stress(l, stress_of(c))*strain(l, c)
       end do
       work(l) = 0.5_dp*(old + double)
