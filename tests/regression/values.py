@@ -278,6 +278,22 @@ output csv fields=initial_position
         time = (steps - 0.5)*dt # the first velocity step is a half
         for a, start, force in (("x", 3, 2*row["z0"]), ("y", -5, 3*row["x0"] + 1), ("z", 7, -row["y0"])):
             close(report, row[f"velocity_{a}"], start + force*time, f"{method}: body force {a}", 1e-6)
+    # Body forces of the present place, in a grid whose corner is not the origin.
+    deck = f"""
+parameter method=sgmp
+grid cell=1 x=-3:20 y=2:20 z=-7:20
+method $method update=musl
+time dt=1e-6 steps={steps}
+material m elastic density=2 young=1e-9 poisson=0
+body b block material=m lower=(0,3,0) upper=(8,11,8) ppc=2
+bodyforce b x="2*x" y="3*y+z" z="-z"
+output csv fields=initial_position
+"""
+    for method in METHODS:
+        rows = run(f"places_{method}", deck, method=method).table("particles_end.csv")
+        row = min(rows, key=lambda row: (row["x0"] - 4.25)**2 + (row["y0"] - 7.25)**2 + (row["z0"] - 4.25)**2)
+        for a, force in (("x", 2*row["x0"]), ("y", 3*row["y0"] + row["z0"]), ("z", -row["z0"])):
+            close(report, row[f"velocity_{a}"], force*(steps - 0.5)*1e-6, f"{method}: body force of the present {a}", 1e-6)
     # Velocities that alternate from particle to particle give nodes none: what is left of them is flip to the number of steps. All
     # of gravity arrives, whatever part of the velocity comes from increments.
     deck = """
