@@ -106,10 +106,10 @@ def reason_of(mutant, known):
 
 
 def listed(path):
-    """Faults that a file lists: end of the path | part of a statement | what stands there instead | what is wrong."""
+    """Faults that a file lists: end of the path | part of a statement | what stands there instead | what is wrong | who notices."""
     for line in pathlib.Path(path).read_text(encoding="utf-8").splitlines():
         if line.strip() and not line.startswith("#"):
-            file, was, now, what = (part.strip() for part in line.split(" | "))
+            file, was, now, what, _ = (part.strip() for part in line.split(" | "))
             file = f"src/{file}"
             yield mutants.by_hand(file, (ROOT / file).read_text(encoding="utf-8"), was, now, what)
 
