@@ -83,16 +83,18 @@ contains
     type(deck_errors_t), intent(inout) :: errors
     logical :: yes
     type(deck_errors_t) :: only
-    character(:), allocatable :: language
+    character(:), allocatable :: language, remedy
     associate (keyword => first%tokens(1))
       language = ''
       if (index(word_lower(keyword%text), 'mpm3') == 1) language = 'MPM3D'
-      if (index(keyword%text, '*') == 1) language = 'LS-DYNA'
+      remedy = 'give it a name that ends in .mpm: sgmp X.mpm runs it, sgmp import X.mpm rewrites it'
+      if (index(keyword%text, '*') == 1) then
+        language = 'LS-DYNA'
+        remedy = 'write it anew; see doc/deck-reference.md or sgmp help'
+      end if
       yes = language /= ''
       if (.not. yes) return
-      call only%add(keyword%position, 'this is a deck of '//language// &
-                    ', which sgmp does not read', &
-                    'write it anew; see doc/deck-reference.md or sgmp help')
+      call only%add(keyword%position, 'this is a deck of '//language//', not of sgmp', remedy)
       errors = only
     end associate
   end function foreign

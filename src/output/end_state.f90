@@ -13,7 +13,7 @@ module sgmp_end_state
   use sgmp_particle_fields, only: particle_field_find, particle_field_t, particle_place_t
   use sgmp_pieces, only: pieces_find
   use sgmp_rows, only: key_j, key_k, row_key
-  use sgmp_scene, only: body_card_t, scene_t
+  use sgmp_scene, only: body_card_t, layout_file, scene_t
   use sgmp_shapes, only: combine_union
   implicit none
   private
@@ -103,7 +103,7 @@ contains
     integer, allocatable :: first(:), last(:), piece(:)
     integer(i8) :: apart
     integer :: reach, n, p
-    if (.not. allocated(card%shapes)) return  ! from a file: any number of pieces
+    if (card%layout == layout_file) return  ! any number of pieces
     call gather_intervals(model%bodies(b), key, first, last, number)
     allocate (piece(size(key)))
     reach = merge(1, 2, model%fields(model%bodies(b)%field)%kernel == kernel_mpm)

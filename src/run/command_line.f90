@@ -7,7 +7,7 @@ module sgmp_command_line
   private
   public :: command_line_t, command_line_read, command_line_parse
   public :: action_run, action_help, action_markdown, action_version, action_usage, &
-            action_usage_markdown, action_completion
+            action_usage_markdown, action_completion, action_import
 
   integer, parameter :: action_run = 1      !! run or check a deck
   integer, parameter :: action_help = 2     !! show cards, or the keys of one
@@ -16,6 +16,7 @@ module sgmp_command_line
   integer, parameter :: action_usage = 5    !! show the options
   integer, parameter :: action_usage_markdown = 6  !! write them as tables
   integer, parameter :: action_completion = 7      !! write a script for the shell
+  integer, parameter :: action_import = 8          !! make a native deck of an MPM3D deck
 
   !> What the user asked for.
   type :: command_line_t
@@ -28,6 +29,7 @@ module sgmp_command_line
     character(:), allocatable :: restart      !! checkpoint, `latest`, or '' for a new run
     integer :: time_limit = 0                 !! seconds of wall time; 0: none
     logical :: check = .false.
+    logical :: keep_3d = .false.              !! import leaves out no direction
     logical :: quiet = .false.
     logical :: verbose = .false.
   end type command_line_t
@@ -73,8 +75,8 @@ contains
       call parse_completion(arguments, chosen, error)
       return
     case ('import')
-      call not_available('import', error)
-      return
+      chosen%action = action_import
+      i = 2
     case default  ! a deck or an option
       i = 1
     end select
@@ -97,14 +99,25 @@ contains
   subroutine check_combination(chosen, error)
     type(command_line_t), intent(in) :: chosen
     type(error_t), allocatable, intent(out) :: error
-    if (chosen%action /= action_run) return
+    if (chosen%action /= action_run .and. chosen%action /= action_import) return
     if (chosen%deck == '') then
       call error_make(error, exit_usage, 'no deck given', &
                       'usage: sgmp DECK [--check] …; see sgmp --help')
+    else if (chosen%action == action_import .and. runs_something(chosen)) then
+      call error_make(error, exit_usage, 'import takes --keep-3d and --output only', &
+                      'run the deck that it makes with the other options')
     else if (chosen%quiet .and. chosen%verbose) then
       call error_make(error, exit_usage, '--quiet and --verbose exclude each other', 'remove one')
     end if
   end subroutine check_combination
+
+  !> Whether there are options that mean something for a run only.
+  pure function runs_something(chosen) result(yes)
+    type(command_line_t), intent(in) :: chosen
+    logical :: yes
+    yes = chosen%check .or. chosen%verbose .or. chosen%threads > 0 .or. chosen%time_limit > 0 &
+          .or. size(chosen%settings) > 0 .or. chosen%restart /= ''
+  end function runs_something
 
   !> Takes the option at `i`; `i` ends at its last word. Values may follow as `--option=value` too.
   subroutine take_option(arguments, i, chosen, error)
@@ -142,6 +155,8 @@ contains
     select case (name)
     case ('--check')
       chosen%check = .true.
+    case ('--keep-3d')
+      chosen%keep_3d = .true.
     case ('--quiet')
       chosen%quiet = .true.
     case ('--verbose')
@@ -258,13 +273,6 @@ contains
     if (.not. known) call error_make(error, exit_usage, 'completion is there for one shell', &
                                      'write: sgmp completion bash')
   end subroutine parse_completion
-
-  subroutine not_available(name, error)
-    character(*), intent(in) :: name
-    type(error_t), allocatable, intent(out) :: error
-    call error_make(error, exit_usage, name//' is not available in this version', &
-                    'see sgmp --help for what is')
-  end subroutine not_available
 
   pure integer function longest(arguments) result(length)
     type(string_t), intent(in) :: arguments(:)

@@ -30,6 +30,8 @@ module sgmp_options
              'go on from a checkpoint; latest: from the last good one of the directory'), &
     option_t('--time-limit', 'HH:MM:SS', '--time-limit 23:45:00', &
              'stop with a checkpoint before so much wall time is over'), &
+    option_t('--keep-3d', '', '', &
+             'MPM3D decks: leave out no direction, however thin (doc/mpm3d-import.md)'), &
     option_t('--quiet', '', '', 'less on the terminal'), &
     option_t('--verbose', '', '', 'more on the terminal, the deck with all defaults among it'), &
     option_t('--help', '', '', 'show options and exit codes; also -h and sgmp help options'), &
@@ -53,7 +55,8 @@ contains
     integer, intent(in) :: unit  !! formatted unit
     integer :: i
     write (unit, '(a)') &
-      'usage: sgmp DECK [options]       run a deck', &
+      'usage: sgmp DECK [options]       run a deck, or a deck of MPM3D (X.mpm)', &
+      '       sgmp import X.mpm         make a deck of a deck of MPM3D, and say what became of it', &
       '       sgmp help [CARD]          cards of a deck, or the keys of one', &
       '       sgmp help --markdown      the complete deck reference', &
       '       sgmp completion bash      what makes the shell complete options and cards', '', &
@@ -111,10 +114,11 @@ contains
     end do
     write (unit, '(a)') '" ;;', &
       '    completion) choices=bash ;;', &
+      '    import) COMPREPLY=($(compgen -f -X "!*.mpm" -- "$word") $(compgen -d -- "$word")) ;;', &
       '    *) case $word in', &
       '         -*) choices="'//words_joined(options%name)//'" ;;', &
-      '         *) COMPREPLY=($(compgen -f -X "!*.inp" -- "$word") $(compgen -d -- "$word"))', &
-      '            if ((COMP_CWORD == 1)); then choices="help completion"; fi ;;', &
+      '         *) COMPREPLY=($(compgen -f -X "!*.@(inp|mpm)" -- "$word") $(compgen -d -- "$word"))', &
+      '            if ((COMP_CWORD == 1)); then choices="help import completion"; fi ;;', &
       '       esac ;;', &
       '  esac', &
       '  COMPREPLY+=($(compgen -W "$choices" -- "$word"))', &

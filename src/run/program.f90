@@ -2,13 +2,15 @@
 module sgmp_program
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-  use sgmp_command_line, only: action_completion, action_help, action_markdown, action_usage, &
-                               action_usage_markdown, action_version, command_line_t
+  use sgmp_command_line, only: action_completion, action_help, action_import, action_markdown, &
+                               action_usage, action_usage_markdown, action_version, command_line_t
   use sgmp_deck, only: deck_read
   use sgmp_deck_errors, only: deck_errors_t
   use sgmp_errors, only: error_t, exit_deck, exit_ok, exit_stopped
+  use sgmp_import_mpm3d, only: import_is_mpm3d, import_path, import_read, import_summary, &
+                               import_write, imported_t
   use sgmp_options, only: options_completion, options_markdown, options_usage
-  use sgmp_parallel, only: parallel_rank
+  use sgmp_parallel, only: parallel_agree, parallel_rank
   use sgmp_posix, only: signals_watch
   use sgmp_registry_help, only: registry_write_help, registry_write_markdown
   use sgmp_scene, only: scene_free, scene_t
@@ -25,6 +27,7 @@ contains
     type(command_line_t), intent(in) :: options
     type(error_t), allocatable, intent(out) :: error
     integer, intent(out) :: status         !! exit code, where there is no error
+    character(:), allocatable :: native
     logical :: speaks
     status = exit_ok
     speaks = parallel_rank() == 0
@@ -42,10 +45,40 @@ contains
     case (action_version)
       if (speaks) write (output_unit, '(a)') 'sgmp '//version_string//' ('//commit_hash//') '// &
         compiler_string
+    case (action_import)
+      call import_deck(options, options%output, .false., native, error, status)
     case default
       call run_deck(options, error, status)
     end select
   end subroutine program_act
+
+  !> Makes a native deck of an MPM3D deck, in a folder.
+  subroutine import_deck(options, folder, replace, native, error, status)
+    type(command_line_t), intent(in) :: options
+    character(*), intent(in) :: folder
+    logical, intent(in) :: replace  !! files that are there already
+    character(:), allocatable, intent(out) :: native  !! path of the new deck
+    type(error_t), allocatable, intent(out) :: error
+    integer, intent(out) :: status
+    type(imported_t) :: imported
+    type(deck_errors_t) :: errors
+    status = exit_ok
+    native = ''
+    call import_read(options%deck, options%keep_3d, imported, errors, error)
+    if (allocated(error)) return
+    if (errors%count() > 0) then
+      if (parallel_rank() == 0) call errors%print(error_unit)
+      status = exit_deck
+      return
+    end if
+    if (parallel_rank() == 0) call import_write(imported, folder, replace, error)
+    call parallel_agree(error)
+    if (allocated(error)) return
+    native = import_path(imported, folder)
+    if (.not. options%quiet .and. parallel_rank() == 0) then
+      write (output_unit, '(a)') import_summary(imported, native)
+    end if
+  end subroutine import_deck
 
   !> Reads a deck, then checks or runs it.
   subroutine run_deck(options, error, status)
@@ -54,9 +87,15 @@ contains
     integer, intent(out) :: status
     type(scene_t) :: scene
     type(deck_errors_t) :: errors
+    character(:), allocatable :: deck
     integer :: threads
     status = exit_ok
-    call deck_read(options%deck, options%settings, scene, errors)
+    deck = options%deck
+    if (import_is_mpm3d(deck)) then
+      call import_deck(options, output_folder(options), .true., deck, error, status)
+      if (allocated(error) .or. status /= exit_ok) return
+    end if
+    call deck_read(deck, options%settings, scene, errors)
     if (errors%count() > 0) then
       if (parallel_rank() == 0) call errors%print(error_unit)
       status = exit_deck

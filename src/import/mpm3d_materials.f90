@@ -1,0 +1,238 @@
+!> Materials, equations of state and bulk viscosity of an MPM3D deck as native cards.
+module sgmp_mpm3d_materials
+  use sgmp_constitutive, only: eos_names, material_names
+  use sgmp_import_notes, only: import_notes_t, note_approximated, note_honoured
+  use sgmp_kinds, only: dp
+  use sgmp_mpm3d_deck, only: mpm3d_deck_t, mpm3d_given, mpm3d_material_t, mpm3d_place
+  use sgmp_mpm3d_particles, only: cloud_t
+  use sgmp_mpm3d_words, only: mpm3d_words_t
+  use sgmp_native_deck, only: native_deck_t, native_number
+  use sgmp_spelling, only: word_item
+  use sgmp_text, only: integer_text
+  implicit none
+  private
+  public :: materials_write
+
+  integer, parameter :: eos_polynomial = 1, eos_gruneisen = 2, eos_jwl = 3, eos_weak = 4
+
+contains
+
+  !> Writes the materials that bodies are made of.
+  subroutine materials_write(deck, clouds, words, native, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(cloud_t), intent(in) :: clouds(:)
+    type(mpm3d_words_t), intent(inout) :: words
+    type(native_deck_t), intent(inout) :: native
+    type(import_notes_t), intent(inout) :: notes
+    integer :: i, b
+    character(:), allocatable :: name
+    call native%section('materials')
+    do i = 1, size(deck%materials)
+      associate (material => deck%materials(i))
+        name = 'material_'//integer_text(i)
+        if (.not. any([(deck%parts(b)%material == i, b=1, size(clouds))])) then
+          call notes%add(note_honoured, material%place, trim(material%kind), &
+                         'left out: no body is made of it')
+          cycle
+        end if
+        call write_law(material, name, words, native, notes)
+        call write_eos(material, name, words, native, notes)
+        call write_viscosity(deck, material, name, native, notes)
+      end associate
+    end do
+    if (mpm3d_given(deck, 'mate')) call notes%add( &
+      note_honoured, mpm3d_place(deck, 'mate'), 'material', 'a card material for each set')
+  end subroutine materials_write
+
+  !> The card material.
+  subroutine write_law(material, name, words, native, notes)
+    type(mpm3d_material_t), intent(in) :: material
+    character(*), intent(in) :: name
+    type(mpm3d_words_t), intent(inout) :: words
+    type(native_deck_t), intent(inout) :: native
+    type(import_notes_t), intent(inout) :: notes
+    character(:), allocatable :: card, solid
+    integer :: status
+    associate (c => material%constant)
+      solid = keys(c(2:3), 'young poisson')
+      status = note_honoured
+      select case (material%kind)
+      case ('elas')
+        card = 'elastic'//solid
+      case ('neoh')
+        card = 'neo_hookean'//solid
+      case ('pla1')
+        card = 'j2'//solid//keys(c(4:4), 'yield')
+      case ('pla2')
+        if (c(5) >= c(2)) then
+          call words%errors%add(material%place, 'pla2: the tangent modulus is not below '// &
+                                "Young's modulus", 'check the order: density E nu yield Et')
+          return
+        end if
+        card = 'j2'//solid//keys(c(4:4), 'yield')//' hardening=linear'// &
+               keys([c(2)*c(5)/(c(2) - c(5))], 'hardening_modulus')
+      case ('sjc', 'sjcf')
+        card = flow(c(4:7), c(8), solid)
+        if (material%kind == 'sjcf') card = card//' failure=yes'//keys(c(9:9), 'd1')
+      case ('john', 'jcf')
+        card = flow(c(4:7), c(12), solid)//' thermal=yes taylor_quinney=1'// &
+               keys(c(8:11), 'thermal_exponent room_temperature melt_temperature specific_heat')
+        if (material%kind == 'jcf') card = card//' failure=yes'//keys(c(13:13), 'd1')
+      case ('hiex')
+        card = 'explosive'//keys(c(2:2), 'detonation_speed')
+      case ('null')
+        card = 'fluid'//keys(c(3:3), 'viscosity')
+      case default
+        card = ''
+      end select
+      if (card /= '') then
+        if (.not. any(material_names == word_item(card, 1))) card = ''
+      end if
+      if (card == '') then
+        call words%errors%add(material%place, trim(material%kind)//': this material is not '// &
+                              'available here', 'see sgmp help material for those that are')
+        return
+      end if
+      call native%add('material '//name//' '//word_item(card, 1)//keys(c(1:1), 'density')// &
+                      card(len(word_item(card, 1)) + 1:))
+    end associate
+    call note_law(material, word_item(card, 1), notes)
+  end subroutine write_law
+
+  !> Johnson-Cook without temperature; constants that have no effect are left out.
+  pure function flow(abnc, rate, solid) result(card)
+    real(dp), intent(in) :: abnc(4)  !! A, B, n, C
+    real(dp), intent(in) :: rate     !! at which the rate factor is 1
+    character(*), intent(in) :: solid
+    character(:), allocatable :: card
+    card = 'johnson_cook'//solid//keys(abnc(1:1), 'yield')
+    if (abs(abnc(2)) > 0.0_dp) card = card//keys(abnc(2:3), 'hardening_modulus hardening_exponent')
+    if (abs(abnc(4)) > 0.0_dp) card = card//keys([abnc(4), rate], 'rate_coefficient reference_rate')
+  end function flow
+
+  subroutine note_law(material, kind, notes)
+    type(mpm3d_material_t), intent(in) :: material
+    character(*), intent(in) :: kind
+    type(import_notes_t), intent(inout) :: notes
+    character(:), allocatable :: keyword
+    keyword = trim(material%kind)
+    select case (keyword)
+    case ('john')
+      call notes%add(note_honoured, material%place, keyword, kind//': all plastic work heats '// &
+                     '(taylor_quinney=1), from 293, as in MPM3D; 0.9 is usual for metals')
+    case ('sjcf')
+      call notes%add(note_approximated, material%place, keyword, kind//' with d1 alone, a '// &
+                     'constant failure strain; a failed particle keeps its pressure in compression')
+    case ('jcf')
+      call notes%add(note_approximated, material%place, keyword, kind//' with d1 alone: strength '// &
+                     'is whole until the damage is 1, in MPM3D it falls in proportion to it')
+    case ('neoh')
+      call notes%add(note_approximated, material%place, keyword, kind//': compressible, with the '// &
+                     'same moduli; the volumetric term of its energy may be another (doc/theory.md)')
+    case default
+      call notes%add(note_honoured, material%place, keyword, kind)
+    end select
+  end subroutine note_law
+
+  !> The card eos.
+  subroutine write_eos(material, name, words, native, notes)
+    type(mpm3d_material_t), intent(in) :: material
+    character(*), intent(in) :: name
+    type(mpm3d_words_t), intent(inout) :: words
+    type(native_deck_t), intent(inout) :: native
+    type(import_notes_t), intent(inout) :: notes
+    character(:), allocatable :: card
+    if (material%eos == 0) then
+      if (material%kind == 'hiex' .or. material%kind == 'null') call words%errors%add( &
+        material%place, trim(material%kind)//' needs an equation of state', 'add seos')
+      return
+    end if
+    if (material%kind == 'elas' .or. material%kind == 'neoh' .or. material%kind == 'dpm') then
+      call notes%add(note_approximated, material%eos_place, 'seos', 'left out: '// &
+                     trim(material%kind)//' has its pressure from its moduli, in MPM3D, too')
+      return
+    end if
+    associate (c => material%eos_constant)
+      select case (material%eos)
+      case (eos_polynomial)
+        card = 'polynomial'//keys(c, 'c0 c1 c2 c3 c4 c5 c6 energy0')
+      case (eos_gruneisen)
+        card = 'gruneisen'//keys(c(:4), 'c0 s gamma0 energy0')
+      case (eos_jwl)
+        card = 'jwl'//keys(c(:6), 'a b r1 r2 omega energy0')
+      case default
+        card = 'polynomial'//keys([merge(material%constant(2), material%constant(1)*c(1)**2, &
+                                         material%kind == 'null')], 'c1')
+      end select
+    end associate
+    if (.not. any(eos_names == word_item(card, 1)) .or. &
+        (material%kind == 'hiex' .and. material%eos /= eos_jwl)) then
+      call words%errors%add(material%eos_place, 'seos '//integer_text(material%eos)// &
+                            ': this equation is not available here for '//trim(material%kind), &
+                            'see sgmp help eos for those that are')
+      return
+    end if
+    call native%add('eos '//name//' '//card)
+    call note_eos(material, word_item(card, 1), notes)
+  end subroutine write_eos
+
+  subroutine note_eos(material, kind, notes)
+    type(mpm3d_material_t), intent(in) :: material
+    character(*), intent(in) :: kind
+    type(import_notes_t), intent(inout) :: notes
+    character(:), allocatable :: also
+    integer :: status
+    status = note_honoured
+    also = ''
+    if (material%kind == 'john' .or. material%kind == 'pla1' .or. material%kind == 'pla2') then
+      status = note_approximated
+      also = '; it acts, where MPM3D takes the pressure of '//trim(material%kind)// &
+             ' from its moduli'
+    else if (material%eos == eos_gruneisen) then
+      status = note_approximated
+      also = '; in expansion the energy counts, too'
+    else if (material%eos == eos_weak .and. material%kind == 'null') then
+      also = ', c1 the bulk modulus of the material: MPM3D overwrites the speed that is given'
+    end if
+    call notes%add(status, material%eos_place, 'seos', kind//also)
+  end subroutine note_eos
+
+  !> The card viscosity. MPM3D has it in every deck.
+  subroutine write_viscosity(deck, material, name, native, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(mpm3d_material_t), intent(in) :: material
+    character(*), intent(in) :: name
+    type(native_deck_t), intent(inout) :: native
+    type(import_notes_t), intent(inout) :: notes
+    real(dp) :: linear
+    logical :: solid
+    character(:), allocatable :: text
+    solid = .not. (material%kind == 'hiex' .or. material%kind == 'null')
+    linear = merge(0.0_dp, deck%viscosity(2), solid)
+    if (deck%viscosity(1) > 0.0_dp .or. linear > 0.0_dp) call native%add( &
+      'viscosity '//name//keys([deck%viscosity(1), linear], 'quadratic linear'))
+    text = name//': of '//trim(material%kind)//' MPM3D has '// &
+           'only the quadratic term, whether bulk is given or not'
+    if (.not. solid) text = name//': both terms act, of '//trim(material%kind)//' neither in MPM3D'
+    if (mpm3d_given(deck, 'bulk')) then
+      call notes%add(merge(note_honoured, note_approximated, solid), mpm3d_place(deck, 'bulk'), &
+                     'bulk', text)
+    else
+      call notes%add(merge(note_honoured, note_approximated, solid), material%place, &
+                     trim(material%kind), 'bulk viscosity as by default: '//text)
+    end if
+  end subroutine write_viscosity
+
+  !> ` name=value` for each value.
+  pure function keys(values, names) result(text)
+    real(dp), intent(in) :: values(:)
+    character(*), intent(in) :: names  !! separated by blanks
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(values)
+      text = text//' '//word_item(names, i)//'='//native_number(values(i))
+    end do
+  end function keys
+
+end module sgmp_mpm3d_materials

@@ -1,0 +1,449 @@
+!> From what an MPM3D deck says to the cards of a native deck, with a note for every keyword.
+module sgmp_mpm3d_native
+  use sgmp_import_notes, only: import_notes_t, note_approximated, note_honoured
+  use sgmp_kinds, only: dp
+  use sgmp_mpm3d_bodies, only: piece_block, piece_cylinder, piece_file, piece_sphere, piece_t
+  use sgmp_mpm3d_deck, only: mpm3d_deck_t, mpm3d_given, mpm3d_keywords, mpm3d_place
+  use sgmp_mpm3d_materials, only: materials_write
+  use sgmp_mpm3d_outputs, only: outputs_write
+  use sgmp_mpm3d_particles, only: cloud_t
+  use sgmp_mpm3d_space, only: face_fixed, face_free, face_symmetric, space_t
+  use sgmp_mpm3d_words, only: mpm3d_words_t
+  use sgmp_native_deck, only: native_deck_t, native_number, native_vector
+  use sgmp_spelling, only: word_position
+  use sgmp_text, only: integer_text
+  implicit none
+  private
+  public :: native_write, particle_file_name
+
+  character(5), parameter :: face_words(0:2) = ['free ', 'fixed', 'slip ']
+
+contains
+
+  !> Writes all cards. What cannot be honoured becomes an error in `words`.
+  subroutine native_write(deck, clouds, space, pieces, stem, words, native, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(cloud_t), intent(in) :: clouds(:)
+    type(space_t), intent(in) :: space
+    type(piece_t), intent(in) :: pieces(:)
+    character(*), intent(in) :: stem            !! of the names of particle files
+    type(mpm3d_words_t), intent(inout) :: words
+    type(native_deck_t), intent(inout) :: native
+    type(import_notes_t), intent(inout) :: notes
+    character(:), allocatable :: title
+    call refuse(deck, words)
+    title = deck%title(verify(deck%title//'x', '* "'):)
+    if (title == '') title = stem
+    call native%add('title "'//without_quotes(title)//'"')
+    call write_parameters(deck, pieces, native, notes)
+    call write_space(deck, space, native, notes)
+    call write_method(deck, native, notes)
+    call materials_write(deck, clouds, words, native, notes)
+    call write_bodies(deck, pieces, space, stem, native)
+    call write_loads(deck, pieces, space, native, notes)
+    call write_contact(deck, pieces, words, native, notes)
+    call write_detonations(deck, space, native, notes)
+    call outputs_write(deck, clouds, space, native, notes)
+    call note_counts(deck, clouds, notes)
+  end subroutine native_write
+
+  !> Name of the file of a body's particles.
+  pure function particle_file_name(stem, piece) result(name)
+    character(*), intent(in) :: stem
+    type(piece_t), intent(in) :: piece
+    character(:), allocatable :: name
+    name = stem//'_'//piece%name//'.txt'
+  end function particle_file_name
+
+  pure function without_quotes(text) result(plain)
+    character(*), intent(in) :: text
+    character(len(text)) :: plain
+    integer :: i
+    plain = text
+    do i = 1, len(text)
+      if (text(i:i) == '"' .or. text(i:i) == '$' .or. iachar(text(i:i)) < 32 .or. &
+          iachar(text(i:i)) > 126) plain(i:i) = ' '
+    end do
+  end function without_quotes
+
+  !> Keywords of what the solver does not have.
+  subroutine refuse(deck, words)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(mpm3d_words_t), intent(inout) :: words
+    if (mpm3d_given(deck, 'damp')) call words%errors%add( &
+      mpm3d_place(deck, 'damp'), 'Damp: there is no mass-proportional damping here', &
+      'remove it: without damping the run ends with what is left of the motion')
+    if (mpm3d_given(deck, 'drda')) call words%errors%add( &
+      mpm3d_place(deck, 'drda'), 'drda: there is no kinetic damping here', 'remove it')
+    if (count([mpm3d_given(deck, 'gimp'), mpm3d_given(deck, 'bimp'), &
+               mpm3d_given(deck, 'sgmp')]) > 1) call words%errors%add( &
+      mpm3d_place(deck, 'sgmp'), 'more than one of gimp, bimp, sgmp', 'keep one')
+  end subroutine refuse
+
+  subroutine write_parameters(deck, pieces, native, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(piece_t), intent(in) :: pieces(:)
+    type(native_deck_t), intent(inout) :: native
+    type(import_notes_t), intent(inout) :: notes
+    call native%section('parameters: --set h=… replaces one')
+    call native%parameter('h', native_number(deck%cell), 'side of a grid cell')
+    if (common_spacing(pieces) > 0.0_dp) then
+      call native%parameter('spacing', native_number(common_spacing(pieces)), &
+                            'distance of particles')
+    end if
+    call native%parameter('t_end', native_number(deck%end), 'end time')
+    call native%parameter('cfl', native_number(deck%courant), 'Courant number')
+    call notes%add(note_honoured, mpm3d_place(deck, 'dcel'), 'dcell', 'grid cell=h')
+    call notes%add(note_honoured, mpm3d_place(deck, 'endt'), 'endtime', 'time end=t_end')
+    if (mpm3d_given(deck, 'dtsc')) call notes%add( &
+      note_honoured, mpm3d_place(deck, 'dtsc'), 'dtscale', &
+      'time cfl=cfl, with the sound speed of the current state and the particles'' velocity')
+  end subroutine write_parameters
+
+  !> The distance of particles of all bodies with a lattice, 0 where they differ.
+  pure function common_spacing(pieces) result(spacing)
+    type(piece_t), intent(in) :: pieces(:)
+    real(dp) :: spacing
+    integer :: i
+    spacing = 0.0_dp
+    do i = 1, size(pieces)
+      if (pieces(i)%shape == piece_file) cycle
+      if (spacing > 0.0_dp .and. abs(pieces(i)%spacing - spacing) > 1.0e-9_dp*spacing) then
+        spacing = 0.0_dp
+        return
+      end if
+      spacing = pieces(i)%spacing
+    end do
+  end function common_spacing
+
+  subroutine write_space(deck, space, native, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(space_t), intent(in) :: space
+    type(native_deck_t), intent(inout) :: native
+    type(import_notes_t), intent(inout) :: notes
+    character(:), allocatable :: grid, wall, free
+    integer :: k, axis, side
+    call native%section('space: walls lie where they act')
+    call native%add('dimension '//integer_text(size(space%axes)))
+    grid = 'grid cell=h'
+    wall = ''
+    free = ''
+    do k = 1, size(space%axes)
+      axis = space%axes(k)
+      grid = grid//' '//'xyz'(k:k)//'='//end_of(space%lower(axis), space%open(1, axis))//':'// &
+             end_of(space%upper(axis), space%open(2, axis))
+      do side = 1, 2
+        if (space%face(side, axis) /= face_free) then
+          wall = wall//' '//'xyz'(k:k)//'-+'(side:side)//'='// &
+                 trim(face_words(space%face(side, axis)))
+        else if (.not. space%open(side, axis)) then
+          free = free//' '//'xyz'(k:k)//'-+'(side:side)
+        end if
+      end do
+    end do
+    call native%add(grid)
+    if (wall /= '') call native%add('wall'//wall)
+    if (free /= '') call native%add('lost remove  ! through'//free)
+    call note_space(deck, free, notes)
+  end subroutine write_space
+
+  subroutine note_space(deck, free, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    character(*), intent(in) :: free  !! closed faces without a wall
+    type(import_notes_t), intent(inout) :: notes
+    character(4) :: keyword
+    integer :: i
+    do i = 1, 4
+      keyword = trim(mpm3d_keywords(word_position('grid', mpm3d_keywords) + i - 1))
+      if (mpm3d_given(deck, keyword)) call notes%add( &
+        note_honoured, mpm3d_place(deck, keyword), keyword, 'extent of the grid, a whole number '// &
+        'of cells')
+    end do
+    if (mpm3d_given(deck, 'fixe')) call notes%add( &
+      note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', 'wall; 1 is fixed, 2 is slip')
+    if (any(deck%fixed /= face_free) .and. (mpm3d_given(deck, 'sgmp') .or. &
+                          mpm3d_given(deck, 'gimp') .or. mpm3d_given(deck, 'bimp'))) then
+      call notes%add(note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', 'walls lie one cell '// &
+                     'within the box, at the second plane of nodes, which is where MPM3D holds them')
+    end if
+    if (free /= '') call notes%add( &
+      note_approximated, mpm3d_place(deck, merge('fixe', 'dcel', mpm3d_given(deck, 'fixe'))), &
+      'fixed', 'what leaves through the free faces'//free//' is removed and counted; MPM3D '// &
+      'leaves it where it is')
+  end subroutine note_space
+
+  pure function end_of(x, open) result(text)
+    real(dp), intent(in) :: x
+    logical, intent(in) :: open
+    character(:), allocatable :: text
+    text = 'open'
+    if (.not. open) text = native_number(x)
+  end function end_of
+
+  subroutine write_method(deck, native, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(native_deck_t), intent(inout) :: native
+    type(import_notes_t), intent(inout) :: notes
+    character(:), allocatable :: method, update
+    method = 'mpm'
+    if (mpm3d_given(deck, 'gimp')) method = 'gimp'
+    if (mpm3d_given(deck, 'bimp')) method = 'bspline'
+    if (mpm3d_given(deck, 'sgmp')) method = 'sgmp'
+    update = 'musl'
+    if (deck%on(word_position('usf', mpm3d_keywords))) update = 'usf'
+    if (deck%on(word_position('usl', mpm3d_keywords))) update = 'usl'
+    if (deck%on(word_position('musl', mpm3d_keywords))) update = 'musl'
+    call native%section('numerics')
+    call native%add('method '//method//' update='//update)
+    call native%add('time end=t_end cfl=$cfl')
+    call note_switches(deck, update, notes)
+    if (mpm3d_given(deck, 'bimp')) call notes%add(note_honoured, mpm3d_place(deck, 'bimp'), &
+                                                  'bimp', 'method bspline')
+    if (mpm3d_given(deck, 'sgmp')) call notes%add(note_honoured, mpm3d_place(deck, 'sgmp'), &
+                                                  'sgmp', 'method sgmp')
+    if (mpm3d_given(deck, 'gimp')) call notes%add( &
+      note_approximated, mpm3d_place(deck, 'gimp'), 'gimp', &
+      'method gimp: a particle is as wide as its own volume; in MPM3D always half a cell')
+    if (mpm3d_given(deck, 'tlmp')) call notes%add( &
+      note_approximated, mpm3d_place(deck, 'tlmp'), 'TLmp', &
+      'runs updated-Lagrangian: particles cross cells, and bodies can separate numerically')
+    if (mpm3d_given(deck, 'uvfp')) call notes%add( &
+      note_honoured, mpm3d_place(deck, 'uvfp'), 'UVFp', 'volumes follow the deformation anyway')
+  end subroutine write_method
+
+  subroutine note_switches(deck, update, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    character(*), intent(in) :: update
+    type(import_notes_t), intent(inout) :: notes
+    character(4), parameter :: schemes(3) = ['musl', 'usf ', 'usl ']
+    integer :: i
+    do i = 1, size(schemes)
+      if (.not. mpm3d_given(deck, trim(schemes(i)))) cycle
+      if (deck%on(word_position(schemes(i), mpm3d_keywords)) .and. schemes(i) /= update) then
+        call notes%add(note_approximated, mpm3d_place(deck, trim(schemes(i))), trim(schemes(i)), &
+                       'one scheme at a time: '//update//' is taken; in MPM3D all that are on act')
+      else
+        call notes%add(note_honoured, mpm3d_place(deck, trim(schemes(i))), trim(schemes(i)), &
+                       'method update='//update)
+      end if
+    end do
+    if (mpm3d_given(deck, 'jaum')) call notes%add( &
+      note_honoured, mpm3d_place(deck, 'jaum'), 'jaum', &
+      'stress is always turned with the material, as in MPM3D, which does not use this word')
+  end subroutine note_switches
+
+  subroutine write_bodies(deck, pieces, space, stem, native)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(piece_t), intent(in) :: pieces(:)
+    type(space_t), intent(in) :: space
+    character(*), intent(in) :: stem
+    type(native_deck_t), intent(inout) :: native
+    character(:), allocatable :: spacing, tail
+    integer :: i, d
+    d = size(space%axes)
+    call native%section('bodies')
+    spacing = ''
+    if (common_spacing(pieces) > 0.0_dp) spacing = ' spacing=spacing'
+    do i = 1, size(pieces)
+      associate (piece => pieces(i), part => deck%parts(pieces(i)%first))
+        tail = ' material=material_'//integer_text(part%material)
+        if (piece%shape /= piece_file .and. spacing == '') then
+          tail = tail//' spacing='//native_number(piece%spacing)
+        else if (piece%shape /= piece_file) then
+          tail = tail//spacing
+        end if
+        select case (deck%materials(part%material)%kind)
+        case ('john', 'jcf')
+          tail = tail//' temperature=293'
+        end select
+        if (size(pieces) > 1) tail = tail//' overlap=allow'
+        call native%add('body '//piece%name//' '//shape_text(piece, space, stem)//tail)
+        if (piece%hole) call native%add('subtract '//piece%name//' '//round_text(piece, space, &
+          piece%upper(3) - piece%lower(3)))
+        call write_velocity(piece, space, native)
+      end associate
+    end do
+  end subroutine write_bodies
+
+  !> Words and keys of a body's shape.
+  pure function shape_text(piece, space, stem) result(text)
+    type(piece_t), intent(in) :: piece
+    type(space_t), intent(in) :: space
+    character(*), intent(in) :: stem
+    character(:), allocatable :: text
+    select case (piece%shape)
+    case (piece_block)
+      text = 'block lower='//native_vector(piece%lower(space%axes))//' upper='// &
+             native_vector(piece%upper(space%axes))
+    case (piece_cylinder)
+      text = round_text(piece, space, piece%length)
+    case (piece_sphere)
+      text = 'sphere centre='//native_vector(piece%centre)//' radius='//native_number(piece%radius)
+    case default
+      text = 'file file="'//particle_file_name(stem, piece)//'"'
+    end select
+  end function shape_text
+
+  !> A cylinder about z.
+  pure function round_text(piece, space, length) result(text)
+    type(piece_t), intent(in) :: piece
+    type(space_t), intent(in) :: space
+    real(dp), intent(in) :: length
+    character(:), allocatable :: text
+    text = 'cylinder centre='//native_vector(piece%centre(space%axes))//' radius='// &
+           native_number(piece%radius)
+    if (size(space%axes) == 3) text = text//' axis=(0,0,1) length='//native_number(length)
+  end function round_text
+
+  subroutine write_velocity(piece, space, native)
+    type(piece_t), intent(in) :: piece
+    type(space_t), intent(in) :: space
+    type(native_deck_t), intent(inout) :: native
+    character(:), allocatable :: card
+    integer :: k
+    card = ''
+    if (piece%shape /= piece_file .and. piece%formula /= '') then
+      card = ' '//space%name(piece%formula_axis)//'="'//piece%formula//'"'
+    else if (piece%shape /= piece_file) then
+      do k = 1, size(space%axes)
+        if (abs(piece%velocity(space%axes(k))) > 0.0_dp) card = card//' '//'xyz'(k:k)//'='// &
+          native_number(piece%velocity(space%axes(k)))
+      end do
+    end if
+    if (card /= '') call native%add('velocity '//piece%name//card)
+  end subroutine write_velocity
+
+  !> Gravity and forces as forces per mass.
+  subroutine write_loads(deck, pieces, space, native, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(piece_t), intent(in) :: pieces(:)
+    type(space_t), intent(in) :: space
+    type(native_deck_t), intent(inout) :: native
+    type(import_notes_t), intent(inout) :: notes
+    integer :: i
+    if (mpm3d_given(deck, 'qulo')) call notes%add( &
+      note_approximated, mpm3d_place(deck, 'qulo'), 'QuLo', 'forces on particles rise over this '// &
+      'time, as in MPM3D; the run ends at the end time, not when its kinetic energy has died away')
+    do i = 1, size(deck%loads)
+      call notes%add(note_honoured, deck%loads(i)%place, 'load', 'bodyforce: force per mass')
+    end do
+    do i = 1, size(deck%velocities)
+      call notes%add(note_honoured, deck%velocities(i)%place, 'velo', &
+                     'velocity, or columns of a particle file')
+    end do
+    if (size(deck%loads) == 0) return
+    call native%section('loads: forces per mass')
+    if (mpm3d_given(deck, 'qulo')) then
+      call native%parameter('t_ramp', native_number(deck%ramp), 'forces rise over this time')
+    end if
+    do i = 1, size(pieces)
+      call write_load(pieces(i), mpm3d_given(deck, 'qulo'), space, native)
+    end do
+  end subroutine write_loads
+
+  subroutine write_load(piece, ramped, space, native)
+    type(piece_t), intent(in) :: piece
+    logical, intent(in) :: ramped
+    type(space_t), intent(in) :: space
+    type(native_deck_t), intent(inout) :: native
+    character(:), allocatable :: card, formula
+    integer :: k
+    card = ''
+    do k = 1, size(space%axes)
+      associate (force => piece%force(space%axes(k)), gravity => piece%gravity(space%axes(k)))
+        formula = ''
+        if (abs(gravity) > 0.0_dp) formula = native_number(gravity)
+        if (abs(force) > 0.0_dp) then
+          if (formula /= '') formula = formula//'+'
+          formula = formula//'('//native_number(force)//')'
+          if (ramped) formula = formula//'*min(t/t_ramp,1)'
+        end if
+        if (formula /= '') card = card//' '//'xyz'(k:k)//'="'//formula//'"'
+      end associate
+    end do
+    if (card /= '') call native%add('bodyforce '//piece%name//card)
+  end subroutine write_load
+
+  !> Contact between all bodies of different components; those of one component stick together.
+  subroutine write_contact(deck, pieces, words, native, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(piece_t), intent(in) :: pieces(:)
+    type(mpm3d_words_t), intent(inout) :: words
+    type(native_deck_t), intent(inout) :: native
+    type(import_notes_t), intent(inout) :: notes
+    character(7), parameter :: normals(0:2) = ['average', 'first  ', 'second ']
+    integer :: i, k, pair(2), component(size(pieces))
+    component = [(deck%parts(pieces(i)%first)%component, i=1, size(pieces))]
+    if (all(component == component(1))) then
+      if (mpm3d_given(deck, 'cont')) call notes%add( &
+        note_honoured, mpm3d_place(deck, 'cont'), 'cont', 'nothing to do: there is one component')
+      return
+    end if
+    if (.not. deck%contact) then
+      i = findloc(component == component(1), .false., 1)
+      call words%errors%add( &
+        deck%parts(pieces(i)%first)%place, 'bodies of different components without contact '// &
+        'go through each other in MPM3D, which they cannot here', &
+        'add `cont lagr 0 0`, or give them one component')
+      return
+    end if
+    call notes%add(note_approximated, mpm3d_place(deck, 'cont'), 'cont', 'contact normal='// &
+                   trim(normals(deck%normal))//': bodies touch where their particles are closer '// &
+                   'than the mean of their spacings; in MPM3D as soon as they share a node')
+    call native%section('contact')
+    do i = 1, size(pieces)
+      do k = i + 1, size(pieces)
+        if (component(i) == component(k)) cycle
+        pair = merge([i, k], [k, i], component(i) < component(k))
+        call native%add('contact '//pieces(pair(1))%name//' '//pieces(pair(2))%name// &
+                        ' friction='//native_number(deck%friction)//' normal='// &
+                        trim(normals(deck%normal)))
+      end do
+    end do
+  end subroutine write_contact
+
+  subroutine write_detonations(deck, space, native, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(space_t), intent(in) :: space
+    type(native_deck_t), intent(inout) :: native
+    type(import_notes_t), intent(inout) :: notes
+    integer :: i
+    if (size(deck%detonations) == 0) return
+    call native%add('')
+    do i = 1, size(deck%detonations)
+      associate (setting => deck%detonations(i))
+        call native%add('detonation point='//native_vector(setting%value(space%axes)))
+        if (size(space%axes) == 3) then
+          call notes%add(note_honoured, setting%place, 'deto', 'detonation')
+        else
+          call notes%add(note_approximated, setting%place, 'deto', &
+                         'detonation; distances are measured along the axes that are left')
+        end if
+      end associate
+    end do
+  end subroutine write_detonations
+
+  !> Counts: nothing here depends on them.
+  subroutine note_counts(deck, clouds, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(cloud_t), intent(in) :: clouds(:)
+    type(import_notes_t), intent(inout) :: notes
+    character(4), parameter :: counts(4) = ['nmat', 'nbbo', 'nbco', 'mpm3']
+    integer :: i, n
+    n = clouds(size(clouds))%first - 1 + size(clouds(size(clouds))%mass)
+    if (n == deck%particles) then
+      call notes%add(note_honoured, mpm3d_place(deck, 'nbmp'), 'nbmp', &
+                     integer_text(n)//' particles')
+    else
+      call notes%add(note_approximated, mpm3d_place(deck, 'nbmp'), 'nbmp', 'the bodies have '// &
+                     integer_text(n)//' particles, not '//integer_text(deck%particles)// &
+                     '; MPM3D does not use the others, either')
+    end if
+    do i = 1, size(counts)
+      if (mpm3d_given(deck, counts(i))) call notes%add( &
+        note_honoured, mpm3d_place(deck, counts(i)), counts(i), &
+        merge('title   ', 'as found', counts(i) == 'mpm3'))
+    end do
+  end subroutine note_counts
+
+end module sgmp_mpm3d_native

@@ -1,0 +1,106 @@
+!> Text of a native deck while it is put together: cards, comments, numbers as one would write them.
+module sgmp_native_deck
+  use sgmp_kinds, only: dp
+  use sgmp_spelling, only: string_t
+  use sgmp_text, only: real_text_plain
+  implicit none
+  private
+  public :: native_deck_t, native_number, native_vector
+
+  integer, parameter :: longest_line = 100, column_of_rules = 90
+
+  !> The lines of a deck.
+  type :: native_deck_t
+    type(string_t), allocatable :: lines(:)
+    integer :: n = 0
+  contains
+    procedure :: add => native_add
+    procedure :: section => native_section
+    procedure :: parameter => native_parameter
+  end type native_deck_t
+
+contains
+
+  !> Adds a card, continued where it is long; quotes are not cut.
+  subroutine native_add(self, card)
+    class(native_deck_t), intent(inout) :: self
+    character(*), intent(in) :: card
+    type(string_t), allocatable :: longer(:)
+    integer :: cut
+    if (.not. allocated(self%lines)) allocate (self%lines(64))
+    if (self%n == size(self%lines)) then
+      allocate (longer(2*self%n))
+      longer(:self%n) = self%lines
+      call move_alloc(longer, self%lines)
+    end if
+    cut = 0
+    if (len(card) > longest_line .and. index(card, '!') /= 1) cut = place_to_cut(card)
+    self%n = self%n + 1
+    if (cut == 0) then
+      self%lines(self%n)%text = card
+    else
+      self%lines(self%n)%text = card(:cut)//'&'
+      call self%add('  '//card(cut + 1:))
+    end if
+  end subroutine native_add
+
+  !> The last blank before the longest line's end that is not in quotes, 0 where there is none.
+  pure integer function place_to_cut(card) result(cut)
+    character(*), intent(in) :: card
+    logical :: quoted
+    integer :: i
+    cut = 0
+    quoted = .false.
+    do i = 1, min(len(card), longest_line - 2)
+      if (card(i:i) == '"') quoted = .not. quoted
+      if (card(i:i) == ' ' .and. .not. quoted .and. i > 2) cut = i
+    end do
+  end function place_to_cut
+
+  !> Begins a section with a ruled headline.
+  subroutine native_section(self, title)
+    class(native_deck_t), intent(inout) :: self
+    character(*), intent(in) :: title
+    call self%add('')
+    call self%add('! ---- '//title//' '//repeat('-', max(4, column_of_rules - len(title))))
+  end subroutine native_section
+
+  !> Adds a parameter with a comment.
+  subroutine native_parameter(self, name, value, comment)
+    class(native_deck_t), intent(inout) :: self
+    character(*), intent(in) :: name, value, comment
+    call self%add('parameter '//padded(name, 8)//' = '//padded(value, 10)//' ! '//comment)
+  end subroutine native_parameter
+
+  pure function padded(text, width) result(wide)
+    character(*), intent(in) :: text
+    integer, intent(in) :: width
+    character(:), allocatable :: wide
+    wide = text//repeat(' ', max(0, width - len(text)))
+  end function padded
+
+  !> A number without the noise of its last digits: 0.7 for 0.1 + 3*0.2.
+  pure function native_number(x) result(text)
+    real(dp), intent(in) :: x
+    character(:), allocatable :: text
+    character(32) :: buffer
+    real(dp) :: short
+    write (buffer, '(es32.12e3)') x
+    read (buffer, *) short
+    text = real_text_plain(merge(short, x, abs(short - x) <= 4.0_dp*spacing(x)))
+  end function native_number
+
+  !> A vector: (1,2,3), or a number where there is one component.
+  pure function native_vector(x) result(text)
+    real(dp), intent(in) :: x(:)
+    character(:), allocatable :: text
+    integer :: i
+    text = native_number(x(1))
+    if (size(x) == 1) return
+    do i = 2, size(x)
+      text = text//','//native_number(x(i))
+    end do
+    text = '('//text//')'
+  end function native_vector
+
+end module sgmp_native_deck
