@@ -10,8 +10,8 @@ module sgmp_import_mpm3d
   use sgmp_mpm3d_particles, only: cloud_t, clouds_make
   use sgmp_mpm3d_space, only: space_make, space_t
   use sgmp_mpm3d_words, only: mpm3d_words_t
-  use sgmp_native_deck, only: native_deck_t
-  use sgmp_text, only: integer_text, row_text
+  use sgmp_native_deck, only: native_deck_t, native_number
+  use sgmp_text, only: integer_text
   implicit none
   private
   public :: imported_t, import_is_mpm3d, import_path, import_read, import_summary, import_write
@@ -134,7 +134,8 @@ contains
     character(*), intent(in) :: place
     type(error_t), allocatable, intent(out) :: error
     type(output_file_t) :: file
-    integer :: p, columns
+    character(:), allocatable :: line
+    integer :: p, k, columns
     associate (piece => imported%pieces(number))
       call file%open(place//particle_file_name(imported%stem, piece), 'replace', error)
       if (allocated(error)) return
@@ -142,7 +143,11 @@ contains
       call file%line('! '//imported%stem//suffix//', '//piece%name//': x y z volume'// &
                      merge(' velocity_x velocity_y velocity_z', repeat(' ', 33), columns == 7))
       do p = 1, size(piece%rows, 2)
-        call file%line(row_text(piece%rows(:columns, p), ' '))
+        line = native_number(piece%rows(1, p))
+        do k = 2, columns
+          line = line//' '//native_number(piece%rows(k, p))
+        end do
+        call file%line(line)
       end do
     end associate
     call file%close(error)

@@ -31,7 +31,7 @@ module sgmp_mpm3d_bodies
     integer :: formula_axis = 0                        !! the component it is
     real(dp) :: velocity(3) = 0.0_dp, force(3) = 0.0_dp, gravity(3) = 0.0_dp
     real(dp), allocatable :: rows(:, :)
-      !! (7, n) of a file: position, volume, velocity along the axes used here
+      !! (7, n) of a file: position, volume, velocity (0 where it moves as one), axes as here
   end type piece_t
 
 contains
@@ -257,7 +257,7 @@ contains
       n = n + 1
       rows(:d, n) = cloud%position(space%axes, p)
       rows(4, n) = row_volume(cloud, space, p)
-      rows(5:4 + d, n) = cloud%velocity(space%axes, p)
+      if (.not. piece%moves_as_one) rows(5:4 + d, n) = cloud%velocity(space%axes, p)
     end do
     piece%rows = rows(:, :n)
   end subroutine take_rows

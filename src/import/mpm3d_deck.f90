@@ -124,6 +124,7 @@ contains
     type(mpm3d_words_t), intent(inout) :: words
     character(*), intent(in) :: keyword
     type(mpm3d_deck_t), intent(inout) :: deck
+    type(mpm3d_setting_t) :: new
     integer :: axis
     select case (keyword)
     case ('mpm3')
@@ -187,8 +188,9 @@ contains
       deck%friction = words%number()
       deck%normal = words%whole(0, 2, 'the choice of the normal')
     case ('deto')
-      deck%detonations = [deck%detonations, &
-                          mpm3d_setting_t(keyword, 0, words%vector(), words%position)]
+      new = mpm3d_setting_t(keyword, 0, [0.0_dp, 0.0_dp, 0.0_dp], words%position)
+      new%value = words%vector()
+      deck%detonations = [deck%detonations, new]
     case ('outr', 'curv', 'curx')
       call read_output(words, keyword, deck)
     case ('pt2d')

@@ -155,14 +155,14 @@ contains
     associate (c => material%eos_constant)
       select case (material%eos)
       case (eos_polynomial)
-        card = 'polynomial'//keys(c, 'c0 c1 c2 c3 c4 c5 c6 energy0')
+        card = 'polynomial'//keys(c, 'a0 a1 a2 a3 b0 b1 b2 energy0')
       case (eos_gruneisen)
         card = 'gruneisen'//keys(c(:4), 'c0 s gamma0 energy0')
       case (eos_jwl)
         card = 'jwl'//keys(c(:6), 'a b r1 r2 omega energy0')
       case default
         card = 'polynomial'//keys([merge(material%constant(2), material%constant(1)*c(1)**2, &
-                                         material%kind == 'null')], 'c1')
+                                         material%kind == 'null')], 'a1')
       end select
     end associate
     if (.not. any(eos_names == word_item(card, 1)) .or. &
@@ -192,7 +192,7 @@ contains
       status = note_approximated
       also = '; in expansion the energy counts, too'
     else if (material%eos == eos_weak .and. material%kind == 'null') then
-      also = ', c1 the bulk modulus of the material: MPM3D overwrites the speed that is given'
+      also = ', a1 the bulk modulus of the material: MPM3D overwrites the speed that is given'
     end if
     call notes%add(status, material%eos_place, 'seos', kind//also)
   end subroutine note_eos

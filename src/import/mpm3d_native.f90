@@ -304,7 +304,7 @@ contains
     card = ''
     if (piece%shape /= piece_file .and. piece%formula /= '') then
       card = ' '//space%name(piece%formula_axis)//'="'//piece%formula//'"'
-    else if (piece%shape /= piece_file) then
+    else if (piece%moves_as_one) then
       do k = 1, size(space%axes)
         if (abs(piece%velocity(space%axes(k))) > 0.0_dp) card = card//' '//'xyz'(k:k)//'='// &
           native_number(piece%velocity(space%axes(k)))
@@ -428,8 +428,10 @@ contains
     type(mpm3d_deck_t), intent(in) :: deck
     type(cloud_t), intent(in) :: clouds(:)
     type(import_notes_t), intent(inout) :: notes
-    character(4), parameter :: counts(4) = ['nmat', 'nbbo', 'nbco', 'mpm3']
+    character(4), parameter :: counts(3) = ['nmat', 'nbbo', 'nbco']
     integer :: i, n
+    if (mpm3d_given(deck, 'mpm3')) call notes%add(note_honoured, mpm3d_place(deck, 'mpm3'), &
+                                                  'mpm3d', 'title')
     n = clouds(size(clouds))%first - 1 + size(clouds(size(clouds))%mass)
     if (n == deck%particles) then
       call notes%add(note_honoured, mpm3d_place(deck, 'nbmp'), 'nbmp', &
@@ -441,8 +443,7 @@ contains
     end if
     do i = 1, size(counts)
       if (mpm3d_given(deck, counts(i))) call notes%add( &
-        note_honoured, mpm3d_place(deck, counts(i)), counts(i), &
-        merge('title   ', 'as found', counts(i) == 'mpm3'))
+        note_honoured, mpm3d_place(deck, counts(i)), counts(i), 'agrees with what is there')
     end do
   end subroutine note_counts
 

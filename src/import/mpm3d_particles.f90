@@ -258,8 +258,28 @@ contains
     extent = maxval(cloud%position(axis, :)) - minval(cloud%position(axis, :))
     rows_alike = extent <= lattice_tolerance*cloud%spacing
     if (rows_alike) return
-    rows_alike = cloud_uniform(cloud%velocity) .and. cloud_uniform(cloud%force) .and. &
-                 (cloud%cubic .or. (part%form == 'blod' .and. axis == 3))
+    if (part%form == 'bloc') then
+      rows_alike = same_along(cloud, axis)
+    else if (cloud%cubic .or. (part%form == 'blod' .and. axis == 3)) then
+      rows_alike = cloud_uniform(cloud%velocity) .and. cloud_uniform(cloud%force)
+    end if
   end function cloud_block
+
+  !> Whether velocity and force in a block, numbered along x, then y, then z, do not change along an
+  !! axis.
+  pure function same_along(cloud, axis) result(same)
+    type(cloud_t), intent(in) :: cloud
+    integer, intent(in) :: axis
+    logical :: same
+    integer :: p, stride, first
+    stride = product(cloud%rows(:axis - 1))
+    same = .false.
+    do p = 1, size(cloud%mass)
+      first = p - stride*mod((p - 1)/stride, cloud%rows(axis))
+      if (any(abs(cloud%velocity(:, p) - cloud%velocity(:, first)) > 0.0_dp)) return
+      if (any(abs(cloud%force(:, p) - cloud%force(:, first)) > 0.0_dp)) return
+    end do
+    same = .true.
+  end function same_along
 
 end module sgmp_mpm3d_particles
