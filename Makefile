@@ -70,6 +70,7 @@ sanitize: setup setup-test build/sanitize/.configured ## Run units, broken decks
 
 fuzz: build setup-test ## Damaged decks and checkpoints, then random scenes (INPUTS=100000 of each, SCENES=1500, SEED=1)
 	$(PYTHON) tests/fuzz/decks.py build/release/sgmp . build/fuzz/decks --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
+	$(PYTHON) tests/fuzz/mpm3d.py build/release/sgmp . build/fuzz/mpm3d --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
 	$(PYTHON) tests/fuzz/checkpoints.py build/release/sgmp . build/fuzz/checkpoints --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
 	$(PYTHON) tests/fuzz/scenes.py build/release/sgmp . build/fuzz/scenes --inputs $(or $(SCENES),1500) --seed $(or $(SEED),1)
 

@@ -4,7 +4,8 @@ module sgmp_text
   use sgmp_kinds, only: dp, i4, i8
   implicit none
   private
-  public :: integer_text, real_text, real_text_full, real_text_plain, real_text_short, row_text
+  public :: integer_text, real_text, real_text_full, real_text_plain, real_text_short, &
+            real_text_tidy, row_text
 
   !> Decimal text of an integer of either kind.
   interface integer_text
@@ -78,6 +79,18 @@ contains
     character(:), allocatable :: text
     text = plain_text(shortest(value))
   end function real_text_plain
+
+  !> A real as one writes it in a deck, without the noise of its last digits: 0.7 for 0.1 + 3*0.2.
+  pure function real_text_tidy(value) result(text)
+    real(dp), intent(in) :: value
+    character(:), allocatable :: text
+    character(40) :: buffer
+    real(dp) :: short
+    write (buffer, '(es40.12e3)') value
+    read (buffer, *) short
+    if (abs(short - value) > 4.0_dp*spacing(value)) write (buffer, '(es40.16e3)') value
+    text = plain_text(trim(adjustl(buffer)))
+  end function real_text_tidy
 
   !> Scientific notation with as few digits as restore every bit: -1.17E+011.
   pure function shortest(value) result(text)

@@ -10,8 +10,8 @@ module sgmp_import_mpm3d
   use sgmp_mpm3d_particles, only: cloud_t, clouds_make
   use sgmp_mpm3d_space, only: space_make, space_t
   use sgmp_mpm3d_words, only: mpm3d_words_t
-  use sgmp_native_deck, only: native_deck_t, native_number
-  use sgmp_text, only: integer_text
+  use sgmp_native_deck, only: native_deck_t
+  use sgmp_text, only: integer_text, real_text_tidy
   implicit none
   private
   public :: imported_t, import_is_mpm3d, import_path, import_read, import_summary, import_write
@@ -37,8 +37,8 @@ contains
     if (yes) yes = path(len(path) - len(suffix) + 1:) == suffix
   end function import_is_mpm3d
 
-  !> Reads an MPM3D deck and makes a native deck of it, in memory. Where `errors%count()` is positive
-  !! there is none.
+  !> Reads an MPM3D deck and makes a native deck of it, in memory. Where `errors%count()` is
+  !! positive there is none.
   subroutine import_read(path, keep_3d, imported, errors, error)
     character(*), intent(in) :: path
     logical, intent(in) :: keep_3d               !! leaves out no direction
@@ -140,12 +140,13 @@ contains
       call file%open(place//particle_file_name(imported%stem, piece), 'replace', error)
       if (allocated(error)) return
       columns = merge(7, 4, any(abs(piece%rows(5:, :)) > 0.0))
-      call file%line('! '//imported%stem//suffix//', '//piece%name//': x y z volume'// &
-                     merge(' velocity_x velocity_y velocity_z', repeat(' ', 33), columns == 7))
+      line = '! '//imported%stem//suffix//', '//piece%name//': x y z volume'
+      if (columns == 7) line = line//' velocity_x velocity_y velocity_z'
+      call file%line(line)
       do p = 1, size(piece%rows, 2)
-        line = native_number(piece%rows(1, p))
+        line = real_text_tidy(piece%rows(1, p))
         do k = 2, columns
-          line = line//' '//native_number(piece%rows(k, p))
+          line = line//' '//real_text_tidy(piece%rows(k, p))
         end do
         call file%line(line)
       end do

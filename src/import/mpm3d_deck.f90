@@ -28,7 +28,7 @@ module sgmp_mpm3d_deck
     'seqv', 'epef', 'mat', 'pres', 'volu', 'engk', 'engi', 'velx', 'vely', 'velz', 'cels', &
     'fail', 'sspd', 'damg', 'stsx', 'disx', 'disy', 'disz']
   integer, parameter :: most_rows = 100000        !! particles along an edge
-  integer, parameter :: most_particles = 20000000  !! each is made here to find out what it belongs to
+  integer, parameter :: most_particles = 20000000  !! each is made, to find out what it is part of
 
   !> An entry of `mate`, with its equation of state.
   type :: mpm3d_material_t
@@ -227,7 +227,8 @@ contains
     type(mpm3d_material_t) :: new
     integer :: i, k
     if (deck%material_sets == 0) call words%fail('there is no nmat before material', 'add nmat')
-    if (size(deck%materials) > 0) call words%fail('material is given twice', 'put all sets into one')
+    if (size(deck%materials) > 0) call words%fail('material is given twice', &
+                                                  'put all sets into one')
     do i = 1, deck%material_sets
       associate (set => words%whole(i, i, 'the number of the material set'))
       end associate

@@ -6,9 +6,9 @@ module sgmp_mpm3d_materials
   use sgmp_mpm3d_deck, only: mpm3d_deck_t, mpm3d_given, mpm3d_material_t, mpm3d_place
   use sgmp_mpm3d_particles, only: cloud_t
   use sgmp_mpm3d_words, only: mpm3d_words_t
-  use sgmp_native_deck, only: native_deck_t, native_number
+  use sgmp_native_deck, only: native_deck_t
   use sgmp_spelling, only: word_item
-  use sgmp_text, only: integer_text
+  use sgmp_text, only: integer_text, real_text_tidy
   implicit none
   private
   public :: materials_write
@@ -124,11 +124,11 @@ contains
       call notes%add(note_approximated, material%place, keyword, kind//' with d1 alone, a '// &
                      'constant failure strain; a failed particle keeps its pressure in compression')
     case ('jcf')
-      call notes%add(note_approximated, material%place, keyword, kind//' with d1 alone: strength '// &
-                     'is whole until the damage is 1, in MPM3D it falls in proportion to it')
+      call notes%add(note_approximated, material%place, keyword, kind//' with d1 alone: '// &
+                     'strength is whole until the damage is 1, in MPM3D it falls in proportion to it')
     case ('neoh')
-      call notes%add(note_approximated, material%place, keyword, kind//': compressible, with the '// &
-                     'same moduli; the volumetric term of its energy may be another (doc/theory.md)')
+      call notes%add(note_approximated, material%place, keyword, kind//': compressible, with '// &
+                     'the same moduli; the volumetric term of its energy may be another')
     case default
       call notes%add(note_honoured, material%place, keyword, kind)
     end select
@@ -231,7 +231,7 @@ contains
     integer :: i
     text = ''
     do i = 1, size(values)
-      text = text//' '//word_item(names, i)//'='//native_number(values(i))
+      text = text//' '//word_item(names, i)//'='//real_text_tidy(values(i))
     end do
   end function keys
 

@@ -7,11 +7,11 @@ module sgmp_mpm3d_native
   use sgmp_mpm3d_materials, only: materials_write
   use sgmp_mpm3d_outputs, only: outputs_write
   use sgmp_mpm3d_particles, only: cloud_t
-  use sgmp_mpm3d_space, only: face_fixed, face_free, face_symmetric, space_t
+  use sgmp_mpm3d_space, only: face_free, space_t
   use sgmp_mpm3d_words, only: mpm3d_words_t
-  use sgmp_native_deck, only: native_deck_t, native_number, native_vector
+  use sgmp_native_deck, only: native_deck_t, native_vector
   use sgmp_spelling, only: word_position
-  use sgmp_text, only: integer_text
+  use sgmp_text, only: integer_text, real_text_tidy
   implicit none
   private
   public :: native_write, particle_file_name
@@ -86,13 +86,13 @@ contains
     type(native_deck_t), intent(inout) :: native
     type(import_notes_t), intent(inout) :: notes
     call native%section('parameters: --set h=… replaces one')
-    call native%parameter('h', native_number(deck%cell), 'side of a grid cell')
+    call native%parameter('h', real_text_tidy(deck%cell), 'side of a grid cell')
     if (common_spacing(pieces) > 0.0_dp) then
-      call native%parameter('spacing', native_number(common_spacing(pieces)), &
+      call native%parameter('spacing', real_text_tidy(common_spacing(pieces)), &
                             'distance of particles')
     end if
-    call native%parameter('t_end', native_number(deck%end), 'end time')
-    call native%parameter('cfl', native_number(deck%courant), 'Courant number')
+    call native%parameter('t_end', real_text_tidy(deck%end), 'end time')
+    call native%parameter('cfl', real_text_tidy(deck%courant), 'Courant number')
     call notes%add(note_honoured, mpm3d_place(deck, 'dcel'), 'dcell', 'grid cell=h')
     call notes%add(note_honoured, mpm3d_place(deck, 'endt'), 'endtime', 'time end=t_end')
     if (mpm3d_given(deck, 'dtsc')) call notes%add( &
@@ -144,11 +144,12 @@ contains
     call native%add(grid)
     if (wall /= '') call native%add('wall'//wall)
     if (free /= '') call native%add('lost remove  ! through'//free)
-    call note_space(deck, free, notes)
+    call note_space(deck, wall /= '', free, notes)
   end subroutine write_space
 
-  subroutine note_space(deck, free, notes)
+  subroutine note_space(deck, walls, free, notes)
     type(mpm3d_deck_t), intent(in) :: deck
+    logical, intent(in) :: walls      !! there are any
     character(*), intent(in) :: free  !! closed faces without a wall
     type(import_notes_t), intent(inout) :: notes
     character(4) :: keyword
@@ -156,15 +157,15 @@ contains
     do i = 1, 4
       keyword = trim(mpm3d_keywords(word_position('grid', mpm3d_keywords) + i - 1))
       if (mpm3d_given(deck, keyword)) call notes%add( &
-        note_honoured, mpm3d_place(deck, keyword), keyword, 'extent of the grid, a whole number '// &
-        'of cells')
+        note_honoured, mpm3d_place(deck, keyword), trim(keyword), &
+        'extent of the grid, a whole number of cells')
     end do
     if (mpm3d_given(deck, 'fixe')) call notes%add( &
       note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', 'wall; 1 is fixed, 2 is slip')
-    if (any(deck%fixed /= face_free) .and. (mpm3d_given(deck, 'sgmp') .or. &
-                          mpm3d_given(deck, 'gimp') .or. mpm3d_given(deck, 'bimp'))) then
+    if (walls .and. (mpm3d_given(deck, 'sgmp') .or. mpm3d_given(deck, 'gimp') .or. &
+                     mpm3d_given(deck, 'bimp'))) then
       call notes%add(note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', 'walls lie one cell '// &
-                     'within the box, at the second plane of nodes, which is where MPM3D holds them')
+                     'within the box, at the second plane of nodes, where MPM3D has them, too')
     end if
     if (free /= '') call notes%add( &
       note_approximated, mpm3d_place(deck, merge('fixe', 'dcel', mpm3d_given(deck, 'fixe'))), &
@@ -177,7 +178,7 @@ contains
     logical, intent(in) :: open
     character(:), allocatable :: text
     text = 'open'
-    if (.not. open) text = native_number(x)
+    if (.not. open) text = real_text_tidy(x)
   end function end_of
 
   subroutine write_method(deck, native, notes)
@@ -248,7 +249,7 @@ contains
       associate (piece => pieces(i), part => deck%parts(pieces(i)%first))
         tail = ' material=material_'//integer_text(part%material)
         if (piece%shape /= piece_file .and. spacing == '') then
-          tail = tail//' spacing='//native_number(piece%spacing)
+          tail = tail//' spacing='//real_text_tidy(piece%spacing)
         else if (piece%shape /= piece_file) then
           tail = tail//spacing
         end if
@@ -278,7 +279,7 @@ contains
     case (piece_cylinder)
       text = round_text(piece, space, piece%length)
     case (piece_sphere)
-      text = 'sphere centre='//native_vector(piece%centre)//' radius='//native_number(piece%radius)
+      text = 'sphere centre='//native_vector(piece%centre)//' radius='//real_text_tidy(piece%radius)
     case default
       text = 'file file="'//particle_file_name(stem, piece)//'"'
     end select
@@ -291,8 +292,8 @@ contains
     real(dp), intent(in) :: length
     character(:), allocatable :: text
     text = 'cylinder centre='//native_vector(piece%centre(space%axes))//' radius='// &
-           native_number(piece%radius)
-    if (size(space%axes) == 3) text = text//' axis=(0,0,1) length='//native_number(length)
+           real_text_tidy(piece%radius)
+    if (size(space%axes) == 3) text = text//' axis=(0,0,1) length='//real_text_tidy(length)
   end function round_text
 
   subroutine write_velocity(piece, space, native)
@@ -307,7 +308,7 @@ contains
     else if (piece%moves_as_one) then
       do k = 1, size(space%axes)
         if (abs(piece%velocity(space%axes(k))) > 0.0_dp) card = card//' '//'xyz'(k:k)//'='// &
-          native_number(piece%velocity(space%axes(k)))
+          real_text_tidy(piece%velocity(space%axes(k)))
       end do
     end if
     if (card /= '') call native%add('velocity '//piece%name//card)
@@ -322,8 +323,8 @@ contains
     type(import_notes_t), intent(inout) :: notes
     integer :: i
     if (mpm3d_given(deck, 'qulo')) call notes%add( &
-      note_approximated, mpm3d_place(deck, 'qulo'), 'QuLo', 'forces on particles rise over this '// &
-      'time, as in MPM3D; the run ends at the end time, not when its kinetic energy has died away')
+      note_approximated, mpm3d_place(deck, 'qulo'), 'QuLo', 'forces on particles rise over '// &
+      'this time, as in MPM3D; the run ends at the end time, not when its kinetic energy has died away')
     do i = 1, size(deck%loads)
       call notes%add(note_honoured, deck%loads(i)%place, 'load', 'bodyforce: force per mass')
     end do
@@ -334,7 +335,7 @@ contains
     if (size(deck%loads) == 0) return
     call native%section('loads: forces per mass')
     if (mpm3d_given(deck, 'qulo')) then
-      call native%parameter('t_ramp', native_number(deck%ramp), 'forces rise over this time')
+      call native%parameter('t_ramp', real_text_tidy(deck%ramp), 'forces rise over this time')
     end if
     do i = 1, size(pieces)
       call write_load(pieces(i), mpm3d_given(deck, 'qulo'), space, native)
@@ -352,10 +353,10 @@ contains
     do k = 1, size(space%axes)
       associate (force => piece%force(space%axes(k)), gravity => piece%gravity(space%axes(k)))
         formula = ''
-        if (abs(gravity) > 0.0_dp) formula = native_number(gravity)
+        if (abs(gravity) > 0.0_dp) formula = real_text_tidy(gravity)
         if (abs(force) > 0.0_dp) then
-          if (formula /= '') formula = formula//'+'
-          formula = formula//'('//native_number(force)//')'
+          if (formula /= '' .and. force > 0.0_dp) formula = formula//'+'
+          formula = formula//real_text_tidy(force)
           if (ramped) formula = formula//'*min(t/t_ramp,1)'
         end if
         if (formula /= '') card = card//' '//'xyz'(k:k)//'="'//formula//'"'
@@ -388,15 +389,15 @@ contains
       return
     end if
     call notes%add(note_approximated, mpm3d_place(deck, 'cont'), 'cont', 'contact normal='// &
-                   trim(normals(deck%normal))//': bodies touch where their particles are closer '// &
-                   'than the mean of their spacings; in MPM3D as soon as they share a node')
+                   trim(normals(deck%normal))//': bodies touch where their particles are '// &
+                   'closer than the mean of their spacings; in MPM3D as soon as they share a node')
     call native%section('contact')
     do i = 1, size(pieces)
       do k = i + 1, size(pieces)
         if (component(i) == component(k)) cycle
         pair = merge([i, k], [k, i], component(i) < component(k))
         call native%add('contact '//pieces(pair(1))%name//' '//pieces(pair(2))%name// &
-                        ' friction='//native_number(deck%friction)//' normal='// &
+                        ' friction='//real_text_tidy(deck%friction)//' normal='// &
                         trim(normals(deck%normal)))
       end do
     end do

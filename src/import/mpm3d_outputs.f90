@@ -5,9 +5,9 @@ module sgmp_mpm3d_outputs
   use sgmp_mpm3d_deck, only: mpm3d_deck_t, mpm3d_given, mpm3d_place, mpm3d_setting_t
   use sgmp_mpm3d_particles, only: cloud_t
   use sgmp_mpm3d_space, only: space_t
-  use sgmp_native_deck, only: native_deck_t, native_number, native_vector
+  use sgmp_native_deck, only: native_deck_t, native_vector
   use sgmp_spelling, only: word_in_list
-  use sgmp_text, only: integer_text
+  use sgmp_text, only: integer_text, real_text_tidy
   implicit none
   private
   public :: outputs_write
@@ -30,10 +30,11 @@ contains
     call collect_fields(deck, fields, notes)
     if (fields /= '') fields = ' fields='//fields
     every = ''
-    if (deck%interval < deck%end) every = ' every='//native_number(deck%interval)
+    if (deck%interval < deck%end) every = ' every='//real_text_tidy(deck%interval)
     if (mpm3d_given(deck, 'para')) then
       call native%add('output vtu'//every//fields)
-      call notes%add(note_honoured, mpm3d_place(deck, 'para'), 'para', 'output vtu, without the grid')
+      call notes%add(note_honoured, mpm3d_place(deck, 'para'), 'para', &
+                     'output vtu, without the grid')
     end if
     if (mpm3d_given(deck, 'tecp')) then
       call native%add('output tecplot'//every//fields)
@@ -86,7 +87,8 @@ contains
         field = field_of(setting%kind)
         call note_output(setting, field, notes)
         if (field == '' .or. field == 'energies') cycle
-        if (index(always, ' '//field//' ') > 0 .or. index(','//fields//',', ','//field//',') > 0) cycle
+        if (index(always, ' '//field//' ') > 0) cycle
+        if (index(','//fields//',', ','//field//',') > 0) cycle
         if (fields /= '') fields = fields//','
         fields = fields//field
       end associate

@@ -82,7 +82,7 @@ contains
       if (part%form == 'cicl') low(3) = 1
       if (part%form == 'cicl') high(3) = 1
     end if
-    ! At least half of the cube around a sphere is inside, nearly all of a block around a hole may not be.
+    ! At least half of the cube around a sphere is inside; of a block with a hole it may be little.
     if (part%form /= 'blod' .and. product(real(high - low + 1, dp)) > 2.0_dp*most + 8.0_dp) return
     if (product(real(high - low + 1, dp)) > most_tried) return
     allocate (found(3, min(most, product(high - low + 1))))
@@ -206,8 +206,8 @@ contains
     end select
   end subroutine set_velocity
 
-  !> Velocity of MPM3D's built-in beam of beryllium (m, kg, s) for unit deflection: the first mode of
-  !! a free-free beam of length 0.06 and height 0.01.
+  !> Velocity of MPM3D's built-in beam of beryllium (m, kg, s) for unit deflection: the first mode
+  !! of a free-free beam of length 0.06 and height 0.01.
   pure elemental function beam_velocity(x) result(velocity)
     real(dp), intent(in) :: x  !! from the left end
     real(dp) :: velocity

@@ -12,9 +12,9 @@ module sgmp_mpm3d_space
   use sgmp_text, only: real_text
   implicit none
   private
-  public :: space_t, space_make, face_free, face_fixed, face_symmetric
+  public :: space_t, space_make, face_free
 
-  integer, parameter :: face_free = 0, face_fixed = 1, face_symmetric = 2  !! of the card fixe
+  integer, parameter :: face_free = 0, face_symmetric = 2  !! conditions of the card fixe; 1: fixed
 
   !> What is left of the box.
   type :: space_t
@@ -93,7 +93,7 @@ contains
       pushed = any(abs(clouds(b)%force(axis, :)) > 0.0_dp) .or. &
                abs(clouds(b)%gravity(axis)) > 0.0_dp
       if (moves .or. pushed) why = 'something moves or pushes along it'
-      if (.not. cloud_block(deck%parts(b), clouds(b), axis)) why = 'rows of particles differ along it'
+      if (.not. cloud_block(deck%parts(b), clouds(b), axis)) why = 'rows differ along it'
     end do
     thin = why == ''
     if (.not. thin) call notes%add(note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', &
@@ -160,8 +160,8 @@ contains
     end do
     call notes%add(note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', 'one cell thick between '// &
                    'planes of symmetry along'//names//': solved in '// &
-                   'fewer dimensions ('//merge('uniaxial strain', 'plane strain   ', &
-                   size(space%axes) == 1)//'); masses and energies here are those there over '// &
+                   'fewer dimensions ('//trim(merge('uniaxial strain', 'plane strain   ', &
+                   size(space%axes) == 1))//'); masses and energies here are those there over '// &
                    real_text(space%thickness)//'; --keep-3d keeps it as it is')
     if (size(space%axes) > 1 .and. any(space%axes /= [1, 2])) call notes%add( &
       note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', 'x, y here are '// &

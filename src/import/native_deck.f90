@@ -2,10 +2,10 @@
 module sgmp_native_deck
   use sgmp_kinds, only: dp
   use sgmp_spelling, only: string_t
-  use sgmp_text, only: real_text_plain
+  use sgmp_text, only: real_text_tidy
   implicit none
   private
-  public :: native_deck_t, native_number, native_vector
+  public :: native_deck_t, native_vector
 
   integer, parameter :: longest_line = 100, column_of_rules = 90
 
@@ -79,26 +79,15 @@ contains
     wide = text//repeat(' ', max(0, width - len(text)))
   end function padded
 
-  !> A number without the noise of its last digits: 0.7 for 0.1 + 3*0.2.
-  pure function native_number(x) result(text)
-    real(dp), intent(in) :: x
-    character(:), allocatable :: text
-    character(32) :: buffer
-    real(dp) :: short
-    write (buffer, '(es32.12e3)') x
-    read (buffer, *) short
-    text = real_text_plain(merge(short, x, abs(short - x) <= 4.0_dp*spacing(x)))
-  end function native_number
-
   !> A vector: (1,2,3), or a number where there is one component.
   pure function native_vector(x) result(text)
     real(dp), intent(in) :: x(:)
     character(:), allocatable :: text
     integer :: i
-    text = native_number(x(1))
+    text = real_text_tidy(x(1))
     if (size(x) == 1) return
     do i = 2, size(x)
-      text = text//','//native_number(x(i))
+      text = text//','//real_text_tidy(x(i))
     end do
     text = '('//text//')'
   end function native_vector

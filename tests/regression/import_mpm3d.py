@@ -1,0 +1,215 @@
+#!/usr/bin/env python3
+"""Import of MPM3D decks: native decks and reports as they should be, errors at their places, runs against native decks.
+
+usage: import_mpm3d.py SGMP SOURCE_DIR SCRATCH_DIR [--write]
+
+tests/decks/mpm/X.mpm must become golden/X.inp with the report golden/X.import.txt (--write replaces both, to be read
+before they are committed); broken/X.mpm says in its first line what must be printed.
+"""
+import csv
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+EXECUTABLE, SOURCE, SCRATCH = map(os.path.abspath, sys.argv[1:4])
+WRITE = "--write" in sys.argv
+DECKS = os.path.join(SOURCE, "tests", "decks", "mpm")
+T_END = 0.08 if os.environ.get("SGMP_TEST_FULL", "") not in ("", "0") else 0.02
+FAILURES = []
+
+
+def sgmp(*words, folder=DECKS):
+    done = subprocess.run([EXECUTABLE, *words], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False)
+    return done.returncode, done.stdout.decode("utf-8", "replace")
+
+
+def expect(condition, what):
+    if not condition:
+        FAILURES.append(what)
+        print("FAIL", what)
+
+
+def read(*path):
+    with open(os.path.join(*path), encoding="utf-8") as file:
+        return file.read()
+
+
+def fresh(name):
+    folder = os.path.join(SCRATCH, name)
+    shutil.rmtree(folder, ignore_errors=True)
+    return folder
+
+
+def goldens():
+    """Every deck: what it becomes, and that it is a deck."""
+    out = fresh("golden")
+    names = sorted(name[:-4] for name in os.listdir(DECKS) if name.endswith(".mpm"))
+    for name in names:
+        code, printed = sgmp("import", name + ".mpm", "--output", out)
+        expect(code == 0, f"{name}: {printed}")
+        report = os.path.join(out, name + ".import.txt")
+        text = read(report).replace(out + "/", "")
+        with open(report, "w", encoding="utf-8") as file:
+            file.write(text)
+        code, printed = sgmp(os.path.join(out, name + ".inp"), "--check", "--output", os.path.join(out, "checked"))
+        expect(code == 0, f"{name}: the native deck: {printed}")
+    folder = os.path.join(DECKS, "golden")
+    for name in sorted(os.listdir(out)):
+        if WRITE:
+            shutil.copy(os.path.join(out, name), os.path.join(folder, name))
+        known = os.path.exists(os.path.join(folder, name))
+        expect(known and read(folder, name) == read(out, name), f"golden/{name} is another")
+    return len(names)
+
+
+def broken():
+    """Errors: exit code 3 and the words of the first line."""
+    folder = os.path.join(DECKS, "broken")
+    names = sorted(os.listdir(folder))
+    for name in names:
+        pattern = re.match("! expected: (.*)\n", read(folder, name)).group(1)
+        code, printed = sgmp("import", name, "--output", fresh("broken"), folder=folder)
+        expect(code == 3, f"{name}: exit code {code}")
+        expect(re.search(pattern, printed, re.DOTALL), f"{name}: no '{pattern}' in {printed}")
+        code, printed = sgmp(name, "--output", fresh("broken"), folder=folder)
+        expect(code == 3, f"{name}: exit code {code} of a run")
+    return len(names)
+
+
+def files():
+    """A deck that is there is not overwritten; a foreign deck of another name is one line; options of runs are refused."""
+    out = fresh("files")
+    sgmp("import", "points.mpm", "--output", out)
+    code, printed = sgmp("import", "points.mpm", "--output", out)
+    expect(code == 5 and "there is a file" in printed, f"overwritten: {printed}")
+    code, printed = sgmp("import", "nowhere.mpm")
+    expect(code == 5 and "nowhere.mpm" in printed, f"missing deck: {code} {printed}")
+    code, printed = sgmp("import", "points.mpm", "--check")
+    expect(code == 2 and "--keep-3d" in printed, f"option of a run: {printed}")
+    code, printed = sgmp("import", "points.mpm", "--keep-3d", "--output", fresh("keep"))
+    shutil.copy(os.path.join(DECKS, "points.mpm"), os.path.join(out, "renamed.inp"))
+    code, printed = sgmp(os.path.join(out, "renamed.inp"), "--check")
+    expect(code == 3 and "1 error(s)" in printed and "import" in printed, f"renamed: {printed}")
+
+
+def last_row(folder, name="history.csv"):
+    rows = [row for row in csv.reader(read(folder, name).splitlines()) if row and not row[0].startswith("#")]
+    return dict(zip(rows[0], rows[-1]))
+
+
+def keep_3d():
+    """One cell thick or not: the same run, for masses and energies times the thickness."""
+    out = fresh("thin"), fresh("thick")
+    for folder, options in zip(out, ([], ["--keep-3d"])):
+        code, printed = sgmp("edge_load.mpm", "--output", folder, "--threads", "1", "--quiet", *options)
+        expect(code == 0, f"edge_load {options}: {printed}")
+    thin, thick = (last_row(folder) for folder in out)
+    for name in ("kinetic_energy", "total_energy", "momentum_x"):
+        a, b = float(thin[name]), float(thick[name])
+        expect(abs(a - b) <= 1e-6 * abs(b), f"{name}: {a} in plane strain, {b} in three dimensions")
+
+
+def taylor_deck(discs):
+    """A Taylor bar in MPM3D's language: 67 discs, or their particles one by one."""
+    spacing, radius, layers = 0.38, 10, 67
+    odd = [0.5 * i * spacing for i in range(1 - 2 * radius, 2 * radius, 2)]
+    flat = [(x, y) for y in odd for x in odd if x * x + y * y < (radius * spacing) ** 2]
+    head = f"""mpm3d *** copper bar
+nbco 1 nbmp {layers * len(flat)} nbbo {layers if discs else 1} nmat 1
+grid -9.12 9.12  -9.12 9.12  -0.76 27.36
+dcell 0.76
+dtscale 0.8
+endtime {T_END}
+sgmp musl on
+fixed 0 0 0 0 2 0
+material
+ 1 sjc 8.93e-3 117e3 0.35 157 425 1.0 0 1.0
+seos 1 2 3940 1.49 1.96 0
+"""
+    if discs:
+        bodies = "".join(f"particle cicle 1\n 1 8.93e-3 {spacing} 0 0 {spacing * k:.2f} {radius}\n" for k in range(layers))
+    else:
+        places = [(x, y, (k + 0.5) * spacing) for k in range(layers) for x, y in flat]
+        bodies = f"particle point 1 {len(places)}\n" + "".join(
+            f"{n} 1 {8.93e-3 * spacing**3:.12e} {x:.4f} {y:.4f} {z:.4f}\n" for n, (x, y, z) in enumerate(places, 1))
+    speeds = "".join(f"body {b} 0 0 -190\n" for b in range(1, (layers if discs else 1) + 1))
+    return head + bodies + "velo\n" + speeds + "endv\nendi\n"
+
+
+def bar_shape(folder):
+    """L, D, W by the rule of scripts/taylor_bar_report.py."""
+    spacing, cell, level = 0.38, 0.76, 0.2 * 25.4
+    rows = [row for row in csv.reader(read(folder, "particles_end.csv").splitlines()) if row and not row[0].startswith("#")]
+    columns = [rows[0].index(name) for name in ("x", "y", "z")]
+    points = []
+    for row in rows[1:]:
+        try:
+            points.append([float(row[i]) for i in columns])
+        except ValueError:  # units
+            continue
+    foot = min(z for _, _, z in points)
+    width = [2 * (max(math.hypot(x, y) for x, y, z in points if low <= z <= high) + spacing / 2)
+             for low, high in ((foot, foot + cell), (level - cell / 2, level + cell / 2))]
+    return [max(z for _, _, z in points) + spacing / 2, *width]
+
+
+def taylor():
+    """Both forms of the Taylor bar against the native deck: L, D, W within 0.5 %."""
+    shapes = {}
+    for form in ("discs", "points"):
+        folder = fresh("taylor_" + form)
+        os.makedirs(folder)
+        with open(os.path.join(folder, "bar.mpm"), "w", encoding="utf-8") as file:
+            file.write(taylor_deck(form == "discs"))
+        code, printed = sgmp("bar.mpm", "--quiet", "--output", "out", folder=folder)
+        expect(code == 0 and "warning" not in printed, f"Taylor bar, {form}: {printed}")
+        shapes[form] = bar_shape(os.path.join(folder, "out"))
+    native = fresh("taylor_native")
+    deck = os.path.join(SOURCE, "input", "taylor_bar.inp")
+    sgmp(deck, "--quiet", "--output", native, "--set", "cfl=0.8", "--set", f"t_end={T_END}")
+    reference = bar_shape(native)
+    print("L, D, W:", reference, shapes)
+    for form, shape in shapes.items():
+        for name, value, known in zip("LDW", shape, reference):
+            expect(abs(value / known - 1) < 0.005, f"Taylor bar, {form}: {name} = {value}, native {known}")
+
+
+def against_native(name, options, native, native_options, tolerance):
+    """Kinetic energy at the end of an imported deck and of a native one that says the same."""
+    energies = []
+    for deck, words in ((name + ".mpm", options), (os.path.join(SOURCE, "input", native), native_options)):
+        folder = fresh(os.path.basename(deck) + "_run")
+        settings = [word for setting in words for word in ("--set", setting)]
+        code, printed = sgmp(deck, "--quiet", "--output", folder, *settings)
+        expect(code == 0, f"{deck}: {printed}")
+        energies.append(float(last_row(folder)["kinetic_energy"]))
+    print(f"{name}: kinetic energy {energies[0]}, {native} {energies[1]}")
+    expect(abs(energies[0] / energies[1] - 1) < tolerance, f"{name}: kinetic energy {energies[0]}, {native} {energies[1]}")
+
+
+def ranks():
+    """Two ranks: one writes, both read."""
+    out = fresh("ranks")
+    if shutil.which("mpirun"):
+        done = subprocess.run(["mpirun", "-np", "2", "--oversubscribe", EXECUTABLE, "explosive_row.mpm", "--check", "--output", out],
+                              cwd=DECKS, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120, check=False)
+        expect(done.returncode == 0, f"two ranks: {done.stdout.decode()}")
+
+
+def main():
+    counts = goldens(), broken()
+    files()
+    keep_3d()
+    taylor()
+    # A row of explosive in one dimension (its files cut steps short, others than in the native deck); the free beam in two, m and s there, mm and ms in the native deck.
+    against_native("explosive_row", [], "tnt_slab.inp", ["ppc=1", "linear=0.06"], 0.005)
+    against_native("free_beam", ["t_end=2e-6"], "beam.inp", ["t_end=2e-3"], 0.005)
+    ranks()
+    print(f"{counts[0]} decks, {counts[1]} broken decks, {len(FAILURES)} failures")
+    return 1 if FAILURES else 0
+
+
+sys.exit(main())
