@@ -18,6 +18,7 @@ module sgmp_constitutive
   use sgmp_failure, only: failure_none, failure_read, failure_t
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
   use sgmp_kinds, only: dp
+  use sgmp_material_drucker_prager, only: drucker_prager_keys, drucker_prager_read, drucker_prager_t
   use sgmp_material_elastic, only: elastic_keys, elastic_read, elastic_t, moduli_keys, &
                                    moduli_read, neo_hookean_read
   use sgmp_material_fluid, only: fluid_keys, fluid_read
@@ -30,16 +31,18 @@ module sgmp_constitutive
   private
   public :: constitutive_t, slots_t, slots_make
   public :: material_elastic, material_neo_hookean, material_j2, material_johnson_cook, &
-            material_explosive, material_fluid, material_names
+            material_explosive, material_fluid, material_drucker_prager, material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check
   public :: eos_keys, eos_read, eos_terms, law_set_failure, law_set_viscosity
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
-                        material_johnson_cook = 4, material_explosive = 5, material_fluid = 6
+                        material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
+                        material_drucker_prager = 7
   character(16), parameter :: material_names(*) = [character(16) :: &
-    'elastic', 'neo_hookean', 'j2', 'johnson_cook', 'explosive', 'fluid']
+    'elastic', 'neo_hookean', 'j2', 'johnson_cook', 'explosive', 'fluid', &
+    'drucker_prager']
 
   integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2, eos_ideal_gas = 3, &
                         eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6
@@ -82,6 +85,7 @@ module sgmp_constitutive
     type(elastic_t) :: elastic
     type(j2_t) :: j2
     type(jc_t) :: jc
+    type(drucker_prager_t) :: soil
     type(jwl_t) :: jwl
     type(gruneisen_t) :: gruneisen
     type(stiffened_gas_t) :: gas               !! the ideal gas, too
@@ -119,6 +123,8 @@ contains
       keys = [moduli_keys(), jc_keys()]
     case (material_fluid)
       keys = fluid_keys()
+    case (material_drucker_prager)
+      keys = [moduli_keys(), drucker_prager_keys()]
     case default  ! material_explosive
       keys = burn_keys()
     end select
@@ -128,7 +134,7 @@ contains
   pure integer function law_pressure(kind) result(pressure)
     integer, intent(in) :: kind  !! one of material_*
     select case (kind)
-    case (material_elastic, material_neo_hookean)
+    case (material_elastic, material_neo_hookean, material_drucker_prager)
       pressure = pressure_own
     case (material_explosive)
       pressure = pressure_products
@@ -160,6 +166,9 @@ contains
       call jc_read(law%density, values, law%jc, law%history, fault)
       law%thermal = law%jc%thermal
       law%fails = law%jc%failure
+    case (material_drucker_prager)
+      call solid_read(values, law)
+      call drucker_prager_read(values, law%soil, law%history, fault)
     case (material_fluid)
       call fluid_read(values, law%fluid_viscosity, law%history)
     case default  ! material_explosive

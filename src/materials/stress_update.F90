@@ -12,7 +12,8 @@
 module DIM(sgmp_stress_update)
   use sgmp_burn, only: burn_fraction_lanes
   use sgmp_constitutive, only: constitutive_t, eos_ideal_gas, eos_jwl, eos_none, eos_polynomial, &
-                               eos_stiffened_gas, eos_tait, material_elastic, material_fluid, &
+                               eos_stiffened_gas, eos_tait, material_drucker_prager, material_elastic, &
+                               material_fluid, &
                                material_j2, material_johnson_cook, material_neo_hookean
   use sgmp_eos, only: eos_energy_pressure, eos_sound_speed_lanes
   use sgmp_eos_gruneisen, only: gruneisen_lanes
@@ -22,6 +23,7 @@ module DIM(sgmp_stress_update)
   use sgmp_eos_tait, only: tait_lanes
   use sgmp_failure, only: failure_bounds, failure_judge, failure_none
   use sgmp_kinds, only: dp, lanes
+  use sgmp_material_drucker_prager, only: drucker_prager_return
   use sgmp_material_fluid, only: fluid_diffusion_speed
   use sgmp_material_j2, only: j2_return
   use sgmp_material_jc, only: jc_return, jc_return_simple
@@ -73,6 +75,11 @@ contains
     case (material_elastic)
       call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
                    trace, jacobian, old_volume, work)
+      call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
+    case (material_drucker_prager)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
+                   trace, jacobian, old_volume, work)
+      call soil(law, b(1, law%slots%plastic), b(1, s))
       call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
     case (material_neo_hookean)
       call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
@@ -320,6 +327,27 @@ contains
     call add_half_work(stress, strain, work)
     call viscosity(law, dt, mass, volume, trace, speed2, q)
   end subroutine elastic
+
+  !> Returns the trial stress of a soil to its cone or cap.
+  pure subroutine soil(law, ep, stress)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(inout) :: ep(lanes), stress(lanes, NSTRESS)
+    real(dp) :: mean(lanes), norm(lanes), returned(lanes), factor(lanes)
+    integer :: l, c
+    call von_mises(stress, mean, norm)
+    returned = mean
+    call drucker_prager_return(law%soil, 3.0_dp*law%elastic%shear, law%elastic%bulk, norm, &
+                               returned, ep, factor)
+    !$omp simd simdlen(8) private(c)
+    do l = 1, lanes
+      do c = 1, 3
+        stress(l, c) = factor(l)*(stress(l, c) - mean(l)) + returned(l)
+      end do
+      do c = 4, NSTRESS
+        stress(l, c) = factor(l)*stress(l, c)
+      end do
+    end do
+  end subroutine soil
 
   !> work += 1/2 stress : strain.
   pure subroutine add_half_work(stress, strain, work)
