@@ -48,9 +48,10 @@ contains
                       range='[0,inf)', default='0')
     call registry%key('pressure0', kind_real, 'initial pressure, in place of energy0', &
                       unit='stress', when=words_joined(pack(eos_names, eos_names /= 'jwl')))
-    call registry%card('failure', 'When a material fails, and what it carries then. Johnson and '// &
-                       'Cook''s damage is material … johnson_cook failure=yes; without this card '// &
-                       'it leaves pressure alone.', 'failure copper pmin=-1.5e9', read_failure)
+    call registry%card('failure', 'When a material fails, and what it carries then. Johnson '// &
+                       "and Cook's damage is material … johnson_cook failure=yes; without "// &
+                       'this card it leaves pressure alone.', 'failure copper pmin=-1.5e9', &
+                       read_failure)
     call registry%key('material', kind_name_word, 'the material', slot=1, required=.true.)
     call registry%keys(failure_keys())
     call registry%card('viscosity', 'Bulk viscosity in compression, q = rho h^2 b1 (tr D)^2 - '// &

@@ -4,8 +4,9 @@
 !! A law is described in a module of its own, material_<law>.f90: keys of the deck, constants and
 !! how they come from the values of the keys, history, kernel. Here it has a number, a name, a
 !! component of `constitutive_t`, and a case in law_keys, law_pressure and law_read; its kernel is
-!! called in stress_update.F90. An equation of state has a number, a name, a component, and a case in
-!! eos_keys, eos_set and eos_terms; its lane kernel is called there, too. Nothing else knows of them.
+!! called in stress_update.F90. An equation of state has a number, a name, a component, and a case
+!! in eos_keys, eos_set and eos_terms; its lane kernel is called there, too. Nothing else knows of
+!! them.
 module sgmp_constitutive
   use sgmp_burn, only: burn_keys, burn_read
   use sgmp_eos, only: eos_sound_speed_squared
@@ -269,12 +270,13 @@ contains
     call eos_terms(law, 1.0_dp, a0, b0, da, db)
     if (values%has('pressure0')) then
       if (abs(law%history%first_energy) > 0.0_dp) then
-        call fault_make(fault, 'energy0', 'energy0 and pressure0 are both given', 'keep one of them')
+        call fault_make(fault, 'energy0', 'energy0 and pressure0 are both given', &
+                        'keep one of them')
       else if (b0 > 0.0_dp) then
         law%history%first_energy = (values%number('pressure0') - a0)/b0
       else if (abs(values%number('pressure0') - a0) > 0.0_dp) then
         call fault_make(fault, 'pressure0', 'the pressure does not depend on the energy', &
-                        'give the pressure by the equation''s constants')
+                        "give the pressure by the equation's constants")
       end if
     end if
     pressure = a0 + b0*law%history%first_energy
@@ -327,7 +329,8 @@ contains
       if (.not. (law%jc%failure .or. values%has('pmin') .or. values%has('principal_stress') .or. &
                  values%has('plastic_strain'))) then
         call fault_make(fault, '', "nothing says when '"//name//"' fails", &
-                        'give pmin, principal_stress or plastic_strain, or johnson_cook failure=yes')
+                        'give pmin, principal_stress or plastic_strain, or '// &
+                        'johnson_cook failure=yes')
       end if
     case (material_fluid)
       if (.not. values%has('pmin') .or. values%has('principal_stress') .or. &
@@ -336,8 +339,8 @@ contains
                         'give pmin, and no other criterion')
       end if
     case default
-      call fault_make(fault, '', "'"//name//"' ("//trim(material_names(law%kind))//') cannot fail', &
-                      'use j2, johnson_cook or fluid')
+      call fault_make(fault, '', "'"//name//"' ("//trim(material_names(law%kind))// &
+                      ') cannot fail', 'use j2, johnson_cook or fluid')
     end select
   end subroutine law_set_failure
 

@@ -13,11 +13,12 @@ module sgmp_eos_polynomial
   public :: polynomial_keys, polynomial_read
   public :: polynomial_t, polynomial_init, polynomial_terms, polynomial_lanes
 
-  character(2), parameter :: names(0:6) = ['a0', 'a1', 'a2', 'a3', 'b0', 'b1', 'b2']
+  integer, parameter :: last = 6  !! coefficient of mu^2 E, from 0
+  character(2), parameter :: names(0:last) = ['a0', 'a1', 'a2', 'a3', 'b0', 'b1', 'b2']
 
   !> Constants of (P1).
   type :: polynomial_t
-    real(dp) :: c(0:6) = 0.0_dp  !! A0..A3 (stress), B0..B2
+    real(dp) :: c(0:last) = 0.0_dp  !! A0..A3 (stress), B0..B2
   end type polynomial_t
 
 contains
@@ -31,7 +32,7 @@ contains
       keys = [keys, key(names(i), kind_real, 'coefficient of mu^'//names(i)(2:), unit='stress', &
                         default='0')]
     end do
-    do i = 4, 6
+    do i = 4, last
       keys = [keys, key(names(i), kind_real, 'coefficient of mu^'//names(i)(2:)//' E', &
                         default='0')]
     end do
@@ -42,12 +43,12 @@ contains
     class(values_t), intent(in) :: values
     type(polynomial_t) :: law
     integer :: i
-    law = polynomial_init([(values%number(names(i)), i=0, 6)])
+    law = polynomial_init([(values%number(names(i)), i=0, last)])
   end function polynomial_read
 
   !> Constants from plain numbers.
   pure function polynomial_init(c) result(law)
-    real(dp), intent(in) :: c(0:6)  !! A0..A3 (stress), B0..B2
+    real(dp), intent(in) :: c(0:last)  !! A0..A3 (stress), B0..B2
     type(polynomial_t) :: law
     law%c = c
   end function polynomial_init

@@ -2,8 +2,8 @@
 !!
 !!     p = p0 + (rho0 c0^2/n) (v^-n - 1)                                                (T1)
 !!
-!! with v = V/V0. The pressure does not depend on the energy. In tension it falls to p0 - rho0 c0^2/n
-!! as v grows: a liquid that may tear needs `failure … pmin`.
+!! with v = V/V0. The pressure does not depend on the energy. In tension it falls to
+!! p0 - rho0 c0^2/n as v grows: a liquid that may tear needs `failure … pmin`.
 module sgmp_eos_tait
   use sgmp_keys, only: key, key_t, kind_real, values_t
   use sgmp_kinds, only: dp, lanes

@@ -8,8 +8,8 @@
 !!     equivalent plastic strain >= plastic_strain
 !!
 !! Failed matter carries nothing, or pressure alone (it closes again when it is compressed to its
-!! initial density), or everything: then the damage is only a mark. A fluid tears without damage: its
-!! pressure does not fall below pmin.
+!! initial density), or everything: then the damage is only a mark. A fluid tears without damage:
+!! its pressure does not fall below pmin.
 module sgmp_failure
   use sgmp_keys, only: key, key_t, kind_real, kind_word, values_t
   use sgmp_kinds, only: dp, lanes
@@ -24,6 +24,7 @@ module sgmp_failure
   character(10), parameter :: carries_names(*) = [character(10) :: &
     'nothing', 'pressure', 'everything']
 
+  integer, parameter :: components = 6  !! of a stress in space
   real(dp), parameter :: failure_none = huge(1.0_dp)  !! limit of a criterion that is not asked for
 
   !> Criteria and consequence.
@@ -41,13 +42,13 @@ contains
   function failure_keys() result(keys)
     type(key_t), allocatable :: keys(:)
     keys = [key('pmin', kind_real, 'pressure (negative: tension) below which it spalls; a '// &
-                'fluid''s pressure stays there', unit='stress', range='(-inf,0]'), &
+                "fluid's pressure stays there", unit='stress', range='(-inf,0]'), &
             key('principal_stress', kind_real, 'largest principal stress above which it fails', &
                 unit='stress', range='(0,inf)'), &
             key('plastic_strain', kind_real, 'equivalent plastic strain at which it fails', &
                 range='(0,inf)'), &
-            key('carries', kind_word, 'what failed matter carries; everything: damage is only a '// &
-                'mark', choices=words_joined(carries_names), &
+            key('carries', kind_word, 'what failed matter carries; everything: damage is only '// &
+                'a mark', choices=words_joined(carries_names), &
                 default=trim(carries_names(carries_pressure)))]
   end function failure_keys
 
@@ -65,7 +66,7 @@ contains
   !> Lane kernel: damage 1 where a criterion is met; which lanes carry less than their law says.
   pure subroutine failure_judge(law, stress, plastic_strain, damage, failed)
     type(failure_t), intent(in) :: law
-    real(dp), intent(in) :: stress(lanes, 6)       !! in Voigt's order
+    real(dp), intent(in) :: stress(lanes, components)  !! in Voigt's order
     real(dp), intent(in) :: plastic_strain(lanes)  !! equivalent
     real(dp), intent(inout) :: damage(lanes)
     real(dp), intent(out) :: failed(lanes)         !! 1 or 0
@@ -103,7 +104,7 @@ contains
 
   !> Largest eigenvalue of a stress, in closed form (Smith 1961).
   pure function largest_principal_stress(stress) result(largest)
-    real(dp), intent(in) :: stress(6)  !! in Voigt's order: xx yy zz xy yz xz
+    real(dp), intent(in) :: stress(components)  !! in Voigt's order: xx yy zz xy yz xz
     real(dp) :: largest
     real(dp) :: mean, size, d(3), determinant
     mean = sum(stress(:3))/3.0_dp
@@ -111,7 +112,8 @@ contains
     size = sqrt((sum(d**2) + 2.0_dp*sum(stress(4:)**2))/6.0_dp)
     largest = mean
     if (.not. size > 0.0_dp) return
-    determinant = d(1)*(d(2)*d(3) - stress(5)**2) - stress(4)*(stress(4)*d(3) - stress(5)*stress(6)) &
+    determinant = d(1)*(d(2)*d(3) - stress(5)**2) &
+                  - stress(4)*(stress(4)*d(3) - stress(5)*stress(6)) &
                   + stress(6)*(stress(4)*stress(5) - d(2)*stress(6))
     largest = mean + 2.0_dp*size*cos(acos(max(-1.0_dp, min(1.0_dp, 0.5_dp*determinant/size**3))) &
                                      /3.0_dp)

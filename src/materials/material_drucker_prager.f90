@@ -55,7 +55,8 @@ contains
       call fault_make(fault, 'dilatancy', 'the angle of dilatancy is above that of friction', &
                       'such a soil would make energy')
     else if (values%has('tension') .and. values%number('tension') > law%tension) then
-      call fault_make(fault, 'tension', 'the largest mean stress lies beyond the apex of the cone', &
+      call fault_make(fault, 'tension', &
+                      'the largest mean stress lies beyond the apex of the cone', &
                       'leave it out, or give less than cohesion/tan(friction)')
     end if
   end subroutine drucker_prager_read

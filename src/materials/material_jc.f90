@@ -220,8 +220,8 @@ contains
 
   !> Lane kernel, complete model: temperature where the law is thermal, damage where it fails.
   !!
-  !! A lane fails when its damage reaches 1, where it then stays. What it carries from then on is the
-  !! caller's affair (sgmp_failure), who gives it no deviator to return.
+  !! A lane fails when its damage reaches 1, where it then stays. What it carries from then on is
+  !! the caller's affair (sgmp_failure), who gives it no deviator to return.
   pure subroutine jc_return(law, shear3, dt, trial, mean, ep, temperature, damage, factor, dep)
     type(jc_t), intent(in) :: law                !! constants
     real(dp), intent(in) :: shear3               !! three times the shear modulus (stress)

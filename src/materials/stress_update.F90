@@ -12,9 +12,9 @@
 module DIM(sgmp_stress_update)
   use sgmp_burn, only: burn_fraction_lanes
   use sgmp_constitutive, only: constitutive_t, eos_ideal_gas, eos_jwl, eos_none, eos_polynomial, &
-                               eos_stiffened_gas, eos_tait, material_drucker_prager, material_elastic, &
-                               material_fluid, &
-                               material_j2, material_johnson_cook, material_neo_hookean
+                               eos_stiffened_gas, eos_tait, material_drucker_prager, &
+                               material_elastic, material_fluid, material_j2, &
+                               material_johnson_cook, material_neo_hookean
   use sgmp_eos, only: eos_energy_pressure, eos_sound_speed_lanes
   use sgmp_eos_gruneisen, only: gruneisen_lanes
   use sgmp_eos_jwl, only: jwl_lanes
