@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""Axisymmetric scenes against a closed form and an independent code: a clamped cylinder that rings, the Taylor bar.
+
+usage: axisymmetric.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+from math import factorial, pi, sin, sqrt
+
+from _runs import Report, run
+
+WAVE = 3.8317059702075123         # first zero of J1 beside 0: times R
+AMPLITUDE = 1e-5
+LAME, SHEAR = 0.3/(1.3*0.4), 1/2.6
+SPEED = sqrt(LAME + 2*SHEAR)
+J1 = [(-1)**m/(factorial(m)*factorial(m + 1)) for m in range(16)]
+# Plane strain between walls, u_r = A J1(k r) sin(k c t); C is that of two particles per cell that stay where they are.
+CYLINDER = """
+parameter n = 16
+dimension axisymmetric
+grid cell=1/n r=0:1 z=0:4/n
+wall r+=slip z-=slip z+=slip
+method sgmp hoop=0.125
+time end={end} cfl=0.2
+material m elastic density=1 young=1 poisson=0.3 strain=small
+body b cylinder material=m radius=1 length=4/n ppc=2
+velocity b r="{velocity}"
+output csv at=end fields=initial_position,stress
+"""
+
+
+def bessel(x):
+    """J1(x) and its derivative."""
+    return (sum(a*(x/2)**(2*m + 1) for m, a in enumerate(J1)), sum(a*(m + 0.5)*(x/2)**(2*m) for m, a in enumerate(J1)))
+
+
+def clamped_cylinder(report):
+    """Displacement and stress after a fifth of the period: second order, and the stress on the axis with it."""
+    end = 0.2*2*pi/(WAVE*SPEED)
+    series = "+".join(f"{a!r}*({0.5*WAVE!r}*r)^{2*m + 1}" for m, a in enumerate(J1)).replace("+-", "-")
+    deck = CYLINDER.format(end=repr(end), velocity=f"{AMPLITUDE*WAVE*SPEED!r}*({series})")
+    errors = []
+    for n in (16, 32):
+        result = run(f"cylinder_{n}", deck, n=n)
+        if not report.finished(result, f"cylinder {n}"):
+            return
+        swing = AMPLITUDE*sin(WAVE*SPEED*result["time"])
+        way, axis, largest = [], [], 0
+        for row in result.table("particles_end.csv"):
+            value, slope = bessel(WAVE*row["x0"])
+            stress = swing*((LAME + 2*SHEAR)*WAVE*slope + LAME*value/row["x0"])
+            way.append(row["x"] - row["x0"] - swing*value)
+            largest = max(largest, abs(stress))
+            if row["x0"] < 1/n:
+                axis.append(abs(row["stress_xx"] - stress))
+        errors.append((sqrt(sum(w*w for w in way)/len(way))/AMPLITUDE, max(axis)/largest))
+    report.check(errors[0][0] < 5.0e-3 and errors[1][0] < 1.25e-3 and errors[0][0]/errors[1][0] > 3.7, f"displacement: {errors}")
+    report.check(errors[1][1] < 5e-3, f"stress on the axis: {errors}")
+
+
+def taylor_bar(report):
+    """Shape of the bar by the rule of the 3D example, as the independent code of the design has it, within half a per cent."""
+    for method, expected in (("sgmp", (16.294, 13.278, 10.150)), ("gimp", (16.324, 13.244, 10.118))):
+        result = run(f"bar_{method}", "taylor_bar_axisymmetric.inp", h=0.38, cfl=0.8, method=method)
+        if not report.finished(result, method):
+            continue
+        half = 0.19/2
+        rows = result.table("particles_end.csv")
+        found = (max(row["z"] for row in rows) + half, 2*(max(row["x"] for row in rows if row["z"] < 0.38) + half),
+                 2*(max(row["x"] for row in rows if abs(row["z"] - 0.2*25.4) < 0.19) + half))
+        report.check(all(abs(f/e - 1) < 5e-3 for f, e in zip(found, expected)), f"{method}: {found} and not {expected}")
+        report.check(result["verdict"] == "sound" and all(row["x"] > 0 for row in rows), f"{method}: {result['verdict']}")
+    coarse = run("bar_fast", "taylor_bar_axisymmetric.inp", h=0.76, cfl=2)
+    report.check(report.finished(coarse, "fast") and coarse["verdict"] == "sound", "not sound at CFL 2")
+
+
+def main():
+    """Both."""
+    report = Report()
+    clamped_cylinder(report)
+    taylor_bar(report)
+    report.end()
+
+
+main()
