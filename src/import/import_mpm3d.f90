@@ -4,6 +4,7 @@ module sgmp_import_mpm3d
   use sgmp_errors, only: error_make, error_t, exit_io
   use sgmp_file_tools, only: directory_make, file_exists, file_lines, output_file_t
   use sgmp_import_notes, only: import_notes_t, note_approximated, note_honoured
+  use sgmp_kinds, only: dp
   use sgmp_mpm3d_bodies, only: piece_file, piece_t, pieces_make
   use sgmp_mpm3d_deck, only: mpm3d_deck_t, mpm3d_read
   use sgmp_mpm3d_native, only: native_write, particle_file_name
@@ -139,7 +140,7 @@ contains
     associate (piece => imported%pieces(number))
       call file%open(place//particle_file_name(imported%stem, piece), 'replace', error)
       if (allocated(error)) return
-      columns = merge(7, 4, any(abs(piece%rows(5:, :)) > 0.0))
+      columns = merge(7, 4, any(abs(piece%rows(5:, :)) > 0.0_dp))
       line = '! '//imported%stem//suffix//', '//piece%name//': x y z volume'
       if (columns == 7) line = line//' velocity_x velocity_y velocity_z'
       call file%line(line)

@@ -22,6 +22,7 @@ module sgmp_mpm3d_deck
     [3, 4, 5, 12, 8, 9, 13, 2, 3, 7, 3]
   integer, parameter :: eos_numbers(4) = [8, 4, 6, 1]
   integer, parameter :: mpm3d_constants = 13  !! the most that a material has
+  integer, parameter :: eos_constants = 8  !! the most that an equation of state has
   character(keyword_length), parameter :: forms(*) = [character(keyword_length) :: &
     'poin', 'bloc', 'sphe', 'blod', 'cicl']
   character(keyword_length), parameter :: variables(*) = [character(keyword_length) :: &
@@ -35,7 +36,7 @@ module sgmp_mpm3d_deck
     character(keyword_length) :: kind = ''
     real(dp) :: constant(mpm3d_constants) = 0.0_dp
     integer :: eos = 0                         !! 0: none
-    real(dp) :: eos_constant(8) = 0.0_dp
+    real(dp) :: eos_constant(eos_constants) = 0.0_dp
     type(position_t) :: place, eos_place
   end type mpm3d_material_t
 

@@ -125,7 +125,7 @@ contains
                      'constant failure strain; a failed particle keeps its pressure in compression')
     case ('jcf')
       call notes%add(note_approximated, material%place, keyword, kind//' with d1 alone: '// &
-                     'strength is whole until the damage is 1, in MPM3D it falls in proportion to it')
+                     'strength is whole until the damage is 1; in MPM3D it falls with it')
     case ('neoh')
       call notes%add(note_approximated, material%place, keyword, kind//': compressible, with '// &
                      'the same moduli; the volumetric term of its energy may be another')

@@ -97,7 +97,7 @@ contains
     call notes%add(note_honoured, mpm3d_place(deck, 'endt'), 'endtime', 'time end=t_end')
     if (mpm3d_given(deck, 'dtsc')) call notes%add( &
       note_honoured, mpm3d_place(deck, 'dtsc'), 'dtscale', &
-      'time cfl=cfl, with the sound speed of the current state and the particles'' velocity')
+      'time cfl=cfl, with the current sound speed and the velocity of the particles')
   end subroutine write_parameters
 
   !> The distance of particles of all bodies with a lattice, 0 where they differ.
@@ -256,6 +256,7 @@ contains
         select case (deck%materials(part%material)%kind)
         case ('john', 'jcf')
           tail = tail//' temperature=293'
+        case default  ! no temperature
         end select
         if (size(pieces) > 1) tail = tail//' overlap=allow'
         call native%add('body '//piece%name//' '//shape_text(piece, space, stem)//tail)
@@ -324,7 +325,7 @@ contains
     integer :: i
     if (mpm3d_given(deck, 'qulo')) call notes%add( &
       note_approximated, mpm3d_place(deck, 'qulo'), 'QuLo', 'forces on particles rise over '// &
-      'this time, as in MPM3D; the run ends at the end time, not when its kinetic energy has died away')
+      'this time, as in MPM3D; the run ends at the end time, not when it has come to rest')
     do i = 1, size(deck%loads)
       call notes%add(note_honoured, deck%loads(i)%place, 'load', 'bodyforce: force per mass')
     end do

@@ -117,7 +117,8 @@ contains
       '    import) COMPREPLY=($(compgen -f -X "!*.mpm" -- "$word") $(compgen -d -- "$word")) ;;', &
       '    *) case $word in', &
       '         -*) choices="'//words_joined(options%name)//'" ;;', &
-      '         *) COMPREPLY=($(compgen -f -X "!*.@(inp|mpm)" -- "$word") $(compgen -d -- "$word"))', &
+      '         *) COMPREPLY=($(compgen -f -X "!*.inp" -- "$word") $(compgen -d -- "$word"))', &
+      '            COMPREPLY+=($(compgen -f -X "!*.mpm" -- "$word"))', &
       '            if ((COMP_CWORD == 1)); then choices="help import completion"; fi ;;', &
       '       esac ;;', &
       '  esac', &

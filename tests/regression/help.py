@@ -38,7 +38,7 @@ def main():
     report = Report()
     code, usage = say("--help")
     report.check(code == 0, "--help ends with an error")
-    options = re.findall(r"^  (--[a-z-]+)", usage, re.MULTILINE)
+    options = re.findall(r"^  (--[a-z0-9-]+)", usage, re.MULTILINE)
     report.check(len(options) >= 10, f"--help lists no options: {options}")
     for option in options:  # each of them is understood: no option is called unknown
         report.check("unknown option" not in say(option)[1], f"{option} is listed and unknown")
