@@ -20,7 +20,7 @@ MAKEFLAGS += --no-print-directory
 # Threads that wait for others give their core away: on a busy machine spinning makes small runs several times slower.
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help setup setup-test setup-dev build run verify verify-full test test-full sanitize fuzz mutate debug test-debug bench lint format coverage doc install clean
+.PHONY: help setup setup-test setup-dev build run verify verify-full hard test test-full test-slurm sanitize fuzz mutate debug test-debug bench lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
 
 help: ## List the targets
@@ -55,6 +55,9 @@ verify: build ## Compare the paper's examples with their references (minutes): b
 verify-full: build ## The same with all sizes and figures, and the copy in doc/verification/
 	$(PYTHON) verification/verify.py --full
 
+hard: build ## Run the hard cases by four methods (minutes): build/hard/results.json, doc/hard-cases.md
+	$(PYTHON) verification/hard/hard.py --publish
+
 test: build setup-test ## Build and run all tests
 	ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
 
@@ -67,6 +70,9 @@ test-full: build setup-test ## The same with all layouts, more kills and random 
 sanitize: setup setup-test build/sanitize/.configured ## Run units, broken decks and some scenes with address and undefined-behaviour sanitizers
 	cmake --build build/sanitize --parallel $(JOBS)
 	ctest --test-dir build/sanitize --parallel $(TEST_JOBS) --output-on-failure --no-tests=error -R '^(test_|decks_|regression_(values|cards|seeding)$$)'
+
+test-slurm: build ## Run scripts/hpc/slurm.sh under a SLURM of its own through time limit, queue and restart; says what is missing
+	$(PYTHON) tests/slurm/slurm.py build/release/sgmp . build/slurm
 
 fuzz: build setup-test ## Damaged decks and checkpoints, then random scenes (INPUTS=100000 of each, SCENES=1500, SEED=1)
 	$(PYTHON) tests/fuzz/decks.py build/release/sgmp . build/fuzz/decks --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
