@@ -50,7 +50,7 @@ fills 2, 10, 100 and 1000 times its length (the place of the outermost particle)
         when, expected = np.interp(expansion, front, time), np.interp(expansion, front, kinetic)
         values = {m: float(np.interp(when, *curves[m])) if runs[m].summary.get("time", 0) >= 0.99*when else np.nan for m in METHODS}
         table.row(f"kinetic energy over all when the length is {expansion} times the first (t = {when:.4g})", values, float(expected), within(expected, 0.03), runs,
-                  {"all": "particles further apart than a cell feel each other no more: what is internal energy then stays so. Only splitting of particles would help"})
+                  {"all": "particles further apart than a cell feel each other no more (those at the head of the fan from the first): what is internal energy then stays so. Only splitting of particles would help"})
     canvas, axis = figure(figsize=(6.4, 3.6))
     axis.semilogx(time, kinetic, color="0.3", label="Lagrangian zones")
     for method, curve in curves.items():

@@ -17,7 +17,7 @@ LOAD = 2e-7
 def taylor(table):
     """Taylor bar along four directions."""
     table.case("Taylor bar along x, y, z and a diagonal", """
-A copper cylinder of radius 3.8 mm and length 50.8 mm flies apart from nothing: its halves run into each other end-on at 190 m/s each, so each hits a mirror as a Taylor bar hits a rigid smooth wall, and no wall fixes
+The halves of a copper cylinder of radius 3.8 mm and length 50.8 mm run into each other end-on at 190 m/s each, so each hits a mirror as a Taylor bar hits a rigid smooth wall, and no wall fixes
 the direction. Density 8.93e-3 g/mm^3, E = 117 GPa, nu = 0.35, yield stress 157 MPa + 425 MPa times the plastic strain, Grueneisen c0 = 3940 m/s, s = 1.49, gamma = 1.96; h = 1.27 mm (three cells per radius), 80 us, Courant number 0.5.
 The particles lie on the same axis-parallel lattice whatever the axis. Length: 25.4 mm times the extent along the axis over that at the start. Foot: 7.6 mm times the largest distance from the axis of particles
 within h of the middle over that at the start. Experiment: 16.2 and 13.5 mm.""")

@@ -114,11 +114,11 @@ class Table:
             for row in case["rows"]:
                 for method, cell in row["methods"].items():
                     if cell["reason"]:
-                        reasons.setdefault(cell["reason"], []).append(f"{NAMES[method]}: {row['quantity']}")
-            lines += [f"* Outside ({'; '.join(who)}): {why}" for why, who in reasons.items()]
+                        reasons.setdefault(cell["reason"], []).append(NAMES[method])
+            lines += [f"* {', '.join(dict.fromkeys(who))}: {why}." for why, who in reasons.items()]
             lines += [""]*bool(reasons)
             if case["commands"]:
-                lines += [f"First run of each row: `{'`, `'.join(dict.fromkeys(case['commands']))}`; other methods by `--set method=`.", ""]
+                lines += [f"First row: `{case['commands'][0]}`; the other methods and rows by `--set`.", ""]
             folder = path.with_suffix("").name
             lines += [f"![{name}]({folder}/{name}.png)\n\n{caption}\n" for name, caption in case["pictures"]]
             for name, _ in case["pictures"]:
