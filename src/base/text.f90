@@ -73,11 +73,15 @@ contains
   end function real_text_short
 
   !> The shortest decimal text that restores every bit, as one writes it in a deck: 0.1, 25,
-  !! 1.17e11.
+  !! 1.17e11; NaN, Infinity as words.
   pure function real_text_plain(value) result(text)
     real(dp), intent(in) :: value
     character(:), allocatable :: text
-    text = plain_text(shortest(value))
+    if (ieee_is_finite(value)) then
+      text = plain_text(shortest(value))
+    else
+      text = real_text_full(value)
+    end if
   end function real_text_plain
 
   !> A real as one writes it in a deck, without the noise of its last digits: 0.7 for 0.1 + 3*0.2.
