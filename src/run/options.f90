@@ -56,7 +56,7 @@ contains
     integer :: i
     write (unit, '(a)') &
       'usage: sgmp DECK [options]       run a deck, or a deck of MPM3D (X.mpm)', &
-      '       sgmp import X.mpm         make a deck of a deck of MPM3D, and say what became of it', &
+      '       sgmp import X.mpm         make a deck of a deck of MPM3D, and a report of it', &
       '       sgmp help [CARD]          cards of a deck, or the keys of one', &
       '       sgmp help --markdown      the complete deck reference', &
       '       sgmp completion bash      what makes the shell complete options and cards', '', &
