@@ -75,8 +75,9 @@ contains
     total = sum(load)
     least = max(1, stencil_layers(field) - 1)
     border = border_planes(field, partition)
+    if (sum(border) + least > p2 - p1 + 1) border = 0
     before = sum(load(:p1 + border(1) - 1)) + sum(load(p2 - border(2) + 1:))
-    if (sum(border) + least > p2 - p1 + 1 .or. before*team%threads > total) then
+    if (before*team%threads > total) then
       border = 0
       before = 0_i8
     end if
