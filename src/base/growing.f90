@@ -6,8 +6,8 @@ module sgmp_growing
   private
   public :: grow
 
-  !> Makes `list` hold at least `needed` elements: nothing where it does, else some to spare, so that
-  !! appending one by one costs little.
+  !> Makes `list` hold at least `needed` elements: nothing where it does, else some to spare, so
+  !! that appending one by one costs little.
   interface grow
     module procedure grow_integers, grow_longs, grow_reals, grow_columns
   end interface grow

@@ -121,7 +121,8 @@ contains
     integer, intent(out) :: found
     character(:), allocatable, intent(out) :: wrong  !! what is no number
     real(dp) :: value
-    integer :: first, last, status
+    logical :: unreadable
+    integer :: first, last
     row = 0.0_dp
     found = 0
     wrong = ''
@@ -131,9 +132,9 @@ contains
       if (last == 0) return
       first = first + last - 1
       last = scan(line(first:)//' ', separators) + first - 2
-      status = verify(line(first:last), '0123456789+-.eEdD')
-      if (status == 0) call read_number(line(first:last), value, status)
-      if (status /= 0) then
+      unreadable = verify(line(first:last), '0123456789+-.eEdD') > 0
+      if (.not. unreadable) call read_number(line(first:last), value, unreadable)
+      if (unreadable) then
         wrong = "'"//line(first:last)//"' is not a number"
         return
       end if
@@ -146,14 +147,16 @@ contains
 
   !> Reads a number. One beyond the largest becomes infinite, which is an error of the file and not
   !! of the program: it must not trap.
-  subroutine read_number(word, value, status)
+  subroutine read_number(word, value, wrong)
     character(*), intent(in) :: word
     real(dp), intent(out) :: value
-    integer, intent(out) :: status
+    logical, intent(out) :: wrong
     logical :: traps
+    integer :: status
     call ieee_get_halting_mode(ieee_overflow, traps)
     if (traps) call ieee_set_halting_mode(ieee_overflow, .false.)
     read (word, *, iostat=status) value
+    wrong = status /= 0
     if (.not. traps) return
     call ieee_set_flag(ieee_overflow, .false.)
     call ieee_set_halting_mode(ieee_overflow, .true.)

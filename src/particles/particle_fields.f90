@@ -88,8 +88,8 @@ contains
     integer :: c
     select case (field%kind)
     case (tensor)
-      names = [(trim(field%name)//'_'//output_name(c, space), &
-                c=1, stress_components(space_dimensions(space)))]
+      names = [character(32) :: (trim(field%name)//'_'//output_name(c, space), &
+                                 c=1, stress_components(space_dimensions(space)))]
     case (vector)
       names = trim(field%name)//'_'//vector_ends
     case default  ! scalar
