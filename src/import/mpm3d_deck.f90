@@ -235,6 +235,8 @@ contains
       end associate
       new%place = words%position
       new%kind = words%keyword(material_kinds, 'materials')
+      if (new%kind == '') call words%fail('the deck ends where a material is expected', &
+                                          'add what is missing')
       if (words%failed) return
       new%place = words%position
       new%constant = 0.0_dp

@@ -12,7 +12,8 @@ module sgmp_mpm3d_words
   public :: mpm3d_words_t, keyword_length
 
   integer, parameter :: keyword_length = 4  !! letters by which a keyword is known
-  integer, parameter :: longest_number = 40, largest_exponent = 300
+  integer, parameter :: longest_number = 40
+  integer, parameter :: largest_exponent = 60  !! a density times a cube of lengths is still finite
   character(*), parameter :: separators = ' ,'//achar(9)//achar(13)
   character(*), parameter :: digits = '0123456789'
 
