@@ -122,7 +122,7 @@ contains
     if (allocated(error)) return
     call file%open(native, 'replace', error)
     if (allocated(error)) return
-    do i = 1, imported%native%n
+    do i = 1, size(imported%native%lines)
       call file%line(imported%native%lines(i)%text)
     end do
     call file%close(error)

@@ -2,11 +2,14 @@
 module sgmp_import_notes
   use sgmp_deck_errors, only: position_t
   use sgmp_file_tools, only: output_file_t
+  use sgmp_kinds, only: i8
+  use sgmp_sorting, only: sort_order
   use sgmp_text, only: integer_text
   implicit none
   private
   public :: import_notes_t, note_honoured, note_approximated
 
+  integer(i8), parameter :: column_bound = 2_i8**31  !! more than any column
   integer, parameter :: note_honoured = 1      !! means here what it means there
   integer, parameter :: note_approximated = 2  !! means something else, for the reason given
   character(12), parameter :: words(2) = [character(12) :: 'honoured', 'approximated']
@@ -20,7 +23,6 @@ module sgmp_import_notes
   !> All notes, in order of discovery.
   type :: import_notes_t
     type(note_t), allocatable :: entries(:)
-    integer :: n = 0
   contains
     procedure :: add => notes_add
     procedure :: write => notes_write
@@ -36,15 +38,10 @@ contains
     type(position_t), intent(in) :: place   !! of the keyword
     character(*), intent(in) :: keyword
     character(*), intent(in) :: text        !! what it became, and why
-    type(note_t), allocatable :: longer(:)
-    if (.not. allocated(self%entries)) allocate (self%entries(32))
-    if (self%n == size(self%entries)) then
-      allocate (longer(2*self%n))
-      longer(:self%n) = self%entries
-      call move_alloc(longer, self%entries)
-    end if
-    self%n = self%n + 1
-    self%entries(self%n) = note_t(kind, place%line, place%column, keyword, text)
+    type(note_t) :: new
+    new = note_t(kind, place%line, place%column, keyword, text)
+    if (.not. allocated(self%entries)) allocate (self%entries(0))
+    self%entries = [self%entries, new]
   end subroutine notes_add
 
   !> Number of notes of a kind.
@@ -52,7 +49,7 @@ contains
     class(import_notes_t), intent(in) :: self
     integer, intent(in) :: kind  !! one of note_*
     number = 0
-    if (self%n > 0) number = count(self%entries(:self%n)%kind == kind)
+    if (allocated(self%entries)) number = count(self%entries%kind == kind)
   end function notes_count
 
   !> Writes the report, a line per keyword in the order of the deck.
@@ -79,23 +76,14 @@ contains
   pure function by_place(self) result(order)
     class(import_notes_t), intent(in) :: self
     integer, allocatable :: order(:)
-    integer :: i, k
-    allocate (order(self%n))
-    do i = 1, self%n
-      k = i
-      do while (k > 1)
-        if (.not. before(self%entries(i), self%entries(order(k - 1)))) exit
-        order(k) = order(k - 1)
-        k = k - 1
-      end do
-      order(k) = i
-    end do
+    integer(i8), allocatable :: place(:)
+    if (.not. allocated(self%entries)) then
+      allocate (order(0))
+      return
+    end if
+    allocate (order(size(self%entries)))
+    place = int(self%entries%line, i8)*column_bound + self%entries%column
+    call sort_order(place, order)
   end function by_place
-
-  pure function before(a, b) result(yes)
-    type(note_t), intent(in) :: a, b
-    logical :: yes
-    yes = a%line < b%line .or. (a%line == b%line .and. a%column < b%column)
-  end function before
 
 end module sgmp_import_notes

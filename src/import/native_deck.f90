@@ -12,7 +12,6 @@ module sgmp_native_deck
   !> The lines of a deck.
   type :: native_deck_t
     type(string_t), allocatable :: lines(:)
-    integer :: n = 0
   contains
     procedure :: add => native_add
     procedure :: section => native_section
@@ -25,23 +24,15 @@ contains
   subroutine native_add(self, card)
     class(native_deck_t), intent(inout) :: self
     character(*), intent(in) :: card
-    type(string_t), allocatable :: longer(:)
+    type(string_t) :: line
     integer :: cut
-    if (.not. allocated(self%lines)) allocate (self%lines(64))
-    if (self%n == size(self%lines)) then
-      allocate (longer(2*self%n))
-      longer(:self%n) = self%lines
-      call move_alloc(longer, self%lines)
-    end if
+    if (.not. allocated(self%lines)) allocate (self%lines(0))
     cut = 0
     if (len(card) > longest_line .and. index(card, '!') /= 1) cut = place_to_cut(card)
-    self%n = self%n + 1
-    if (cut == 0) then
-      self%lines(self%n)%text = card
-    else
-      self%lines(self%n)%text = card(:cut)//'&'
-      call self%add('  '//card(cut + 1:))
-    end if
+    line%text = card
+    if (cut > 0) line%text = card(:cut)//'&'
+    self%lines = [self%lines, line]
+    if (cut > 0) call self%add('  '//card(cut + 1:))
   end subroutine native_add
 
   !> The last blank before the longest line's end that is not in quotes, 0 where there is none.

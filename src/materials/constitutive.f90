@@ -5,20 +5,21 @@
 !! how they come from the values of the keys, history, kernel. Here it has a number, a name, a
 !! component of `constitutive_t`, and a case in law_keys, law_pressure and law_read; its kernel is
 !! called in stress_update.F90. An equation of state has a number, a name, a component, and a case
-!! in eos_keys, eos_set and eos_terms; its lane kernel is called there, too. Nothing else knows of
-!! them.
+!! in eos_keys, eos_set, eos_terms and eos_lanes. Nothing else knows of them.
 module sgmp_constitutive
   use sgmp_burn, only: burn_keys, burn_read
   use sgmp_eos, only: eos_sound_speed_squared
-  use sgmp_eos_gruneisen, only: gruneisen_keys, gruneisen_read, gruneisen_t, gruneisen_terms
-  use sgmp_eos_jwl, only: jwl_keys, jwl_read, jwl_t, jwl_terms
-  use sgmp_eos_polynomial, only: polynomial_keys, polynomial_read, polynomial_t, polynomial_terms
-  use sgmp_eos_stiffened_gas, only: ideal_gas_keys, stiffened_gas_keys, stiffened_gas_read, &
-                                    stiffened_gas_t, stiffened_gas_terms
-  use sgmp_eos_tait, only: tait_keys, tait_read, tait_t, tait_terms
+  use sgmp_eos_gruneisen, only: gruneisen_keys, gruneisen_lanes, gruneisen_read, gruneisen_t, &
+                                gruneisen_terms
+  use sgmp_eos_jwl, only: jwl_keys, jwl_lanes, jwl_read, jwl_t, jwl_terms
+  use sgmp_eos_polynomial, only: polynomial_keys, polynomial_lanes, polynomial_read, polynomial_t, &
+                                 polynomial_terms
+  use sgmp_eos_stiffened_gas, only: ideal_gas_keys, stiffened_gas_keys, stiffened_gas_lanes, &
+                                    stiffened_gas_read, stiffened_gas_t, stiffened_gas_terms
+  use sgmp_eos_tait, only: tait_keys, tait_lanes, tait_read, tait_t, tait_terms
   use sgmp_failure, only: failure_none, failure_read, failure_t
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
-  use sgmp_kinds, only: dp
+  use sgmp_kinds, only: dp, lanes
   use sgmp_material_drucker_prager, only: drucker_prager_keys, drucker_prager_read, drucker_prager_t
   use sgmp_material_elastic, only: elastic_keys, elastic_read, elastic_t, moduli_keys, &
                                    moduli_read, neo_hookean_read
@@ -36,7 +37,7 @@ module sgmp_constitutive
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check
-  public :: eos_keys, eos_read, eos_terms, law_set_failure, law_set_viscosity
+  public :: eos_keys, eos_lanes, eos_read, eos_terms, law_set_failure, law_set_viscosity
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
@@ -259,6 +260,25 @@ contains
       call gruneisen_terms(law%gruneisen, v, a0, b0, da, db)
     end select
   end subroutine eos_terms
+
+  !> Lane kernel of eos_terms: one choice for all lanes.
+  pure subroutine eos_lanes(law, v, a0, b0, da, db)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: v(lanes)
+    real(dp), intent(out) :: a0(lanes), b0(lanes), da(lanes), db(lanes)
+    select case (law%eos)
+    case (eos_jwl)
+      call jwl_lanes(law%jwl, v, a0, b0, da, db)
+    case (eos_ideal_gas, eos_stiffened_gas)
+      call stiffened_gas_lanes(law%gas, v, a0, b0, da, db)
+    case (eos_polynomial)
+      call polynomial_lanes(law%polynomial, v, a0, b0, da, db)
+    case (eos_tait)
+      call tait_lanes(law%tait, v, a0, b0, da, db)
+    case default  ! eos_gruneisen
+      call gruneisen_lanes(law%gruneisen, v, a0, b0, da, db)
+    end select
+  end subroutine eos_lanes
 
   !> Energy, pressure and sound speed at the initial density; the energy follows from the pressure
   !! where that is given.

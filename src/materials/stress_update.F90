@@ -10,24 +10,16 @@
 !!
 !! Longer than 500 lines: the stages are small lane loops that the compiler inlines into one update.
 module DIM(sgmp_stress_update)
-  use sgmp_burn, only: burn_fraction_lanes
-  use sgmp_constitutive, only: constitutive_t, eos_ideal_gas, eos_jwl, eos_none, eos_polynomial, &
-                               eos_stiffened_gas, eos_tait, material_drucker_prager, &
+  use sgmp_constitutive, only: constitutive_t, eos_none, material_drucker_prager, &
                                material_elastic, material_fluid, material_j2, &
                                material_johnson_cook, material_neo_hookean
-  use sgmp_eos, only: eos_energy_pressure, eos_sound_speed_lanes
-  use sgmp_eos_gruneisen, only: gruneisen_lanes
-  use sgmp_eos_jwl, only: jwl_lanes
-  use sgmp_eos_polynomial, only: polynomial_lanes
-  use sgmp_eos_stiffened_gas, only: stiffened_gas_lanes
-  use sgmp_eos_tait, only: tait_lanes
-  use sgmp_failure, only: failure_bounds, failure_judge, failure_none
+  use sgmp_failure, only: failure_judge
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_drucker_prager, only: drucker_prager_return
   use sgmp_material_fluid, only: fluid_diffusion_speed
   use sgmp_material_j2, only: j2_return
   use sgmp_material_jc, only: jc_return, jc_return_simple
-  use sgmp_viscosity, only: viscosity_lanes
+  use sgmp_pressure, only: cavitate, equation_of_state, explosive, release, viscosity
   use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
   private
@@ -292,24 +284,6 @@ contains
     end do
   end subroutine predict
 
-  !> Bulk viscosity of a chunk; none where the scene has none.
-  pure subroutine viscosity(law, dt, mass, volume, trace, speed2, q)
-    type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, mass(lanes), volume(lanes), trace(lanes), speed2(lanes)
-    real(dp), intent(out) :: q(lanes)
-    real(dp) :: density(lanes), speed(lanes), rate(lanes)
-    integer :: l
-    q = 0.0_dp
-    if (.not. law%viscous .or. dt <= 0.0_dp) return
-    !$omp simd simdlen(8)
-    do l = 1, lanes
-      density(l) = mass(l)/volume(l)
-      speed(l) = sqrt(max(speed2(l), 0.0_dp))
-      rate(l) = trace(l)*(1.0_dp/dt)
-    end do
-    call viscosity_lanes(law%viscosity, law%h, density, speed, rate, q)
-  end subroutine viscosity
-
   !> What an elastic step leaves to do once the stress is known.
   pure subroutine elastic(law, dt, mass, strain, trace, volume, stress, speed2, q, work)
     type(constitutive_t), intent(in) :: law
@@ -475,52 +449,6 @@ contains
     call failure_judge(law%failure, stress, b(1, law%slots%plastic), b(1, law%slots%damage), failed)
   end subroutine judge
 
-  !> What failed lanes carry of their pressure. Without an equation of state it follows the volume
-  !! and not the strain of the step, so that a gap closes where it opened.
-  subroutine release(law, failed, mass, old_volume, trace, nb, b, mean, speed2, work)
-    type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: failed(lanes), mass(lanes), old_volume(lanes), trace(lanes)
-    integer, intent(in) :: nb
-    real(dp), intent(inout) :: b(lanes, nb), mean(lanes), speed2(lanes), work(lanes)
-    real(dp) :: least(lanes), most(lanes), energy(lanes), closed
-    integer :: l
-    call failure_bounds(law%failure, failed, least, most)
-    if (law%eos == eos_none) then
-      do l = 1, lanes
-        closed = law%elastic%bulk*log(b(l, 1)*law%density/mass(l))
-        if (failed(l) < 0.5_dp) closed = mean(l)
-        work(l) = work(l) + 0.5_dp*(closed - mean(l))*trace(l)
-        mean(l) = closed
-      end do
-      energy = 0.0_dp
-      call bound_pressure(law, mass, old_volume, b(1, 1), least, most, energy, mean, speed2, work)
-    else
-      call bound_pressure(law, mass, old_volume, b(1, 1), least, most, b(1, law%slots%energy), &
-                          mean, speed2, work)
-    end if
-  end subroutine release
-
-  !> Keeps the pressure within bounds, and does the work that it has then done. Where it is held up
-  !! waves have the speed that they have when the matter closes.
-  pure subroutine bound_pressure(law, mass, old_volume, volume, least, most, energy, mean, speed2, &
-                                 work)
-    type(constitutive_t), intent(in) :: law
-    real(dp), intent(in), dimension(lanes) :: mass, old_volume, volume, least, most
-    real(dp), intent(inout), dimension(lanes) :: energy, mean, speed2, work
-    real(dp) :: bounded, missing
-    integer :: l
-    !$omp simd simdlen(8) private(bounded, missing)
-    do l = 1, lanes
-      bounded = merge(-mean(l), least(l), -mean(l) > least(l))
-      bounded = merge(bounded, most(l), bounded < most(l))
-      missing = 0.5_dp*(-mean(l) - bounded)*(volume(l) - old_volume(l))
-      work(l) = work(l) + missing/old_volume(l)
-      energy(l) = energy(l) + missing*law%density/mass(l)
-      speed2(l) = merge(law%bulk_speed**2, speed2(l), bounded > -mean(l))
-      mean(l) = -bounded
-    end do
-  end subroutine bound_pressure
-
   !> Mean of a stress and von Mises norm of its deviator.
   pure subroutine von_mises(stress, mean, norm)
     real(dp), intent(in) :: stress(lanes, NSTRESS)
@@ -600,21 +528,6 @@ contains
     end if
   end subroutine return_to_yield
 
-  !> Detonation products: JWL pressure behind the burn front, none ahead of it.
-  subroutine explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
-    type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, time, mass(lanes), old_volume(lanes), trace(lanes)
-    integer, intent(in) :: nb
-    real(dp), intent(inout) :: b(lanes, nb)
-    real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
-    real(dp) :: burnt(lanes), none(lanes)
-    none = 0.0_dp
-    call burn_fraction_lanes(time, b(1, law%slots%lighting), law%detonation_speed, law%h, &
-                             law%burn_cells, burnt)
-    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, none, 0.0_dp, burnt, &
-                           b(1, law%slots%energy), b(1, law%slots%stress), speed2, q, work)
-  end subroutine explosive
-
   !> A fluid: pressure from the equation of state, and Newton's viscous stress where it has one.
   subroutine fluid(law, dt, mass, old_volume, strain, trace, nb, b, speed2, q, work)
     type(constitutive_t), intent(in) :: law
@@ -646,19 +559,6 @@ contains
                         speed2(l), speed2(l) >= 0.0_dp)
     end do
   end subroutine fluid
-
-  !> The tension that a fluid bears is bounded.
-  pure subroutine cavitate(law, mass, old_volume, nb, b, mean, speed2, work)
-    type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: mass(lanes), old_volume(lanes)
-    integer, intent(in) :: nb
-    real(dp), intent(inout) :: b(lanes, nb), mean(lanes), speed2(lanes), work(lanes)
-    real(dp) :: least(lanes), most(lanes)
-    least = -law%failure%tension
-    most = failure_none
-    call bound_pressure(law, mass, old_volume, b(1, 1), least, most, b(1, law%slots%energy), mean, &
-                        speed2, work)
-  end subroutine cavitate
 
   !> Viscous stress 2 eta dev D of the step, its work per old volume, and the mean of the old
   !! stress.
@@ -692,69 +592,6 @@ contains
       work(l) = 0.5_dp*(old + double)
     end do
   end subroutine newtonian
-
-  !> Pressure and energy by an equation of state linear in the energy; `mean` is the mean stress -p.
-  subroutine equation_of_state(law, dt, mass, old_volume, volume, trace, deviatoric_work, &
-                               stiffness, burnt, energy, mean, speed2, q, work)
-    type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), volume(lanes), trace(lanes)
-    real(dp), intent(in) :: deviatoric_work(lanes)      !! per current (old) volume
-    real(dp), intent(in) :: stiffness  !! 4/3 G, of the shear part of the sound speed
-    real(dp), intent(in) :: burnt(lanes)                !! factor on the pressure
-    real(dp), intent(inout) :: energy(lanes), mean(lanes)
-    real(dp), intent(out) :: speed2(lanes), q(lanes)
-    real(dp), intent(out) :: work(lanes)                !! pressure work per old volume
-    real(dp) :: v_old(lanes), v(lanes), p_old(lanes), p(lanes), other(lanes)
-    real(dp) :: a0(lanes), b0(lanes), da(lanes), db(lanes), ones(lanes)
-    real(dp) :: scale, inverse
-    real(dp) :: bulk(lanes)                             !! its square, of the volume alone
-    integer :: l
-    inverse = 1.0_dp/law%density
-    !$omp simd simdlen(8) private(scale)
-    do l = 1, lanes
-      scale = law%density/mass(l)
-      v_old(l) = old_volume(l)*scale
-      v(l) = volume(l)*scale
-      p_old(l) = -mean(l)
-    end do
-    select case (law%eos)
-    case (eos_jwl)
-      call jwl_lanes(law%jwl, v, a0, b0, da, db)
-    case (eos_ideal_gas, eos_stiffened_gas)
-      call stiffened_gas_lanes(law%gas, v, a0, b0, da, db)
-    case (eos_polynomial)
-      call polynomial_lanes(law%polynomial, v, a0, b0, da, db)
-    case (eos_tait)
-      call tait_lanes(law%tait, v, a0, b0, da, db)
-    case default  ! eos_gruneisen
-      call gruneisen_lanes(law%gruneisen, v, a0, b0, da, db)
-    end select
-    p = burnt*(a0 + b0*energy)
-    ones = 1.0_dp
-    call eos_sound_speed_lanes(law%density, v, p, energy, da, db, b0, ones, bulk)
-    !$omp simd simdlen(8)
-    do l = 1, lanes
-      speed2(l) = merge(bulk(l), law%slowest**2, bulk(l) > law%slowest**2)
-      speed2(l) = merge(speed2(l), law%detonation_speed**2, burnt(l) > 0.0_dp) + &
-          (stiffness*inverse)*v(l)
-    end do
-    call viscosity(law, dt, mass, volume, trace, speed2, q)
-    !$omp simd simdlen(8)
-    do l = 1, lanes
-      q(l) = merge(q(l), 0.0_dp, burnt(l) > 0.0_dp)
-      other(l) = v_old(l)*(deviatoric_work(l) - q(l)*trace(l))
-    end do
-    p = p_old
-    call eos_energy_pressure(v_old, v, other, burnt, a0, b0, energy, p)
-    !$omp simd simdlen(8)
-    do l = 1, lanes
-      work(l) = -0.5_dp*(p_old(l) + p(l))*(v(l) - v_old(l))/v_old(l)
-      mean(l) = -p(l)
-      ! Waves without a speed are left as they are, for the caller to see.
-      bulk(l) = merge(bulk(l) + (stiffness*inverse)*v(l), 0.0_dp, burnt(l) > 0.0_dp)
-      speed2(l) = merge(bulk(l), speed2(l), bulk(l) < 0.0_dp)
-    end do
-  end subroutine equation_of_state
 
   !> Diagonal of the deformation gradient, for cpGIMP's particle size.
   pure subroutine stretch(dt, grad, diagonal)
