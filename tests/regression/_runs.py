@@ -69,6 +69,25 @@ history steps=10
 output csv at=end fields=stress,density,energy,damage,plastic_strain
 """
 
+# A ball on the axis and a tube that closes on it, walls below and outside.
+HOOPS = """
+parameter method = sgmp
+parameter update = musl
+parameter stress = plain
+parameter height = 8
+dimension axisymmetric
+grid cell=1 r=0:12 z=0:open
+wall r+=fixed z-=slip
+method $method update=$update stress=$stress
+time dt=0.1 steps=60
+gravity (0,-0.01)
+material m elastic density=1 young=1 poisson=0.2
+body ball sphere material=m centre=(0,4) radius=3.5 ppc=2 jitter=0.3
+body tube block material=m lower=(6,0) upper=(12,height) ppc=2
+velocity ball r="0.05*r" z=-0.4
+velocity tube r="-0.3*(12-r)/6" z=0.3
+"""
+
 
 class Run:
     """One finished run: exit code, everything printed, summary.json, its folder."""

@@ -5,20 +5,15 @@ usage: invariance.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 from _runs import Report, run
 
-# A block in a box, all of it in units of (m, kg, s), which are 2^n of something; drift makes particles change cells.
-BLOCK = """
+# All in units of (m, kg, s), which are 2^n of something.
+MATTER = """
 parameter m = 1
 parameter kg = 1
 parameter s = 1
-parameter ox = 0
-parameter oy = 0
 parameter jitter = 0.3
 parameter kind = elastic
 parameter method = sgmp
 parameter update = musl
-dimension {dimension}
-grid cell=0.25*m x=ox:ox+6*m y=oy:oy+5*m{z}
-wall x-=slip y-=fixed
 method $method update=$update
 time dt=0.002*s steps=60
 parameter density = 2*kg/m^3
@@ -31,6 +26,13 @@ material johnson_cook johnson_cook density=density young=young poisson=0.3 yield
   thermal=yes melt_temperature=1000 specific_heat=0.001*m^2/s^2
 eos johnson_cook gruneisen c0=5*m/s s=1.5 gamma0=2
 viscosity elastic quadratic=1.5 linear=0.06
+"""
+# A block in a box; drift makes particles change cells.
+BLOCK = "dimension {dimension}\n" + MATTER + """
+parameter ox = 0
+parameter oy = 0
+grid cell=0.25*m x=ox:ox+6*m y=oy:oy+5*m{z}
+wall x-=slip y-=fixed
 gravity 0,{g},0
 body b block material=$kind lower=(ox,oy,0) upper=(ox+2*m,oy+1.5*m,{thick}*m) ppc=2 jitter=jitter
 velocity b x="(1+2*cos(2*(x-ox)/m+(y-oy)/m))*m/s" y="sin(3*(x-ox)/m)*m/s"{vz}
@@ -39,30 +41,10 @@ output csv at=end fields=stress,density,mass
 PLANE = BLOCK.format(dimension=2, thick=0, z="", vz="", g="-0.5*m/s^2")
 SPACE = BLOCK.format(dimension=3, thick=1, z=" z=open", vz=' z="0.5*cos(2*(y-oy)/m)*m/s"', g="-0.5*m/s^2")
 # The same about an axis; the place along it is free.
-RINGS = """
-parameter m = 1
-parameter kg = 1
-parameter s = 1
+RINGS = "dimension axisymmetric\n" + MATTER + """
 parameter oz = 0
-parameter jitter = 0.3
-parameter kind = elastic
-parameter method = sgmp
-parameter update = musl
-dimension axisymmetric
 grid cell=0.25*m r=0:5*m z=oz:oz+5*m
 wall r+=slip z-=fixed
-method $method update=$update
-time dt=0.002*s steps=60
-parameter density = 2*kg/m^3
-parameter young = 50*kg/(m*s^2)
-material elastic elastic density=density young=young poisson=0.3
-material j2 j2 density=density young=young poisson=0.3 yield=0.7*kg/(m*s^2) hardening=linear &
-  hardening_modulus=3*kg/(m*s^2)
-material johnson_cook johnson_cook density=density young=young poisson=0.3 yield=0.7*kg/(m*s^2) &
-  hardening_modulus=3*kg/(m*s^2) hardening_exponent=0.4 rate_coefficient=0.02 reference_rate=0.1/s &
-  thermal=yes melt_temperature=1000 specific_heat=0.001*m^2/s^2
-eos johnson_cook gruneisen c0=5*m/s s=1.5 gamma0=2
-viscosity elastic quadratic=1.5 linear=0.06
 gravity 0,-0.5*m/s^2
 body b cylinder material=$kind centre=(0,oz) radius=2*m length=1.5*m ppc=2 jitter=jitter
 velocity b r="2*sin(r/m)*cos((z-oz)/m)*m/s" z="sin(3*r/m)*m/s"

@@ -5,7 +5,7 @@ usage: threads.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import os
 
-from _runs import FAILING, FLUIDS, INPUT, Report, run
+from _runs import FAILING, FLUIDS, HOOPS, INPUT, Report, run
 
 # Detonation from a corner of a charge in two or three dimensions, walls on two sides.
 CHARGE = """
@@ -25,32 +25,14 @@ detonation point=(0,0,0)
 PLANE = CHARGE.format(dimension=2, z="", size="12,12")
 SPACE = CHARGE.format(dimension=3, z="", size="6,6,6")
 
-# A ball on the axis and a tube that closes on it, walls below and outside.
-RINGS = """
-parameter method = sgmp
-parameter update = musl
-parameter stress = plain
-dimension axisymmetric
-grid cell=1 r=0:12 z=0:open
-wall r+=fixed z-=slip
-method $method update=$update stress=$stress
-time dt=0.1 steps=60
-gravity (0,-0.01)
-material m elastic density=1 young=1 poisson=0.2
-body ball sphere material=m centre=(0,4) radius=3.5 ppc=2 jitter=0.3
-body tube block material=m lower=(6,0) upper=(12,8) ppc=2
-velocity ball r="0.05*r" z=-0.4
-velocity tube r="-0.3*(12-r)/6" z=0.3
-"""
-
 # name, deck, settings
 SCENES = [
     ("elastic", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3}),
     ("jittered", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3, "jitter": 0.4}),
     ("johnson_cook", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3, "material": "johnson_cook"}),
     ("taylor_bar", "taylor_bar.inp", {"h": 1.9, "t_end": 0.01}),
-    ("rings", RINGS, {}),
-    ("rings_normalised", RINGS, {"stress": "normalised"}),
+    ("rings", HOOPS, {}),
+    ("rings_normalised", HOOPS, {"stress": "normalised"}),
     ("rotated_bar", "bar_rotated.inp", {"cells": 16, "steps": 60, "dt": 2e-3, "v0": 2}),
     ("beam", "beam.inp", {"h": 1.25, "t_end": 0.003}),
     ("jwl_2d", PLANE, {}),
