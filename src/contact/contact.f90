@@ -8,7 +8,8 @@
 module sgmp_contact
   use sgmp_body, only: body_t
   use sgmp_buffer, only: buffer_t
-  use sgmp_columns, only: node_acceleration, node_inverse_mass, node_remapped, node_velocity
+  use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_remapped, &
+                          node_velocity
   use sgmp_contact_distance, only: clouds_t, distance_detect
   use sgmp_contact_ledger, only: ledger_kick, ledger_strain
   use sgmp_contact_memory, only: memory_give, memory_take
@@ -18,6 +19,7 @@ module sgmp_contact
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_shared_nodes, only: node_terms_t, shared_build, shared_meet, shared_nodes_t
+  use sgmp_space, only: space_axisymmetric
   use sgmp_surface_particles, only: surface_count, surface_pack
   implicit none
   private
@@ -148,7 +150,7 @@ contains
     type(contact_link_t) :: links(shared%link_start(n + 1) - shared%link_start(n))
     real(dp), dimension(3, shared%member_start(n + 1) - shared%member_start(n)) :: velocity, &
       kick, trial, gained
-    real(dp) :: inverse_mass(size(velocity, 2))
+    real(dp) :: inverse_mass(3, size(velocity, 2))
     logical :: moving(size(velocity, 2))
     integer :: which(size(links)), l, k, m, nd, active
     shared%terms(n) = node_terms_t()
@@ -190,19 +192,20 @@ contains
       gained(:, links(l)%first) = gained(:, links(l)%first) - links(l)%impulse
       gained(:, links(l)%second) = gained(:, links(l)%second) + links(l)%impulse
     end do
-    do k = 1, size(inverse_mass)
-      if (active == 0 .or. inverse_mass(k) <= 0.0_dp) cycle
+    do k = 1, size(inverse_mass, 2)
+      if (active == 0 .or. inverse_mass(3, k) <= 0.0_dp) cycle
       m = shared%member_start(n) + k - 1
       associate (node => fields(shared%field(m))%node, i => shared%record(m))
         call add_vector(node(i, :), node_velocity(nd), velocity(:nd, k) - trial(:nd, k))
-        call add_vector(node(i, :), node_acceleration, inverse_mass(k)*gained(:nd, k)/step%dt_kick)
+        call add_vector(node(i, :), node_acceleration, &
+                        inverse_mass(:nd, k)*gained(:nd, k)/step%dt_kick)
       end associate
     end do
     call ledger_kick(shared, n, fields, inverse_mass, trial, kick, gained, step%dt_kick, &
                      step%gravity)
     if (step%strains_with_trial) then
-      do k = 1, size(inverse_mass)
-        trial(:, k) = trial(:, k) + inverse_mass(k)*gained(:, k)
+      do k = 1, size(inverse_mass, 2)
+        trial(:, k) = trial(:, k) + inverse_mass(:, k)*gained(:, k)
       end do
       call ledger_strain(shared, n, bodies, fields, inverse_mass, trial, kick, step%before, &
                          step%gravity)
@@ -222,7 +225,7 @@ contains
     logical, intent(in) :: before_kick
     real(dp), dimension(3, shared%member_start(n + 1) - shared%member_start(n)) :: velocity, &
       obeying, kick
-    real(dp) :: inverse_mass(size(velocity, 2))
+    real(dp) :: inverse_mass(3, size(velocity, 2))
     logical :: moving(size(velocity, 2))
     integer :: l, k, m, nd, column
     associate (links => shared%link(shared%link_start(n):shared%link_start(n + 1) - 1))
@@ -239,15 +242,15 @@ contains
       obeying = velocity
       call resolve_strain(links, inverse_mass, obeying)
     end associate
-    do k = 1, size(inverse_mass)
-      if (inverse_mass(k) <= 0.0_dp) cycle
+    do k = 1, size(inverse_mass, 2)
+      if (inverse_mass(3, k) <= 0.0_dp) cycle
       m = shared%member_start(n) + k - 1
       associate (node => fields(shared%field(m))%node, i => shared%record(m))
         call add_vector(node(i, :), column, obeying(:nd, k) - velocity(:nd, k))
       end associate
     end do
     if (before_kick) return
-    do k = 1, size(inverse_mass)
+    do k = 1, size(inverse_mass, 2)
       associate (body => bodies(shared%body(shared%member_start(n) + k - 1)))
         kick(:, k) = merge(0.0_dp, body%speed - body%speed_before, shared%held(:, n))
       end associate
@@ -284,18 +287,22 @@ contains
     type(body_t), intent(in) :: bodies(:)
     type(field_t), intent(in) :: fields(:)
     real(dp), intent(out) :: vector(:, :)        !! (3, members)
-    real(dp), intent(out) :: inverse_mass(:)     !! (members)
+    real(dp), intent(out) :: inverse_mass(:, :)  !! (3, members) of each component
     logical, intent(out) :: moving(:)            !! (members) it has mass at the node
     integer :: k, m
     vector = 0.0_dp
-    do k = 1, size(inverse_mass)
+    do k = 1, size(inverse_mass, 2)
       m = shared%member_start(n) + k - 1
       associate (node => fields(shared%field(m))%node, i => shared%record(m), nd => shared%ndim)
         vector(:nd, k) = merge(0.0_dp, node(i, column:column + nd - 1), shared%held(:nd, n))
-        inverse_mass(k) = node(i, node_inverse_mass(nd))
+        inverse_mass(:, k) = node(i, node_inverse_mass(nd))
+        moving(k) = inverse_mass(3, k) > 0.0_dp
+        if (bodies(shared%body(m))%rigid) then
+          inverse_mass(:, k) = 0.0_dp
+        else if (fields(shared%field(m))%space == space_axisymmetric) then
+          inverse_mass(1, k) = inverse_mass(1, k)/node(i, node_inertia)
+        end if
       end associate
-      moving(k) = inverse_mass(k) > 0.0_dp
-      if (bodies(shared%body(m))%rigid) inverse_mass(k) = 0.0_dp
     end do
   end subroutine gather
 

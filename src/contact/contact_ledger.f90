@@ -18,6 +18,7 @@ module sgmp_contact_ledger
   use sgmp_mesh, only: mesh_t
   use sgmp_parallel, only: parallel_gather
   use sgmp_shared_nodes, only: node_terms_t, row_axis, shared_nodes_t
+  use sgmp_space, only: axes_in_output
   use sgmp_vectors, only: cross
   implicit none
   private
@@ -49,21 +50,21 @@ contains
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n
     type(field_t), intent(in) :: fields(:)
-    real(dp), intent(in) :: inverse_mass(:)      !! (members)
+    real(dp), intent(in) :: inverse_mass(:, :)   !! (3, members)
     real(dp), intent(in) :: trial(:, :)          !! (3, members) trial velocity
     real(dp), intent(in) :: kick(:, :)           !! (3, members) the part of it by forces
     real(dp), intent(in) :: gained(:, :)         !! (3, members) impulses on the members
     real(dp), intent(in) :: dt, gravity(3)
     integer :: k
     associate (terms => shared%terms(n))
-      do k = 1, size(inverse_mass)
-        if (inverse_mass(k) <= 0.0_dp .or. all(abs(gained(:, k)) <= 0.0_dp)) cycle
+      do k = 1, size(inverse_mass, 2)
+        if (inverse_mass(3, k) <= 0.0_dp .or. all(abs(gained(:, k)) <= 0.0_dp)) cycle
         terms%nodes_aa = terms%nodes_aa + &
-          dot_product(gained(:, k), 2.0_dp*kick(:, k) + inverse_mass(k)*gained(:, k))/dt**2
+          dot_product(gained(:, k), 2.0_dp*kick(:, k) + inverse_mass(:, k)*gained(:, k))/dt**2
         terms%power_before = terms%power_before + &
                              dot_product(gained(:, k), trial(:, k) - kick(:, k))/dt
         terms%external_power = terms%external_power + 0.5_dp*dot_product(gained(:, k), &
-          external(shared, n, k, fields, inverse_mass(k), gravity))
+          external(shared, n, k, fields, inverse_mass(:, k), gravity))
       end do
     end associate
   end subroutine ledger_kick
@@ -75,12 +76,12 @@ contains
     integer, intent(in) :: n
     type(body_t), intent(in) :: bodies(:)
     type(field_t), intent(in) :: fields(:)
-    real(dp), intent(in) :: inverse_mass(:)      !! (members)
+    real(dp), intent(in) :: inverse_mass(:, :)   !! (3, members)
     real(dp), intent(in) :: velocity(:, :)       !! (3, members) before it was made to obey
     real(dp), intent(in) :: kick(:, :)           !! (3, members) of rigid ones: change of velocity
     real(dp), intent(in) :: part                 !! of the strain that it makes
     real(dp), intent(in) :: gravity(3)
-    real(dp), dimension(3, size(inverse_mass)) :: gained, corrected
+    real(dp), dimension(3, size(inverse_mass, 2)) :: gained, corrected
     integer :: k, l
     gained = 0.0_dp
     corrected = 0.0_dp
@@ -95,13 +96,13 @@ contains
       end associate
     end do
     associate (terms => shared%terms(n))
-      do k = 1, size(inverse_mass)
+      do k = 1, size(inverse_mass, 2)
         if (bodies(shared%body(shared%member_start(n) + k - 1))%rigid) then
           terms%rigid_work = terms%rigid_work + part*(dot_product(corrected(:, k), kick(:, k)) &
                                                       - dot_product(gained(:, k), velocity(:, k)))
         else if (any(abs(corrected(:, k)) > 0.0_dp)) then
           terms%external_power = terms%external_power + part*dot_product(corrected(:, k), &
-            external(shared, n, k, fields, inverse_mass(k), gravity))
+            external(shared, n, k, fields, inverse_mass(:, k), gravity))
         end if
       end do
     end associate
@@ -112,13 +113,15 @@ contains
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: n, k
     type(field_t), intent(in) :: fields(:)
-    real(dp), intent(in) :: inverse_mass, gravity(3)
+    real(dp), intent(in) :: inverse_mass(3), gravity(3)
     real(dp) :: acceleration(3)
     integer :: m
     m = shared%member_start(n) + k - 1
     acceleration = gravity
-    acceleration(:shared%ndim) = acceleration(:shared%ndim) + inverse_mass* &
-      body_force(fields(shared%field(m)), shared%record(m), shared%point(:, n))
+    associate (nd => shared%ndim)
+      acceleration(:nd) = acceleration(:nd) + inverse_mass(:nd)* &
+        body_force(fields(shared%field(m)), shared%record(m), shared%point(:, n))
+    end associate
   end function external
 
   !> Body force at a node, as the momentum equation takes it from the moments.
@@ -176,12 +179,14 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(terms_t), intent(inout) :: table(:)     !! (pairs)
     real(dp) :: position(3)
-    integer :: l, nd
+    integer :: axes(3), l, nd
     logical :: first
     nd = mesh%ndim
+    axes = axes_in_output(:, mesh%space)
     position = 0.0_dp
     position(:nd) = real(shared%point(row_axis([1, 2, 3], nd), n), dp)
     position(:nd) = mesh%origin(:nd) + mesh%h*position(:nd)
+    position = position(axes)
     first = .true.
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       if (.not. shared%meets(l)) cycle
@@ -193,8 +198,8 @@ contains
         first = .false.
         if (link%state <= link_closed) cycle
         terms%touching = terms%touching + 1
-        terms%impulse = terms%impulse - link%impulse
-        terms%angular_impulse = terms%angular_impulse - cross(position, link%impulse)
+        terms%impulse = terms%impulse - link%impulse(axes)
+        terms%angular_impulse = terms%angular_impulse - cross(position, link%impulse(axes))
       end associate
     end do
   end subroutine add_node

@@ -1,5 +1,6 @@
 !> Normals from the gradients of the bodies' volumes (Eqs. 76, 87, 88).
 module sgmp_contact_normals
+  use sgmp_axis, only: axis_radius
   use sgmp_body, only: body_t
   use sgmp_contact_pairs, only: normal_first, normal_second
   use sgmp_field, only: field_t
@@ -9,6 +10,7 @@ module sgmp_contact_normals
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass
   use sgmp_shared_nodes, only: row_axis, shared_nodes_t
+  use sgmp_space, only: space_axisymmetric
   use sgmp_surface_particles, only: surface_t
   implicit none
   private
@@ -68,14 +70,15 @@ contains
     type(field_t), intent(in) :: field
     integer, intent(in) :: interval, i
     real(dp) :: gradient(3)
-    real(dp) :: left, right
+    real(dp) :: left, right, section(2)
     integer :: dj, dk, base
+    section = circumference(field%space, axis_radius([i - 1, i]))
     gradient = 0.0_dp
     do dk = -merge(1, 0, field%ndim >= 2), 0
       do dj = -merge(1, 0, field%ndim == 3), 0
         base = field%neighbour(dj, dk, interval) + i
-        left = field%moment(base - 1, field%columns%mass)
-        right = field%moment(base, field%columns%mass)
+        left = field%moment(base - 1, field%columns%mass)/section(1)
+        right = field%moment(base, field%columns%mass)/section(2)
         gradient(1) = gradient(1) + (left - right)
         if (field%ndim == 2) gradient(2) = gradient(2) + sign(left + right, -dk - 0.5_dp)
         if (field%ndim == 3) gradient(2) = gradient(2) + sign(left + right, -dj - 0.5_dp)
@@ -106,7 +109,8 @@ contains
         do g = surface%guest_first(n), surface%guest_first(n) + surface%guest_size(n) - 1
           associate (guest => surface%guest(:, g))
             if (kernel_sized(kernel)) half(:nd) = guest(nd + 3:2*nd + 2)
-            call add_gradient(kernel, nd, guest(:nd) - node(:nd), half, guest(nd + 2), gradient)
+            call add_gradient(kernel, nd, guest(:nd) - node(:nd), half, &
+                              guest(nd + 2)/circumference(mesh%space, guest(1)), gradient)
           end associate
         end do
         number = surface%bin(n)
@@ -119,7 +123,8 @@ contains
               if (body%law%slots%stretch > 0) half(:nd) = body%half_size(:nd)* &
                 state(body%law%slots%stretch:body%law%slots%stretch + nd - 1)
               call add_gradient(kernel, nd, motion(:nd) - node(:nd), half, &
-                                motion(motion_mass(nd)), gradient)
+                                motion(motion_mass(nd))/circumference(mesh%space, motion(1)), &
+                                gradient)
             end associate
           end do
           left = left - lanes
@@ -128,6 +133,15 @@ contains
       end do
     end do
   end function particle_gradient
+
+  !> What the mass of a ring grows with as it moves out, so that mass divided by it is that of a
+  !! section.
+  elemental function circumference(space, radius) result(way)
+    integer, intent(in) :: space
+    real(dp), intent(in) :: radius               !! cells
+    real(dp) :: way
+    way = merge(radius, 1.0_dp, space == space_axisymmetric)
+  end function circumference
 
   !> Adds what one particle gives to the gradient at a node.
   pure subroutine add_gradient(kernel, nd, x, half, mass, gradient)

@@ -28,7 +28,7 @@ module sgmp_contact_pairs
     real(dp) :: depth = huge(1.0_dp)
       !! contact acts at nodes this near to where the bodies touch (cells)
     integer :: normal = normal_separating  !! one of normal_*, the stiffer already resolved
-    ! what has happened since the start
+    ! what has happened since the start, vectors along the axes of output
     real(dp) :: impulse(3) = 0.0_dp        !! on the first body
     real(dp) :: angular_impulse(3) = 0.0_dp  !! on the first body, about the origin
     real(dp) :: dissipation = 0.0_dp

@@ -12,6 +12,9 @@
 !! more the impulses depend on each other; they are found by going round the pairs until nothing
 !! changes, each pair correcting its accumulated impulse (projected Gauss-Seidel).
 !! Bodies of infinite mass have an inverse mass of zero.
+!!
+!! In an axisymmetric scene the radial component has an inertia of its own (theory 7): the inverse
+!! mass along n is n_r^2/m^r + n_z^2/m, and a normal impulse changes the slip as well.
 module sgmp_contact_resolve
   use sgmp_kinds, only: dp
   implicit none
@@ -62,12 +65,13 @@ contains
   !! pair. A pair that was free in the step before is stopped by an impulse, once.
   pure subroutine resolve_trial(links, inverse_mass, velocity, kick)
     type(contact_link_t), intent(inout) :: links(:)  !! pairs near enough to touch in this step
-    real(dp), intent(in) :: inverse_mass(:)          !! (members) 0: prescribed motion
+    real(dp), intent(in) :: inverse_mass(:, :)
+      !! (3, members) of each component; 0: prescribed motion
     real(dp), intent(inout) :: velocity(:, :)
       !! (3, members) in: trial velocity (Eq. 77), out: admissible
     real(dp), intent(in) :: kick(:, :)               !! (3, members) the part of it by forces
     type(condition_t) :: closing(size(links)), pressing(size(links))
-    real(dp) :: part(3, size(inverse_mass))
+    real(dp) :: part(3, size(inverse_mass, 2))
     logical :: was_free
     integer :: l
     do l = 1, size(links)
@@ -104,7 +108,7 @@ contains
   !! part, those that stick do not slide, those that are only closed do not approach.
   pure subroutine resolve_strain(links, inverse_mass, velocity)
     type(contact_link_t), intent(inout) :: links(:)
-    real(dp), intent(in) :: inverse_mass(:)
+    real(dp), intent(in) :: inverse_mass(:, :)       !! (3, members)
     real(dp), intent(inout) :: velocity(:, :)        !! (3, members)
     type(condition_t) :: condition(size(links))
     integer :: l
@@ -133,12 +137,15 @@ contains
   !> Changes velocities until all conditions are met.
   pure subroutine relax(conditions, inverse_mass, velocity)
     type(condition_t), intent(inout) :: conditions(:)
-    real(dp), intent(in) :: inverse_mass(:)
+    real(dp), intent(in) :: inverse_mass(:, :)       !! (3, members)
     real(dp), intent(inout) :: velocity(:, :)
     real(dp) :: scale, change
+    logical :: at_once
     integer :: round, n
     scale = maxval(abs(velocity))
-    do round = 1, merge(1, most_rounds, count(conditions%active) <= 1)
+    at_once = count(conditions%active) <= 1 .and. &
+              all(abs(inverse_mass(1, :) - inverse_mass(3, :)) <= 0.0_dp)
+    do round = 1, merge(1, most_rounds, at_once)
       change = 0.0_dp
       do n = 1, size(conditions)
         if (conditions(n)%active) call correct(conditions(n), inverse_mass, velocity, change)
@@ -147,30 +154,37 @@ contains
     end do
   end subroutine relax
 
-  !> One pair's correction of its impulse.
+  !> One pair's correction of its impulse: normal, then tangential.
   pure subroutine correct(condition, inverse_mass, velocity, change)
     type(condition_t), intent(inout) :: condition
-    real(dp), intent(in) :: inverse_mass(:)
+    real(dp), intent(in) :: inverse_mass(:, :)       !! (3, members)
     real(dp), intent(inout) :: velocity(:, :)
     real(dp), intent(inout) :: change                !! largest change of a velocity so far
-    real(dp) :: weight, apart(3), normal_part, along, across(3), length, impulse(3)
-    weight = inverse_mass(condition%first) + inverse_mass(condition%second)
-    if (weight <= 0.0_dp) return
-    apart = velocity(:, condition%first) - velocity(:, condition%second)
-    normal_part = dot_product(apart, condition%normal)
-    along = max(condition%least, condition%along + (normal_part - condition%approach)/weight)
-    across = condition%across + (apart - normal_part*condition%normal)/weight
-    length = norm2(across)
-    condition%slides = length > condition%friction .or. condition%friction <= 0.0_dp
-    if (condition%slides) across = across*(condition%friction/max(length, tiny(1.0_dp)))
-    impulse = (along - condition%along)*condition%normal + (across - condition%across)
+    real(dp) :: weight(3), normal_weight, slip_weight
+    real(dp) :: apart(3), normal_part, along, across(3), length, impulse(3)
+    weight = inverse_mass(:, condition%first) + inverse_mass(:, condition%second)
+    if (weight(3) <= 0.0_dp) return
+    associate (n => condition%normal)
+      normal_weight = weight(3) + dot_product(n**2, weight - weight(3))
+      slip_weight = weight(1) + weight(2) - normal_weight
+      apart = velocity(:, condition%first) - velocity(:, condition%second)
+      normal_part = dot_product(apart, n)
+      along = max(condition%least, &
+                  condition%along + (normal_part - condition%approach)/normal_weight)
+      apart = apart - (along - condition%along)*(weight - normal_weight)*n
+      across = condition%across + (apart - normal_part*n)/slip_weight
+      length = norm2(across)
+      condition%slides = length > condition%friction .or. condition%friction <= 0.0_dp
+      if (condition%slides) across = across*(condition%friction/max(length, tiny(1.0_dp)))
+      impulse = (along - condition%along)*n + (across - condition%across)
+    end associate
     condition%along = along
     condition%across = across
     velocity(:, condition%first) = velocity(:, condition%first) - &
-                                   inverse_mass(condition%first)*impulse
+                                   inverse_mass(:, condition%first)*impulse
     velocity(:, condition%second) = velocity(:, condition%second) + &
-                                    inverse_mass(condition%second)*impulse
-    change = max(change, weight*maxval(abs(impulse)))
+                                    inverse_mass(:, condition%second)*impulse
+    change = max(change, maxval(weight*abs(impulse)))
   end subroutine correct
 
 end module sgmp_contact_resolve

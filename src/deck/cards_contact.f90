@@ -83,11 +83,6 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     integer :: named(2)
-    if (draft%scene%axisymmetric) then
-      call draft%errors%add(card%position, 'contact in an axisymmetric scene is not there yet', &
-                            'bodies stick where they meet without this card; or use dimension 3')
-      return
-    end if
     if (lonely(card, draft)) return
     associate (bodies => draft%scene%bodies)
       named = [word_position(card%word('first'), bodies%name), &
