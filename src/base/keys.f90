@@ -8,7 +8,7 @@ module sgmp_keys
   private
   public :: key_t, key, values_t, fault_t, fault_make, kind_name
   public :: kind_real, kind_integer, kind_logical, kind_word, kind_name_word, kind_text, &
-            kind_vector, kind_expression, kind_interval, kind_list
+            kind_vector, kind_expression, kind_interval, kind_list, kind_points
 
   integer, parameter :: kind_real = 1       !! number or constant expression
   integer, parameter :: kind_integer = 2    !! whole number
@@ -20,9 +20,10 @@ module sgmp_keys
   integer, parameter :: kind_expression = 8  !! function of position and time
   integer, parameter :: kind_interval = 9   !! lower:upper, either may be `open`; or `open`
   integer, parameter :: kind_list = 10      !! words of `choices` separated by commas
+  integer, parameter :: kind_points = 11    !! (a,b),(c,d),...: points of a plane
   character(22), parameter :: kind_names(*) = [character(22) :: &
     'number', 'whole number', 'yes or no', 'word', 'name', 'text', 'vector (a,b,c)', &
-    'formula of x y z', 'interval lower:upper', 'words, comma-separated']
+    'formula of x y z', 'interval lower:upper', 'words, comma-separated', 'points (a,b),(c,d),...']
 
   !> One named value.
   type :: key_t

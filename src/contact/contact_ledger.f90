@@ -178,7 +178,7 @@ contains
     integer, intent(in) :: n
     type(mesh_t), intent(in) :: mesh
     type(terms_t), intent(inout) :: table(:)     !! (pairs)
-    real(dp) :: position(3)
+    real(dp) :: position(3), impulse(3)
     integer :: axes(3), l, nd
     logical :: first
     nd = mesh%ndim
@@ -198,8 +198,9 @@ contains
         first = .false.
         if (link%state <= link_closed) cycle
         terms%touching = terms%touching + 1
-        terms%impulse = terms%impulse - link%impulse(axes)
-        terms%angular_impulse = terms%angular_impulse - cross(position, link%impulse(axes))
+        impulse = link%impulse(axes)
+        terms%impulse = terms%impulse - impulse
+        terms%angular_impulse = terms%angular_impulse - cross(position, impulse)
       end associate
     end do
   end subroutine add_node

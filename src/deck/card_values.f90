@@ -3,7 +3,7 @@ module sgmp_card_values
   use sgmp_deck_card, only: deck_card_t, value_t
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_keys, only: key_t, kind_expression, kind_integer, kind_interval, kind_list, &
-                       kind_logical, kind_name_word, kind_real, kind_vector, kind_word
+                       kind_logical, kind_name_word, kind_points, kind_real, kind_vector, kind_word
   use sgmp_kinds, only: dp
   use sgmp_parameters, only: name_size, parameters_t
   use sgmp_spelling, only: suggestion, word_count, word_in_list, word_is_identifier, word_item, &
@@ -48,7 +48,10 @@ contains
       case (kind_name_word)
         call check_name(key, value, failed, errors)
       case (kind_vector)
-        call read_vector(value, parameters, failed, errors)
+        call read_vector(value%text, value%position, 3, value%vector, value%components, &
+                         parameters, failed, errors)
+      case (kind_points)
+        call read_points(value, parameters, failed, errors)
       case (kind_expression)
         call parameters%make_expression(value%text, value%position, value%expression, failed, &
                                         errors)
@@ -168,8 +171,12 @@ contains
   end subroutine check_name
 
   !> Reads (a,b,c), a,b,c, (a,b) or a; missing components are zero.
-  subroutine read_vector(value, parameters, failed, errors)
-    type(value_t), intent(inout) :: value
+  subroutine read_vector(text, position, most, vector, components, parameters, failed, errors)
+    character(*), intent(in) :: text
+    type(position_t), intent(in) :: position
+    integer, intent(in) :: most                  !! components
+    real(dp), intent(inout) :: vector(:)
+    integer, intent(out) :: components           !! that are given
     type(parameters_t), intent(inout) :: parameters
     logical, intent(out) :: failed
     type(deck_errors_t), intent(inout) :: errors
@@ -178,28 +185,64 @@ contains
     integer :: first, last
     logical :: bad
     failed = .true.
-    list = trim(value%text)
+    components = 0
+    list = trim(text)
     first = 1
     if (encloses(list)) then
       list = list(:len(list) - 1)
       first = 2
     end if
     do while (first <= len(list) + 1)
-      if (value%components == 3) then
-        call errors%add(value%position, "'"//value%text//"' has more than three components", &
-                        'write (a,b,c)')
+      if (components == most) then
+        call errors%add(position, "'"//text//"' has more than "// &
+                        trim(merge('three', 'two  ', most == 3))//' components', &
+                        'write '//trim(merge('(a,b,c)', '(a,b)  ', most == 3)))
         return
       end if
       last = outer_scan(list, first, ',') - 1
-      place = value%position
+      place = position
       place%column = place%column + first - 1
-      value%components = value%components + 1
-      call parameters%number(list(first:last), place, value%vector(value%components), bad, errors)
+      components = components + 1
+      call parameters%number(list(first:last), place, vector(components), bad, errors)
       if (bad) return
       first = last + 2
     end do
     failed = .false.
   end subroutine read_vector
+
+  !> Reads (a,b),(c,d),...
+  subroutine read_points(value, parameters, failed, errors)
+    type(value_t), intent(inout) :: value
+    type(parameters_t), intent(inout) :: parameters
+    logical, intent(out) :: failed
+    type(deck_errors_t), intent(inout) :: errors
+    type(position_t) :: place
+    real(dp) :: point(2)
+    integer :: first, last, components
+    allocate (value%points(2, 0))
+    failed = .true.
+    first = 1
+    do while (first <= len(value%text) + 1)
+      last = outer_scan(value%text, first, ',') - 1
+      place = value%position
+      place%column = place%column + first - 1
+      associate (text => value%text(first:last))
+        if (.not. encloses(text)) then
+          call errors%add(place, "'"//text//"' is not a point", 'write (a,b),(c,d),...')
+          return
+        end if
+        call read_vector(text, place, 2, point, components, parameters, failed, errors)
+        if (failed) return
+        failed = components < 2
+        if (failed) then
+          call errors%add(place, "the point '"//text//"' has one component", 'write (a,b)')
+          return
+        end if
+      end associate
+      value%points = reshape([value%points, point], [2, size(value%points, 2) + 1])
+      first = last + 2
+    end do
+  end subroutine read_points
 
   !> Whether the first parenthesis is closed by the last letter.
   pure function encloses(text) result(yes)

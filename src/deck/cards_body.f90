@@ -2,14 +2,15 @@
 module sgmp_cards_body
   use sgmp_deck_card, only: deck_card_t
   use sgmp_deck_errors, only: deck_errors_t
-  use sgmp_keys, only: kind_integer, kind_name_word, kind_real, kind_text, kind_vector, kind_word
+  use sgmp_keys, only: kind_integer, kind_name_word, kind_points, kind_real, kind_text, &
+                       kind_vector, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: read_second, registry_t
   use sgmp_scene, only: body_card_t, layout_file, layout_gauss, layout_lattice, layout_names
   use sgmp_scene_draft, only: draft_t
-  use sgmp_shapes, only: combine_names, combine_union, shape_block, shape_cone, shape_cylinder, &
-                         shape_halfspace, shape_names, shape_ogive, shape_ring, shape_sphere, &
-                         shape_t
+  use sgmp_shapes, only: combine_names, combine_union, most_corners, polygon_is_simple, &
+                         shape_block, shape_cone, shape_cylinder, shape_halfspace, shape_names, &
+                         shape_ogive, shape_polygon, shape_ring, shape_sphere, shape_t
   use sgmp_spelling, only: word_position, words_joined
   use sgmp_text, only: integer_text, real_text_plain
   implicit none
@@ -100,6 +101,9 @@ contains
                       when=trim(shape_names(shape_cone)), default='0')
     call registry%key('length', kind_real, 'length along the axis; not needed in 2D', &
                       unit='length', range='(0,inf)', when=rounds)
+    call registry%key('corners', kind_points, 'corners in order round it, either way, at most '// &
+                      integer_text(most_corners)//'; in two dimensions and axisymmetric scenes', &
+                      unit='length', when=trim(shape_names(shape_polygon)), required=.true.)
   end subroutine register_shape_keys
 
   subroutine read_body(card, draft)
@@ -189,6 +193,7 @@ contains
     new%radius2 = card%number('inner') + card%number('top')
     new%length = card%number('length', absent=huge(1.0_dp))
     if (card%has('axis')) new%axis = card%vector('axis')
+    if (new%kind == shape_polygon) call take_corners(card, new, dimension, errors)
     if (axisymmetric) then
       ! The z axis is the second one; as a third component the default direction means it, too.
       new%axis = [new%axis(1), new%axis(2) + new%axis(3), 0.0_dp]
@@ -198,6 +203,28 @@ contains
     if (norm2(new%axis) > 0.0_dp) new%axis = new%axis/norm2(new%axis)
     body%shapes = [body%shapes, new]
   end subroutine append_shape
+
+  !> The corners of a polygon.
+  subroutine take_corners(card, shape, dimension, errors)
+    type(deck_card_t), intent(in) :: card
+    type(shape_t), intent(inout) :: shape
+    integer, intent(in) :: dimension
+    type(deck_errors_t), intent(inout) :: errors
+    real(dp), allocatable :: points(:, :)
+    points = card%points('corners')
+    shape%corners = min(size(points, 2), most_corners)
+    shape%corner(:, :shape%corners) = points(:, :shape%corners)
+    if (dimension /= 2) then
+      call errors%add(card%place('shape'), 'a polygon is a shape of the plane', &
+                      'use it in dimension 2 or axisymmetric')
+    else if (size(points, 2) < 3 .or. size(points, 2) > most_corners) then
+      call errors%add(card%place('corners'), 'a polygon of '//integer_text(size(points, 2))// &
+                      ' corners', 'write 3 to '//integer_text(most_corners)//': (a,b),(c,d),...')
+    else if (.not. polygon_is_simple(shape)) then
+      call errors%add(card%place('corners'), 'the sides of the polygon cross, or one has no '// &
+                      'length', 'write the corners in order round it')
+    end if
+  end subroutine take_corners
 
   subroutine check_shape(card, shape, dimension, errors)
     type(deck_card_t), intent(in) :: card
@@ -229,7 +256,10 @@ contains
     type(deck_card_t), intent(in) :: card
     type(shape_t), intent(in) :: shape
     type(deck_errors_t), intent(inout) :: errors
-    if (shape%kind == shape_block .and. shape%lower(1) < 0.0_dp) then
+    if (any(shape%corner(1, :shape%corners) < 0.0_dp)) then
+      call errors%add(card%place('corners'), 'the polygon reaches beyond the axis, to r < 0', &
+                      'write its half at r > 0')
+    else if (shape%kind == shape_block .and. shape%lower(1) < 0.0_dp) then
       call errors%add(card%place('lower'), 'the block reaches beyond the axis, to r < 0', &
                       'write the half-plane: lower=(0,z), or r of the inner radius')
     else if (any(round == shape%kind) .and. abs(shape%axis(1)) > 0.0_dp) then

@@ -21,6 +21,7 @@ module sgmp_deck_card
     real(dp) :: vector(3) = 0.0_dp         !! vector; interval: lower, upper
     integer :: components = 0              !! of the vector
     logical :: open(2) = .true.            !! interval
+    real(dp), allocatable :: points(:, :)  !! (2, n)
     type(expression_t) :: expression
   end type value_t
 
@@ -38,6 +39,7 @@ module sgmp_deck_card
     procedure :: whole => card_whole
     procedure :: word => card_word
     procedure :: vector => card_vector
+    procedure :: points => card_points
     procedure :: flag => card_flag
     procedure :: has => card_has
     procedure :: pick => card_pick
@@ -93,6 +95,15 @@ contains
     real(dp) :: vector(3)
     vector = self%values(self%at(key))%vector
   end function card_vector
+
+  !> The points of a plane; none where they are not given.
+  pure function card_points(self, key) result(points)
+    class(deck_card_t), intent(in) :: self
+    character(*), intent(in) :: key
+    real(dp), allocatable :: points(:, :)  !! (2, n)
+    allocate (points(2, 0))
+    if (self%has(key)) points = self%values(self%at(key))%points
+  end function card_points
 
   !> A yes or no.
   pure function card_flag(self, key) result(flag)

@@ -3,7 +3,7 @@
 module sgmp_deck_echo
   use sgmp_deck_card, only: deck_card_t, value_t
   use sgmp_keys, only: kind_expression, kind_integer, kind_interval, kind_list, kind_logical, &
-                       kind_real, kind_text, kind_vector
+                       kind_points, kind_real, kind_text, kind_vector
   use sgmp_parameters, only: parameters_t
   use sgmp_registry, only: card_definition_t, registry_t
   use sgmp_scene, only: statement_text_t
@@ -157,6 +157,7 @@ contains
     integer, intent(in) :: kind
     type(value_t), intent(in) :: value
     character(:), allocatable :: text
+    integer :: i
     select case (kind)
     case (kind_real, kind_integer)
       text = real_text_plain(value%number)
@@ -166,6 +167,13 @@ contains
     case (kind_vector)
       text = '('//real_text_plain(value%vector(1))//','//real_text_plain(value%vector(2))//','// &
              real_text_plain(value%vector(3))//')'
+    case (kind_points)
+      text = ''
+      do i = 1, size(value%points, 2)
+        text = text//',('//real_text_plain(value%points(1, i))//','// &
+               real_text_plain(value%points(2, i))//')'
+      end do
+      text = text(2:)
     case (kind_interval)
       text = end_text(1)//':'//end_text(2)
       if (all(value%open)) text = 'open'

@@ -11,19 +11,20 @@ module sgmp_shapes
   implicit none
   private
   public :: shape_t, surface_depth, shapes_anchor, shapes_box, shapes_inside, shapes_near, &
-            shapes_volume
+            shapes_volume, polygon_is_simple
   public :: shape_block, shape_cylinder, shape_sphere, shape_ring, shape_cone, shape_ogive, &
-    shape_halfspace, shape_names
+    shape_halfspace, shape_polygon, shape_names, most_corners
   public :: combine_union, combine_difference, combine_intersection, combine_names
   public :: infinite_length
 
   integer, parameter :: shape_block = 1, shape_cylinder = 2, shape_sphere = 3, shape_ring = 4, &
-    shape_cone = 5, shape_ogive = 6, shape_halfspace = 7
+    shape_cone = 5, shape_ogive = 6, shape_halfspace = 7, shape_polygon = 8
   character(9), parameter :: shape_names(*) = [character(9) :: &
-    'block', 'cylinder', 'sphere', 'ring', 'cone', 'ogive', 'halfspace']
+    'block', 'cylinder', 'sphere', 'ring', 'cone', 'ogive', 'halfspace', 'polygon']
   integer, parameter :: combine_union = 1, combine_difference = 2, combine_intersection = 3
   character(9), parameter :: combine_names(*) = [character(9) :: 'add', 'subtract', 'intersect']
   real(dp), parameter :: infinite_length = 0.1_dp*huge(1.0_dp)  !! whatever is longer has no end
+  integer, parameter :: most_corners = 64  !! of a polygon
 
   !> One primitive of constructive solid geometry.
   type :: shape_t
@@ -36,6 +37,8 @@ module sgmp_shapes
       !! unit axis of cylinder, ring, cone, ogive; outward normal of a half-space
     real(dp) :: radius = 0.0_dp, radius2 = 0.0_dp     !! outer; inner (ring), top (cone)
     real(dp) :: length = 0.0_dp                       !! along the axis (huge: infinite, as in 2D)
+    integer :: corners = 0
+    real(dp) :: corner(2, most_corners) = 0.0_dp      !! polygon: in order round it, either way
   end type shape_t
 
 contains
@@ -167,7 +170,7 @@ contains
     associate (shape => shapes(1))
       call shape_box(shape, lower, upper)
       anchor = lower
-      if (shape%kind == shape_block) return
+      if (any(shape%kind == [shape_block, shape_polygon])) return
       anchor = shape%centre
       if (shape%kind == shape_sphere) return
       if (shape%length >= infinite_length) return
@@ -185,6 +188,10 @@ contains
     if (shape%kind == shape_block) then
       inside = all(point(:ndim) >= shape%lower(:ndim) - margin .and. &
                    point(:ndim) < shape%upper(:ndim) - margin)
+      return
+    end if
+    if (shape%kind == shape_polygon) then
+      inside = in_polygon(shape, point(:2) + margin)
       return
     end if
     along = dot_product(point - shape%centre, shape%axis)
@@ -208,6 +215,68 @@ contains
     inside = radius <= outer + margin
     if (shape%kind == shape_ring) inside = inside .and. radius >= shape%radius2 - margin
   end function in_shape
+
+  !> Whether a polygon is around a point: a ray to the right crosses its sides an odd number of
+  !! times.
+  pure function in_polygon(shape, point) result(inside)
+    type(shape_t), intent(in) :: shape
+    real(dp), intent(in) :: point(2)
+    logical :: inside
+    real(dp) :: a(2), b(2)
+    integer :: i
+    inside = .false.
+    b = shape%corner(:, shape%corners)
+    do i = 1, shape%corners
+      a = b
+      b = shape%corner(:, i)
+      if ((a(2) <= point(2)) .eqv. (b(2) <= point(2))) cycle
+      if (point(1) < a(1) + (b(1) - a(1))*((point(2) - a(2))/(b(2) - a(2)))) inside = .not. inside
+    end do
+  end function in_polygon
+
+  !> Distance to the nearest side of a polygon, positive inside.
+  pure function polygon_depth(shape, point) result(depth)
+    type(shape_t), intent(in) :: shape
+    real(dp), intent(in) :: point(2)
+    real(dp) :: depth, a(2), side(2), foot
+    integer :: i
+    depth = huge(1.0_dp)
+    a = shape%corner(:, shape%corners)
+    do i = 1, shape%corners
+      side = shape%corner(:, i) - a
+      foot = max(0.0_dp, min(1.0_dp, dot_product(point - a, side)/dot_product(side, side)))
+      depth = min(depth, norm2(point - a - foot*side))
+      a = shape%corner(:, i)
+    end do
+    if (.not. in_polygon(shape, point)) depth = -depth
+  end function polygon_depth
+
+  !> Whether the sides of a polygon have a length and none crosses another.
+  pure function polygon_is_simple(shape) result(simple)
+    type(shape_t), intent(in) :: shape
+    logical :: simple
+    real(dp) :: a(2), b(2), c(2), d(2)
+    integer :: i, j
+    simple = .false.
+    do i = 1, shape%corners
+      a = shape%corner(:, i)
+      b = shape%corner(:, modulo(i, shape%corners) + 1)
+      if (all(abs(b - a) <= 0.0_dp)) return
+      do j = i + 1, shape%corners
+        c = shape%corner(:, j)
+        d = shape%corner(:, modulo(j, shape%corners) + 1)
+        if (turn(a, b, c)*turn(a, b, d) < 0.0_dp .and. turn(c, d, a)*turn(c, d, b) < 0.0_dp) return
+      end do
+    end do
+    simple = .true.
+  contains
+    !> Positive where the way from p over q to r turns left.
+    pure function turn(p, q, r) result(area)
+      real(dp), intent(in) :: p(2), q(2), r(2)
+      real(dp) :: area
+      area = (q(1) - p(1))*(r(2) - p(2)) - (q(2) - p(2))*(r(1) - p(1))
+    end function turn
+  end function polygon_is_simple
 
   !> Tangent ogive: an arc that leaves the base at a right angle and ends in the tip.
   pure function ogive_radius(shape, along) result(radius)
@@ -235,6 +304,10 @@ contains
     if (shape%kind == shape_block) then
       depth = min(minval(point(:ndim) - shape%lower(:ndim)), &
                   minval(shape%upper(:ndim) - point(:ndim)))
+      return
+    end if
+    if (shape%kind == shape_polygon) then
+      depth = polygon_depth(shape, point(:2))
       return
     end if
     along = dot_product(point - shape%centre, shape%axis)
@@ -277,6 +350,9 @@ contains
     case (shape_halfspace)
       lower = -huge(1.0_dp)
       upper = huge(1.0_dp)
+    case (shape_polygon)
+      lower = [minval(shape%corner(:, :shape%corners), dim=2), 0.0_dp]
+      upper = [maxval(shape%corner(:, :shape%corners), dim=2), 0.0_dp]
     case default
       reach = max(shape%radius, merge(shape%radius2, 0.0_dp, shape%kind == shape_cone))* &
               sqrt(max(0.0_dp, 1.0_dp - shape%axis**2))

@@ -88,6 +88,32 @@ velocity ball r="0.05*r" z=-0.4
 velocity tube r="-0.3*(12-r)/6" z=0.3
 """
 
+# A rigid punch drives a cone into a seat of the same slope, with a hoop around it: bodies of revolution that touch along the
+# axis, across it and at an angle to it, near the axis and far from it, three at a corner.
+SEAT = """
+parameter method = sgmp
+parameter update = musl
+parameter normal = separating
+parameter friction = 0.3
+parameter up = 1              ! -1: upside down
+dimension axisymmetric
+grid cell=1 z=open:open
+method $method update=$update mass_cutoff=0
+time steps=60 cfl=0.4
+material m elastic density=1 young=1 poisson=0.2
+material s elastic density=3 young=5 poisson=0.3
+body cone polygon material=m corners=(0,3*up),(4,6*up),(4,10*up),(0,10*up)
+body seat polygon material=s corners=(0,0),(8,0),(8,9*up),(0,3*up)
+body hoop polygon material=m corners=(4,6*up),(6,7.5*up),(6,10*up),(4,10*up)
+body punch cylinder material=s centre=(0,10*up) axis=(0,up) radius=6 length=2
+rigid punch z="up*(-0.05-0.02*t)"
+velocity cone z=-up*0.02
+velocity hoop r=-0.01
+contact all friction=friction normal=$normal
+history steps=1
+output csv at=end fields=stress
+"""
+
 
 class Run:
     """One finished run: exit code, everything printed, summary.json, its folder."""

@@ -11,7 +11,7 @@ import os
 import re
 import subprocess
 
-from _runs import ENVIRONMENT, FAILING, FLUIDS, HOOPS, INPUT, SCRATCH, SGMP, Report, Run
+from _runs import ENVIRONMENT, FAILING, FLUIDS, HOOPS, INPUT, SCRATCH, SEAT, SGMP, Report, Run
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]
@@ -207,6 +207,8 @@ SCENES = [
     ("pile_gimp", PILE, {"method": "gimp", "update": "usf", "normal": "average"}, FEW),
     ("pile_mpm", PILE, {"method": "mpm", "update": "usavg"}, FEW),
     ("pile_rotation", PILE, {"rotation": "exact"}, LAYOUTS),
+    ("seat", SEAT + "balance every=3 gain=0\n", {}, LAYOUTS),
+    ("seat_gimp", SEAT, {"method": "gimp", "update": "usavg", "normal": "average"}, FEW),
     ("tower", TOWER, {}, FEW),
     ("tower_rotation", TOWER, {"rotation": "exact", "update": "usl"}, FEW),
     ("tower_cpgimp", TOWER, {"method": "cpgimp", "update": "usf", "normal": "first"}, FEW),

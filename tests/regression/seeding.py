@@ -71,6 +71,17 @@ def ring(centre, radius, inner):
     return lambda point: inner <= math.hypot(point[0] - centre[0], point[1] - centre[1]) <= radius
 
 
+def polygon(*corners):
+    """Inside a polygon: its sides are seen under angles that add up to a whole turn."""
+    def inside(point):
+        turn = 0.0
+        for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1]):
+            a, b = (ax - point[0], ay - point[1]), (bx - point[0], by - point[1])
+            turn += math.atan2(a[0]*b[1] - a[1]*b[0], a[0]*b[0] + a[1]*b[1])
+        return abs(turn) > math.pi
+    return inside
+
+
 def lattice(corner, spacing, low, high, dimension=3):
     """Centres of the cubes between two corners."""
     axes = []
@@ -94,7 +105,7 @@ def compare(report, name, card, expected, volume, dimension=3, more=""):
     if not report.finished(result, name):
         return
     rows = result.table("particles_end.csv")
-    axes = "xyz"[:dimension]
+    axes = "xz" if dimension == "axisymmetric" else "xyz"[:dimension]
     found = sorted(tuple(round(row[f"{a}0"], 6) + 0.0 for a in axes) for row in rows)
     wanted = sorted(tuple(round(p, 6) + 0.0 for p in point) for point in expected)
     report.check(len(wanted) > 0 and found == wanted,
@@ -135,6 +146,20 @@ def cuts(report):
     compare(report, "ball", card, ball, spacing**3, more="intersect b sphere centre=(2.2,2.2,2.2) radius=1.1")
 
 
+def polygons(report):
+    """A bent one in the plane, either way round; one with a notch cut out of it, of which rings are made."""
+    spacing, corner = 0.25, (0.1, -0.05)
+    hook = ((0.0, 0.0), (3.03, 0.4), (3.0, 3.0), (2.2, 1.1), (0.4, 3.5))
+    points = [point for point in lattice(corner, spacing, -1, 5, 2) if polygon(*hook)(point)]
+    for name, way in (("hook", hook), ("hook_back", hook[::-1])):
+        compare(report, name, f"polygon material=m corners={','.join(f'({x},{y})' for x, y in way)} spacing=0.25 lattice_origin=(0.1,-0.05)", points,
+                spacing**2, 2)
+    outer, notch = ((0.0, -1.0), (2.0, 0.3), (1.4, 4.1), (0.0, 3.0)), ((0.9, 0.0), (3.0, 1.3), (3.0, 2.5))
+    points = [p for p in lattice((0.0, -1.0), spacing, -1, 5, 2) if p[0] > 0 and polygon(*outer)(p) and not polygon(*notch)(p)]
+    compare(report, "spindle", "polygon material=m corners=(0,-1),(2,0.3),(1.4,4.1),(0,3) spacing=0.25", points, lambda p: 2*math.pi*p[0]*spacing**2,
+            "axisymmetric", "subtract b polygon corners=(0.9,0),(3,1.3),(3,2.5)")
+
+
 def turns(report):
     """A turned lattice; Gauss points of cells in a turned box, whose box is wider than the box."""
     degrees, pivot, spacing = 35.0, (1, 2), 0.3
@@ -170,7 +195,7 @@ def files(report):
 def main():
     """All of it."""
     report = Report()
-    for part in (solids, cuts, turns, files):
+    for part in (solids, cuts, polygons, turns, files):
         part(report)
     report.end()
 
