@@ -39,6 +39,7 @@ module sgmp_contact
   type :: contact_step_t
     real(dp) :: dt_kick = 0.0_dp           !! velocity step dt^k
     real(dp) :: gap_speed = 0.0_dp         !! that closes a gap of one cell in the position step
+    real(dp) :: pic = 0.0_dp               !! share of the grid's velocity in the particles' (1 - flip)
     real(dp) :: gravity(3) = 0.0_dp
     logical :: strains_with_trial = .false.  !! the trial velocity also strains the particles (USL)
     real(dp) :: before = 0.0_dp, after = 0.0_dp
@@ -176,6 +177,7 @@ contains
         else
           link%state = link_free
           link%impulse = 0.0_dp
+          link%passed = 0.0_dp
           link%dissipation = 0.0_dp
           if (step%strains_with_trial) link%correction = 0.0_dp
         end if
@@ -185,6 +187,7 @@ contains
     if (active > 0) call resolve_trial(links(:active), inverse_mass, velocity, kick)
     gained = 0.0_dp
     do l = 1, active
+      links(l)%passed = links(l)%impulse + step%pic*links(l)%correction
       ! USF strained before: the correction of that velocity stays.
       if (.not. step%strains_with_trial) links(l)%correction = shared%link(which(l))%correction
       links(l)%dissipation = 0.0_dp
@@ -275,6 +278,7 @@ contains
     type(contact_link_t), intent(inout) :: link
     link%state = link_free
     link%impulse = 0.0_dp
+    link%passed = 0.0_dp
     link%correction = 0.0_dp
     link%dissipation = 0.0_dp
   end subroutine forget

@@ -89,8 +89,8 @@ contains
       associate (link => shared%link(l))
         link%dissipation = link%dissipation + part*link_dissipation(link, &
           velocity(:, link%first) - velocity(:, link%second))
-        gained(:, link%first) = gained(:, link%first) - link%impulse
-        gained(:, link%second) = gained(:, link%second) + link%impulse
+        gained(:, link%first) = gained(:, link%first) - link%passed
+        gained(:, link%second) = gained(:, link%second) + link%passed
         corrected(:, link%first) = corrected(:, link%first) - link%correction
         corrected(:, link%second) = corrected(:, link%second) + link%correction
       end associate
@@ -196,11 +196,10 @@ contains
         terms%dissipation = terms%dissipation + link%dissipation
         if (first) call add_terms(shared%terms(n), terms%node)
         first = .false.
-        if (link%state <= link_closed) cycle
-        terms%touching = terms%touching + 1
-        impulse = link%impulse(axes)
+        impulse = link%passed(axes)
         terms%impulse = terms%impulse - impulse
         terms%angular_impulse = terms%angular_impulse - cross(position, impulse)
+        if (link%state > link_closed) terms%touching = terms%touching + 1
       end associate
     end do
   end subroutine add_node

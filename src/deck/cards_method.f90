@@ -46,10 +46,10 @@ contains
     call registry%key('rotation', kind_word, &
       'exact: rigid rotation strains nothing and internal '// &
                       'forces have no moment, at free surfaces as well (sgmp only)', &
-                      choices='plain exact', default='plain', source='doc/spin.md')
+                      choices='plain exact', default='plain', source='doc/rotation.md')
     call registry%key('spin', kind_word, 'whether particles carry the rotation of what is '// &
                       'around them to the grid, so that what turns keeps turning (sgmp, musl)', &
-                      choices='none carried', default='none', source='doc/spin.md')
+                      choices='none carried', default='none', source='doc/rotation.md')
     call register_time(registry)
   end subroutine register_method
 

@@ -1,5 +1,5 @@
 !> What exact rotation keeps at the points of a velocity field (`method rotation=exact`,
-!! doc/spin.md).
+!! doc/rotation.md).
 module sgmp_rotation_points
   use sgmp_kinds, only: dp
   implicit none

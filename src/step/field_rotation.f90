@@ -1,4 +1,4 @@
-!> Exact rotation of one velocity field (doc/spin.md): which planes each stage needs, how threads
+!> Exact rotation of one velocity field (doc/rotation.md): which planes each stage needs, how threads
 !! share them, and what ranks tell each other.
 !!
 !! Particles read the nodes of planes own(1)..own(2) + nodes. A velocity that is to be taken to a

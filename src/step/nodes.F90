@@ -232,7 +232,7 @@ contains
   end subroutine node_moments
 
   !> Adds to the momentum of a tile of nodes what the spin of the centres around them makes of the
-  !! way from centre to node: sum over the centres of 2^-d s_c x (x_I - x_c), doc/spin.md.
+  !! way from centre to node: sum over the centres of 2^-d s_c x (x_I - x_c), doc/rotation.md.
   pure subroutine add_spin(field, h, s, first, n, p)
     type(field_t), intent(in) :: field
     real(dp), intent(in) :: h

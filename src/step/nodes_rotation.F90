@@ -1,15 +1,15 @@
 ! dimension-generic
 #include "dimension.inc"
 #if NDIM > 1
-!> The stages of exact rotation as passes over the planes of a field (doc/spin.md).
+!> The stages of exact rotation as passes over the planes of a field (doc/rotation.md).
 module DIM(sgmp_nodes_rotation)
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use DIM(sgmp_nodes), only: node_forces
-  use DIM(sgmp_rotation), only: next_run, rotation_couples, rotation_curls, rotation_inertia, &
-                                rotation_inverses, rotation_moments, rotation_offsets, &
-                                rotation_place, tile
+  use DIM(sgmp_rotation), only: rotation_couples, rotation_curls, rotation_moments, rotation_place
+  use DIM(sgmp_rotation_offsets), only: rotation_inertia, rotation_inverses, rotation_offsets
+  use DIM(sgmp_rotation_rows), only: next_run, tile
   use sgmp_rotation_points, only: at_node, stage_couples, stage_curls, stage_inertia, &
                                   stage_inverses, stage_moments, stage_offsets
   implicit none

@@ -26,7 +26,7 @@ module sgmp_step
   public :: step_open, step_close, step_project, step_solve, step_sweep
 
   !> Part of the carried spin that each step replaces by the rotation of the grid, so that errors
-  !! are forgotten (doc/spin.md). The first step takes all of it from there.
+  !! are forgotten (doc/rotation.md). The first step takes all of it from there.
   real(dp), parameter :: spin_relaxation = 0.02_dp
 
 contains
@@ -205,6 +205,7 @@ contains
     type(contact_step_t) :: step
     step%dt_kick = clock_kick_step(model%clock)
     if (size(model%contact%pairs) > 0) step%gap_speed = model%mesh%h/model%clock%dt
+    step%pic = 1.0_dp - model%method%flip
     step%gravity = model%method%gravity
     step%strains_with_trial = model%method%update == update_usl
     if (step%strains_with_trial .or. strains_before(model)) step%before = 1.0_dp

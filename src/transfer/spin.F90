@@ -1,6 +1,6 @@
 ! dimension-generic
 #include "dimension.inc"
-!> Particles that carry the angular velocity of what is around them to the grid (doc/spin.md).
+!> Particles that carry the angular velocity of what is around them to the grid (doc/rotation.md).
 !!
 !! Momentum at a centre is sum N m (v + w x (x_c - x_p)): what the lower corner of the bin would get
 !! is scattered like any momentum, and what the other corners get more is spin x (way between them).

@@ -165,6 +165,25 @@ def rest(executable, scratch):
     return good
 
 
+def blended(executable, scratch):
+    """A share of PIC takes the constrained velocity of the grid to the particles: that momentum is part of the force, too, so what blocks on
+    a rigid base have is what weight and force gave them."""
+    good = True
+    for method, update in (("sgmp", "musl"), ("mpm", "usl"), ("gimp", "usavg")):
+        text = STACK.format(method=f"{method} flip=0.9 mass_cutoff=1e-20", update=update, end=1, contact="friction=0.3",
+                            blocks="body base block material=m lower=(0,0,0) upper=(10,4,0) ppc=2\nrigid base\nbody b block material=m lower=(2,4,0) upper=(8,8,0) ppc=2\n"
+                                   "body c block material=m lower=(2.5,8,0) upper=(8.5,12,0) ppc=2")
+        data = run(executable, os.path.join(scratch, "blended"), text.replace("time cfl=0.4 end=1", "time dt=0.04 steps=400"), "--threads", "1")[0]
+        rows = list(zip(data["history"], [row["force_y"] for row in data["contact"] if row["pair"] == 1]))  # base and b
+        scale, wrong = 0.0, []
+        for (first, _), (second, push) in zip(rows[1:], rows[2:]):
+            span = second["time"] - first["time"]
+            wrong.append(second["momentum_y"] - first["momentum_y"] + 48*0.01*span + push*span)
+            scale += abs(push*span)
+        good &= check(abs(sum(wrong)) < 1e-12*scale, f"{method} {update}, flip=0.9: momentum less weight and contact force {abs(sum(wrong))/scale:.1e}")
+    return good
+
+
 def placed(turned, method, contact, dimension):
     """The deck of three blocks in a position: `turned` maps a place and says how it maps a direction."""
     place, direction = turned
@@ -234,6 +253,7 @@ def main():
     good = bars(executable, scratch)
     good &= sliding(executable, scratch)
     good &= rest(executable, scratch)
+    good &= blended(executable, scratch)
     good &= positions(executable, scratch)
     good &= strangers(executable, scratch)
     good &= pressed(executable, source, scratch)

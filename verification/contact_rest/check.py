@@ -3,30 +3,12 @@
 import sys
 from pathlib import Path
 
-import numpy as np
-
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from common import NAMES, main, solve  # noqa: E402
-from contact import METHODS, body, deck  # noqa: E402
+from contact import METHODS, body, deck, excess  # noqa: E402
 
 BOUND = 2e-3  # two blocks swing by 1.5e-3, three by 0.5e-3: of second order in the step
 UPDATES = ("musl", "usf", "usavg", "usl")
-
-
-def excess(history, update):
-    """Energy of unknown origin over the largest work: total less external work and the energy taken by contact.
-
-    MUSL and USF know the kinetic energy (and with it the work) half a step before and after the internal energy: it is taken to
-    the same time by its slope. Its mean over the last fifth, the largest value, how far the energy taken by contact ever fell, and
-    that energy.
-    """
-    dt = np.gradient(history["time"])/np.maximum(np.gradient(history["step"]), 1)
-    moving = history["kinetic_energy"] - history["external_work"] + history["contact_dissipation"]
-    moving = moving + {"musl": 0.5, "usf": -0.5}.get(update, 0.0)*dt*np.gradient(moving, history["time"])
-    made = moving + history["internal_energy"] - history["total_energy"][0]
-    work = np.abs(history["external_work"]).max()
-    falls = np.maximum(0.0, -np.diff(history["contact_dissipation"])).sum()
-    return made[-len(made)//5:].mean()/work, made.max()/work, falls/work, history["contact_dissipation"][-1]/work
 
 
 def stacks(book, full):

@@ -12,7 +12,7 @@ from contact import METHODS, body, contact, deck  # noqa: E402
 
 FRICTION, G, RADIUS = 0.4, 10.0, 1.6
 ROLLING = ("SGMP's friction acts at nodes up to a cell and a half from the surface, and spinning bodies lose angular momentum: both of first "
-           "order in h (doc/contact.md, doc/spin.md)")
+           "order in h (doc/contact.md, doc/rotation.md)")
 NEAR = 0.55      # cells: contact at the nodes next to the surface only
 TURN = 3.0       # radians that the free disk turns
 # Angular momentum (%) that plain methods lose; the target is what a rigid disk does: nothing.
@@ -102,7 +102,7 @@ def spinning(book):
             book.near(f"free disk, R/h = {RADIUS/h:g}, {name}", "change of angular momentum (%)", change, 0.0, 0.2)
         elif LOST.get((method, h)):
             book.near(f"free disk, R/h = {RADIUS/h:g}, {name}", "change of angular momentum (%)", change, 0.0, 0.2,
-                      "nodes at the edge move with what is around them and strain the disk (doc/spin.md)", known=-LOST[method, h])
+                      "nodes at the edge move with what is around them and strain the disk (doc/rotation.md)", known=-LOST[method, h])
     book.table("contact_spin", ["method", "R/h", "angular momentum (%)"], rows, "Free disk of radius 1.6 m after three radians: change of angular momentum.")
     book.command(runs[0].case)
 

@@ -1,0 +1,311 @@
+! dimension-generic
+#include "dimension.inc"
+#if NDIM > 1
+!> Where the nodes' centres of mass are, and what takes the curl of the velocity around a node to its
+!! angular velocity (doc/rotation.md): once per step, of the masses as they lie.
+!!
+!! With J_c = 1 + sum_I D_I (x) G_cI the curl of omega x X at a centre is (tr J - J) omega. Lengths are
+!! in cells. Points far from surfaces, where the offsets D_I vanish, are passed over.
+module DIM(sgmp_rotation_offsets)
+  use sgmp_field, only: field_t
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
+  use sgmp_rotation_points, only: at_centre, at_force, at_node
+  use sgmp_rows, only: key_j, key_k
+  use DIM(sgmp_rotation_rows), only: add_differences, centre_rows, next_run, node_rows, slope, &
+                                     sums_row, tile
+  implicit none
+  private
+  public :: rotation_offsets, rotation_inertia, rotation_inverses
+  public :: angular_tensors, inverse_tensor
+
+  !> A tensor with a smaller determinant, for a mass of 1, has no inverse that could be trusted: in
+  !! the interior it is 2^d.
+  real(dp), parameter :: least_determinant = 0.1_dp
+  real(dp), parameter :: least_trace = 0.5_dp*(NDIM - 1)  !! half that of a body one cell thick
+
+contains
+
+  !> Offsets D_I = sum_c (M_c + m_c (x_c - x_I))/sum_c m_c of the nodes of one plane, M_c the first
+  !! moment of the mass that particles gave to a centre.
+  pure subroutine rotation_offsets(field, mesh, plane, cutoff)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane
+    real(dp), intent(in) :: cutoff               !! nodes lighter than this are ignored
+    real(dp) :: m(tile), offset(tile, NDIM)
+    integer :: s, first, n, i, a, b(NROW), before
+    before = field%columns%offset - 1
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        b = centre_rows(field, s, first)
+        call sums_row(n, field%moment(1, field%columns%mass), b, m)
+        do a = 1, NDIM
+          call sums_row(n, field%moment(1, before + a), b, offset(1, a))
+          call add_differences(n, 0.5_dp, a, field%moment(1, field%columns%mass), b, offset(1, a))
+        end do
+        do i = 1, n
+          if (m(i)*0.5_dp**NDIM > cutoff) then
+            offset(i, :) = offset(i, :)/m(i)
+            if (all(abs(offset(i, :)) < field%rotation%least_offset)) offset(i, :) = 0.0_dp
+          else
+            offset(i, :) = 0.0_dp
+          end if
+        end do
+        call hold_offsets(field, mesh, s, first, n, offset)
+        call keep_offsets(n, field%neighbour(0, 0, s) + first - 1, offset, field)
+      end do
+    end do
+  end subroutine rotation_offsets
+
+  !> Nodes on a slip wall have the offset of a body with its mirror image, those on a fixed wall do
+  !! not move.
+  pure subroutine hold_offsets(field, mesh, s, first, n, offset)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp), intent(inout) :: offset(tile, NDIM)
+    integer :: axis, side, r(2)
+    do axis = 1, NDIM
+      do side = 1, 2
+        r = on_wall(field, mesh, s, first, n, axis, side)
+        if (mesh%wall(side, axis) == wall_fixed) then
+          offset(r(1):r(2), :) = 0.0_dp
+        else
+          offset(r(1):r(2), axis) = 0.0_dp
+        end if
+      end do
+    end do
+  end subroutine hold_offsets
+
+  !> First and last node of a tile that lies on a wall; none: 1, 0.
+  pure function on_wall(field, mesh, s, first, n, axis, side) result(nodes)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n, axis, side
+    integer :: nodes(2)
+    integer :: at, row(3)
+    nodes = [1, 0]
+    if (mesh%wall(side, axis) == wall_free) return
+    at = merge(mesh%lower(axis), mesh%upper(axis), side == 1)
+    if (axis == 1) then
+      if (at >= first .and. at < first + n) nodes = at - first + 1
+    else
+      row = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
+      if (row(merge(3, axis, NDIM == 2)) == at) nodes = [1, n]
+    end if
+  end function on_wall
+
+  !> Stores the offsets of a tile; what is left of a node that takes part no longer is cleared.
+  pure subroutine keep_offsets(n, before, offset, field)
+    integer, intent(in) :: n, before             !! nodes; record before the first
+    real(dp), intent(in) :: offset(tile, NDIM)
+    type(field_t), intent(inout) :: field
+    logical :: part
+    integer :: i
+    associate (rotation => field%rotation)
+      do i = 1, n
+        part = any(abs(offset(i, :)) > 0.0_dp)
+        if (.not. (part .or. rotation%at(before + i, at_node))) cycle
+        rotation%offset(before + i, :) = offset(i, :)
+        rotation%at(before + i, at_node) = part
+        if (.not. part) rotation%moment(before + i, :) = 0.0_dp
+      end do
+    end associate
+  end subroutine keep_offsets
+
+  !> Mass times tr J - J at the centres around those nodes.
+  pure subroutine rotation_inertia(field, plane)
+    type(field_t), intent(inout) :: field
+    integer, intent(in) :: plane
+    integer :: s, first, last
+    call mark(field, plane, at_node, at_centre)
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      last = field%work%first(s) - 1
+      do
+        call next_run(field, s, at_centre, first, last)
+        if (last < first) exit
+        call inertia_run(field, s, first, last - first + 1)
+      end do
+    end do
+  end subroutine rotation_inertia
+
+  !> The same of a run of centres.
+  pure subroutine inertia_run(field, s, first, n)
+    type(field_t), intent(inout) :: field
+    integer, intent(in) :: s, first, n
+    real(dp) :: slopes(tile, NDIM, NDIM), k(tile, NSPIN, NSPIN)
+    integer :: a, b, at, rows(NROW)
+    rows = node_rows(field, s, first)
+    slopes(:n, :, :) = 0.0_dp
+    do b = 1, NDIM
+      do a = 1, NDIM
+        call add_differences(n, slope, b, field%rotation%offset(1, a), rows, slopes(1, a, b))
+      end do
+    end do
+    call angular_tensors(n, slopes, k)
+    at = field%neighbour(0, 0, s) + first
+    do b = 1, NSPIN
+      do a = 1, NSPIN
+        field%rotation%centre(at:at + n - 1, a + NSPIN*(b - 1)) = &
+          field%moment(at:at + n - 1, field%columns%mass)*k(:n, a, b)
+      end do
+    end do
+  end subroutine inertia_run
+
+  !> The tensors that take an angular velocity to the curl of the velocity that its rigid motion
+  !! gives to centres of mass, tr J - J (in the plane tr J); from the derivatives of the offsets.
+  !!
+  !! In bodies thinner than a cell along two axes, of which the nodes' centres of mass are about the
+  !! same, the trace is kept from vanishing.
+  pure subroutine angular_tensors(n, slopes, k)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: slopes(tile, NDIM, NDIM)   !! (point, a, b): component a along axis b
+    real(dp), intent(out) :: k(tile, NSPIN, NSPIN)
+    real(dp) :: trace(tile)
+    integer :: a
+    trace(:n) = real(NDIM, dp)
+    do a = 1, NDIM
+      trace(:n) = trace(:n) + slopes(:n, a, a)
+    end do
+    trace(:n) = max(trace(:n), least_trace)
+#if NDIM == 2
+    k(:n, 1, 1) = trace(:n)
+#else
+    k(:n, :, :) = -slopes(:n, :, :)
+    do a = 1, NDIM
+      k(:n, a, a) = k(:n, a, a) + (trace(:n) - 1.0_dp)
+    end do
+#endif
+  end subroutine angular_tensors
+
+  !> Inverses of A_I = sum_c m_c (tr J - J) at the nodes.
+  pure subroutine rotation_inverses(field, mesh, plane)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane
+    integer :: s, first, last
+    call mark(field, plane, at_centre, at_force)
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      last = field%work%first(s) - 1
+      do
+        call next_run(field, s, at_node, first, last)
+        if (last < first) exit
+        call inverse_run(field, mesh, s, first, last - first + 1)
+      end do
+    end do
+  end subroutine rotation_inverses
+
+  !> The same of a run of nodes.
+  pure subroutine inverse_run(field, mesh, s, first, n)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp) :: sums(tile, NSPIN, NSPIN), m(tile), tensor(NSPIN, NSPIN)
+    integer :: i, a, b, at, rows(NROW), axis, side, r(2)
+    logical :: held(tile, NSPIN)
+    rows = centre_rows(field, s, first)
+    call sums_row(n, field%moment(1, field%columns%mass), rows, m)
+    do b = 1, NSPIN
+      do a = 1, NSPIN
+        call sums_row(n, field%rotation%centre(1, a + NSPIN*(b - 1)), rows, sums(1, a, b))
+      end do
+    end do
+    held = .false.
+    do axis = 1, NDIM
+      do side = 1, 2
+        r = on_wall(field, mesh, s, first, n, axis, side)
+        held(r(1):r(2), :) = held(r(1):r(2), :) .or. spread(turns_across(axis), 1, r(2) - r(1) + 1)
+      end do
+    end do
+    at = field%neighbour(0, 0, s) + first - 1
+    do i = 1, n
+      tensor = inverse_tensor(sums(i, :, :), m(i), held(i, :))
+      do b = 1, NSPIN
+        field%rotation%inverse(at + i, NSPIN*(b - 1) + 1:NSPIN*b) = tensor(:, b)
+      end do
+    end do
+  end subroutine inverse_run
+
+  !> Components of an angular velocity that a mirror across an axis turns round, and which therefore
+  !! vanish on a slip wall: all but that about its normal.
+  pure function turns_across(axis) result(yes)
+    integer, intent(in) :: axis
+    logical :: yes(NSPIN)
+    yes = .true.
+    if (NDIM == 3) yes(axis) = .false.
+  end function turns_across
+
+  !> Inverse of the tensor of a node of mass m, with nothing in the components that are held. A node
+  !! whose tensor has no inverse is left as it is: an inverse of zero.
+  pure function inverse_tensor(tensor, m, held) result(inverse)
+    real(dp), intent(in) :: tensor(NSPIN, NSPIN), m
+    logical, intent(in) :: held(NSPIN)
+    real(dp) :: inverse(NSPIN, NSPIN)
+    real(dp) :: t(NSPIN, NSPIN), determinant
+    integer :: a, b
+#if NDIM == 3
+    integer, parameter :: next(5) = [1, 2, 3, 1, 2]
+#endif
+    t = tensor
+    do a = 1, NSPIN
+      if (.not. held(a)) cycle
+      t(a, :) = 0.0_dp
+      t(:, a) = 0.0_dp
+      t(a, a) = m
+    end do
+#if NDIM == 2
+    inverse = 1.0_dp
+    determinant = t(1, 1)
+#else
+    do b = 1, 3
+      do a = 1, 3
+        inverse(a, b) = t(next(b + 1), next(a + 1))*t(next(b + 2), next(a + 2)) &
+                        - t(next(b + 1), next(a + 2))*t(next(b + 2), next(a + 1))
+      end do
+    end do
+    determinant = sum(t(1, :)*inverse(:, 1))
+#endif
+    if (determinant > least_determinant*m**NSPIN) then
+      inverse = inverse/determinant
+    else
+      inverse = 0.0_dp
+    end if
+    do b = 1, NSPIN
+      do a = 1, NSPIN
+        if (held(a) .or. held(b)) inverse(a, b) = 0.0_dp
+      end do
+    end do
+  end function inverse_tensor
+
+  !> Marks the points of one plane around which others are marked, and clears what centres hold that
+  !! are marked no longer.
+  pure subroutine mark(field, plane, by, as)
+    type(field_t), intent(inout) :: field
+    integer, intent(in) :: plane
+    integer, intent(in) :: by, as                !! columns of the marks, at_*
+    integer :: s, i, r, b(NROW), at
+    logical :: part
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      if (as == at_centre) then
+        b = node_rows(field, s, 0)
+      else
+        b = centre_rows(field, s, 0)
+      end if
+      do i = field%work%first(s), field%work%last(s)
+        part = .false.
+        do r = 1, NROW
+          part = part .or. field%rotation%at(b(r) + i, by) .or. field%rotation%at(b(r) + i + 1, by)
+        end do
+        at = field%neighbour(0, 0, s) + i
+        if (as == at_centre .and. field%rotation%at(at, as) .and. .not. part) then
+          field%rotation%centre(at, :) = 0.0_dp
+        end if
+        field%rotation%at(at, as) = part
+      end do
+    end do
+  end subroutine mark
+
+end module DIM(sgmp_rotation_offsets)
+#endif
