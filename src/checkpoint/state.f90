@@ -79,6 +79,8 @@ contains
     call archive%pass(ledger%external_work)
     call archive%pass(ledger%contact_dissipation)
     call archive%pass(ledger%viscous_dissipation)
+    call archive%pass(ledger%filter_heat)
+    call archive%pass(ledger%volume_correction)
     call archive%pass(ledger%interpolation_error)
     call archive%pass(ledger%remainder)
     call archive%pass(ledger%predicted)

@@ -39,6 +39,10 @@ contains
                       source='doc/normalised-stress.md')
     call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
                       'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
+    call registry%key('volumes', kind_word, 'kept: the volumes of the particles stay those of '// &
+                      'the space they fill, for gases and explosives that walls enclose '// &
+                      '(sgmp, musl)', choices='plain kept', default='plain', &
+                      source='doc/volumes.md')
     call registry%key('hoop', kind_real, 'axisymmetric: correction C of the hoop strain next '// &
                       'to the axis; the default is that of particles anywhere, 1/8 that of a '// &
                       'lattice of two per cell that stays (sgmp only)', range='[0,1]', &
@@ -95,6 +99,8 @@ contains
       method%mass_cutoff = card%number('mass_cutoff', absent=method%mass_cutoff)
       method%normalised = card%word('stress') == 'normalised'
       method%interior = card%number('interior')
+      method%volumes_kept = card%word('volumes') == 'kept'
+      if (method%volumes_kept) method%normalised = .true.
       method%hoop = card%number('hoop', absent=method%hoop)
       method%rotation = card%word('rotation') == 'exact'
       method%spin = card%word('spin') == 'carried'
@@ -110,6 +116,7 @@ contains
         call errors%add(card%position, 'normalised stress exists for method sgmp only', &
                         'remove stress=normalised or use method sgmp')
       end if
+      call check_volumes(card, method, errors)
       call check_rotation(card, method, errors)
       call check_axisymmetric(card, draft%scene%axisymmetric, method, errors)
       if (.not. method%spin) return
@@ -145,6 +152,23 @@ contains
                                          'turns as a whole in its half-plane', &
                                          'remove rotation=exact')
   end subroutine check_axisymmetric
+
+  !> Where volumes are kept.
+  subroutine check_volumes(card, method, errors)
+    type(deck_card_t), intent(in) :: card
+    type(method_card_t), intent(in) :: method
+    type(deck_errors_t), intent(inout) :: errors
+    if (.not. method%volumes_kept) return
+    if (method%kind /= method_sgmp .or. method%update /= update_musl) then
+      call errors%add(card%place('volumes'), 'volumes=kept exists for method sgmp update=musl '// &
+                      'only: particles relax to cell centres, between the two sweeps of musl', &
+                      'remove volumes=kept or use method sgmp update=musl')
+    end if
+    if (method%spin .or. method%rotation) then
+      call errors%add(card%place('volumes'), 'volumes=kept knows nothing of spin=carried and '// &
+                      'rotation=exact', 'remove the one or the other')
+    end if
+  end subroutine check_volumes
 
   !> Where exact rotation exists.
   subroutine check_rotation(card, method, errors)

@@ -54,6 +54,7 @@ module sgmp_scene
     real(dp) :: mass_cutoff = 1.0e-12_dp
       !! nodes lighter than this times the largest particle mass are ignored
     logical :: normalised = .false.   !! volume-normalised stress (sgmp only)
+    logical :: volumes_kept = .false.  !! particles keep the volume of the space they fill (sgmp)
     logical :: rotation = .false.     !! rigid rotation strains nothing (sgmp only)
     logical :: spin = .false.         !! particles carry their spin (sgmp only)
     real(dp) :: hoop = axis_correction  !! correction of the hoop strain (axisymmetric)

@@ -38,6 +38,7 @@ module sgmp_constitutive
             eos_tait, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check
   public :: eos_keys, eos_lanes, eos_read, eos_terms, law_set_failure, law_set_viscosity
+  public :: law_gaseous, law_is_spherical
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
@@ -75,6 +76,7 @@ module sgmp_constitutive
     integer :: initial = 0       !! initial position, for body forces that use it
     integer :: spin = 0          !! first component of the spin that particles carry
     integer :: surface = 0       !! distance to the body's surface, for contact
+    integer :: compliance = 0    !! by which volume is exchanged, for kept volumes
     integer :: total = 1
   end type slots_t
 
@@ -371,6 +373,19 @@ contains
     law%viscosity = viscosity_read(values)
     law%viscous = law%viscosity%quadratic > 0.0_dp .or. law%viscosity%linear > 0.0_dp
   end subroutine law_set_viscosity
+
+  !> Whether the stress is a pressure, but for viscosity.
+  pure logical function law_is_spherical(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = law%kind == material_fluid .or. law%kind == material_explosive
+  end function law_is_spherical
+
+  !> Whether the material bears no tension, so that it fills whatever room it has.
+  pure logical function law_gaseous(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = law%kind == material_explosive .or. &
+          (law%kind == material_fluid .and. law%eos == eos_ideal_gas)
+  end function law_gaseous
 
   !> Columns for what a law keeps and what the scene adds to it.
   pure subroutine law_slots(law, ndim, stretch, initial, spin)

@@ -9,6 +9,8 @@ module sgmp_columns
   public :: columns_t, columns_make
   public :: node_acceleration, node_inertia, node_inverse_mass, node_remapped, node_total, &
             node_velocity
+  public :: relax_dilation, relax_exchange, relax_filling, relax_filter, relax_stiffness, &
+            relax_square, relax_total, relax_velocity
 
   !> Columns of the sums; vectors and tensors by their first column.
   type :: columns_t
@@ -17,10 +19,13 @@ module sgmp_columns
     integer :: momentum = 2
     integer :: spin = 0                !! the spin that particles carry, times their mass
     integer :: spins = 0               !! components of it, 0: none is carried
+    integer :: square = 0              !! m |v|^2, 0: nothing relaxes (doc/volumes.md)
     integer :: force = 0               !! sigma V at auxiliary nodes, or the force at nodes
     integer :: forces = 0              !! components of it
     integer :: external = 0            !! external force, 0: no body force acts
     integer :: volume = 0              !! 0: not carried
+    integer :: stiffness = 0           !! bulk modulus times volume, 0: nothing relaxes
+    integer :: compliance = 0          !! the compliance w; behind it w p and w p^2
     integer :: offset = 0              !! first moments of the mass about the centres (mass times
                                        !! cells), the last columns; 0: not carried
     integer :: total = 0
@@ -34,17 +39,33 @@ module sgmp_columns
   integer, parameter :: node_inertia = 6     !! axisymmetric: radial mass over mass
   integer, parameter :: node_total(spaces) = [node_inverse_mass, node_inertia]
 
+  ! What particles relax to, at the centres of the auxiliary grid (sgmp_centres_relax); by dimension
+  ! where there are two numbers of columns.
+  integer, parameter :: relax_filter = 1      !! rate a of the velocity filter
+  integer, parameter :: relax_square = 2      !! a |v|^2
+  integer, parameter :: relax_exchange = 3    !! rate b of the exchange of volume; b p, b p^2
+  integer, parameter :: relax_stiffness = 6   !! bulk modulus
+  integer, parameter :: relax_filling = 7     !! logarithm of the factor on the volumes
+  integer, parameter :: relax_dilation = 8    !! factor of normalised stress less 1
+  integer, parameter :: relax_velocity = 9    !! first component of a v
+  integer, parameter :: relax_total(3) = relax_velocity + [0, 1, 2]
+
 contains
 
   !> Lays out the columns of the sums.
-  pure function columns_make(space, kernel, external, volume, spins, offset) result(columns)
+  pure function columns_make(space, kernel, external, volume, spins, offset, relaxed) &
+    result(columns)
     integer, intent(in) :: space, kernel
     logical, intent(in) :: external    !! with an external force
     logical, intent(in) :: volume      !! with the volume
     integer, intent(in) :: spins       !! components of the spin that particles carry
     logical, intent(in), optional :: offset  !! with the first moments of the mass
+    logical, intent(in), optional :: relaxed  !! with what particles relax by; needs the volume
     type(columns_t) :: columns
     integer :: ndim
+    logical :: with_relaxation
+    with_relaxation = .false.
+    if (present(relaxed)) with_relaxation = relaxed
     ndim = space_dimensions(space)
     if (space == space_axisymmetric) then
       columns%radial = columns%momentum
@@ -53,6 +74,10 @@ contains
     columns%spin = columns%momentum + ndim
     columns%spins = spins
     columns%force = columns%spin + spins
+    if (with_relaxation) then
+      columns%square = columns%force
+      columns%force = columns%force + 1
+    end if
     columns%forces = merge(flux_components(space), ndim, kernel_centred(kernel))
     columns%total = columns%force + columns%forces - 1
     if (external) then
@@ -62,6 +87,11 @@ contains
     if (volume) then
       columns%total = columns%total + 1
       columns%volume = columns%total
+    end if
+    if (with_relaxation) then
+      columns%stiffness = columns%total + 1
+      columns%compliance = columns%stiffness + 1
+      columns%total = columns%compliance + 2
     end if
     if (.not. present(offset)) return
     if (offset) then

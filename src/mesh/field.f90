@@ -5,7 +5,7 @@
 !! same widened so that every stencil of a work point falls on stored (if need be empty) points; a
 !! point's record is base + i.
 module sgmp_field
-  use sgmp_columns, only: columns_make, columns_t, node_total
+  use sgmp_columns, only: columns_make, columns_t, node_total, relax_total
   use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_width
   use sgmp_kinds, only: dp, i8
   use sgmp_large_pages, only: large_pages_ask
@@ -36,12 +36,14 @@ module sgmp_field
     real(dp), allocatable :: moment(:, :)           !! (points, columns%total) sums over particles
     type(rotation_points_t) :: rotation             !! for columns%offset > 0
     real(dp), allocatable :: node(:, :)             !! (points, node_total) values at the nodes
+    real(dp), allocatable :: relax(:, :)  !! (points, relax_total) what particles relax to, at the
+                                          !! centres; not allocated: nothing relaxes
   end type field_t
 
 contains
 
   !> An empty field.
-  pure subroutine field_init(field, mesh, kernel, body_force, volume, spins, rotation)
+  pure subroutine field_init(field, mesh, kernel, body_force, volume, spins, rotation, relaxed)
     type(field_t), intent(out) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel        !! one of kernel_*
@@ -49,6 +51,7 @@ contains
     logical, intent(in), optional :: volume  !! a column for the volume (normalised stress)
     integer, intent(in), optional :: spins   !! columns for the spin that particles carry
     logical, intent(in), optional :: rotation  !! rotation is exact
+    logical, intent(in), optional :: relaxed   !! columns for what particles relax by
     logical :: with_volume
     integer :: nspin
     with_volume = .false.
@@ -59,7 +62,7 @@ contains
     field%ndim = mesh%ndim
     field%space = mesh%space
     field%columns = columns_make(mesh%space, kernel, body_force, with_volume, nspin, &
-                                 rotation)
+                                 rotation, relaxed)
     field%points = 0
     allocate (field%moment(0, field%columns%total), field%node(0, node_total(mesh%space)))
     allocate (field%plane_k(0))
@@ -93,6 +96,9 @@ contains
     call field_link(new)
     allocate (new%moment(new%points, new%columns%total))
     allocate (new%node(new%points, node_total(new%space)))
+    if (new%columns%square > 0) then
+      allocate (new%relax(new%points, relax_total(new%ndim)), source=0.0_dp)
+    end if
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))
     if (new%columns%offset > 0) then
@@ -248,6 +254,7 @@ contains
     call move_alloc(new%plane_store, field%plane_store)
     call move_alloc(new%moment, field%moment)
     call move_alloc(new%node, field%node)
+    if (allocated(new%relax)) call move_alloc(new%relax, field%relax)
     call rotation_points_move(new%rotation, field%rotation)
   end subroutine field_replace
 

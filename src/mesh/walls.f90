@@ -5,7 +5,7 @@
 !! each other; Eq. 42 (energy) rests on that. Axes are folded one after the other, which takes care
 !! of edges and corners.
 module sgmp_walls
-  use sgmp_columns, only: columns_t
+  use sgmp_columns, only: columns_t, relax_velocity
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp
@@ -14,7 +14,7 @@ module sgmp_walls
   use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
   private
-  public :: walls_fold, walls_mirror, moment_parity, has_walls
+  public :: walls_fold, walls_mirror, walls_mirror_centres, moment_parity, has_walls
 
 contains
 
@@ -36,7 +36,7 @@ contains
     logical, intent(in) :: centred       !! stresses at centres, not forces at nodes
     real(dp) :: parity
     parity = 1.0_dp
-    if (column == columns%mass) return
+    if (column == columns%mass .or. column == columns%square) return
     if (column == columns%radial) then
       if (wall == wall_axis) parity = -1.0_dp
       return
@@ -131,6 +131,29 @@ contains
       end do
     end do
   end subroutine walls_mirror
+
+  !> Fills centres behind the walls of one axis with their mirror image, in what particles relax to.
+  pure subroutine walls_mirror_centres(field, mesh, axis, plane1, plane2)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis, plane1, plane2
+    integer :: side, s, first, last, ghost, image, a, n, from, to
+    do side = 1, 2
+      if (mesh%wall(side, axis) == wall_free) cycle
+      call ghost_point(mesh, axis, side, .true., ghost, image)
+      call ghost_intervals(field, axis, ghost, plane1, plane2, first, last)
+      do s = first, last
+        call ghost_records(field, s, axis, ghost, image, to, from, n)
+        if (n == 0) cycle
+        field%relax(to:to + n - 1, :) = field%relax(from:from + n - 1, :)
+        do a = 1, field%ndim
+          field%relax(to:to + n - 1, relax_velocity + a - 1) = &
+            vector_parity(a, axis, mesh%wall(side, axis))* &
+            field%relax(from:from + n - 1, relax_velocity + a - 1)
+        end do
+      end do
+    end do
+  end subroutine walls_mirror_centres
 
   !> Index of the point behind a wall and of its mirror image, for centres or for nodes.
   pure subroutine ghost_point(mesh, axis, side, centres, ghost, image)

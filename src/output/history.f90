@@ -12,7 +12,7 @@ module sgmp_history
   use sgmp_text, only: integer_text, row_text
   implicit none
   private
-  public :: history_t, history_columns, bodies_columns, bodies_integers, gauges_columns, &
+  public :: history_t, history_columns, kept_columns, bodies_columns, bodies_integers, gauges_columns, &
     gauges_integers, contact_columns, contact_integers, units_text, column_length
 
   integer, parameter :: column_length = 32
@@ -22,6 +22,9 @@ module sgmp_history
     'time', 'dt', 'kinetic_energy', 'internal_energy', 'total_energy', 'external_work', &
     'contact_dissipation', 'viscous_dissipation', 'interpolation_error', 'energy_remainder', &
     'momentum_x', 'momentum_y', 'momentum_z']
+  !> And behind them, where volumes are kept.
+  character(column_length), parameter :: kept_columns(*) = [character(column_length) :: &
+    'filter_heat', 'volume_correction']
   !> Columns of bodies.csv after `step`: sums and the centroid of each body.
   character(column_length), parameter :: bodies_columns(*) = [character(column_length) :: &
     'time', 'body', 'mass', 'x', 'y', 'z', 'velocity_x', 'velocity_y', 'velocity_z', &

@@ -6,7 +6,7 @@ module sgmp_outputs
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: directory_make
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
-                          gauges_integers, history_columns, history_t, units_text
+                          gauges_integers, history_columns, history_t, kept_columns, units_text
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_sum
@@ -114,11 +114,13 @@ contains
     logical, intent(in) :: restarted
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: units
+    character(column_length), allocatable :: columns(:)
     integer, allocatable :: step  !! not allocated in a new run: an absent argument below
     if (restarted) step = outputs%last_row_step
     units = units_text(trim(scene%units(1)), trim(scene%units(2)), trim(scene%units(3)))
-    call outputs%history%open(folder//'/history.csv', history_columns, units, error, &
-                              keep_to_step=step)
+    columns = history_columns
+    if (model%method%relaxed) columns = [columns, kept_columns]
+    call outputs%history%open(folder//'/history.csv', columns, units, error, keep_to_step=step)
     if (allocated(error)) return
     call outputs%bodies%open(folder//'/bodies.csv', bodies_columns, units, error, bodies_integers, &
                              step, 'name')
@@ -257,13 +259,14 @@ contains
     type(outputs_t), intent(inout) :: outputs
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
+    real(dp), allocatable :: values(:)
     associate (l => model%ledger)
-      call outputs%history%write_row( &
-        model%clock%step, [model%clock%time, model%clock%dt, l%kinetic, l%internal, &
-                           ledger_total(l), l%external_work, l%contact_dissipation, &
-                           l%viscous_dissipation, l%interpolation_error, l%remainder, &
-                           l%momentum(axes_in_output(:, model%mesh%space))], error)
+      values = [model%clock%time, model%clock%dt, l%kinetic, l%internal, ledger_total(l), &
+                l%external_work, l%contact_dissipation, l%viscous_dissipation, &
+                l%interpolation_error, l%remainder, l%momentum(axes_in_output(:, model%mesh%space))]
+      if (model%method%relaxed) values = [values, l%filter_heat, l%volume_correction]
     end associate
+    call outputs%history%write_row(model%clock%step, values, error)
     if (allocated(error)) return
     call body_rows_write(outputs%bodies, model, error)
     if (allocated(error)) return

@@ -375,6 +375,10 @@ contains
     call summary%set('energy.supplied', model%ledger%supplied)
     call summary%set('energy.drift', ledger_drift(model%ledger))
     call summary%set('energy.viscous_dissipation', model%ledger%viscous_dissipation)
+    if (model%method%relaxed) then
+      call summary%set('energy.filter_heat', model%ledger%filter_heat)
+      call summary%set('energy.volume_correction', model%ledger%volume_correction)
+    end if
     call summary%set('energy.interpolation_error', model%ledger%interpolation_error)
     call summary%set('energy.predicted_error', model%ledger%predicted)
     call summary%set('energy.remainder', model%ledger%remainder)

@@ -4,7 +4,7 @@ module sgmp_build_model
   use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
   use sgmp_burn, only: burn_lighting_time, burn_source_t
-  use sgmp_constitutive, only: law_first_history, law_slots
+  use sgmp_constitutive, only: eos_none, law_first_history, law_slots
   use sgmp_energy, only: ledger_open
   use sgmp_errors, only: error_t
   use sgmp_field, only: field_init
@@ -57,6 +57,7 @@ contains
     model%method%gravity = scene%gravity
     model%method%normalised = scene%method%normalised
     model%method%interior = scene%method%interior
+    model%method%relaxed = scene%method%volumes_kept
     model%method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
     model%method%spins = spin_components(scene)
     model%method%lost_policy = scene%grid%lost
@@ -148,6 +149,10 @@ contains
                      stretch=merge(mesh%ndim, 0, scene%method%kind == method_cpgimp), &
                      initial=merge(mesh%ndim, 0, needs_initial(body)), spin=spin_components(scene))
       call contact_add_slot(scene, number, body%law%slots)
+      if (scene%method%volumes_kept .and. body%law%eos /= eos_none .and. .not. body%rigid) then
+        body%law%slots%total = body%law%slots%total + 1
+        body%law%slots%compliance = body%law%slots%total
+      end if
       do d = 1, mesh%ndim
         x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
       end do
@@ -276,7 +281,8 @@ contains
     allocate (model%fields(contact_fields(model)))
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
-                      model%method%normalised, model%method%spins, model%method%rotation)
+                      model%method%normalised, model%method%spins, model%method%rotation, &
+                      model%method%relaxed)
     end do
     call team_make(model%team, threads, model%mesh%space, size(model%fields), size(model%bodies))
     allocate (model%ranks%below(size(model%fields)), model%ranks%above(size(model%fields)))

@@ -8,6 +8,7 @@
 module DIM(sgmp_chunk)
   use CARTESIAN(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t
+  use sgmp_columns, only: relax_stiffness, relax_total
   use sgmp_constitutive, only: constitutive_t
   use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
@@ -15,6 +16,7 @@ module DIM(sgmp_chunk)
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_add, movers_t
   use sgmp_plan, only: plan_t, workspace_t
+  use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use sgmp_sums, only: sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
@@ -31,8 +33,8 @@ module DIM(sgmp_chunk)
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 1 + NMASS + 3*NDIM + NSPIN + NFLUX
-  integer, parameter :: most_gathered = 2*NDIM + NGRAD
+  integer, parameter :: most_columns = 1 + NMASS + 3*NDIM + NSPIN + NFLUX + 5
+  integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM)
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
 
@@ -51,6 +53,8 @@ module DIM(sgmp_chunk)
     integer :: plain = 0                 !! of these, all but the last: the mass's first moments
     integer :: spin = 0                  !! columns before the spin; 0: none is carried
     integer :: momentum = 0              !! columns before the momentum
+    integer :: square = 0                !! column of m |v|^2; 0: none
+    integer :: behind = 0                !! columns behind the forces, from the volume on
     integer :: forces = 0                !! columns before the forces (MPM, GIMP)
     integer :: flux = 0                  !! columns before the flux; MPM, GIMP: behind all others
     integer :: values = 0                !! columns that a particle brings, the flux included
@@ -58,6 +62,7 @@ module DIM(sgmp_chunk)
     integer :: stride = 1                !! components of a grid record
     integer :: velocity = 1              !! first component of the grid velocity in a record
     integer :: gradient = 1              !! and of the velocity gradient
+    integer :: relax = 0                 !! and of what particles relax to; 0: nothing
     real(dp) :: h = 1.0_dp, inverse_h = 1.0_dp
     real(dp) :: dt_cells = 0.0_dp        !! position step over h
     real(dp) :: live(lanes, 0:lanes) = 0.0_dp  !! 1 for particles, 0 for pads, by how many live
@@ -89,12 +94,21 @@ contains
       task%spin = task%forces
       task%forces = task%forces + plan%spins
     end if
+    if (plan%square) then
+      task%forces = task%forces + 1
+      task%square = task%forces
+    end if
+    task%behind = merge(1, 0, plan%volume) + merge(4, 0, plan%compliance)
     task%flux = merge(task%forces, task%plain, task%centred)
     task%values = merge(max(task%plain, task%flux + NFLUX), task%plain, plan%stress)
     task%vectors = NDIM*size(plan%vectors)
     task%stride = max(1, task%vectors + merge(NGRAD, 0, plan%gradient > 0))
     task%velocity = 1 + merge(NDIM, 0, plan%kick)
     task%gradient = 1 + task%vectors
+    if (plan%relax) then
+      task%relax = task%stride + 1
+      task%stride = task%stride + relax_total(NDIM)
+    end if
     task%inverse_h = mesh%inverse_h
     task%h = mesh%h
     task%dt_cells = plan%dt*mesh%inverse_h
@@ -147,6 +161,9 @@ contains
     end if
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
                              got(1, task%velocity), motion, lane_sums)
+    if (task%relax > 0) call relaxation_apply(body%law, plan%dt_strain, task%live(1, nl), &
+                                              got(1, task%relax), nb, motion, &
+                                              state, got(1, task%gradient), lane_sums)
     if (plan%drift) call drift(task%dt_cells, task%live(1, nl), origin, got(1, task%velocity), &
                                motion, xi, lane_sums, outside)
     if (plan%strain) then
@@ -167,6 +184,16 @@ contains
     if (task%spin > 0) call spin_collect(plan%spin_keep, plan%spin_gain, task%live(1, nl), &
                                          got(1, task%gradient), motion(1, mass_at), &
                                          state(1, body%law%slots%spin), values(1, task%spin + 1))
+    if (task%square > 0) then
+      call relaxation_square(task%live(1, nl), motion, values(1, task%square))
+    end if
+    if (plan%compliance) then
+      if (task%relax == 0) got(:, 1) = 0.0_dp  ! nothing is known of the neighbours
+      call relaxation_collect(body%law, task%live(1, nl), motion(1, mass_at), speed2, &
+                              got(1, merge(task%relax + relax_stiffness - 1, 1, task%relax > 0)), &
+                              nb, state, &
+                              values(1, task%plain - 3))
+    end if
     if (plan%stress .and. (.not. task%centred .or. task%plain > task%forces + NFLUX)) then
       call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, motion, state, values)
     end if
@@ -450,8 +477,8 @@ contains
       values(:, n + 1:n + NDIM) = 0.0_dp
       n = n + NDIM
     end if
-    if (plan%volume) values(:, task%plain) = live*state(:, 1)
-    if (n == task%plain - merge(1, 0, plan%volume)) return
+    if (plan%volume) values(:, task%plain - task%behind + 1) = live*state(:, 1)
+    if (n == task%plain - task%behind) return
     values(:, n + 1:n + NDIM) = 0.0_dp
     mass = live*motion(:, mass_at)
     if (body%forced) then

@@ -11,7 +11,7 @@ module sgmp_energy
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: ledger_t, ledger_open, ledger_step, ledger_total, ledger_drift, step_sums_t
+  public :: ledger_t, ledger_open, ledger_relax, ledger_step, ledger_total, ledger_drift, step_sums_t
 
   !> Sums of one step.
   type :: step_sums_t
@@ -22,6 +22,9 @@ module sgmp_energy
     real(dp) :: external_power = 0.0_dp     !! of gravity and body forces at the mid-step velocity
     real(dp) :: internal = 0.0_dp           !! growth of internal energy
     real(dp) :: viscous = 0.0_dp  !! bulk-viscous dissipation (part of the internal energy)
+    real(dp) :: filter_heat = 0.0_dp        !! kinetic energy that the velocity filter turned to
+                                            !! internal energy, after the kick
+    real(dp) :: volume_correction = 0.0_dp  !! sum |dV| p of volumes that were put right
     real(dp) :: contact = 0.0_dp     !! kinetic energy that contact took (friction, impact)
     real(dp) :: rigid_work = 0.0_dp  !! work of rigid bodies on the others
     real(dp) :: momentum(3) = 0.0_dp
@@ -35,6 +38,7 @@ module sgmp_energy
     real(dp) :: external_work = 0.0_dp
     real(dp) :: contact_dissipation = 0.0_dp
     real(dp) :: viscous_dissipation = 0.0_dp
+    real(dp) :: filter_heat = 0.0_dp, volume_correction = 0.0_dp  !! for kept volumes
     real(dp) :: interpolation_error = 0.0_dp  !! sum of dt^2/2 (sum_I m|a|^2 - sum_p m|a|^2), Eq. 43
     real(dp) :: remainder = 0.0_dp           !! kinetic energy that the identity does not explain
     real(dp) :: predicted = 0.0_dp           !! sum of the energy errors that the identities predict
@@ -100,5 +104,16 @@ contains
     ledger%supplied = max(ledger%supplied, abs(ledger%external_work))
     ledger%ignored_nodes = max(ledger%ignored_nodes, sums%ignored_nodes)
   end subroutine ledger_step
+
+  !> Books what kept volumes take from the kinetic energy after the kick, as `internal` has it, and
+  !! how much volume was put right.
+  pure subroutine ledger_relax(ledger, sums)
+    type(ledger_t), intent(inout) :: ledger
+    type(step_sums_t), intent(in) :: sums
+    ledger%kinetic = ledger%kinetic - sums%filter_heat
+    ledger%predicted = ledger%predicted - sums%filter_heat
+    ledger%filter_heat = ledger%filter_heat + sums%filter_heat
+    ledger%volume_correction = ledger%volume_correction + sums%volume_correction
+  end subroutine ledger_relax
 
 end module sgmp_energy

@@ -11,7 +11,8 @@ module sgmp_field_nodes
   use sgmp_team, only: team_t
   implicit none
   private
-  public :: field_node_planes, field_normalise, field_remap, field_solve, field_velocity
+  public :: field_node_planes, field_normalise, field_relax, field_remap, field_solve, &
+            field_velocity
 
 contains
 
@@ -40,6 +41,24 @@ contains
     end do
     !$omp end parallel do
   end subroutine field_normalise
+
+  !> What particles relax to at the centres that they read.
+  subroutine field_relax(field, mesh, method, dt, team, partition)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    type(method_t), intent(in) :: method
+    real(dp), intent(in) :: dt
+    type(team_t), intent(in) :: team
+    type(partition_t), intent(in) :: partition
+    integer :: p, p1, p2
+    call halo_planes(field, partition%own + [0, partition%nodes - 1], p1, p2)
+    !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
+    !$omp& default(none) shared(field, mesh, method, dt, team, p1, p2) private(p)
+    do p = p1, p2
+      call team%passes%relax(field, mesh, p, method, dt)
+    end do
+    !$omp end parallel do
+  end subroutine field_relax
 
   !> Momentum equation (Eqs. 33, 34).
   subroutine field_solve(field, mesh, dt, gravity, cutoff, forced, team, partition, sums)

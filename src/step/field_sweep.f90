@@ -96,6 +96,12 @@ contains
       plan%last_column = field%columns%force + field%columns%forces - 1
     end if
     plan%volume = plan%stress .and. field%columns%volume > 0 .and. .not. plan%probe
+    plan%square = plan%momentum .and. field%columns%square > 0
+    if (plan%probe .and. plan%momentum .and. plan%square) then
+      plan%square = .false.
+      plan%last_column = field%columns%square - 1
+    end if
+    plan%compliance = plan%volume .and. field%columns%compliance > 0
     plan%offset = plan%stress .and. field%columns%offset > 0 .and. .not. plan%probe
     if (plan%offset .and. .not. plan%mass) then
       plan%offset = .false.

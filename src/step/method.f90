@@ -12,6 +12,7 @@ module sgmp_method
     real(dp) :: gravity(3) = 0.0_dp
     logical :: normalised = .false.         !! volume-normalised stress
     real(dp) :: interior = 0.0_dp           !! filling of interior cells, for normalised stress
+    logical :: relaxed = .false.            !! volumes are kept (doc/volumes.md)
     logical :: rotation = .false.           !! rigid rotation strains nothing
     integer :: spins = 0                    !! components of the spin that particles carry
     real(dp) :: cutoff = 0.0_dp             !! node mass below which a node is ignored

@@ -12,6 +12,7 @@ module DIM(sgmp_nodes_normalise)
   implicit none
   private
   public :: nodes_normalise
+  public :: cell_volume, filled_volumes, least_volume
 
   integer, parameter :: tile = 128
 
@@ -69,8 +70,8 @@ contains
   pure subroutine filled_volumes(cell, first, n, filled)
     real(dp), intent(in) :: cell              !! cell_volume
     integer, intent(in) :: first, n           !! first centre, how many
-    real(dp), intent(out) :: filled(tile)
-    filled(:n) = cell
+    real(dp), intent(out) :: filled(n)
+    filled = cell
 #ifdef AXISYMMETRIC
     block
       integer :: i

@@ -1,9 +1,14 @@
 !> The procedures that pass over the planes of a field, by space: chosen here, once.
 module sgmp_passes
   use sgmp_body, only: body_t
+  use sgmp_centres_relax_1d, only: centres_relax_1d => centres_relax
+  use sgmp_centres_relax_2d, only: centres_relax_2d => centres_relax
+  use sgmp_centres_relax_3d, only: centres_relax_3d => centres_relax
+  use sgmp_centres_relax_rz, only: centres_relax_rz => centres_relax
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
+  use sgmp_method, only: method_t
   use sgmp_movers, only: movers_t
   use sgmp_nodes_1d, only: nodes_remap_1d => nodes_remap, nodes_solve_1d => nodes_solve, &
                            nodes_velocity_1d => nodes_velocity
@@ -84,6 +89,17 @@ module sgmp_passes
       real(dp), intent(in) :: interior
     end subroutine nodes_normalise
 
+    !> See sgmp_centres_relax: what particles relax to at the centres of one plane.
+    pure subroutine centres_relax(field, mesh, plane, method, dt)
+      import :: dp, field_t, mesh_t, method_t
+      implicit none
+      type(field_t), intent(inout) :: field
+      type(mesh_t), intent(in) :: mesh
+      integer, intent(in) :: plane
+      type(method_t), intent(in) :: method
+      real(dp), intent(in) :: dt
+    end subroutine centres_relax
+
     !> See sgmp_nodes: momentum equation of one plane.
     pure subroutine nodes_solve(field, mesh, plane, dt, gravity, cutoff, forced, sums)
       import :: dp, field_t, mesh_t, nodes_sums
@@ -133,6 +149,7 @@ module sgmp_passes
     procedure(sweep_join), pointer, nopass :: join => null()
     procedure(sweep_add_movers), pointer, nopass :: add_movers => null()
     procedure(nodes_normalise), pointer, nopass :: normalise => null()
+    procedure(centres_relax), pointer, nopass :: relax => null()
     procedure(nodes_solve), pointer, nopass :: solve => null()
     procedure(nodes_velocity), pointer, nopass :: velocity => null()
     procedure(nodes_remap), pointer, nopass :: remap => null()
@@ -148,16 +165,18 @@ contains
     select case (space)
     case (1)
       passes = passes_t(sweep_slab_1d, sweep_join_1d, sweep_add_movers_1d, nodes_normalise_1d, &
-                        nodes_solve_1d, nodes_velocity_1d, nodes_remap_1d)
+                        centres_relax_1d, nodes_solve_1d, nodes_velocity_1d, nodes_remap_1d)
     case (2)
       passes = passes_t(sweep_slab_2d, sweep_join_2d, sweep_add_movers_2d, nodes_normalise_2d, &
-                        nodes_solve_2d, nodes_velocity_2d, nodes_remap_2d, nodes_rotation_2d)
+                        centres_relax_2d, nodes_solve_2d, nodes_velocity_2d, nodes_remap_2d, &
+                        nodes_rotation_2d)
     case (3)
       passes = passes_t(sweep_slab_3d, sweep_join_3d, sweep_add_movers_3d, nodes_normalise_3d, &
-                        nodes_solve_3d, nodes_velocity_3d, nodes_remap_3d, nodes_rotation_3d)
+                        centres_relax_3d, nodes_solve_3d, nodes_velocity_3d, nodes_remap_3d, &
+                        nodes_rotation_3d)
     case default  ! space_axisymmetric
       passes = passes_t(sweep_slab_rz, sweep_join_rz, sweep_add_movers_rz, nodes_normalise_rz, &
-                        nodes_solve_rz, nodes_velocity_rz, nodes_remap_rz)
+                        centres_relax_rz, nodes_solve_rz, nodes_velocity_rz, nodes_remap_rz)
     end select
   end function passes_of
 

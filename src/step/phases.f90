@@ -9,7 +9,8 @@ module sgmp_phases
   use sgmp_contact_ledger, only: ledger_add_up
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_build, field_t
-  use sgmp_field_nodes, only: field_normalise, field_remap, field_solve, field_velocity
+  use sgmp_field_nodes, only: field_normalise, field_relax, field_remap, field_solve, &
+                              field_velocity
   use sgmp_field_rotation, only: field_rotation_place, field_rotation_prepare, field_rotation_swap
   use sgmp_field_sweep, only: field_sweep, sweep_columns
   use sgmp_findings, only: findings_t
@@ -27,12 +28,12 @@ module sgmp_phases
   use sgmp_team, only: team_divide, team_t
   use sgmp_text, only: integer_text
   use sgmp_timers, only: phase_contact, phase_halo, timers_move, timers_t, wall_time
-  use sgmp_walls, only: has_walls, walls_fold, walls_mirror
+  use sgmp_walls, only: has_walls, walls_fold, walls_mirror, walls_mirror_centres
   implicit none
   private
   public :: phase_contact_force, phase_contact_velocity, phase_find_contact, phase_fold, &
-            phase_layout, phase_mirror, phase_normalise, phase_place, phase_remap, phase_rotation, &
-            phase_solve, phase_sweep, phase_velocity
+            phase_layout, phase_mirror, phase_normalise, phase_place, phase_relax, phase_remap, &
+            phase_rotation, phase_solve, phase_sweep, phase_velocity
 
 contains
 
@@ -213,6 +214,26 @@ contains
       call field_normalise(fields(f), mesh, method, team, partition)
     end do
   end subroutine phase_normalise
+
+  !> What particles relax to at all centres, where the scene asks for it.
+  subroutine phase_relax(method, dt, mesh, fields, bodies, team, partition)
+    type(method_t), intent(in) :: method
+    real(dp), intent(in) :: dt
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(team_t), intent(in) :: team
+    type(partition_t), intent(in) :: partition
+    integer :: f, axis
+    if (.not. method%relaxed) return
+    do f = 1, size(fields)
+      if (rigid_field(bodies, f) > 0) cycle
+      call field_relax(fields(f), mesh, method, dt, team, partition)
+      do axis = 1, mesh%ndim
+        call walls_mirror_centres(fields(f), mesh, axis, 1, fields(f)%planes)
+      end do
+    end do
+  end subroutine phase_relax
 
   !> Momentum equation at all nodes (Eqs. 33, 34); rigid bodies must know their speed.
   subroutine phase_solve(method, dt, mesh, fields, bodies, team, partition, tally)

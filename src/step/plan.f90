@@ -9,6 +9,9 @@ module sgmp_plan
   type :: plan_t
     logical :: volume = .false.            !! with the stress, the particles' volume
     logical :: offset = .false.            !! with the stress, first moments of the mass
+    logical :: square = .false.            !! with the momentum, m |v|^2
+    logical :: relax = .false.             !! particles relax to the centres (doc/volumes.md)
+    logical :: compliance = .false.        !! with the stress, what they will relax by
     logical :: probe = .false.  !! nothing advances: particles answer with the stress or momentum of
                                 !! what they read, per wave modulus and mass (sgmp_stability)
     logical :: kick = .false.              !! v += a dt_kick

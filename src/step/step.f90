@@ -6,12 +6,12 @@
 module sgmp_step
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_step_t
-  use sgmp_energy, only: ledger_step
+  use sgmp_energy, only: ledger_relax, ledger_step
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_phases, only: phase_contact_force, phase_contact_velocity, phase_find_contact, &
-                         phase_mirror, phase_normalise, phase_place, phase_remap, phase_rotation, &
-                         phase_solve, phase_sweep, phase_velocity
+                         phase_mirror, phase_normalise, phase_place, phase_relax, phase_remap, &
+                         phase_rotation, phase_solve, phase_sweep, phase_velocity
   use sgmp_plan, only: plan_t
   use sgmp_rebin_phases, only: phase_rebin_particles
   use sgmp_rigid_bodies, only: rigid_choose_speed
@@ -170,6 +170,8 @@ contains
         call phase_mirror(mesh, fields, bodies, [node_velocity(mesh%ndim)], team%threads)
       end if
       call phase_mirror(mesh, fields, bodies, [node_remapped], team%threads)
+      call phase_relax(model%method, model%clock%dt, mesh, fields, bodies, team, &
+                       model%ranks%partition)
     end associate
     call timers_stop(model%timers, phase_grid)
   end subroutine remap
@@ -261,6 +263,7 @@ contains
     call step_close(model, .true.)
     call ledger_step(model%ledger, model%totals%sums, dt_kick, &
                      exact=model%method%flip >= 1.0_dp .and. lost == model%findings%lost_before)
+    if (model%method%relaxed) call ledger_relax(model%ledger, model%totals%sums)
     model%findings%lost_before = lost
   end subroutine book_step
 
@@ -294,6 +297,7 @@ contains
     plan%drift = .true.
     plan%vectors = [node_velocity(model%mesh%ndim)]
     plan%gradient = node_remapped
+    plan%relax = model%method%relaxed
     if (model%method%spins > 0) then
       plan%spin_gain = merge(1.0_dp, spin_relaxation, model%clock%step == 0)
       plan%spin_keep = 1.0_dp - plan%spin_gain

@@ -7,7 +7,7 @@
 !! fixed expression of its particles, whatever the number of threads, and nothing is ever added to
 !! shared memory.
 module DIM(sgmp_sweep)
-  use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror
+  use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror, auxmesh_relax
   use sgmp_bin_change, only: bin_close
   use sgmp_body, only: body_t
   use DIM(sgmp_chunk), only: chunk_advance, most_rows, task_make, task_t
@@ -118,6 +118,10 @@ contains
       if (plan%gradient > 0) then
         call auxmesh_mirror(field, mesh, p, NDIM*size(plan%vectors), size(work%records, 1), &
                             work%records(1, (slot - 1)*field%largest_plane + 1))
+      end if
+      if (plan%relax) then
+        call auxmesh_relax(field, p, NDIM*size(plan%vectors), size(work%records, 1), &
+                           work%records(1, (slot - 1)*field%largest_plane + 1))
       end if
       work%record_plane(slot) = p
     end do

@@ -11,8 +11,8 @@ module sgmp_totals
   use sgmp_parallel, only: parallel_agree, parallel_max_place
   use sgmp_partition, only: partition_t
   use sgmp_sums, only: nodes_external, nodes_ignored, nodes_mass_aa, nodes_mass_av, nodes_sums, &
-                       sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
-                       sum_viscous, sweep_sums
+                       sum_filter, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, &
+                       sum_momentum, sum_viscous, sum_volume, sweep_sums
   use sgmp_tally, only: tally_reset, tally_total
   implicit none
   private
@@ -104,7 +104,7 @@ contains
     if (body%at_rest) return
     own%moment = sums(sum_moment:sum_moment + 2)
     own%momentum = sums(sum_momentum:sum_momentum + 2)
-    own%kinetic = sums(sum_kinetic)
+    own%kinetic = sums(sum_kinetic) - sums(sum_filter)
     if (body%rigid) return  ! its energy and momentum belong to whoever moves it
     own%internal = own%internal + sums(sum_internal)
     all%kinetic = all%kinetic + sums(sum_kinetic)
@@ -112,6 +112,8 @@ contains
     all%momentum = all%momentum + sums(sum_momentum:sum_momentum + 2)
     all%internal = all%internal + sums(sum_internal)
     all%viscous = all%viscous + sums(sum_viscous)
+    all%filter_heat = all%filter_heat + sums(sum_filter)
+    all%volume_correction = all%volume_correction + sums(sum_volume)
   end subroutine add_body
 
   !> Adds the nodes' sums.

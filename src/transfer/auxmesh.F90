@@ -8,6 +8,7 @@ module DIM(sgmp_auxmesh)
 #ifdef AXISYMMETRIC
   use sgmp_axis, only: axis_hoop_weights
 #endif
+  use sgmp_columns, only: relax_dilation, relax_total
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
@@ -15,7 +16,7 @@ module DIM(sgmp_auxmesh)
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: auxmesh_fill, auxmesh_mirror
+  public :: auxmesh_fill, auxmesh_mirror, auxmesh_relax
 
   integer, parameter :: tile = 128
 
@@ -105,6 +106,34 @@ contains
       end do
     end do
   end subroutine auxmesh_mirror
+
+  !> Adds to the records of one plane what particles relax to, behind the gradient; the factor of
+  !! normalised stress becomes the divergence by which it exceeds what the particles read.
+  pure subroutine auxmesh_relax(field, plane, before, stride, records)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: plane                 !! plane of the field
+    integer, intent(in) :: before                !! components of a record before the gradient
+    integer, intent(in) :: stride                !! components of a record
+    real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
+    real(dp) :: divergence
+    integer :: s, i, a, from, to, first
+    first = before + NGRAD + 1
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do i = field%work%first(s), field%work%last(s)
+        from = field%neighbour(0, 0, s) + i
+        to = from - field%plane_start(plane) + 1
+        divergence = 0.0_dp
+        do a = 1, NDIM
+          divergence = divergence + records(before + (a - 1)*NDIM + a, to)
+        end do
+#ifdef AXISYMMETRIC
+        divergence = divergence + records(before + NGRAD, to)
+#endif
+        records(first:first + relax_total(NDIM) - 1, to) = field%relax(from, :)
+        records(first + relax_dilation - 1, to) = field%relax(from, relax_dilation)*divergence
+      end do
+    end do
+  end subroutine auxmesh_relax
 
   !> Changes the sign of all derivatives but those along `axis`.
   pure subroutine reverse_along(axis, n, before, stride, records)
