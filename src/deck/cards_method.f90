@@ -112,7 +112,7 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     associate (method => draft%scene%method, errors => draft%errors)
-      if (method%normalised .and. method%kind /= method_sgmp) then
+      if (method%normalised .and. .not. method%volumes_kept .and. method%kind /= method_sgmp) then
         call errors%add(card%position, 'normalised stress exists for method sgmp only', &
                         'remove stress=normalised or use method sgmp')
       end if

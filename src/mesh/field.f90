@@ -149,6 +149,7 @@ contains
     bytes = 8_i8*(size(field%moment, kind=i8) + size(field%node, kind=i8)) + &
             4_i8*size(field%neighbour, kind=i8) + &
             16_i8*(size(field%work%key, kind=i8) + size(field%store%key, kind=i8))
+    if (allocated(field%relax)) bytes = bytes + 8_i8*size(field%relax, kind=i8)
   end function field_bytes
 
   !> Numbers the stored points, plane by plane.

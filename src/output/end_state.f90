@@ -2,7 +2,7 @@
 !! is not: extremes, particles apart from their bodies, volumes without room.
 module sgmp_end_state
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: material_explosive, material_fluid
+  use sgmp_constitutive, only: law_gaseous, material_explosive, material_fluid
   use sgmp_filling, only: filling_measure
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp, i8, lanes
@@ -28,6 +28,8 @@ module sgmp_end_state
     integer(i8) :: stretched = 0_i8          !! particles larger than a cell
     real(dp) :: pressure(2) = 0.0_dp         !! least and largest
     real(dp) :: room = 0.0_dp  !! sum of volumes over the box between walls; 0: not closed
+    real(dp) :: reached = 0.0_dp             !! part of that box that particles give volume to
+    logical :: gas = .false.                 !! some body bears no tension
     real(dp) :: excess = 0.0_dp              !! part of the volume that has no room
     integer(i8) :: separated = 0_i8          !! particles out of reach of their body's main piece
     real(dp) :: separated_part = 0.0_dp      !! largest part of any body
@@ -45,6 +47,7 @@ contains
     state%pressure = [huge(1.0_dp), -huge(1.0_dp)]
     do b = 1, size(model%bodies)
       if (model%bodies(b)%rigid) cycle
+      state%gas = state%gas .or. law_gaseous(model%bodies(b)%law)
       state%particles = state%particles + model%totals%particles(b)
       call look_at_body(model%bodies(b), model%mesh, state)
       if (holds_together(model%bodies(b))) call find_separated(scene%bodies(b), model, b, state)
@@ -55,7 +58,8 @@ contains
     state%stretched = parallel_sum(state%stretched)
     state%pressure = [parallel_min(state%pressure(1)), parallel_max(state%pressure(2))]
     if (state%particles == 0_i8) state%pressure = 0.0_dp
-    call filling_measure(model, state%room, state%excess)
+    call filling_measure(model, state%room, state%excess, state%reached)
+    if (any(model%bodies%rigid)) state%reached = 0.0_dp  ! which take some of the room
   end subroutine end_state_take
 
   !> Extremes of this rank's particles of a body.

@@ -24,22 +24,28 @@ contains
 
   !> Volumes of all particles that move freely: their sum, and the part of it that has no room in
   !! the cells around it.
-  subroutine filling_measure(model, sum_over_box, excess)
+  subroutine filling_measure(model, sum_over_box, excess, reached)
     type(model_t), intent(in) :: model
     real(dp), intent(out) :: sum_over_box     !! 0 where walls do not enclose the scene
     real(dp), intent(out) :: excess
+    real(dp), intent(out) :: reached          !! part of the box that some particle gives volume to,
+                                              !! 0 as above
     integer(i8), allocatable :: cell(:), share(:)
-    integer(i8) :: total, without
+    integer(i8) :: total, without, touched
+    real(dp) :: cells
     call spread_volumes(model, cell, share)
     call send_home(model, cell, share)
     call merge_cells(cell, share)
     total = parallel_sum(sum(share))
     without = parallel_sum(sum(max(0_i8, share - unit)))
     excess = real(without, dp)/real(max(1_i8, total), dp)
+    touched = parallel_sum(count(share > 0_i8, kind=i8))
     sum_over_box = 0.0_dp
+    reached = 0.0_dp
     if (all(model%mesh%wall(:, :model%mesh%ndim) /= wall_free)) then
-      sum_over_box = real(total, dp)/(real(unit, dp)* &
-                     product(real(model%mesh%cells(:model%mesh%ndim), dp)))
+      cells = product(real(model%mesh%cells(:model%mesh%ndim), dp))
+      sum_over_box = real(total, dp)/(real(unit, dp)*cells)
+      reached = real(touched, dp)/cells
     end if
   end subroutine filling_measure
 

@@ -12,7 +12,8 @@ module sgmp_history
   use sgmp_text, only: integer_text, row_text
   implicit none
   private
-  public :: history_t, history_columns, kept_columns, bodies_columns, bodies_integers, gauges_columns, &
+  public :: history_t, history_columns, kept_columns
+  public :: bodies_columns, bodies_integers, gauges_columns, &
     gauges_integers, contact_columns, contact_integers, units_text, column_length
 
   integer, parameter :: column_length = 32

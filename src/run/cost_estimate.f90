@@ -108,6 +108,7 @@ contains
     call put_slot(slots%deformation, 'deformation gradient (neo-Hookean material)')
     call put_slot(slots%stretch, 'diagonal of the deformation gradient (method cpgimp)')
     call put_slot(slots%initial, 'initial position (bodyforce that uses it)')
+    call put_slot(slots%compliance, 'compliance (volumes=kept, eos)')
   end subroutine put_slots
 
   subroutine put_slot(column, text)

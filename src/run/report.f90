@@ -2,7 +2,7 @@
 module sgmp_report
   use sgmp_checksum, only: checksum_text
   use sgmp_command_line, only: command_line_t
-  use sgmp_constitutive, only: material_explosive
+  use sgmp_constitutive, only: law_gaseous
   use sgmp_energy, only: ledger_drift, ledger_total
   use sgmp_errors, only: error_t, exit_ok, exit_stopped
   use sgmp_kernels, only: kernel_sgmp, method_names
@@ -141,15 +141,23 @@ contains
                                                             size(scene%bodies))
   end function report_shape_mass
 
-  !> A warning of gas between walls with methods whose particles' volumes drift there.
+  !> What gas between walls needs: a warning with methods whose particles' volumes drift there, a
+  !! hint with sgmp, where they do so beside free surfaces.
   subroutine warn_of_closed_gas(log, model)
     type(log_t), intent(inout) :: log
     type(model_t), intent(in) :: model
-    if (model%fields(1)%kernel == kernel_sgmp) return
+    integer :: b
+    if (model%method%relaxed) return
     if (any(model%mesh%wall(:, :model%mesh%ndim) == wall_free)) return
-    if (all(model%bodies%law%kind /= material_explosive .or. model%bodies%rigid)) return
-    call log%warning('gas enclosed by walls: with mpm and gimp a drift of volumes makes its '// &
-                     'pressure fall without end (doc/verdict.md); use sgmp')
+    if (.not. any([(law_gaseous(model%bodies(b)%law) .and. .not. model%bodies(b)%rigid, &
+                    b=1, size(model%bodies))])) return
+    if (model%fields(1)%kernel == kernel_sgmp) then
+      call log%line('gas enclosed by walls: where it has free surfaces the volumes of its '// &
+                    'particles drift; volumes=kept keeps them (doc/volumes.md)')
+    else
+      call log%warning('gas enclosed by walls: with mpm and gimp a drift of volumes makes its '// &
+                       'pressure fall without end (doc/volumes.md); use sgmp volumes=kept')
+    end if
   end subroutine warn_of_closed_gas
 
   !> A warning of bodies in different velocity fields without contact between them.

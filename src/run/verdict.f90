@@ -26,6 +26,7 @@ module sgmp_verdict
   real(dp), parameter :: largest_gain = 0.05_dp        !! drift of the energy upwards
   real(dp), parameter :: largest_loss = 0.25_dp        !! and downwards
   real(dp), parameter :: largest_room = 1.05_dp        !! sum of volumes over a closed box
+  real(dp), parameter :: least_room = 0.9_dp           !! the same, where gas has reached all of it
   real(dp), parameter :: largest_excess = 0.1_dp       !! part of the volume without room
   real(dp), parameter :: largest_separated = 0.01_dp   !! part of a body
   real(dp), parameter :: largest_stretched = 0.01_dp   !! part of the particles larger than a cell
@@ -85,6 +86,7 @@ contains
     end if
     call end_state_take(scene, model, self%state)
     call judge_energy(self, model%findings%lost)
+    call judge_volumes(self, scene%method%volumes_kept)
     call judge_particles(self, scene)
     call judge_resolution(self, scene, thinnest)
   end subroutine verdict_reach
@@ -118,19 +120,36 @@ contains
     end if
   end subroutine judge_energy
 
+  !> Volumes that sum to more or less than the room that there is.
+  subroutine judge_volumes(self, kept)
+    type(verdict_t), intent(inout) :: self
+    logical, intent(in) :: kept            !! by the method
+    character(:), allocatable :: remedy
+    associate (found => self%state)
+      remedy = ''
+      if (found%gas .and. .not. kept) remedy = '; for enclosed gas use method sgmp volumes=kept'
+      if (found%room > largest_room) then
+        call self%object("the particles' volumes sum to "//real_text(found%room)// &
+                         ' times the closed box: they have drifted'//remedy)
+      else if (found%gas .and. found%reached > least_room .and. &
+               found%room < least_room*found%reached) then
+        call self%object("the particles' volumes sum to "//real_text(found%room)// &
+                         ' times the closed box, '//percent(found%reached)//' of which they '// &
+                         'have reached: they have drifted, and the pressure with them'//remedy)
+      end if
+      if (found%excess > largest_excess) then
+        call self%object(percent(found%excess)//" of the particles' volume has no room in the "// &
+                         'cells around them: volumes have drifted, or neighbours are gone'// &
+                         remedy)
+      end if
+    end associate
+  end subroutine judge_volumes
+
   !> Particles that no longer stand for the space around them.
   subroutine judge_particles(self, scene)
     type(verdict_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
     associate (found => self%state)
-      if (found%room > largest_room) then
-        call self%object("the particles' volumes sum to "//real_text(found%room)// &
-                         ' times the closed box: they have drifted')
-      end if
-      if (found%excess > largest_excess) then
-        call self%object(percent(found%excess)//" of the particles' volume has no room in the "// &
-                         'cells around them: volumes have drifted, or neighbours are gone')
-      end if
       if (found%separated_part > largest_separated) then
         call self%object(percent(found%separated_part)//" of body '"// &
                          trim(scene%bodies(found%separated_body)%name)// &
@@ -212,6 +231,7 @@ contains
       call summary%set('end_state.particles_out_of_reach', found%separated)
       call summary%set('end_state.volume_without_room', found%excess)
       if (found%room > 0.0_dp) call summary%set('end_state.volume_over_box', found%room)
+      if (found%reached > 0.0_dp) call summary%set('end_state.box_reached', found%reached)
       call summary%set('end_state.least_pressure', found%pressure(1))
       call summary%set('end_state.largest_pressure', found%pressure(2))
     end associate

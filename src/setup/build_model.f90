@@ -4,7 +4,7 @@ module sgmp_build_model
   use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
   use sgmp_burn, only: burn_lighting_time, burn_source_t
-  use sgmp_constitutive, only: eos_none, law_first_history, law_slots
+  use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_slots
   use sgmp_energy, only: ledger_open
   use sgmp_errors, only: error_t
   use sgmp_field, only: field_init
@@ -149,10 +149,7 @@ contains
                      stretch=merge(mesh%ndim, 0, scene%method%kind == method_cpgimp), &
                      initial=merge(mesh%ndim, 0, needs_initial(body)), spin=spin_components(scene))
       call contact_add_slot(scene, number, body%law%slots)
-      if (scene%method%volumes_kept .and. body%law%eos /= eos_none .and. .not. body%rigid) then
-        body%law%slots%total = body%law%slots%total + 1
-        body%law%slots%compliance = body%law%slots%total
-      end if
+      if (scene%method%volumes_kept) call add_compliance(body%law)
       do d = 1, mesh%ndim
         x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
       end do
@@ -167,6 +164,14 @@ contains
       call contact_fill_slot(card, mesh, body)
     end associate
   end subroutine build_body
+
+  !> A column for the compliance of matter whose pressure follows its volume.
+  pure subroutine add_compliance(law)
+    type(constitutive_t), intent(inout) :: law
+    if (law%eos == eos_none .or. law%rigid) return
+    law%slots%total = law%slots%total + 1
+    law%slots%compliance = law%slots%total
+  end subroutine add_compliance
 
   !> Body forces that act on a body; a card for the body itself comes before one for all.
   subroutine attach_force(scene, number, body)

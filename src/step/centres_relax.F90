@@ -17,11 +17,11 @@ module DIM(sgmp_centres_relax)
   implicit none
   private
   public :: centres_relax
-  public :: scatter_excess
+  public :: filling_change, scatter_excess
 
   integer, parameter :: tile = 128
-  real(dp), parameter :: seen = 0.25_dp       !! variance of a linear field, over h^2 slope^2: that of
-                                              !! a hat function is 1/6 where particles lie evenly
+  real(dp), parameter :: seen = 0.25_dp  !! variance of a linear field, over h^2 slope^2: that of
+                                         !! a hat function is 1/6 where particles lie evenly
   real(dp), parameter :: noticed = 1.0e-3_dp  !! of sound speed and bulk modulus: less is no noise
   real(dp), parameter :: band = 0.1_dp        !! of the filling: the quadrature's own ripple
   real(dp), parameter :: filling_rate = 0.1_dp  !! part of the logarithm that a step takes away
@@ -72,6 +72,7 @@ contains
         mass = field%moment(c, columns%mass)
         volume = field%moment(c, columns%volume)
         if (mass <= method%cutoff .or. volume <= 0.0_dp) cycle
+        interior = min(least(i - 1), least(i), least(i + 1)) > method%interior*cell
         speed2 = field%moment(c, columns%stiffness)/mass
         courant = dt*sqrt(speed2)/h
         field%relax(c, relax_stiffness) = field%moment(c, columns%stiffness)/volume
@@ -79,6 +80,7 @@ contains
         square = sum(velocity**2)
         rate = min(1.0_dp, courant*scatter_excess(field%moment(c, columns%square)/mass - square, &
                                                   seen*h**2*slope2(i) + noticed**2*speed2))
+        if (.not. interior) rate = 0.0_dp
         field%relax(c, relax_filter) = rate
         field%relax(c, relax_velocity:relax_velocity + NDIM - 1) = rate*velocity
         field%relax(c, relax_square) = rate*square
@@ -91,7 +93,6 @@ contains
           field%relax(c, relax_exchange:relax_exchange + 2) = rate*[1.0_dp, pressure(i), &
                                                                     pressure(i)**2]
         end if
-        interior = min(least(i - 1), least(i), least(i + 1)) > method%interior*cell
         field%relax(c, relax_filling) = filling_change(volume/filled(i), interior)
         if (interior) field%relax(c, relax_dilation) = filled(i)/volume - 1.0_dp
       end do

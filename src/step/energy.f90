@@ -11,7 +11,8 @@ module sgmp_energy
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: ledger_t, ledger_open, ledger_relax, ledger_step, ledger_total, ledger_drift, step_sums_t
+  public :: ledger_t, ledger_open, ledger_step, ledger_relax
+  public :: ledger_total, ledger_drift, step_sums_t
 
   !> Sums of one step.
   type :: step_sums_t

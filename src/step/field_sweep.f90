@@ -96,18 +96,22 @@ contains
       plan%last_column = field%columns%force + field%columns%forces - 1
     end if
     plan%volume = plan%stress .and. field%columns%volume > 0 .and. .not. plan%probe
-    plan%square = plan%momentum .and. field%columns%square > 0
-    if (plan%probe .and. plan%momentum .and. plan%square) then
-      plan%square = .false.
-      plan%last_column = field%columns%square - 1
-    end if
-    plan%compliance = plan%volume .and. field%columns%compliance > 0
+    if (field%columns%square > 0) call relaxation_columns(plan, field)
     plan%offset = plan%stress .and. field%columns%offset > 0 .and. .not. plan%probe
     if (plan%offset .and. .not. plan%mass) then
       plan%offset = .false.
       plan%last_column = field%columns%offset - 1
     end if
   end subroutine sweep_columns
+
+  !> The same where particles relax to the centres; a probe lets nothing relax.
+  pure subroutine relaxation_columns(plan, field)
+    type(plan_t), intent(inout) :: plan
+    type(field_t), intent(in) :: field
+    plan%compliance = plan%volume
+    plan%square = plan%momentum .and. .not. plan%probe
+    if (plan%momentum .and. plan%probe) plan%last_column = field%columns%square - 1
+  end subroutine relaxation_columns
 
   !> Whether there are planes that are swept first because neighbours wait for them.
   pure function has_borders(team, f) result(yes)

@@ -13,6 +13,23 @@ ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive", "OMPI_MCA_ess_singlet
 # The mutation tool asks whether anything fails, not what.
 FIRST_ENDS = os.environ.get("SGMP_TEST_FIRST_ENDS", "") not in ("", "0")
 
+# Gas that fills a box from one side of it, {dimension} as the deck has it: volumes are kept.
+KEPT = """
+parameter method = sgmp
+dimension {dimension}
+grid cell=1 {grid}
+wall {walls}
+method $method volumes=kept
+time cfl=0.4 steps=80
+material air fluid density=1
+eos air ideal_gas gamma=1.4 energy0=2.5
+viscosity air quadratic=1.5 linear=0.06
+body gas block material=air lower=(0,0,0) upper=({upper}) ppc=2
+history steps=5
+"""
+KEPT_PLANE = KEPT.format(dimension=2, grid="x=0:6 y=0:20", walls="x-=slip x+=fixed y-=slip y+=slip", upper="6,10,0")
+KEPT_SPACE = KEPT.format(dimension=3, grid="x=0:3 y=0:3 z=0:18", walls="x-=slip x+=slip y-=slip y+=fixed z-=slip z+=slip", upper="3,3,9")
+KEPT_RINGS = KEPT.format(dimension="axisymmetric", grid="r=0:4 z=0:18", walls="r+=slip z-=slip z+=slip", upper="4,9").replace("(0,0,0)", "(0,0)")
 
 # A body of every kind of matter without strength, in a box.
 FLUIDS = """

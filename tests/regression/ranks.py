@@ -11,7 +11,8 @@ import os
 import re
 import subprocess
 
-from _runs import ENVIRONMENT, FAILING, FLUIDS, HOOPS, INPUT, SCRATCH, SEAT, SGMP, Report, Run
+from _runs import (ENVIRONMENT, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SCRATCH, SEAT, SGMP,
+                   Report, Run)
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]
@@ -203,6 +204,9 @@ SCENES = [
     ("sphere_slope", "sphere_slope.inp", {"h": 0.4, "t_end": 0.01, "stress": "normalised"}, FEW),
     ("fluids", FLUIDS, {}, FEW),
     ("failing", FAILING, {}, FEW),
+    ("kept", KEPT_PLANE, {}, FEW),
+    ("kept_space", KEPT_SPACE, {}, FEW),
+    ("kept_rings", KEPT_RINGS, {}, FEW),
     ("pile", PILE, {}, LAYOUTS),
     ("pile_gimp", PILE, {"method": "gimp", "update": "usf", "normal": "average"}, FEW),
     ("pile_mpm", PILE, {"method": "mpm", "update": "usavg"}, FEW),

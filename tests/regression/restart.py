@@ -4,7 +4,7 @@
 usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 from _restarts import FULL, checkpoints, deck, goes_on, mpirun, straight
-from _runs import FAILING, FLUIDS, SEAT, Report
+from _runs import FAILING, FLUIDS, KEPT_PLANE, SEAT, Report
 
 EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
 # Particles leave the grid on two sides, where they are dropped or turned back.
@@ -90,6 +90,7 @@ SCENES = [
     ("seat", SEAT, {}, 60, 2),
     ("fluids", FLUIDS, {}, 40, 2),
     ("failing", FAILING, {}, 80, 2),
+    ("kept", KEPT_PLANE, {}, 80, 2),
     ("calming", CALMING, {}, 40, 1),
     ("growing", GROWING, {}, 60, 1),
     ("light", LIGHT, {}, 10, 1),

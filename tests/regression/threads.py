@@ -5,7 +5,7 @@ usage: threads.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import os
 
-from _runs import FAILING, FLUIDS, HOOPS, INPUT, SEAT, Report, run
+from _runs import FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, SEAT, Report, run
 
 # Detonation from a corner of a charge in two or three dimensions, walls on two sides.
 CHARGE = """
@@ -39,6 +39,8 @@ SCENES = [
     ("jwl_3d", SPACE, {}),
     ("fluids", FLUIDS, {}),
     ("failing", FAILING, {}),
+    ("kept", KEPT_PLANE, {}),
+    ("kept_space", KEPT_SPACE, {}),
     ("contact", "two_blocks.inp", {"width": 5, "length": 4, "steps": 60, "drift": 0.3, "speed": 0.05}),
     ("seat", SEAT, {}),
     ("bar", "bar.inp", {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1}),

@@ -112,6 +112,7 @@ def criteria(report):
         report.check("drift of volumes" in result.text, f"gas {method}: no warning at the start: {result.text}")
     doubts(report, "gas_half", GAS, "no room in the cells", fill=6, t_end=0.2)
     doubts(report, "gas_mpm", GAS, "times the closed box", method="mpm", t_end=0.2)
+    sound(report, "gas_kept", GAS.replace("stress=$stress", "volumes=kept").replace("ppc=2", "ppc=3"), fill=6, t_end=0.2)
     doubts(report, "gas_normalised", GAS, "energy has grown", fill=6, stress="normalised", t_end=0.2)
     result = sound(report, "gas", GAS)
     report.check(abs(result["end_state.volume_over_box"] - 1) < 0.03, f"gas: volumes {result['end_state.volume_over_box']}")
