@@ -21,10 +21,11 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from plot_history import plot as plot_history
-from render_particles import draw_particles, estimate_spacing, field_label, initial_points
-from sgmp_io import (PLASTIC_STRAIN, SgmpFileError, lookup, plot_style, read_dump, read_particles_csv, read_summary,
-                     read_units)
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "python"))
+from sgmp_view.files import (PLASTIC_STRAIN, SgmpFileError, field_label, lookup, plot_style, read_dump,  # noqa: E402
+                             read_particles_csv, read_summary, read_units)
+from sgmp_view.history import plot as plot_history  # noqa: E402
+from sgmp_view.picture import draw_particles, estimate_spacing, initial_points  # noqa: E402
 
 EXPERIMENT = {"L": 16.2, "D": 13.5, "W": 10.1}  # mm; OFHC copper, 190 m/s (Kan et al. 2021, section 6.4)
 MEANING = {"L": "length", "D": "diameter of the foot", "W": "diameter at 0.2 L0"}

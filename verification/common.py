@@ -27,8 +27,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "scripts"))
-from sgmp_io import plot_style, read_history, read_particles_csv, read_summary  # noqa: E402
+sys.path[:0] = [str(ROOT / "python"), str(ROOT / "scripts")]
+from sgmp_view.files import plot_style, read_history, read_particles_csv, read_summary  # noqa: E402
 
 SOLVER = ROOT / "build/release/sgmp"
 BUILD = ROOT / "build/verification"

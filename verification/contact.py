@@ -6,9 +6,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from common import NAMES, ROOT, Case  # noqa: E402,F401
-
-sys.path.insert(0, str(ROOT / "scripts"))
-from sgmp_io import read_table  # noqa: E402
+from sgmp_view.files import read_table  # noqa: E402
 
 METHODS = ("sgmp", "mpm", "gimp")
 

@@ -1,14 +1,12 @@
-!> contact.csv: one row per pair of bodies in contact.
+!> contact.csv: one row per pair of bodies in contact, with their names.
 !!
 !! The force is that on the pair's first body; on the second it is the opposite. It is the mean over
-!! the time since the row
-!! before, so that no impulse is lost between rows.
+!! the time since the row before, so that no impulse is lost between rows.
 module sgmp_contact_rows
   use sgmp_errors, only: error_t
   use sgmp_history, only: contact_columns, contact_integers, history_t
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
-  use sgmp_text, only: integer_text
   implicit none
   private
   public :: contact_rows_t, contact_rows_open, contact_rows_write
@@ -26,25 +24,17 @@ module sgmp_contact_rows
 contains
 
   !> Starts the table where the model has pairs in contact.
-  subroutine contact_rows_open(rows, model, path, units, error, keep_to_step)
+  subroutine contact_rows_open(rows, model, path, error, keep_to_step)
     type(contact_rows_t), intent(inout) :: rows
     type(model_t), intent(in) :: model
-    character(*), intent(in) :: path, units
+    character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error
     integer, intent(in), optional :: keep_to_step  !! see history_t; sums are there already
-    character(:), allocatable :: names
-    integer :: p
     if (size(model%contact%pairs) == 0) return
-    names = ''
-    do p = 1, size(model%contact%pairs)
-      names = names//'; pair '//integer_text(p)//': '// &
-        trim(model%bodies(model%contact%pairs(p)%body(1))%name)//' '// &
-              trim(model%bodies(model%contact%pairs(p)%body(2))%name)
-    end do
     if (.not. allocated(rows%impulse)) then
       allocate (rows%impulse(impulses, size(model%contact%pairs)), source=0.0_dp)
     end if
-    call rows%file%open(path, contact_columns, units//names, error, contact_integers, keep_to_step)
+    call rows%file%open(path, contact_columns, error, contact_integers, keep_to_step, 'bodies')
   end subroutine contact_rows_open
 
   !> Writes a row for each pair.
@@ -63,7 +53,9 @@ contains
         call rows%file%write_row(model%clock%step, &
                                  [model%clock%time, real(p, dp), &
                                   (impulse - rows%impulse(:, p))/span, real(pair%shared, dp), &
-                                  real(pair%touching, dp), pair%dissipation], error)
+                                  real(pair%touching, dp), pair%dissipation], error, &
+                                 trim(model%bodies(pair%body(1))%name)//' '// &
+                                 trim(model%bodies(pair%body(2))%name))
         rows%impulse(:, p) = impulse
       end associate
       if (allocated(error)) return

@@ -1,9 +1,9 @@
 !> Tables that grow with the run: history.csv, bodies.csv, gauges.csv.
 !!
-!! First line the column names, second line a comment with the units, then one row per sample in
-!! full precision. Rows reach the operating system at the latest with the first row written a second
-!! later, so that a plot of a running simulation is current and short steps do not wait for the
-!! disk.
+!! First line the column names, then one row per sample in full precision; units are in summary.json
+!! and run.log, so that every reader of CSV files takes these. Rows reach the operating system at
+!! the latest with the first row written a second later, so that a plot of a running simulation is
+!! current and short steps do not wait for the disk.
 module sgmp_history
   use sgmp_errors, only: error_make, error_t, exit_io
   use sgmp_file_tools, only: file_exists, file_lines, io_error, line_t, output_file_t
@@ -14,7 +14,7 @@ module sgmp_history
   private
   public :: history_t, history_columns, kept_columns
   public :: bodies_columns, bodies_integers, gauges_columns, &
-    gauges_integers, contact_columns, contact_integers, units_text, column_length
+    gauges_integers, contact_columns, contact_integers, column_length
 
   integer, parameter :: column_length = 32
 
@@ -65,11 +65,10 @@ contains
 
   !> Starts a table, or continues one: with `keep_to_step`, rows of an existing file up to that step
   !! stay (its columns must be the same), later ones, which a restart writes again, go.
-  subroutine history_open(self, path, columns, comment, error, integers, keep_to_step, label)
+  subroutine history_open(self, path, columns, error, integers, keep_to_step, label)
     class(history_t), intent(inout) :: self
     character(*), intent(in) :: path
     character(*), intent(in) :: columns(:)               !! names after `step`
-    character(*), intent(in) :: comment                  !! units; see `units_text`
     type(error_t), allocatable, intent(out) :: error
     character(*), intent(in), optional :: integers(:)    !! columns of whole numbers
     integer, intent(in), optional :: keep_to_step
@@ -95,7 +94,6 @@ contains
     call self%file%open(path, 'new', error)
     if (allocated(error)) return
     call self%file%line(header)
-    call self%file%line('# '//comment)
     call self%file%flush(error)
   end subroutine history_open
 
@@ -166,21 +164,6 @@ contains
     open = self%file%is_open()
   end function history_is_open
 
-  !> "units: length mm, mass g, time ms, …" for the comment line; empty names mean not declared.
-  pure function units_text(length, mass, time) result(text)
-    character(*), intent(in) :: length, mass, time
-    character(:), allocatable :: text
-    if (len_trim(length) == 0 .or. len_trim(mass) == 0 .or. len_trim(time) == 0) then
-      text = 'units: not declared; consistent units of the deck'
-      return
-    end if
-    text = 'units: length '//trim(length)//', mass '//trim(mass)//', time '//trim(time)// &
-           ', velocity '//trim(length)//'/'//trim(time)// &
-           ', momentum '//trim(mass)//' '//trim(length)//'/'//trim(time)// &
-           ', energy '//trim(mass)//' '//trim(length)//'^2/'//trim(time)//'^2'// &
-           ', stress '//trim(mass)//'/('//trim(length)//' '//trim(time)//'^2)'
-  end function units_text
-
   !> Rewrites the table without the rows after `step`; a last line cut short by a crash goes too.
   subroutine cut_back(path, header, step, error)
     character(*), intent(in) :: path, header
@@ -202,7 +185,7 @@ contains
     call file%open(path, 'replace', error)
     if (allocated(error)) return
     do i = 1, size(lines)
-      if (i > 1 .and. index(lines(i)%text, '#') /= 1) then
+      if (i > 1) then
         if (count_commas(lines(i)%text) /= commas) exit
         read (lines(i)%text(:index(lines(i)%text, ',') - 1), *, iostat=status) row_step
         if (status /= 0) exit

@@ -6,7 +6,7 @@ module sgmp_outputs
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: directory_make
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
-                          gauges_integers, history_columns, history_t, kept_columns, units_text
+                          gauges_integers, history_columns, history_t, kept_columns
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_sum
@@ -35,6 +35,7 @@ module sgmp_outputs
     character(name_length), allocatable :: fields(:)
     real(dp), allocatable :: initial(:, :)  !! initial positions by id, where a field needs them
     integer, allocatable :: gauge_ids(:)
+    character(name_length), allocatable :: gauge_names(:)
     integer :: dumps = 0                           !! dumps written
     integer :: history_rows = 0                    !! rows due by time that have been written
     integer :: last_dump_step = -1
@@ -113,24 +114,22 @@ contains
     character(*), intent(in) :: folder
     logical, intent(in) :: restarted
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: units
     character(column_length), allocatable :: columns(:)
     integer, allocatable :: step  !! not allocated in a new run: an absent argument below
     if (restarted) step = outputs%last_row_step
-    units = units_text(trim(scene%units(1)), trim(scene%units(2)), trim(scene%units(3)))
     columns = history_columns
     if (model%method%relaxed) columns = [columns, kept_columns]
-    call outputs%history%open(folder//'/history.csv', columns, units, error, keep_to_step=step)
+    call outputs%history%open(folder//'/history.csv', columns, error, keep_to_step=step)
     if (allocated(error)) return
-    call outputs%bodies%open(folder//'/bodies.csv', bodies_columns, units, error, bodies_integers, &
-                             step, 'name')
+    call outputs%bodies%open(folder//'/bodies.csv', bodies_columns, error, bodies_integers, step, &
+                             'name')
     if (allocated(error)) return
-    call contact_rows_open(outputs%contact, model, folder//'/contact.csv', units, error, step)
+    call contact_rows_open(outputs%contact, model, folder//'/contact.csv', error, step)
     if (allocated(error)) return
     if (size(scene%gauges) > 0) then
       call outputs%gauges%open(folder//'/gauges.csv', &
                                [character(column_length) :: gauges_columns, gauge_fields()], &
-                               units, error, gauges_integers, step)
+                               error, gauges_integers, step, 'name')
     end if
   end subroutine open_tables
 
@@ -322,6 +321,7 @@ contains
     character(name_length) :: none(0)
     integer :: g, nearest
     allocate (outputs%gauge_ids(size(scene%gauges)))
+    outputs%gauge_names = [character(name_length) :: (scene%gauges(g)%name, g=1, size(scene%gauges))]
     if (size(scene%gauges) == 0) return
     call snapshot_whole(model, none, outputs%initial, snapshot)
     if (parallel_rank() == 0) then
@@ -362,7 +362,8 @@ contains
       values = [(snapshot%fields(f)%values(1, p), f=1, size(snapshot%fields))]
       call outputs%gauges%write_row( &
         model%clock%step, [model%clock%time, real(g, dp), real(outputs%gauge_ids(g), dp), &
-                           snapshot%position(:, p), snapshot%velocity(:, p), values], error)
+                           snapshot%position(:, p), snapshot%velocity(:, p), values], error, &
+        trim(outputs%gauge_names(g)))
       if (allocated(error)) exit
     end do
     call parallel_agree(error)

@@ -33,7 +33,7 @@ ROOT = HERE.parents[1]
 WORK = ROOT / "build" / "mutation"
 KINDS = ("unit", "decks", "regression")
 LEAST, LEAST_OF_AREA, AREA = 0.85, 0.75, 8
-COPIES = ("CMakeLists.txt", "cmake", "doc", "input", "scripts", "src", "tests", "verification") # as they are now
+COPIES = ("CMakeLists.txt", "cmake", "doc", "input", "python", "scripts", "src", "tests", "verification") # as they are now
 # Nothing that a test could see: speed, times of clocks, hints to the system. The program's own file has no module.
 LEFT_OUT = re.compile(r"/(main|prefetch|large_pages|timers|process|cost_estimate)\.[fF]90$")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import numpy as np  # noqa: E402
 from common import COLOURS, NAMES, Case, main, solve, subplots  # noqa: E402
-from sgmp_io import read_pvd, read_vtu  # noqa: E402
+from sgmp_view.files import read_pvd, read_vtu  # noqa: E402
 
 SCHEMES = ("usf", "musl", "usl")
 METHODS = ("mpm", "sgmp")

@@ -7,7 +7,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import numpy as np  # noqa: E402
 from common import COLOURS, MARKERS, NAMES, VARIANTS, Case, cell_ticks, main, point, slope_triangle, slopes, solve, subplots, work_precision  # noqa: E402
-from sgmp_io import read_pvd, read_vtu  # noqa: E402
+from sgmp_view.files import read_pvd, read_vtu  # noqa: E402
 
 METHODS = ("sgmp", "normalised", "cpgimp")
 CFL = 0.8

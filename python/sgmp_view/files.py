@@ -2,7 +2,7 @@
 
 Needs numpy only. Every reader raises SgmpFileError with the file's name when something is missing or malformed.
 
-    from sgmp_io import read_history, read_vtu
+    from sgmp_view import read_history, read_vtu
     history = read_history("taylor_bar.out")         # dict: column -> array
     cloud = read_vtu("taylor_bar.out/particles_0000120.vtu")
     cloud.points, cloud.time, cloud.fields["stress"]  # (n, 3), float, (n, 6)
@@ -72,7 +72,7 @@ def von_mises(stress: np.ndarray) -> np.ndarray:
 # ---------------------------------------------------------------- tables
 
 def read_table(path: Path) -> Dict[str, np.ndarray]:
-    """A CSV table with one header line and `#` comments as a dict of columns; a last line cut short is ignored."""
+    """A CSV table with one header line as a dict of columns; a last line cut short is ignored."""
     path = existing(path)
     with open(path, newline="") as stream:
         rows = [row for row in csv.reader(stream) if row and not row[0].lstrip().startswith("#")]
@@ -85,8 +85,8 @@ def read_table(path: Path) -> Dict[str, np.ndarray]:
 
 
 def as_column(words: List[str], name: str, path: Path) -> np.ndarray:
-    """Numbers; the column `name` (of a body) is text."""
-    if name == "name":
+    """Numbers; names (of a body, a gauge, the bodies of a pair) are text."""
+    if name in ("name", "bodies"):
         return np.array(words)
     try:
         return np.array([float(word) for word in words])
@@ -135,6 +135,23 @@ def read_summary(folder: Path) -> dict:
         return json.loads(path.read_text())
     except json.JSONDecodeError as problem:
         raise SgmpFileError(f"{path}: {problem}") from None
+
+
+def read_summary_if_any(folder: Path) -> dict:
+    """The same, empty where a run has not ended."""
+    return read_summary(folder) if (Path(folder) / "summary.json").exists() else {}
+
+
+def folder_of(source: Path) -> Path:
+    """The output folder that a path names or lies in."""
+    source = Path(source)
+    return source if source.is_dir() else source.parent
+
+
+def run_name(source: Path) -> str:
+    """What to call a run in a legend: its folder without .out."""
+    name = folder_of(source).resolve().name
+    return name[:-4] if name.endswith(".out") else name
 
 
 def lookup(summary: dict, *keys: str, default=None):
@@ -207,29 +224,76 @@ def read_dump(source: Path, step: str = "last") -> Particles:
     source = existing(source)
     if source.is_file():
         return read_vtu(source) if source.suffix == ".vtu" else read_particles_csv(source)
-    series = source / "particles.pvd"
-    if not series.exists():
+    dumps = dumps_of(source)
+    if not dumps:
         if step == "last" and (source / "particles_end.csv").exists():
             return read_particles_csv(source)
-        raise SgmpFileError(f"{source}: neither particles.pvd nor particles_end.csv (add `output vtu` or `output csv at=end`)")
-    entries = read_pvd(series)
-    if not entries:
-        raise SgmpFileError(f"{series}: no dumps in it")
+        raise SgmpFileError(f"{source}: no dumps (add `output vtu every=…`, `output vtkhdf every=…` or `output csv at=end`)")
     try:
-        time, path = entries[-1] if step == "last" else entries[int(step)]
+        return dumps[-1 if step == "last" else int(step)].read()
     except (ValueError, IndexError):
-        raise SgmpFileError(f"{series}: no dump '{step}'; give 'last' or 0 to {len(entries) - 1}") from None
-    particles = read_vtu(path)
-    particles.time = time
+        raise SgmpFileError(f"{source}: no dump '{step}'; give 'last' or 0 to {len(dumps) - 1}") from None
+
+
+@dataclass
+class Dump:
+    """One dump of a series, not yet read."""
+
+    path: Path
+    time: float
+    step: int = -1                                      # place in a VTKHDF file
+
+    def read(self) -> Particles:
+        """Its particles."""
+        particles = read_vtu(self.path) if self.step < 0 else read_vtkhdf(self.path, self.step)
+        particles.time = self.time
+        return particles
+
+
+def dumps_of(folder: Path) -> List[Dump]:
+    """The dumps of an output folder in the order of time: .vtu by particles.pvd, else particles.vtkhdf."""
+    folder = Path(folder)
+    if (folder / "particles.pvd").exists():
+        return [Dump(path, time) for time, path in read_pvd(folder / "particles.pvd")]
+    path = folder / "particles.vtkhdf"
+    if not path.exists():
+        return []
+    with open_hdf5(path) as file:
+        return [Dump(path, float(time), step) for step, time in enumerate(file["VTKHDF/Steps/Values"][()])]
+
+
+def open_hdf5(path: Path):
+    """An HDF5 file, or an error that says what is missing."""
+    try:
+        import h5py
+    except ImportError:
+        raise SgmpFileError(f"{path}: reading VTKHDF needs h5py (pip install h5py), or `output vtu` in the deck") from None
+    return h5py.File(existing(path), "r")
+
+
+def read_vtkhdf(path: Path, step: int) -> Particles:
+    """The particles of one step of a VTKHDF file of particles."""
+    with open_hdf5(path) as file:
+        root = file["VTKHDF"]
+        steps = root["Steps"]
+        parts = root["NumberOfPoints"]
+        first_part = int(steps["PartOffsets"][step])
+        width = int(steps["NumberOfParts"][step]) if "NumberOfParts" in steps else 1
+        count = int(parts[first_part:first_part + width].sum())
+        start = int(steps["PointOffsets"][step])
+        particles = Particles(path, root["Points"][start:start + count])
+        for name, data in root["PointData"].items():
+            first = int(steps[f"PointDataOffsets/{name}"][step])
+            particles.fields[name] = data[first:first + count]
+            if data.ndim == 2:
+                particles.components[name] = ["x", "y", "z"] if data.shape[1] == 3 else ["xx", "yy", "zz", "xy", "yz", "xz"]
     return particles
 
 
 def first_dump(source: Path) -> Optional[Particles]:
     """The first dump of an output folder, if there is a series."""
-    source = Path(source)
-    folder = source if source.is_dir() else source.parent
     try:
-        return read_vtu(read_pvd(folder / "particles.pvd")[0][1])
+        return dumps_of(folder_of(source))[0].read()
     except (SgmpFileError, IndexError):
         return None
 
@@ -254,12 +318,9 @@ def read_units(folder: Path) -> Dict[str, str]:
             base = tuple(units.get(key) or "" for key in ("length", "mass", "time"))
     except SgmpFileError:
         pass
-    if not all(base) and (folder / "history.csv").exists():
-        with open(folder / "history.csv") as stream:
-            for line in (stream.readline(), stream.readline()):
-                found = re.search(r"length (\S+), mass (\S+), time (\S+?)(,|$)", line.strip())
-                if found:
-                    base = found.groups()[:3]
+    if not all(base) and (folder / "run.log").exists():  # of a run that has not ended: the deck in its log
+        found = re.search(r"^units (\S+) (\S+) (\S+)$", (folder / "run.log").read_text(errors="replace"), re.M)
+        base = found.groups() if found else base
     if not all(base):
         return dict.fromkeys(("length", "mass", "time", "energy", "stress", "velocity", "momentum"), "")
     length, mass, time = base
@@ -271,6 +332,24 @@ def read_units(folder: Path) -> Dict[str, str]:
 def label(text: str, unit: str) -> str:
     """An axis label with its unit, if there is one."""
     return f"{text} ({unit})" if unit else text
+
+
+def field_unit(name, units):
+    """Unit of a field by its name."""
+    for start, unit in (("stress", units["stress"]), ("pressure", units["stress"]), ("yield", units["stress"]),
+                        ("velocity", units["velocity"]), ("temperature", "K"), ("volume", units["length"] and units["length"] + "³"),
+                        ("density", units["mass"] and f"{units['mass']}/{units['length']}³"), ("mass", units["mass"])):
+        if name.startswith(start):
+            return unit
+    return ""
+
+
+def field_label(name, units):
+    """Words and unit of a field."""
+    words = {"stress": "von Mises stress", "velocity": "speed"}.get(name, name.replace("_", " "))
+    if name in PLASTIC_STRAIN:
+        words = "equivalent plastic strain"
+    return label(words, field_unit(name, units))
 
 
 def plot_style() -> dict:

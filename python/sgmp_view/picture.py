@@ -1,29 +1,24 @@
-#!/usr/bin/env python3
-"""Draw the particles of one dump, coloured by a field.
+"""Particles of one dump, coloured by a field.
 
-    python3 scripts/render_particles.py taylor_bar.out --field plastic_strain
-    python3 scripts/render_particles.py taylor_bar.out --step 3 --field pressure --axis x --cut
-    python3 scripts/render_particles.py taylor_bar.out/particles_0000120.vtu -o picture.png
+    sgmp-view picture taylor_bar.out --field plastic_strain
+    sgmp-view picture taylor_bar.out --step 3 --field pressure --axis x --cut
+    sgmp-view picture taylor_bar.out/particles_0000120.vtu -o picture.png
 
 Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, or a particles CSV.
 3D: side view along --axis as a shaded surface, hidden particles hidden; --cut removes the half that faces the viewer and
 shows the section. 2D: the plane. 1D: field over x. A dashed line is the undeformed outline, where it is known (first dump
 or initial positions). A field may be a component (stress_xx), a vector (its size) or a tensor (von Mises); without --field:
-plastic strain, else pressure, else speed. Needs numpy and matplotlib. Exit code 1 if an input is missing.
+plastic strain, else pressure, else speed.
 """
 
-import argparse
-import sys
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import ListedColormap, Normalize, TwoSlopeNorm
 
-from sgmp_io import PLASTIC_STRAIN, SgmpFileError, first_dump, label, plot_style, read_dump, read_units
+from .files import (PLASTIC_STRAIN, SgmpFileError, field_label, first_dump, folder_of, label, lookup, plot_style, read_dump,
+                    read_summary_if_any, read_units, run_name)
 
 VIEWS = {"x": (1, 2, 0, 1.0), "y": (0, 2, 1, -1.0), "z": (0, 1, 2, 1.0)}  # horizontal, vertical, depth, towards the viewer
 LIGHT = np.array([-0.45, 0.55, 0.70]) / np.linalg.norm([-0.45, 0.55, 0.70])
@@ -161,7 +156,7 @@ def choose_norm(values, limits=None):
 def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=None, limits=None, cmap=None):
     """Draw a 2D or 3D cloud on `axis` in data units; returns a mappable for the colour bar."""
     flat = dimension_of(points) == 2
-    across, up, along, sign = VIEWS["z" if flat and np.ptp(points[:, 2]) == 0 else view]
+    across, up, along, sign = VIEWS[normal_of(points, view)]
     plane, depth = points[:, [across, up]], sign * points[:, along]
     clouds = [plane] + ([outline[:, [across, up]]] if outline is not None else [])
     margin = 1.5 * spacing
@@ -200,83 +195,105 @@ def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=N
     return mappable
 
 
-def field_unit(name, units):
-    """Unit of a field by its name."""
-    for start, unit in (("stress", units["stress"]), ("pressure", units["stress"]), ("yield", units["stress"]),
-                        ("velocity", units["velocity"]), ("temperature", "K"), ("volume", units["length"] and units["length"] + "³"),
-                        ("density", units["mass"] and f"{units['mass']}/{units['length']}³"), ("mass", units["mass"])):
-        if name.startswith(start):
-            return unit
-    return ""
+def normal_of(points, axis):
+    """Direction of view: of a plane cloud the coordinate that does not vary, else `axis`."""
+    flat = [name for name, width in zip("xyz", np.ptp(points, axis=0)) if width == 0]
+    return flat[-1] if flat else axis
 
 
-def field_label(name, units):
-    """Words and unit of a field."""
-    words = {"stress": "von Mises stress", "velocity": "speed"}.get(name, name.replace("_", " "))
-    if name in PLASTIC_STRAIN:
-        words = "equivalent plastic strain"
-    return label(words, field_unit(name, units))
+def unfolded(particles, values, outline):
+    """The whole section of a scene about an axis: both sides of it."""
+    def both(points):
+        return None if points is None else np.vstack([points, points * (-1, 1, 1)])
+    return both(particles.points), np.concatenate([values, values]), both(outline)
 
 
-def render(arguments):
-    particles = read_dump(arguments.source, arguments.step)
-    if len(particles.points) < 2:
-        raise SgmpFileError(f"{particles.path}: fewer than two particles")
-    folder = arguments.source if arguments.source.is_dir() else arguments.source.parent
-    units = read_units(folder)
-    name = arguments.field or particles.first_of(*PLASTIC_STRAIN, "pressure", "velocity")
+def field_of(particles, name=None):
+    """Name and values of the field to colour by."""
+    name = name or particles.first_of(*PLASTIC_STRAIN, "pressure", "velocity")
     if name is None:
         raise SgmpFileError(f"{particles.path}: no field to colour by")
-    values = particles.column(name).astype(float)
-    title = arguments.title or folder.resolve().name.removesuffix(".out").replace("_", " ")
+    return name, particles.column(name).astype(float)
+
+
+def draw_line(points, values, name, units):
+    """A figure of a field over x: scenes of one dimension."""
+    figure, axis = plt.subplots(figsize=(7, 4), layout="constrained")
+    order = np.argsort(points[:, 0])
+    axis.plot(points[order, 0], values[order], ".-", markersize=3, linewidth=0.8)
+    axis.set(xlabel=label("x", units["length"]), ylabel=field_label(name, units))
+    return figure, axis
+
+
+def draw_cloud(points, values, name, units, spacing, outline, options, axes="xyz", box=None):
+    """A figure of a plane or solid cloud with its colour bar; `box`: corners of what is to be in it."""
+    view = normal_of(points, options.axis)
+    across, up = VIEWS[view][:2]
+    shown = np.vstack([cloud for cloud in (points, outline, box) if cloud is not None])
+    extent = np.ptp(shown[:, [across, up]], axis=0) + 3 * spacing
+    size = extent * min(7.5 / extent[0], 6.5 / extent[1])
+    figure, axis = plt.subplots(figsize=(size[0] + 1.9, max(size[1], 1.8) + 0.9), layout="constrained")
+    mappable = draw_particles(axis, points, values, spacing, view, options.cut, outline, options.limits, options.cmap)
+    bar = figure.colorbar(mappable, ax=axis, shrink=0.9, pad=0.03, aspect=28)
+    bar.set_label(field_label(name, units))
+    bar.outline.set_visible(False)
+    if box is not None:
+        axis.set(xlim=(shown[:, across].min() - spacing, shown[:, across].max() + spacing),
+                 ylim=(shown[:, up].min() - spacing, shown[:, up].max() + spacing))
+    axis.set(xlabel=label(axes[across], units["length"]), ylabel=label(axes[up], units["length"]))
+    return figure, axis
+
+
+def draw(particles, source, options, box=None):
+    """The figure of one dump; the caller closes it. `box`: two corners of what a series of figures shows."""
+    if len(particles.points) < 2:
+        raise SgmpFileError(f"{particles.path}: fewer than two particles")
+    units = read_units(folder_of(source))
+    name, values = field_of(particles, options.field)
+    if dimension_of(particles.points) == 1:
+        figure, axis = draw_line(particles.points, values, name, units)
+    else:
+        initial = initial_points(particles, source)
+        points, outline = particles.points, None if options.no_outline else initial
+        spacing = estimate_spacing(points if initial is None else initial, particles.fields.get("volume"))
+        about_axis = lookup(read_summary_if_any(folder_of(source)), "dimension") == "axisymmetric"
+        if about_axis:
+            points, values, outline = unfolded(particles, values, outline)
+            box = box and (np.array(box[1]) * (-1, 1, 1), np.array(box[1]) * (1, 1, 1), box[0], box[1])
+        figure, axis = draw_cloud(points, values, name, units, spacing, outline, options, "ryz" if about_axis else "xyz", box)
+    title = options.title or run_name(source).replace("_", " ")
     if particles.time is not None:
         title += f"   t = {particles.time:.4g} {units['time']}".rstrip()
-    across, up = (VIEWS["z"] if dimension_of(particles.points) == 2 else VIEWS[arguments.axis])[:2]
-    with plt.rc_context(plot_style()):
-        if dimension_of(particles.points) == 1:
-            figure, axis = plt.subplots(figsize=(7, 4), layout="constrained")
-            order = np.argsort(particles.points[:, 0])
-            axis.plot(particles.points[order, 0], values[order], ".-", markersize=3, linewidth=0.8)
-            axis.set(xlabel=label("x", units["length"]), ylabel=field_label(name, units))
-        else:
-            initial = initial_points(particles, arguments.source)
-            spacing = estimate_spacing(particles.points if initial is None else initial, particles.fields.get("volume"))
-            outline = None if arguments.no_outline else initial
-            shown = particles.points if outline is None else np.vstack([particles.points, outline])
-            extent = np.ptp(shown[:, [across, up]], axis=0) + 3 * spacing
-            size = extent * min(7.5 / extent[0], 6.5 / extent[1])
-            figure, axis = plt.subplots(figsize=(size[0] + 1.9, max(size[1], 1.8) + 0.9), layout="constrained")
-            mappable = draw_particles(axis, particles.points, values, spacing, arguments.axis, arguments.cut, outline,
-                                      arguments.limits, arguments.cmap)
-            bar = figure.colorbar(mappable, ax=axis, shrink=0.9, pad=0.03, aspect=28)
-            bar.set_label(field_label(name, units))
-            bar.outline.set_visible(False)
-            axis.set(xlabel=label("xyz"[across], units["length"]), ylabel=label("xyz"[up], units["length"]))
-        axis.set_title(title, loc="left", fontweight="bold")
-        output = arguments.output or folder / f"{particles.path.stem}_{name}.png"
-        figure.savefig(output)
-        plt.close(figure)
-    return output
+    axis.set_title(title, loc="left", fontweight="bold")
+    return figure
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file or particles CSV")
+def drawing_arguments(parser):
+    """How a cloud is drawn: what pictures and films share."""
     parser.add_argument("--field", help="field, component, vector or tensor to colour by")
-    parser.add_argument("--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)")
     parser.add_argument("--axis", choices="xyz", default="y", help="3D: direction of view (default: y, that is x to the right, z up)")
     parser.add_argument("--cut", action="store_true", help="3D: remove the half facing the viewer")
     parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"), help="ends of the colour scale")
     parser.add_argument("--cmap", help="matplotlib colour map")
     parser.add_argument("--title", help="title (default: the folder's name)")
     parser.add_argument("--no-outline", action="store_true", help="without the undeformed outline")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="picture (default: beside the data)")
-    arguments = parser.parse_args()
-    try:
-        print(render(arguments))
-    except (SgmpFileError, OSError, ValueError) as problem:
-        sys.exit(f"render_particles: {problem}")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="file (default: beside the data)")
 
 
-if __name__ == "__main__":
-    main()
+def arguments(parser):
+    """Arguments of the command."""
+    parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file or particles CSV")
+    parser.add_argument("--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)")
+    drawing_arguments(parser)
+
+
+def run(options):
+    """Draws the picture and prints its name."""
+    particles = read_dump(options.source, options.step)
+    with plt.rc_context(plot_style()):
+        figure = draw(particles, options.source, options)
+        name, _ = field_of(particles, options.field)
+        output = options.output or folder_of(options.source) / f"{particles.path.stem}_{name}.png"
+        figure.savefig(output)
+        plt.close(figure)
+    print(output)

@@ -1,23 +1,20 @@
-#!/usr/bin/env python3
 """Turn the half-plane of an axisymmetric run into the body of revolution that it stands for: particles for pictures in 3D.
 
-    python3 scripts/revolve.py taylor_bar_axisymmetric.out
-    python3 scripts/revolve.py taylor_bar_axisymmetric.out --step 3 --angle 360
-    python3 scripts/revolve.py taylor_bar_axisymmetric.out/particles_0000120.vtu -o bar.vtu
+    sgmp-view revolve taylor_bar_axisymmetric.out
+    sgmp-view revolve taylor_bar_axisymmetric.out --step 3 --angle 360
+    sgmp-view revolve taylor_bar_axisymmetric.out/particles_0000120.vtu -o bar.vtu
 
 Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, or a particles CSV. Every ring becomes particles on
 its circle, as far apart as rings are from each other; vectors and tensors turn with them, mass and volume are shared out. Without
-an angle of 360 degrees the section can be seen. Writes a .vtu file for ParaView or scripts/render_particles.py.
-Needs numpy only. Exit code 1 if an input is missing.
+an angle of 360 degrees the section can be seen. Writes a .vtu file for ParaView or `sgmp-view picture`.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
 import numpy as np
 
-from sgmp_io import Particles, SgmpFileError, read_dump
+from .files import Particles, read_dump
 
 SHARED = ("mass", "volume")  # what a ring has and its particles have parts of
 TENSOR = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
@@ -90,27 +87,23 @@ def write_vtu(particles, path):
         file.write(b"\n</AppendedData>\n</VTKFile>\n")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(parser):
+    """Arguments of the command."""
     parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file or particles CSV")
     parser.add_argument("--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)")
     parser.add_argument("--angle", type=float, default=180, help="degrees about the axis, 0 to 360 (default: 180)")
     parser.add_argument("--spacing", type=float, help="distance of particles on a circle (default: that of the rings)")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="file to write (default: beside the data, …_revolved.vtu)")
-    arguments = parser.parse_args()
-    try:
-        if not 0 < arguments.angle <= 360:
-            raise ValueError(f"--angle {arguments.angle:g} is not in (0,360]")
-        rings = read_dump(arguments.source, arguments.step)
-        if np.any(rings.points[:, 1] != 0) or np.any(rings.points[:, 0] < 0):
-            raise ValueError(f"{rings.path} is no axisymmetric scene: particles do not lie in the half-plane x > 0, y = 0")
-        solid = revolve(rings, arguments.angle, arguments.spacing or distance_of_rings(rings.points))
-        output = arguments.output or rings.path.with_name(rings.path.stem + "_revolved.vtu")
-        write_vtu(solid, output)
-    except (SgmpFileError, OSError, ValueError) as problem:
-        sys.exit(f"revolve: {problem}")
+
+
+def run(options):
+    """Writes the dump and prints its name."""
+    if not 0 < options.angle <= 360:
+        raise ValueError(f"--angle {options.angle:g} is not in (0,360]")
+    rings = read_dump(options.source, options.step)
+    if np.any(rings.points[:, 1] != 0) or np.any(rings.points[:, 0] < 0):
+        raise ValueError(f"{rings.path} is no axisymmetric scene: particles do not lie in the half-plane x > 0, y = 0")
+    solid = revolve(rings, options.angle, options.spacing or distance_of_rings(rings.points))
+    output = options.output or rings.path.with_name(rings.path.stem + "_revolved.vtu")
+    write_vtu(solid, output)
     print(output)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,0 +1,8 @@
+"""What sgmp writes, as numpy arrays, figures, films and reports."""
+
+from .files import (Particles, SgmpFileError, read_dump, read_history, read_particles_csv, read_pvd, read_summary, read_table,
+                    read_units, read_vtu)
+
+__version__ = "0.1.0"
+__all__ = ["Particles", "SgmpFileError", "read_dump", "read_history", "read_particles_csv", "read_pvd", "read_summary",
+           "read_table", "read_units", "read_vtu"]

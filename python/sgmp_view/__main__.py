@@ -1,0 +1,5 @@
+"""python -m sgmp_view."""
+
+from .command import main
+
+main()

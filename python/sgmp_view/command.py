@@ -1,0 +1,40 @@
+"""The command sgmp-view: one word for each kind of figure, study or report."""
+
+import argparse
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+from . import compare, convergence, gauges, history, movie, picture, profile, report, revolve, slice_, status, sweep  # noqa: E402
+from .files import SgmpFileError  # noqa: E402
+
+# word: module with `arguments(parser)` and `run(options)`, whose docstring is the help
+COMMANDS = {
+    "status": status, "report": report, "history": history, "gauges": gauges, "picture": picture, "slice": slice_,
+    "profile": profile, "movie": movie, "revolve": revolve, "compare": compare, "sweep": sweep, "convergence": convergence,
+}
+
+
+def parser():
+    """The parser of all commands."""
+    top = argparse.ArgumentParser(prog="sgmp-view", description=__doc__)
+    words = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for word, module in COMMANDS.items():
+        summary = module.__doc__.strip().split("\n", maxsplit=1)[0]
+        module.arguments(words.add_parser(word, help=summary, description=module.__doc__,
+                                          formatter_class=argparse.RawDescriptionHelpFormatter))
+    return top
+
+
+def main(words=None):
+    """Runs one command: exit code 0, 1 with a message where an input is missing or malformed, 2 for the command line."""
+    options = parser().parse_args(words)
+    try:
+        code = COMMANDS[options.command].run(options)
+    except (SgmpFileError, OSError, ValueError) as problem:
+        sys.exit(f"sgmp-view {options.command}: {problem}")
+    except BrokenPipeError:
+        code = 0
+    sys.exit(code or 0)

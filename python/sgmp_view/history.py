@@ -1,0 +1,104 @@
+"""Energies, energy drift and momentum of one or several runs.
+
+    sgmp-view history taylor_bar.out
+    sgmp-view history mpm.out sgmp.out -o comparison.png
+
+Reads history.csv of each output folder. Energies: kinetic, internal, total. Drift: the ledger's unexplained remainder
+`energy_remainder` and the change of the total less external work and dissipation, relative to the largest energy.
+"""
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from .files import SgmpFileError, folder_of, label, plot_style, read_history, read_units, run_name
+
+ENERGIES = (("kinetic_energy", "kinetic", "#1f77b4"), ("internal_energy", "internal", "#d62728"),
+            ("total_energy", "total", "#222222"))
+LINES = ("-", "--", ":", "-.")
+
+
+def drift(history):
+    """Change of total energy that neither work nor recorded dissipation explains, relative to the largest energy."""
+    total = history["total_energy"]
+    scale = max(np.max(np.abs(total)), np.max(np.abs(history["kinetic_energy"])), np.finfo(float).tiny)
+    explained = sum(sign * history.get(name, 0.0) for name, sign in (
+        ("external_work", 1.0), ("contact_dissipation", -1.0)))
+    change = total - total[0] - (explained - np.atleast_1d(explained)[0])
+    return change / scale, history.get("energy_remainder", np.zeros_like(total)) / scale
+
+
+def plot_energies(axis, histories, names, units):
+    for run, history in enumerate(histories):
+        for key, text, colour in ENERGIES:
+            axis.plot(history["time"], history[key], LINES[run % 4], color=colour,
+                      label=text if run == 0 else None)
+    if len(histories) > 1:
+        for run, name in enumerate(names):
+            axis.plot([], [], LINES[run % 4], color="0.4", label=name)
+    axis.set(xlabel=label("time", units["time"]), ylabel=label("energy", units["energy"]))
+    if len(histories) == 1:
+        axis.legend()
+        return
+    low, high = axis.get_ylim()
+    axis.set_ylim(low, high + 0.1 * max(3, len(histories)) * (high - low))  # room for the legend
+    axis.legend(ncol=2, loc="upper right", fontsize=8)
+
+
+def figure(folders):
+    """The figure of one or several runs; the caller closes it."""
+    histories = [read_history(folder) for folder in folders]
+    for folder, history in zip(folders, histories):
+        if len(history.get("time", ())) < 2:
+            raise SgmpFileError(f"{folder}: history.csv has fewer than two rows")
+        missing = [key for key, _, _ in ENERGIES if key not in history]
+        if missing:
+            raise SgmpFileError(f"{folder}: history.csv has no column {', '.join(missing)}")
+    names = [run_name(folder) for folder in folders]
+    units = read_units(folder_of(folders[0]))
+    drawing, axes = plt.subplots(1, 3, figsize=(13, 3.9), layout="constrained")
+    plot_energies(axes[0], histories, names, units)
+    for run, (history, name) in enumerate(zip(histories, names)):
+        change, remainder = drift(history)
+        prefix = f"{name}: " if len(histories) > 1 else ""
+        axes[1].plot(history["time"], change, LINES[run % 4], color="#222222", label=prefix + "total less work")
+        axes[1].plot(history["time"], remainder, LINES[run % 4], color="#2ca02c", label=prefix + "ledger remainder")
+        for axis_name, colour in zip("xyz", ("#1f77b4", "#ff7f0e", "#9467bd")):
+            momentum = history.get(f"momentum_{axis_name}")
+            if momentum is not None and np.any(momentum != 0):
+                axes[2].plot(history["time"], momentum, LINES[run % 4], color=colour, label=prefix + axis_name)
+    axes[1].axhline(0, color="0.7", linewidth=0.8, zorder=0)
+    axes[1].set(xlabel=label("time", units["time"]), ylabel="energy change / largest energy")
+    axes[2].set(xlabel=label("time", units["time"]), ylabel=label("momentum", units["momentum"]))
+    for axis, title in zip(axes, ("Energies", "Energy drift", "Momentum")):
+        axis.set_title(title, loc="left", fontweight="bold")
+        axis.set_xlim(min(h["time"][0] for h in histories), max(h["time"][-1] for h in histories))
+    low, high = axes[1].get_ylim()
+    axes[1].set_ylim(low, high + 0.12 * (1 + len(folders)) * (high - low))  # room for the legend
+    for axis in axes[1:]:
+        if axis.get_legend_handles_labels()[0]:
+            axis.legend(loc="upper right" if axis is axes[1] else "best", fontsize=8 if len(histories) > 1 else 9)
+    return drawing
+
+
+def plot(folders, output):
+    """Writes the figure of one or several runs."""
+    with plt.rc_context(plot_style()):
+        drawing = figure(folders)
+        drawing.savefig(output)
+        plt.close(drawing)
+
+
+def arguments(parser):
+    """Arguments of the command."""
+    parser.add_argument("folders", nargs="+", type=Path, metavar="OUT_DIR", help="output folder(s) of sgmp")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE",
+                        help="picture (.png, .pdf, .svg); default: history.png in the first folder")
+
+
+def run(options):
+    """Draws the figure and prints its name."""
+    output = options.output or folder_of(options.folders[0]) / "history.png"
+    plot(options.folders, output)
+    print(output)

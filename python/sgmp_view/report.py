@@ -1,0 +1,142 @@
+"""One self-contained HTML page about a run: verdict, energies, pictures, gauges, cost, deck.
+
+    sgmp-view report taylor_bar.out                  # taylor_bar.out/report.html
+
+Everything is in the one file, which can be mailed. Pictures are drawn of up to --frames dumps (default: 4), coloured by --field.
+"""
+
+import argparse
+import base64
+import html
+import io
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from . import gauges, history, picture, status
+from .compare import flat, text_of
+from .files import SgmpFileError, dumps_of, field_label, folder_of, label, plot_style, read_dump, read_summary_if_any, read_units, run_name
+from .movie import common_limits
+
+STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:62em;margin:2em auto;padding:0 1em;color:#222}
+h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em;border-bottom:1px solid #ccc}
+table{border-collapse:collapse}td{padding:.1em 1.2em .1em 0;vertical-align:top}td+td{font-variant-numeric:tabular-nums}
+img{max-width:100%}pre{background:#f6f6f6;padding:1em;overflow:auto;font-size:13px}
+.sound{color:#13641c}.doubtful{color:#a33c00}.failed,.not{color:#a30000}
+.frames{display:flex;flex-wrap:wrap}.frames img{width:49%}"""
+
+ROWS = (
+    ("Scene", (("dimension", "dimension"), ("method", "method"), ("update", "update scheme"), ("h", "cell"), ("spacing", "spacing of particles"),
+               ("particles", "particles"), ("particles_lost", "particles lost"), ("steps", "steps"), ("time", "time"), ("cfl", "Courant number"),
+               ("restarted_from", "restarted from"))),
+    ("Can it be believed", (("energy.drift", "energy drift"), ("end_state.contact_share", "lost in contact, share of what was given"),
+                            ("end_state.viscous_share", "lost in viscosity, share"), ("end_state.shortest_step", "shortest step"),
+                            ("end_state.longest_step", "longest step"), ("end_state.limited_by", "last limited by"),
+                            ("end_state.thinnest_body_cells", "thinnest body (cells)"),
+                            ("end_state.least_particles_per_cell", "least particles per cell"),
+                            ("end_state.largest_compression", "largest compression"), ("end_state.largest_expansion", "largest expansion"),
+                            ("end_state.particles_out_of_reach", "particles out of reach of their bodies"),
+                            ("end_state.volume_without_room", "volume without room, share"),
+                            ("end_state.least_pressure", "least pressure"), ("end_state.largest_pressure", "largest pressure"))),
+    ("Cost", (("solve_seconds", "solution (s)"), ("wall_seconds", "in all (s)"), ("ns_per_particle_step", "ns per particle-step"),
+              ("ranks", "ranks"), ("threads", "threads"), ("peak_memory_bytes", "memory (bytes)"), ("version", "version"),
+              ("commit", "commit"), ("checksum", "checksum of the final state"))),
+)
+
+
+def embedded(figure):
+    """A figure as an image within the page."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=130)
+    plt.close(figure)
+    return f'<img src="data:image/png;base64,{base64.b64encode(stream.getvalue()).decode()}">'
+
+
+def verdict_of(summary):
+    """Word, class and reasons."""
+    if summary.get("exit_status"):
+        return "failed", [summary.get("message", f"exit code {summary['exit_status']}"), *summary.get("verdict_reasons", [])]
+    return summary.get("verdict", "no verdict"), summary.get("verdict_reasons", [])
+
+
+def tables(values):
+    """The tables of numbers."""
+    for title, rows in ROWS:
+        yield f"<h2>{title}</h2><table>"
+        for key, words in rows:
+            if values.get(key) not in (None, ""):
+                yield f"<tr><td>{words}</td><td>{html.escape(text_of(values[key]))}</td></tr>"
+        yield "</table>"
+
+
+def frames(folder, options):
+    """Pictures of some dumps, or of the final particles."""
+    drawing = argparse.Namespace(field=options.field, axis=options.axis, cut=options.cut, limits=None, cmap=None, title=" ",
+                                 no_outline=False)
+    try:
+        dumps = dumps_of(folder)
+        chosen = [dumps[k] for k in sorted({round(k) for k in np.linspace(0, len(dumps) - 1, min(options.frames, len(dumps)))})]
+        if chosen:
+            drawing.limits = common_limits(dumps[1:] or dumps, options.field)
+        for cloud in [dump.read() for dump in chosen] or [read_dump(folder)]:
+            yield embedded(picture.draw(cloud, folder, drawing))
+    except SgmpFileError as problem:
+        yield f"<p>No pictures: {html.escape(str(problem))}</p>"
+
+
+def gauge_figure(folder, units):
+    """Pressure, or the first other column, of all gauges."""
+    figure, axis = plt.subplots(figsize=(8, 3.6), layout="constrained")
+    for name, rows in gauges.series(folder):
+        axis.plot(rows["time"], rows["pressure"], label=name)
+    axis.set(xlabel=label("time", units["time"]), ylabel=field_label("pressure", units))
+    axis.legend()
+    return embedded(figure)
+
+
+def deck_of(folder):
+    """The deck with all defaults, as the log has it."""
+    log = folder / "run.log"
+    lines = log.read_text(errors="replace").splitlines()[2:] if log.exists() else []
+    return "\n".join(lines[:lines.index("")] if "" in lines else lines)
+
+
+def page(folder, options):
+    """The page."""
+    summary, units = read_summary_if_any(folder), read_units(folder)
+    title = summary.get("title") or run_name(folder)
+    word, reasons = verdict_of(summary) if summary else ("not finished", [status.describe(folder)[0]])
+    yield f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{html.escape(title)}</title><style>{STYLE}</style>'
+    yield f'<h1>{html.escape(title)}</h1><p>Verdict: <b class="{word.split()[0]}">{html.escape(word)}</b></p>'
+    yield "<ul>" + "".join(f"<li>{html.escape(str(reason))}</li>" for reason in reasons) + "</ul>" if reasons else ""
+    if any(units.values()):
+        yield f"<p>Units: {units['length']}, {units['mass']}, {units['time']}; stress in {units['stress']}.</p>"
+    with plt.rc_context(plot_style()):
+        yield "<h2>State</h2><div class=frames>" + "".join(frames(folder, options)) + "</div>"
+        try:
+            yield "<h2>Energy and momentum</h2>" + embedded(history.figure([folder]))
+        except SgmpFileError as problem:
+            yield f"<p>No energies: {html.escape(str(problem))}</p>"
+        if (folder / "gauges.csv").exists():
+            yield "<h2>Gauges</h2>" + gauge_figure(folder, units)
+    yield from tables(flat(summary))
+    yield f"<h2>Deck, with all defaults</h2><pre>{html.escape(deck_of(folder))}</pre></html>"
+
+
+def arguments(parser):
+    """Arguments of the command."""
+    parser.add_argument("folder", type=Path, metavar="OUT_DIR", help="output folder of sgmp")
+    parser.add_argument("--field", help="field of the pictures (default: plastic strain, else pressure, else speed)")
+    parser.add_argument("--axis", choices="xyz", default="y", help="3D: direction of view (default: y)")
+    parser.add_argument("--cut", action="store_true", help="3D: show the section")
+    parser.add_argument("--frames", type=int, default=4, metavar="N", help="number of pictures (default: 4)")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="page (default: report.html in the folder)")
+
+
+def run(options):
+    """Writes the page and prints its name."""
+    folder = folder_of(options.folder)
+    output = options.output or folder / "report.html"
+    output.write_text("\n".join(page(folder, options)), encoding="utf-8")
+    print(output)
