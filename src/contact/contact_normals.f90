@@ -1,6 +1,6 @@
 !> Normals from the gradients of the bodies' volumes (Eqs. 76, 87, 88).
 module sgmp_contact_normals
-  use sgmp_axis, only: axis_radius
+  use sgmp_axis, only: axis_radius_filled
   use sgmp_body, only: body_t
   use sgmp_contact_pairs, only: normal_first, normal_second
   use sgmp_field, only: field_t
@@ -72,7 +72,7 @@ contains
     real(dp) :: gradient(3)
     real(dp) :: left, right, section(2)
     integer :: dj, dk, base
-    section = circumference(field%space, axis_radius([i - 1, i]))
+    section = circumference(field%space, axis_radius_filled([i - 1, i]))
     gradient = 0.0_dp
     do dk = -merge(1, 0, field%ndim >= 2), 0
       do dj = -merge(1, 0, field%ndim == 3), 0

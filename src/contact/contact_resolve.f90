@@ -145,8 +145,10 @@ contains
     logical :: at_once
     integer :: round, n
     scale = maxval(abs(velocity))
+    ! One pair alone is done in one round but where its normal impulse changes the slip.
     at_once = count(conditions%active) <= 1 .and. &
-              all(abs(inverse_mass(1, :) - inverse_mass(3, :)) <= 0.0_dp)
+              (all(conditions%friction <= 0.0_dp) .or. &
+               all(abs(inverse_mass(1, :) - inverse_mass(3, :)) <= 0.0_dp))
     do round = 1, merge(1, most_rounds, at_once)
       change = 0.0_dp
       do n = 1, size(conditions)
@@ -156,7 +158,7 @@ contains
     end do
   end subroutine relax
 
-  !> One pair's correction of its impulse: normal, then tangential.
+  !> One pair's correction of its impulse.
   pure subroutine correct(condition, inverse_mass, velocity, change)
     type(condition_t), intent(inout) :: condition
     real(dp), intent(in) :: inverse_mass(:, :)       !! (3, members)
@@ -173,7 +175,6 @@ contains
       normal_part = dot_product(apart, n)
       along = max(condition%least, &
                   condition%along + (normal_part - condition%approach)/normal_weight)
-      apart = apart - (along - condition%along)*(weight - normal_weight)*n
       across = condition%across + (apart - normal_part*n)/slip_weight
       length = norm2(across)
       condition%slides = length > condition%friction .or. condition%friction <= 0.0_dp

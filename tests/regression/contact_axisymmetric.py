@@ -11,6 +11,7 @@ from _runs import SEAT, Report, run
 # A punch on a column between walls, or one-dimensional.
 COLUMN = """
 parameter method = sgmp
+parameter normal = separating
 dimension {dimension}
 grid cell=0.125 {grid}
 wall {wall}
@@ -20,7 +21,7 @@ material m elastic density=1 young=1 poisson=0.3
 body column {shape} upper={top}
 body punch {punch}
 rigid punch {axis}="(t < 15) ? -1e-3/15*(1-cos(2*pi*t/15)) : 0"
-contact column punch
+contact column punch normal=$normal
 history every=0.1
 """
 ROUND = COLUMN.format(dimension="axisymmetric", grid="r=0:1 z=0:open", wall="r+=slip z-=slip", shape="block material=m lower=(0,0)", top="(1,2)",
@@ -50,6 +51,9 @@ def along(report):
         if not all([report.finished(result, result.folder) for result in results]):
             continue
         disc, line = (result.table("contact.csv") for result in results)
+        tilted = run(f"tilted_{method}", ROUND, method=method, normal="first").table("contact.csv")
+        aside = max(abs(row["force_x"]) for row in tilted)/max(abs(row["force_z"]) for row in tilted)
+        report.check(aside < 0.02, f"{method}: the gradient of volume leads the force aside by {aside}")
         worst = max(abs(a["force_z"]/pi - b["force_x"]) for a, b in zip(disc, line))/max(abs(b["force_x"]) for b in line)
         report.check(len(disc) == len(line) and worst < 1e-4, f"{method}: force of the punch differs from that in 1D by {worst}")
 

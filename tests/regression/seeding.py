@@ -154,6 +154,9 @@ def polygons(report):
     for name, way in (("hook", hook), ("hook_back", hook[::-1])):
         compare(report, name, f"polygon material=m corners={','.join(f'({x},{y})' for x, y in way)} spacing=0.25 lattice_origin=(0.1,-0.05)", points,
                 spacing**2, 2)
+    # Points on the sides: those of the lower ones belong to it, whatever their last bits.
+    compare(report, "tile", "polygon material=m corners=(0,0),(2.1,0),(2.1,0.7),(0,0.7) spacing=0.1 lattice_origin=(-0.05,-0.05)",
+            [(0.1*i, 0.1*j) for i in range(21) for j in range(7)], 0.01, 2)
     outer, notch = ((0.0, -1.0), (2.0, 0.3), (1.4, 4.1), (0.0, 3.0)), ((0.9, 0.0), (3.0, 1.3), (3.0, 2.5))
     points = [p for p in lattice((0.0, -1.0), spacing, -1, 5, 2) if p[0] > 0 and polygon(*outer)(p) and not polygon(*notch)(p)]
     compare(report, "spindle", "polygon material=m corners=(0,-1),(2,0.3),(1.4,4.1),(0,3) spacing=0.25", points, lambda p: 2*math.pi*p[0]*spacing**2,
