@@ -7,13 +7,15 @@ module sgmp_eos
   private
   public :: eos_energy, eos_sound_speed_squared, eos_energy_pressure, eos_sound_speed_lanes
 
+  real(dp), parameter :: least_whole = 0.5_dp  !! of 1 + f b0 (v_new - v_old)/2 in eos_energy
+
 contains
 
   !> Energy after the step: E_new = E_old + work - (p_old + p_new)(v_new - v_old)/2, solved with
   !! p_new = f (a0 + b0 E_new).
   !!
-  !! Needs f b0 (v_new - v_old) > -2, which a step that changes the volume by less than its half
-  !! satisfies.
+  !! That is singular at f b0 (v_new - v_old) = -2, to which a step comes near that closes far
+  !! expanded matter, where b0 stays as v grows (Grueneisen): there the old pressure does the work.
   pure function eos_energy(energy_old, pressure_old, work, dv, fraction, a0, b0) result(energy)
     real(dp), intent(in) :: energy_old   !! E before the step (energy/initial volume)
     real(dp), intent(in) :: pressure_old  !! p before the step (stress)
@@ -21,9 +23,11 @@ contains
     real(dp), intent(in) :: dv           !! v_new - v_old
     real(dp), intent(in) :: fraction     !! burn fraction f after the step
     real(dp), intent(in) :: a0, b0       !! terms of the equation of state at v_new
-    real(dp) :: energy
+    real(dp) :: energy, whole
+    whole = 1.0_dp + 0.5_dp*dv*fraction*b0
     energy = energy_old + work - 0.5_dp*dv*(pressure_old + fraction*a0)
-    energy = energy/(1.0_dp + 0.5_dp*dv*fraction*b0)
+    energy = merge(energy/merge(whole, 1.0_dp, whole > least_whole), &
+                   energy_old + work - dv*pressure_old, whole > least_whole)
   end function eos_energy
 
   !> Squared bulk sound speed -(v^2/rho0) dp/dv at constant entropy, where dE = -p dv:

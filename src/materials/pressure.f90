@@ -66,7 +66,7 @@ contains
                         speed2, work)
   end subroutine cavitate
 
-  !> Keeps the pressure within bounds, and does the work that it has then done. Where it is held up
+  !> Keeps the pressure within bounds, and does the work that it has then done. Where it is held,
   !! waves have the speed that they have when the matter closes.
   pure subroutine bound_pressure(law, mass, old_volume, volume, least, most, energy, mean, speed2, &
                                  work)
@@ -82,7 +82,7 @@ contains
       missing = 0.5_dp*(-mean(l) - bounded)*(volume(l) - old_volume(l))
       work(l) = work(l) + missing/old_volume(l)
       energy(l) = energy(l) + missing*law%density/mass(l)
-      speed2(l) = merge(law%bulk_speed**2, speed2(l), bounded > -mean(l))
+      speed2(l) = merge(law%bulk_speed**2, speed2(l), abs(bounded + mean(l)) > 0.0_dp)
       mean(l) = -bounded
     end do
   end subroutine bound_pressure
