@@ -147,7 +147,7 @@ contains
     logical, intent(in) :: thin(3)
     type(space_t), intent(inout) :: space
     type(import_notes_t), intent(inout) :: notes
-    character(:), allocatable :: names
+    character(:), allocatable :: names, here, there
     integer :: axis
     if (.not. any(thin)) return
     associate (first => clouds(1))
@@ -163,12 +163,13 @@ contains
                    'fewer dimensions ('//trim(merge('uniaxial strain', 'plane strain   ', &
                    size(space%axes) == 1))//'); masses and energies here are those there over '// &
                    real_text(space%thickness)//'; --keep-3d keeps it as it is')
-    if (size(space%axes) > 1 .and. any(space%axes /= [1, 2])) call notes%add( &
-      note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', 'x, y here are '// &
-      'xyz'(space%axes(1):space%axes(1))//', '//'xyz'(space%axes(2):space%axes(2))//' there')
-    if (size(space%axes) == 1 .and. space%axes(1) /= 1) call notes%add( &
-      note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', 'x here is '// &
-      'xyz'(space%axes(1):space%axes(1))//' there')
+    here = ''
+    there = ''
+    do axis = 1, size(space%axes)
+      here = here//' '//'xyz'(axis:axis)
+      there = there//' '//'xyz'(space%axes(axis):space%axes(axis))
+    end do
+    if (here /= there) call notes%add(note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', 'here'//here//', there'//there)
   end subroutine find_thickness
 
 end module sgmp_mpm3d_space

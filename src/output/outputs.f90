@@ -56,7 +56,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in) :: restarted             !! the counts come from a checkpoint
     real(dp), allocatable :: time  !! not allocated in a new run: an absent argument below
+    integer :: g
     outputs%folder = folder
+    outputs%gauge_names = [character(name_length) :: (scene%gauges(g)%name, g=1, size(scene%gauges))]
     if (restarted) call count_anew(outputs, scene, model)
     outputs%dump_interval = scene%output%every
     outputs%row_interval = scene%output%history_every
@@ -321,7 +323,6 @@ contains
     character(name_length) :: none(0)
     integer :: g, nearest
     allocate (outputs%gauge_ids(size(scene%gauges)))
-    outputs%gauge_names = [character(name_length) :: (scene%gauges(g)%name, g=1, size(scene%gauges))]
     if (size(scene%gauges) == 0) return
     call snapshot_whole(model, none, outputs%initial, snapshot)
     if (parallel_rank() == 0) then

@@ -7,7 +7,7 @@
 enum { is_child = -1000, failed = -999, seconds = 30 };
 
 static void limit_memory(void) {
-#ifndef __SANITIZE_ADDRESS__ /* which reserves terabytes */
+#ifndef SANITIZED /* the address sanitizer reserves terabytes */
   struct rlimit memory = {(rlim_t)800 << 20, (rlim_t)800 << 20};
   setrlimit(RLIMIT_AS, &memory);
 #endif

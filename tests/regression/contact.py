@@ -91,7 +91,7 @@ def run(executable, folder, deck, *options):
 def table(path):
     """Rows of a history as dictionaries of numbers, without the bodies' names."""
     with open(path, encoding="utf-8") as file:
-        return [{key: float(value) for key, value in row.items() if key != "name"}
+        return [{key: float(value) for key, value in row.items() if key not in ("name", "bodies")}
                 for row in csv.DictReader(line for line in file if not line.startswith("#"))]
 
 

@@ -5,8 +5,9 @@ usage: cost.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import os
 import re
+import sys
 
-from _runs import Report, run
+from _runs import SANITIZED, Report, run
 
 # Blocks of 16^3 cells in a box of 10^9 cells.
 SPARSE = """
@@ -86,6 +87,9 @@ def many(report):
 
 def main():
     """All costs."""
+    if SANITIZED:
+        print("skipped: the address sanitizer takes memory and time of its own")
+        sys.exit(77)
     report = Report()
     many(report)
     thin(report)
