@@ -29,8 +29,8 @@ def contact(run):
 
 def pairs_of(run, name):
     """Numbers of the pairs in contact.csv whose first body has a name."""
-    comment = next(line for line in open(run.folder / "contact.csv") if line.startswith("#"))
-    return [int(words[1].rstrip(":")) for words in map(str.split, comment.split(";")) if words[0] == "pair" and words[2] == name]
+    rows = contact(run)
+    return sorted({int(pair) for pair, bodies in zip(rows["pair"], rows["bodies"]) if bodies.split()[0] == name})
 
 
 def excess(history, update, supplied=None):
