@@ -23,6 +23,7 @@ module sgmp_end_state
   type :: end_state_t
     integer(i8) :: particles = 0_i8
     real(dp) :: compression = 1.0_dp         !! largest density over the initial one
+    real(dp) :: condensed = 1.0_dp           !! the same, of bodies that are no gas
     real(dp) :: expansion = 1.0_dp           !! largest volume over the initial one
     real(dp) :: per_cell = huge(1.0_dp)      !! least particles per cell: a cell over the largest
     integer(i8) :: stretched = 0_i8          !! particles larger than a cell
@@ -53,6 +54,7 @@ contains
       if (holds_together(model%bodies(b))) call find_separated(scene%bodies(b), model, b, state)
     end do
     state%compression = parallel_max(state%compression)
+    state%condensed = parallel_max(state%condensed)
     state%expansion = parallel_max(state%expansion)
     state%per_cell = parallel_min(state%per_cell)
     state%stretched = parallel_sum(state%stretched)
@@ -79,6 +81,7 @@ contains
         ratio = volume*body%law%density/body%particles%motion(l, motion_mass(nd), c)
         pressure = sum(field%take(body, particle_place_t(nd, l, c)))
         state%compression = max(state%compression, 1.0_dp/ratio)
+        if (.not. law_gaseous(body%law)) state%condensed = max(state%condensed, 1.0_dp/ratio)
         state%expansion = max(state%expansion, ratio)
         cells = mesh_filled(mesh, body%particles%motion(l, :nd, c), volume)
         state%per_cell = min(state%per_cell, 1.0_dp/cells)

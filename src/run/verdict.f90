@@ -30,7 +30,8 @@ module sgmp_verdict
   real(dp), parameter :: largest_excess = 0.1_dp       !! part of the volume without room
   real(dp), parameter :: largest_separated = 0.01_dp   !! part of a body
   real(dp), parameter :: largest_stretched = 0.01_dp   !! part of the particles larger than a cell
-  real(dp), parameter :: largest_compression = 30.0_dp  !! density over the initial one
+  real(dp), parameter :: largest_compression = 30.0_dp  !! density over the initial one, of a gas
+  real(dp), parameter :: largest_condensed = 3.0_dp    !! of other matter: no shock reaches more
   real(dp), parameter :: largest_collapse = 20.0_dp    !! longest step over shortest
   real(dp), parameter :: least_thickness = 2.0_dp      !! cells across a body
 
@@ -160,9 +161,10 @@ contains
         call self%object(integer_text(found%stretched)//' particles are larger than a cell: '// &
                          'they leave gaps between them')
       end if
-      if (found%compression > largest_compression) then
+      if (found%compression > largest_compression .or. found%condensed > largest_condensed) then
         call self%object('material is '//real_text(found%compression)// &
-                         ' times as dense as at the start')
+                         ' times as dense as at the start: it has collapsed, or is pressed '// &
+                         'into fewer cells than resolve it')
       end if
     end associate
   end subroutine judge_particles
