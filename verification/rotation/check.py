@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""Exact rotation (doc/rotation.md): a free disk keeps its angular momentum; bar, vortex and rings are as good as without it."""
+import importlib.util
+import sys
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).resolve().parent.parent), str(Path(__file__).resolve().parent.parent / "bar")]
+import numpy as np  # noqa: E402
+from common import ROOT, Case, main, slopes, solve  # noqa: E402
+from contact import deck  # noqa: E402
+from exact import error_along  # noqa: E402
+
+RADIUS, SPIN = 1.6, 3.0
+TURNS = "2*pi*10/3"  # end time of ten turns
+
+
+def angular_momentum(run):
+    """Of the particles of the disk over what it had at the start."""
+    particles = run.particles()
+    velocity, start = particles.fields["velocity"], particles.fields["initial_position"]
+    now = (particles.points[:, 0]*velocity[:, 1] - particles.points[:, 1]*velocity[:, 0]).sum()
+    return now/(SPIN*(start[:, 0]**2 + start[:, 1]**2).sum())
+
+
+def disk(book, full):
+    """Three radians on three grids, all updates, and ten turns."""
+    cases = [{"h": h} for h in (0.4, 0.2, 0.1)] + [{"h": 0.2, "update": update} for update in ("usf", "usl", "usavg")]
+    cases += [{"h": 0.2, "t_end": TURNS}, {"h": 0.2, "t_end": TURNS, "update": "usavg"}]
+    runs = solve([deck("contact_rolling/spin", rotation="exact", **case) for case in cases])
+    rows = []
+    for case, run in zip(cases, runs):
+        turns = "ten turns" if "t_end" in case else "three radians"
+        name = f"free disk, R/h = {RADIUS/case['h']:g}, {case.get('update', 'musl').upper()}, {turns}"
+        history, change = run.history(), 100*(angular_momentum(run) - 1)
+        remainder = np.abs(history["energy_remainder"]).max()/history["total_energy"][0]
+        rows.append([name, float(change), float(100*(history["total_energy"][-1]/history["total_energy"][0] - 1)), float(remainder)])
+        book.near(name, "change of angular momentum (%)", change, 0.0, 1.0 if turns == "ten turns" else 0.1)
+        book.at_most(name, "remainder of the ledger over the energy", remainder, 1e-12)
+    book.table("rotation_disk", ["case", "angular momentum (%)", "energy (%)", "remainder"], rows, "Free disk with rotation=exact: changes.")
+    book.command(runs[0].case)
+
+
+def bar(book, full):
+    """The bar at 45 degrees keeps its order."""
+    sizes = (16, 32, 64, 128) if full else (16, 32, 64)
+    runs = solve([Case("bar_rotated", cells=n, method="sgmp", rotation="exact") for n in sizes])
+    for order, n in zip(slopes([1/n for n in sizes], [error_along(run, 0.02) for run in runs]), sizes):
+        book.at_least("bar at 45 degrees, rotation=exact", f"order from 1/{n} on", order, 1.9)
+    book.command(runs[0].case)
+
+
+def vortex(book, full):
+    """The vortex in a block: the same errors."""
+    module = importlib.util.spec_from_file_location("vortex", ROOT / "verification/vortex/check.py")
+    shared = importlib.util.module_from_spec(module)
+    module.loader.exec_module(shared)
+    for n in (16, 32, 64) if full else (16, 32):
+        runs = solve([Case("vortex", keep_dumps=True, amplitude=0.25, cells=n, cfl=0.8, method="sgmp", rotation=rotation) for rotation in ("plain", "exact")])
+        plain, exact = (shared.error(run, 1.0) for run in runs)
+        book.within(f"vortex, h = 1/{n}, rotation=exact", "error over that of plain", exact/plain, 1.0, 0.05)
+    book.command(runs[1].case)
+
+
+def check(book, full):
+    """Disk, bar, vortex."""
+    book.section("Exact rotation")
+    disk(book, full)
+    bar(book, full)
+    vortex(book, full)
+
+
+if __name__ == "__main__":
+    main(check, __doc__)
