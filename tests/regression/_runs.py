@@ -16,10 +16,11 @@ FIRST_ENDS = os.environ.get("SGMP_TEST_FIRST_ENDS", "") not in ("", "0")
 # Gas that fills a box from one side of it, {dimension} as the deck has it: volumes are kept.
 KEPT = """
 parameter method = sgmp
+parameter update = musl
 dimension {dimension}
 grid cell=1 {grid}
 wall {walls}
-method $method volumes=kept
+method $method update=$update volumes=kept
 time cfl=0.4 steps=80
 material air fluid density=1
 eos air ideal_gas gamma=1.4 energy0=2.5
