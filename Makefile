@@ -20,7 +20,9 @@ MAKEFLAGS += --no-print-directory
 # Threads that wait for others give their core away: on a busy machine spinning makes small runs several times slower.
 export OMP_WAIT_POLICY ?= passive
 
-.PHONY: help setup setup-test setup-dev build run verify verify-full hard test test-full test-slurm sanitize fuzz mutate debug test-debug bench lint format coverage doc install clean
+GALLERY = $(wildcard input/gallery/*.inp) input/taylor_bar_axisymmetric.inp
+
+.PHONY: gallery help setup setup-test setup-dev build run verify verify-full hard test test-full test-slurm sanitize fuzz mutate debug test-debug bench lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
 
 help: ## List the targets
@@ -48,6 +50,13 @@ run: build ## Run the Taylor bar, compare it with the experiment and draw it
 	mkdir -p $(RUN_DIR)
 	build/release/sgmp input/taylor_bar.inp --output $(RUN_DIR)
 	$(PYTHON) scripts/taylor_bar_report.py $(RUN_DIR)
+
+gallery: build ## Run the decks of input/gallery/ and draw them (two minutes): build/gallery/
+	mkdir -p build/gallery
+	for deck in $(GALLERY); do \
+	  out=build/gallery/$$(basename $$deck .inp).out; \
+	  build/release/sgmp $$deck --quiet --output $$out && $(PYTHON) scripts/sgmp-view report $$out || exit 1; \
+	done
 
 verify: build ## Compare the paper's examples with their references (minutes): build/verification/report.html
 	$(PYTHON) verification/verify.py

@@ -77,6 +77,10 @@ def main():
     for deck, more in VARIANTS:
         for method in ("mpm", "gimp", "sgmp"):
             check(report, deck, method, "musl", more)
+    for deck in sorted(os.listdir(os.path.join(INPUT, "gallery"))):
+        if deck.endswith(".inp"):
+            result = run("check", os.path.join("gallery", deck), options=["--check"])
+            report.check(result.code == 0 and "memory" in result.text, f"gallery/{deck} --check: {result.code}\n{result.text}")
     report.end()
 
 
