@@ -15,7 +15,7 @@ module sgmp_contact_ledger
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t
+  use sgmp_mesh, only: mesh_position, mesh_t
   use sgmp_parallel, only: parallel_gather
   use sgmp_shared_nodes, only: node_terms_t, row_axis, shared_nodes_t
   use sgmp_space, only: axes_in_output
@@ -179,13 +179,15 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(terms_t), intent(inout) :: table(:)     !! (pairs)
     real(dp) :: position(3), impulse(3)
-    integer :: axes(3), l, nd
+    integer :: axes(3), d, l, nd
     logical :: first
     nd = mesh%ndim
     axes = axes_in_output(:, mesh%space)
     position = 0.0_dp
-    position(:nd) = real(shared%point(row_axis([1, 2, 3], nd), n), dp)
-    position(:nd) = mesh%origin(:nd) + mesh%h*position(:nd)
+    do d = 1, nd
+      position(d) = mesh_position(mesh%origin(d), mesh%h, &
+                                  real(shared%point(row_axis(d, nd), n), dp))
+    end do
     position = position(axes)
     first = .true.
     do l = shared%link_start(n), shared%link_start(n + 1) - 1

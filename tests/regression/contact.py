@@ -129,6 +129,7 @@ def sliding(executable, scratch):
         data, summary = run(executable, os.path.join(scratch, "slide_" + threads), SLIDE, "--threads", threads)
         checksums.add(summary["checksum"])
     good = check(len(checksums) == 1, "the same bits with 1, 2 and 3 threads")
+    good &= check(all(row["torque_x"] == 0 and row["torque_y"] == 0 for row in data["contact"]), "in the plane the only torque is that about z")
     block = [row for row in data["bodies"] if row["body"] == 2]
     way = math.hypot(block[-1]["x"] - block[0]["x"], block[-1]["y"] - block[0]["y"])
     exact = 0.5*10*(math.sin(math.pi/6) - 0.3*math.cos(math.pi/6))*block[-1]["time"]**2
