@@ -39,7 +39,7 @@ module sgmp_contact
   type :: contact_step_t
     real(dp) :: dt_kick = 0.0_dp           !! velocity step dt^k
     real(dp) :: gap_speed = 0.0_dp         !! that closes a gap of one cell in the position step
-    real(dp) :: pic = 0.0_dp               !! share of the grid's velocity in the particles' (1 - flip)
+    real(dp) :: pic = 0.0_dp               !! share of the grid's velocity in particles' (1 - flip)
     real(dp) :: gravity(3) = 0.0_dp
     logical :: strains_with_trial = .false.  !! the trial velocity also strains the particles (USL)
     real(dp) :: before = 0.0_dp, after = 0.0_dp

@@ -42,7 +42,7 @@ module sgmp_contact_resolve
     real(dp) :: held_normal(3) = 0.0_dp    !! the normal of that trial
     real(dp) :: impulse(3) = 0.0_dp        !! that particles receive: + the second body, - the first
     real(dp) :: passed(3) = 0.0_dp
-      !! the same and what a share of PIC, which reads the grid's velocity, takes from the constraint
+      !! the same and what a share of PIC, which reads the grid's velocity, takes from constraint
     real(dp) :: pull(3) = 0.0_dp           !! change of relative velocity by all forces but contact
     real(dp) :: correction(3) = 0.0_dp
       !! momentum that makes the straining velocity obey; no particle receives it

@@ -169,7 +169,8 @@ contains
       here = here//' '//'xyz'(axis:axis)
       there = there//' '//'xyz'(space%axes(axis):space%axes(axis))
     end do
-    if (here /= there) call notes%add(note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', 'here'//here//', there'//there)
+    if (here /= there) call notes%add(note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', &
+                                      'here'//here//', there'//there)
   end subroutine find_thickness
 
 end module sgmp_mpm3d_space

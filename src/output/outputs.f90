@@ -58,7 +58,8 @@ contains
     real(dp), allocatable :: time  !! not allocated in a new run: an absent argument below
     integer :: g
     outputs%folder = folder
-    outputs%gauge_names = [character(name_length) :: (scene%gauges(g)%name, g=1, size(scene%gauges))]
+    outputs%gauge_names = [character(name_length) :: &
+                           (scene%gauges(g)%name, g=1, size(scene%gauges))]
     if (restarted) call count_anew(outputs, scene, model)
     outputs%dump_interval = scene%output%every
     outputs%row_interval = scene%output%history_every

@@ -1,5 +1,5 @@
-!> Exact rotation of one velocity field (doc/rotation.md): which planes each stage needs, how threads
-!! share them, and what ranks tell each other.
+!> Exact rotation of one velocity field (doc/rotation.md): which planes each stage needs, how
+!! threads share them, and what ranks tell each other.
 !!
 !! Particles read the nodes of planes own(1)..own(2) + nodes. A velocity that is to be taken to a
 !! node's place needs the velocities of the nodes next to it, which at the cut are a neighbour's;

@@ -9,9 +9,9 @@ module DIM(sgmp_nodes_rotation)
   use DIM(sgmp_nodes), only: node_forces
   use DIM(sgmp_rotation), only: rotation_couples, rotation_curls, rotation_moments, rotation_place
   use DIM(sgmp_rotation_offsets), only: rotation_inertia, rotation_inverses, rotation_offsets
-  use DIM(sgmp_rotation_rows), only: next_run, tile
   use sgmp_rotation_points, only: at_node, stage_couples, stage_curls, stage_inertia, &
                                   stage_inverses, stage_moments, stage_offsets
+  use DIM(sgmp_rotation_rows), only: next_run, tile
   implicit none
   private
   public :: nodes_rotation

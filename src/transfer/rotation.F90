@@ -43,7 +43,8 @@ contains
     associate (rotation => field%rotation)
       do q = 1, NSPIN
         associate (a => axes(1, q), b => axes(2, q))
-          moment(:n, q) = rotation%offset(from:to, a)*f(:n, b) - rotation%offset(from:to, b)*f(:n, a)
+          moment(:n, q) = rotation%offset(from:to, a)*f(:n, b) - &
+                          rotation%offset(from:to, b)*f(:n, a)
         end associate
       end do
       do q = 1, NSPIN
@@ -128,8 +129,8 @@ contains
             curl(:n) = 0.0_dp
             call add_differences(n, slope, axes(1, q), field%node(1, columns(v) + axes(2, q) - 1), &
                                  b, curl)
-            call add_differences(n, -slope, axes(2, q), field%node(1, columns(v) + axes(1, q) - 1), &
-                                 b, curl)
+            call add_differences(n, -slope, axes(2, q), &
+                                 field%node(1, columns(v) + axes(1, q) - 1), b, curl)
             field%rotation%centre(at:at + n - 1, (v - 1)*NSPIN + q) = &
               field%moment(at:at + n - 1, field%columns%mass)*curl(:n)
           end do

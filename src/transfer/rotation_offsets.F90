@@ -1,19 +1,19 @@
 ! dimension-generic
 #include "dimension.inc"
 #if NDIM > 1
-!> Where the nodes' centres of mass are, and what takes the curl of the velocity around a node to its
-!! angular velocity (doc/rotation.md): once per step, of the masses as they lie.
+!> Where the nodes' centres of mass are, and what takes the curl of the velocity around a node to
+!! its angular velocity (doc/rotation.md): once per step, of the masses as they lie.
 !!
-!! With J_c = 1 + sum_I D_I (x) G_cI the curl of omega x X at a centre is (tr J - J) omega. Lengths are
-!! in cells. Points far from surfaces, where the offsets D_I vanish, are passed over.
+!! With J_c = 1 + sum_I D_I (x) G_cI the curl of omega x X at a centre is (tr J - J) omega. Lengths
+!! are in cells. Points far from surfaces, where the offsets D_I vanish, are passed over.
 module DIM(sgmp_rotation_offsets)
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rotation_points, only: at_centre, at_force, at_node
-  use sgmp_rows, only: key_j, key_k
   use DIM(sgmp_rotation_rows), only: add_differences, centre_rows, next_run, node_rows, slope, &
                                      sums_row, tile
+  use sgmp_rows, only: key_j, key_k
   implicit none
   private
   public :: rotation_offsets, rotation_inertia, rotation_inverses

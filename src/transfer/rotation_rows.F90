@@ -1,8 +1,8 @@
 ! dimension-generic
 #include "dimension.inc"
 #if NDIM > 1
-!> Rows of points that take part in exact rotation (doc/rotation.md), and sums and differences of what
-!! the 2^d points around them hold.
+!> Rows of points that take part in exact rotation (doc/rotation.md), and sums and differences of
+!! what the 2^d points around them hold.
 module DIM(sgmp_rotation_rows)
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
