@@ -27,12 +27,12 @@ def line(name, *options, settings=None, text=DECK, threads=1):
     return command(name, text, options, SETTINGS if settings is None else settings, threads)
 
 
-def finish(report, reference, name, title, threads=1):
-    """Goes on to the end and compares with the straight run."""
+def finish(report, reference, name, title, threads=1, layouts=False):
+    """Goes on to the end and compares with the straight run; with `layouts` it was stopped on other ranks."""
     result = execute(line(name, "--restart", "latest", threads=threads), name)
     if report.finished(result, title):
         report.check(result["checksum"] == reference["checksum"], f"{title}: other bits than the straight run")
-        same_files(report, reference.folder, result.folder, title)
+        same_files(report, reference.folder, result.folder, title, layouts)
     return result
 
 
@@ -51,7 +51,7 @@ def stops(report, reference, title, stop, launcher=(), options=(), threads=1):
     saved = checkpoints(result.folder)
     if report.check(saved and saved[-1] == result.summary.get("steps"), f"{name}: {saved}, last step {result.summary.get('steps')}"):
         report.check(saved[-1] < SETTINGS["steps"], f"{name}: stopped only at the end")
-        finish(report, reference, name, name)
+        finish(report, reference, name, name, layouts=bool(launcher))
 
 
 def by_file(going):
