@@ -185,6 +185,7 @@ contains
     call file%open(path, 'replace', error)
     if (allocated(error)) return
     do i = 1, size(lines)
+      if (index(lines(i)%text, '#') == 1) cycle  ! older versions wrote a line of units
       if (i > 1) then
         if (count_commas(lines(i)%text) /= commas) exit
         read (lines(i)%text(:index(lines(i)%text, ',') - 1), *, iostat=status) row_step

@@ -7,6 +7,7 @@
 !! Every coefficient belongs to a centre, so that all particles around it see the same and sums of
 !! what they exchange vanish centre by centre.
 module DIM(sgmp_centres_relax)
+  use DIM(sgmp_auxmesh), only: node_rows
   use sgmp_columns, only: node_remapped, relax_dilation, relax_exchange, relax_filling, &
                           relax_filter, relax_square, relax_stiffness, relax_velocity
   use sgmp_field, only: field_t
@@ -127,15 +128,7 @@ contains
     integer, intent(in) :: s, first, n
     real(dp), intent(out) :: slope2(tile)
     integer :: i, a, b(NROW)
-    b(1) = field%neighbour(0, 0, s)
-#if NDIM == 2
-    b(2) = field%neighbour(0, 1, s)
-#elif NDIM == 3
-    b(2) = field%neighbour(0, 1, s)
-    b(3) = field%neighbour(1, 0, s)
-    b(4) = field%neighbour(1, 1, s)
-#endif
-    b = b + first
+    b = node_rows(field, s, first)
     slope2 = 0.0_dp
     do a = node_remapped, node_remapped + NDIM - 1
       associate (v => field%node(:, a))

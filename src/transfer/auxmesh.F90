@@ -17,6 +17,7 @@ module DIM(sgmp_auxmesh)
   implicit none
   private
   public :: auxmesh_fill, auxmesh_mirror, auxmesh_relax
+  public :: node_rows
 
   integer, parameter :: tile = 128
 
@@ -240,15 +241,10 @@ contains
     type(field_t), intent(in) :: field
     integer, intent(in) :: s, first
     integer :: b(NROW)
-    b(1) = field%neighbour(0, 0, s)
-#if NDIM == 2
-    b(2) = field%neighbour(0, 1, s)
-#elif NDIM == 3
-    b(2) = field%neighbour(0, 1, s)
-    b(3) = field%neighbour(1, 0, s)
-    b(4) = field%neighbour(1, 1, s)
-#endif
-    b = b + first
+    integer :: r
+    do r = 1, NROW
+      b(r) = field%neighbour((r - 1)/2, mod(r - 1, 2), s) + first
+    end do
   end function node_rows
 
 #include "corner_sums.inc"

@@ -13,10 +13,11 @@
 !! w_I is the angular velocity that a rigid motion would need for the curl found around the node
 !! (sgmp_rotation_offsets). Lengths are in cells.
 module DIM(sgmp_rotation)
+  use DIM(sgmp_auxmesh), only: node_rows
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_rotation_points, only: at_centre, at_force, at_node
-  use DIM(sgmp_rotation_rows), only: add_differences, centre_rows, next_run, node_rows, slope, &
+  use DIM(sgmp_rotation_rows), only: add_differences, centre_rows, next_run, slope, &
                                      sums_row, tile
   implicit none
   private

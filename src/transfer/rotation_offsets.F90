@@ -7,11 +7,12 @@
 !! With J_c = 1 + sum_I D_I (x) G_cI the curl of omega x X at a centre is (tr J - J) omega. Lengths
 !! are in cells. Points far from surfaces, where the offsets D_I vanish, are passed over.
 module DIM(sgmp_rotation_offsets)
+  use DIM(sgmp_auxmesh), only: node_rows
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rotation_points, only: at_centre, at_force, at_node
-  use DIM(sgmp_rotation_rows), only: add_differences, centre_rows, next_run, node_rows, slope, &
+  use DIM(sgmp_rotation_rows), only: add_differences, centre_rows, next_run, slope, &
                                      sums_row, tile
   use sgmp_rows, only: key_j, key_k
   implicit none

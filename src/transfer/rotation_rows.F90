@@ -8,7 +8,7 @@ module DIM(sgmp_rotation_rows)
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: tile, slope, next_run, sums_row, add_differences, node_rows, centre_rows
+  public :: tile, slope, next_run, sums_row, add_differences, centre_rows
 
   integer, parameter :: tile = 128   !! points of a row that are handled at a time
   real(dp), parameter :: slope = 0.5_dp**(NDIM - 1)  !! factor of a difference between 2^d corners
@@ -77,17 +77,6 @@ contains
     case default  ! the axes are complete
     end select
   end subroutine add_differences
-
-  !> Records of node `first` in the rows of nodes around a row of centres.
-  pure function node_rows(field, s, first) result(b)
-    type(field_t), intent(in) :: field
-    integer, intent(in) :: s, first
-    integer :: b(NROW)
-    integer :: r
-    do r = 1, NROW
-      b(r) = field%neighbour((r - 1)/2, mod(r - 1, 2), s) + first
-    end do
-  end function node_rows
 
   !> Records of the centre left of node `first` in the rows of centres around a row of nodes.
   pure function centre_rows(field, s, first) result(b)
