@@ -3,7 +3,7 @@ module sgmp_sorting
   use sgmp_kinds, only: i8
   implicit none
   private
-  public :: sort_order
+  public :: sort_order, sort_order_within
 
   integer, parameter :: digit_bits = 11
   integer, parameter :: few = 32  !! keys that are sorted before a radix sort has cleared its counts
@@ -51,7 +51,17 @@ contains
     end do
   end subroutine sort_order
 
-  !> The same for a handful of keys: by insertion.
+  !> The same, where equal keys follow each other in the order of their second keys.
+  pure subroutine sort_order_within(keys, second, order)
+    integer(i8), intent(in) :: keys(:), second(:)
+    integer, intent(out) :: order(:)  !! (size(keys))
+    integer :: by_second(size(keys))
+    call sort_order(second, by_second)
+    call sort_order(keys(by_second), order)
+    order = by_second(order)
+  end subroutine sort_order_within
+
+  !> sort_order for a handful of keys: by insertion.
   pure subroutine sort_few(keys, order)
     integer(i8), intent(in) :: keys(:)
     integer, intent(inout) :: order(:)

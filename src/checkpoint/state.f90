@@ -37,6 +37,7 @@ contains
     call archive%pass(model%findings%moved)
     call archive%pass(particle_steps)
     call pass_ledger(archive, model%ledger)
+    if (model%method%split > 0.0_dp) call archive%pass(model%ledger%split_energy)
     call archive%pass(model%totals%points)
     if (.not. allocated(model%totals%particles)) then
       allocate (model%totals%particles(size(model%bodies)))

@@ -6,9 +6,10 @@ module sgmp_cards_method
   use sgmp_keys, only: kind_integer, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
-  use sgmp_scene, only: method_card_t, update_musl, update_names
+  use sgmp_scene, only: method_card_t, scene_t, update_musl, update_names, update_usf
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: words_joined
+  use sgmp_text, only: real_text
   implicit none
   private
   public :: register_method
@@ -43,6 +44,12 @@ contains
                       'the space they fill, for gases and explosives that walls enclose '// &
                       '(sgmp, musl)', choices='plain kept', default='plain', &
                       source='doc/volumes.md')
+    call registry%key('split', kind_real, 'particles whose longest side is stretched beyond so '// &
+                      'many cells are split in two along it, fluids by their volume; 0.75 leaves '// &
+                      'no gaps; default: none is (musl, usl, usavg)', range='[0.25,2]', &
+                      source='doc/volumes.md, 5')
+    call registry%key('split_most', kind_integer, 'more particles than these after splitting '// &
+                      'end the run; default: 1e7', range='[1,inf)')
     call registry%key('hoop', kind_real, 'axisymmetric: correction C of the hoop strain next '// &
                       'to the axis; the default is that of particles anywhere, 1/8 that of a '// &
                       'lattice of two per cell that stays (sgmp only)', range='[0,1]', &
@@ -101,6 +108,8 @@ contains
       method%interior = card%number('interior')
       method%volumes_kept = card%word('volumes') == 'kept'
       if (method%volumes_kept) method%normalised = .true.
+      method%split = card%number('split', absent=0.0_dp)
+      method%split_most = card%whole('split_most', absent=10000000)
       method%hoop = card%number('hoop', absent=method%hoop)
       method%rotation = card%word('rotation') == 'exact'
       method%spin = card%word('spin') == 'carried'
@@ -117,6 +126,11 @@ contains
                         'remove stress=normalised or use method sgmp')
       end if
       call check_volumes(card, method, errors)
+      if (method%split > 0.0_dp) call check_split(card, draft%scene, errors)
+      if (card%has('split_most') .and. .not. card%has('split')) then
+        call errors%add(card%place('split_most'), 'split_most bounds what split makes of the '// &
+                        'particles, and none is split', 'add split=0.75 or remove split_most')
+      end if
       call check_rotation(card, method, errors)
       call check_axisymmetric(card, draft%scene%axisymmetric, method, errors)
       if (.not. method%spin) return
@@ -169,6 +183,29 @@ contains
                       'rotation=exact', 'remove the one or the other')
     end if
   end subroutine check_volumes
+
+  !> Where particles can be split.
+  subroutine check_split(card, scene, errors)
+    type(deck_card_t), intent(in) :: card
+    type(scene_t), intent(in) :: scene
+    type(deck_errors_t), intent(inout) :: errors
+    real(dp) :: spacing
+    integer :: b
+    if (scene%method%update == update_usf) then
+      call errors%add(card%place('split'), 'particles are split in the sweep that moves and '// &
+                      'strains them, which update=usf has not', &
+                      'remove split or use update=musl, usl or usavg')
+    end if
+    do b = 1, size(scene%bodies)
+      if (scene%bodies(b)%rigid) cycle
+      spacing = scene%bodies(b)%spacing/scene%grid%cell
+      if (spacing <= 0.0_dp) spacing = 1.0_dp/scene%bodies(b)%ppc
+      if (spacing <= scene%method%split) cycle
+      call errors%add(card%place('split'), "particles of body '"//trim(scene%bodies(b)%name)// &
+                      "' have sides of "//real_text(spacing)//' cells at the start', &
+                      'use more of them, or a larger split')
+    end do
+  end subroutine check_split
 
   !> Where exact rotation exists.
   subroutine check_rotation(card, method, errors)

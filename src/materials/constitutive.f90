@@ -72,11 +72,13 @@ module sgmp_constitutive
     integer :: energy = 0        !! internal energy per initial volume, for an equation of state
     integer :: lighting = 0      !! lighting time of an explosive
     integer :: deformation = 0   !! deformation gradient, row by row
-    integer :: stretch = 0       !! its diagonal alone, for cpGIMP
+    integer :: stretch = 0       !! its diagonal alone, for cpGIMP and to split particles
     integer :: initial = 0       !! initial position, for body forces that use it
     integer :: spin = 0          !! first component of the spin that particles carry
     integer :: surface = 0       !! distance to the body's surface, for contact
     integer :: compliance = 0    !! by which volume is exchanged, for kept volumes
+    integer :: path = 0          !! from the particle that it comes from, where particles are split:
+                                 !! 1, and of the halves of b 2 b and 2 b + 1
     integer :: total = 1
   end type slots_t
 

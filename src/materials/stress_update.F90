@@ -593,7 +593,7 @@ contains
     end do
   end subroutine newtonian
 
-  !> Diagonal of the deformation gradient, for cpGIMP's particle size.
+  !> Diagonal of the deformation gradient, for the size of particles.
   pure subroutine stretch(dt, grad, diagonal)
     real(dp), intent(in) :: dt, grad(lanes, NGRAD)
     real(dp), intent(inout) :: diagonal(lanes, NDIM)

@@ -6,7 +6,7 @@ module sgmp_outputs
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: directory_make
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
-                          gauges_integers, history_columns, history_t, kept_columns
+                          gauges_integers, history_columns, history_t, kept_columns, split_columns
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_sum
@@ -122,6 +122,7 @@ contains
     if (restarted) step = outputs%last_row_step
     columns = history_columns
     if (model%method%relaxed) columns = [columns, kept_columns]
+    if (model%method%split > 0.0_dp) columns = [columns, split_columns]
     call outputs%history%open(folder//'/history.csv', columns, error, keep_to_step=step)
     if (allocated(error)) return
     call outputs%bodies%open(folder//'/bodies.csv', bodies_columns, error, bodies_integers, step, &
@@ -267,6 +268,7 @@ contains
                 l%external_work, l%contact_dissipation, l%viscous_dissipation, &
                 l%interpolation_error, l%remainder, l%momentum(axes_in_output(:, model%mesh%space))]
       if (model%method%relaxed) values = [values, l%filter_heat, l%volume_correction]
+      if (model%method%split > 0.0_dp) values = [values, l%split_energy]
     end associate
     call outputs%history%write_row(model%clock%step, values, error)
     if (allocated(error)) return

@@ -20,6 +20,8 @@ module sgmp_snapshot
     real(dp) :: time = 0.0_dp
     integer(i4), allocatable :: id(:)                 !! (n) global id, ascending, from 1
     integer(i4), allocatable :: body(:)               !! (n) body number, from 1
+    real(dp), allocatable :: path(:)  !! (n) from the particle that was split, ascending in each id;
+                                      !! allocated only where particles are split
     real(dp), allocatable :: position(:, :)           !! (3, n), unused components zero
     real(dp), allocatable :: initial_position(:, :)   !! (3, n); allocated only where asked for
     real(dp), allocatable :: velocity(:, :)           !! (3, n)

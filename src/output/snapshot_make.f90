@@ -1,5 +1,6 @@
 !> Snapshots: the particles of the model, ordered by id, on one rank or dealt out to all.
 module sgmp_snapshot_make
+  use sgmp_body, only: body_t
   use sgmp_errors, only: error_t
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_position
@@ -11,7 +12,7 @@ module sgmp_snapshot_make
   use sgmp_scene, only: scene_t
   use sgmp_seeding, only: seeding_generate
   use sgmp_snapshot, only: snapshot_field_t, snapshot_t
-  use sgmp_sorting, only: sort_order
+  use sgmp_sorting, only: sort_order, sort_order_within
   use sgmp_space, only: axes_in_output
   implicit none
   private
@@ -38,6 +39,7 @@ contains
     snapshot%step = model%clock%step
     snapshot%time = model%clock%time
     call order_of_ids(model, place)  ! first, while there is little else
+    if (any(model%bodies%particles%path > 0)) allocate (snapshot%path(n))
     allocate (snapshot%id(n), snapshot%body(n), snapshot%position(3, n), snapshot%velocity(3, n))
     snapshot%position = 0.0_dp
     snapshot%velocity = 0.0_dp
@@ -54,6 +56,7 @@ contains
             p = place(visited)
             snapshot%id(p) = body%particles%id(l, c)
             snapshot%body(p) = b
+            if (allocated(snapshot%path)) snapshot%path(p) = path_of(body, l, c)
             snapshot%position(axes, p) = mesh_position(model%mesh%origin(:nd), model%mesh%h, &
                                                       body%particles%motion(l, :nd, c))
             snapshot%velocity(axes, p) = &
@@ -122,7 +125,11 @@ contains
     columns = columns(:, chosen)
     call parallel_deal(columns, destination, received)
     allocate (order(size(received, 2)))
-    call sort_order(nint(received(1, :), i8), order)
+    if (allocated(snapshot%path)) then
+      call sort_order_within(nint(received(1, :), i8), nint(received(9, :), i8), order)
+    else
+      call sort_order(nint(received(1, :), i8), order)
+    end if
     received = received(:, order)
     call snapshot_fill(snapshot, received)
   end subroutine deal_snapshot
@@ -133,6 +140,7 @@ contains
     real(dp), allocatable, intent(out) :: columns(:, :)
     integer :: f, q, n
     n = 8
+    if (allocated(snapshot%path)) n = n + 1
     if (allocated(snapshot%initial_position)) n = n + 3
     n = n + sum([(size(snapshot%fields(f)%values, 1), f=1, size(snapshot%fields))])
     allocate (columns(n, size(snapshot%id)))
@@ -141,9 +149,13 @@ contains
     columns(3:5, :) = snapshot%position
     columns(6:8, :) = snapshot%velocity
     q = 8
+    if (allocated(snapshot%path)) then
+      columns(9, :) = snapshot%path
+      q = 9
+    end if
     if (allocated(snapshot%initial_position)) then
-      columns(9:11, :) = snapshot%initial_position
-      q = 11
+      columns(q + 1:q + 3, :) = snapshot%initial_position
+      q = q + 3
     end if
     do f = 1, size(snapshot%fields)
       n = size(snapshot%fields(f)%values, 1)
@@ -162,9 +174,13 @@ contains
     snapshot%position = columns(3:5, :)
     snapshot%velocity = columns(6:8, :)
     q = 8
+    if (allocated(snapshot%path)) then
+      snapshot%path = columns(9, :)
+      q = 9
+    end if
     if (allocated(snapshot%initial_position)) then
-      snapshot%initial_position = columns(9:11, :)
-      q = 11
+      snapshot%initial_position = columns(q + 1:q + 3, :)
+      q = q + 3
     end if
     do f = 1, size(snapshot%fields)
       n = size(snapshot%fields(f)%values, 1)
@@ -173,16 +189,25 @@ contains
     end do
   end subroutine snapshot_fill
 
+  !> Path of a particle from the one that was split; 1 where none is.
+  pure real(dp) function path_of(body, lane, chunk) result(path)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: lane, chunk
+    path = 1.0_dp
+    if (body%particles%path > 0) path = body%particles%state(lane, body%particles%path, chunk)
+  end function path_of
+
   !> Place in the output of each of the rank's particles, in the order of their chunks: ids
-  !! ascending.
+  !! ascending, in each of them the paths.
   pure subroutine order_of_ids(model, place)
     type(model_t), intent(in) :: model
     integer, allocatable, intent(out) :: place(:)
-    integer(i8), allocatable :: ids(:)
+    integer(i8), allocatable :: ids(:), paths(:)
     integer, allocatable :: order(:)
     integer :: b, c, l, n
     n = sum(model%bodies%particles%count)
     allocate (ids(n), order(n), place(n))
+    if (any(model%bodies%particles%path > 0)) allocate (paths(n))
     n = 0
     do b = 1, size(model%bodies)
       do c = 1, model%bodies(b)%particles%chunks
@@ -190,10 +215,15 @@ contains
           if (model%bodies(b)%particles%id(l, c) == 0) cycle
           n = n + 1
           ids(n) = model%bodies(b)%particles%id(l, c)
+          if (allocated(paths)) paths(n) = nint(path_of(model%bodies(b), l, c), i8)
         end do
       end do
     end do
-    call sort_order(ids, order)
+    if (allocated(paths)) then
+      call sort_order_within(ids, paths, order)
+    else
+      call sort_order(ids, order)
+    end if
     do n = 1, size(order)
       place(order(n)) = n
     end do

@@ -120,6 +120,7 @@ contains
     integer(i8), intent(in) :: before, total     !! particles of lower ids on other ranks; of all
     type(error_t), allocatable, intent(out) :: error
     type(hdf5_file_t) :: file
+    integer(i8) :: points
     logical :: new_part
     call list_arrays(self, snapshot)
     if (.not. self%made) then
@@ -130,10 +131,15 @@ contains
     end if
     new_part = total /= self%last_count
     if (new_part) self%parts = self%parts + 1
-    if (self%used == self%capacity .or. self%parts > self%parts_capacity) then
+    points = self%points
+    do while (points < total)  ! particles have been split
+      points = 2*max(1_i8, points)
+    end do
+    if (self%used == self%capacity .or. self%parts > self%parts_capacity .or. &
+        points > self%points) then
       call resize(self, merge(2*self%capacity, self%capacity, self%used == self%capacity), &
                   merge(2*self%parts_capacity, self%parts_capacity, &
-                        self%parts > self%parts_capacity), error)
+                        self%parts > self%parts_capacity), points, error)
       if (allocated(error)) return
     end if
     self%last_count = total
@@ -278,9 +284,10 @@ contains
   end subroutine put_connectivity
 
   !> Replaces the file by one with other numbers of places, all at once.
-  subroutine resize(self, capacity, parts_capacity, error)
+  subroutine resize(self, capacity, parts_capacity, points, error)
     class(vtkhdf_t), intent(inout) :: self
     integer, intent(in) :: capacity, parts_capacity
+    integer(i8), intent(in) :: points            !! a multiple of those now
     type(error_t), allocatable, intent(out) :: error
     type(vtkhdf_t) :: larger
     type(error_t), allocatable :: problem
@@ -289,11 +296,11 @@ contains
     larger%path = part
     larger%capacity = capacity
     larger%parts_capacity = parts_capacity
-    larger%points = self%points
+    larger%points = points
     larger%arrays = self%arrays
     call make_file(larger, part, error)
     if (parallel_rank() == 0 .and. .not. allocated(error)) then
-      call copy_steps(self, part, min(self%parts, parts_capacity), error)
+      call copy_steps(self, larger, min(self%parts, parts_capacity), error)
       if (.not. allocated(error)) then
         if (.not. file_sync(part)) call io_error(error, 'write', part)
       end if
@@ -306,68 +313,97 @@ contains
     end if
     self%capacity = capacity
     self%parts_capacity = parts_capacity
+    self%points = points
   end subroutine resize
 
   !> Copies the steps in use into a larger or smaller file.
-  subroutine copy_steps(self, path, parts, error)
-    class(vtkhdf_t), intent(in) :: self
-    character(*), intent(in) :: path
+  subroutine copy_steps(self, larger, parts, error)
+    class(vtkhdf_t), intent(in) :: self, larger
     integer, intent(in) :: parts
     type(error_t), allocatable, intent(out) :: error
-    character(*), parameter :: lists(*) = [character(32) :: 'Steps/PartOffsets', &
-      'Steps/NumberOfParts', 'Steps/PointOffsets', 'Steps/CellOffsets', &
+    character(*), parameter :: lists(*) = [character(32) :: 'Steps/PointOffsets', &
+      'Steps/CellOffsets', 'Steps/PartOffsets', 'Steps/NumberOfParts', &
       'Steps/ConnectivityIdOffsets', 'NumberOfPoints', 'NumberOfCells', 'NumberOfConnectivityIds']
+    integer, parameter :: of_places = 2          !! the first ones count places of particles
     integer, parameter :: of_steps = 5           !! the first ones have a value per step
     type(hdf5_file_t) :: from, to
+    integer(i8) :: growth
     integer :: n
+    growth = larger%points/max(1_i8, self%points)
     call from%open(self%path, shared=.false., writable=.false.)
-    call to%open(path, shared=.false., writable=.true.)
+    call to%open(larger%path, shared=.false., writable=.true.)
     do n = 1, size(self%arrays)
-      call copy(from, to, self%arrays(n)%name, self%arrays(n)%kind, self%used*self%points)
-      if (n > 1) call copy(from, to, offsets_name(self%arrays(n)), hdf5_long, int(self%used, i8))
+      call copy(from, to, self%arrays(n)%name, self%arrays(n)%kind, self%used, &
+                [self%points, larger%points])
+      if (n > 1) call copy(from, to, offsets_name(self%arrays(n)), hdf5_long, self%used, &
+                           [1_i8, 1_i8], growth)
     end do
     call to%set_total(steps//'/Values', int(max(1, self%used), i8))
-    call copy(from, to, steps//'/Values', hdf5_real, int(self%used, i8))
+    call copy(from, to, steps//'/Values', hdf5_real, self%used, [1_i8, 1_i8])
     do n = 1, size(lists)
       call copy(from, to, root//'/'//trim(lists(n)), hdf5_long, &
-                int(merge(self%used, parts, n <= of_steps), i8))
+                merge(self%used, parts, n <= of_steps), [1_i8, 1_i8], &
+                merge(growth, 1_i8, n <= of_places))
     end do
-    call copy(from, to, root//'/Offsets', hdf5_long, parts*(self%points + 1))
-    call copy(from, to, root//'/Types', hdf5_byte, parts*self%points)
+    call copy(from, to, root//'/Offsets', hdf5_long, parts, [self%points, larger%points] + 1_i8)
+    call copy(from, to, root//'/Types', hdf5_byte, parts, [self%points, larger%points])
     call to%set_whole(steps, 'NSteps', [int(self%used, i8)], .true.)
     call from%close(error)
     if (allocated(error)) return
     call to%close(error)
   end subroutine copy_steps
 
-  !> Copies the first columns of a data set.
-  subroutine copy(from, to, name, kind, total)
+  !> Copies the first places of a data set, each of so many columns in the one file and in the
+  !! other; whole numbers are multiplied.
+  subroutine copy(from, to, name, kind, places, columns, factor)
     type(hdf5_file_t), intent(inout) :: from, to
     character(*), intent(in) :: name
-    integer, intent(in) :: kind
-    integer(i8), intent(in) :: total
-    real(dp), allocatable :: reals(:, :)
-    integer(i8), allocatable :: longs(:, :)
-    integer(i8) :: first, there
-    integer :: n, rows
+    integer, intent(in) :: kind, places
+    integer(i8), intent(in) :: columns(2)
+    integer(i8), intent(in), optional :: factor
+    integer(i8) :: there, place
+    integer :: rows
     call from%extent(name, rows, there)
     if (.not. from%good()) return
-    do first = 0, min(total, there) - 1, block_columns
-      n = int(min(int(block_columns, i8), min(total, there) - first))
+    if (columns(1) == columns(2)) then
+      call copy_columns(from, to, name, kind, rows, min(places*columns(1), there), [0_i8, 0_i8], &
+                        factor)
+      return
+    end if
+    do place = 0, places - 1
+      call copy_columns(from, to, name, kind, rows, min(columns(1), there - place*columns(1)), &
+                        place*columns, factor)
+    end do
+  end subroutine copy
+
+  !> Copies some columns of a data set from behind `before`(1) to behind `before`(2).
+  subroutine copy_columns(from, to, name, kind, rows, total, before, factor)
+    type(hdf5_file_t), intent(inout) :: from, to
+    character(*), intent(in) :: name
+    integer, intent(in) :: kind, rows
+    integer(i8), intent(in) :: total, before(2)
+    integer(i8), intent(in), optional :: factor
+    real(dp), allocatable :: reals(:, :)
+    integer(i8), allocatable :: longs(:, :)
+    integer(i8) :: first
+    integer :: n
+    do first = 0, total - 1, block_columns
+      n = int(min(int(block_columns, i8), total - first))
       select case (kind)
       case (hdf5_real)
         allocate (reals(rows, n))
-        call from%get(name, reals, first)
-        call to%put(name, reals, first)
+        call from%get(name, reals, before(1) + first)
+        call to%put(name, reals, before(2) + first)
         deallocate (reals)
       case default  ! whole numbers, which HDF5 turns into those of the file
         allocate (longs(1, n))
-        call from%get(name, longs, first)
-        call to%put(name, longs, first)
+        call from%get(name, longs, before(1) + first)
+        if (present(factor)) longs = longs*factor
+        call to%put(name, longs, before(2) + first)
         deallocate (longs)
       end select
     end do
-  end subroutine copy
+  end subroutine copy_columns
 
   !> At the end of a run: no empty places.
   subroutine vtkhdf_trim(self, snapshot, error)
@@ -375,7 +411,7 @@ contains
     type(snapshot_t), intent(in) :: snapshot     !! with the fields of all dumps
     type(error_t), allocatable, intent(out) :: error
     call list_arrays(self, snapshot)
-    call resize(self, self%used, self%parts, error)
+    call resize(self, self%used, self%parts, self%points, error)
   end subroutine vtkhdf_trim
 
   !> Whether there are empty places.

@@ -1,6 +1,6 @@
 !> Takes particles out of a bin and puts others in; their order by id stays.
 module sgmp_bin_change
-  use sgmp_kinds, only: i4, lanes
+  use sgmp_kinds, only: lanes
   use sgmp_movers, only: movers_free_chunk, movers_t
   use sgmp_particles, only: chunk_pad, particles_t
   implicit none
@@ -92,7 +92,7 @@ contains
       if (r == 0) exit
       l = mod(t - 1, lanes) + 1
       c = chain((t - 1)/lanes)
-      if (comes_later(n, lists(list(r))%id(at(r)))) then
+      if (comes_later(n, lists(list(r)), at(r))) then
         call copy_lane(particles, mod(n - 1, lanes) + 1, chain((n - 1)/lanes), l, c)
         n = n - 1
       else
@@ -109,13 +109,21 @@ contains
 
   contains
 
-    !> Whether the last particle of the bin, if there is one left, stands behind an id.
-    pure function comes_later(last, id) result(yes)
-      integer, intent(in) :: last
-      integer(i4), intent(in) :: id
+    !> Whether the last particle of the bin, if there is one left, stands behind a mover.
+    pure function comes_later(last, movers, m) result(yes)
+      integer, intent(in) :: last, m
+      type(movers_t), intent(in) :: movers
       logical :: yes
+      integer :: lane, chunk
       yes = .false.
-      if (last > 0) yes = particles%id(mod(last - 1, lanes) + 1, chain((last - 1)/lanes)) > id
+      if (last == 0) return
+      lane = mod(last - 1, lanes) + 1
+      chunk = chain((last - 1)/lanes)
+      yes = particles%id(lane, chunk) > movers%id(m)
+      if (particles%id(lane, chunk) == movers%id(m)) then  ! both come from one that was split
+        yes = particles%state(lane, particles%path, chunk) > &
+              movers%particle(particles%motion_columns + particles%path, m)
+      end if
     end function comes_later
 
   end subroutine bin_insert

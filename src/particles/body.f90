@@ -19,6 +19,7 @@ module sgmp_body
     type(particles_t) :: particles
     type(constitutive_t) :: law
     real(dp) :: half_size(3) = 0.25_dp         !! GIMP particle half-size (cells)
+    logical :: sides_stretch = .false.         !! and it follows the particle's stretch (cpGIMP)
     real(dp) :: spacing = 0.0_dp               !! particle spacing (length)
     logical :: forced = .false.                !! a body force acts
     type(expression_t) :: force(3)             !! force per unit mass

@@ -56,7 +56,8 @@ contains
               particle_field_t('plastic_strain', scalar, .false., plastic_strain), &
               particle_field_t('temperature', scalar, .false., temperature), &
               particle_field_t('damage', scalar, .false., damage), &
-              particle_field_t('energy', scalar, .false., energy)]
+              particle_field_t('energy', scalar, .false., energy), &
+              particle_field_t('path', scalar, .false., path)]
   end function field_table
 
   !> All names with blanks between them.
@@ -210,6 +211,13 @@ contains
     real(dp) :: values(most_components)
     values = stored(body, at, body%law%slots%energy)
   end function energy
+
+  pure function path(body, at) result(values)
+    type(body_t), intent(in) :: body
+    type(particle_place_t), intent(in) :: at
+    real(dp) :: values(most_components)
+    values = stored(body, at, body%law%slots%path)
+  end function path
 
   !> A column of the second stream; zero where the body's material has no such history.
   pure function stored(body, at, column) result(values)

@@ -1,6 +1,7 @@
 !> The particles of one body: chunks of `lanes` particles, binned by the cell of their stencil.
 !!
-!! A bin holds the particles that share a grid stencil, ordered by id, in a chain of chunks; the
+!! A bin holds the particles that share a grid stencil, ordered by id (where particles are split, in
+!! each id by the path from the particle that they come from), in a chain of chunks; the
 !! unused lanes of its last chunk hold a harmless pad. Two streams keep the two sweeps of a step
 !! apart: `motion` (position, velocity, mass) is all that a momentum sweep touches,
 !! `state` (volume, stress, history) is read only where stress is updated.
@@ -26,6 +27,7 @@ module sgmp_particles
     integer :: ndim = 3
     integer :: motion_columns = 7                   !! see sgmp_motion
     integer :: state_columns = 7                    !! volume, stress, history
+    integer :: path = 0                             !! column of the path, where particles are split
     integer :: count = 0                            !! live particles
     integer :: chunks = 0                           !! chunks in use or spare
     integer :: spares = 0

@@ -13,7 +13,7 @@ module sgmp_rebinning
   use sgmp_particles, only: bin_coordinates, chunk_prefetch, chunks_give_back, chunks_make_room, &
                             chunks_take, particles_number_bins, particles_t
   use sgmp_rows, only: key_k, row_key, rows_contains, rows_from_points, rows_t, rows_union
-  use sgmp_sorting, only: sort_order
+  use sgmp_sorting, only: sort_order, sort_order_within
   implicit none
   private
   public :: arrivals_t, particles_rebin, particles_renew_bins
@@ -125,7 +125,7 @@ contains
     integer, intent(in) :: bins(3)
     type(arrivals_t), intent(out) :: arrivals
     logical :: room
-    call sort_arrivals(lists, bins([1, 3]), arrivals)
+    call sort_arrivals(particles, lists, bins([1, 3]), arrivals)
     do while (arrivals%first <= arrivals%n)
       if (arrivals%bin(arrivals%first) >= bins(2)) exit
       arrivals%first = arrivals%first + 1
@@ -156,11 +156,12 @@ contains
   end subroutine particles_receive_rest
 
   !> Sorts the movers that come into a range of bins.
-  pure subroutine sort_arrivals(lists, range, arrivals)
+  pure subroutine sort_arrivals(particles, lists, range, arrivals)
+    type(particles_t), intent(in) :: particles
     type(movers_t), intent(in) :: lists(:)
     integer, intent(in) :: range(2)
     type(arrivals_t), intent(inout) :: arrivals
-    integer(i8), allocatable :: id(:), bin(:)
+    integer(i8), allocatable :: id(:), bin(:), path(:)
     integer, allocatable :: by_id(:), by_bin(:)
     integer :: t, m, n
     n = 0
@@ -182,7 +183,13 @@ contains
         bin(n) = lists(t)%bin(m) - range(1)
       end do
     end do
-    call sort_order(id - minval(id), by_id)
+    if (particles%path == 0) then
+      call sort_order(id - minval(id), by_id)
+    else
+      path = [(nint(lists(arrivals%list(m))%particle( &
+                    particles%motion_columns + particles%path, arrivals%at(m)), i8), m=1, n)]
+      call sort_order_within(id - minval(id), path, by_id)
+    end if
     call sort_order(bin(by_id), by_bin)
     by_bin = by_id(by_bin)
     arrivals%list = arrivals%list(by_bin)

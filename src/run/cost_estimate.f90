@@ -106,9 +106,10 @@ contains
     call put_slot(slots%energy, 'internal energy (eos)')
     call put_slot(slots%lighting, 'lighting time (explosive, detonation)')
     call put_slot(slots%deformation, 'deformation gradient (neo-Hookean material)')
-    call put_slot(slots%stretch, 'diagonal of the deformation gradient (method cpgimp)')
+    call put_slot(slots%stretch, 'diagonal of the deformation gradient (method cpgimp, split)')
     call put_slot(slots%initial, 'initial position (bodyforce that uses it)')
     call put_slot(slots%compliance, 'compliance (volumes=kept, eos)')
+    call put_slot(slots%path, 'path from the particle that was split (split)')
   end subroutine put_slots
 
   subroutine put_slot(column, text)

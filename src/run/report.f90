@@ -387,6 +387,9 @@ contains
       call summary%set('energy.filter_heat', model%ledger%filter_heat)
       call summary%set('energy.volume_correction', model%ledger%volume_correction)
     end if
+    if (model%method%split > 0.0_dp) then
+      call summary%set('energy.split_energy', model%ledger%split_energy)
+    end if
     call summary%set('energy.interpolation_error', model%ledger%interpolation_error)
     call summary%set('energy.predicted_error', model%ledger%predicted)
     call summary%set('energy.remainder', model%ledger%remainder)

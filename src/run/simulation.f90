@@ -279,7 +279,14 @@ contains
     real(dp) :: drift
     if (allocated(model%findings%failure)) return
     drift = ledger_drift(model%ledger)
-    if (drift /= drift) then
+    if (model%method%split > 0.0_dp .and. &
+        sum(model%totals%particles) > scene%method%split_most) then
+      call error_make(model%findings%failure, exit_numerical, 'splitting has led to '// &
+                      integer_text(sum(model%totals%particles))//' particles in step '// &
+                      integer_text(model%clock%step)//', more than split_most='// &
+                      integer_text(scene%method%split_most), &
+                      'raise split: particles stay larger; or raise split_most')
+    else if (drift /= drift) then
       call error_make(model%findings%failure, exit_numerical, &
                       'the total energy is not a number in step '// &
                       integer_text(model%clock%step), &

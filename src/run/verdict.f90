@@ -150,16 +150,19 @@ contains
   subroutine judge_particles(self, scene)
     type(verdict_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
+    character(:), allocatable :: remedy
+    remedy = ''
+    if (.not. scene%method%split > 0.0_dp) remedy = '; method … split=0.75 splits what is stretched'
     associate (found => self%state)
       if (found%separated_part > largest_separated) then
         call self%object(percent(found%separated_part)//" of body '"// &
                          trim(scene%bodies(found%separated_body)%name)// &
                          "' is out of reach of the rest, though its material does not fail: "// &
-                         'numerical fracture')
+                         'numerical fracture'//remedy)
       end if
       if (found%stretched > largest_stretched*found%particles) then
         call self%object(integer_text(found%stretched)//' particles are larger than a cell: '// &
-                         'they leave gaps between them')
+                         'they leave gaps between them'//remedy)
       end if
       if (found%compression > largest_compression .or. found%condensed > largest_condensed) then
         call self%object('material is '//real_text(found%compression)// &

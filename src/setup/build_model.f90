@@ -4,7 +4,7 @@ module sgmp_build_model
   use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
   use sgmp_burn, only: burn_lighting_time, burn_source_t
-  use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_slots
+  use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_slots, slots_t
   use sgmp_energy, only: ledger_open
   use sgmp_errors, only: error_t
   use sgmp_field, only: field_init
@@ -58,6 +58,7 @@ contains
     model%method%normalised = scene%method%normalised
     model%method%interior = scene%method%interior
     model%method%relaxed = scene%method%volumes_kept
+    model%method%split = scene%method%split
     model%method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
     model%method%spins = spin_components(scene)
     model%method%lost_policy = scene%grid%lost
@@ -142,14 +143,16 @@ contains
                                                   0.0_dp)
         end do
       end if
+      body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
       body%law%h = mesh%h
       body%law%rigid = body%rigid
       call law_slots(body%law, mesh%ndim, &
-                     stretch=merge(mesh%ndim, 0, scene%method%kind == method_cpgimp), &
+                     stretch=merge(mesh%ndim, 0, body%sides_stretch .or. splits(scene, body)), &
                      initial=merge(mesh%ndim, 0, needs_initial(body)), spin=spin_components(scene))
       call contact_add_slot(scene, number, body%law%slots)
       if (scene%method%volumes_kept) call add_compliance(body%law)
+      if (splits(scene, body)) call add_path(body%law%slots)
       do d = 1, mesh%ndim
         x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
       end do
@@ -158,6 +161,7 @@ contains
       call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, &
                           material%law%density, volume, first_history(card, body, mesh%ndim), &
                           first_id, ids)
+      body%particles%path = body%law%slots%path
       call ranks_hold(model%ranks%partition, body%particles)
       call set_velocities(card, mesh, file_velocity, body)
       call fill_positions(scene, mesh, body)
@@ -172,6 +176,21 @@ contains
     law%slots%total = law%slots%total + 1
     law%slots%compliance = law%slots%total
   end subroutine add_compliance
+
+  !> Whether particles of a body are split where they are stretched.
+  pure function splits(scene, body) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(body_t), intent(in) :: body
+    logical :: yes
+    yes = scene%method%split > 0.0_dp .and. .not. body%rigid
+  end function splits
+
+  !> A column for the path from the particle that was split.
+  pure subroutine add_path(slots)
+    type(slots_t), intent(inout) :: slots
+    slots%total = slots%total + 1
+    slots%path = slots%total
+  end subroutine add_path
 
   !> Body forces that act on a body; a card for the body itself comes before one for all.
   subroutine attach_force(scene, number, body)
@@ -211,6 +230,7 @@ contains
     history = law_first_history(body%law, ndim)
     associate (slots => body%law%slots)
       if (slots%surface > 0) history(slots%surface) = contact_no_surface
+      if (slots%path > 0) history(slots%path) = 1.0_dp
       if (slots%temperature > 0 .and. card%temperature >= 0.0_dp) then
         history(slots%temperature) = card%temperature
       end if

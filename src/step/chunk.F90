@@ -18,9 +18,10 @@ module DIM(sgmp_chunk)
   use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
+  use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use sgmp_sums, only: sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
-                       sum_viscous, sweep_sums
+                       sum_split, sum_viscous, sweep_sums
   use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_scatter, &
                                       linear_scatter_force, linear_scatter_moment, linear_weights
   use CARTESIAN(sgmp_transfer_product), only: product_gather, product_gather_gradient, &
@@ -197,6 +198,10 @@ contains
     if (plan%stress .and. (.not. task%centred .or. task%plain > task%forces + NFLUX)) then
       call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, motion, state, values)
     end if
+    if (plan%split > 0.0_dp .and. body%law%slots%path > 0) then
+      call split_particles(mesh, body, plan, task, s, nl, got(1, task%gradient), nb, motion, &
+                           state, id, xi, values, lane_sums, movers)
+    end if
     if (outside) call note_movers(task, s, nl, nb, motion, state, id, xi, values, movers)
     if (task%wide .and. (plan%drift .or. plan%mass)) then
       call particle_axes(body, task, nb, state, xi, axes)
@@ -258,7 +263,7 @@ contains
     real(dp), intent(out) :: size_of(lanes, NDIM, 2)  !! as gimp_axes wants them
     integer :: d
     do d = 1, NDIM
-      if (body%law%slots%stretch > 0) then
+      if (body%sides_stretch) then
         call gimp_size(body%half_size(d), state(1, body%law%slots%stretch + d - 1), &
                        size_of(1, d, 1), size_of(1, d, 2))
       else
@@ -512,6 +517,46 @@ contains
     end do
   end subroutine external_force
 
+  !> Splits particles that have been stretched too far: both halves leave as movers, and give to the
+  !! grid half of what the whole gives, but for the mass's moment and the momentum, which are theirs.
+  pure subroutine split_particles(mesh, body, plan, task, s, nl, gradient, nb, motion, state, id, &
+                                  xi, values, lane_sums, movers)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: s, nl, nb
+    real(dp), intent(in) :: gradient(lanes, NGRAD), motion(lanes, motion_total(NDIM))
+    real(dp), intent(inout) :: state(lanes, nb)
+    integer(i4), intent(inout) :: id(lanes)
+    real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
+    real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
+    type(movers_t), intent(inout) :: movers
+    real(dp) :: offset(lanes), live(lanes), half(lanes, most_columns + NFLUX)
+    real(dp) :: half_motion(lanes, motion_total(NDIM)), half_state(lanes, nb)
+    integer :: axis(lanes), side, l
+    call splitting_choose(body%law, mesh, plan%split, body%half_size(:NDIM), nl, xi, nb, motion, &
+                          state, axis, offset)
+    if (all(axis == 0)) return
+    live = merge(1.0_dp, 0.0_dp, axis > 0)
+    do side = -1, 1, 2
+      half = 0.5_dp*values
+      half_motion = motion
+      half_state = state
+      call splitting_halve(body%law, task%h, side, axis, offset, gradient, nb, half_motion, &
+                           half_state, lane_sums(1, sum_split))
+      call collect(plan%mass, plan%momentum, live, half_motion, half)
+      if (task%square > 0) call relaxation_square(live, half_motion, half(1, task%square))
+      do l = 1, nl
+        if (axis(l) == 0) cycle
+        call note_mover(task, s, l, id(l), side < 0, nb, half_motion, half_state, half, movers)
+      end do
+    end do
+    do l = 1, nl
+      if (axis(l) > 0) call take_out(l, task%values, id, xi, values)
+    end do
+  end subroutine split_particles
+
   !> Notes particles that left the bin and takes them out of it and of the scatter.
   pure subroutine note_movers(task, s, nl, nb, motion, state, id, xi, values, movers)
     type(task_t), intent(in) :: task
@@ -520,25 +565,46 @@ contains
     integer(i4), intent(inout) :: id(lanes)
     real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
     type(movers_t), intent(inout) :: movers
-    integer :: l, q, m
+    integer :: l
     do l = 1, nl
       if (all(xi(l, :) >= 0.0_dp .and. xi(l, :) < 1.0_dp)) cycle
-      call movers_add(movers, id(l), .true., s)
-      id(l) = 0
-      m = movers%n
-      do q = 1, motion_total(NDIM)
-        movers%particle(q, m) = motion(l, q)
-      end do
-      do q = 1, nb
-        movers%particle(motion_total(NDIM) + q, m) = state(l, q)
-      end do
-      do q = 1, task%values
-        movers%values(q, m) = values(l, q)
-        values(l, q) = 0.0_dp
-      end do
-      xi(l, :) = 0.5_dp
+      call note_mover(task, s, l, id(l), .true., nb, motion, state, values, movers)
+      call take_out(l, task%values, id, xi, values)
     end do
   end subroutine note_movers
+
+  !> Notes one lane as a mover; of the halves of a particle one counts as leaving the bin.
+  pure subroutine note_mover(task, s, l, id, here, nb, motion, state, values, movers)
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: s, l, nb
+    integer(i4), intent(in) :: id
+    logical, intent(in) :: here
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(in) :: values(lanes, most_columns + NFLUX)
+    type(movers_t), intent(inout) :: movers
+    integer :: q, m
+    call movers_add(movers, id, here, s)
+    m = movers%n
+    do q = 1, motion_total(NDIM)
+      movers%particle(q, m) = motion(l, q)
+    end do
+    do q = 1, nb
+      movers%particle(motion_total(NDIM) + q, m) = state(l, q)
+    end do
+    do q = 1, task%values
+      movers%values(q, m) = values(l, q)
+    end do
+  end subroutine note_mover
+
+  !> Takes a lane out of its bin and of the scatter.
+  pure subroutine take_out(l, columns, id, xi, values)
+    integer, intent(in) :: l, columns
+    integer(i4), intent(inout) :: id(lanes)
+    real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
+    id(l) = 0
+    values(l, :columns) = 0.0_dp
+    xi(l, :) = 0.5_dp
+  end subroutine take_out
 
   !> Adds a chunk to the accumulator of its stencil.
   pure subroutine scatter(task, stress, xi, axes, values, stencil)

@@ -11,7 +11,7 @@ module sgmp_energy
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: ledger_t, ledger_open, ledger_step, ledger_relax
+  public :: ledger_t, ledger_open, ledger_step, ledger_relax, ledger_split
   public :: ledger_total, ledger_drift, step_sums_t
 
   !> Sums of one step.
@@ -26,6 +26,8 @@ module sgmp_energy
     real(dp) :: filter_heat = 0.0_dp        !! kinetic energy that the velocity filter turned to
                                             !! internal energy, after the kick
     real(dp) :: volume_correction = 0.0_dp  !! sum |dV| p of volumes that were put right
+    real(dp) :: split = 0.0_dp       !! kinetic energy that the halves of split particles have more
+                                     !! than what they were, after the kick
     real(dp) :: contact = 0.0_dp     !! kinetic energy that contact took (friction, impact)
     real(dp) :: rigid_work = 0.0_dp  !! work of rigid bodies on the others
     real(dp) :: momentum(3) = 0.0_dp
@@ -40,6 +42,7 @@ module sgmp_energy
     real(dp) :: contact_dissipation = 0.0_dp
     real(dp) :: viscous_dissipation = 0.0_dp
     real(dp) :: filter_heat = 0.0_dp, volume_correction = 0.0_dp  !! for kept volumes
+    real(dp) :: split_energy = 0.0_dp        !! kinetic energy that splitting particles has added
     real(dp) :: interpolation_error = 0.0_dp  !! sum of dt^2/2 (sum_I m|a|^2 - sum_p m|a|^2), Eq. 43
     real(dp) :: remainder = 0.0_dp           !! kinetic energy that the identity does not explain
     real(dp) :: predicted = 0.0_dp           !! sum of the energy errors that the identities predict
@@ -116,5 +119,15 @@ contains
     ledger%filter_heat = ledger%filter_heat + sums%filter_heat
     ledger%volume_correction = ledger%volume_correction + sums%volume_correction
   end subroutine ledger_relax
+
+  !> Books the kinetic energy that the halves of split particles got after the kick: of the velocity
+  !! gradient inside the particle, which one velocity cannot hold.
+  pure subroutine ledger_split(ledger, sums)
+    type(ledger_t), intent(inout) :: ledger
+    type(step_sums_t), intent(in) :: sums
+    ledger%kinetic = ledger%kinetic + sums%split
+    ledger%predicted = ledger%predicted + sums%split
+    ledger%split_energy = ledger%split_energy + sums%split
+  end subroutine ledger_split
 
 end module sgmp_energy

@@ -13,6 +13,8 @@ module sgmp_method
     logical :: normalised = .false.         !! volume-normalised stress
     real(dp) :: interior = 0.0_dp           !! filling of interior cells, for normalised stress
     logical :: relaxed = .false.            !! volumes are kept (doc/volumes.md)
+    real(dp) :: split = 0.0_dp              !! longest side (cells) of a particle that is not split;
+                                            !! 0: none is
     logical :: rotation = .false.           !! rigid rotation strains nothing
     integer :: spins = 0                    !! components of the spin that particles carry
     real(dp) :: cutoff = 0.0_dp             !! node mass below which a node is ignored

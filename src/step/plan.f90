@@ -33,6 +33,8 @@ module sgmp_plan
     integer :: step = 0                    !! number of the step; 0: the first projection
     integer :: lost_policy = 1             !! one of lost_*: what those do that leave the grid
     real(dp) :: flip = 1.0_dp              !! weight of FLIP against PIC
+    real(dp) :: split = 0.0_dp             !! longest side (cells) of a particle that is not split;
+                                           !! 0: none is
   end type plan_t
 
   !> Buffers and findings of one slab of planes.

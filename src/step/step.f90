@@ -6,7 +6,7 @@
 module sgmp_step
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_step_t
-  use sgmp_energy, only: ledger_relax, ledger_step
+  use sgmp_energy, only: ledger_relax, ledger_split, ledger_step
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_phases, only: phase_contact_force, phase_contact_velocity, phase_find_contact, &
@@ -264,6 +264,7 @@ contains
     call ledger_step(model%ledger, model%totals%sums, dt_kick, &
                      exact=model%method%flip >= 1.0_dp .and. lost == model%findings%lost_before)
     if (model%method%relaxed) call ledger_relax(model%ledger, model%totals%sums)
+    if (model%method%split > 0.0_dp) call ledger_split(model%ledger, model%totals%sums)
     model%findings%lost_before = lost
   end subroutine book_step
 
@@ -298,6 +299,7 @@ contains
     plan%vectors = [node_velocity(model%mesh%ndim)]
     plan%gradient = node_remapped
     plan%relax = model%method%relaxed
+    plan%split = model%method%split
     if (model%method%spins > 0) then
       plan%spin_gain = merge(1.0_dp, spin_relaxation, model%clock%step == 0)
       plan%spin_keep = 1.0_dp - plan%spin_gain
@@ -312,7 +314,7 @@ contains
     type(plan_t) :: plan
     plan = plan_empty(model)
     plan%strain = .true.
-    plan%mass = any(model%bodies%law%slots%stretch > 0)
+    plan%mass = any(model%bodies%sides_stretch)
     plan%momentum = plan%mass
     plan%stress = .true.
     plan%dt_strain = max(model%clock%dt_before, tiny(1.0_dp)**0.25_dp)
@@ -351,6 +353,7 @@ contains
     plan%flip = model%method%flip
     plan%vectors = [node_acceleration, node_velocity(model%mesh%ndim)]
     plan%gradient = node_velocity(model%mesh%ndim)
+    plan%split = model%method%split
   end function plan_all
 
   !> What all sweeps of a step have in common.

@@ -3,10 +3,10 @@ module sgmp_sums
   implicit none
   private
   public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, &
-            sum_moment, sum_filter, sum_volume
+            sum_moment, sum_filter, sum_volume, sum_split
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_ignored
 
-  integer, parameter :: sweep_sums = 12    !! entries of a plane's sums over particles
+  integer, parameter :: sweep_sums = 13    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
   integer, parameter :: sum_mass_aa = 2    !! sum m_p |a_p|^2
   integer, parameter :: sum_internal = 3   !! growth of internal energy
@@ -15,6 +15,7 @@ module sgmp_sums
   integer, parameter :: sum_moment = 8  !! first of sum m X after the drift (3 components, in cells)
   integer, parameter :: sum_filter = 11  !! kinetic energy that the velocity filter turns to heat
   integer, parameter :: sum_volume = 12  !! sum |dV| p of volumes that are put right
+  integer, parameter :: sum_split = 13   !! kinetic energy of the halves of particles apart
 
   integer, parameter :: nodes_sums = 4     !! entries of a plane's sums over nodes
   integer, parameter :: nodes_mass_aa = 1  !! sum m_I |a_I|^2

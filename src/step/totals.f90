@@ -12,7 +12,7 @@ module sgmp_totals
   use sgmp_partition, only: partition_t
   use sgmp_sums, only: nodes_external, nodes_ignored, nodes_mass_aa, nodes_mass_av, nodes_sums, &
                        sum_filter, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, &
-                       sum_momentum, sum_viscous, sum_volume, sweep_sums
+                       sum_momentum, sum_split, sum_viscous, sum_volume, sweep_sums
   use sgmp_tally, only: tally_reset, tally_total
   implicit none
   private
@@ -104,7 +104,7 @@ contains
     if (body%at_rest) return
     own%moment = sums(sum_moment:sum_moment + 2)
     own%momentum = sums(sum_momentum:sum_momentum + 2)
-    own%kinetic = sums(sum_kinetic) - sums(sum_filter)
+    own%kinetic = sums(sum_kinetic) - sums(sum_filter) + sums(sum_split)
     if (body%rigid) return  ! its energy and momentum belong to whoever moves it
     own%internal = own%internal + sums(sum_internal)
     all%kinetic = all%kinetic + sums(sum_kinetic)
@@ -114,6 +114,7 @@ contains
     all%viscous = all%viscous + sums(sum_viscous)
     all%filter_heat = all%filter_heat + sums(sum_filter)
     all%volume_correction = all%volume_correction + sums(sum_volume)
+    all%split = all%split + sums(sum_split)
   end subroutine add_body
 
   !> Adds the nodes' sums.

@@ -103,6 +103,8 @@ EXPECTED = {
     "several": [r"{d}:3:11: error: 'cell'", r"{d}:5:32: error: 'density'", r"{d}:5:41: error: 'young'",
                 r"{d}:5:51: error: 'poisson'", r"{d}:7:1: error: unknown card 'wal'", r"{d}:8:15: error: unbalanced",
                 r"{d}:9:8: error: 'cvs'", r"{d}:10:10: error: there is no body 'rod'"],
+    "split": [r"{d}:6:30: error: particles are split in the sweep", r"{d}:6:30: error: particles of body 'bar' have sides of 1\.0+ cells", r"^2 error"],
+    "split_most": [r"{d}:6:24: error: split_most bounds", r"add split=0\.75", r"^1 error"],
     "small_strain": [r"{d}:5:73: error: 'strain' means nothing for kind j2"],
     "time_in_velocity": [r"{d}:7:17: error: the initial velocity cannot depend on t"],
     "tiny_cell": [r"{d}:6:1: error: body 'bar' reaches .* cells from the grid's origin"],

@@ -50,6 +50,7 @@ class Scene:
         self.method = self.luck.choice(("sgmp", "sgmp", "sgmp", "gimp", "mpm", "cpgimp", "bspline"))
         self.update = self.luck.choice(("musl", "musl", "usf", "usl", "usavg"))
         self.walls = self.rigid = self.carried = self.removes = False
+        self.split = random.Random(f"split {seed}").random() < 0.3  # of its own, so that scenes of old seeds stay what they were
         self.gravity, self.bodyforce = 0.0, False
         self.kinds = []
         self.lines = [f"dimension {self.dimension}"]
@@ -90,6 +91,8 @@ class Scene:
                 extra = ""
             self.carried = extra == " spin=carried"
             words.append(extra)
+        if self.update != "usf" and self.split:
+            words.append(" split=1")
         self.lines.append("".join(words))
         self.lines.append(f"time cfl={self.luck.choice(('0.2', '0.3', '0.4', 'auto'))} steps={self.steps}")
 

@@ -31,6 +31,39 @@ history steps=5
 KEPT_PLANE = KEPT.format(dimension=2, grid="x=0:6 y=0:20", walls="x-=slip x+=fixed y-=slip y+=slip", upper="6,10,0")
 KEPT_SPACE = KEPT.format(dimension=3, grid="x=0:3 y=0:3 z=0:18", walls="x-=slip x+=slip y-=slip y+=fixed z-=slip z+=slip", upper="3,3,9")
 KEPT_RINGS = KEPT.format(dimension="axisymmetric", grid="r=0:4 z=0:18", walls="r+=slip z-=slip z+=slip", upper="4,9").replace("(0,0,0)", "(0,0)")
+# Rubber and gas whose particles are stretched to many times their size, and split.
+SPLIT = """
+parameter method = sgmp
+parameter update = musl
+parameter split = 0.6
+dimension 2
+grid cell=0.25 x=0:open y=0:1
+wall x-=slip y-=slip y+=slip
+method $method update=$update split=split
+time steps=60 cfl=0.4
+material rubber neo_hookean density=1 young=1e-3 poisson=0
+body bar block material=rubber lower=(0,0) upper=(1,1) ppc=2
+velocity bar x=x
+history steps=5
+gauge middle point=(0.5,0.5,0)
+output csv at=end fields=density,mass,volume,path,displacement
+"""
+SPLIT_GAS = KEPT_PLANE.replace("volumes=kept", "volumes=kept split=0.75").replace("(6,10,0)", "(6,2,0)")
+SPLIT_RINGS = KEPT_RINGS.replace("volumes=kept", "volumes=kept split=0.75").replace("upper=(4,9)", "upper=(4,2)")
+# Apart in all directions, across the planes that ranks own.
+SPLIT_SPACE = """
+parameter method = sgmp
+parameter update = musl
+dimension 3
+grid cell=0.5
+method $method update=$update split=0.7
+time steps=16 cfl=0.5
+material rubber neo_hookean density=1 young=1e-5 poisson=0.3
+body ball sphere material=rubber centre=(0.1,0.2,0.3) radius=1 ppc=2
+velocity ball x=0.5*x y=x+0.7*y z=z
+history steps=5
+output vtkhdf
+"""
 # Under the address sanitizer, which takes memory of its own, what tests say of memory does not hold.
 SANITIZED = os.environ.get("SGMP_TEST_SANITIZED", "") not in ("", "0")
 

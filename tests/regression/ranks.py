@@ -12,7 +12,7 @@ import re
 import subprocess
 
 from _runs import (ENVIRONMENT, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SCRATCH, SEAT, SGMP,
-                   Report, Run)
+                   SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, Report, Run)
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]
@@ -207,6 +207,11 @@ SCENES = [
     ("kept", KEPT_PLANE, {}, FEW),
     ("kept_space", KEPT_SPACE, {}, FEW),
     ("kept_rings", KEPT_RINGS, {}, FEW),
+    ("split", SPLIT, {}, LAYOUTS),
+    ("split_gas", SPLIT_GAS, {}, FEW),
+    ("split_rings", SPLIT_RINGS, {}, FEW),
+    ("split_space", SPLIT_SPACE, {}, LAYOUTS),
+    ("split_balanced", SPLIT_SPACE + "balance every=3 gain=0\n", {"method": "cpgimp", "update": "usl"}, FEW),
     ("pile", PILE, {}, LAYOUTS),
     ("pile_gimp", PILE, {"method": "gimp", "update": "usf", "normal": "average"}, FEW),
     ("pile_mpm", PILE, {"method": "mpm", "update": "usavg"}, FEW),

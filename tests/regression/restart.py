@@ -4,7 +4,7 @@
 usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 from _restarts import FULL, checkpoints, deck, goes_on, mpirun, straight
-from _runs import FAILING, FLUIDS, KEPT_PLANE, SEAT, Report
+from _runs import FAILING, FLUIDS, KEPT_PLANE, SEAT, SPLIT, SPLIT_SPACE, Report
 
 EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
 # Particles leave the grid on two sides, where they are dropped or turned back.
@@ -91,6 +91,8 @@ SCENES = [
     ("fluids", FLUIDS, {}, 40, 2),
     ("failing", FAILING, {}, 80, 2),
     ("kept", KEPT_PLANE, {}, 80, 2),
+    ("split", SPLIT, {}, 60, 2),
+    ("split_space", SPLIT_SPACE, {}, 16, 1),
     ("calming", CALMING, {}, 40, 1),
     ("growing", GROWING, {}, 60, 1),
     ("light", LIGHT, {}, 10, 1),
@@ -111,7 +113,7 @@ def variants(name):
 
 def other_ranks(report):
     """Checkpoints of some ranks, continued by others."""
-    wanted = {"block", "leaving", "push"}
+    wanted = {"block", "leaving", "push", "split_space"}
     if FULL:
         wanted |= {"normalised", "taylor_bar", "bar", "automatic", "rings", "sphere_slope"}
     for name, text, settings, steps, _ in SCENES:

@@ -5,7 +5,7 @@ usage: threads.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import os
 
-from _runs import FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, SEAT, Report, run
+from _runs import FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, SEAT, SPLIT, SPLIT_GAS, SPLIT_SPACE, Report, run
 
 # Detonation from a corner of a charge in two or three dimensions, walls on two sides.
 CHARGE = """
@@ -41,6 +41,10 @@ SCENES = [
     ("failing", FAILING, {}),
     ("kept", KEPT_PLANE, {}),
     ("kept_space", KEPT_SPACE, {}),
+    ("split", SPLIT, {}),
+    ("split_gimp", SPLIT.replace("$method update=$update", "cpgimp update=usl"), {}),
+    ("split_gas", SPLIT_GAS, {}),
+    ("split_space", SPLIT_SPACE.replace("update=$update", "update=usavg"), {}),
     ("contact", "two_blocks.inp", {"width": 5, "length": 4, "steps": 60, "drift": 0.3, "speed": 0.05}),
     ("seat", SEAT, {}),
     ("bar", "bar.inp", {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1}),

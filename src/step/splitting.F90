@@ -1,0 +1,116 @@
+! dimension-generic, axisymmetric
+#include "dimension.inc"
+!> Splits particles that have been stretched so far that they would leave gaps between them
+!! (doc/volumes.md, 5): which of a chunk, along which axis, and what each half is.
+!!
+!! A particle stands for a box whose sides have the ratios of its stretches and whose volume is the
+!! particle's. What happens to it depends on nothing but the particle, the velocity gradient that
+!! strains it and the faces of the grid, so that the same particles are split whatever threads and
+!! ranks do.
+module DIM(sgmp_splitting)
+  use sgmp_constitutive, only: constitutive_t, law_is_spherical
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_mesh, only: mesh_filled, mesh_t
+  use sgmp_motion, only: motion_mass, motion_total, motion_velocity
+  implicit none
+  private
+  public :: splitting_choose, splitting_halve
+
+  integer, parameter :: before_v = motion_velocity(NDIM) - 1, mass_at = motion_mass(NDIM)
+  real(dp), parameter :: longest_path = 2.0_dp**50     !! which a real number holds exactly
+  real(dp), parameter :: widest_ratio = sqrt(3.0_dp)   !! of a fluid's side to the mean side
+
+contains
+
+  !> Which particles of a chunk are to be split: the axis, 0 for none, and how far from it (cells)
+  !! the centres of the halves will lie. Where one of these would lie outside the grid, or beyond
+  !! the next bin, the particle waits; one that has failed stands for no space and is left alone.
+  !!
+  !! Solids are judged by their longest side. A fluid shears without end, its sides are taken from
+  !! what happened to it lately and it is judged by the mean side, so that splitting ends.
+  pure subroutine splitting_choose(law, mesh, limit, half_size, nl, xi, nb, motion, state, axis, &
+                                   offset)
+    type(constitutive_t), intent(in) :: law
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: limit                      !! cells
+    real(dp), intent(in) :: half_size(NDIM)            !! of the particles at the start (cells)
+    integer, intent(in) :: nl                          !! particles in the chunk
+    real(dp), intent(in) :: xi(lanes, NDIM)            !! place in the bin
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp), intent(inout) :: state(lanes, nb)        !! a fluid's stretches are renewed
+    integer, intent(out) :: axis(lanes)
+    real(dp), intent(out) :: offset(lanes)
+    real(dp) :: side(NDIM), mean
+    logical :: fluid
+    integer :: l
+    fluid = law_is_spherical(law)
+    axis = 0
+    offset = 0.0_dp
+    do l = 1, nl
+      associate (stretch => state(l, law%slots%stretch:law%slots%stretch + NDIM - 1))
+        mean = mesh_filled(mesh, motion(l, :NDIM), state(l, law%slots%volume))**(1.0_dp/NDIM)
+        side = stretch*(mean/product(stretch)**(1.0_dp/NDIM))
+        if (fluid) then
+          side = max(mean/widest_ratio, min(mean*widest_ratio, side))
+          side = side*(mean/product(side)**(1.0_dp/NDIM))
+          stretch = side/(2.0_dp*half_size)
+        end if
+        if (merge(mean, maxval(side), fluid) <= limit) cycle
+        if (state(l, law%slots%path) >= longest_path) cycle
+        if (law%slots%damage > 0) then
+          if (state(l, law%slots%damage) >= 1.0_dp) cycle
+        end if
+        axis(l) = maxloc(side, 1)
+        offset(l) = 0.25_dp*side(axis(l))
+        if (.not. fits(mesh, motion(l, :NDIM), xi(l, axis(l)), axis(l), offset(l))) axis(l) = 0
+      end associate
+    end do
+  end subroutine splitting_choose
+
+  !> Whether both halves will be inside the grid and in reach of the bin that the particle was in.
+  pure logical function fits(mesh, x, xi, axis, offset)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: x(NDIM), xi, offset
+    integer, intent(in) :: axis
+    fits = all(x >= mesh%lower(:NDIM) .and. x <= mesh%upper(:NDIM)) .and. &
+           x(axis) - offset >= mesh%lower(axis) .and. x(axis) + offset <= mesh%upper(axis) .and. &
+           xi - offset >= -1.0_dp .and. xi + offset < 2.0_dp
+  end function fits
+
+  !> Makes one half of each particle that is split: side -1 or +1. The halves lie at a quarter of
+  !! the side from the centre, each with half of the mass and the volume, and with the velocity that
+  !! the gradient says for its place; everything per mass and volume is that of the whole. `kinetic`
+  !! receives the energy of the halves apart, once for both.
+  pure subroutine splitting_halve(law, h, side, axis, offset, gradient, nb, motion, state, kinetic)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: h                          !! cell side (length)
+    integer, intent(in) :: side, axis(lanes)
+    real(dp), intent(in) :: offset(lanes), gradient(lanes, NGRAD)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(inout) :: kinetic(lanes)
+    real(dp) :: change
+    integer :: l, d
+    do l = 1, lanes
+      if (axis(l) == 0) cycle
+      motion(l, axis(l)) = motion(l, axis(l)) + side*offset(l)
+      motion(l, mass_at) = 0.5_dp*motion(l, mass_at)
+      do d = 1, NDIM
+        change = side*offset(l)*h*gradient(l, (d - 1)*NDIM + axis(l))
+        motion(l, before_v + d) = motion(l, before_v + d) + change
+        kinetic(l) = kinetic(l) + 0.5_dp*motion(l, mass_at)*change**2
+      end do
+      associate (slots => law%slots, stretch => state(l, law%slots%stretch + axis(l) - 1), &
+                 path => state(l, law%slots%path))
+        state(l, slots%volume) = 0.5_dp*state(l, slots%volume)
+        if (slots%compliance > 0) then
+          state(l, slots%compliance) = 0.5_dp*state(l, slots%compliance)
+        end if
+        stretch = 0.5_dp*stretch
+        path = 2.0_dp*path + merge(0.0_dp, 1.0_dp, side < 0)
+      end associate
+    end do
+  end subroutine splitting_halve
+
+end module DIM(sgmp_splitting)
