@@ -4,8 +4,8 @@ module sgmp_text
   use sgmp_kinds, only: dp, i4, i8
   implicit none
   private
-  public :: integer_text, real_text, real_text_full, real_text_plain, real_text_short, &
-            real_text_tidy, row_text
+  public :: integer_text, real_text, real_text_about, real_text_full, real_text_plain, &
+            real_text_short, real_text_tidy, row_text
 
   !> Decimal text of an integer of either kind.
   interface integer_text
@@ -83,6 +83,17 @@ contains
       text = real_text_full(value)
     end if
   end function real_text_plain
+
+  !> About a real, as one writes it: four digits.
+  pure function real_text_about(value) result(text)
+    real(dp), intent(in) :: value
+    character(:), allocatable :: text
+    character(40) :: buffer
+    real(dp) :: rounded
+    write (buffer, '(es40.3e3)') value
+    read (buffer, *) rounded
+    text = real_text_plain(rounded)
+  end function real_text_about
 
   !> A real as one writes it in a deck, without the noise of its last digits: 0.7 for 0.1 + 3*0.2.
   pure function real_text_tidy(value) result(text)

@@ -8,10 +8,12 @@ module sgmp_cards_output
   use sgmp_registry, only: registry_t
   use sgmp_scene, only: gauge_card_t, name_length
   use sgmp_scene_draft, only: draft_t
-  use sgmp_spelling, only: word_count, word_item, word_position
+  use sgmp_spelling, only: word_count, word_in_list, word_item, word_position
   implicit none
   private
   public :: register_output
+
+  character(*), parameter :: always_written = 'id body position velocity'
 
 contains
 
@@ -28,8 +30,9 @@ contains
     call registry%key('at', kind_word, 'when', choices='end', default='end', when='csv')
     call registry%key('every', kind_real, 'interval; default: start and end only', unit='time', &
                       range='(0,inf)', when='vtkhdf vtu tecplot')
-    call registry%key('fields', kind_list, 'fields besides id, body, position and velocity', &
-                      choices=particle_field_names())
+    call registry%key('fields', kind_list, 'fields besides id, body, position and velocity, '// &
+                      'which are always written', &
+                      choices=particle_field_names()//' '//always_written)
     call registry%card('history', 'Rows of history.csv and bodies.csv.', 'history steps=10', &
                        read_history, once=.true., free=.true.)
     call registry%key('steps', kind_integer, 'a row every so many steps', range='[1,inf)', &
@@ -90,6 +93,7 @@ contains
       do i = 1, word_count(fields)
         field = word_item(fields, i)
         if (word_position(field, output%fields) > 0) cycle
+        if (word_in_list(trim(field), always_written) > 0) cycle
         output%fields = [character(name_length) :: output%fields, field]
       end do
     end associate

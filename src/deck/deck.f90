@@ -185,7 +185,11 @@ contains
         return
       end if
       number = registry%find_card(word_lower(keyword%text))
-      if (number == 0) then
+      if (number == 0 .and. begins_with_key(statement)) then
+        call errors%add(keyword%position, "unknown card '"//keyword%text//"'", &
+                        'a line goes on where the one before it ends with &')
+        return
+      else if (number == 0) then
         call errors%add(keyword%position, "unknown card '"//keyword%text//"'", &
                         suggestion(keyword%text, known_keywords(registry), 'cards'))
         return
@@ -195,6 +199,14 @@ contains
     call card_parse(registry%cards(number), number, statement, parameters, cards(n), errors)
     if (cards(n)%name == 'dimension') call choose_variables(cards(:n), parameters, errors)
   end subroutine read_statement
+
+  !> Whether a statement has the form of a card's end.
+  pure function begins_with_key(statement) result(yes)
+    type(statement_t), intent(in) :: statement
+    logical :: yes
+    yes = size(statement%tokens) > 1
+    if (yes) yes = statement%tokens(2)%equals
+  end function begins_with_key
 
   !> From here on formulas are functions of r and z, if the last card says so.
   subroutine choose_variables(cards, parameters, errors)
@@ -255,6 +267,12 @@ contains
           if (.not. value%given) cycle
           call check_axis(key, value, draft)
           beyond = .false.
+          if (key%kind == kind_vector .and. n > 1 .and. value%components == 1 .and. &
+              abs(value%vector(1)) > 0.0_dp) then
+            call draft%errors%add(value%position, "'"//key%name//"' is one number "// &
+                                  draft%in_space(), 'write all components: '// &
+                                  trim(merge('(a,b)  ', '(a,b,c)', n == 2)))
+          end if
           if (key%kind == kind_vector .and. key%unit /= '') then
             beyond(n + 1:) = abs(value%vector(n + 1:)) > 0.0_dp
           else if (key%kind == kind_expression) then

@@ -101,7 +101,8 @@ contains
       "* `$name` or `${name}` puts a parameter's text in anywhere: `method $method`. A "// &
       'formula that', &
       '  contains x, y, z or t is kept as text when its value is in quotes, for use as `$name`.', &
-      '* A vector is `(a,b,c)`, `a,b,c`, or shorter: missing components are 0.', &
+      '* A vector is `(a,b,c)`, `a,b,c`, or shorter: missing components are 0. One number '// &
+      'alone, if it is not 0, is for scenes in 1D.', &
       '* Formulas of fields may use the variables and constants', &
       '  `'//expression_variables//'` and the functions', &
       '  `'//expression_functions//'`.', ''

@@ -5,7 +5,7 @@ module sgmp_units
   use sgmp_keys, only: key_t, kind_real
   use sgmp_kinds, only: dp
   use sgmp_spelling, only: word_position
-  use sgmp_text, only: real_text, real_text_plain
+  use sgmp_text, only: real_text_about, real_text_plain
   implicit none
   private
   public :: length_units, mass_units, time_units, units_check
@@ -36,7 +36,7 @@ contains
         si = abs(value%number)*factor
         if (si >= low .and. si <= high) cycle
         call errors%warn(value%position, key%name//' = '//real_text_plain(value%number)//' is '// &
-                         real_text(si)//' in SI units (m kg s)', &
+                         real_text_about(si)//' in SI units (m kg s)', &
                          'is it in '//trim(units(1))//' '//trim(units(2))//' '//trim(units(3))//'?')
       end associate
     end do

@@ -18,6 +18,7 @@ module sgmp_run_log
   integer, parameter :: level_normal = 1  !! terminal: messages, table of steps, progress bar
   integer, parameter :: level_verbose = 2  !! terminal: everything
 
+  integer, parameter :: warning_length = 240
   integer, parameter :: rows_per_header = 40
   integer, parameter :: bar_width = 30
   character(*), parameter :: header = '     step           t         dt  limited by'// &
@@ -48,6 +49,7 @@ module sgmp_run_log
     logical :: bar = .false.                   !! progress bar wanted (terminal, not quiet)
     logical :: bar_shown = .false.
     integer(i8) :: bar_drawn = -huge(1_i8)     !! clock count of the last drawing
+    character(warning_length), allocatable, public :: warnings(:)  !! so far, for summary.json
   contains
     procedure :: open => log_open
     procedure :: line => log_line
@@ -77,6 +79,7 @@ contains
     self%bar = is_terminal()
     if (level == level_quiet) self%bar = .false.
     self%complained = .false.
+    allocate (self%warnings(0))
     call self%file%open(path, mode, error)
     self%opened = .not. allocated(error)
   end subroutine log_open
@@ -103,6 +106,7 @@ contains
     class(log_t), intent(inout) :: self
     character(*), intent(in) :: text
     if (.not. self%opened) return
+    self%warnings = [character(warning_length) :: self%warnings, text]
     call write_file(self, 'warning: '//text)
     call clear_bar(self)
     write (error_unit, '(a)') 'warning: '//text

@@ -6,11 +6,11 @@ module sgmp_cost_estimate
   use sgmp_columns, only: node_total
   use sgmp_constitutive, only: material_names, slots_t
   use sgmp_field, only: field_bytes
+  use sgmp_forewarnings, only: shape_mass
   use sgmp_kernels, only: method_names
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_particles, only: particles_bytes
-  use sgmp_report, only: report_shape_mass
   use sgmp_rows, only: rows_points
   use sgmp_scene, only: scene_t, update_names
   use sgmp_text, only: integer_text, real_text
@@ -76,21 +76,21 @@ contains
                ' particles of '//trim(material%name)//' ('// &
                trim(material_names(material%law%kind))//'), '// &
                bytes_text(particles_bytes(body%particles)))
-      call put_mass(model%totals%bodies(b)%mass, report_shape_mass(scene, model, b))
+      call put_mass(model%totals%bodies(b)%mass, shape_mass(scene, model, b))
       call put('  stored    position, velocity, mass, volume and id (always)')
       call put_slots(body%law%slots)
     end associate
   end subroutine put_body
 
   !> Mass of a body's particles beside that of its shapes.
-  subroutine put_mass(mass, shape_mass)
-    real(dp), intent(in) :: mass, shape_mass     !! shape_mass: 0 where there are no shapes
+  subroutine put_mass(mass, expected)
+    real(dp), intent(in) :: mass, expected       !! expected: of the shapes, 0 where there are none
     character(24) :: percent
-    if (shape_mass <= 0.0_dp) then
+    if (expected <= 0.0_dp) then
       call put('  mass      '//real_text(mass))
     else
-      write (percent, '(sp, f0.1)') 100.0_dp*(mass/shape_mass - 1.0_dp)
-      call put('  mass      '//real_text(mass)//'; of its shapes '//real_text(shape_mass)//' ('// &
+      write (percent, '(sp, f0.1)') 100.0_dp*(mass/expected - 1.0_dp)
+      call put('  mass      '//real_text(mass)//'; of its shapes '//real_text(expected)//' ('// &
                trim(percent)//' %)')
     end if
   end subroutine put_mass

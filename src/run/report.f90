@@ -2,19 +2,18 @@
 module sgmp_report
   use sgmp_checksum, only: checksum_text
   use sgmp_command_line, only: command_line_t
-  use sgmp_constitutive, only: law_gaseous
   use sgmp_energy, only: ledger_drift, ledger_total
   use sgmp_errors, only: error_t, exit_ok, exit_stopped
+  use sgmp_forewarnings, only: forewarnings_find, gas_enclosed
   use sgmp_kernels, only: kernel_sgmp, method_names
   use sgmp_kinds, only: dp, i8
-  use sgmp_mesh, only: wall_free
   use sgmp_model, only: model_t
   use sgmp_model_checksum, only: model_checksum
   use sgmp_parallel, only: parallel_agree, parallel_collect, parallel_ranks, parallel_sum
   use sgmp_process, only: peak_memory_bytes
   use sgmp_run_log, only: level_normal, level_quiet, level_verbose, log_row_t, log_t
   use sgmp_scene, only: scene_t, update_names
-  use sgmp_seeding, only: seeding_shape_volume
+  use sgmp_spelling, only: string_t
   use sgmp_summary, only: summary_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: limit_courant, limit_names
@@ -25,8 +24,7 @@ module sgmp_report
   private
   public :: effort_t, effort_share, report_balance, report_banner, report_courant, report_end, &
             report_fraction, report_level, report_remaining, report_row, report_start, &
-              summary_write, &
-            report_shape_mass
+            summary_write
 
   !> What a run has cost.
   type :: effort_t
@@ -91,17 +89,21 @@ contains
     type(log_t), intent(inout) :: log
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
+    type(string_t), allocatable :: warnings(:)
+    integer :: w
     call log%line(space_text(scene)//', '// &
                   trim(method_names(scene%method%kind))//'-'// &
                   trim(update_names(scene%method%update))//', '// &
                   integer_text(sum(model%totals%particles))//' particles, '// &
                   integer_text(model%totals%points)//' grid points')
-    if (model%ranks%partition%ranks > 1 .and. .not. model%ranks%partition%divisible) then
-      call log%warning('a scene in 1D is not divided: the first rank does all the work')
+    if (gas_enclosed(model) .and. model%fields(1)%kernel == kernel_sgmp) then
+      call log%line('gas enclosed by walls: where it has free surfaces the volumes of its '// &
+                    'particles drift; volumes=kept keeps them (doc/volumes.md)')
     end if
-    call warn_of_masses(log, scene, model)
-    call warn_of_strangers(log, model)
-    call warn_of_closed_gas(log, model)
+    call forewarnings_find(scene, model, warnings)
+    do w = 1, size(warnings)
+      call log%warning(warnings(w)%text)
+    end do
   end subroutine report_start
 
   !> What a scene is computed in.
@@ -111,78 +113,6 @@ contains
     text = integer_text(scene%dimension)//'D'
     if (scene%axisymmetric) text = 'axisymmetric'
   end function space_text
-
-  !> Bodies whose particles make up more or less than their shapes.
-  subroutine warn_of_masses(log, scene, model)
-    type(log_t), intent(inout) :: log
-    type(scene_t), intent(in) :: scene
-    type(model_t), intent(in) :: model
-    real(dp), parameter :: tolerated = 0.1_dp
-    real(dp) :: mass, shape_mass
-    integer :: b
-    do b = 1, size(model%bodies)
-      mass = model%totals%bodies(b)%mass
-      shape_mass = report_shape_mass(scene, model, b)
-      if (shape_mass <= 0.0_dp .or. abs(mass - shape_mass) <= tolerated*shape_mass) cycle
-      call log%warning("the particles of body '"//trim(model%bodies(b)%name)// &
-                       "' have a mass of "// &
-                       real_text(mass)//', its shapes of '//real_text(shape_mass)// &
-                       ': choose a spacing of which its sides are multiples, or a smaller one')
-    end do
-  end subroutine warn_of_masses
-
-  !> Mass of a body's shapes, 0 where it has none.
-  pure function report_shape_mass(scene, model, b) result(mass)
-    type(scene_t), intent(in) :: scene
-    type(model_t), intent(in) :: model
-    integer, intent(in) :: b
-    real(dp) :: mass
-    mass = model%bodies(b)%law%density*seeding_shape_volume(scene%bodies(b), model%mesh%ndim, &
-                                                            size(scene%bodies))
-  end function report_shape_mass
-
-  !> What gas between walls needs: a warning with methods whose particles' volumes drift there, a
-  !! hint with sgmp, where they do so beside free surfaces.
-  subroutine warn_of_closed_gas(log, model)
-    type(log_t), intent(inout) :: log
-    type(model_t), intent(in) :: model
-    integer :: b
-    if (model%method%relaxed) return
-    if (any(model%mesh%wall(:, :model%mesh%ndim) == wall_free)) return
-    if (.not. any([(law_gaseous(model%bodies(b)%law) .and. .not. model%bodies(b)%rigid, &
-                    b=1, size(model%bodies))])) return
-    if (model%fields(1)%kernel == kernel_sgmp) then
-      call log%line('gas enclosed by walls: where it has free surfaces the volumes of its '// &
-                    'particles drift; volumes=kept keeps them (doc/volumes.md)')
-    else
-      call log%warning('gas enclosed by walls: with mpm and gimp a drift of volumes makes its '// &
-                       'pressure fall without end (doc/volumes.md); use sgmp volumes=kept')
-    end if
-  end subroutine warn_of_closed_gas
-
-  !> A warning of bodies in different velocity fields without contact between them.
-  subroutine warn_of_strangers(log, model)
-    type(log_t), intent(inout) :: log
-    type(model_t), intent(in) :: model
-    integer :: a, b, p, first(2), found
-    found = 0
-    do a = 1, size(model%bodies)
-      do b = a + 1, size(model%bodies)
-        if (model%bodies(a)%field == model%bodies(b)%field) cycle
-        if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
-        if (any([(all(model%contact%pairs(p)%body == [a, &
-          b]) .or. all(model%contact%pairs(p)%body == [b, a]), &
-                  p=1, size(model%contact%pairs))])) cycle
-        found = found + 1
-        if (found == 1) first = [a, b]
-      end do
-    end do
-    if (found == 0) return
-    call log%warning("no card `contact` is for '"//trim(model%bodies(first(1))%name)//"' and '"// &
-                     trim(model%bodies(first(2))%name)//"' ("//integer_text(found)// &
-                     ' such in all): they pass through each other; `contact all` makes every '// &
-                     'pair touch')
-  end subroutine warn_of_strangers
 
   !> The Courant number that the program has found.
   function report_courant(model) result(line)
@@ -282,11 +212,12 @@ contains
   end function cost
 
   !> Writes summary.json; a failure to do so becomes `error` if there is none yet.
-  subroutine summary_write(scene, model, effort, verdict, path, error)
+  subroutine summary_write(scene, model, effort, verdict, log, path, error)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     type(effort_t), intent(in) :: effort
     type(verdict_t), intent(in) :: verdict
+    type(log_t), intent(in) :: log
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(inout) :: error  !! what ended the run early
     type(error_t), allocatable :: problem
@@ -297,6 +228,7 @@ contains
       call summary%set('failure', error%message)
     end if
     call verdict%summarise(summary)
+    if (allocated(log%warnings)) call summary%set('warnings', log%warnings)
     call summarise_scene(summary, scene, model)
     call summarise_effort(summary, model, effort)
     call summary%set('checksum', checksum_text(model_checksum(model)))

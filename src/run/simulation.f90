@@ -1,5 +1,6 @@
 !> A run: time loop, guards, output, log and summary.
 module sgmp_simulation
+  use, intrinsic :: iso_fortran_env, only: error_unit
   use sgmp_balancing, only: balancing_look
   use sgmp_body, only: body_number
   use sgmp_build_model, only: model_build
@@ -9,6 +10,7 @@ module sgmp_simulation
   use sgmp_cost_estimate, only: cost_estimate_write, cost_estimate_write_need
   use sgmp_energy, only: ledger_drift
   use sgmp_errors, only: error_make, error_t, exit_io, exit_numerical, exit_stopped
+  use sgmp_forewarnings, only: forewarnings_find
   use sgmp_kinds, only: dp, i8
   use sgmp_memory_need, only: memory_need_here, memory_refuse
   use sgmp_model, only: model_t
@@ -22,6 +24,7 @@ module sgmp_simulation
   use sgmp_run_folder, only: run_folder_clear, run_folder_open
   use sgmp_run_log, only: log_t
   use sgmp_scene, only: scene_t
+  use sgmp_spelling, only: string_t
   use sgmp_stability, only: stability_choose
   use sgmp_step, only: step_take
   use sgmp_stopping, only: stopping_t
@@ -41,7 +44,9 @@ contains
     integer, intent(in) :: threads
     type(error_t), allocatable, intent(out) :: error
     type(model_t), allocatable :: model
+    type(string_t), allocatable :: warnings(:)
     real(dp) :: need, available
+    integer :: w
     call memory_need_here(scene, need, available, error)
     if (allocated(error)) return
     if (parallel_any(need > 0.5_dp*available)) then
@@ -53,7 +58,12 @@ contains
     call parallel_agree(error)
     if (allocated(error)) return
     call stability_choose(model)
-    if (model%ranks%partition%rank == 0) call cost_estimate_write(scene, model)
+    call forewarnings_find(scene, model, warnings)
+    if (model%ranks%partition%rank /= 0) return
+    call cost_estimate_write(scene, model)
+    do w = 1, size(warnings)
+      write (error_unit, '(a)') 'warning: '//warnings(w)%text
+    end do
   end subroutine simulation_check
 
   !> Runs a scene from its initial state, or a checkpoint, to its end.
@@ -106,7 +116,7 @@ contains
     call effort_share(effort, model)
     call verdict%reach(scene, model, error)
     call report_end(log, model, effort, verdict, error)
-    call summary_write(scene, model, effort, verdict, folder//'/summary.json', error)
+    call summary_write(scene, model, effort, verdict, log, folder//'/summary.json', error)
     call log%close(problem)
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
   end subroutine simulation_run

@@ -26,7 +26,7 @@ EXPECTED = {
                            r"{d}:7:16: error: there is no axis 'r' in 2D", r"^3 error"],
     "bad_expression": [r"{d}:8:19: error: .*'yung'", r"did you mean 'young'"],
     "bad_number": [r"{d}:4:12: error: .*'abc'", r"numbers are written like"],
-    "beyond_units": [r"{d}:6:41: warning: young = 1e60 is 0\.100000E\+67 in SI units", r"{d}:7:1: error: unknown card 'nonsense'"],
+    "beyond_units": [r"{d}:6:41: warning: young = 1e60 is 1e66 in SI units", r"{d}:7:1: error: unknown card 'nonsense'"],
     "binary": [r"{d}:1:1: error: not a text file"],
     "binary_tail": [r"{d}:6:1: error: not a text file"],
     "box": [r"{d}:3:17: error: the box is not a whole number of cells", r"nearest cell=0\.333333333333"],

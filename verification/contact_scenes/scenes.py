@@ -39,6 +39,7 @@ class Scene:
 
     kind: str
     seed: int
+    fine: int = 1  # times as many cells across the blocks of a press
     luck: random.Random = field(repr=False, default=None)
 
     def __post_init__(self):
@@ -56,13 +57,14 @@ class Scene:
             self.dt = self.courant/max(math.sqrt(block.young/block.density*1.2) for block in self.soft())  # 1.2: waves at nu = 0.25
             self.end = max(self.end, self.least*self.dt)
             self.steps = math.ceil(self.end/self.dt)
-            if self.steps <= MOST_STEPS[self.dimension]:
+            if self.steps <= self.fine*MOST_STEPS[self.dimension]:
                 break
 
     @property
     def name(self):
         ratios = "/".join(f"{block.density:g}:{block.young:g}" for block in self.soft())
-        return f"{self.kind} {self.seed} ({self.dimension}D, {self.turn} degrees, friction {self.friction:g}, {ratios})"
+        fine = f", cells of 1/{self.fine}" if self.fine > 1 else ""
+        return f"{self.kind} {self.seed} ({self.dimension}D, {self.turn} degrees, friction {self.friction:g}, {ratios}{fine})"
 
     def soft(self):
         """Bodies that are not rigid."""
@@ -161,7 +163,7 @@ class Scene:
         self.poisson = 0.0
         stuff = self.matter(2)
         self.base(5)
-        height = 4
+        height = 4*self.fine
         for level, matter in enumerate(stuff):
             self.add((0, level*height, 0), (5, height, 3), matter)
         self.add((-3, 2*height, -1), (11, 2, 5))

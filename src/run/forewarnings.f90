@@ -1,0 +1,340 @@
+!> What looks wrong in a scene before its first step: nothing that stops a run, each a mistake that
+!! somebody makes.
+!!
+!! A warning names the cards' own numbers and what to write instead. All ranks look, each at its own
+!! particles.
+module sgmp_forewarnings
+  use sgmp_constitutive, only: law_gaseous
+  use sgmp_kernels, only: kernel_sgmp
+  use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_mesh, only: mesh_coordinate, mesh_filled, wall_free
+  use sgmp_model, only: model_t
+  use sgmp_parallel, only: parallel_max, parallel_min, parallel_sum
+  use sgmp_particles, only: particles_t
+  use sgmp_scene, only: layout_file, scene_t
+  use sgmp_seeding, only: seeding_shape_volume
+  use sgmp_spelling, only: string_t
+  use sgmp_text, only: integer_text, real_text_about, real_text_plain
+  use sgmp_time_step, only: clock_choose, clock_t
+  implicit none
+  private
+  public :: forewarnings_find, gas_enclosed, shape_mass
+
+  integer(i8), parameter :: unit = 2_i8**24  !! of volume, in a cell: whole numbers have one sum
+
+  !> Where a body is and how it moves.
+  type :: extent_t
+    real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! of its particles (cells)
+    real(dp) :: velocity(3) = 0.0_dp                  !! of the whole (cells per time)
+  end type extent_t
+
+contains
+
+  !> All warnings of a scene; all ranks must call it.
+  subroutine forewarnings_find(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(out) :: warnings(:)
+    allocate (warnings(0))
+    if (model%ranks%partition%ranks > 1 .and. .not. model%ranks%partition%divisible) then
+      call warn(warnings, 'a scene in 1D is not divided: the first rank does all the work')
+    end if
+    call look_at_times(scene, model, warnings)
+    call look_at_masses(scene, model, warnings)
+    call look_for_strangers(model, warnings)
+    call look_for_closed_gas(model, warnings)
+    if (model%clock%step > 0) return  ! what follows is about places at the start
+    call look_at_spacing(scene, model, warnings)
+    call look_at_gauges(scene, model, warnings)
+    call look_at_lighting(scene, model, warnings)
+    call look_for_collisions(scene, model, warnings)
+  end subroutine forewarnings_find
+
+  subroutine warn(warnings, text)
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    character(*), intent(in) :: text
+    type(string_t), allocatable :: longer(:)
+    integer :: n
+    n = size(warnings)
+    allocate (longer(n + 1))
+    longer(:n) = warnings
+    longer(n + 1)%text = text
+    call move_alloc(longer, warnings)
+  end subroutine warn
+
+  !> Numbers in another unit of time, or a step beyond every limit.
+  subroutine look_at_times(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    real(dp), parameter :: many_dumps = 1.0e4_dp
+    type(clock_t) :: clock
+    real(dp) :: limit
+    logical :: ok
+    associate (time => scene%time, every => scene%output%every)
+      if (time%end > 0.0_dp .and. model%clock%step == 0) then
+        clock = model%clock
+        call clock_choose(clock, model%mesh%h, model%findings%fastest, huge(1.0_dp), ok)
+        if (time%end < clock%dt) call warn(warnings, 'the run ends within its first step: end='// &
+          real_text_plain(time%end)//', and the step may be '//real_text_about(clock%dt)// &
+          '; is end= in the deck''s unit of time?')
+      end if
+      if (every > 0.0_dp .and. time%end > many_dumps*every) then
+        call warn(warnings, 'output every='//real_text_plain(every)//' makes '// &
+                  integer_text(int(min(time%end/every, 1.0e15_dp), i8))// &
+                  ' dumps; is every= in the deck''s unit of time?')
+      end if
+      limit = merge(2.54_dp, 2.0_dp, model%fields(1)%kernel == kernel_sgmp)
+      if (time%dt <= 0.0_dp .and. .not. time%cfl_auto .and. time%cfl > limit) then
+        call warn(warnings, 'cfl='//real_text_plain(time%cfl)//' is above '// &
+                  real_text_plain(limit)//', the most that the method can bear at rest '// &
+                  '(doc/time-step.md); cfl=auto finds what the scene bears')
+      end if
+    end associate
+  end subroutine look_at_times
+
+  !> Bodies whose particles make up more or less than their shapes.
+  subroutine look_at_masses(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    real(dp), parameter :: tolerated = 0.1_dp
+    real(dp) :: mass, expected
+    integer :: b
+    do b = 1, size(model%bodies)
+      mass = model%totals%bodies(b)%mass
+      expected = shape_mass(scene, model, b)
+      if (expected <= 0.0_dp .or. abs(mass - expected) <= tolerated*expected) cycle
+      call warn(warnings, "the particles of body '"//trim(model%bodies(b)%name)// &
+                "' have a mass of "//real_text_about(mass)//', its shapes of '// &
+                real_text_about(expected)//': choose a spacing of which its sides are multiples, or a smaller one')
+    end do
+  end subroutine look_at_masses
+
+  !> Mass of a body's shapes, 0 where it has none.
+  pure function shape_mass(scene, model, b) result(mass)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    real(dp) :: mass
+    mass = model%bodies(b)%law%density*seeding_shape_volume(scene%bodies(b), model%mesh%ndim, &
+                                                            size(scene%bodies))
+  end function shape_mass
+
+  !> Bodies in different velocity fields without contact between them.
+  subroutine look_for_strangers(model, warnings)
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    integer :: a, b, p, first(2), found
+    found = 0
+    do a = 1, size(model%bodies)
+      do b = a + 1, size(model%bodies)
+        if (model%bodies(a)%field == model%bodies(b)%field) cycle
+        if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
+        if (any([(all(model%contact%pairs(p)%body == [a, b]) .or. &
+                  all(model%contact%pairs(p)%body == [b, a]), &
+                  p=1, size(model%contact%pairs))])) cycle
+        found = found + 1
+        if (found == 1) first = [a, b]
+      end do
+    end do
+    if (found == 0) return
+    call warn(warnings, "no card `contact` is for '"//trim(model%bodies(first(1))%name)// &
+              "' and '"//trim(model%bodies(first(2))%name)//"' ("//integer_text(found)// &
+              ' such in all): they pass through each other; `contact all` makes every pair touch')
+  end subroutine look_for_strangers
+
+  !> Gas between walls with methods where the volumes of its particles drift.
+  subroutine look_for_closed_gas(model, warnings)
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    if (.not. gas_enclosed(model) .or. model%fields(1)%kernel == kernel_sgmp) return
+    call warn(warnings, 'gas enclosed by walls: with mpm and gimp a drift of volumes makes its '// &
+              'pressure fall without end (doc/volumes.md); use sgmp volumes=kept')
+  end subroutine look_for_closed_gas
+
+  !> Whether gas is enclosed by walls and nothing keeps its particles' volumes.
+  pure function gas_enclosed(model) result(yes)
+    type(model_t), intent(in) :: model
+    logical :: yes
+    integer :: b
+    yes = .not. model%method%relaxed
+    if (yes) yes = all(model%mesh%wall(:, :model%mesh%ndim) /= wall_free)
+    if (yes) yes = any([(law_gaseous(model%bodies(b)%law) .and. .not. model%bodies(b)%rigid, &
+                         b=1, size(model%bodies))])
+  end function gas_enclosed
+
+  !> Particles larger than the cells they lie in: too wide a lattice, or a particle file whose
+  !! columns are not what was meant.
+  subroutine look_at_spacing(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    real(dp), parameter :: most = 1.5_dp
+    integer(i8) :: cells
+    real(dp) :: filled
+    integer :: b
+    do b = 1, size(model%bodies)
+      associate (card => scene%bodies(b), h => model%mesh%h)
+        if (card%layout /= layout_file) then
+          if (model%bodies(b)%spacing <= h*(1.0_dp + 1.0e-9_dp)) cycle
+          call warn(warnings, "the particles of body '"//trim(card%name)//"' are "// &
+                    real_text_plain(model%bodies(b)%spacing)// &
+                    ' apart, more than a cell of '//real_text_plain(h)// &
+                    ': matter between them is not seen; use ppc=2 or a smaller spacing')
+        else
+          cells = parallel_sum(count(model%bodies(b)%particles%size > 0, kind=i8))
+          filled = real(parallel_sum(volume_of(model, b)), dp)/real(unit, dp)
+          if (filled <= most*real(cells, dp)) cycle
+          call warn(warnings, "the particles of body '"//trim(card%name)//"' have "// &
+                    real_text_about(filled/real(cells, dp))//' times the volume of the cells '// &
+                    'that they lie in; the columns of '//trim(card%file)// &
+                    ' are read as x y z volume [velocity_x velocity_y velocity_z]')
+        end if
+      end associate
+    end do
+  end subroutine look_at_spacing
+
+  !> Volume of this rank's particles of a body, in 1/unit of a cell.
+  pure function volume_of(model, b) result(volume)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    integer(i8) :: volume
+    integer :: c, l
+    volume = 0_i8
+    associate (particles => model%bodies(b)%particles, slots => model%bodies(b)%law%slots)
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          volume = volume + nint(unit*mesh_filled(model%mesh, &
+            particles%motion(l, :particles%ndim, c), particles%state(l, slots%volume, c)), i8)
+        end do
+      end do
+    end associate
+  end function volume_of
+
+  !> Gauges that have no particle near them.
+  subroutine look_at_gauges(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    real(dp) :: x(3), cells
+    integer :: g, b
+    associate (mesh => model%mesh)
+      do g = 1, size(scene%gauges)
+        x = mesh_coordinate(mesh%origin, mesh%h, scene%gauges(g)%point)
+        cells = huge(1.0_dp)
+        do b = 1, size(model%bodies)
+          cells = min(cells, nearest(model%bodies(b)%particles, x(:mesh%ndim)))
+        end do
+        cells = parallel_min(cells)
+        if (cells <= sqrt(real(mesh%ndim, dp))) cycle
+        call warn(warnings, "gauge '"//trim(scene%gauges(g)%name)//"' is "// &
+                  real_text_about(cells)//' cells from the nearest particle, which it will follow')
+      end do
+    end associate
+  end subroutine look_at_gauges
+
+  !> Distance of a point from the nearest particle held here.
+  pure function nearest(particles, x) result(distance)
+    type(particles_t), intent(in) :: particles
+    real(dp), intent(in) :: x(:)                 !! (ndim) in cells
+    real(dp) :: distance
+    integer :: c, l
+    distance = huge(1.0_dp)
+    do c = 1, particles%chunks
+      do l = 1, lanes
+        if (particles%id(l, c) == 0) cycle
+        distance = min(distance, norm2(particles%motion(l, :particles%ndim, c) - x))
+      end do
+    end do
+  end function nearest
+
+  !> Explosives that no detonation reaches before the end.
+  subroutine look_at_lighting(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    real(dp) :: first
+    integer :: b
+    if (scene%time%end <= 0.0_dp) return
+    do b = 1, size(model%bodies)
+      associate (particles => model%bodies(b)%particles, slots => model%bodies(b)%law%slots)
+        if (slots%lighting == 0) cycle
+        first = parallel_min(minval(particles%state(:, slots%lighting, :particles%chunks), &
+                                    mask=particles%id(:, :particles%chunks) > 0))
+      end associate
+      if (first <= scene%time%end) cycle
+      call warn(warnings, "the detonation reaches body '"//trim(model%bodies(b)%name)// &
+                "' at "//real_text_about(first)//', after the end of the run')
+    end do
+  end subroutine look_at_lighting
+
+  !> Bodies that fly into each other and, for want of contact, will stick together.
+  subroutine look_for_collisions(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    type(extent_t) :: extents(size(model%bodies))
+    integer :: a, b
+    do b = 1, size(model%bodies)
+      extents(b) = extent_of(model, b)
+    end do
+    do a = 1, size(model%bodies)
+      do b = a + 1, size(model%bodies)
+        if (model%bodies(a)%field /= model%bodies(b)%field) cycle
+        if (.not. collide(extents(a), extents(b), scene%time%end)) cycle
+        call warn(warnings, "'"//trim(model%bodies(a)%name)//"' and '"// &
+                  trim(model%bodies(b)%name)//"' move towards each other and will stick "// &
+                  'together where they meet, since no card contact is for them')
+        return
+      end do
+    end do
+  end subroutine look_for_collisions
+
+  !> Where a body is; all ranks must call it.
+  function extent_of(model, b) result(extent)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    type(extent_t) :: extent
+    logical, allocatable :: lives(:, :)
+    integer :: d
+    associate (body => model%bodies(b), h => model%mesh%h, sums => model%totals%bodies(b))
+      lives = body%particles%id(:, :body%particles%chunks) > 0
+      do d = 1, model%mesh%ndim
+        extent%lower(d) = parallel_min(minval(body%particles%motion(:, d, &
+          :body%particles%chunks), mask=lives)) - 0.5_dp*body%spacing/h
+        extent%upper(d) = parallel_max(maxval(body%particles%motion(:, d, &
+          :body%particles%chunks), mask=lives)) + 0.5_dp*body%spacing/h
+      end do
+      extent%velocity = sums%momentum/(h*max(sums%mass, tiny(1.0_dp)))
+      if (body%rigid) extent%velocity = body%speed/h
+    end associate
+  end function extent_of
+
+  !> Whether boxes that keep their velocities come to overlap before the end (0: none).
+  pure function collide(a, b, end) result(yes)
+    type(extent_t), intent(in) :: a, b
+    real(dp), intent(in) :: end
+    logical :: yes
+    real(dp) :: from, to, speed, times(2)
+    integer :: d
+    from = 0.0_dp
+    to = huge(1.0_dp)
+    if (end > 0.0_dp) to = end
+    yes = any(abs(a%velocity - b%velocity) > 1.0e-9_dp*(abs(a%velocity) + abs(b%velocity)))
+    do d = 1, 3
+      if (a%upper(d) <= a%lower(d)) cycle  ! no such axis
+      speed = a%velocity(d) - b%velocity(d)
+      if (abs(speed) <= 0.0_dp) then
+        yes = yes .and. a%lower(d) < b%upper(d) .and. b%lower(d) < a%upper(d)
+      else
+        times = [(b%lower(d) - a%upper(d))/speed, (b%upper(d) - a%lower(d))/speed]
+        from = max(from, minval(times))
+        to = min(to, maxval(times))
+      end if
+    end do
+    yes = yes .and. from < to
+  end function collide
+
+end module sgmp_forewarnings
