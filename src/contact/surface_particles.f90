@@ -11,7 +11,7 @@ module sgmp_surface_particles
   use sgmp_growing, only: grow
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_motion, only: motion_mass
-  use sgmp_particles, only: particles_t
+  use sgmp_particles, only: bin_of_cell, bins_of_cells, particles_t
   use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_intersection, rows_points, rows_t
   implicit none
   private
@@ -23,6 +23,7 @@ module sgmp_surface_particles
   !> Surface particles by bin.
   type :: surface_t
     integer :: bins = 0
+    integer :: span = 1                   !! cells of a bin, along its row
     logical :: counted = .false.          !! `count` of the own bins is that of the particles
     integer :: own(2) = [1, 0]            !! first and last bin in planes of this rank
     type(rows_t) :: rows                  !! the bins, as rows
@@ -43,15 +44,18 @@ module sgmp_surface_particles
 
 contains
 
-  !> Lists the bins of a body that lie in a set of rows; no particles yet.
+  !> Lists the bins of a body that have cells in a set of rows; no particles yet.
   pure subroutine surface_list(surface, particles, around)
     type(surface_t), intent(inout) :: surface
     type(particles_t), intent(in) :: particles
-    type(rows_t), intent(in) :: around
+    type(rows_t), intent(in) :: around     !! cells
+    type(rows_t) :: bins
     integer :: s, t, i, n
     surface%counted = .false.
     surface%guests = 0
-    call rows_intersection(particles%bins, around, surface%rows)
+    surface%span = particles%span
+    call bins_of_cells(particles%span, around, bins)
+    call rows_intersection(particles%bins, bins, surface%rows)
     surface%bins = int(rows_points(surface%rows))
     if (allocated(surface%bin)) then
       deallocate (surface%bin, surface%count, surface%start, surface%row_start)
@@ -81,17 +85,20 @@ contains
     end do
   end subroutine surface_list
 
-  !> First and last bin here of those from `first` to `last` in a row, an empty range if there are
-  !! none. Asked again for the same row with a larger `first`, it goes on from where it was.
-  pure subroutine surface_bins(surface, key, first, last, place, range)
+  !> First and last bin here of those that cells from `first_cell` to `last_cell` of a row lie in, an
+  !! empty range if there are none. Asked again for the same row with a larger `first_cell`, it goes on from where it
+  !! was.
+  pure subroutine surface_bins(surface, key, first_cell, last_cell, place, range)
     type(surface_t), intent(in) :: surface
     integer(i8), intent(in) :: key         !! of the row
-    integer, intent(in) :: first, last
+    integer, intent(in) :: first_cell, last_cell
     integer, intent(inout) :: place
       !! interval that it was found in; 0 for a row that has not been asked for
     integer, intent(out) :: range(2)
-    integer :: s, high, middle
+    integer :: s, high, middle, first, last
     range = [1, 0]
+    first = bin_of_cell(surface%span, first_cell)
+    last = bin_of_cell(surface%span, last_cell)
     if (place == 0) then
       place = 1
       high = surface%rows%n

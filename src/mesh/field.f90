@@ -70,10 +70,10 @@ contains
     allocate (field%plane_work(1), field%plane_store(1), source=1)
   end subroutine field_init
 
-  !> Lays the field out for a set of occupied bins; values that are already there move along.
-  subroutine field_build(field, bins)
+  !> Lays the field out for the cells of some bins; values that are already there move along.
+  subroutine field_build(field, cells)
     type(field_t), intent(inout) :: field
-    type(rows_t), intent(in) :: bins     !! bins with particles of the field's bodies
+    type(rows_t), intent(in) :: cells    !! where particles of the field's bodies may be
     type(field_t) :: new
     type(rows_t) :: stencil
     integer :: reach(3), one(3), w
@@ -84,7 +84,7 @@ contains
     new%ndim = field%ndim
     new%space = field%space
     new%columns = field%columns
-    call rows_dilate(bins, [0, 0, 0], reach, stencil)
+    call rows_dilate(cells, [0, 0, 0], reach, stencil)
     if (kernel_centred(field%kernel)) then
       call rows_dilate(stencil, [0, 0, 0], one, new%work)
       call rows_dilate(new%work, -one, one, new%store)

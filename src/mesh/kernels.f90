@@ -5,7 +5,7 @@ module sgmp_kernels
   implicit none
   private
   public :: kernel_mpm, kernel_gimp, kernel_sgmp, kernel_centred, kernel_folds, kernel_sized
-  public :: stencil_reach, stencil_shift, stencil_width
+  public :: bin_span, stencil_reach, stencil_shift, stencil_width
   public :: method_mpm, method_gimp, method_cpgimp, method_sgmp, method_bspline
   public :: method_half_size, method_kernel, method_names
 
@@ -28,7 +28,7 @@ module sgmp_kernels
   !> Properties of a kernel.
   type :: kernel_t
     integer :: width           !! points per axis in a particle's stencil
-    real(dp) :: shift          !! a particle at X is in bin floor(X - shift)
+    real(dp) :: shift          !! a particle at X is in cell floor(X - shift) of its stencils
     logical :: centred         !! particles meet the auxiliary grid of cell centres, not the nodes
     logical :: folds           !! stencils reach behind walls: sums are folded, values mirrored
     logical :: sized           !! particles have a size, which the weights depend on
@@ -38,7 +38,19 @@ module sgmp_kernels
                                              kernel_t(3, 0.5_dp, .false., .true., .true.), &
                                              kernel_t(2, 0.5_dp, .true., .true., .false.)]
 
+  !> Cells of a bin, along its row, where stencils are linear, by dimension: as many as hold the
+  !! particles of a few chunks.
+  integer, parameter :: linear_span(3) = [16, 8, 1]
+
 contains
+
+  !> Cells of a bin along its row: its particles share chunks. Where a cell fills a chunk, or
+  !! stencils are wide, a bin is one cell.
+  elemental function bin_span(kernel, ndim) result(span)
+    integer, intent(in) :: kernel, ndim
+    integer :: span
+    span = merge(linear_span(ndim), 1, kernels(kernel)%width == 2)
+  end function bin_span
 
   !> Points per axis in a particle's own stencil, nodes or centres: a stencil of two has linear
   !! weights, one of three any product of weights per axis.
@@ -48,8 +60,7 @@ contains
     width = kernels(kernel)%width
   end function stencil_width
 
-  !> Shift s of the bins: a particle at X is in bin floor(X - s), whose stencil starts at that
-  !! index.
+  !> Shift s of the stencils: that of a particle at X starts at index floor(X - s), its cell.
   elemental function stencil_shift(kernel) result(shift)
     integer, intent(in) :: kernel
     real(dp) :: shift

@@ -11,6 +11,7 @@ module sgmp_end_state
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_gather, parallel_max, parallel_min, parallel_sum
   use sgmp_particle_fields, only: particle_field_find, particle_field_t, particle_place_t
+  use sgmp_particles, only: first_cell, particles_t
   use sgmp_pieces, only: pieces_find
   use sgmp_rows, only: key_j, key_k, row_key
   use sgmp_scene, only: body_card_t, layout_file, scene_t
@@ -134,30 +135,33 @@ contains
     end if
   end subroutine find_separated
 
-  !> Occupied bins of a body on all ranks, as intervals of rows with their particles.
+  !> Occupied cells of a body on all ranks, as intervals of rows with their particles.
   subroutine gather_intervals(body, key, first, last, number)
     type(body_t), intent(in) :: body
     integer(i8), allocatable, intent(out) :: key(:), number(:)
     integer, allocatable, intent(out) :: first(:), last(:)
     real(dp), allocatable :: own(:), all(:), table(:, :)
-    integer :: s, i, n, start
-    allocate (own(5*size(body%particles%size)))
+    integer :: inside(0:body%particles%span - 1)
+    integer :: s, i, c, n, cell, before
+    allocate (own(5*size(body%particles%size)*body%particles%span))
     n = 0
     do s = 1, body%particles%bins%n
-      start = huge(1)
-      do i = body%particles%bins%first(s), body%particles%bins%last(s) + 1
-        if (occupied(i)) then
-          if (start == huge(1)) then
-            start = i
+      before = -huge(1)
+      do i = body%particles%bins%first(s), body%particles%bins%last(s)
+        call count_by_cell(body%particles, body%particles%bin_start(s) + i, &
+                           first_cell(body%particles%span, i), inside)
+        do c = 0, ubound(inside, 1)
+          if (inside(c) == 0) cycle
+          cell = first_cell(body%particles%span, i) + c
+          if (cell /= before + 1) then
             n = n + 1
             own(5*n - 4:5*n) = real([key_j(body%particles%bins%key(s)), &
-                                     key_k(body%particles%bins%key(s)), i, i, 0], dp)
+                                     key_k(body%particles%bins%key(s)), cell, cell, 0], dp)
           end if
-          own(5*n - 1) = real(i, dp)
-          own(5*n) = own(5*n) + body%particles%size(body%particles%bin_start(s) + i)
-        else
-          start = huge(1)
-        end if
+          own(5*n - 1) = real(cell, dp)
+          own(5*n) = own(5*n) + inside(c)
+          before = cell
+        end do
       end do
     end do
     call parallel_gather(own(:5*n), all)  ! ranks own ascending planes
@@ -166,16 +170,25 @@ contains
     first = nint(table(3, :))
     last = nint(table(4, :))
     number = nint(table(5, :), i8)
-
-  contains
-
-    pure function occupied(bin) result(yes)
-      integer, intent(in) :: bin
-      logical :: yes
-      yes = bin <= body%particles%bins%last(s)
-      if (yes) yes = body%particles%size(body%particles%bin_start(s) + bin) > 0
-    end function occupied
-
   end subroutine gather_intervals
+
+  !> Particles in each cell of a bin.
+  pure subroutine count_by_cell(particles, bin, first, inside)
+    type(particles_t), intent(in) :: particles
+    integer, intent(in) :: bin, first            !! bin, and its first cell
+    integer, intent(out) :: inside(0:)
+    integer :: chunk, left, l, c
+    inside = 0
+    chunk = particles%first(bin)
+    left = particles%size(bin)
+    do while (left > 0)
+      do l = 1, min(left, lanes)
+        c = floor(particles%motion(l, 1, chunk) - particles%shift) - first
+        inside(c) = inside(c) + 1
+      end do
+      left = left - lanes
+      chunk = particles%next(chunk)
+    end do
+  end subroutine count_by_cell
 
 end module sgmp_end_state

@@ -5,7 +5,7 @@ module sgmp_body
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i4
-  use sgmp_particles, only: particles_t
+  use sgmp_particles, only: first_cell, particles_t
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
@@ -68,7 +68,7 @@ contains
       allocate (particles%place(lines*layers, particles%bins%n), &
                 particles%plane_row(field%planes + 1))
       do s = 1, particles%bins%n
-        first = particles%bins%first(s)
+        first = first_cell(particles%span, particles%bins%first(s))
         do line = 1, lines
           do layer = 1, layers
             particles%place((line - 1)*layers + layer, s) = &

@@ -1,8 +1,9 @@
 !> The particles of one body: chunks of `lanes` particles, binned by the cell of their stencil.
 !!
-!! A bin holds the particles that share a grid stencil, ordered by id (where particles are split, in
-!! each id by the path from the particle that they come from), in a chain of chunks; the
-!! unused lanes of its last chunk hold a harmless pad. Two streams keep the two sweeps of a step
+!! A bin holds the particles of one cell, or of some cells that follow each other along a row
+!! (`bin_span`), ordered by id (where particles are split, in each id by the path from the particle
+!! that they come from), in a chain of chunks; those of a cell share a grid stencil. The unused lanes
+!! of a bin's last chunk hold a harmless pad. Two streams keep the two sweeps of a step
 !! apart: `motion` (position, velocity, mass) is all that a momentum sweep touches,
 !! `state` (volume, stress, history) is read only where stress is updated.
 module sgmp_particles
@@ -11,13 +12,15 @@ module sgmp_particles
   use sgmp_large_pages, only: large_pages_ask
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_prefetch, only: prefetch
-  use sgmp_rows, only: row_key, rows_contains, rows_from_points, rows_t
+  use sgmp_rows, only: row_key, rows_contains, rows_from_points, rows_t, rows_union
   use sgmp_slabs, only: far_plane
   use sgmp_sorting, only: sort_order
   implicit none
   private
   public :: particles_t, particles_fill, particles_bytes, particles_bin_of, &
-    particles_lay_out, particles_number_bins, particles_pad, bin_coordinates
+    particles_lay_out, particles_number_bins, particles_pad, particles_cells, &
+    bin_coordinates, bin_of_cell, bins_of_cells, &
+    first_cell
   public :: chunks_take, chunks_make_room, chunks_give_back, chunk_pad, chunk_prefetch
 
   integer, parameter :: many_chunks = 2**14         !! 15 MB
@@ -33,7 +36,8 @@ module sgmp_particles
     integer :: spares = 0
     logical :: scattered = .false.  !! chunks no longer lie in the order of their bins, and caches
                                     !! do not hold them all
-    real(dp) :: shift = 0.5_dp                      !! bin of X is floor(X - shift)
+    real(dp) :: shift = 0.5_dp                      !! cell of X is floor(X - shift)
+    integer :: span = 1                             !! cells of a bin, along its row
     integer :: own(2) = [-far_plane, far_plane]     !! planes whose particles are held here
     integer :: held(2) = [-far_plane, far_plane]
       !! planes with bins; those outside `own` stand for other ranks' and are empty
@@ -57,16 +61,54 @@ module sgmp_particles
 contains
 
   !> Bin coordinates (i, j, k) of a position: in 2D the y axis is k.
-  pure function bin_coordinates(x, shift, ndim) result(bin)
+  pure function bin_coordinates(particles, x) result(bin)
+    type(particles_t), intent(in) :: particles
     real(dp), intent(in) :: x(:)          !! (>= ndim) grid coordinates
-    real(dp), intent(in) :: shift
-    integer, intent(in) :: ndim
     integer :: bin(3)
     bin = 0
-    bin(1) = floor(x(1) - shift)
-    if (ndim == 2) bin(3) = floor(x(2) - shift)
-    if (ndim == 3) bin(2:3) = floor(x(2:3) - shift)
+    bin(1) = bin_of_cell(particles%span, floor(x(1) - particles%shift))
+    if (particles%ndim == 2) bin(3) = floor(x(2) - particles%shift)
+    if (particles%ndim == 3) bin(2:3) = floor(x(2:3) - particles%shift)
   end function bin_coordinates
+
+  !> Place of a cell's bin in the row.
+  elemental function bin_of_cell(span, cell) result(bin)
+    integer, intent(in) :: span, cell
+    integer :: bin
+    bin = (cell - first_cell(span, 0) - modulo(cell - first_cell(span, 0), span))/span
+  end function bin_of_cell
+
+  !> First cell of a bin. Bins of several cells begin where the cells of a grid with a wall at 0 do.
+  elemental function first_cell(span, bin) result(cell)
+    integer, intent(in) :: span, bin
+    integer :: cell
+    cell = span*bin - merge(1, 0, span > 1)
+  end function first_cell
+
+  !> The bins that some cells lie in, as rows.
+  pure subroutine bins_of_cells(span, cells, bins)
+    integer, intent(in) :: span
+    type(rows_t), intent(in) :: cells
+    type(rows_t), intent(out) :: bins
+    type(rows_t) :: some
+    integer :: n
+    some = cells
+    n = some%n
+    some%first(:n) = bin_of_cell(span, some%first(:n))
+    some%last(:n) = bin_of_cell(span, some%last(:n))
+    call rows_union(some, some, bins)  ! joins those that now touch
+  end subroutine bins_of_cells
+
+  !> The cells of all bins.
+  pure subroutine particles_cells(particles, cells)
+    type(particles_t), intent(in) :: particles
+    type(rows_t), intent(out) :: cells
+    cells = particles%bins
+    associate (n => cells%n)
+      cells%first(:n) = first_cell(particles%span, cells%first(:n))
+      cells%last(:n) = first_cell(particles%span, cells%last(:n) + 1) - 1
+    end associate
+  end subroutine particles_cells
 
   !> Number of the bin with given coordinates, 0 if it does not exist.
   pure function particles_bin_of(particles, bin) result(number)
@@ -90,7 +132,8 @@ contains
   !> Puts particles at rest into bins; `history` gives the first values of the columns of `state`
   !! behind the volume. The positions are given up on the way, so that both streams and they are
   !! never held at the same time.
-  subroutine particles_fill(particles, ndim, shift, x, density, volume, history, first_id, ids)
+  subroutine particles_fill(particles, ndim, shift, x, density, volume, history, first_id, ids, &
+                            span)
     type(particles_t), intent(out) :: particles
     integer, intent(in) :: ndim
     real(dp), intent(in) :: shift
@@ -101,6 +144,7 @@ contains
     integer(i4), intent(in) :: first_id             !! id of the first particle
     integer(i4), intent(in), optional :: ids(:)     !! (n) ascending places in the body, from 1,
                                                     !! where they are not consecutive
+    integer, intent(in), optional :: span           !! cells of a bin; absent: one
     integer, allocatable :: order(:), slot(:)
     integer :: p, l, c
     particles%ndim = ndim
@@ -108,6 +152,7 @@ contains
     particles%state_columns = 1 + size(history)
     particles%count = size(volume)
     particles%shift = shift
+    if (present(span)) particles%span = span
     particles%pad = [1.0_dp, history]
     particles%pad_mass = density
     allocate (order(particles%count), slot(particles%count))
@@ -216,14 +261,14 @@ contains
     low = huge(1)
     high = -huge(1)
     do p = 1, size(order)
-      bin = bin_coordinates(x(:, p), particles%shift, particles%ndim)
+      bin = bin_coordinates(particles, x(:, p))
       low = min(low, bin)
       high = max(high, bin)
     end do
     extent = int(high, i8) - int(low, i8) + 1_i8
     allocate (key(size(order)))
     do p = 1, size(order)
-      bin = bin_coordinates(x(:, p), particles%shift, particles%ndim) - low
+      bin = bin_coordinates(particles, x(:, p)) - low
       key(p) = (int(bin(3), i8)*extent(2) + int(bin(2), i8))*extent(1) + int(bin(1), i8)
     end do
     call sort_order(key, order)
@@ -239,15 +284,14 @@ contains
     integer :: p, bin(3), number
     allocate (i(size(order)), key(size(order)))
     do p = 1, size(order)
-      bin = bin_coordinates(x(:, order(p)), particles%shift, particles%ndim)
+      bin = bin_coordinates(particles, x(:, order(p)))
       key(p) = row_key(bin(2), bin(3))
       i(p) = bin(1)
     end do
     call rows_from_points(key, i, particles%bins)
     call particles_number_bins(particles)
     do p = 1, size(order)
-      number = particles_bin_of(particles, bin_coordinates(x(:, p), particles%shift, &
-                                                           particles%ndim))
+      number = particles_bin_of(particles, bin_coordinates(particles, x(:, p)))
       particles%size(number) = particles%size(number) + 1
     end do
   end subroutine count_bins

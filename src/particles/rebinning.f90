@@ -75,7 +75,7 @@ contains
       movers%gone(m) = any(movers%particle(:d, m) < lower(:d) .or. &
                            movers%particle(:d, m) > upper(:d))
       if (movers%gone(m)) cycle
-      bin = bin_coordinates(movers%particle(:, m), particles%shift, d)
+      bin = bin_coordinates(particles, movers%particle(:, m))
       if (.not. within(bin(3), particles%held)) cycle
       movers%row(m) = row_near(particles%bins, movers%row(m), row_key(bin(2), bin(3)), bin(1))
       if (movers%row(m) > 0) then
@@ -354,7 +354,7 @@ contains
     do t = 1, size(lists)
       do m = 1, lists(t)%n
         if (.not. wants_bin(particles, lists(t), m)) cycle
-        bin = bin_coordinates(lists(t)%particle(:, m), particles%shift, particles%ndim)
+        bin = bin_coordinates(particles, lists(t)%particle(:, m))
         n = n + 1
         i(n) = bin(1)
         key(n) = row_key(bin(2), bin(3))
@@ -382,7 +382,7 @@ contains
     if (movers%bin(m) > 0) then
       yes = particles%size(movers%bin(m)) == 0
     else
-      bin = bin_coordinates(movers%particle(:, m), particles%shift, particles%ndim)
+      bin = bin_coordinates(particles, movers%particle(:, m))
       yes = within(bin(3), particles%held)
     end if
   end function wants_bin

@@ -9,7 +9,7 @@ module sgmp_build_model
   use sgmp_errors, only: error_t
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
-  use sgmp_kernels, only: method_cpgimp, method_half_size, method_kernel, stencil_shift
+  use sgmp_kernels, only: bin_span, method_cpgimp, method_half_size, method_kernel, stencil_shift
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_model, only: model_t
@@ -160,7 +160,7 @@ contains
       if (allocated(error)) return
       call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, &
                           material%law%density, volume, first_history(card, body, mesh%ndim), &
-                          first_id, ids)
+                          first_id, ids, bin_span(kernel, mesh%ndim))
       body%particles%path = body%law%slots%path
       call ranks_hold(model%ranks%partition, body%particles)
       call set_velocities(card, mesh, file_velocity, body)

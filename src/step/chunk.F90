@@ -10,20 +10,21 @@ module DIM(sgmp_chunk)
   use sgmp_body, only: body_t
   use sgmp_columns, only: relax_stiffness, relax_total
   use sgmp_constitutive, only: constitutive_t
-  use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_shift, stencil_width
+  use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_add, movers_t
   use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
+  use CARTESIAN(sgmp_scatter), only: linear_scatter, linear_scatter_force, linear_scatter_moment
   use CARTESIAN(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
   use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use sgmp_sums, only: sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sum_split, sum_viscous, sweep_sums
-  use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_scatter, &
-                                      linear_scatter_force, linear_scatter_moment, linear_weights
+  use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_weights, &
+                                      record_group
   use CARTESIAN(sgmp_transfer_product), only: product_gather, product_gather_gradient, &
                                               product_scatter, product_scatter_force, &
                                               product_spread, product_spread_t
@@ -35,7 +36,7 @@ module DIM(sgmp_chunk)
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
   integer, parameter :: most_columns = 1 + NMASS + 3*NDIM + NSPIN + NFLUX + 5
-  integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM)
+  integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
 
@@ -50,6 +51,7 @@ module DIM(sgmp_chunk)
     logical :: centred = .true.          !! the stencil's points are cell centres
     integer :: width = 2, layers = 1, lines = 1, rows = 1, points = 2  !! of the stencil
     real(dp) :: shift = 0.5_dp           !! of the stencil against the grid (cells)
+    integer :: span = 1                  !! cells of a bin
     integer :: nq = 0                    !! columns of the moments that are scattered
     integer :: plain = 0                 !! of these, all but the last: the mass's first moments
     integer :: spin = 0                  !! columns before the spin; 0: none is carried
@@ -87,6 +89,7 @@ contains
     task%rows = task%layers*task%lines
     task%points = merge(NWIDE_SUM, NCORNER, task%wide)
     task%shift = stencil_shift(kernel)
+    task%span = bin_span(kernel, NDIM)
     task%nq = plan%last_column - plan%first_column + 1
     task%plain = task%nq - merge(NDIM, 0, plan%offset)
     task%forces = merge(NMASS, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
@@ -110,6 +113,7 @@ contains
       task%relax = task%stride + 1
       task%stride = task%stride + relax_total(NDIM)
     end if
+    task%stride = record_group*((task%stride + record_group - 1)/record_group)
     task%inverse_h = mesh%inverse_h
     task%h = mesh%h
     task%dt_cells = plan%dt*mesh%inverse_h
@@ -120,35 +124,39 @@ contains
 
   !> Advances a chunk: the one place where a sweep decides which of its parts run.
   ! allow(S901, S902)
-  subroutine chunk_advance(mesh, body, plan, task, s, origin, nl, row, records, nb, id, motion, &
-                           state, stencil, lane_sums, movers, work)
+  subroutine chunk_advance(mesh, body, plan, task, s, origin, extent, nl, row, records, nb, id, &
+                           motion, state, stencil, lane_sums, movers, work)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
     integer, intent(in) :: s                     !! interval of bins
     real(dp), intent(in) :: origin(NDIM)         !! lower corner of the bin
+    real(dp), intent(in) :: extent(2, NDIM)      !! of the bin, from there
     integer, intent(in) :: nl                    !! particles in the chunk
-    integer, intent(in) :: row(most_rows)        !! records of the stencil's rows
+    integer, intent(in) :: row(most_rows)        !! records of the rows of its first stencil
     real(dp), intent(in) :: records(task%stride, *)
     integer, intent(in) :: nb
     integer(i4), intent(inout) :: id(lanes)      !! 0 when the particle has left
     real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
-    real(dp), intent(inout) :: stencil(task%points, task%nq)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, task%span)
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
     real(dp) :: xi(lanes, NDIM), got(lanes, most_gathered)
+    integer :: cell(lanes)                       !! of the bin, from 0
     real(dp) :: axes(lanes, 3, NDIM, 2)          !! of a wide stencil: weights, slopes
     real(dp) :: values(lanes, most_columns + NFLUX), speed2(lanes), jacobian(lanes)
     logical :: outside
     outside = .false.
     call locate(motion, origin, xi)
+    call enter_cells(xi, cell)
     if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
-    call gather(task, plan%gradient > 0, xi, axes, row, records, got)
+    call gather(task, plan%gradient > 0, xi, cell, axes, row, records, got)
 #ifdef AXISYMMETRIC
     if (.not. task%centred .and. plan%gradient > 0) then
-      call gather_hoop(task, xi, axes, row, records, motion, got(1, task%gradient + NGRAD - 1))
+      call gather_hoop(task, xi, cell, axes, row, records, motion, &
+                       got(1, task%gradient + NGRAD - 1))
     end if
 #endif
     if (nl < lanes) call hold_pads(task%stride, task%live(1, nl), got)
@@ -157,7 +165,7 @@ contains
 #ifdef AXISYMMETRIC
       if (plan%stress .and. .not. task%centred) call hoop_force(task, motion, values)
 #endif
-      call scatter(task, plan%stress, xi, axes, values, stencil)
+      call scatter(task, plan%stress, xi, cell, axes, values, stencil)
       return
     end if
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
@@ -165,8 +173,8 @@ contains
     if (task%relax > 0) call relaxation_apply(body%law, plan%dt_strain, task%live(1, nl), &
                                               got(1, task%relax), nb, motion, &
                                               state, got(1, task%gradient), lane_sums)
-    if (plan%drift) call drift(task%dt_cells, task%live(1, nl), origin, got(1, task%velocity), &
-                               motion, xi, lane_sums, outside)
+    if (plan%drift) call drift(task%dt_cells, task%live(1, nl), origin, extent, &
+                               got(1, task%velocity), motion, xi, lane_sums, outside)
     if (plan%strain) then
       call stress_update(body%law, plan%dt_strain, plan%time, motion(1, mass_at), &
                          task%live(1, nl), got(1, task%gradient), nb, state, &
@@ -199,14 +207,15 @@ contains
       call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, motion, state, values)
     end if
     if (plan%split > 0.0_dp .and. body%law%slots%path > 0) then
-      call split_particles(mesh, body, plan, task, s, nl, got(1, task%gradient), nb, motion, &
-                           state, id, xi, values, lane_sums, movers)
+      call split_particles(mesh, body, plan, task, s, extent, nl, got(1, task%gradient), nb, &
+                           motion, state, id, xi, values, lane_sums, movers)
     end if
-    if (outside) call note_movers(task, s, nl, nb, motion, state, id, xi, values, movers)
+    if (outside) call note_movers(task, s, extent, nl, nb, motion, state, id, xi, values, movers)
+    if (plan%drift) call enter_cells(xi, cell)
     if (task%wide .and. (plan%drift .or. plan%mass)) then
       call particle_axes(body, task, nb, state, xi, axes)
     end if
-    call scatter(task, plan%stress, xi, axes, values, stencil)
+    call scatter(task, plan%stress, xi, cell, axes, values, stencil)
   end subroutine chunk_advance
 
   !> What particles of wave speed 1 answer to the velocity they read: the stress m C : L, with the
@@ -242,7 +251,7 @@ contains
     end do
   end subroutine hold_pads
 
-  !> Local coordinates in the bin.
+  !> Positions in the bin.
   pure subroutine locate(motion, origin, xi)
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), origin(NDIM)
     real(dp), intent(out) :: xi(lanes, NDIM)
@@ -254,6 +263,26 @@ contains
       end do
     end do
   end subroutine locate
+
+  !> Positions in the bin become positions in its cells.
+  pure subroutine enter_cells(xi, cell)
+    real(dp), intent(inout) :: xi(lanes, NDIM)
+    integer, intent(out) :: cell(lanes)
+#if NDIM < 3
+    real(dp) :: whole(lanes)
+    integer :: l
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      whole(l) = aint(xi(l, 1))
+      xi(l, 1) = xi(l, 1) - whole(l)
+    end do
+    do l = 1, lanes
+      cell(l) = int(whole(l))
+    end do
+#else
+    cell = 0
+#endif
+  end subroutine enter_cells
 
   !> GIMP sizes of a chunk: constant, or stretched with the particle (cpGIMP).
   pure subroutine particle_size(body, nb, state, size_of)
@@ -287,11 +316,11 @@ contains
   end subroutine particle_axes
 
   !> Vectors and velocity gradient at the particles, from the records of the grid.
-  pure subroutine gather(task, gradient, xi, axes, row, records, got)
+  pure subroutine gather(task, gradient, xi, cell, axes, row, records, got)
     type(task_t), intent(in) :: task
     logical, intent(in) :: gradient              !! of the velocity, too
     real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
-    integer, intent(in) :: row(most_rows)
+    integer, intent(in) :: cell(lanes), row(most_rows)
     real(dp), intent(in) :: records(task%stride, *)
     real(dp), intent(out) :: got(lanes, most_gathered)
     real(dp) :: w(lanes, NCORNER)
@@ -307,20 +336,20 @@ contains
     end if
     call linear_weights(xi, w)
     if (task%centred) then
-      call linear_gather(task%stride, w, task%stride, records, row, got)
+      call linear_gather(task%stride, w, cell, task%stride, records, row, got)
       return
     end if
-    call linear_gather(task%vectors, w, task%stride, records, row, got)
-    if (gradient) call linear_gather_gradient(xi, task%inverse_h, task%stride, &
+    call linear_gather(task%vectors, w, cell, task%stride, records, row, got)
+    if (gradient) call linear_gather_gradient(xi, cell, task%inverse_h, task%stride, &
                                               records(task%gradient, 1), row, got(1, task%gradient))
   end subroutine gather
 
 #ifdef AXISYMMETRIC
   !> Hoop strain rate of a chunk where particles read the nodes (MPM, GIMP): v_r/r.
-  pure subroutine gather_hoop(task, xi, axes, row, records, motion, rate)
+  pure subroutine gather_hoop(task, xi, cell, axes, row, records, motion, rate)
     type(task_t), intent(in) :: task
     real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
-    integer, intent(in) :: row(most_rows)
+    integer, intent(in) :: cell(lanes), row(most_rows)
     real(dp), intent(in) :: records(task%stride, *), motion(lanes, motion_total(NDIM))
     real(dp), intent(out) :: rate(lanes)
     real(dp) :: w(lanes, NCORNER)
@@ -328,7 +357,7 @@ contains
       call product_gather(1, axes, task%stride, records(task%gradient, 1), row, rate)
     else
       call linear_weights(xi, w)
-      call linear_gather(1, w, task%stride, records(task%gradient, 1), row, rate)
+      call linear_gather(1, w, cell, task%stride, records(task%gradient, 1), row, rate)
     end if
     rate = task%inverse_h*rate/max(motion(:, 1), least_radius)
   end subroutine gather_hoop
@@ -376,14 +405,16 @@ contains
   end subroutine kick
 
   !> x += v_grid dt (Eq. 31), in cells; whether a lane may have left the bin.
-  pure subroutine drift(dt, live, origin, velocity, motion, xi, lane_sums, outside)
-    real(dp), intent(in) :: dt, live(lanes), origin(NDIM), velocity(lanes, NDIM)
+  pure subroutine drift(dt, live, origin, extent, velocity, motion, xi, lane_sums, outside)
+    real(dp), intent(in) :: dt, live(lanes), origin(NDIM), extent(2, NDIM), velocity(lanes, NDIM)
     real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), lane_sums(lanes, sweep_sums)
     real(dp), intent(out) :: xi(lanes, NDIM)     !! new position in the bin
     logical, intent(out) :: outside
-    real(dp) :: mass, inside
+    real(dp) :: mass, inside, middle(NDIM), half(NDIM)
     integer :: l, d
     inside = 0.0_dp
+    middle = 0.5_dp*(extent(2, :) + extent(1, :))
+    half = 0.5_dp*(extent(2, :) - extent(1, :))
     !$omp simd simdlen(8) private(mass, d) reduction(+:inside)
     do l = 1, lanes
       mass = live(l)*motion(l, mass_at)
@@ -391,7 +422,7 @@ contains
         motion(l, d) = motion(l, d) + dt*velocity(l, d)
         xi(l, d) = motion(l, d) - origin(d)
         lane_sums(l, sum_moment + d - 1) = lane_sums(l, sum_moment + d - 1) + mass*motion(l, d)
-        inside = inside + merge(1.0_dp, 0.0_dp, abs(xi(l, d) - 0.5_dp) < 0.5_dp)
+        inside = inside + merge(1.0_dp, 0.0_dp, abs(xi(l, d) - middle(d)) < half(d))
       end do
     end do
     outside = inside < NDIM*lanes - 0.5_dp
@@ -519,13 +550,14 @@ contains
 
   !> Splits particles that have been stretched too far: both halves leave as movers, and give to the
   !! grid half of what the whole gives, but for the mass's moment and the momentum, which are theirs.
-  pure subroutine split_particles(mesh, body, plan, task, s, nl, gradient, nb, motion, state, id, &
-                                  xi, values, lane_sums, movers)
+  pure subroutine split_particles(mesh, body, plan, task, s, extent, nl, gradient, nb, motion, &
+                                  state, id, xi, values, lane_sums, movers)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
     integer, intent(in) :: s, nl, nb
+    real(dp), intent(in) :: extent(2, NDIM)
     real(dp), intent(in) :: gradient(lanes, NGRAD), motion(lanes, motion_total(NDIM))
     real(dp), intent(inout) :: state(lanes, nb)
     integer(i4), intent(inout) :: id(lanes)
@@ -535,8 +567,8 @@ contains
     real(dp) :: offset(lanes), live(lanes), half(lanes, most_columns + NFLUX)
     real(dp) :: half_motion(lanes, motion_total(NDIM)), half_state(lanes, nb)
     integer :: axis(lanes), side, l
-    call splitting_choose(body%law, mesh, plan%split, body%half_size(:NDIM), nl, xi, nb, motion, &
-                          state, axis, offset)
+    call splitting_choose(body%law, mesh, plan%split, body%half_size(:NDIM), extent, nl, xi, nb, &
+                          motion, state, axis, offset)
     if (all(axis == 0)) return
     live = merge(1.0_dp, 0.0_dp, axis > 0)
     do side = -1, 1, 2
@@ -558,16 +590,17 @@ contains
   end subroutine split_particles
 
   !> Notes particles that left the bin and takes them out of it and of the scatter.
-  pure subroutine note_movers(task, s, nl, nb, motion, state, id, xi, values, movers)
+  pure subroutine note_movers(task, s, extent, nl, nb, motion, state, id, xi, values, movers)
     type(task_t), intent(in) :: task
     integer, intent(in) :: s, nl, nb
+    real(dp), intent(in) :: extent(2, NDIM)
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
     integer(i4), intent(inout) :: id(lanes)
     real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
     type(movers_t), intent(inout) :: movers
     integer :: l
     do l = 1, nl
-      if (all(xi(l, :) >= 0.0_dp .and. xi(l, :) < 1.0_dp)) cycle
+      if (all(xi(l, :) >= extent(1, :) .and. xi(l, :) < extent(2, :))) cycle
       call note_mover(task, s, l, id(l), .true., nb, motion, state, values, movers)
       call take_out(l, task%values, id, xi, values)
     end do
@@ -606,45 +639,49 @@ contains
     xi(l, :) = 0.5_dp
   end subroutine take_out
 
-  !> Adds a chunk to the accumulator of its stencil.
-  pure subroutine scatter(task, stress, xi, axes, values, stencil)
+  !> Adds a chunk to the accumulators of its stencils.
+  pure subroutine scatter(task, stress, xi, cell, axes, values, stencil)
     type(task_t), intent(in) :: task
     logical, intent(in) :: stress
     real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
+    integer, intent(in) :: cell(lanes)
     real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
-    real(dp), intent(inout) :: stencil(task%points, task%nq)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, task%span)
     type(product_spread_t) :: spread
     integer :: plain, rest
     if (task%centred) then
       if (task%spin > 0) then
         call spin_to_origin(task%h, xi, values(1, task%spin + 1), values(1, task%momentum + 1))
-        call spin_to_corners(task%h, xi, values(1, task%spin + 1), stencil(1, task%momentum + 1))
+        call spin_to_corners(task%h, xi, cell, values(1, task%spin + 1), task%span, task%nq, &
+                             stencil(1, task%momentum + 1, 1))
       end if
-      call linear_scatter(task%plain, xi, values, stencil)
-      if (task%nq > task%plain) call linear_scatter_moment(xi, values, stencil(1, task%plain + 1))
+      call linear_scatter(task%plain, xi, cell, values, task%nq, stencil)
+      if (task%nq > task%plain) call linear_scatter_moment(xi, cell, values, task%nq, &
+                                                           stencil(1, task%plain + 1, 1))
       return
     end if
     plain = task%forces
     rest = plain + merge(NDIM, 0, stress)
     if (.not. task%wide) then
-      if (plain > 0) call linear_scatter(plain, xi, values, stencil)
-      if (rest < task%nq) call linear_scatter(task%nq - rest, xi, values(1, rest + 1), &
-                                              stencil(1, rest + 1))
-      if (stress) call linear_scatter_force(xi, task%inverse_h, values(1, task%flux + 1), &
-                                            stencil(1, plain + 1))
+      if (plain > 0) call linear_scatter(plain, xi, cell, values, task%nq, stencil)
+      if (rest < task%nq) call linear_scatter(task%nq - rest, xi, cell, values(1, rest + 1), &
+                                              task%nq, stencil(1, rest + 1, 1))
+      if (stress) call linear_scatter_force(xi, cell, task%inverse_h, values(1, task%flux + 1), &
+                                            task%nq, stencil(1, plain + 1, 1))
 #ifdef AXISYMMETRIC
-      if (stress) call linear_scatter(1, xi, values(1, task%flux + NFLUX), stencil(1, plain + 1))
+      if (stress) call linear_scatter(1, xi, cell, values(1, task%flux + NFLUX), task%nq, &
+                                      stencil(1, plain + 1, 1))
 #endif
     else
       call product_spread(axes, axes(1, 1, 1, 2), stress, spread)
       if (plain > 0) call product_scatter(plain, spread, values, stencil)
       if (rest < task%nq) call product_scatter(task%nq - rest, spread, values(1, rest + 1), &
-                                            stencil(1, rest + 1))
+                                            stencil(1, rest + 1, 1))
       if (stress) call product_scatter_force(spread, values(1, task%flux + 1), &
-                                             stencil(1, plain + 1))
+                                             stencil(1, plain + 1, 1))
 #ifdef AXISYMMETRIC
       if (stress) call product_scatter(1, spread, values(1, task%flux + NFLUX), &
-                                       stencil(1, plain + 1))
+                                       stencil(1, plain + 1, 1))
 #endif
     end if
   end subroutine scatter

@@ -18,6 +18,7 @@ module sgmp_phases
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_method, only: method_t
+  use sgmp_particles, only: particles_cells
   use sgmp_partition, only: partition_t
   use sgmp_plan, only: plan_t
   use sgmp_ranks, only: ranks_t
@@ -37,7 +38,7 @@ module sgmp_phases
 
 contains
 
-  !> Lays out fields for the bins of their bodies and divides the planes among the threads.
+  !> Lays out fields for the cells of their bodies' bins and divides the planes among the threads.
   subroutine phase_layout(mesh, fields, bodies, contact, team, partition, changed)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: fields(:)
@@ -46,21 +47,22 @@ contains
     type(team_t), intent(inout) :: team
     type(partition_t), intent(in) :: partition
     logical, intent(in), optional :: changed(:)  !! (fields) whose bins are new; absent: all
-    type(rows_t) :: bins, more
+    type(rows_t) :: cells, own, more
     integer :: f, b
     do f = 1, size(fields)
       if (present(changed)) then
         if (.not. changed(f)) cycle
       end if
-      bins%n = 0
-      if (allocated(bins%key)) deallocate (bins%key, bins%first, bins%last)
-      allocate (bins%key(0), bins%first(0), bins%last(0))
+      cells%n = 0
+      if (allocated(cells%key)) deallocate (cells%key, cells%first, cells%last)
+      allocate (cells%key(0), cells%first(0), cells%last(0))
       do b = 1, size(bodies)
         if (bodies(b)%field /= f) cycle
-        call rows_union(bins, bodies(b)%particles%bins, more)
-        bins = more
+        call particles_cells(bodies(b)%particles, own)
+        call rows_union(cells, own, more)
+        cells = more
       end do
-      call field_build(fields(f), bins)
+      call field_build(fields(f), cells)
       do b = 1, size(bodies)
         if (bodies(b)%field == f) call body_place(bodies(b), fields(f))
       end do

@@ -126,7 +126,7 @@ contains
         associate (movers => lists(b, s), particles => bodies(b)%particles, &
                    partition => ranks%partition)
           do m = 1, movers%n
-            bin = bin_coordinates(movers%particle(:, m), particles%shift, particles%ndim)
+            bin = bin_coordinates(particles, movers%particle(:, m))
             plane = bin(3)
             if (far) then
               call write_mover(b, movers, m, all)

@@ -28,12 +28,13 @@ contains
   !!
   !! Solids are judged by their longest side. A fluid shears without end, its sides are taken from
   !! what happened to it lately and it is judged by the mean side, so that splitting ends.
-  pure subroutine splitting_choose(law, mesh, limit, half_size, nl, xi, nb, motion, state, axis, &
-                                   offset)
+  pure subroutine splitting_choose(law, mesh, limit, half_size, extent, nl, xi, nb, motion, state, &
+                                   axis, offset)
     type(constitutive_t), intent(in) :: law
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: limit                      !! cells
     real(dp), intent(in) :: half_size(NDIM)            !! of the particles at the start (cells)
+    real(dp), intent(in) :: extent(2, NDIM)            !! of the bin (cells)
     integer, intent(in) :: nl                          !! particles in the chunk
     real(dp), intent(in) :: xi(lanes, NDIM)            !! place in the bin
     integer, intent(in) :: nb
@@ -63,19 +64,21 @@ contains
         end if
         axis(l) = maxloc(side, 1)
         offset(l) = 0.25_dp*side(axis(l))
-        if (.not. fits(mesh, motion(l, :NDIM), xi(l, axis(l)), axis(l), offset(l))) axis(l) = 0
+        if (.not. fits(mesh, motion(l, :NDIM), extent(:, axis(l)), xi(l, axis(l)), axis(l), &
+                       offset(l))) axis(l) = 0
       end associate
     end do
   end subroutine splitting_choose
 
-  !> Whether both halves will be inside the grid and in reach of the bin that the particle was in.
-  pure logical function fits(mesh, x, xi, axis, offset)
+  !> Whether both halves will be inside the grid and within a cell of the bin that the particle was
+  !! in.
+  pure logical function fits(mesh, x, extent, xi, axis, offset)
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: x(NDIM), xi, offset
+    real(dp), intent(in) :: x(NDIM), extent(2), xi, offset
     integer, intent(in) :: axis
     fits = all(x >= mesh%lower(:NDIM) .and. x <= mesh%upper(:NDIM)) .and. &
            x(axis) - offset >= mesh%lower(axis) .and. x(axis) + offset <= mesh%upper(axis) .and. &
-           xi - offset >= -1.0_dp .and. xi + offset < 2.0_dp
+           xi - offset >= extent(1) - 1.0_dp .and. xi + offset < extent(2) + 1.0_dp
   end function fits
 
   !> Makes one half of each particle that is split: side -1 or +1. The halves lie at a quarter of

@@ -16,11 +16,11 @@ module DIM(sgmp_sweep)
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_movers, only: movers_reset, movers_t
-  use sgmp_particles, only: chunk_prefetch, particles_t
+  use sgmp_particles, only: chunk_prefetch, first_cell, particles_t
   use sgmp_plan, only: plan_t, workspace_t
   use sgmp_rows, only: key_j, key_k
+  use CARTESIAN(sgmp_scatter), only: linear_carry
   use sgmp_sums, only: sweep_sums
-  use CARTESIAN(sgmp_transfer), only: linear_carry
   use CARTESIAN(sgmp_transfer_product), only: product_carry
   implicit none
   private
@@ -88,8 +88,9 @@ contains
         deallocate (work%records)
       end if
     end if
-    if (.not. allocated(work%records)) allocate (work%records(task%stride, &
-                                                              largest_plane*task%layers))
+    if (.not. allocated(work%records)) then
+      allocate (work%records(task%stride, largest_plane*task%layers), source=0.0_dp)
+    end if
     if (allocated(work%planes)) then
       if (size(work%planes, 2) /= task%nq .or. size(work%planes, 3) < largest_plane) then
         deallocate (work%planes)
@@ -139,22 +140,21 @@ contains
     real(dp), intent(inout) :: sums(sweep_sums)
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
-    real(dp) :: lane_sums(lanes, sweep_sums), stencil(task%points, task%nq)
-    integer :: s, i, first, last, row(most_rows), place(WIDE_LINE)
+    real(dp) :: lane_sums(lanes, sweep_sums), stencil(task%points, task%nq, 0:task%span)
+    integer :: s, i, bins, row(most_rows), place(WIDE_LINE)
     lane_sums = 0.0_dp
     stencil = 0.0_dp
     do s = body%particles%plane_row(plane), body%particles%plane_row(plane + 1) - 1
-      first = body%particles%bins%first(s)
-      last = body%particles%bins%last(s)
+      bins = body%particles%bins%last(s) - body%particles%bins%first(s) + 1
       call clear_rows(field, plane, task%layers*task%nq, key_j(body%particles%bins%key(s)) + &
                       task%lines - 1, work%cleared, planes)
       call place_row(field, body, task, plane, s, row, place)
-      do i = 0, last - first
-        call sweep_bin(mesh, body, plan, task, s, i, row, stencil, lane_sums, movers, work)
-        call carry(task, stencil, i, place, planes)
+      do i = 0, bins - 1
+        call sweep_bin(mesh, body, plan, task, s, i, row, stencil(1, 1, 1), lane_sums, movers, work)
+        call carry(task, task%span, stencil, i*task%span, place, planes)
       end do
-      do i = last - first + 1, last - first + bins_to(body, s, task%width - 1)
-        call carry(task, stencil, i, place, planes)
+      do i = 0, bins_to(body, s, task%width - 1) - 1
+        call carry(task, 1, stencil, bins*task%span + i, place, planes)
       end do
     end do
     do i = 1, sweep_sums
@@ -162,8 +162,8 @@ contains
     end do
   end subroutine sweep_plane
 
-  !> Bins between the end of an interval and the next in its row, at most `most`, behind which the
-  !! accumulator is empty.
+  !> Bins between the end of an interval and the next in its row, at most `most`, in as many cells
+  !! behind which the accumulator is empty.
   !!
   !! If the next one is nearer, the accumulator goes on into it as it would through empty bins: sums
   !! must not depend on which of those happen to be stored.
@@ -178,25 +178,25 @@ contains
     end associate
   end function bins_to
 
-  !> Where the stencils of a row's first bin lie: in the records read, and in the plane buffers.
+  !> Where the stencils of a row's first cell lie: in the records read, and in the plane buffers.
   pure subroutine place_row(field, body, task, plane, s, row, place)
     type(field_t), intent(in) :: field
     type(body_t), intent(in) :: body
     type(task_t), intent(in) :: task
     integer, intent(in) :: plane, s
     integer, intent(out) :: row(most_rows), place(WIDE_LINE)
-    integer :: line, layer, r, p
+    integer :: line, layer, r, p, first
     row = 1
     place = 1
+    first = first_cell(body%particles%span, body%particles%bins%first(s))
     do line = 1, task%lines
       do layer = 1, task%layers
         r = (line - 1)*task%layers + layer
         p = plane + layer - 1
-        row(r) = body%particles%bins%first(s) + body%particles%place(r, s) &
-                 - field%plane_start(p) + 1 + mod(p, task%layers)*field%largest_plane
+        row(r) = first + body%particles%place(r, s) - field%plane_start(p) + 1 &
+                 + mod(p, task%layers)*field%largest_plane
       end do
-      place(line) = body%particles%bins%first(s) &
-                    + body%particles%place((line - 1)*task%layers + 1, s) &
+      place(line) = first + body%particles%place((line - 1)*task%layers + 1, s) &
                     - field%plane_start(plane) + 1
     end do
   end subroutine place_row
@@ -218,15 +218,16 @@ contains
     end do
   end subroutine clear_rows
 
-  !> Moves the accumulator one bin along the row.
-  subroutine carry(task, stencil, shift, place, planes)
+  !> Moves the accumulators some cells along the row.
+  subroutine carry(task, cells, stencil, shift, place, planes)
     type(task_t), intent(in) :: task
-    integer, intent(in) :: shift, place(WIDE_LINE)
-    real(dp), intent(inout) :: stencil(task%points, task%nq), planes(task%layers*task%nq, *)
+    integer, intent(in) :: cells, shift, place(WIDE_LINE)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, 0:task%span)
+    real(dp), intent(inout) :: planes(task%layers*task%nq, *)
     if (task%wide) then
-      call product_carry(task%nq, stencil, shift, place, planes)
+      call product_carry(task%nq, stencil(1, 1, 1), shift, place, planes)
     else
-      call linear_carry(task%nq, stencil, shift, place, planes)
+      call linear_carry(task%nq, cells, stencil, shift, place, planes)
     end if
   end subroutine carry
 
@@ -237,18 +238,19 @@ contains
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
     integer, intent(in) :: s, i                  !! interval of bins; bin, from its first
-    integer, intent(in) :: row(most_rows)        !! records of the stencil of its first bin
-    real(dp), intent(inout) :: stencil(task%points, task%nq)
+    integer, intent(in) :: row(most_rows)        !! records of the stencil of its first cell
+    real(dp), intent(inout) :: stencil(task%points, task%nq, task%span)
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
-    real(dp) :: origin(NDIM)
+    real(dp) :: origin(NDIM), extent(2, NDIM)
     integer :: bin, chunk, next, left, movers_before
     bin = body%particles%bin_start(s) + body%particles%bins%first(s) + i
     left = body%particles%size(bin)
     if (left == 0) return
     chunk = body%particles%first(bin)
-    origin = bin_origin(body%particles%bins%first(s) + i, body%particles%bins%key(s), task%shift)
+    call place_bin(mesh, task, body%particles%bins%first(s) + i, body%particles%bins%key(s), &
+                   origin, extent)
     movers_before = movers%n
     do while (left > 0)
       if (body%particles%scattered) then
@@ -256,8 +258,8 @@ contains
         ! What lies behind in memory the processor fetches by itself.
         if (next /= chunk + 1) call chunk_prefetch(body%particles, next, plan%stress)
       end if
-      call chunk_advance(mesh, body, plan, task, s, origin, min(left, lanes), row, &
-                         work%records(1, 1 + i), body%particles%state_columns, &
+      call chunk_advance(mesh, body, plan, task, s, origin, extent, min(left, lanes), row, &
+                         work%records(1, 1 + i*task%span), body%particles%state_columns, &
                          body%particles%id(1, chunk), &
                          body%particles%motion(1, 1, chunk), body%particles%state(1, 1, chunk), &
                          stencil, lane_sums, movers, work)
@@ -276,20 +278,28 @@ contains
     if (next == 0 .and. bin < size(particles%first)) next = particles%first(bin + 1)
   end function following
 
-  !> Lower corner of a bin.
-  pure function bin_origin(i, key, shift) result(origin)
+  !> Lower corner of a bin, and its extent from there: what lies behind the outermost cells of the
+  !! grid is none of it.
+  pure subroutine place_bin(mesh, task, i, key, origin, extent)
+    type(mesh_t), intent(in) :: mesh
+    type(task_t), intent(in) :: task
     integer, intent(in) :: i
     integer(i8), intent(in) :: key               !! of its row
-    real(dp), intent(in) :: shift
-    real(dp) :: origin(NDIM)
-    origin(1) = i + shift
+    real(dp), intent(out) :: origin(NDIM), extent(2, NDIM)
+    origin(1) = first_cell(task%span, i) + task%shift
 #if NDIM == 2
-    origin(2) = key_k(key) + shift
+    origin(2) = key_k(key) + task%shift
 #elif NDIM == 3
-    origin(2) = key_j(key) + shift
-    origin(3) = key_k(key) + shift
+    origin(2) = key_j(key) + task%shift
+    origin(3) = key_k(key) + task%shift
 #endif
-  end function bin_origin
+    extent(1, :) = 0.0_dp
+    extent(2, :) = 1.0_dp
+#if NDIM < 3
+    extent(1, 1) = max(0.0_dp, mesh%lower(1) - task%shift - origin(1))
+    extent(2, 1) = min(real(task%span, dp), mesh%upper(1) + task%shift - origin(1))
+#endif
+  end subroutine place_bin
 
   !> Sums the layers that belong to one plane; the contributions of the slab below wait for
   !! `sweep_join`.

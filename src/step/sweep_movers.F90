@@ -12,23 +12,24 @@ module DIM(sgmp_sweep_movers)
   use sgmp_movers, only: movers_t
   use sgmp_plan, only: plan_t
   use sgmp_rebinning, only: arrivals_t
+  use CARTESIAN(sgmp_scatter), only: stride_of
   use CARTESIAN(sgmp_spin), only: spin_lever
-  use CARTESIAN(sgmp_transfer), only: flux_of, linear_gradients, linear_weights, stride_of
+  use CARTESIAN(sgmp_transfer), only: flux_of, linear_gradients, linear_weights
   use CARTESIAN(sgmp_transfer_product), only: product_gradients, product_weights
   implicit none
   private
   public :: sweep_add_movers
 
-  !> What the movers that come into one bin give to the points of its stencil.
+  !> What movers that come into one cell after the other give to the points of its stencil.
   type :: pile_t
     integer :: planes(2) = 0                      !! range of planes of the field to add to
-    integer :: bin = 0, row = 0, plane = 1        !! bin, its interval, its plane
+    integer :: cell = 0, row = 0, plane = 1  !! cell along x, interval of its bin (0: none), plane
     real(dp) :: sums(largest_stencil, most_columns) = 0.0_dp  !! (points, x outermost; columns)
   end type pile_t
 
 contains
 
-  !> Adds particles that changed bins to some planes of the moments, bin by bin, so that
+  !> Adds particles that changed bins to some planes of the moments, cell by cell, so that
   !! each sum has the order of the bins and in each of the ids. Threads take planes; weights are
   !! computed for as many movers at a time as a chunk has lanes.
   subroutine sweep_add_movers(mesh, field, body, plan, lists, arrivals, planes)
@@ -65,14 +66,15 @@ contains
     type(pile_t), intent(inout) :: pile
     real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM), xi(lanes, NDIM)
     logical :: forces
-    integer :: l
+    integer :: cell, l
     forces = plan%stress .and. .not. task%centred
     call mover_weights(task, body, forces, lists, list, at, xi, w, g)
     do l = 1, size(at)
       associate (movers => lists(list(l)))
-        if (movers%bin(at(l)) /= pile%bin) then
+        cell = floor(movers%particle(1, at(l)) - body%particles%shift)
+        if (movers%row(at(l)) /= pile%row .or. cell /= pile%cell) then
           call add_pile(body, plan, task, pile, field)
-          pile%bin = movers%bin(at(l))
+          pile%cell = cell
           pile%row = movers%row(at(l))
           pile%sums(:, :task%nq) = 0.0_dp
         end if
@@ -92,7 +94,7 @@ contains
     logical, intent(in) :: gradients
     type(movers_t), intent(in) :: lists(:)
     integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
-    real(dp), intent(out) :: xi(lanes, NDIM)     !! position in the bin
+    real(dp), intent(out) :: xi(lanes, NDIM)     !! position in the cell
     real(dp), intent(out) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM)
     real(dp) :: axes(lanes, 3, NDIM, 2), state(lanes, body%particles%state_columns), &
         slopes(lanes, NCORNER, NDIM)
@@ -202,19 +204,18 @@ contains
     end if
   end subroutine add_product
 
-  !> Adds a pile to those points of its bin's stencil that lie in the planes asked for.
+  !> Adds a pile to those points of its cell's stencil that lie in the planes asked for.
   pure subroutine add_pile(body, plan, task, pile, field)
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
     type(pile_t), intent(inout) :: pile
     type(field_t), intent(inout) :: field
-    integer :: x, r, n, q, e, first, plane, from(largest_stencil), to(largest_stencil)
-    if (pile%bin == 0) return
+    integer :: x, r, n, q, e, plane, from(largest_stencil), to(largest_stencil)
+    if (pile%row == 0) return
     do while (body%particles%plane_row(pile%plane + 1) <= pile%row)
       pile%plane = pile%plane + 1
     end do
-    first = pile%bin - body%particles%bin_start(pile%row)
     n = 0
     do r = 1, task%rows
       plane = pile%plane + mod(r - 1, task%layers)
@@ -222,7 +223,7 @@ contains
       do x = 0, task%width - 1
         n = n + 1
         from(n) = x*task%rows + r
-        to(n) = body%particles%place(r, pile%row) + first + x
+        to(n) = body%particles%place(r, pile%row) + pile%cell + x
       end do
     end do
     do q = 1, task%nq

@@ -7,7 +7,7 @@
 module DIM(sgmp_spin)
   use sgmp_kinds, only: dp, lanes
 #if NDIM > 1
-  use DIM(sgmp_transfer), only: linear_scatter
+  use DIM(sgmp_scatter), only: linear_scatter
 #endif
   implicit none
   private
@@ -59,18 +59,22 @@ contains
   end subroutine spin_to_origin
 
   !> Adds h spin x (way from the bin's lower corner) to the momentum of the stencil's points.
-  pure subroutine spin_to_corners(h, xi, spin, momentum)
+  pure subroutine spin_to_corners(h, xi, cell, spin, cells, columns, momentum)
     real(dp), intent(in) :: h, xi(lanes, NDIM)
+    integer, intent(in) :: cell(lanes)                   !! of the bin, from 0
     real(dp), intent(in) :: spin(lanes, *)               !! times mass
-    real(dp), intent(inout) :: momentum(NCORNER, NDIM)
+    integer, intent(in) :: cells, columns                !! of the bin; of an accumulator
+    real(dp), intent(inout) :: momentum(NCORNER, columns, cells)  !! the first NDIM columns
 #if NDIM > 1
-    real(dp) :: sums(NCORNER, NSPIN)
-    integer :: e, d
+    real(dp) :: sums(NCORNER, NSPIN, cells)
+    integer :: c, e, d
     sums = 0.0_dp
-    call linear_scatter(NSPIN, xi, spin, sums)
-    do d = 1, NDIM
-      do e = 1, NCORNER
-        momentum(e, d) = momentum(e, d) + h*spin_lever(sums(e, :), e, d)
+    call linear_scatter(NSPIN, xi, cell, spin, NSPIN, sums)
+    do c = 1, cells
+      do d = 1, NDIM
+        do e = 1, NCORNER
+          momentum(e, d, c) = momentum(e, d, c) + h*spin_lever(sums(e, :, c), e, d)
+        end do
       end do
     end do
 #endif

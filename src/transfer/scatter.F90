@@ -1,0 +1,362 @@
+! dimension-generic
+#include "dimension.inc"
+!> Scatters of one chunk of particles with linear weights (particle to grid).
+!!
+!! Scatters run over the stencil's points, so every particle value is a broadcast and nothing
+!! collides. In 3D a bin is one cell, and its sums stay in registers; in 1D and 2D every lane adds to
+!! the accumulator of its own cell of the bin. Points are numbered as in sgmp_transfer: a whole
+!! x-layer is contiguous, and moving to the next cell of the row shifts the accumulator by one layer
+!! (`linear_carry`).
+module DIM(sgmp_scatter)
+  use sgmp_kinds, only: dp, lanes
+  use DIM(sgmp_transfer), only: flux_of
+  implicit none
+  private
+  public :: linear_scatter, linear_scatter_force, linear_scatter_moment, linear_carry
+  public :: stride_of
+
+  !> Way between a stencil's points along an axis, and the points that are the lower ones along it;
+  !! 1 for them, 0 for the others.
+#if NDIM == 1
+  integer, parameter :: stride_of(1) = 1, lower_point(1, 1) = 1
+  real(dp), parameter :: lower(2, 1) = reshape([1, 0], [2, 1])
+#elif NDIM == 2
+  integer, parameter :: stride_of(2) = [2, 1]
+  integer, parameter :: lower_point(2, 2) = reshape([1, 2, 1, 3], [2, 2])
+  real(dp), parameter :: lower(4, 2) = reshape([1, 1, 0, 0, 1, 0, 1, 0], [4, 2])
+#else
+  integer, parameter :: stride_of(3) = [4, 2, 1]
+  integer, parameter :: lower_point(4, 3) = reshape([1, 2, 3, 4, 1, 2, 5, 6, 1, 3, 5, 7], [4, 3])
+#endif
+#if NDIM < 3
+  !> Weight of a point along an axis at 0, and its slope.
+  real(dp), parameter :: upward(NCORNER, NDIM) = 1.0_dp - 2.0_dp*lower
+#endif
+
+contains
+
+#if NDIM < 3
+  !> Adds the particles' values to the accumulators of their cells (Eqs. 21-23); pads must bring
+  !! zeros.
+  pure subroutine linear_scatter(nq, xi, cell, values, columns, sums)
+    integer, intent(in) :: nq                      !! values per particle
+    real(dp), intent(in) :: xi(lanes, NDIM)        !! position in the cell
+    integer, intent(in) :: cell(lanes)             !! of the bin, from 0
+    real(dp), intent(in) :: values(lanes, nq)
+    integer, intent(in) :: columns                 !! of an accumulator
+    real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)  !! accumulators of the bin's cells
+    real(dp) :: w(NCORNER)
+    integer :: l, q, e, c
+    do l = 1, lanes
+      c = cell(l)
+      !$omp simd
+      do e = 1, NCORNER
+        w(e) = corner_weight(xi(l, :), e, 0)
+      end do
+      do q = 1, nq
+        !$omp simd simdlen(NCORNER)
+        do e = 1, NCORNER
+          sums(e, q, c) = sums(e, q, c) + w(e)*values(l, q)
+        end do
+      end do
+    end do
+  end subroutine linear_scatter
+
+  !> Adds -grad N . (sigma V) of the particles to the nodal forces of plain MPM (Eq. 11); pads must
+  !! bring zeros.
+  pure subroutine linear_scatter_force(xi, cell, inverse_h, flux, columns, sums)
+    real(dp), intent(in) :: xi(lanes, NDIM), inverse_h
+    integer, intent(in) :: cell(lanes)             !! of the bin, from 0
+    real(dp), intent(in) :: flux(lanes, NFLUX)     !! sigma V
+    integer, intent(in) :: columns                 !! of an accumulator
+    real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)  !! the first NDIM columns
+    real(dp) :: g(NCORNER, NDIM)
+    integer :: l, a, b, e, c
+    do l = 1, lanes
+      c = cell(l)
+      do b = 1, NDIM
+        !$omp simd
+        do e = 1, NCORNER
+          g(e, b) = -inverse_h*corner_weight(xi(l, :), e, b)
+        end do
+      end do
+      do a = 1, NDIM
+        do b = 1, NDIM
+          !$omp simd simdlen(NCORNER)
+          do e = 1, NCORNER
+            sums(e, a, c) = sums(e, a, c) + g(e, b)*flux(l, flux_of(b, a))
+          end do
+        end do
+      end do
+    end do
+  end subroutine linear_scatter_force
+
+  !> Linear weight of a corner of a cell, or its derivative along an axis (1/cell).
+  pure function corner_weight(xi, e, axis) result(w)
+    real(dp), intent(in) :: xi(NDIM)
+    integer, intent(in) :: e
+    integer, intent(in) :: axis                    !! 0: the weight itself
+    real(dp) :: w
+    integer :: d
+    w = 1.0_dp
+    do d = 1, NDIM
+      if (d == axis) then
+        w = w*upward(e, d)
+      else
+        w = w*(lower(e, d) + upward(e, d)*xi(d))
+      end if
+    end do
+  end function corner_weight
+#else
+  !> Linear weights of a chunk by stencil point: the scatter's view of `linear_weights`.
+  pure subroutine point_weights(xi, w)
+    real(dp), intent(in) :: xi(lanes, NDIM)
+    real(dp), intent(out) :: w(NCORNER, lanes)
+    integer :: l, e
+    real(dp), parameter :: cy(4) = [1, 1, 0, 0], sy(4) = [-1, -1, 1, 1]
+    real(dp), parameter :: cz(4) = [1, 0, 1, 0], sz(4) = [-1, 1, -1, 1]
+    real(dp) :: yz
+    do l = 1, lanes
+      !$omp simd simdlen(4) private(yz)
+      do e = 1, 4
+        yz = (cy(e) + sy(e)*xi(l, 2))*(cz(e) + sz(e)*xi(l, 3))
+        w(e + 4, l) = xi(l, 1)*yz
+        w(e, l) = yz - w(e + 4, l)
+      end do
+    end do
+  end subroutine point_weights
+
+  !> Adds the particles' values to the accumulator of their stencil (Eqs. 21-23); pads must bring
+  !! zeros.
+  pure subroutine linear_scatter(nq, xi, cell, values, columns, sums)
+    integer, intent(in) :: nq                      !! values per particle
+    real(dp), intent(in) :: xi(lanes, NDIM)        !! position in the stencil's cell
+    integer, intent(in) :: cell(lanes)             !! the bin's only one, 0
+    real(dp), intent(in) :: values(lanes, nq)
+    integer, intent(in) :: columns                 !! of the accumulator
+    real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)
+    real(dp) :: w(NCORNER, lanes)
+    integer :: e, q
+    call point_weights(xi, w)
+    do q = 1, nq
+      ! All lanes in one expression keep the sum in a register; a loop over the live lanes would
+      ! not.
+      !$omp simd
+      do e = 1, NCORNER
+        sums(e, q, cell(1)) = sums(e, q, cell(1)) + &
+            w(e, 1)*values(1, q) + w(e, 2)*values(2, q) + w(e, 3)*values(3, q) + &
+            w(e, 4)*values(4, q) + w(e, 5)*values(5, q) + w(e, 6)*values(6, q) + &
+            w(e, 7)*values(7, q) + w(e, 8)*values(8, q)
+      end do
+    end do
+  end subroutine linear_scatter
+
+  !> Adds -grad N . (sigma V) of the particles to the nodal forces of plain MPM (Eq. 11); pads must
+  !! bring zeros.
+  !!
+  !! A weight is the product of its part along x and its part across: the derivative along x is the
+  !! same for both x-layers but for the sign, the others are those across, shared between the layers
+  !! in the proportion x.
+  pure subroutine linear_scatter_force(xi, cell, inverse_h, flux, columns, sums)
+    real(dp), intent(in) :: xi(lanes, NDIM), inverse_h
+    integer, intent(in) :: cell(lanes)             !! the bin's only one, 0
+    real(dp), intent(in) :: flux(lanes, NFLUX)     !! sigma V
+    integer, intent(in) :: columns                 !! of the accumulator
+    real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)  !! the first NDIM columns
+    real(dp) :: along(lanes, NDIM), w(NCORNER/2, lanes), slope(NCORNER/2, lanes, NDIM - 1)
+    real(dp) :: across(lanes, NDIM - 1, NDIM), upper(lanes, NDIM - 1, NDIM)
+    integer :: a, b, l
+    call across_weights(xi, w, slope)
+    do a = 1, NDIM
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        along(l, a) = inverse_h*flux(l, flux_of(1, a))
+        do b = 1, NDIM - 1
+          across(l, b, a) = inverse_h*flux(l, flux_of(b + 1, a))
+          upper(l, b, a) = xi(l, 1)*across(l, b, a)
+        end do
+      end do
+    end do
+    do a = 1, NDIM  ! apart, so that values are broadcast from memory and not permuted
+      call add_force(w, slope, along(1, a), across(1, 1, a), upper(1, 1, a), sums(1, a, cell(1)))
+    end do
+  end subroutine linear_scatter_force
+
+  !> One component of the force: `along` x both layers get the opposite; of what acts `across` x the
+  !! upper layer gets `upper` and the lower one the rest.
+  pure subroutine add_force(w, slope, along, across, upper, sums)
+    real(dp), intent(in) :: w(NCORNER/2, lanes), slope(NCORNER/2, lanes, NDIM - 1)
+    real(dp), intent(in) :: along(lanes), across(lanes, NDIM - 1), upper(lanes, NDIM - 1)
+    real(dp), intent(inout) :: sums(NCORNER/2, 2)
+    real(dp) :: x, y, y_upper, z, z_upper
+    integer :: e, l
+    ! Vectors over the points, lanes inside: each sum has a register of its own.
+    !$omp simd private(x, y, y_upper, z, z_upper, l)
+    do e = 1, NCORNER/2
+      x = 0.0_dp
+      y = 0.0_dp
+      y_upper = 0.0_dp
+      do l = 1, lanes
+        x = x + w(e, l)*along(l)
+        y = y + slope(e, l, 1)*across(l, 1)
+        y_upper = y_upper + slope(e, l, 1)*upper(l, 1)
+      end do
+      z = 0.0_dp
+      z_upper = 0.0_dp
+      do l = 1, lanes
+        z = z + slope(e, l, 2)*across(l, 2)
+        z_upper = z_upper + slope(e, l, 2)*upper(l, 2)
+      end do
+      y = y + z
+      y_upper = y_upper + z_upper
+      sums(e, 1) = sums(e, 1) + (x - (y - y_upper))
+      sums(e, 2) = sums(e, 2) - (x + y_upper)
+    end do
+  end subroutine add_force
+
+  !> Products of the linear weights of all axes but x, and their derivatives (1/cell), by point.
+  pure subroutine across_weights(xi, w, slope)
+    real(dp), intent(in) :: xi(lanes, NDIM)
+    real(dp), intent(out) :: w(NCORNER/2, lanes), slope(NCORNER/2, lanes, NDIM - 1)
+    integer :: l, e
+    real(dp), parameter :: cy(4) = [1, 1, 0, 0], sy(4) = [-1, -1, 1, 1]
+    real(dp), parameter :: cz(4) = [1, 0, 1, 0], sz(4) = [-1, 1, -1, 1]
+    do l = 1, lanes
+      !$omp simd simdlen(4)
+      do e = 1, 4
+        w(e, l) = (cy(e) + sy(e)*xi(l, 2))*(cz(e) + sz(e)*xi(l, 3))
+        slope(e, l, 1) = sy(e)*(cz(e) + sz(e)*xi(l, 3))
+        slope(e, l, 2) = sz(e)*(cy(e) + sy(e)*xi(l, 2))
+      end do
+    end do
+  end subroutine across_weights
+#endif
+
+  !> Adds the first moments of the particles' masses about the points of their stencil, N m (x_p -
+  !! x_c) in cells; pads must bring zeros.
+  !!
+  !! Along one axis both points get the same but for the sign, as the lever of one is the weight of
+  !! the other.
+  pure subroutine linear_scatter_moment(xi, cell, mass, columns, sums)
+    real(dp), intent(in) :: xi(lanes, NDIM), mass(lanes)
+    integer, intent(in) :: cell(lanes)             !! of the bin, from 0
+    integer, intent(in) :: columns                 !! of an accumulator
+    real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)  !! the first NDIM columns
+    real(dp) :: part(lanes), w(NCORNER/2, lanes), t(NCORNER/2)
+    integer :: a, e, l
+    do a = 1, NDIM
+      part = mass*xi(:, a)*(1.0_dp - xi(:, a))
+      call other_weights(xi, a, w)
+#if NDIM < 3
+      do l = 1, lanes
+        call add_both(a, w(:, l)*part(l), sums(1, a, cell(l)))
+      end do
+#else
+      !$omp simd private(l)
+      do e = 1, NCORNER/2
+        t(e) = 0.0_dp
+        do l = 1, lanes
+          t(e) = t(e) + w(e, l)*part(l)
+        end do
+      end do
+      call add_both(a, t, sums(1, a, cell(1)))
+#endif
+    end do
+  end subroutine linear_scatter_moment
+
+  !> Adds values to the lower points along an axis, and their opposite to the upper ones.
+  pure subroutine add_both(axis, values, sums)
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: values(NCORNER/2)
+    real(dp), intent(inout) :: sums(NCORNER)
+    integer :: e
+    do e = 1, NCORNER/2
+      associate (low => lower_point(e, axis))
+        sums(low) = sums(low) + values(e)
+        sums(low + stride_of(axis)) = sums(low + stride_of(axis)) - values(e)
+      end associate
+    end do
+  end subroutine add_both
+
+  !> Products of the linear weights of all axes but one.
+  pure subroutine other_weights(xi, axis, w)
+    real(dp), intent(in) :: xi(lanes, NDIM)
+    integer, intent(in) :: axis
+    real(dp), intent(out) :: w(NCORNER/2, lanes)
+    integer :: l
+#if NDIM == 3
+    integer :: p, q
+#endif
+    do l = 1, lanes
+#if NDIM == 1
+      w(1, l) = merge(1.0_dp, xi(l, 1), axis == 1)
+#elif NDIM == 2
+      w(2, l) = xi(l, 3 - axis)
+      w(1, l) = 1.0_dp - w(2, l)
+#else
+      p = merge(2, 1, axis == 1)
+      q = merge(2, 3, axis == 3)
+      w(4, l) = xi(l, p)*xi(l, q)
+      w(3, l) = xi(l, p) - w(4, l)
+      w(2, l) = xi(l, q) - w(4, l)
+      w(1, l) = (1.0_dp - xi(l, p)) - w(2, l)
+#endif
+    end do
+  end subroutine other_weights
+
+#if NDIM < 3
+  !> Flushes the accumulators of some cells to the plane buffers and empties them, but for the last
+  !! one's upper x-layer, which waits for the next cells as that of cell 0.
+  !!
+  !! Every grid point's sum is one fixed tree: lower layer of a cell, upper layer of the cell
+  !! before, then rows and planes.
+  pure subroutine linear_carry(nq, cells, sums, shift, place, planes)
+    integer, intent(in) :: nq, cells
+    real(dp), intent(inout) :: sums(NROW, 2, nq, 0:cells)
+    integer, intent(in) :: shift                   !! first cell along the row
+    integer, intent(in) :: place(NLINE)            !! record of cell 0 in each line
+    real(dp), intent(inout) :: planes(NROW, nq, *)
+    integer :: c, q, e
+    do c = 1, cells
+      associate (point => place(1) + shift + c - 1)
+        do q = 1, nq
+          do e = 1, NROW
+            planes(e, q, point) = planes(e, q, point) + (sums(e, 1, q, c) + sums(e, 2, q, c - 1))
+          end do
+        end do
+      end associate
+    end do
+    do q = 1, nq
+      sums(:, 2, q, 0) = sums(:, 2, q, cells)
+    end do
+    sums(:, :, :, 1:) = 0.0_dp
+  end subroutine linear_carry
+#else
+  !> Flushes the accumulator's first x-layer to the plane buffers and moves the stencil one cell
+  !! along the row.
+  !!
+  !! Line j of the buffers receives row j's lower part on top of row j-1's upper part: with the
+  !! layers kept apart until the planes are joined, every grid point's sum is one fixed tree.
+  pure subroutine linear_carry(nq, cells, sums, shift, place, planes)
+    integer, intent(in) :: nq, cells               !! 1 cell
+    real(dp), intent(inout) :: sums(NCORNER, nq, 0:cells)  !! that of cell 1 is used
+    integer, intent(in) :: shift                   !! cell along the row
+    integer, intent(in) :: place(NLINE)            !! record of cell 0 in each line
+    real(dp), intent(inout) :: planes(NLAYER, nq, *)
+    integer :: q, line, e
+    do q = 1, nq
+      do line = 1, NLINE
+        do e = 1, NLAYER
+          planes(e, q, place(line) + shift) = planes(e, q, place(line) + shift) + &
+              sums((line - 1)*NLAYER + e, q, 1)
+        end do
+      end do
+      do e = 1, NROW
+        sums(e, q, 1) = sums(e + NROW, q, 1)
+        sums(e + NROW, q, 1) = 0.0_dp
+      end do
+    end do
+  end subroutine linear_carry
+#endif
+
+end module DIM(sgmp_scatter)
