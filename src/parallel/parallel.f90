@@ -1,8 +1,8 @@
 !> The ranks of a run: who there is, and what they find out together.
 !!
 !! The communicator is the one thing here that is global (`parallel_attach` sets it). A program that
-!! never starts MPI, such as a unit test, is a run of one rank, for which every procedure returns at
-!! once.
+!! never starts MPI, such as a unit test or a run that no launcher has started, is a run of one rank,
+!! for which every procedure returns at once.
 module sgmp_parallel
   use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_alltoall, mpi_alltoallv, &
                      mpi_bcast, mpi_character, mpi_comm, mpi_comm_free, mpi_comm_rank, &
@@ -25,8 +25,16 @@ module sgmp_parallel
 
   real(dp), parameter :: place_stride = 2.0_dp**31
 
+  !> What launchers tell the processes that they start: Open MPI and PRRTE, PMIx, PMI (Hydra of
+  !! MPICH and Intel MPI, Slurm), Slurm, MVAPICH, ALPS and PALS (Cray), JSM (Spectrum MPI), MPT; last
+  !! what the user says.
+  character(20), parameter :: launched(*) = [character(20) :: 'OMPI_COMM_WORLD_SIZE', 'PMIX_RANK', &
+    'PMI_RANK', 'PMI_SIZE', 'PMI_FD', 'PMI_PORT', 'SLURM_PROCID', 'MV2_COMM_WORLD_RANK', &
+    'ALPS_APP_PE', 'PALS_RANKID', 'JSM_NAMESPACE_RANK', 'MPI_LOCALNRANKS', 'SGMP_MPI']
+
   type(mpi_comm) :: communicator
   integer :: own_rank = 0, all_ranks = 1
+  logical :: started = .false.
 
   interface parallel_sum
     module procedure sum_one, sum_many
@@ -34,9 +42,15 @@ module sgmp_parallel
 
 contains
 
-  !> Starts MPI; only the thread that calls it talks to other ranks.
+  !> Starts MPI, which takes some tenths of a second, where a launcher has started the program; only
+  !! the thread that calls it talks to other ranks.
   subroutine parallel_start()
-    integer :: provided
+    integer :: provided, n, length
+    do n = 1, size(launched)
+      call get_environment_variable(trim(launched(n)), length=length)
+      if (length > 0) started = .true.
+    end do
+    if (.not. started) return
     call mpi_init_thread(mpi_thread_funneled, provided)
     call parallel_attach(mpi_comm_world)
   end subroutine parallel_start
@@ -51,7 +65,9 @@ contains
 
   !> Ends MPI; all ranks must come here.
   subroutine parallel_end()
+    if (.not. started) return
     call mpi_finalize()
+    started = .false.
     own_rank = 0
     all_ranks = 1
   end subroutine parallel_end

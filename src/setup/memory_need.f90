@@ -7,6 +7,7 @@
 !! need more.
 module sgmp_memory_need
   use sgmp_errors, only: error_make, error_t, exit_deck
+  use sgmp_kernels, only: bin_span, method_kernel
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_parallel, only: parallel_any, parallel_ranks, parallel_ranks_here
   use sgmp_process, only: memory_available_bytes
@@ -17,7 +18,7 @@ module sgmp_memory_need
   private
   public :: memory_need, memory_need_here, memory_refuse
 
-  real(dp), parameter :: bytes_of_process = 4.0e7_dp  !! libraries, MPI, HDF5
+  real(dp), parameter :: bytes_of_process = 2.0e7_dp  !! libraries; with MPI 2.6e7
   real(dp), parameter :: gibibyte = 1024.0_dp**3
   integer, parameter :: history_columns = 1
     !! besides volume and stress: of a simple plastic material
@@ -83,12 +84,13 @@ contains
   pure function of_particle(scene, in_cell) result(bytes)
     type(scene_t), intent(in) :: scene
     real(dp), intent(in) :: in_cell
-    real(dp) :: bytes
+    real(dp) :: bytes, in_bin
     integer :: columns, stresses
     stresses = merge(6, scene%dimension + 2, scene%dimension == 3)
     columns = 2*scene%dimension + 2 + stresses + history_columns
-    bytes = 8.0_dp*columns*lanes*ceiling(max(in_cell, 1.0_dp)/lanes)/max(min(in_cell, 1.0e9_dp), &
-                                                                         1.0_dp) + 12.0_dp
+    in_bin = max(min(in_cell, 1.0e8_dp), 1.0_dp)*bin_span(method_kernel(scene%method%kind), &
+                                                          scene%dimension)
+    bytes = 8.0_dp*columns*lanes*ceiling(in_bin/lanes)/in_bin + 12.0_dp
     if (writes_particles(scene)) bytes = bytes + 8.0_dp*(stresses + 12)
   end function of_particle
 

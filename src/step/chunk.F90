@@ -150,7 +150,7 @@ contains
     logical :: outside
     outside = .false.
     call locate(motion, origin, xi)
-    call enter_cells(xi, cell)
+    call enter_cells(task%span, xi, cell)
     if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
     call gather(task, plan%gradient > 0, xi, cell, axes, row, records, got)
 #ifdef AXISYMMETRIC
@@ -211,7 +211,7 @@ contains
                            motion, state, id, xi, values, lane_sums, movers)
     end if
     if (outside) call note_movers(task, s, extent, nl, nb, motion, state, id, xi, values, movers)
-    if (plan%drift) call enter_cells(xi, cell)
+    if (plan%drift) call enter_cells(task%span, xi, cell)
     if (task%wide .and. (plan%drift .or. plan%mass)) then
       call particle_axes(body, task, nb, state, xi, axes)
     end if
@@ -264,23 +264,26 @@ contains
     end do
   end subroutine locate
 
-  !> Positions in the bin become positions in its cells.
-  pure subroutine enter_cells(xi, cell)
+  !> Positions in the bin become positions in its cells. One that the subtraction has rounded up to
+  !! the bin's end is at the end of its last cell.
+  pure subroutine enter_cells(span, xi, cell)
+    integer, intent(in) :: span                  !! cells of the bin
     real(dp), intent(inout) :: xi(lanes, NDIM)
     integer, intent(out) :: cell(lanes)
 #if NDIM < 3
-    real(dp) :: whole(lanes)
+    real(dp) :: whole(lanes), last
     integer :: l
+    last = real(span - 1, dp)
     !$omp simd simdlen(8)
     do l = 1, lanes
-      whole(l) = aint(xi(l, 1))
+      whole(l) = min(aint(xi(l, 1)), last)
       xi(l, 1) = xi(l, 1) - whole(l)
     end do
     do l = 1, lanes
       cell(l) = int(whole(l))
     end do
 #else
-    cell = 0
+    cell = span - 1
 #endif
   end subroutine enter_cells
 
@@ -585,7 +588,7 @@ contains
       end do
     end do
     do l = 1, nl
-      if (axis(l) > 0) call take_out(l, task%values, id, xi, values)
+      if (axis(l) > 0) call take_out(l, extent, task%values, id, xi, values)
     end do
   end subroutine split_particles
 
@@ -602,7 +605,7 @@ contains
     do l = 1, nl
       if (all(xi(l, :) >= extent(1, :) .and. xi(l, :) < extent(2, :))) cycle
       call note_mover(task, s, l, id(l), .true., nb, motion, state, values, movers)
-      call take_out(l, task%values, id, xi, values)
+      call take_out(l, extent, task%values, id, xi, values)
     end do
   end subroutine note_movers
 
@@ -629,14 +632,15 @@ contains
     end do
   end subroutine note_mover
 
-  !> Takes a lane out of its bin and of the scatter.
-  pure subroutine take_out(l, columns, id, xi, values)
+  !> Takes a lane out of its bin and of the scatter: what is left is in the middle of the bin.
+  pure subroutine take_out(l, extent, columns, id, xi, values)
     integer, intent(in) :: l, columns
+    real(dp), intent(in) :: extent(2, NDIM)      !! of the bin
     integer(i4), intent(inout) :: id(lanes)
     real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
     id(l) = 0
     values(l, :columns) = 0.0_dp
-    xi(l, :) = 0.5_dp
+    xi(l, :) = 0.5_dp*(extent(1, :) + extent(2, :))
   end subroutine take_out
 
   !> Adds a chunk to the accumulators of its stencils.

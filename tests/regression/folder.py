@@ -145,7 +145,7 @@ def estimated(report):
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, env=ENVIRONMENT, preexec_fn=limited)
         found = re.search(r"about ([\d.]+) MiB needed", done.stdout.decode("utf-8", "replace"))
         if report.check(found, f"{title}: no need in\n{done.stdout.decode()}"):
-            process = 40e6
+            process = 20e6
             need = (float(found.group(1)) * 1024**2 - process) / 100 + process
             peak = result["peak_memory_bytes"]
             report.check(0.8 < need / peak < 1.25, f"{title}: estimated {need/1e6:.0f} MB, measured {peak/1e6:.0f} MB")
