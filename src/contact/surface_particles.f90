@@ -85,9 +85,9 @@ contains
     end do
   end subroutine surface_list
 
-  !> First and last bin here of those that cells from `first_cell` to `last_cell` of a row lie in, an
-  !! empty range if there are none. Asked again for the same row with a larger `first_cell`, it goes on from where it
-  !! was.
+  !> First and last bin here of those that the cells from `first_cell` to `last_cell` of a row lie
+  !! in, an empty range if there are none. Asked again for the same row with a larger `first_cell`,
+  !! it goes on from where it was.
   pure subroutine surface_bins(surface, key, first_cell, last_cell, place, range)
     type(surface_t), intent(in) :: surface
     integer(i8), intent(in) :: key         !! of the row

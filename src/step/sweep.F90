@@ -150,7 +150,8 @@ contains
                       task%lines - 1, work%cleared, planes)
       call place_row(field, body, task, plane, s, row, place)
       do i = 0, bins - 1
-        call sweep_bin(mesh, body, plan, task, s, i, row, stencil(1, 1, 1), lane_sums, movers, work)
+        call sweep_bin(mesh, body, plan, task, s, i, row, stencil(1, 1, 1), lane_sums, movers, &
+                       work)
         call carry(task, task%span, stencil, i*task%span, place, planes)
       end do
       do i = 0, bins_to(body, s, task%width - 1) - 1
