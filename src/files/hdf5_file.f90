@@ -47,6 +47,8 @@ module sgmp_hdf5_file
   integer, parameter :: hdf5_real = 4     !! 64 bits
   integer, parameter :: block_words = 2**17  !! words verified at a time
 
+  logical, save :: library_open = .false.
+
   !> One file.
   type :: hdf5_file_t
     private
@@ -138,9 +140,13 @@ contains
     character(*), intent(in) :: path
     logical, intent(in) :: summed
     integer :: status
-    call h5dont_atexit_f(status)  ! files left open by a failure must not be tried again at the end
-    call h5open_f(status)
-    call h5eset_auto_f(0, status)
+    if (.not. library_open) then
+      ! Files left open by a failure must not be tried again at the end.
+      call h5dont_atexit_f(status)
+      call h5open_f(status)  ! makes its types anew every time, and keeps them
+      call h5eset_auto_f(0, status)
+      library_open = .true.
+    end if
     self%path = path
     self%summed = summed
     if (allocated(self%failure)) deallocate (self%failure)
@@ -291,11 +297,14 @@ contains
     integer(i8), target :: long(1)
     integer(hid_t) :: owner, attribute
     type(c_ptr) :: buffer
-    integer :: status
+    integer :: status, closing
     value = 0
     if (allocated(self%failure)) return
     call h5oopen_f(self%id, object, owner, status)
-    if (status >= 0) call h5aopen_f(owner, name, attribute, status)
+    if (status >= 0) then
+      call h5aopen_f(owner, name, attribute, status)
+      if (status < 0) call h5oclose_f(owner, closing)
+    end if
     if (status < 0) then
       call fail(self, 'read', "it has no attribute '"//name//"'")
       return
