@@ -1,5 +1,6 @@
 /* Which mutant is switched on (SGMP_MUTANT), and which ones a run comes by: one byte each of the file SGMP_MUTANT_TRACE,
-   mapped into memory, so that processes that are killed have told, too. */
+   mapped into memory, so that processes that are killed have told, too. A run comes by the fault of a condition where that has
+   another value than the right one: until then nothing is different. */
 #include <fcntl.h>
 #include <stdlib.h>
 #include <sys/mman.h>
@@ -26,4 +27,10 @@ _Bool mutant_on(int number)
 {
   if (reached) reached[number] = 1;
   return number == active;
+}
+
+_Bool mutant_either(int number, _Bool now, _Bool was)
+{
+  if (reached && now != was) reached[number] = 1;
+  return number == active ? now : was;
 }

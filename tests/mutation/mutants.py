@@ -3,6 +3,7 @@
 Faults are put into executable statements: assignments, calls, conditions, bounds of loops. Declarations, tables of `case`,
 `where`, input and output of Fortran stay as they are, and so do texts.
 """
+import collections
 import dataclasses
 import re
 
@@ -152,13 +153,31 @@ def is_real(tokens, place, reals):
     return any(token in reals or re.match(r"\d+\.\d*", token) for token in beside)
 
 
-def changes(text, reals, inside_only=False):
-    """(new text, what) for all tokens; inside_only: nothing outside of brackets."""
+def in_ranges(tokens):
+    """Places of tokens in subscripts that hold a colon of their own, as sections of arrays do."""
+    open_subscripts, inside, colons = [], collections.defaultdict(list), set()
+    for place, token in enumerate(tokens):
+        if token in (")", "]") and open_subscripts:
+            open_subscripts.pop()
+        if token == "," and open_subscripts:
+            open_subscripts[-1] = place
+        if open_subscripts:
+            inside[open_subscripts[-1]].append(place)
+            if token == ":":
+                colons.add(open_subscripts[-1])
+        if token in ("(", "["):
+            open_subscripts.append(place)
+    return {place for subscript in colons for place in inside[subscript]}
+
+
+def changes(text, reals, inside_only=False, ranges=True):
+    """(new text, what) for all tokens; inside_only: nothing outside of brackets; ranges: bounds of sections, too."""
     tokens = TOKEN.findall(text)
     depth = 0
+    kept = set() if ranges else in_ranges(tokens)
     for place, token in enumerate(tokens):
         depth += (token in "([") - (token in ")]")
-        if inside_only and depth == 0:
+        if inside_only and depth == 0 or place in kept:
             continue
         low = token.lower()
         new = None
@@ -216,9 +235,11 @@ def plain_mutants(file, line, text, reals):
     elif is_assignment(text):
         equals = next(m.start() for m in re.finditer(r"=(?![=>])", text) if brackets_closed(text[:m.start()]))
         left, right = text[:equals + 1], text[equals + 1:]
-        for now, what in changes(left, reals, inside_only=True):
+        # Sections that do not fit each other are no Fortran; what a compiler makes of them is its own affair.
+        scalar = ":" not in left
+        for now, what in changes(left, reals, inside_only=True, ranges=scalar):
             yield Mutant(file, line, "statement", text, now + right, what)
-        for now, what in changes(right, reals):
+        for now, what in changes(right, reals, ranges=scalar):
             yield Mutant(file, line, "statement", text, left + now, what)
 
 
@@ -271,11 +292,40 @@ def choice(mutants, was):
     return "\n".join([*lines, "else", was, "end if"])
 
 
-def either(mutants, was):
-    """Text of a condition that is one of several."""
+def either(mutants, was, impure):
+    """Text of a condition that is one of several. Where that does no harm the faulty one is worked out as well, to see whether
+    it makes a difference."""
+    both = [m for m in mutants if comparable(m, impure)]
+    for mutant in both:
+        was = f"mutant_either({mutant.number}, {mutant.now}, {was})"
+    mutants = [m for m in mutants if m not in both]
     terms = [f"(mutant_on({mutant.number}) .and. ({mutant.now}))" for mutant in mutants]
     none = " .or. ".join(f"mutant_on({mutant.number})" for mutant in mutants)
     return " .or. ".join([*terms, f"(.not. ({none}) .and. ({was}))"]) if mutants else was
+
+
+def comparable(mutant, impure):
+    """Whether a faulty condition can be worked out beside the right one: no side effects, no array beyond its bounds."""
+    if mutant.now == ".false.":
+        return True
+    if any(name.lower() in impure for name in re.findall(r"(\w+)\s*\(", mutant.was)):
+        return False
+    changed = mutant.what.split(" -> ")[0]
+    return changed in (*BOUND, "==", "/=", ".not.") or changed[0].isdigit() and "(" not in mutant.was
+
+
+def impure_functions(sources):
+    """Names of functions that may have side effects, and of the bindings to them."""
+    names, bindings = set(), {}
+    for source in sources:
+        for line in source.lower().split("\n"):
+            code = code_of(line)
+            found = re.match(r"\s*((?:[\w(),= ]+\s)?)function\s+(\w+)", code)
+            if found and not re.search(r"\b(pure|elemental|end)\b", found.group(1)):
+                names.add(found.group(2))
+            for new, old in re.findall(r"(\w+)\s*=>\s*(\w+)", code):
+                bindings.setdefault(old, set()).add(new)
+    return names | {new for old in names for new in bindings.get(old, ())}
 
 
 def bounds(mutants, was):
@@ -300,13 +350,13 @@ def split_arguments(text):
     return [part.strip() for part in parts]
 
 
-def rewritten(statement, mutants):
+def rewritten(statement, mutants, impure):
     """A statement with its mutants behind switches."""
     text = statement.text
     condition = split_condition(text)
     if condition:
         head, was, tail = condition
-        text = head + either([m for m in mutants if m.part == "condition"], was)
+        text = head + either([m for m in mutants if m.part == "condition"], was, impure)
         inner = [m for m in mutants if m.part == "statement"]
         if inner:
             return f"{text}) then\n{choice(inner, tail[1:].strip())}\nend if"
@@ -317,13 +367,13 @@ def rewritten(statement, mutants):
     return choice(mutants, text)
 
 
-def with_switches(source, mutants):
+def with_switches(source, mutants, impure):
     """(text of the source with its mutants, line of it -> mutants there)"""
     by_line = {}
     for mutant in mutants:
         by_line.setdefault(mutant.line, []).append(mutant)
     lines = source.split("\n")
-    replaced = {s.first: (s.last, rewritten(s, by_line[s.first + 1])) for s in statements(lines) if s.first + 1 in by_line}
+    replaced = {s.first: (s.last, rewritten(s, by_line[s.first + 1], impure)) for s in statements(lines) if s.first + 1 in by_line}
     out, owners, number = [], {}, 0
     while number < len(lines):
         if number in replaced:
@@ -335,6 +385,6 @@ def with_switches(source, mutants):
             continue
         out.append(lines[number])
         if MODULE.match(code_of(lines[number])):
-            out.append("use sgmp_mutant, only: mutant_on")
+            out.append("use sgmp_mutant, only: mutant_either, mutant_on")
         number += 1
     return "\n".join(out), owners

@@ -19,6 +19,8 @@ WRITE = "--write" in sys.argv
 DECKS = os.path.join(SOURCE, "tests", "decks", "mpm")
 T_END = 0.08 if os.environ.get("SGMP_TEST_FULL", "") not in ("", "0") else 0.02
 FAILURES = []
+# The mutation tool asks whether anything fails, not what.
+FIRST_ENDS = os.environ.get("SGMP_TEST_FIRST_ENDS", "") not in ("", "0")
 
 
 def sgmp(*words, folder=DECKS):
@@ -30,6 +32,8 @@ def expect(condition, what):
     if not condition:
         FAILURES.append(what)
         print("FAIL", what)
+        if FIRST_ENDS:
+            sys.exit(1)
 
 
 def read(*path):
