@@ -4,13 +4,15 @@
 !! particles the contact force; the velocity that strains the particles then obeys that state: the
 !! re-mapped one of MUSL, in USF the one before the kick with the state of the step before
 !! (sgmp_contact_resolve). Normals and distances belong to the positions at the start of the step
-!! and are found once.
+!! and are found once. Where rotation is exact, friction acts at the surface and has stages of its
+!! own (sgmp_friction_stages).
 module sgmp_contact
   use sgmp_body, only: body_t
   use sgmp_buffer, only: buffer_t
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_remapped, &
                           node_velocity
   use sgmp_contact_distance, only: clouds_t, distance_detect
+  use sgmp_contact_friction, only: friction_layout, levers_t
   use sgmp_contact_ledger, only: ledger_kick, ledger_strain
   use sgmp_contact_memory, only: memory_give, memory_take
   use sgmp_contact_pairs, only: contact_pair_t
@@ -24,12 +26,15 @@ module sgmp_contact
   implicit none
   private
   public :: contact_t, contact_step_t, contact_layout, contact_meet, contact_detect, &
-            contact_trial, contact_velocity
+            contact_trial, contact_trial_strain, contact_velocity
 
   !> All that contact knows.
   type :: contact_t
     type(contact_pair_t), allocatable :: pairs(:)  !! none: one field for all bodies
+    logical :: at_surface = .false.        !! friction acts there, not at the nodes
     type(shared_nodes_t) :: shared         !! nodes where the fields of pairs meet
+    type(levers_t) :: levers               !! how friction at the surface reaches the nodes
+    logical :: anywhere = .true.           !! on some rank bodies are near each other
     type(buffer_t) :: memory               !! states of links until the next layout
     type(buffer_t) :: terms
       !! of the ledger: what contact did in the step, own planes
@@ -37,6 +42,7 @@ module sgmp_contact
 
   !> What contact must know of the step at hand.
   type :: contact_step_t
+    integer :: number = 0                  !! of the step
     real(dp) :: dt_kick = 0.0_dp           !! velocity step dt^k
     real(dp) :: gap_speed = 0.0_dp         !! that closes a gap of one cell in the position step
     real(dp) :: pic = 0.0_dp               !! share of the grid's velocity in particles' (1 - flip)
@@ -57,7 +63,9 @@ contains
     integer, intent(in) :: planes(2)       !! first and last k that this rank solves
     if (size(contact%pairs) == 0) return
     call memory_take(contact%memory, contact%shared, [-huge(1), huge(1)])
-    call shared_build(contact%shared, mesh, fields, bodies, contact%pairs, planes)
+    call shared_build(contact%shared, mesh, fields, bodies, contact%pairs, planes, &
+                      contact%at_surface)
+    if (contact%at_surface) call friction_layout(contact%levers, contact%shared)
     call memory_give(contact%memory, contact%shared)
   end subroutine contact_layout
 
@@ -121,6 +129,23 @@ contains
     end do
     !$omp end parallel do
   end subroutine contact_trial
+
+  !> What contact takes through the velocity that particles receive from the trial, where that
+  !! strains them (USL) and friction has come later.
+  subroutine contact_trial_strain(contact, fields, bodies, step, threads)
+    type(contact_t), intent(inout) :: contact
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(contact_step_t), intent(in) :: step
+    integer, intent(in) :: threads
+    integer :: n
+    !$omp parallel do schedule(dynamic, 16) num_threads(threads) if(threads > 1) default(none) &
+    !$omp& shared(contact, fields, bodies, step) private(n)
+    do n = 1, contact%shared%nodes
+      call trial_strain_node(contact%shared, n, bodies, fields, step)
+    end do
+    !$omp end parallel do
+  end subroutine contact_trial_strain
 
   !> Makes the velocity that strains the particles obey the last trial: the re-mapped velocity of
   !! MUSL, or the one before the kick, of which the trial has yet to come.
@@ -206,6 +231,7 @@ contains
     end do
     call ledger_kick(shared, n, fields, inverse_mass, trial, kick, gained, step%dt_kick, &
                      step%gravity)
+    if (step%strains_with_trial .and. shared%at_surface) return  ! friction is yet to come
     if (step%strains_with_trial) then
       do k = 1, size(inverse_mass, 2)
         trial(:, k) = trial(:, k) + inverse_mass(:, k)*gained(:, k)
@@ -217,6 +243,32 @@ contains
                          step%gravity)
     end if
   end subroutine trial_node
+
+  !> The same at one node: what particles receive is the trial's velocity without the corrections.
+  subroutine trial_strain_node(shared, n, bodies, fields, step)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n
+    type(body_t), intent(in) :: bodies(:)
+    type(field_t), intent(in) :: fields(:)
+    type(contact_step_t), intent(in) :: step
+    real(dp), dimension(3, shared%member_start(n + 1) - shared%member_start(n)) :: velocity, kick
+    real(dp) :: inverse_mass(3, size(velocity, 2))
+    logical :: moving(size(velocity, 2))
+    integer :: l
+    call gather(shared, n, bodies, fields, node_velocity(shared%ndim), velocity, inverse_mass, &
+                moving)
+    call gather(shared, n, bodies, fields, node_acceleration, kick, inverse_mass, moving)
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      associate (link => shared%link(l))
+        velocity(:, link%first) = velocity(:, link%first) + &
+                                  inverse_mass(:, link%first)*link%correction
+        velocity(:, link%second) = velocity(:, link%second) - &
+                                   inverse_mass(:, link%second)*link%correction
+      end associate
+    end do
+    call ledger_strain(shared, n, bodies, fields, inverse_mass, velocity, step%dt_kick*kick, &
+                       step%before, step%gravity)
+  end subroutine trial_strain_node
 
   !> Contact at one node: the velocity that strains the particles.
   subroutine strain_node(shared, n, bodies, fields, step, before_kick)

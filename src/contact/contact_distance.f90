@@ -93,8 +93,9 @@ contains
       below = reach(size(clouds%first, 1), balls(1), clouds%first, normal, near2)
       shared%gap(l) = max(0.0_dp, above - below - pair%lambda)
       ! Half way between the surfaces, seen from the node, is where the bodies touch.
+      shared%middle(l) = 0.5_dp*above + 0.5_dp*below
       shared%near(l) = above - below < pair%lambda + margin .and. &
-                       abs(0.5_dp*above + 0.5_dp*below) <= pair%depth + edge
+                       abs(shared%middle(l)) <= pair%depth + edge
     end associate
   end subroutine measure
 

@@ -22,7 +22,7 @@ module sgmp_contact_ledger
   use sgmp_vectors, only: cross
   implicit none
   private
-  public :: contact_sums_t, ledger_kick, ledger_strain, ledger_add_up, ledger_close
+  public :: body_force, contact_sums_t, ledger_kick, ledger_strain, ledger_add_up, ledger_close
 
   !> Those sums of a step that contact changes.
   type :: contact_sums_t
@@ -201,6 +201,12 @@ contains
         impulse = link%passed(axes)
         terms%impulse = terms%impulse - impulse
         terms%angular_impulse = terms%angular_impulse - cross(position, impulse)
+        if (link%at_surface) then
+          impulse = link%rub(axes)
+          terms%impulse = terms%impulse - impulse
+          terms%angular_impulse = terms%angular_impulse - &
+            cross(position + mesh%h*shared%middle(l)*link%normal(axes), impulse)
+        end if
         if (link%state > link_closed) terms%touching = terms%touching + 1
       end associate
     end do

@@ -11,6 +11,7 @@ module sgmp_contact_memory
   public :: memory_take, memory_give, memory_share
 
   integer, parameter :: entry = 8          !! numbers: pair, node, state, normal
+  integer, parameter :: entry_surface = 11  !! and the force of friction, where it acts there
 
 contains
 
@@ -28,6 +29,7 @@ contains
           if (link%state == link_free) cycle
           call buffer_put(memory, [real([shared%pair(l), shared%point(:, n), link%state], dp), &
                                    link%held_normal])
+          if (shared%at_surface) call buffer_put(memory, link%drag)
         end associate
       end do
     end do
@@ -37,7 +39,7 @@ contains
   pure subroutine memory_give(memory, shared)
     type(buffer_t), intent(inout) :: memory
     type(shared_nodes_t), intent(inout) :: shared
-    real(dp) :: values(entry)
+    real(dp) :: values(merge(entry_surface, entry, shared%at_surface))
     integer :: n, l
     memory%read = 0
     do while (buffer_left(memory))
@@ -48,6 +50,7 @@ contains
         if (shared%pair(l) /= nint(values(1))) cycle
         shared%link(l)%state = nint(values(5))
         shared%link(l)%held_normal = values(6:8)
+        if (shared%at_surface) shared%link(l)%drag = values(9:11)
       end do
     end do
     memory%n = 0

@@ -47,6 +47,11 @@ module sgmp_contact_resolve
     real(dp) :: correction(3) = 0.0_dp
       !! momentum that makes the straining velocity obey; no particle receives it
     real(dp) :: dissipation = 0.0_dp       !! energy that contact has taken in this step
+    logical :: at_surface = .false.
+      !! friction does not act at the node but at the surface (sgmp_contact_friction), where
+    real(dp) :: rub(3) = 0.0_dp            !! is its impulse in this step, on the second body
+    real(dp) :: drag(3) = 0.0_dp           !! the same as a force: the next step begins with it
+    real(dp) :: hold(3) = 0.0_dp           !! what `correction` is along the normal
   end type contact_link_t
 
   !> One pair's condition on a velocity field, and the impulse that meets it.
@@ -92,7 +97,7 @@ contains
       links(l)%state = link_free
       if (pressing(l)%active) links(l)%state = link_closed
       if (was_free) pressing(l)%along = max(pressing(l)%along, closing(l)%along)
-      closing(l)%friction = links(l)%friction*pressing(l)%along
+      if (.not. links(l)%at_surface) closing(l)%friction = links(l)%friction*pressing(l)%along
     end do
     closing%along = 0.0_dp
     call relax(closing, inverse_mass, velocity)
@@ -118,7 +123,9 @@ contains
       condition(l) = condition_t(links(l)%state > link_free, links(l)%first, links(l)%second, &
                                  links(l)%held_normal)
       if (links(l)%state > link_closed) condition(l)%least = -huge(1.0_dp)
-      if (links(l)%state == link_sticking) condition(l)%friction = huge(1.0_dp)
+      if (links(l)%state == link_sticking .and. .not. links(l)%at_surface) then
+        condition(l)%friction = huge(1.0_dp)
+      end if
     end do
     call relax(condition, inverse_mass, velocity)
     do l = 1, size(links)

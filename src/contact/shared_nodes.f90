@@ -34,6 +34,7 @@ module sgmp_shared_nodes
   !! have a contact card.
   type :: shared_nodes_t
     integer :: ndim = 3, kernel = kernel_sgmp
+    logical :: at_surface = .false.             !! friction acts there (sgmp_contact_friction)
     integer :: nodes = 0, members = 0, links = 0
     integer, allocatable :: point(:, :)         !! (3, nodes) i, j, k
     logical, allocatable :: held(:, :)
@@ -52,19 +53,22 @@ module sgmp_shared_nodes
     logical, allocatable :: meets(:)            !! (links) both bodies have mass at the node
     logical, allocatable :: near(:)             !! (links) so close that they may touch in this step
     real(dp), allocatable :: gap(:)             !! (links) that is left between the bodies (cells)
+    real(dp), allocatable :: middle(:)
+      !! (links) from the node along the normal to half way between their surfaces (cells)
     type(node_terms_t), allocatable :: terms(:)  !! (nodes)
   end type shared_nodes_t
 
 contains
 
   !> Lists the nodes that fields of contact pairs share in a range of planes.
-  pure subroutine shared_build(shared, mesh, fields, bodies, pairs, planes)
+  pure subroutine shared_build(shared, mesh, fields, bodies, pairs, planes, at_surface)
     type(shared_nodes_t), intent(out) :: shared
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(in) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
     type(contact_pair_t), intent(in) :: pairs(:)
     integer, intent(in) :: planes(2)             !! first and last k
+    logical, intent(in) :: at_surface            !! friction acts at the surface
     type(rows_t) :: all, common, sum_of
     integer :: p, n
     allocate (all%key(0), all%first(0), all%last(0))
@@ -82,6 +86,7 @@ contains
     all = common
     n = int(rows_points(all))
     shared%ndim = mesh%ndim
+    shared%at_surface = at_surface
     shared%kernel = fields(1)%kernel
     shared%nodes = n
     allocate (shared%point(3, n), shared%held(3, n), shared%member_start(n + 1), &
@@ -92,7 +97,7 @@ contains
       shared%record(shared%members), shared%interval(shared%members))
     allocate (shared%pair(shared%links), shared%link(shared%links))
     allocate (shared%meets(shared%links), shared%near(shared%links), source=.false.)
-    allocate (shared%gap(shared%links), source=0.0_dp)
+    allocate (shared%gap(shared%links), shared%middle(shared%links), source=0.0_dp)
     allocate (shared%terms(n))
     call list_members(shared, fields, pairs, .true.)
     call list_bins(shared, mesh, all, bodies)
@@ -175,6 +180,7 @@ contains
         shared%link(l)%first = at(1)
         shared%link(l)%second = at(2)
         shared%link(l)%friction = pairs(p)%friction
+        shared%link(l)%at_surface = shared%at_surface
       end do
     end do
     shared%member_start(shared%nodes + 1) = m + 1

@@ -39,6 +39,7 @@ contains
         model%contact%pairs = [model%contact%pairs, pair]
       end do
     end do
+    model%contact%at_surface = model%method%rotation .and. size(model%contact%pairs) > 0
     own = model%bodies%rigid
     do p = 1, size(model%contact%pairs)
       own(model%contact%pairs(p)%body) = .true.

@@ -79,27 +79,32 @@ contains
     !$omp end parallel do
   end subroutine run
 
-  !> Swaps velocities of the nodes next to those that particles of both ranks read.
-  subroutine field_rotation_swap(field, columns, ranks, complete)
+  !> Swaps nodes: those next to the ones that particles of both ranks read, or more planes of them.
+  subroutine field_rotation_swap(field, columns, planes, ranks, complete)
     type(field_t), intent(inout) :: field
-    integer, intent(in) :: columns(:)            !! first column of each velocity
+    integer, intent(in) :: columns(2)            !! first and last
+    integer, intent(in) :: planes                !! on either side
     type(ranks_t), intent(inout) :: ranks
     logical, intent(out) :: complete             !! everything has found its place
     type(workspace_t) :: none
     logical :: fine
-    integer :: both(2)
-    both = [minval(columns), maxval(columns) + field%ndim - 1]
+    integer :: p
     associate (partition => ranks%partition, messages => ranks%messages)
       if (partition%rank > 0) then
-        call put_plane(field, partition%own(1) + partition%nodes, both, messages%to_below)
+        do p = planes - 1, 0, -1
+          call put_plane(field, partition%own(1) + partition%nodes - p, columns, &
+                         messages%to_below)
+        end do
       end if
       if (partition%rank < partition%ranks - 1) then
-        call put_plane(field, partition%own(2), both, messages%to_above)
+        do p = 0, planes - 1
+          call put_plane(field, partition%own(2) + p, columns, messages%to_above)
+        end do
       end if
       call neighbours_send(messages, ranks%traffic)
       call neighbours_receive(messages)
-      call halo_get_planes(field, both, none, messages%from_below, complete)
-      call halo_get_planes(field, both, none, messages%from_above, fine)
+      call halo_get_planes(field, columns, none, messages%from_below, complete)
+      call halo_get_planes(field, columns, none, messages%from_above, fine)
       call neighbours_wait(messages)
     end associate
     complete = complete .and. fine

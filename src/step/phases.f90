@@ -3,10 +3,7 @@
 module sgmp_phases
   use sgmp_body, only: body_forced, body_place, body_t
   use sgmp_columns, only: node_remapped, node_velocity
-  use sgmp_contact, only: contact_detect, contact_layout, contact_meet, contact_step_t, contact_t, &
-                          contact_trial, contact_velocity
-  use sgmp_contact_exchange, only: contact_exchange
-  use sgmp_contact_ledger, only: ledger_add_up
+  use sgmp_contact, only: contact_layout, contact_t
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_build, field_t
   use sgmp_field_nodes, only: field_normalise, field_relax, field_remap, field_solve, &
@@ -28,13 +25,12 @@ module sgmp_phases
   use sgmp_tally, only: tally_add, tally_t
   use sgmp_team, only: team_divide, team_t
   use sgmp_text, only: integer_text
-  use sgmp_timers, only: phase_contact, phase_halo, timers_move, timers_t, wall_time
+  use sgmp_timers, only: phase_halo, timers_move, timers_t, wall_time
   use sgmp_walls, only: has_walls, walls_fold, walls_mirror, walls_mirror_centres
   implicit none
   private
-  public :: phase_contact_force, phase_contact_velocity, phase_find_contact, phase_fold, &
-            phase_layout, phase_mirror, phase_normalise, phase_place, phase_relax, phase_remap, &
-            phase_rotation, phase_solve, phase_sweep, phase_velocity
+  public :: phase_fold, phase_layout, phase_mirror, phase_normalise, phase_place, phase_relax, &
+            phase_remap, phase_rotation, phase_solve, phase_swap_nodes, phase_sweep, phase_velocity
 
 contains
 
@@ -182,26 +178,43 @@ contains
     type(ranks_t), intent(inout) :: ranks
     type(findings_t), intent(inout) :: findings
     type(timers_t), intent(inout) :: timers
-    logical :: complete
-    real(dp) :: since
     integer :: f
     if (.not. method%rotation) return
+    call phase_swap_nodes(step, [minval(columns), maxval(columns) + mesh%ndim - 1], 1, fields, bodies, &
+                    ranks, findings, timers)
     do f = 1, size(fields)
       if (rigid_field(bodies, f) > 0) cycle
-      if (ranks%partition%ranks > 1) then
-        since = wall_time()
-        call field_rotation_swap(fields(f), columns, ranks, complete)
-        call timers_move(timers, phase_halo, since)
-        if (.not. complete .and. .not. allocated(findings%failure)) then
-          call error_make(findings%failure, exit_numerical, &
-            'a rank has no place for velocities '// &
-                          'of its neighbour in step '//integer_text(step), &
-                          'this is a fault of the program: report it')
-        end if
-      end if
       call field_rotation_place(fields(f), mesh, columns, team, ranks%partition)
     end do
   end subroutine phase_place
+
+  !> Nodes of the planes next to those that particles of this rank read, or more of them, as the
+  !! neighbours know them.
+  subroutine phase_swap_nodes(step, columns, planes, fields, bodies, ranks, findings, timers)
+    integer, intent(in) :: step                  !! its number
+    integer, intent(in) :: columns(2)            !! first and last
+    integer, intent(in) :: planes                !! on either side
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(ranks_t), intent(inout) :: ranks
+    type(findings_t), intent(inout) :: findings
+    type(timers_t), intent(inout) :: timers
+    logical :: complete
+    real(dp) :: since
+    integer :: f
+    if (ranks%partition%ranks == 1) return
+    since = wall_time()
+    do f = 1, size(fields)
+      if (rigid_field(bodies, f) > 0) cycle
+      call field_rotation_swap(fields(f), columns, planes, ranks, complete)
+      if (.not. complete .and. .not. allocated(findings%failure)) then
+        call error_make(findings%failure, exit_numerical, 'a rank has no place for velocities '// &
+                        'of its neighbour in step '//integer_text(step), &
+                        'this is a fault of the program: report it')
+      end if
+    end do
+    call timers_move(timers, phase_halo, since)
+  end subroutine phase_swap_nodes
 
   !> Volume-normalised stress at all centres, where the scene asks for it.
   subroutine phase_normalise(method, mesh, fields, team, partition)
@@ -302,82 +315,5 @@ contains
       end if
     end do
   end subroutine phase_remap
-
-  !> Normals and touching pairs at all shared nodes.
-  subroutine phase_find_contact(step, cutoff, mesh, fields, bodies, contact, threads, ranks, &
-                                findings, timers)
-    integer, intent(in) :: step                  !! its number
-    real(dp), intent(in) :: cutoff               !! node mass below which a node is ignored
-    type(mesh_t), intent(in) :: mesh
-    type(field_t), intent(in) :: fields(:)
-    type(body_t), intent(in) :: bodies(:)
-    type(contact_t), intent(inout) :: contact
-    integer, intent(in) :: threads
-    type(ranks_t), intent(inout) :: ranks
-    type(findings_t), intent(inout) :: findings
-    type(timers_t), intent(inout) :: timers
-    logical :: complete
-    real(dp) :: since
-    if (contact%shared%nodes == 0) return
-    since = wall_time()
-    call contact_meet(contact, fields, bodies, cutoff, findings%moved > 0, threads)
-    call timers_move(timers, phase_contact, since)
-    call contact_exchange(contact%shared, bodies, ranks%partition, ranks%messages, &
-                          ranks%traffic, complete)
-    if (.not. complete .and. .not. allocated(findings%failure)) then
-      call error_make(findings%failure, exit_numerical, 'a rank has no place for particles of '// &
-                      'its neighbour in step '//integer_text(step), &
-                      'this is a fault of the program: report it')
-    end if
-    if (ranks%partition%ranks > 1) call timers_move(timers, phase_halo, since)
-    call contact_detect(contact, mesh, fields, bodies, threads)
-    call timers_move(timers, phase_contact, since)
-  end subroutine phase_find_contact
-
-  !> Contact forces at all shared nodes.
-  subroutine phase_contact_force(step, mesh, fields, bodies, contact, threads, partition, timers)
-    type(contact_step_t), intent(in) :: step
-    type(mesh_t), intent(in) :: mesh
-    type(field_t), intent(inout) :: fields(:)
-    type(body_t), intent(in) :: bodies(:)
-    type(contact_t), intent(inout) :: contact
-    integer, intent(in) :: threads
-    type(partition_t), intent(in) :: partition
-    type(timers_t), intent(inout) :: timers
-    real(dp) :: since
-    if (contact%shared%nodes == 0) return
-    since = wall_time()
-    call contact_trial(contact, fields, bodies, step, threads)
-    if (step%after <= 0.0_dp) call add_up(contact, mesh, partition)
-    call timers_move(timers, phase_contact, since)
-  end subroutine phase_contact_force
-
-  !> Makes the velocity that strains the particles obey contact at all shared nodes.
-  subroutine phase_contact_velocity(step, before_kick, mesh, fields, bodies, contact, threads, &
-                                    partition, timers)
-    type(contact_step_t), intent(in) :: step
-    logical, intent(in) :: before_kick           !! it is the velocity before the kick
-    type(mesh_t), intent(in) :: mesh
-    type(field_t), intent(inout) :: fields(:)
-    type(body_t), intent(in) :: bodies(:)
-    type(contact_t), intent(inout) :: contact
-    integer, intent(in) :: threads
-    type(partition_t), intent(in) :: partition
-    type(timers_t), intent(inout) :: timers
-    real(dp) :: since
-    if (contact%shared%nodes == 0) return
-    since = wall_time()
-    call contact_velocity(contact, fields, bodies, step, before_kick, threads)
-    if (.not. before_kick) call add_up(contact, mesh, partition)
-    call timers_move(timers, phase_contact, since)
-  end subroutine phase_contact_velocity
-
-  !> Sums of what contact did in the step, when all of it is done.
-  subroutine add_up(contact, mesh, partition)
-    type(contact_t), intent(inout) :: contact
-    type(mesh_t), intent(in) :: mesh
-    type(partition_t), intent(in) :: partition
-    call ledger_add_up(contact%shared, mesh, partition%own, size(contact%pairs), contact%terms)
-  end subroutine add_up
 
 end module sgmp_phases

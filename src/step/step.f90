@@ -6,11 +6,11 @@
 module sgmp_step
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_step_t
+  use sgmp_contact_phases, only: phase_contact_force, phase_contact_velocity, phase_find_contact
   use sgmp_energy, only: ledger_relax, ledger_split, ledger_step
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
-  use sgmp_phases, only: phase_contact_force, phase_contact_velocity, phase_find_contact, &
-                         phase_mirror, phase_normalise, phase_place, phase_relax, phase_remap, &
+  use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_relax, phase_remap, &
                          phase_rotation, phase_solve, phase_sweep, phase_velocity
   use sgmp_plan, only: plan_t
   use sgmp_rebin_phases, only: phase_rebin_particles
@@ -129,7 +129,7 @@ contains
                        model%findings%tally)
       if (.not. strains_before(model)) call find_contact(model)
       call phase_contact_force(contact_step(model), mesh, fields, bodies, contact, team%threads, &
-                               partition, model%timers)
+                               model%ranks, model%findings, model%timers)
       ! Where a sweep of its own moves the particles the velocity waits for it: see remap.
       if (any(method%update == [update_usf, update_usl])) then
         call place(model, [node_velocity(mesh%ndim)])
@@ -149,7 +149,8 @@ contains
       call phase_velocity(model%method, mesh, fields, bodies, team, model%ranks%partition)
       call find_contact(model)
       call phase_contact_velocity(contact_step(model), .true., mesh, fields, bodies, &
-                                  model%contact, team%threads, model%ranks%partition, model%timers)
+                                  model%contact, team%threads, model%ranks, model%findings, &
+                                  model%timers)
       call place(model, [velocity])
       call phase_mirror(mesh, fields, bodies, [velocity], team%threads)
     end associate
@@ -164,7 +165,8 @@ contains
                team => model%team)
       call phase_remap(mesh, fields, bodies, team, model%ranks%partition)
       call phase_contact_velocity(contact_step(model), .false., mesh, fields, bodies, &
-                                  model%contact, team%threads, model%ranks%partition, model%timers)
+                                  model%contact, team%threads, model%ranks, model%findings, &
+                                  model%timers)
       if (model%method%rotation) then
         call place(model, [node_remapped, node_velocity(mesh%ndim)])
         call phase_mirror(mesh, fields, bodies, [node_velocity(mesh%ndim)], team%threads)
@@ -205,6 +207,7 @@ contains
   pure function contact_step(model) result(step)
     type(model_t), intent(in) :: model
     type(contact_step_t) :: step
+    step%number = model%clock%step + 1
     step%dt_kick = clock_kick_step(model%clock)
     if (size(model%contact%pairs) > 0) step%gap_speed = model%mesh%h/model%clock%dt
     step%pic = 1.0_dp - model%method%flip

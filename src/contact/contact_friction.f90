@@ -1,0 +1,492 @@
+!> Friction at the surface of bodies whose rotation is exact (doc/rotation.md).
+!!
+!! A node's velocity belongs to the centre of mass X_I of what the node stands for, and a force at
+!! the node acts on particles there: inside the body. Friction with so short a lever turns a body
+!! too little. Here slip is measured, and friction acts, at the point x_s where the bodies touch, by
+!! shares a_J of the node and those around it with sum a_J = 1 and sum a_J X_J = x_s:
+!!
+!!     v_s = sum_J a_J v_J,    impulse on node J: a_J T
+!!
+!! One is the transpose of the other, so friction has the power T . v_s, and as both bodies feel it
+!! at one point it keeps angular momentum. Of all such shares those that differ least from the node
+!! alone are taken, by sum (a_J - a_J^I)^2/m_J; a node whose surroundings are too flat to tell how
+!! they turn keeps its friction to itself.
+!!
+!! Friction at a node changes the slip at others. Impulses begin with the force of the step before,
+!! and each node corrects its own once, in the order of its colours: nodes of one colour are three
+!! apart along every axis and have no node around in common, so that any thread may take any of
+!! them. Ranks swap nodes after each three planes (sgmp_phases).
+module sgmp_contact_friction
+  use sgmp_body, only: body_t
+  use sgmp_columns, only: node_acceleration, node_inverse_mass, node_velocity
+  use sgmp_contact_ledger, only: body_force
+  use sgmp_contact_resolve, only: link_closed, link_sliding, link_sticking
+  use sgmp_field, only: field_t
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t, wall_free
+  use sgmp_shared_nodes, only: row_axis, shared_members, shared_nodes_t
+  use sgmp_vectors, only: cross
+  implicit none
+  private
+  public :: levers_t, friction_layout, friction_lever, friction_open, friction_start, &
+            friction_turn, friction_close, friction_measure, friction_hold, friction_settle
+  public :: colours, plane_colours
+
+  integer, parameter :: around = 27            !! a node and those around it
+  integer, parameter :: itself = 14            !! the place of the node among them
+  integer, parameter :: colours = 27           !! of nodes, those of a plane follow each other
+  integer, parameter :: plane_colours = 3      !! of planes
+  real(dp), parameter :: least_spread = 1.0e-6_dp
+    !! determinant of the spread of the masses around (cells^2 along each axis)
+  real(dp), parameter :: most_turn = 4.0_dp
+    !! largest response of the surroundings' rotation to an impulse over that of the node alone
+
+  !> How friction at each link reaches the surface, and what it meets there.
+  type :: levers_t
+    integer, allocatable :: node(:)            !! (nodes) by colours
+    integer :: first(colours + 1) = 1          !! of each colour
+    real(dp), allocatable :: share(:, :, :)    !! (around, side, links) a_J
+    real(dp), allocatable :: gain(:, :, :)     !! (around, side, links) a_J/m_J
+    real(dp), allocatable :: response(:)
+      !! (links) slip that a unit of impulse takes, sum a_J^2/m_J; 0: the bodies are not near
+    ! Relative vectors at the surface, across the normal: the part of deformable bodies, and that of
+    ! rigid ones. (3, 2, links)
+    real(dp), allocatable :: pull(:, :, :)     !! change of velocity by all forces but contact
+    real(dp), allocatable :: before(:, :, :)   !! velocity before the kick
+    real(dp), allocatable :: apart(:, :, :)
+      !! velocity that strains the particles before it was made to obey
+    real(dp), allocatable :: external(:, :)
+      !! (3, links) acceleration by gravity and body forces, of deformable bodies
+  end type levers_t
+
+contains
+
+  !> Room for a new list of shared nodes, and their order.
+  pure subroutine friction_layout(levers, shared)
+    type(levers_t), intent(out) :: levers
+    type(shared_nodes_t), intent(in) :: shared
+    integer :: n, c, next
+    allocate (levers%node(shared%nodes), levers%response(shared%links))
+    allocate (levers%share(around, 2, shared%links), levers%gain(around, 2, shared%links))
+    allocate (levers%pull(3, 2, shared%links), levers%before(3, 2, shared%links), &
+              levers%apart(3, 2, shared%links), levers%external(3, shared%links))
+    next = 1
+    do c = 1, colours
+      levers%first(c) = next
+      do n = 1, shared%nodes
+        if (colour(shared%point(:, n)) /= c) cycle
+        levers%node(next) = n
+        next = next + 1
+      end do
+    end do
+    levers%first(colours + 1) = next
+  end subroutine friction_layout
+
+  pure function colour(point) result(c)
+    integer, intent(in) :: point(3)
+    integer :: c
+    c = 1 + sum(modulo(point, 3)*[1, 3, 9])
+  end function colour
+
+  !> Shares of all links of a node. It must be known which bodies are near, and what the nodes
+  !! around hold.
+  pure subroutine friction_lever(levers, shared, n, mesh, fields, bodies)
+    type(levers_t), intent(inout) :: levers
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n                   !! the node
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    integer :: l, side, at(2)
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      levers%response(l) = 0.0_dp
+      if (.not. shared%near(l)) cycle
+      at = shared_members(shared, n, l)
+      do side = 1, 2
+        if (bodies(shared%body(at(side)))%rigid) cycle
+        call find_shares(shared, n, at(side), mesh, fields(shared%field(at(side))), &
+                         shared%middle(l)*shared%link(l)%normal, levers%share(:, side, l), &
+                         levers%gain(:, side, l))
+        levers%response(l) = levers%response(l) + &
+                             dot_product(levers%share(:, side, l), levers%gain(:, side, l))
+      end do
+    end do
+  end subroutine friction_lever
+
+  !> Shares of the nodes around a node in what happens at a point.
+  pure subroutine find_shares(shared, n, m, mesh, field, point, share, gain)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, m                !! node and member
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: field
+    real(dp), intent(in) :: point(3)           !! relative to the node (cells)
+    real(dp), intent(out) :: share(around), gain(around)
+    real(dp) :: inverse(around), part(around), x(3, around), spread(3, 3), way(3), turn(3)
+    integer :: low(3), high(3), shift(3), b, a, r, nd
+    logical :: found
+    nd = shared%ndim
+    call reach(mesh, shared%point(:, n), low, high)
+    inverse = 0.0_dp
+    part = 0.0_dp
+    x = 0.0_dp
+    do b = 1, around
+      shift = shift_of(b)
+      if (any(shift < low .or. shift > high)) cycle
+      r = record(shared, n, m, field, b)
+      inverse(b) = field%node(r, node_inverse_mass(nd))
+      if (inverse(b) <= 0.0_dp) cycle
+      part(b) = 1.0_dp/inverse(b)
+      x(:nd, b) = shift(row_axis([(a, a=1, nd)], nd)) + field%rotation%offset(r, :nd)
+    end do
+    share = 0.0_dp
+    share(itself) = 1.0_dp
+    way = point - x(:, itself)
+    part = part/sum(part)
+    turn = matmul(x, part)
+    do b = 1, around
+      x(:, b) = x(:, b) - turn
+    end do
+    do a = 1, 3
+      spread(:, a) = matmul(x, part*x(a, :))
+      if (a > nd) spread(a, a) = 1.0_dp
+    end do
+    call solve(spread, way, turn, found)
+    found = found .and. dot_product(way, turn)*part(itself) <= most_turn
+    if (found) share = share + part*matmul(turn, x)
+    gain = share*inverse
+  end subroutine find_shares
+
+  !> Steps along i, j, k to a node around.
+  pure function shift_of(b) result(shift)
+    integer, intent(in) :: b
+    integer :: shift(3)
+    shift = [mod(b - 1, 3), mod((b - 1)/3, 3), (b - 1)/9] - 1
+  end function shift_of
+
+  !> Record of a node around.
+  pure function record(shared, n, m, field, b) result(r)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, m, b
+    type(field_t), intent(in) :: field
+    integer :: r, shift(3)
+    shift = shift_of(b)
+    r = field%neighbour(shift(2), shift(3), shared%interval(m)) + shared%point(1, n) + shift(1)
+  end function record
+
+  !> Which nodes around a node may have a share: none behind a wall, and on one only if the node
+  !! itself is.
+  pure subroutine reach(mesh, point, low, high)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: point(3)
+    integer, intent(out) :: low(3), high(3)
+    integer :: axis, a
+    low = 0
+    high = 0
+    do axis = 1, mesh%ndim
+      a = row_axis(axis, mesh%ndim)
+      low(a) = -1
+      high(a) = 1
+      if (mesh%wall(1, axis) /= wall_free .and. point(a) <= mesh%lower(axis) + 1) low(a) = 0
+      if (mesh%wall(2, axis) /= wall_free .and. point(a) >= mesh%upper(axis) - 1) high(a) = 0
+    end do
+  end subroutine reach
+
+  !> Solves three equations.
+  pure subroutine solve(a, b, x, found)
+    real(dp), intent(in) :: a(3, 3), b(3)      !! symmetric
+    real(dp), intent(out) :: x(3)
+    logical, intent(out) :: found              !! the matrix has an inverse
+    real(dp) :: c(3, 3), determinant
+    c(:, 1) = cross(a(:, 2), a(:, 3))
+    c(:, 2) = cross(a(:, 3), a(:, 1))
+    c(:, 3) = cross(a(:, 1), a(:, 2))
+    determinant = dot_product(a(:, 1), c(:, 1))
+    found = determinant > least_spread
+    x = 0.0_dp
+    if (found) x = matmul(b, c)/determinant
+  end subroutine solve
+
+  !> What a link sees of a nodal vector at the surface: first body minus second, across the normal,
+  !! of deformable and of rigid bodies.
+  pure function seen(levers, shared, n, l, fields, bodies, column) result(apart)
+    type(levers_t), intent(in) :: levers
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, l                !! node and link
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: column              !! the first of the vector's
+    real(dp) :: apart(3, 2)
+    real(dp) :: vector(3)
+    integer :: side, at(2), b, last, kind
+    at = shared_members(shared, n, l)
+    last = column + shared%ndim - 1
+    apart = 0.0_dp
+    do side = 1, 2
+      vector = 0.0_dp
+      kind = merge(2, 1, bodies(shared%body(at(side)))%rigid)
+      associate (field => fields(shared%field(at(side))), share => levers%share(:, side, l), &
+                 nd => shared%ndim)
+        if (kind == 2) then
+          vector(:nd) = field%node(shared%record(at(side)), column:last)
+        else
+          do b = 1, around
+            if (abs(share(b)) <= 0.0_dp) cycle
+            vector(:nd) = vector(:nd) + &
+                          share(b)*field%node(record(shared, n, at(side), field, b), column:last)
+          end do
+        end if
+      end associate
+      apart(:, kind) = apart(:, kind) + merge(vector, -vector, side == 1)
+    end do
+    do kind = 1, 2
+      apart(:, kind) = tangential(shared, n, l, apart(:, kind))
+    end do
+  end function seen
+
+  !> The part of a vector across the normal of a link, and along what walls hold.
+  pure function tangential(shared, n, l, vector) result(across)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, l
+    real(dp), intent(in) :: vector(3)
+    real(dp) :: across(3)
+    across = merge(0.0_dp, vector, shared%held(:, n))
+    associate (normal => shared%link(l)%normal)
+      across = across - dot_product(across, normal)*normal
+    end associate
+  end function tangential
+
+  !> Adds to a nodal vector what an impulse on the second body, and its opposite on the first,
+  !! changes.
+  pure subroutine give(levers, shared, n, l, impulse, bodies, column, fields)
+    type(levers_t), intent(in) :: levers
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, l
+    real(dp), intent(in) :: impulse(3)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: column
+    type(field_t), intent(inout) :: fields(:)
+    real(dp) :: change(3)
+    integer :: side, at(2), b, d, r
+    at = shared_members(shared, n, l)
+    do side = 1, 2
+      if (bodies(shared%body(at(side)))%rigid) cycle
+      change = merge(-impulse, impulse, side == 1)
+      associate (field => fields(shared%field(at(side))), gain => levers%gain(:, side, l))
+        do b = 1, around
+          if (abs(gain(b)) <= 0.0_dp) cycle
+          r = record(shared, n, at(side), field, b)
+          do d = 1, shared%ndim
+            field%node(r, column + d - 1) = field%node(r, column + d - 1) + gain(b)*change(d)
+          end do
+        end do
+      end associate
+    end do
+  end subroutine give
+
+  !> Before the trial: what forces do to the slip at a node.
+  pure subroutine friction_open(levers, shared, n, fields, bodies, dt, gravity)
+    type(levers_t), intent(inout) :: levers
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    real(dp), intent(in) :: dt, gravity(3)
+    integer :: l
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      shared%link(l)%rub = 0.0_dp
+      if (levers%response(l) <= 0.0_dp) cycle
+      levers%pull(:, :, l) = dt*seen(levers, shared, n, l, fields, bodies, node_acceleration)
+      levers%before(:, :, l) = seen(levers, shared, n, l, fields, bodies, &
+                                    node_velocity(shared%ndim)) - levers%pull(:, :, l)
+      levers%external(:, l) = tangential(shared, n, l, external(levers, shared, n, l, fields, &
+                                                                bodies, gravity))
+    end do
+  end subroutine friction_open
+
+  !> Acceleration by gravity and body forces at the surface, first body minus second, rigid ones
+  !! left out.
+  pure function external(levers, shared, n, l, fields, bodies, gravity) result(apart)
+    type(levers_t), intent(in) :: levers
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, l
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    real(dp), intent(in) :: gravity(3)
+    real(dp) :: apart(3), vector(3)
+    integer :: side, at(2), b
+    at = shared_members(shared, n, l)
+    apart = 0.0_dp
+    do side = 1, 2
+      if (bodies(shared%body(at(side)))%rigid) cycle
+      vector = gravity
+      associate (field => fields(shared%field(at(side))), gain => levers%gain(:, side, l), &
+                 nd => shared%ndim)
+        if (field%columns%external > 0) then
+          do b = 1, around
+            if (abs(gain(b)) <= 0.0_dp) cycle
+            vector(:nd) = vector(:nd) + &
+              gain(b)*body_force(field, record(shared, n, at(side), field, b), &
+                                 shared%point(:, n) + shift_of(b))
+          end do
+        end if
+      end associate
+      apart = apart + merge(vector, -vector, side == 1)
+    end do
+  end function external
+
+  !> After the trial along the normals: begins with the forces of the step before.
+  pure subroutine friction_start(levers, shared, n, dt, bodies, fields)
+    type(levers_t), intent(in) :: levers
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n
+    real(dp), intent(in) :: dt
+    type(body_t), intent(in) :: bodies(:)
+    type(field_t), intent(inout) :: fields(:)
+    integer :: l
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      if (levers%response(l) <= 0.0_dp .or. shared%link(l)%state <= link_closed) cycle
+      call rub(levers, shared, n, l, tangential(shared, n, l, dt*shared%link(l)%drag), dt, bodies, &
+               fields)
+    end do
+  end subroutine friction_start
+
+  !> Corrects friction at a node by the slip that is left.
+  pure subroutine friction_turn(levers, shared, n, dt, bodies, fields)
+    type(levers_t), intent(in) :: levers
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n
+    real(dp), intent(in) :: dt
+    type(body_t), intent(in) :: bodies(:)
+    type(field_t), intent(inout) :: fields(:)
+    integer :: l
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      if (levers%response(l) <= 0.0_dp .or. shared%link(l)%state <= link_closed) cycle
+      call rub(levers, shared, n, l, shared%link(l)%rub + sum( &
+               seen(levers, shared, n, l, fields, bodies, node_velocity(shared%ndim)), dim=2)/ &
+               levers%response(l), dt, bodies, fields)
+    end do
+  end subroutine friction_turn
+
+  !> Sets friction to a trial, as far as Coulomb's law admits, and books what the change does to the
+  !! sums that were taken before contact.
+  pure subroutine rub(levers, shared, n, l, trial, dt, bodies, fields)
+    type(levers_t), intent(in) :: levers
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n, l
+    real(dp), intent(in) :: trial(3), dt
+    type(body_t), intent(in) :: bodies(:)
+    type(field_t), intent(inout) :: fields(:)
+    real(dp) :: impulse(3), change(3), kick(3, 2), most
+    associate (link => shared%link(l), terms => shared%terms(n))
+      most = link%friction*max(0.0_dp, dot_product(link%impulse, link%normal))
+      impulse = trial
+      link%state = link_sticking
+      if (norm2(trial) > most .or. most <= 0.0_dp) then
+        impulse = trial*(most/max(norm2(trial), tiny(1.0_dp)))
+        link%state = link_sliding
+      end if
+      change = impulse - link%rub
+      kick = dt*seen(levers, shared, n, l, fields, bodies, node_acceleration)
+      terms%nodes_aa = terms%nodes_aa + &
+                       dot_product(change, levers%response(l)*change - 2.0_dp*kick(:, 1))/dt**2
+      call give(levers, shared, n, l, change, bodies, node_velocity(shared%ndim), fields)
+      call give(levers, shared, n, l, change/dt, bodies, node_acceleration, fields)
+      link%rub = impulse
+    end associate
+  end subroutine rub
+
+  !> After the trial: books friction at a node. Where a velocity from before the end of the trial
+  !! strains the particles, it is that before the kick or, `with_trial`, what particles receive.
+  pure subroutine friction_close(levers, shared, n, fields, bodies, dt, part, with_trial)
+    type(levers_t), intent(inout) :: levers
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    real(dp), intent(in) :: dt
+    real(dp), intent(in) :: part               !! of the strain that comes from such a velocity
+    logical, intent(in) :: with_trial
+    integer :: l
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      associate (link => shared%link(l), terms => shared%terms(n))
+        link%drag = link%rub/dt
+        if (levers%response(l) <= 0.0_dp) cycle
+        terms%power_before = terms%power_before - dot_product(link%rub, levers%before(:, 1, l))/dt
+        terms%external_power = terms%external_power - &
+                               0.5_dp*dot_product(link%rub, levers%external(:, l))
+        if (part <= 0.0_dp) cycle
+        levers%apart(:, :, l) = levers%before(:, :, l)
+        if (with_trial) then
+          levers%apart(:, :, l) = levers%apart(:, :, l) + &
+                                  dt*seen(levers, shared, n, l, fields, bodies, node_acceleration)
+        end if
+        call book(levers, shared, n, l, part)
+      end associate
+    end do
+  end subroutine friction_close
+
+  !> Before a straining velocity is made to obey: the slip that it has.
+  pure subroutine friction_measure(levers, shared, n, fields, bodies, column)
+    type(levers_t), intent(inout) :: levers
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: column              !! of the velocity
+    integer :: l
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      shared%link(l)%hold = 0.0_dp
+      if (levers%response(l) <= 0.0_dp) cycle
+      levers%apart(:, :, l) = seen(levers, shared, n, l, fields, bodies, column)
+    end do
+  end subroutine friction_measure
+
+  !> Takes slip from the straining velocity of bodies that stick.
+  pure subroutine friction_hold(levers, shared, n, bodies, column, fields)
+    type(levers_t), intent(in) :: levers
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: column
+    type(field_t), intent(inout) :: fields(:)
+    integer :: l
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      if (levers%response(l) <= 0.0_dp .or. shared%link(l)%state /= link_sticking) cycle
+      associate (link => shared%link(l))
+        link%hold = sum(seen(levers, shared, n, l, fields, bodies, column), dim=2)/ &
+                    levers%response(l)
+        call give(levers, shared, n, l, link%hold, bodies, column, fields)
+      end associate
+    end do
+  end subroutine friction_hold
+
+  !> Books what friction took through the velocity that strained the particles after the kick.
+  pure subroutine friction_settle(levers, shared, n, part)
+    type(levers_t), intent(in) :: levers
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n
+    real(dp), intent(in) :: part               !! of the strain that it makes
+    integer :: l
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      if (levers%response(l) > 0.0_dp) call book(levers, shared, n, l, part)
+    end do
+  end subroutine friction_settle
+
+  !> Energy that friction takes through one straining velocity (sgmp_contact_ledger).
+  pure subroutine book(levers, shared, n, l, part)
+    type(levers_t), intent(in) :: levers
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n, l
+    real(dp), intent(in) :: part
+    associate (link => shared%link(l), terms => shared%terms(n), apart => levers%apart(:, :, l), &
+               pull => levers%pull(:, :, l))
+      link%dissipation = link%dissipation + part* &
+        (dot_product(link%rub, sum(apart, dim=2)) - dot_product(link%hold, sum(pull, dim=2)))
+      terms%rigid_work = terms%rigid_work + part*(dot_product(link%rub, apart(:, 2)) - &
+                                                  dot_product(link%hold, pull(:, 2)))
+      terms%external_power = terms%external_power - &
+                             part*dot_product(link%hold, levers%external(:, l))
+    end associate
+  end subroutine book
+
+end module sgmp_contact_friction
