@@ -81,12 +81,15 @@ contains
     n = int(getpid())
   end function process_number
 
-  !> Positions (cells), velocities, masses and second streams of all particles of body 1, by id.
-  subroutine model_particles(model, x, v, mass, b)
+  !> Positions (cells), velocities, masses and second streams of all particles of a body, by id.
+  subroutine model_particles(model, x, v, mass, b, body)
     type(model_t), intent(in) :: model
     real(dp), allocatable, intent(out) :: x(:, :), v(:, :), mass(:), b(:, :)
-    integer :: c, l, id, n, d, last
-    associate (particles => model%bodies(1)%particles)
+    integer, intent(in), optional :: body        !! absent: 1; ids of others have no mass
+    integer :: c, l, id, n, d, last, number
+    number = 1
+    if (present(body)) number = body
+    associate (particles => model%bodies(number)%particles)
       d = particles%ndim
       n = particles%count
       last = 0
