@@ -45,6 +45,9 @@ module sgmp_contact_friction
   type :: levers_t
     integer, allocatable :: node(:)            !! (nodes) by colours
     integer :: first(colours + 1) = 1          !! of each colour
+    integer, allocatable :: nodes(:, :)        !! (side, links) that have a share; rigid bodies: 0
+    integer, allocatable :: place(:, :, :)     !! (around, side, links) which of those around
+    integer, allocatable :: record(:, :, :)    !! (around, side, links) in the field
     real(dp), allocatable :: share(:, :, :)    !! (around, side, links) a_J
     real(dp), allocatable :: gain(:, :, :)     !! (around, side, links) a_J/m_J
     real(dp), allocatable :: response(:)
@@ -65,21 +68,27 @@ contains
   pure subroutine friction_layout(levers, shared)
     type(levers_t), intent(out) :: levers
     type(shared_nodes_t), intent(in) :: shared
-    integer :: n, c, next
+    integer :: n, c, next(colours)
     allocate (levers%node(shared%nodes), levers%response(shared%links))
+    allocate (levers%nodes(2, shared%links), levers%place(around, 2, shared%links), &
+              levers%record(around, 2, shared%links))
     allocate (levers%share(around, 2, shared%links), levers%gain(around, 2, shared%links))
     allocate (levers%pull(3, 2, shared%links), levers%before(3, 2, shared%links), &
               levers%apart(3, 2, shared%links), levers%external(3, shared%links))
-    next = 1
-    do c = 1, colours
-      levers%first(c) = next
-      do n = 1, shared%nodes
-        if (colour(shared%point(:, n)) /= c) cycle
-        levers%node(next) = n
-        next = next + 1
-      end do
+    next = 0
+    do n = 1, shared%nodes
+      c = colour(shared%point(:, n))
+      next(c) = next(c) + 1
     end do
-    levers%first(colours + 1) = next
+    do c = 1, colours
+      levers%first(c + 1) = levers%first(c) + next(c)
+    end do
+    next = levers%first(:colours)
+    do n = 1, shared%nodes
+      c = colour(shared%point(:, n))
+      levers%node(next(c)) = n
+      next(c) = next(c) + 1
+    end do
   end subroutine friction_layout
 
   pure function colour(point) result(c)
@@ -103,57 +112,65 @@ contains
       if (.not. shared%near(l)) cycle
       at = shared_members(shared, n, l)
       do side = 1, 2
+        levers%nodes(side, l) = 0
         if (bodies(shared%body(at(side)))%rigid) cycle
-        call find_shares(shared, n, at(side), mesh, fields(shared%field(at(side))), &
-                         shared%middle(l)*shared%link(l)%normal, levers%share(:, side, l), &
-                         levers%gain(:, side, l))
+        call find_shares(levers, shared, n, l, side, at(side), mesh, &
+                         fields(shared%field(at(side))))
         levers%response(l) = levers%response(l) + &
-                             dot_product(levers%share(:, side, l), levers%gain(:, side, l))
+                             dot_product(levers%share(:levers%nodes(side, l), side, l), &
+                                         levers%gain(:levers%nodes(side, l), side, l))
       end do
     end do
   end subroutine friction_lever
 
-  !> Shares of the nodes around a node in what happens at a point.
-  pure subroutine find_shares(shared, n, m, mesh, field, point, share, gain)
+  !> Shares of the nodes around a node in what happens where the bodies of a link touch.
+  pure subroutine find_shares(levers, shared, n, l, side, m, mesh, field)
+    type(levers_t), intent(inout) :: levers
     type(shared_nodes_t), intent(in) :: shared
-    integer, intent(in) :: n, m                !! node and member
+    integer, intent(in) :: n, l, side, m       !! node, link, side of it and member
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(in) :: field
-    real(dp), intent(in) :: point(3)           !! relative to the node (cells)
-    real(dp), intent(out) :: share(around), gain(around)
-    real(dp) :: inverse(around), part(around), x(3, around), spread(3, 3), way(3), turn(3)
-    integer :: low(3), high(3), shift(3), b, a, r, nd
+    real(dp) :: inverse(around), part(around), x(3, around), spread(3, 3), way(3), turn(3), middle(3)
+    integer :: low(3), high(3), shift(3), b, a, r, nodes, own, nd
     logical :: found
     nd = shared%ndim
     call reach(mesh, shared%point(:, n), low, high)
-    inverse = 0.0_dp
-    part = 0.0_dp
+    nodes = 0
+    own = 0
     x = 0.0_dp
     do b = 1, around
       shift = shift_of(b)
       if (any(shift < low .or. shift > high)) cycle
-      r = record(shared, n, m, field, b)
-      inverse(b) = field%node(r, node_inverse_mass(nd))
-      if (inverse(b) <= 0.0_dp) cycle
-      part(b) = 1.0_dp/inverse(b)
-      x(:nd, b) = shift(row_axis([(a, a=1, nd)], nd)) + field%rotation%offset(r, :nd)
+      r = field%neighbour(shift(2), shift(3), shared%interval(m)) + shared%point(1, n) + shift(1)
+      if (field%node(r, node_inverse_mass(nd)) <= 0.0_dp) cycle
+      nodes = nodes + 1
+      if (b == itself) own = nodes
+      levers%place(nodes, side, l) = b
+      levers%record(nodes, side, l) = r
+      inverse(nodes) = field%node(r, node_inverse_mass(nd))
+      x(:nd, nodes) = shift(row_axis([(a, a=1, nd)], nd)) + field%rotation%offset(r, :nd)
     end do
-    share = 0.0_dp
-    share(itself) = 1.0_dp
-    way = point - x(:, itself)
-    part = part/sum(part)
-    turn = matmul(x, part)
-    do b = 1, around
-      x(:, b) = x(:, b) - turn
+    levers%nodes(side, l) = nodes
+    part(:nodes) = 1.0_dp/inverse(:nodes)
+    part(:nodes) = part(:nodes)/sum(part(:nodes))
+    way = shared%middle(l)*shared%link(l)%normal - x(:, own)
+    middle = matmul(x(:, :nodes), part(:nodes))
+    spread = 0.0_dp
+    do b = 1, nodes
+      x(:, b) = x(:, b) - middle
+      do a = 1, 3
+        spread(:, a) = spread(:, a) + part(b)*x(a, b)*x(:, b)
+      end do
     end do
-    do a = 1, 3
-      spread(:, a) = matmul(x, part*x(a, :))
-      if (a > nd) spread(a, a) = 1.0_dp
-    end do
+    if (nd == 2) spread(3, 3) = 1.0_dp
     call solve(spread, way, turn, found)
-    found = found .and. dot_product(way, turn)*part(itself) <= most_turn
-    if (found) share = share + part*matmul(turn, x)
-    gain = share*inverse
+    found = found .and. dot_product(way, turn)*part(own) <= most_turn
+    do b = 1, nodes
+      levers%share(b, side, l) = merge(1.0_dp, 0.0_dp, b == own)
+      if (found) levers%share(b, side, l) = levers%share(b, side, l) + &
+                                            part(b)*dot_product(turn, x(:, b))
+      levers%gain(b, side, l) = levers%share(b, side, l)*inverse(b)
+    end do
   end subroutine find_shares
 
   !> Steps along i, j, k to a node around.
@@ -162,16 +179,6 @@ contains
     integer :: shift(3)
     shift = [mod(b - 1, 3), mod((b - 1)/3, 3), (b - 1)/9] - 1
   end function shift_of
-
-  !> Record of a node around.
-  pure function record(shared, n, m, field, b) result(r)
-    type(shared_nodes_t), intent(in) :: shared
-    integer, intent(in) :: n, m, b
-    type(field_t), intent(in) :: field
-    integer :: r, shift(3)
-    shift = shift_of(b)
-    r = field%neighbour(shift(2), shift(3), shared%interval(m)) + shared%point(1, n) + shift(1)
-  end function record
 
   !> Which nodes around a node may have a share: none behind a wall, and on one only if the node
   !! itself is.
@@ -217,24 +224,21 @@ contains
     integer, intent(in) :: column              !! the first of the vector's
     real(dp) :: apart(3, 2)
     real(dp) :: vector(3)
-    integer :: side, at(2), b, last, kind
+    integer :: side, at(2), b, d, last, kind
     at = shared_members(shared, n, l)
     last = column + shared%ndim - 1
     apart = 0.0_dp
     do side = 1, 2
       vector = 0.0_dp
       kind = merge(2, 1, bodies(shared%body(at(side)))%rigid)
-      associate (field => fields(shared%field(at(side))), share => levers%share(:, side, l), &
-                 nd => shared%ndim)
-        if (kind == 2) then
-          vector(:nd) = field%node(shared%record(at(side)), column:last)
-        else
-          do b = 1, around
-            if (abs(share(b)) <= 0.0_dp) cycle
-            vector(:nd) = vector(:nd) + &
-                          share(b)*field%node(record(shared, n, at(side), field, b), column:last)
+      associate (field => fields(shared%field(at(side))), nd => shared%ndim)
+        if (kind == 2) vector(:nd) = field%node(shared%record(at(side)), column:last)
+        do b = 1, levers%nodes(side, l)
+          do d = 1, nd
+            vector(d) = vector(d) + levers%share(b, side, l)* &
+                                    field%node(levers%record(b, side, l), column + d - 1)
           end do
-        end if
+        end do
       end associate
       apart(:, kind) = apart(:, kind) + merge(vector, -vector, side == 1)
     end do
@@ -257,26 +261,23 @@ contains
 
   !> Adds to a nodal vector what an impulse on the second body, and its opposite on the first,
   !! changes.
-  pure subroutine give(levers, shared, n, l, impulse, bodies, column, fields)
+  pure subroutine give(levers, shared, n, l, impulse, column, fields)
     type(levers_t), intent(in) :: levers
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: n, l
     real(dp), intent(in) :: impulse(3)
-    type(body_t), intent(in) :: bodies(:)
     integer, intent(in) :: column
     type(field_t), intent(inout) :: fields(:)
     real(dp) :: change(3)
-    integer :: side, at(2), b, d, r
+    integer :: side, at(2), b, d
     at = shared_members(shared, n, l)
     do side = 1, 2
-      if (bodies(shared%body(at(side)))%rigid) cycle
       change = merge(-impulse, impulse, side == 1)
-      associate (field => fields(shared%field(at(side))), gain => levers%gain(:, side, l))
-        do b = 1, around
-          if (abs(gain(b)) <= 0.0_dp) cycle
-          r = record(shared, n, at(side), field, b)
+      associate (field => fields(shared%field(at(side))), gain => levers%gain(:, side, l), &
+                 r => levers%record(:, side, l))
+        do b = 1, levers%nodes(side, l)
           do d = 1, shared%ndim
-            field%node(r, column + d - 1) = field%node(r, column + d - 1) + gain(b)*change(d)
+            field%node(r(b), column + d - 1) = field%node(r(b), column + d - 1) + gain(b)*change(d)
           end do
         end do
       end associate
@@ -319,14 +320,12 @@ contains
     do side = 1, 2
       if (bodies(shared%body(at(side)))%rigid) cycle
       vector = gravity
-      associate (field => fields(shared%field(at(side))), gain => levers%gain(:, side, l), &
-                 nd => shared%ndim)
+      associate (field => fields(shared%field(at(side))), nd => shared%ndim)
         if (field%columns%external > 0) then
-          do b = 1, around
-            if (abs(gain(b)) <= 0.0_dp) cycle
-            vector(:nd) = vector(:nd) + &
-              gain(b)*body_force(field, record(shared, n, at(side), field, b), &
-                                 shared%point(:, n) + shift_of(b))
+          do b = 1, levers%nodes(side, l)
+            vector(:nd) = vector(:nd) + levers%gain(b, side, l)* &
+              body_force(field, levers%record(b, side, l), &
+                         shared%point(:, n) + shift_of(levers%place(b, side, l)))
           end do
         end if
       end associate
@@ -389,8 +388,8 @@ contains
       kick = dt*seen(levers, shared, n, l, fields, bodies, node_acceleration)
       terms%nodes_aa = terms%nodes_aa + &
                        dot_product(change, levers%response(l)*change - 2.0_dp*kick(:, 1))/dt**2
-      call give(levers, shared, n, l, change, bodies, node_velocity(shared%ndim), fields)
-      call give(levers, shared, n, l, change/dt, bodies, node_acceleration, fields)
+      call give(levers, shared, n, l, change, node_velocity(shared%ndim), fields)
+      call give(levers, shared, n, l, change/dt, node_acceleration, fields)
       link%rub = impulse
     end associate
   end subroutine rub
@@ -455,7 +454,7 @@ contains
       associate (link => shared%link(l))
         link%hold = sum(seen(levers, shared, n, l, fields, bodies, column), dim=2)/ &
                     levers%response(l)
-        call give(levers, shared, n, l, link%hold, bodies, column, fields)
+        call give(levers, shared, n, l, link%hold, column, fields)
       end associate
     end do
   end subroutine friction_hold
