@@ -2,7 +2,7 @@
 module sgmp_cards_load
   use sgmp_constitutive, only: material_explosive
   use sgmp_deck_card, only: deck_card_t
-  use sgmp_expression, only: expression_clone, expression_free
+  use sgmp_expression, only: expression_clone, expression_free, expression_t
   use sgmp_keys, only: kind_expression, kind_name_word, kind_real, kind_vector
   use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
@@ -22,6 +22,8 @@ contains
                        read_velocity)
     call registry%key('body', kind_name_word, 'the body; default: all', default='all', slot=1)
     call register_components(registry, 'speed')
+    call registry%key('spin', kind_expression, 'angular velocity about the axis, radians per '// &
+                      'time, in an axisymmetric scene with swirl', unit='1/time', default='0')
     call registry%card('gravity', 'Constant acceleration of everything.', 'gravity (0,0,-9.81)', &
                        read_gravity, check_gravity, once=.true.)
     call registry%key('vector', kind_vector, 'acceleration', unit='acceleration', slot=1, &
@@ -71,7 +73,37 @@ contains
         end do
       end associate
     end do
+    call read_spin(card, named, draft)
   end subroutine read_velocity
+
+  !> The angular velocity that a card gives to a body, or to all.
+  subroutine read_spin(card, named, draft)
+    type(deck_card_t), intent(in) :: card
+    integer, intent(in) :: named                 !! the body; 0: all
+    type(draft_t), intent(inout) :: draft
+    integer :: b
+    associate (value => card%values(card%at('spin')), bodies => draft%scene%bodies)
+      if (.not. (draft%scene%swirl .or. vanishes(value%expression))) then
+        call draft%errors%add(value%position, 'the scene has no swirl', &
+                              'write dimension axisymmetric swirl=yes, or remove spin')
+      else if (value%expression%uses_time) then
+        call draft%errors%add(value%position, 'the initial velocity cannot depend on t', &
+                              'use r and z')
+      end if
+      do b = 1, size(bodies)
+        if (named /= 0 .and. named /= b) cycle
+        call expression_free(bodies(b)%spin)
+        bodies(b)%spin = expression_clone(value%expression)
+      end do
+    end associate
+  end subroutine read_spin
+
+  !> Whether a function is zero everywhere.
+  pure function vanishes(expression) result(yes)
+    type(expression_t), intent(in) :: expression
+    logical :: yes
+    yes = expression%is_constant .and. abs(expression%value) <= 0.0_dp
+  end function vanishes
 
   subroutine read_gravity(card, draft)
     type(deck_card_t), intent(in) :: card

@@ -97,6 +97,7 @@ module sgmp_scene
       !! a corner of the lattice's cells; huge: derived from the first shape
     character(:), allocatable :: file             !! particles from file: x y z volume [vx vy vz]
     type(expression_t) :: velocity(3)             !! initial velocity, functions of x, y, z
+    type(expression_t) :: spin                    !! initial angular velocity of rings
     real(dp) :: temperature = -1.0_dp
       !! initial temperature; negative: the material's room temperature
     character(:), allocatable :: location         !! file:line:column of the card, for messages
@@ -182,6 +183,7 @@ module sgmp_scene
     character(8) :: units(3) = ''                 !! length, mass, time; empty: not declared
     integer :: dimension = 3                      !! axes of the grid
     logical :: axisymmetric = .false.             !! they are r and z
+    logical :: swirl = .false.                    !! there is a velocity around the axis
     type(grid_card_t) :: grid
     type(method_card_t) :: method
     type(time_card_t) :: time
@@ -210,6 +212,7 @@ contains
         do i = 1, size(scene%bodies)
           call expression_free(scene%bodies(i)%velocity(k))
           call expression_free(scene%bodies(i)%motion(k))
+          call expression_free(scene%bodies(i)%spin)
         end do
       end if
       if (allocated(scene%bodyforces)) then

@@ -75,6 +75,7 @@ module sgmp_constitutive
     integer :: stretch = 0       !! its diagonal alone, for cpGIMP and to split particles
     integer :: initial = 0       !! initial position, for body forces that use it
     integer :: spin = 0          !! first component of the spin that particles carry
+    integer :: swirl = 0         !! velocity around the axis times radius (cells)
     integer :: surface = 0       !! distance to the body's surface, for contact
     integer :: compliance = 0    !! by which volume is exchanged, for kept volumes
     integer :: path = 0          !! from the particle that it comes from, where particles are split:

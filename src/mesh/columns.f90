@@ -7,8 +7,8 @@ module sgmp_columns
   implicit none
   private
   public :: columns_t, columns_make
-  public :: node_acceleration, node_inertia, node_inverse_mass, node_remapped, node_total, &
-            node_velocity
+  public :: node_acceleration, node_gyration, node_inertia, node_inverse_mass, node_remapped, &
+            node_swirl, node_total, node_velocity
   public :: relax_dilation, relax_exchange, relax_filling, relax_filter, relax_stiffness, &
             relax_square, relax_total, relax_velocity
 
@@ -19,9 +19,13 @@ module sgmp_columns
     integer :: momentum = 2
     integer :: spin = 0                !! the spin that particles carry, times their mass
     integer :: spins = 0               !! components of it, 0: none is carried
+    integer :: swirl = 0               !! v_theta times mass and radius, and mass times radius^2
+                                       !! (cells), 0: there is none
     integer :: square = 0              !! m |v|^2, 0: nothing relaxes (doc/volumes.md)
     integer :: force = 0               !! sigma V at auxiliary nodes, or the force at nodes
     integer :: forces = 0              !! components of it
+    integer :: torque = 0              !! shear stresses of swirl times volume and radius, and the
+                                       !! centrifugal force
     integer :: external = 0            !! external force, 0: no body force acts
     integer :: volume = 0              !! 0: not carried
     integer :: stiffness = 0           !! bulk modulus times volume, 0: nothing relaxes
@@ -29,6 +33,7 @@ module sgmp_columns
     integer :: offset = 0              !! first moments of the mass about the centres (mass times
                                        !! cells), the last columns; 0: not carried
     integer :: total = 0
+    integer :: nodes = 0               !! columns of the nodes' values
   end type columns_t
 
   ! Columns of the nodes' values, by dimension; MUSL puts the re-mapped velocity in the place of the
@@ -38,6 +43,9 @@ module sgmp_columns
   integer, parameter :: node_inverse_mass(3) = [3, 5, 7]
   integer, parameter :: node_inertia = 6     !! axisymmetric: radial mass over mass
   integer, parameter :: node_total(spaces) = [node_inverse_mass, node_inertia]
+  !> With swirl, v_theta over the radius beside the vector that begins in a column, and the moment
+  !! of inertia over the mass.
+  integer, parameter :: node_swirl(3) = node_inertia + [1, 0, 2], node_gyration = node_inertia + 3
 
   ! What particles relax to, at the centres of the auxiliary grid (sgmp_centres_relax); by dimension
   ! where there are two numbers of columns.
@@ -53,7 +61,7 @@ module sgmp_columns
 contains
 
   !> Lays out the columns of the sums.
-  pure function columns_make(space, kernel, external, volume, spins, offset, relaxed) &
+  pure function columns_make(space, kernel, external, volume, spins, offset, relaxed, swirl) &
     result(columns)
     integer, intent(in) :: space, kernel
     logical, intent(in) :: external    !! with an external force
@@ -61,11 +69,15 @@ contains
     integer, intent(in) :: spins       !! components of the spin that particles carry
     logical, intent(in), optional :: offset  !! with the first moments of the mass
     logical, intent(in), optional :: relaxed  !! with what particles relax by; needs the volume
+    logical, intent(in), optional :: swirl  !! with the velocity around the axis
     type(columns_t) :: columns
     integer :: ndim
-    logical :: with_relaxation
+    logical :: with_relaxation, with_swirl
     with_relaxation = .false.
     if (present(relaxed)) with_relaxation = relaxed
+    with_swirl = .false.
+    if (present(swirl)) with_swirl = swirl
+    columns%nodes = merge(node_gyration, node_total(space), with_swirl)
     ndim = space_dimensions(space)
     if (space == space_axisymmetric) then
       columns%radial = columns%momentum
@@ -74,12 +86,20 @@ contains
     columns%spin = columns%momentum + ndim
     columns%spins = spins
     columns%force = columns%spin + spins
+    if (with_swirl) then
+      columns%swirl = columns%force
+      columns%force = columns%force + 2
+    end if
     if (with_relaxation) then
       columns%square = columns%force
       columns%force = columns%force + 1
     end if
     columns%forces = merge(flux_components(space), ndim, kernel_centred(kernel))
     columns%total = columns%force + columns%forces - 1
+    if (with_swirl) then
+      columns%torque = columns%total + 1
+      columns%total = columns%total + 3
+    end if
     if (external) then
       columns%external = columns%total + 1
       columns%total = columns%total + ndim

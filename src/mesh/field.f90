@@ -5,7 +5,7 @@
 !! same widened so that every stencil of a work point falls on stored (if need be empty) points; a
 !! point's record is base + i.
 module sgmp_field
-  use sgmp_columns, only: columns_make, columns_t, node_total, relax_total
+  use sgmp_columns, only: columns_make, columns_t, relax_total
   use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_width
   use sgmp_kinds, only: dp, i8
   use sgmp_large_pages, only: large_pages_ask
@@ -35,7 +35,7 @@ module sgmp_field
     integer :: largest_plane = 0                    !! records of the largest plane
     real(dp), allocatable :: moment(:, :)           !! (points, columns%total) sums over particles
     type(rotation_points_t) :: rotation             !! for columns%offset > 0
-    real(dp), allocatable :: node(:, :)             !! (points, node_total) values at the nodes
+    real(dp), allocatable :: node(:, :)             !! (points, columns%nodes) values at the nodes
     real(dp), allocatable :: relax(:, :)  !! (points, relax_total) what particles relax to, at the
                                           !! centres; not allocated: nothing relaxes
   end type field_t
@@ -43,7 +43,8 @@ module sgmp_field
 contains
 
   !> An empty field.
-  pure subroutine field_init(field, mesh, kernel, body_force, volume, spins, rotation, relaxed)
+  pure subroutine field_init(field, mesh, kernel, body_force, volume, spins, rotation, relaxed, &
+                             swirl)
     type(field_t), intent(out) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel        !! one of kernel_*
@@ -52,6 +53,7 @@ contains
     integer, intent(in), optional :: spins   !! columns for the spin that particles carry
     logical, intent(in), optional :: rotation  !! rotation is exact
     logical, intent(in), optional :: relaxed   !! columns for what particles relax by
+    logical, intent(in), optional :: swirl     !! columns for the velocity around the axis
     logical :: with_volume
     integer :: nspin
     with_volume = .false.
@@ -62,9 +64,9 @@ contains
     field%ndim = mesh%ndim
     field%space = mesh%space
     field%columns = columns_make(mesh%space, kernel, body_force, with_volume, nspin, &
-                                 rotation, relaxed)
+                                 rotation, relaxed, swirl)
     field%points = 0
-    allocate (field%moment(0, field%columns%total), field%node(0, node_total(mesh%space)))
+    allocate (field%moment(0, field%columns%total), field%node(0, field%columns%nodes))
     allocate (field%plane_k(0))
     allocate (field%plane_start(1), source=1)
     allocate (field%plane_work(1), field%plane_store(1), source=1)
@@ -95,7 +97,7 @@ contains
     call field_number(new)
     call field_link(new)
     allocate (new%moment(new%points, new%columns%total))
-    allocate (new%node(new%points, node_total(new%space)))
+    allocate (new%node(new%points, new%columns%nodes))
     if (new%columns%square > 0) then
       allocate (new%relax(new%points, relax_total(new%ndim)), source=0.0_dp)
     end if

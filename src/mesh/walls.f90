@@ -5,7 +5,7 @@
 !! each other; Eq. 42 (energy) rests on that. Axes are folded one after the other, which takes care
 !! of edges and corners.
 module sgmp_walls
-  use sgmp_columns, only: columns_t, relax_velocity
+  use sgmp_columns, only: columns_t, node_swirl, relax_velocity
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp
@@ -15,6 +15,8 @@ module sgmp_walls
   implicit none
   private
   public :: walls_fold, walls_mirror, walls_mirror_centres, moment_parity, has_walls
+
+  integer, parameter :: around = 3   !! component of a vector around the axis
 
 contains
 
@@ -37,17 +39,14 @@ contains
     real(dp) :: parity
     parity = 1.0_dp
     if (column == columns%mass .or. column == columns%square) return
-    if (column == columns%radial) then
-      if (wall == wall_axis) parity = -1.0_dp
-      return
-    end if
-    if (column < columns%spin) then
+    if (swirls(column, columns)) then
+      parity = swirl_parity(column, columns, normal, wall)
+    else if (column == columns%radial .or. column == columns%external) then
+      if (wall == wall_axis) parity = -1.0_dp  ! what pulls along r is opposite on the other side
+    else if (column < columns%spin) then
       parity = vector_parity(1 + column - columns%momentum, normal, wall)
     else if (column < columns%force) then
-      ! An axial vector: a mirror keeps only the rotation about its normal.
-      if (wall /= wall_fixed .and. (1 + column - columns%spin /= normal .or. space == 2)) then
-        parity = -1.0_dp
-      end if
+      if (wall /= wall_fixed) parity = axial_parity(1 + column - columns%spin, normal, space)
     else if (column < columns%force + columns%forces) then
       if (.not. centred) then
         parity = vector_parity(1 + column - columns%force, normal, wall)
@@ -60,12 +59,45 @@ contains
     end if
   end function moment_parity
 
+  !> Whether a column belongs to swirl.
+  pure function swirls(column, columns) result(yes)
+    integer, intent(in) :: column
+    type(columns_t), intent(in) :: columns
+    logical :: yes
+    yes = columns%swirl > 0 .and. ((column >= columns%swirl .and. column < columns%force) .or. &
+                                   (column >= columns%torque .and. column < columns%torque + 3))
+  end function swirls
+
+  !> The same for a column of swirl. The velocity around the axis goes along all walls, its rate is
+  !! even at the axis; shear stresses at the wall are odd, and the centrifugal force is radial.
+  pure function swirl_parity(column, columns, normal, wall) result(parity)
+    integer, intent(in) :: column, normal, wall
+    type(columns_t), intent(in) :: columns
+    real(dp) :: parity
+    parity = 1.0_dp
+    if (column == columns%swirl) then
+      parity = vector_parity(around, normal, wall)
+    else if (column == columns%torque + 2) then
+      parity = vector_parity(1, normal, wall)
+    else if (column >= columns%torque .and. wall /= wall_fixed) then
+      parity = vector_parity(1 + column - columns%torque, normal, wall)
+    end if
+  end function swirl_parity
+
   !> The same for a component of a vector: the normal one is odd, at a fixed wall all are.
   pure function vector_parity(component, normal, wall) result(parity)
     integer, intent(in) :: component, normal, wall
     real(dp) :: parity
     parity = merge(-1.0_dp, 1.0_dp, component == normal .or. wall == wall_fixed)
   end function vector_parity
+
+  !> The same for a component of an axial vector at a slip wall: a mirror keeps only the rotation
+  !! about its normal.
+  pure function axial_parity(component, normal, space) result(parity)
+    integer, intent(in) :: component, normal, space
+    real(dp) :: parity
+    parity = merge(-1.0_dp, 1.0_dp, component /= normal .or. space == 2)
+  end function axial_parity
 
   !> The same for a stress component at a slip wall: shear stresses at the wall are odd.
   pure function stress_parity(flux, normal, space) result(parity)
@@ -127,6 +159,10 @@ contains
             field%node(to:to + n - 1, columns(c) + a - 1) = &
               parity*field%node(from:from + n - 1, columns(c) + a - 1)
           end do
+          if (field%columns%swirl == 0) cycle
+          parity = vector_parity(around, axis, mesh%wall(side, axis))
+          a = node_swirl(columns(c))
+          field%node(to:to + n - 1, a) = parity*field%node(from:from + n - 1, a)
         end do
       end do
     end do

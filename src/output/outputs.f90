@@ -1,12 +1,13 @@
 !> All files of a run: which rows and dumps are due, and the writers behind them.
 module sgmp_outputs
-  use sgmp_body_rows, only: body_rows_write
+  use sgmp_body_rows, only: body_rows_write, momentum_in_output
   use sgmp_contact_rows, only: contact_rows_open, contact_rows_t, contact_rows_write
   use sgmp_energy, only: ledger_total
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: directory_make
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
-                          gauges_integers, history_columns, history_t, kept_columns, split_columns
+                          gauges_integers, history_columns, history_t, kept_columns, &
+                          split_columns, swirl_columns
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_sum
@@ -123,6 +124,7 @@ contains
     columns = history_columns
     if (model%method%relaxed) columns = [columns, kept_columns]
     if (model%method%split > 0.0_dp) columns = [columns, split_columns]
+    if (model%method%swirl) columns = [columns, swirl_columns]
     call outputs%history%open(folder//'/history.csv', columns, error, keep_to_step=step)
     if (allocated(error)) return
     call outputs%bodies%open(folder//'/bodies.csv', bodies_columns, error, bodies_integers, step, &
@@ -266,9 +268,10 @@ contains
     associate (l => model%ledger)
       values = [model%clock%time, model%clock%dt, l%kinetic, l%internal, ledger_total(l), &
                 l%external_work, l%contact_dissipation, l%viscous_dissipation, &
-                l%interpolation_error, l%remainder, l%momentum(axes_in_output(:, model%mesh%space))]
+                l%interpolation_error, l%remainder, momentum_in_output(model, l%momentum)]
       if (model%method%relaxed) values = [values, l%filter_heat, l%volume_correction]
       if (model%method%split > 0.0_dp) values = [values, l%split_energy]
+      if (model%method%swirl) values = [values, model%mesh%h*l%momentum(3)]
     end associate
     call outputs%history%write_row(model%clock%step, values, error)
     if (allocated(error)) return

@@ -14,6 +14,7 @@ module sgmp_snapshot_make
   use sgmp_snapshot, only: snapshot_field_t, snapshot_t
   use sgmp_sorting, only: sort_order, sort_order_within
   use sgmp_space, only: axes_in_output
+  use sgmp_voigt, only: stress_components
   implicit none
   private
   public :: snapshot_whole, snapshot_slice, snapshot_initial_positions
@@ -44,7 +45,8 @@ contains
     snapshot%position = 0.0_dp
     snapshot%velocity = 0.0_dp
     snapshot%body_names = model%bodies%name
-    call declare_fields(names, model%mesh%space, n, kinds, snapshot%fields)
+    call declare_fields(names, model%mesh%space, stress_components(merge(3, nd, &
+                        model%method%swirl)), n, kinds, snapshot%fields)
     at%ndim = nd
     visited = 0
     do b = 1, size(model%bodies)
@@ -61,6 +63,8 @@ contains
                                                       body%particles%motion(l, :nd, c))
             snapshot%velocity(axes, p) = &
               body%particles%motion(l, motion_velocity(nd):motion_velocity(nd) + nd - 1, c)
+            if (model%method%swirl) snapshot%velocity(2, p) = &
+              body%particles%state(l, body%law%slots%swirl, c)/body%particles%motion(l, 1, c)
             at%lane = l
             at%chunk = c
             at%position = snapshot%position(:, p)
@@ -230,9 +234,9 @@ contains
   end subroutine order_of_ids
 
   !> Makes room for the fields asked for; initial positions have a place of their own.
-  subroutine declare_fields(names, space, n, kinds, fields)
+  subroutine declare_fields(names, space, stresses, n, kinds, fields)
     character(*), intent(in) :: names(:)
-    integer, intent(in) :: space, n
+    integer, intent(in) :: space, stresses, n    !! stresses: components of a tensor
     type(particle_field_t), allocatable, intent(out) :: kinds(:)
     type(snapshot_field_t), allocatable, intent(out) :: fields(:)
     integer :: f
@@ -241,7 +245,7 @@ contains
     allocate (fields(size(kinds)))
     do f = 1, size(fields)
       fields(f)%name = kinds(f)%name
-      fields(f)%components = particle_field_components(kinds(f), space)
+      fields(f)%components = particle_field_components(kinds(f), space, stresses)
       allocate (fields(f)%values(size(fields(f)%components), n), source=0.0_dp)
     end do
   end subroutine declare_fields

@@ -4,8 +4,8 @@ module sgmp_particle_fields
   use sgmp_body, only: body_t
   use sgmp_kinds, only: dp
   use sgmp_motion, only: motion_mass
-  use sgmp_space, only: axes_in_output, space_dimensions
-  use sgmp_voigt, only: stress_components, voigt_axes, voigt_names
+  use sgmp_space, only: axes_in_output
+  use sgmp_voigt, only: voigt_axes, voigt_names
   implicit none
   private
   public :: particle_field_t, particle_place_t, particle_field_find, particle_field_names, &
@@ -82,15 +82,16 @@ contains
   end function particle_field_find
 
   !> Names of a field's components as columns of a table have them; a scalar's is its own.
-  pure function particle_field_components(field, space) result(names)
+  pure function particle_field_components(field, space, stresses) result(names)
     type(particle_field_t), intent(in) :: field
     integer, intent(in) :: space
+    integer, intent(in) :: stresses              !! components of a tensor
     character(32), allocatable :: names(:)
     integer :: c
     select case (field%kind)
     case (tensor)
       names = [character(32) :: (trim(field%name)//'_'//output_name(c, space), &
-                                 c=1, stress_components(space_dimensions(space)))]
+                                 c=1, stresses)]
     case (vector)
       names = trim(field%name)//'_'//vector_ends
     case default  ! scalar

@@ -3,7 +3,6 @@
 module sgmp_cost_estimate
   use, intrinsic :: iso_fortran_env, only: output_unit
   use sgmp_body, only: body_t
-  use sgmp_columns, only: node_total
   use sgmp_constitutive, only: material_names, slots_t
   use sgmp_field, only: field_bytes
   use sgmp_forewarnings, only: shape_mass
@@ -39,7 +38,7 @@ contains
     call put('grid        cell '//real_text(model%mesh%h)//', active points '// &
              integer_text(sum(rows_points(model%fields%work)))//' (stored '// &
              integer_text(sum(model%fields%points))//'), '// &
-             integer_text(model%fields(1)%columns%total + node_total(model%mesh%space))// &
+             integer_text(model%fields(1)%columns%total + model%fields(1)%columns%nodes)// &
              ' values each, '// &
              bytes_text(sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])))
     bytes = sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])
@@ -108,6 +107,7 @@ contains
     call put_slot(slots%deformation, 'deformation gradient (neo-Hookean material)')
     call put_slot(slots%stretch, 'diagonal of the deformation gradient (method cpgimp, split)')
     call put_slot(slots%initial, 'initial position (bodyforce that uses it)')
+    call put_slot(slots%swirl, 'velocity around the axis (dimension axisymmetric swirl=yes)')
     call put_slot(slots%compliance, 'compliance (volumes=kept, eos)')
     call put_slot(slots%path, 'path from the particle that was split (split)')
   end subroutine put_slots

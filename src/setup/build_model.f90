@@ -61,6 +61,7 @@ contains
     model%method%split = scene%method%split
     model%method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
     model%method%spins = spin_components(scene)
+    model%method%swirl = scene%swirl
     model%method%lost_policy = scene%grid%lost
     kernel = method_kernel(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%totals%bodies(size(scene%bodies)))
@@ -147,35 +148,53 @@ contains
       body%law = material%law
       body%law%h = mesh%h
       body%law%rigid = body%rigid
-      call law_slots(body%law, mesh%ndim, &
+      call law_slots(body%law, tensor_axes(scene), &
                      stretch=merge(mesh%ndim, 0, body%sides_stretch .or. splits(scene, body)), &
                      initial=merge(mesh%ndim, 0, needs_initial(body)), spin=spin_components(scene))
       call contact_add_slot(scene, number, body%law%slots)
-      if (scene%method%volumes_kept) call add_compliance(body%law)
-      if (splits(scene, body)) call add_path(body%law%slots)
+      call add_columns(scene, body%law)
+      if (splits(scene, body)) call add_column(body%law%slots, body%law%slots%path)
       do d = 1, mesh%ndim
         x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
       end do
       call seeding_check_inside(card, mesh, x, error)
       if (allocated(error)) return
       call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, &
-                          material%law%density, volume, first_history(card, body, mesh%ndim), &
-                          first_id, ids, bin_span(kernel, mesh%ndim))
+                          material%law%density, volume, &
+                          first_history(card, body, tensor_axes(scene)), first_id, ids, &
+                          bin_span(kernel, mesh%ndim))
       body%particles%path = body%law%slots%path
       call ranks_hold(model%ranks%partition, body%particles)
       call set_velocities(card, mesh, file_velocity, body)
+      call set_swirl(card, mesh, body)
       call fill_positions(scene, mesh, body)
       call contact_fill_slot(card, mesh, body)
     end associate
   end subroutine build_body
 
-  !> A column for the compliance of matter whose pressure follows its volume.
-  pure subroutine add_compliance(law)
+  !> Axes of stress and deformation: with swirl those of space.
+  pure function tensor_axes(scene) result(n)
+    type(scene_t), intent(in) :: scene
+    integer :: n
+    n = merge(3, scene%dimension, scene%swirl)
+  end function tensor_axes
+
+  !> Columns for swirl, and for the compliance of matter whose pressure follows its volume.
+  pure subroutine add_columns(scene, law)
+    type(scene_t), intent(in) :: scene
     type(constitutive_t), intent(inout) :: law
-    if (law%eos == eos_none .or. law%rigid) return
-    law%slots%total = law%slots%total + 1
-    law%slots%compliance = law%slots%total
-  end subroutine add_compliance
+    if (scene%swirl) call add_column(law%slots, law%slots%swirl)
+    if (.not. scene%method%volumes_kept .or. law%eos == eos_none .or. law%rigid) return
+    call add_column(law%slots, law%slots%compliance)
+  end subroutine add_columns
+
+  !> One more column of the particles' second stream.
+  pure subroutine add_column(slots, column)
+    type(slots_t), intent(inout) :: slots
+    integer, intent(inout) :: column
+    slots%total = slots%total + 1
+    column = slots%total
+  end subroutine add_column
 
   !> Whether particles of a body are split where they are stretched.
   pure function splits(scene, body) result(yes)
@@ -184,13 +203,6 @@ contains
     logical :: yes
     yes = scene%method%split > 0.0_dp .and. .not. body%rigid
   end function splits
-
-  !> A column for the path from the particle that was split.
-  pure subroutine add_path(slots)
-    type(slots_t), intent(inout) :: slots
-    slots%total = slots%total + 1
-    slots%path = slots%total
-  end subroutine add_path
 
   !> Body forces that act on a body; a card for the body itself comes before one for all.
   subroutine attach_force(scene, number, body)
@@ -225,7 +237,7 @@ contains
   pure function first_history(card, body, ndim) result(history)
     type(body_card_t), intent(in) :: card
     type(body_t), intent(in) :: body
-    integer, intent(in) :: ndim
+    integer, intent(in) :: ndim                  !! of stress and deformation
     real(dp) :: history(2:body%law%slots%total)
     history = law_first_history(body%law, ndim)
     associate (slots => body%law%slots)
@@ -264,6 +276,27 @@ contains
       end do
     end associate
   end subroutine set_velocities
+
+  !> Initial velocity around the axis, times the radius, from the card's angular velocity.
+  subroutine set_swirl(card, mesh, body)
+    type(body_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    integer :: c, l
+    real(dp) :: x(3)
+    if (body%law%slots%swirl == 0 .or. body%rigid) return
+    associate (particles => body%particles)
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          x = 0.0_dp
+          x(:2) = mesh_position(mesh%origin(:2), mesh%h, particles%motion(l, :2, c))
+          particles%state(l, body%law%slots%swirl, c) = &
+            card%spin%evaluate(x, x, 0.0_dp)*mesh%h*particles%motion(l, 1, c)**2
+        end do
+      end do
+    end associate
+  end subroutine set_swirl
 
   !> History that depends on the initial position: lighting times, and the position itself where a
   !! force uses it.
@@ -307,7 +340,7 @@ contains
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
                       model%method%normalised, model%method%spins, model%method%rotation, &
-                      model%method%relaxed)
+                      model%method%relaxed, model%method%swirl)
     end do
     call team_make(model%team, threads, model%mesh%space, size(model%fields), size(model%bodies))
     allocate (model%ranks%below(size(model%fields)), model%ranks%above(size(model%fields)))
@@ -360,7 +393,8 @@ contains
     real(dp) :: m
     integer :: l
     terms = 0.0_dp
-    associate (particles => body%particles, energy => body%law%slots%energy)
+    associate (particles => body%particles, energy => body%law%slots%energy, &
+               swirl => body%law%slots%swirl)
       do l = 1, lanes
         if (particles%id(l, c) == 0) cycle
         m = particles%motion(l, motion_mass(particles%ndim), c)
@@ -368,6 +402,10 @@ contains
         terms(2:1 + n) = terms(2:1 + n) + m*particles%motion(l, :n, c)
         terms(5:4 + n) = terms(5:4 + n) + m*particles%motion(l, n + 1:2*n, c)
         terms(8) = terms(8) + 0.5_dp*m*sum(particles%motion(l, n + 1:2*n, c)**2)
+        if (swirl > 0) then
+          terms(7) = terms(7) + m*particles%state(l, swirl, c)
+          terms(8) = terms(8) + 0.5_dp*m*(particles%state(l, swirl, c)/particles%motion(l, 1, c))**2
+        end if
         if (energy > 0) terms(9) = terms(9) + particles%state(l, energy, c)*particles%state(l, 1, c)
       end do
     end associate

@@ -86,7 +86,7 @@ contains
     real(dp), intent(in) :: in_cell
     real(dp) :: bytes, in_bin
     integer :: columns, stresses
-    stresses = merge(6, scene%dimension + 2, scene%dimension == 3)
+    stresses = merge(6, scene%dimension + 2, scene%dimension == 3 .or. scene%swirl)
     columns = 2*scene%dimension + 2 + stresses + history_columns
     in_bin = max(min(in_cell, 1.0e8_dp), 1.0_dp)*bin_span(method_kernel(scene%method%kind), &
                                                           scene%dimension)

@@ -248,7 +248,7 @@ contains
     columns = [1, model%fields(f)%columns%total]
     if (any(model%method%update == [update_usf, update_usavg]) .and. &
         .not. model%method%rotation) then
-      columns(2) = model%fields(f)%columns%spin - 1
+      columns(2) = model%fields(f)%columns%force - 1
     end if
   end function columns_alive
 

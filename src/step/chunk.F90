@@ -23,6 +23,10 @@ module DIM(sgmp_chunk)
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use sgmp_sums, only: sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sum_split, sum_viscous, sweep_sums
+#ifdef AXISYMMETRIC
+  use sgmp_swirl, only: swirl_collect, swirl_drift, swirl_flux, swirl_kick, swirl_moments, &
+                        swirl_strain, swirl_stresses
+#endif
   use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_weights, &
                                       record_group
   use CARTESIAN(sgmp_transfer_product), only: product_gather, product_gather_gradient, &
@@ -56,6 +60,7 @@ module DIM(sgmp_chunk)
     integer :: plain = 0                 !! of these, all but the last: the mass's first moments
     integer :: spin = 0                  !! columns before the spin; 0: none is carried
     integer :: momentum = 0              !! columns before the momentum
+    integer :: swirl = 0                 !! columns before the moments of swirl; 0: none
     integer :: square = 0                !! column of m |v|^2; 0: none
     integer :: behind = 0                !! columns behind the forces, from the volume on
     integer :: forces = 0                !! columns before the forces (MPM, GIMP)
@@ -66,6 +71,8 @@ module DIM(sgmp_chunk)
     integer :: velocity = 1              !! first component of the grid velocity in a record
     integer :: gradient = 1              !! and of the velocity gradient
     integer :: relax = 0                 !! and of what particles relax to; 0: nothing
+    integer :: swirl_read = 0            !! and of what they read of swirl: slopes
+    integer :: swirl_kick = 0            !! the acceleration
     real(dp) :: h = 1.0_dp, inverse_h = 1.0_dp
     real(dp) :: dt_cells = 0.0_dp        !! position step over h
     real(dp) :: live(lanes, 0:lanes) = 0.0_dp  !! 1 for particles, 0 for pads, by how many live
@@ -98,6 +105,12 @@ contains
       task%spin = task%forces
       task%forces = task%forces + plan%spins
     end if
+#ifdef AXISYMMETRIC
+    if (plan%swirl .and. plan%momentum) then
+      task%swirl = task%forces
+      task%forces = task%forces + swirl_moments
+    end if
+#endif
     if (plan%square) then
       task%forces = task%forces + 1
       task%square = task%forces
@@ -112,6 +125,11 @@ contains
     if (plan%relax) then
       task%relax = task%stride + 1
       task%stride = task%stride + relax_total(NDIM)
+    end if
+    if (plan%swirl) then
+      task%swirl_read = task%stride + 1
+      task%swirl_kick = task%swirl_read + merge(NDIM, 0, plan%gradient > 0)
+      task%stride = task%swirl_kick - merge(0, 1, plan%kick)
     end if
     task%stride = record_group*((task%stride + record_group - 1)/record_group)
     task%inverse_h = mesh%inverse_h
@@ -147,6 +165,9 @@ contains
     integer :: cell(lanes)                       !! of the bin, from 0
     real(dp) :: axes(lanes, 3, NDIM, 2)          !! of a wide stencil: weights, slopes
     real(dp) :: values(lanes, most_columns + NFLUX), speed2(lanes), jacobian(lanes)
+#ifdef AXISYMMETRIC
+    real(dp) :: radius(lanes)
+#endif
     logical :: outside
     outside = .false.
     call locate(motion, origin, xi)
@@ -170,26 +191,36 @@ contains
     end if
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
                              got(1, task%velocity), motion, lane_sums)
+#ifdef AXISYMMETRIC
+    if (plan%swirl) then
+      radius = motion(:, 1)
+      if (plan%kick) call swirl_kick(plan%dt_kick, task%live(1, nl), radius, motion(1, mass_at), &
+                                     got(1, task%swirl_kick), state(1, body%law%slots%swirl), &
+                                     lane_sums)
+    end if
+#endif
     if (task%relax > 0) call relaxation_apply(body%law, plan%dt_strain, task%live(1, nl), &
                                               got(1, task%relax), nb, motion, &
                                               state, got(1, task%gradient), lane_sums)
     if (plan%drift) call drift(task%dt_cells, task%live(1, nl), origin, extent, &
                                got(1, task%velocity), motion, xi, lane_sums, outside)
-    if (plan%strain) then
-      call stress_update(body%law, plan%dt_strain, plan%time, motion(1, mass_at), &
-                         task%live(1, nl), got(1, task%gradient), nb, state, &
-                         values(1, task%flux + 1), speed2, jacobian, lane_sums(1, sum_internal), &
-                         lane_sums(1, sum_viscous))
-      call check_chunk(nl, id, task%live(1, nl), motion, speed2, jacobian, work)
-    else if (plan%stress) then
-      speed2 = 0.0_dp
-      call stress_flux(body%law, state(1, 1), speed2, task%live(1, nl), &
-                       state(1, body%law%slots%stress), values(1, task%flux + 1))
-    end if
+#ifdef AXISYMMETRIC
+    if (plan%swirl .and. plan%drift) call swirl_drift(task%live(1, nl), radius, motion, &
+                                                      motion(1, mass_at), &
+                                                      state(1, body%law%slots%swirl), lane_sums)
+#endif
+    call update_stress(body%law, plan, task, task%live(1, nl), motion, got, nb, &
+                       state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
+    if (plan%strain) call check_chunk(nl, id, task%live(1, nl), motion, speed2, jacobian, work)
 #ifdef AXISYMMETRIC
     if (plan%stress .and. .not. task%centred) call hoop_force(task, motion, values)
 #endif
     call collect(plan%mass, plan%momentum, task%live(1, nl), motion, values)
+#ifdef AXISYMMETRIC
+    if (task%swirl > 0) call swirl_collect(task%live(1, nl), motion, motion(1, mass_at), &
+                                           state(1, body%law%slots%swirl), &
+                                           values(1, task%swirl + 1))
+#endif
     if (task%spin > 0) call spin_collect(plan%spin_keep, plan%spin_gain, task%live(1, nl), &
                                          got(1, task%gradient), motion(1, mass_at), &
                                          state(1, body%law%slots%spin), values(1, task%spin + 1))
@@ -217,6 +248,40 @@ contains
     end if
     call scatter(task, plan%stress, xi, cell, axes, values, stencil)
   end subroutine chunk_advance
+
+  !> Stress update where the sweep strains, and the flux that the grid wants.
+  subroutine update_stress(law, plan, task, live, motion, got, nb, state, flux, speed2, jacobian, &
+                           lane_sums)
+    type(constitutive_t), intent(in) :: law
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM))
+    real(dp), intent(in) :: got(lanes, most_gathered)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: state(lanes, nb), flux(lanes, *), speed2(lanes), jacobian(lanes)
+    real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
+#ifdef AXISYMMETRIC
+    if (plan%swirl) then
+      if (plan%strain) then
+        call swirl_strain(law, plan%dt_strain, plan%time, task%inverse_h, motion, &
+                          motion(1, mass_at), live, got(1, task%gradient), &
+                          got(1, task%swirl_read), nb, state, flux, speed2, jacobian, &
+                          lane_sums(1, sum_internal), lane_sums(1, sum_viscous))
+      else if (plan%stress) then
+        call swirl_flux(law, task%inverse_h, motion, motion(1, mass_at), live, nb, state, flux)
+      end if
+      return
+    end if
+#endif
+    if (plan%strain) then
+      call stress_update(law, plan%dt_strain, plan%time, motion(1, mass_at), live, &
+                         got(1, task%gradient), nb, state, flux, speed2, jacobian, &
+                         lane_sums(1, sum_internal), lane_sums(1, sum_viscous))
+    else if (plan%stress) then
+      speed2 = 0.0_dp
+      call stress_flux(law, state(1, 1), speed2, live, state(1, law%slots%stress), flux)
+    end if
+  end subroutine update_stress
 
   !> What particles of wave speed 1 answer to the velocity they read: the stress m C : L, with the
   !! body's ratio of shear to wave modulus, or the momentum m v.
@@ -512,6 +577,9 @@ contains
     n = task%forces
     if (task%centred) then
       n = n + NFLUX
+#ifdef AXISYMMETRIC
+      if (plan%swirl) n = n + swirl_stresses
+#endif
     else
       values(:, n + 1:n + NDIM) = 0.0_dp
       n = n + NDIM

@@ -11,7 +11,7 @@ module sgmp_energy
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: ledger_t, ledger_open, ledger_step, ledger_relax, ledger_split
+  public :: ledger_t, ledger_open, ledger_step, ledger_relax, ledger_after_kick, ledger_split
   public :: ledger_total, ledger_drift, step_sums_t
 
   !> Sums of one step.
@@ -23,8 +23,8 @@ module sgmp_energy
     real(dp) :: external_power = 0.0_dp     !! of gravity and body forces at the mid-step velocity
     real(dp) :: internal = 0.0_dp           !! growth of internal energy
     real(dp) :: viscous = 0.0_dp  !! bulk-viscous dissipation (part of the internal energy)
-    real(dp) :: filter_heat = 0.0_dp        !! kinetic energy that the velocity filter turned to
-                                            !! internal energy, after the kick
+    real(dp) :: after_kick = 0.0_dp  !! kinetic energy lost after the kick: to heat by the velocity
+                                     !! filter, or by swirl as rings widen
     real(dp) :: volume_correction = 0.0_dp  !! sum |dV| p of volumes that were put right
     real(dp) :: split = 0.0_dp       !! kinetic energy that the halves of split particles have more
                                      !! than what they were, after the kick
@@ -109,14 +109,21 @@ contains
     ledger%ignored_nodes = max(ledger%ignored_nodes, sums%ignored_nodes)
   end subroutine ledger_step
 
+  !> Books the kinetic energy that is lost after the kick.
+  pure subroutine ledger_after_kick(ledger, sums)
+    type(ledger_t), intent(inout) :: ledger
+    type(step_sums_t), intent(in) :: sums
+    ledger%kinetic = ledger%kinetic - sums%after_kick
+    ledger%predicted = ledger%predicted - sums%after_kick
+  end subroutine ledger_after_kick
+
   !> Books what kept volumes take from the kinetic energy after the kick, as `internal` has it, and
   !! how much volume was put right.
   pure subroutine ledger_relax(ledger, sums)
     type(ledger_t), intent(inout) :: ledger
     type(step_sums_t), intent(in) :: sums
-    ledger%kinetic = ledger%kinetic - sums%filter_heat
-    ledger%predicted = ledger%predicted - sums%filter_heat
-    ledger%filter_heat = ledger%filter_heat + sums%filter_heat
+    call ledger_after_kick(ledger, sums)
+    ledger%filter_heat = ledger%filter_heat + sums%after_kick
     ledger%volume_correction = ledger%volume_correction + sums%volume_correction
   end subroutine ledger_relax
 

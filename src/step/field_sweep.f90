@@ -97,6 +97,7 @@ contains
     end if
     plan%volume = plan%stress .and. field%columns%volume > 0 .and. .not. plan%probe
     if (field%columns%square > 0) call relaxation_columns(plan, field)
+    if (field%columns%swirl > 0) call swirl_columns(plan, field)
     plan%offset = plan%stress .and. field%columns%offset > 0 .and. .not. plan%probe
     if (plan%offset .and. .not. plan%mass) then
       plan%offset = .false.
@@ -112,6 +113,14 @@ contains
     plan%square = plan%momentum .and. .not. plan%probe
     if (plan%momentum .and. plan%probe) plan%last_column = field%columns%square - 1
   end subroutine relaxation_columns
+
+  !> The same where there is a velocity around the axis, which a probe does not see.
+  pure subroutine swirl_columns(plan, field)
+    type(plan_t), intent(inout) :: plan
+    type(field_t), intent(in) :: field
+    plan%swirl = .not. plan%probe
+    if (plan%probe .and. plan%momentum) plan%last_column = field%columns%swirl - 1
+  end subroutine swirl_columns
 
   !> Whether there are planes that are swept first because neighbours wait for them.
   pure function has_borders(team, f) result(yes)

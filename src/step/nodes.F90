@@ -14,11 +14,13 @@ module DIM(sgmp_nodes)
   use sgmp_axis, only: axis_hoop_weights, axis_inertia
 #endif
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_remapped, &
-                          node_total, node_velocity
+                          node_swirl, node_total, node_velocity
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
+  use sgmp_nodes_swirl, only: nodes_swirl_book, nodes_swirl_push, nodes_swirl_remap, &
+                              nodes_swirl_solve
 #if NDIM > 1
   use CARTESIAN(sgmp_rotation), only: rotation_force
 #endif
@@ -69,14 +71,18 @@ contains
         end if
         idx = field%neighbour(0, 0, s) + first
 #ifdef AXISYMMETRIC
+        if (field%columns%swirl > 0) call nodes_swirl_push(field, s, first, n, f(1, 1))
         call radial_inertia(field, s, first, n, m, field%node(idx, node_inertia))
         call divide_radial(n, field%node(idx, node_inertia), p)
         call divide_radial(n, field%node(idx, node_inertia), f)
 #endif
         call solve_tile(n, size(field%node, 1), m, p, f, dt, cutoff, field%node(idx, 1))
+        if (field%columns%swirl > 0) call nodes_swirl_solve(field, mesh%inverse_h, s, first, n, m, &
+                                                            dt)
         call hold_walls(field, mesh, s, first, n, [node_acceleration, node_velocity(NDIM)])
         call book_energies(n, first, driven, size(field%node, 1), m, external, dt, &
                            field%node(idx, 1), lane_sums, sums(nodes_ignored))
+        if (field%columns%swirl > 0) call nodes_swirl_book(field, s, first, n, m, dt, lane_sums)
       end do
     end do
     sums(:nodes_external) = sums(:nodes_external) + sum(lane_sums, dim=1)
@@ -102,6 +108,8 @@ contains
         call divide_radial(n, field%node(idx, node_inertia), p)
 #endif
         call solve_tile(n, size(field%node, 1), m, p, f, 0.0_dp, cutoff, field%node(idx, 1))
+        if (field%columns%swirl > 0) call nodes_swirl_solve(field, mesh%inverse_h, s, first, n, m, &
+                                                            0.0_dp)
         call hold_walls(field, mesh, s, first, n, [node_acceleration, node_velocity(NDIM)])
       end do
     end do
@@ -124,6 +132,7 @@ contains
         call divide_radial(n, field%node(idx, node_inertia), p)
 #endif
         call divide_tile(n, size(field%node, 1), p, field%node(idx, 1))
+        if (field%columns%swirl > 0) call nodes_swirl_remap(field, s, first, n)
         call hold_walls(field, mesh, s, first, n, [node_remapped])
       end do
     end do
@@ -453,6 +462,9 @@ contains
       do a = 1, NDIM
         call hold_walls_axis(field, mesh, s, first, n, a, columns(c) + a - 1)
       end do
+      if (field%columns%swirl > 0) then
+        call hold_walls_axis(field, mesh, s, first, n, NDIM + 1, node_swirl(columns(c)))
+      end if
     end do
   end subroutine hold_walls
 

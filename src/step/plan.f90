@@ -11,6 +11,7 @@ module sgmp_plan
     logical :: offset = .false.            !! with the stress, first moments of the mass
     logical :: square = .false.            !! with the momentum, m |v|^2
     logical :: relax = .false.             !! particles relax to the centres (doc/volumes.md)
+    logical :: swirl = .false.             !! with the velocity around the axis
     logical :: compliance = .false.        !! with the stress, what they will relax by
     logical :: probe = .false.  !! nothing advances: particles answer with the stress or momentum of
                                 !! what they read, per wave modulus and mass (sgmp_stability)

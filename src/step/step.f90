@@ -7,7 +7,7 @@ module sgmp_step
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_step_t
   use sgmp_contact_phases, only: phase_contact_force, phase_contact_velocity, phase_find_contact
-  use sgmp_energy, only: ledger_relax, ledger_split, ledger_step
+  use sgmp_energy, only: ledger_after_kick, ledger_relax, ledger_split, ledger_step
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_relax, phase_remap, &
@@ -268,6 +268,7 @@ contains
                      exact=model%method%flip >= 1.0_dp .and. lost == model%findings%lost_before)
     if (model%method%relaxed) call ledger_relax(model%ledger, model%totals%sums)
     if (model%method%split > 0.0_dp) call ledger_split(model%ledger, model%totals%sums)
+    if (model%method%swirl) call ledger_after_kick(model%ledger, model%totals%sums)
     model%findings%lost_before = lost
   end subroutine book_step
 

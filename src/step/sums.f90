@@ -3,7 +3,7 @@ module sgmp_sums
   implicit none
   private
   public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, &
-            sum_moment, sum_filter, sum_volume, sum_split
+            sum_moment, sum_angular, sum_filter, sum_swirl, sum_volume, sum_split
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_ignored
 
   integer, parameter :: sweep_sums = 13    !! entries of a plane's sums over particles
@@ -13,7 +13,11 @@ module sgmp_sums
   integer, parameter :: sum_viscous = 4    !! part of it that the bulk viscosity dissipates
   integer, parameter :: sum_momentum = 5   !! first of sum m v (3 components)
   integer, parameter :: sum_moment = 8  !! first of sum m X after the drift (3 components, in cells)
+  !> With swirl, sum m v_theta X in the place of the component that axisymmetric scenes do not have.
+  integer, parameter :: sum_angular = sum_momentum + 2
   integer, parameter :: sum_filter = 11  !! kinetic energy that the velocity filter turns to heat
+  !> Kinetic energy that swirl, which is not there where volumes are kept, loses as rings widen.
+  integer, parameter :: sum_swirl = sum_filter
   integer, parameter :: sum_volume = 12  !! sum |dV| p of volumes that are put right
   integer, parameter :: sum_split = 13   !! kinetic energy of the halves of particles apart
 

@@ -7,7 +7,7 @@
 !! fixed expression of its particles, whatever the number of threads, and nothing is ever added to
 !! shared memory.
 module DIM(sgmp_sweep)
-  use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror, auxmesh_relax
+  use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
   use sgmp_bin_change, only: bin_close
   use sgmp_body, only: body_t
   use DIM(sgmp_chunk), only: chunk_advance, most_rows, task_make, task_t
@@ -116,8 +116,14 @@ contains
       if (work%record_plane(slot) == p) cycle
       call auxmesh_fill(field, mesh, p, plan%vectors, plan%gradient, &
                         size(work%records, 1), work%records(1, (slot - 1)*field%largest_plane + 1))
+      if (plan%swirl) then
+        call auxmesh_swirl(field, mesh, p, plan%kick, plan%gradient, task%swirl_read - 1, &
+                           size(work%records, 1), &
+                           work%records(1, (slot - 1)*field%largest_plane + 1))
+      end if
       if (plan%gradient > 0) then
-        call auxmesh_mirror(field, mesh, p, NDIM*size(plan%vectors), size(work%records, 1), &
+        call auxmesh_mirror(field, mesh, p, plan%swirl, NDIM*size(plan%vectors), &
+                            size(work%records, 1), &
                             work%records(1, (slot - 1)*field%largest_plane + 1))
       end if
       if (plan%relax) then

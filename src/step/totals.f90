@@ -112,7 +112,7 @@ contains
     all%momentum = all%momentum + sums(sum_momentum:sum_momentum + 2)
     all%internal = all%internal + sums(sum_internal)
     all%viscous = all%viscous + sums(sum_viscous)
-    all%filter_heat = all%filter_heat + sums(sum_filter)
+    all%after_kick = all%after_kick + sums(sum_filter)
     all%volume_correction = all%volume_correction + sums(sum_volume)
     all%split = all%split + sums(sum_split)
   end subroutine add_body

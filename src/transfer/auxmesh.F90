@@ -8,7 +8,7 @@ module DIM(sgmp_auxmesh)
 #ifdef AXISYMMETRIC
   use sgmp_axis, only: axis_hoop_weights
 #endif
-  use sgmp_columns, only: relax_dilation, relax_total
+  use sgmp_columns, only: node_acceleration, node_swirl, relax_dilation, relax_total
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
@@ -16,7 +16,7 @@ module DIM(sgmp_auxmesh)
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: auxmesh_fill, auxmesh_mirror, auxmesh_relax
+  public :: auxmesh_fill, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
   public :: node_rows
 
   integer, parameter :: tile = 128
@@ -71,10 +71,11 @@ contains
   !!
   !! The nodes behind the wall are the odd image of those inside, which leaves the derivatives along
   !! the wall odd.
-  pure subroutine auxmesh_mirror(field, mesh, plane, before, stride, records)
+  pure subroutine auxmesh_mirror(field, mesh, plane, swirl, before, stride, records)
     type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane                 !! plane of the field
+    logical, intent(in) :: swirl                 !! its slopes lie behind the gradient
     integer, intent(in) :: before                !! components of a record before the gradient
     integer, intent(in) :: stride                !! components of a record
     real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
@@ -101,12 +102,39 @@ contains
             cycle
           end if
           if (first <= last) then
-            call reverse_along(axis, last - first + 1, before, stride, records(1, base + first))
+            call reverse_along(axis, last - first + 1, swirl, before, stride, &
+                               records(1, base + first))
           end if
         end do
       end do
     end do
   end subroutine auxmesh_mirror
+
+  !> Adds to the records of one plane what particles read of swirl: slopes of the rate that belongs
+  !! to the vector that is differentiated, and its acceleration where velocities are kicked.
+  pure subroutine auxmesh_swirl(field, mesh, plane, kick, gradient, before, stride, records)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane                 !! plane of the field
+    logical, intent(in) :: kick
+    integer, intent(in) :: gradient              !! as for auxmesh_fill
+    integer, intent(in) :: before                !! components of a record before swirl's
+    integer, intent(in) :: stride                !! components of a record
+    real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
+    integer :: s, n, q, point
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      n = field%work%last(s) - field%work%first(s) + 1
+      point = field%neighbour(0, 0, s) + field%work%first(s) - field%plane_start(plane) + 1
+      q = before + 1
+      if (gradient > 0) then
+        call fill_gradient(field, mesh%inverse_h, s, field%work%first(s), n, node_swirl(gradient), &
+                           stride, records(q, point))
+        q = q + NDIM
+      end if
+      if (kick) call fill_value(field, s, field%work%first(s), n, node_swirl(node_acceleration), &
+                                stride, records(q, point))
+    end do
+  end subroutine auxmesh_swirl
 
   !> Adds to the records of one plane what particles relax to, behind the gradient; the factor of
   !! normalised stress becomes the divergence by which it exceeds what the particles read.
@@ -137,8 +165,9 @@ contains
   end subroutine auxmesh_relax
 
   !> Changes the sign of all derivatives but those along `axis`.
-  pure subroutine reverse_along(axis, n, before, stride, records)
+  pure subroutine reverse_along(axis, n, swirl, before, stride, records)
     integer, intent(in) :: axis, n, before, stride
+    logical, intent(in) :: swirl
     real(dp), intent(inout) :: records(stride, n)
     integer :: a, b
     do a = 0, NDIM - 1
@@ -149,6 +178,10 @@ contains
 #ifdef AXISYMMETRIC
     if (axis == 2) records(before + NGRAD, :) = -records(before + NGRAD, :)
 #endif
+    if (swirl) then
+      b = before + NGRAD + NDIM + 1 - axis  ! the axis that is not `axis`
+      records(b, :) = -records(b, :)
+    end if
   end subroutine reverse_along
 
 #ifdef AXISYMMETRIC

@@ -142,6 +142,10 @@ velocity ball r="0.05*r" z=-0.4
 velocity tube r="-0.3*(12-r)/6" z=0.3
 """
 
+# The same turning about the axis, the ball faster above, the tube held by its outer wall.
+SWIRL = HOOPS.replace("axisymmetric", "axisymmetric swirl=yes").replace('r="0.05*r"', 'r="0.05*r" spin="0.1+0.02*z"').replace(
+    'r="-0.3*(12-r)/6"', 'r="-0.3*(12-r)/6" spin="0.05*(12-r)/6"')
+
 # A rigid punch drives a cone into a seat of the same slope, with a hoop around it: bodies of revolution that touch along the
 # axis, across it and at an angle to it, near the axis and far from it, three at a corner.
 SEAT = """

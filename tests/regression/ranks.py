@@ -12,7 +12,7 @@ import re
 import subprocess
 
 from _runs import (ENVIRONMENT, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SCRATCH, SEAT, SGMP,
-                   SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, Report, Run)
+                   SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run)
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]
@@ -153,7 +153,7 @@ output csv at=end
 balance every=3 gain=0
 """
 # The tube is higher, to have rows for all ranks.
-RINGS = HOOPS + """
+OUTPUTS = """
 output csv at=end fields=stress,density,displacement,initial_position
 output vtu every=2 fields=stress,pressure
 output tecplot
@@ -163,6 +163,7 @@ gauge near point=(0,1)
 gauge far point=(12,8)
 balance every=5 gain=0
 """
+RINGS, SWIRLS = HOOPS + OUTPUTS, SWIRL + OUTPUTS
 # name, deck, settings, layouts
 SCENES = [
     ("elastic", "block.inp", {"cells": 10, "steps": 24, "drift": 0.3, "jitter": 0.4}, LAYOUTS),
@@ -176,6 +177,8 @@ SCENES = [
     ("hoops", RINGS, {"height": 16}, LAYOUTS),
     ("hoops_normalised", RINGS, {"height": 16, "stress": "normalised", "update": "usavg"}, FEW),
     ("hoops_gimp", RINGS, {"height": 16, "method": "gimp", "update": "usf"}, FEW),
+    ("swirl", SWIRLS, {"height": 16}, LAYOUTS),
+    ("swirl_usl", SWIRLS, {"height": 16, "update": "usl", "stress": "normalised"}, FEW),
     ("hoops_mpm", RINGS, {"height": 16, "method": "mpm"}, FEW),
     ("beam", "beam.inp", {"h": 1.25, "t_end": 0.003}, LAYOUTS),
     ("bar", "bar.inp", {"cells": 32, "steps": 40, "dt": 1e-3, "v0": 1}, LAYOUTS),

@@ -5,7 +5,7 @@ usage: threads.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import os
 
-from _runs import FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, SEAT, SPLIT, SPLIT_GAS, SPLIT_SPACE, Report, run
+from _runs import FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, SEAT, SPLIT, SPLIT_GAS, SPLIT_SPACE, SWIRL, Report, run
 
 # Detonation from a corner of a charge in two or three dimensions, walls on two sides.
 CHARGE = """
@@ -33,6 +33,8 @@ SCENES = [
     ("taylor_bar", "taylor_bar.inp", {"h": 1.9, "t_end": 0.01}),
     ("rings", HOOPS, {}),
     ("rings_normalised", HOOPS, {"stress": "normalised"}),
+    ("swirl", SWIRL, {}),
+    ("swirl_usf", SWIRL, {"update": "usf", "stress": "normalised"}),
     ("rotated_bar", "bar_rotated.inp", {"cells": 16, "steps": 60, "dt": 2e-3, "v0": 2}),
     ("beam", "beam.inp", {"h": 1.25, "t_end": 0.003}),
     ("jwl_2d", PLANE, {}),
