@@ -20,8 +20,10 @@ module sgmp_contact
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
-  use sgmp_shared_nodes, only: node_terms_t, shared_build, shared_meet, shared_nodes_t
+  use sgmp_shared_nodes, only: node_terms_t, shared_build, shared_mark, shared_meet, &
+                               shared_nodes_t
   use sgmp_space, only: space_axisymmetric
+  use sgmp_surface_exposure, only: exposure_steps, surface_expose
   use sgmp_surface_particles, only: surface_count, surface_pack
   implicit none
   private
@@ -70,20 +72,29 @@ contains
   end subroutine contact_layout
 
   !> Finds where bodies meet, and counts the surface particles around.
-  subroutine contact_meet(contact, fields, bodies, cutoff, moved, threads)
+  subroutine contact_meet(contact, mesh, fields, bodies, step, cutoff, moved, threads)
     type(contact_t), intent(inout) :: contact
+    type(mesh_t), intent(in) :: mesh
     type(field_t), intent(in) :: fields(:)
-    type(body_t), intent(in) :: bodies(:)
+    type(body_t), intent(inout) :: bodies(:)
+    integer, intent(in) :: step            !! its number
     real(dp), intent(in) :: cutoff         !! nodes lighter than this are ignored
     logical, intent(in) :: moved           !! particles have changed bins since the last time
     integer, intent(in) :: threads
     integer :: n, b
+    logical :: any_meet
     !$omp parallel do schedule(static) num_threads(threads) if(threads > 1) &
     !$omp& default(none) shared(contact, fields, cutoff) private(n)
     do n = 1, contact%shared%nodes
       call shared_meet(contact%shared, n, fields, cutoff)
     end do
     !$omp end parallel do
+    if (mod(step, exposure_steps) == 0) then
+      call shared_mark(contact%shared, [-huge(1), huge(1)], any_meet)
+      do b = 1, merge(size(bodies), 0, any_meet)
+        call surface_expose(contact%shared%surface(b), bodies(b), fields(bodies(b)%field), mesh)
+      end do
+    end if
     do b = 1, size(bodies)
       call surface_count(contact%shared%surface(b), bodies(b)%particles, moved, &
                          bodies(b)%law%slots%surface, threads)

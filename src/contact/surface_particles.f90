@@ -16,9 +16,12 @@ module sgmp_surface_particles
   implicit none
   private
   public :: surface_t, surface_list, surface_count, surface_pack, surface_bins
+  public :: surface_covered
   public :: surface_write, surface_read, surface_forget_guests, surface_columns
 
   real(dp), parameter :: nowhere = -1.0_dp  !! offsets below are no surface particle's
+  !> Offset of a particle inside its body, which becomes one if it comes to lie bare.
+  real(dp), parameter :: surface_covered = -1.0e3_dp
 
   !> Surface particles by bin.
   type :: surface_t

@@ -16,6 +16,7 @@ module sgmp_end_state
   use sgmp_rows, only: key_j, key_k, row_key
   use sgmp_scene, only: body_card_t, layout_file, scene_t
   use sgmp_shapes, only: combine_union
+  use sgmp_surface_exposure, only: filled_around
   implicit none
   private
   public :: end_state_t, end_state_take
@@ -36,6 +37,9 @@ module sgmp_end_state
     integer(i8) :: separated = 0_i8          !! particles out of reach of their body's main piece
     real(dp) :: separated_part = 0.0_dp      !! largest part of any body
     integer :: separated_body = 0
+    integer(i8) :: inside = 0_i8             !! particles deep inside a body that theirs touches
+    real(dp) :: inside_part = 0.0_dp         !! largest part of any body
+    integer :: inside_bodies(2) = 0          !! whose, and in which
   end type end_state_t
 
 contains
@@ -54,6 +58,7 @@ contains
       call look_at_body(model%bodies(b), model%mesh, state)
       if (holds_together(model%bodies(b))) call find_separated(scene%bodies(b), model, b, state)
     end do
+    call find_inside(model, state)
     state%compression = parallel_max(state%compression)
     state%condensed = parallel_max(state%condensed)
     state%expansion = parallel_max(state%expansion)
@@ -134,6 +139,46 @@ contains
       state%separated_body = b
     end if
   end subroutine find_separated
+
+  !> Counts the particles that have got into a body that contact should have kept them out of.
+  subroutine find_inside(model, state)
+    type(model_t), intent(in) :: model
+    type(end_state_t), intent(inout) :: state
+    integer(i8) :: inside
+    integer :: p, side
+    do p = 1, size(model%contact%pairs)
+      do side = 1, 2
+        associate (bodies => cshift(model%contact%pairs(p)%body, side - 1))
+          if (model%bodies(bodies(1))%rigid) cycle
+          inside = parallel_sum(count_inside(model, bodies(1), bodies(2)))
+          state%inside = state%inside + inside
+          if (real(inside, dp) <= state%inside_part*model%totals%particles(bodies(1))) cycle
+          state%inside_part = real(inside, dp)/real(model%totals%particles(bodies(1)), dp)
+          state%inside_bodies = bodies
+        end associate
+      end do
+    end do
+  end subroutine find_inside
+
+  !> Particles of a body here around which another body fills the space.
+  pure function count_inside(model, own, other) result(inside)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: own, other
+    integer(i8) :: inside
+    real(dp), parameter :: full = 0.9_dp         !! 0.4 where bodies touch, 1 a cell below
+    integer :: c, l
+    inside = 0_i8
+    associate (particles => model%bodies(own)%particles, body => model%bodies(other))
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          if (filled_around(model%fields(body%field), model%mesh, &
+                            particles%motion(l, :model%mesh%ndim, c), &
+                            body%law%density) >= full) inside = inside + 1_i8
+        end do
+      end do
+    end associate
+  end function count_inside
 
   !> Occupied cells of a body on all ranks, as intervals of rows with their particles.
   subroutine gather_intervals(body, key, first, last, number)

@@ -8,16 +8,16 @@ module sgmp_build_contact
   use sgmp_model, only: model_t
   use sgmp_scene, only: body_card_t, contact_card_t, layout_file, scene_t
   use sgmp_shapes, only: surface_depth
+  use sgmp_surface_particles, only: surface_covered
   use sgmp_turn, only: turn_back, turn_t
   implicit none
   private
   public :: contact_pairs, contact_fields, contact_add_slot, contact_fill_slot, contact_no_surface
 
-  !> Surface offset (cells) of particles that are never outermost: too far out, deep inside, unused
-  !! lanes.
-  real(dp), parameter :: contact_no_surface = -1.0e3_dp
+  !> Surface offset (cells) of particles that are never outermost: too far out, unused lanes.
+  real(dp), parameter :: contact_no_surface = -2.0e3_dp
   real(dp), parameter :: outside = 0.05_dp   !! part of the spacing by which a particle may lie out
-  real(dp), parameter :: interior = 0.95_dp  !! particles with a larger offset never are outermost
+  real(dp), parameter :: interior = 0.95_dp  !! particles with a larger offset are covered by others
 
 contains
 
@@ -93,8 +93,10 @@ contains
           call turn_back(turn, x)
           offset = surface_depth(card%shapes, x, n)/body%spacing - 0.5_dp
         end if
-        if (offset < -outside .or. offset > interior) then
+        if (offset < -outside) then
           offset = contact_no_surface
+        else if (offset > interior) then
+          offset = surface_covered
         else
           offset = max(offset, 0.0_dp)*body%spacing*mesh%inverse_h
         end if

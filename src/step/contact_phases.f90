@@ -34,7 +34,7 @@ contains
     real(dp), intent(in) :: cutoff               !! node mass below which a node is ignored
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: fields(:)
-    type(body_t), intent(in) :: bodies(:)
+    type(body_t), intent(inout) :: bodies(:)
     type(contact_t), intent(inout) :: contact
     integer, intent(in) :: threads
     type(ranks_t), intent(inout) :: ranks
@@ -44,7 +44,7 @@ contains
     real(dp) :: since
     if (nothing_shared(contact, ranks)) return
     since = wall_time()
-    call contact_meet(contact, fields, bodies, cutoff, findings%moved > 0, threads)
+    call contact_meet(contact, mesh, fields, bodies, step, cutoff, findings%moved > 0, threads)
     call timers_move(timers, phase_contact, since)
     call contact_exchange(contact%shared, bodies, ranks%partition, ranks%messages, &
                           ranks%traffic, complete)

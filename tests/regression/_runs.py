@@ -172,6 +172,24 @@ history steps=1
 output csv at=end fields=stress
 """
 
+# A rigid cone goes into soft metal, whose surface along the axis opens to the cone's.
+CONE = """
+parameter method = sgmp
+parameter update = musl
+dimension axisymmetric
+grid cell=1
+method $method update=$update
+time end=24 cfl=0.4
+material soft j2 density=1 young=100 poisson=0.3 yield=0.3
+viscosity all quadratic=1.5 linear=0.2
+body cone polygon material=soft corners=(0,0),(4,8),(4,30),(0,30) ppc=2
+body block block material=soft lower=(0,-36) upper=(20,0) ppc=2
+rigid cone z=-1
+contact all friction=0.1
+history steps=50
+output csv at=end
+"""
+
 
 class Run:
     """One finished run: exit code, everything printed, summary.json, its folder."""

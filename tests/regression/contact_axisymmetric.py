@@ -4,9 +4,9 @@ momentum and energy of bodies that touch at all angles, the same upside down.
 
 usage: contact_axisymmetric.py SGMP SOURCE_DIR SCRATCH_DIR
 """
-from math import pi
+from math import pi, sqrt
 
-from _runs import SEAT, Report, run
+from _runs import CONE, SEAT, Report, run
 
 # A punch on a column between walls, or one-dimensional.
 COLUMN = """
@@ -102,10 +102,25 @@ def seat(report):
                      f"{name}: other stresses upside down")
 
 
+def cone(report):
+    """No particle of the metal gets into a rigid cone, however far the cone has stretched its surface."""
+    for method, update in (("sgmp", "musl"), ("sgmp", "usavg"), ("mpm", "musl"), ("gimp", "usf")):
+        name = f"cone_{method}_{update}"
+        result = run(name, CONE, method=method, update=update)
+        if not report.finished(result, name):
+            continue
+        places = [(row["x"], row["z"] + 24) for row in result.table("particles_end.csv") if row["body"] == 2]
+        # Below its flank z = 2 r, and below its shaft of radius 4.
+        deepest = max(min((z - 2*r)/sqrt(5), 4 - r) if z > 0 else -1 for r, z in places)
+        report.check(len(places) > 2000 and deepest < 0.25, f"{name}: a particle is {deepest} cells inside the cone")
+        summary = result.summary["end_state"]
+        report.check(summary["particles_inside_other_bodies"] == 0, f"{name}: {summary['particles_inside_other_bodies']} particles said to be inside")
+
+
 def main():
     """All of it."""
     report = Report()
-    for part in (along, across, seat):
+    for part in (along, across, seat, cone):
         part(report)
     report.end()
 

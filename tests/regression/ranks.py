@@ -11,7 +11,7 @@ import os
 import re
 import subprocess
 
-from _runs import (ENVIRONMENT, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SCRATCH, SEAT, SGMP,
+from _runs import (CONE, ENVIRONMENT, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SCRATCH, SEAT, SGMP,
                    SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run)
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
@@ -220,6 +220,7 @@ SCENES = [
     ("pile_mpm", PILE, {"method": "mpm", "update": "usavg"}, FEW),
     ("pile_rotation", PILE, {"rotation": "exact"}, LAYOUTS),
     ("seat", SEAT + "balance every=3 gain=0\n", {}, LAYOUTS),
+    ("cone", CONE, {}, FEW),
     ("seat_gimp", SEAT, {"method": "gimp", "update": "usavg", "normal": "average"}, FEW),
     ("tower", TOWER, {}, FEW),
     ("tower_rotation", TOWER, {"rotation": "exact", "update": "usl"}, FEW),

@@ -4,7 +4,7 @@
 usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 from _restarts import FULL, checkpoints, deck, goes_on, mpirun, straight
-from _runs import FAILING, FLUIDS, KEPT_PLANE, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report
+from _runs import CONE, FAILING, FLUIDS, KEPT_PLANE, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report
 
 EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
 # Particles leave the grid on two sides, where they are dropped or turned back.
@@ -87,6 +87,7 @@ SCENES = [
     ("reflected", LEAVING.replace("policy = remove", "policy = reflect"), {}, 10, 1),
     ("automatic", AUTOMATIC, {}, 400, 2),
     ("push", PUSH, {}, 20, 2),
+    ("cone", CONE, {}, 300, 2),
     ("seat", SEAT, {}, 60, 2),
     ("swirl", SWIRL, {}, 60, 2),
     ("fluids", FLUIDS, {}, 40, 2),

@@ -5,7 +5,7 @@ usage: threads.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import os
 
-from _runs import FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, SEAT, SPLIT, SPLIT_GAS, SPLIT_SPACE, SWIRL, Report, run
+from _runs import CONE, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, SEAT, SPLIT, SPLIT_GAS, SPLIT_SPACE, SWIRL, Report, run
 
 # Detonation from a corner of a charge in two or three dimensions, walls on two sides.
 CHARGE = """
@@ -48,6 +48,7 @@ SCENES = [
     ("split_gas", SPLIT_GAS, {}),
     ("split_space", SPLIT_SPACE.replace("update=$update", "update=usavg"), {}),
     ("contact", "two_blocks.inp", {"width": 5, "length": 4, "steps": 60, "drift": 0.3, "speed": 0.05}),
+    ("cone", CONE, {}),
     ("seat", SEAT, {}),
     ("bar", "bar.inp", {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1}),
     ("normalised_block", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3, "jitter": 0.4, "stress": "normalised"}),

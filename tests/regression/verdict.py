@@ -76,6 +76,18 @@ material metal elastic density=1 young=100 poisson=0.3
 body tube ring material=metal centre=(0,0,0) radius=8 inner=inner spacing=0.5
 velocity tube x="0.01*x" y="0.01*y"
 """
+# A ball that contact should have kept out of a plate, or that lies on it.
+WITHIN = """
+parameter height = 2
+dimension 2
+grid cell=0.25
+method sgmp
+time steps=2 cfl=0.3
+material m elastic density=1 young=100 poisson=0.3
+body plate block material=m lower=(0,0) upper=(4,4) ppc=2 overlap=allow
+body ball sphere material=m centre=(2,height) radius=1 ppc=2 overlap=allow
+contact all
+"""
 # A bar that rings at a wave length of two cells, which usl damps.
 RINGING = """
 parameter update = musl
@@ -135,6 +147,10 @@ def criteria(report):
     doubts(report, "tube", TUBE, "1.50000 cells thick")
     result = sound(report, "tube_thick", TUBE, inner=5)
     report.check(result["end_state.thinnest_body_cells"] == 3, f"tube: {result['end_state']}")
+    result = doubts(report, "within", WITHIN, "of body 'ball' is inside body 'plate'")
+    report.check(result["end_state.particles_inside_other_bodies"] >= 250, f"within: {result['end_state']}")
+    result = sound(report, "upon", WITHIN, height=5)
+    report.check(result["end_state.particles_inside_other_bodies"] == 0, f"upon: {result['end_state']}")
     doubts(report, "ringing_usl", RINGING, "is gone", update="usl")
     sound(report, "ringing", RINGING)
 
@@ -158,7 +174,7 @@ def failures(report):
 
 def layouts(report):
     """The same findings for any number of ranks and threads."""
-    for name, deck in (("stretch", STRETCH), ("gas_half", GAS.replace("fill = 12", "fill = 6"))):
+    for name, deck in (("stretch", STRETCH), ("gas_half", GAS.replace("fill = 12", "fill = 6")), ("within", WITHIN)):
         expected = run(name + "_1", deck)
         for ranks, threads in ((1, 2), (3, 1)):
             folder = os.path.join(SCRATCH, f"{name}_{ranks}_{threads}")
