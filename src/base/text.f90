@@ -1,6 +1,7 @@
 !> Numbers as text: for messages, for files that are read back, for decks.
 module sgmp_text
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use sgmp_decimals, only: real_width, reals_put
   use sgmp_kinds, only: dp, i4, i8
   implicit none
   private
@@ -163,15 +164,10 @@ contains
     real(dp), intent(in) :: values(:)
     character(1), intent(in) :: separator
     character(:), allocatable :: text
-    character(25*size(values)) :: buffer
-    integer :: i, n
-    write (buffer, '(*(es24.16e3, :, ","))') values
+    character(real_width*size(values)) :: buffer
+    integer :: n
     n = 0
-    do i = 1, len(buffer)
-      if (buffer(i:i) == ' ') cycle
-      n = n + 1
-      buffer(n:n) = merge(separator, buffer(i:i), buffer(i:i) == ',')
-    end do
+    call reals_put(values, separator, buffer, n)
     text = buffer(:n)
   end function row_text
 

@@ -5,7 +5,7 @@ module sgmp_timers
   private
   public :: timers_t, timers_start, timers_stop, timers_move, wall_time, phase_names
   public :: phase_kick, phase_drift, phase_grid, phase_rebin, phase_output, phase_probe, &
-            phase_halo, phase_balance, phase_contact, phase_count
+            phase_halo, phase_balance, phase_contact, phase_start, phase_count
 
   integer, parameter :: phase_kick = 1   !! momentum sweep over the particles
   integer, parameter :: phase_drift = 2  !! stress sweep over the particles
@@ -16,10 +16,11 @@ module sgmp_timers
   integer, parameter :: phase_halo = 7   !! messages between ranks, and waiting for them
   integer, parameter :: phase_balance = 8  !! new cuts between ranks
   integer, parameter :: phase_contact = 9  !! at nodes that bodies share
-  integer, parameter :: phase_count = 9
+  integer, parameter :: phase_start = 10  !! until the first step
+  integer, parameter :: phase_count = 10
   character(16), parameter :: phase_names(phase_count) = &
       [character(16) :: 'momentum sweep', 'stress sweep', 'grid', 're-binning', 'output', &
-       'step limit', 'halo', 'balancing', 'contact']
+       'step limit', 'halo', 'balancing', 'contact', 'start']
 
   !> Seconds spent in each phase.
   type :: timers_t

@@ -1,13 +1,15 @@
 !> All particles at one time as a table that any script reads: particles_end.csv.
 module sgmp_particle_table
+  use sgmp_decimals, only: integer_put, integer_width, real_width, reals_put
   use sgmp_errors, only: error_t
-  use sgmp_file_tools, only: output_file_t
+  use sgmp_file_tools, only: newline, output_file_t
   use sgmp_kinds, only: dp
   use sgmp_snapshot, only: snapshot_t
-  use sgmp_text, only: integer_text, row_text
   implicit none
   private
   public :: particle_table_write
+
+  integer, parameter :: rows = 512, blocks = 16  !! in a block, which one thread writes; blocks at once
 
 contains
 
@@ -19,18 +21,51 @@ contains
     type(snapshot_t), intent(in) :: snapshot
     type(error_t), allocatable, intent(out) :: error
     type(output_file_t) :: file
-    real(dp), allocatable :: row(:)
-    integer :: f, n, p
+    character(:), allocatable :: text(:)
+    integer :: used(blocks), width, n, first, b
     call file%open(path, 'replace', error)
     if (allocated(error)) return
     call file%line(csv_header(snapshot))
+    n = size(snapshot%id)
+    width = 2*integer_width + real_width*columns(snapshot)
+    allocate (character(rows*width) :: text(blocks))
+    do first = 1, n, rows*blocks
+      !$omp parallel do schedule(dynamic) default(none) shared(snapshot, first, n, text, used)
+      do b = 1, blocks
+        call write_rows(snapshot, first + rows*(b - 1), min(n, first + rows*b - 1), text(b), used(b))
+      end do
+      !$omp end parallel do
+      do b = 1, blocks
+        call file%put(text(b)(:used(b)))
+      end do
+    end do
+    call file%close(error)
+  end subroutine particle_table_write
+
+  !> Numbers in a row, besides id and body.
+  pure function columns(snapshot) result(n)
+    type(snapshot_t), intent(in) :: snapshot
+    integer :: n, f
     n = 6
     if (allocated(snapshot%initial_position)) n = n + 3
-    if (allocated(snapshot%fields)) then
-      n = n + sum([(size(snapshot%fields(f)%values, 1), f=1, size(snapshot%fields))])
-    end if
-    allocate (row(n))
-    do p = 1, size(snapshot%id)
+    if (.not. allocated(snapshot%fields)) return
+    n = n + sum([(size(snapshot%fields(f)%values, 1), f=1, size(snapshot%fields))])
+  end function columns
+
+  !> Rows of some particles as text.
+  pure subroutine write_rows(snapshot, first, last, text, used)
+    type(snapshot_t), intent(in) :: snapshot
+    integer, intent(in) :: first, last           !! particles
+    character(*), intent(inout) :: text
+    integer, intent(out) :: used                 !! letters of it
+    real(dp) :: row(columns(snapshot))
+    integer :: p, f, n
+    used = 0
+    do p = first, last
+      call integer_put(snapshot%id(p), text, used)
+      call put_mark(',', text, used)
+      call integer_put(snapshot%body(p), text, used)
+      call put_mark(',', text, used)
       row(:3) = snapshot%position(:, p)
       n = 3
       if (allocated(snapshot%initial_position)) then
@@ -47,11 +82,19 @@ contains
           end associate
         end do
       end if
-      call file%line(integer_text(snapshot%id(p))//','//integer_text(snapshot%body(p))//','// &
-                     row_text(row, ','))
+      call reals_put(row, ',', text, used)
+      call put_mark(newline, text, used)
     end do
-    call file%close(error)
-  end subroutine particle_table_write
+  end subroutine write_rows
+
+  !> Appends one letter.
+  pure subroutine put_mark(mark, text, used)
+    character(1), intent(in) :: mark
+    character(*), intent(inout) :: text
+    integer, intent(inout) :: used
+    used = used + 1
+    text(used:used) = mark
+  end subroutine put_mark
 
   !> Column names of a snapshot.
   pure function csv_header(snapshot) result(header)

@@ -30,7 +30,8 @@ module sgmp_simulation
   use sgmp_stopping, only: stopping_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: clock_advance, clock_choose
-  use sgmp_timers, only: phase_output, phase_probe, timers_start, timers_stop, timers_t, wall_time
+  use sgmp_timers, only: phase_output, phase_probe, phase_start, timers_start, timers_stop, &
+                         timers_t, wall_time
   use sgmp_verdict, only: verdict_t
   implicit none
   private
@@ -97,10 +98,12 @@ contains
     call report_start(log, scene, model)
     call stopping%start(started, options%time_limit, scene%checkpoint, folder, &
                         real(checkpoint_bytes(model), dp))
-    model%timers = timers_t()
+    model%timers = timers_t(started=started)
+    call timers_stop(model%timers, phase_start)
     solving = wall_time()
     call time_loop(scene, model, outputs, log, stopping, effort, error)
     effort%solving = wall_time() - solving - model%timers%seconds(phase_output)
+    call timers_start(model%timers)
     if (allocated(error)) then
       if (any(error%code == [exit_stopped, exit_io])) then
         if (parallel_rank() == 0) call outputs_stop(outputs, problem)
@@ -112,6 +115,7 @@ contains
       call outputs_close(outputs, scene, model, problem)
     end if
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
+    call timers_stop(model%timers, phase_output)
     effort%wall = wall_time() - started
     call effort_share(effort, model)
     call verdict%reach(scene, model, error)

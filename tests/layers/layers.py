@@ -18,7 +18,7 @@ LAYERS = ("base", "parallel", "mesh", "geometry", "materials", "transfer", "part
 LIBRARIES = {"mpi_f08": ("parallel", "files"), "hdf5": ("files",), "omp_lib": ("run",), "sgmp_version": None}
 # Arrows that stand against the order until they are cut (file, file); one that is gone must go from here, too.
 UNCUT = set()
-SUFFIXES = (".f90", ".F90", ".inc", ".c", ".h")
+SUFFIXES = (".f90", ".F90", ".inc", ".c", ".cpp", ".h")
 
 NAME = r"(?:(?:DIM|CARTESIAN)\(\s*(\w+)\s*\)|(\w+))"
 MODULE = re.compile(rf"^\s*module\s+(?!procedure\b|subroutine\b|function\b){NAME}\s*$", re.IGNORECASE)
@@ -50,7 +50,7 @@ class Source:
         if included:
             self.includes.append((number, included.group(1)))
             return
-        if self.path.suffix in (".c", ".h"):
+        if self.path.suffix in (".c", ".cpp", ".h"):
             return
         for statement in STRING.sub("''", line).split("!", 1)[0].split(";"):
             module, parent, use = MODULE.match(statement), SUBMODULE.match(statement), USE.match(statement)
