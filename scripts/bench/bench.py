@@ -5,7 +5,7 @@ usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT | --options | --against
 
 In one sitting it measures the machine (multiply-adds from registers, a triad through memory, a plain scalar loop of the
 same method: the Fortran programs beside), then every case several times. The median of the solver's own solve_seconds counts (reading the
-deck and making the particles does not). Writes results.json and table.md and prints the table; scripts/bench/compare_bench.py
+deck and making the particles does not); beside it stand wall and CPU seconds of the whole process. Writes results.json and table.md and prints the table; scripts/bench/compare_bench.py
 puts two results side by side, --against takes turns with another executable in one sitting (a busy machine then slows both), scripts/bench/plot_bench.py draws the roofline. How flops and bytes are counted: doc/performance.md.
 """
 import argparse
@@ -14,12 +14,14 @@ import os
 import pathlib
 import platform
 import re
+import resource
 import shlex
 import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
+import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -84,9 +86,12 @@ CASES = [
     block("block sgmp normalised", stress="normalised"),
     Case("taylor bar", "taylor_bar.inp", history=3, cfl=1.8),
     Case("taylor bar, its output", "taylor_bar.inp", history=3, output=True, cfl=1.8),
+    Case("taylor bar, largest step", "taylor_bar.inp", history=3, cfl=2.2),  # of the sound speed
     Case("rings 2D, contact", "rings.inp", ndim=2, ppc=4, history=5, t_end=0.6),
     Case("bar 1D, 2 per cell", "bar.inp", ndim=1, ppc=2, cells=4096, steps=300),
+    Case("tnt slab 1D, 2 per cell", "tnt_slab.inp", ndim=1, ppc=2, history=3, h=0.05),
     Case("beam 2D, 4 per cell", "beam.inp", ndim=2, ppc=4, t_end=0.005),
+    Case("tnt on steel 3D", "tnt_steel.inp", history=4),
     *(section(f"{what}, {material}", material, space) for material in ("elastic", "impact") for what, space in SPACES.items()),
 ]
 
@@ -133,8 +138,12 @@ def solve(sgmp, case, cells, threads, prefix, scratch):
     command = [sgmp, str(deck), "--quiet", "--threads", str(threads), "--output", str(folder)]
     for name, value in parameters.items():
         command += ["--set", f"{name}={value}"]
+    before, started = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
     call(prefix, command, threads)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     summary = json.loads((folder/"summary.json").read_text())
+    summary["process_wall_seconds"] = time.monotonic() - started
+    summary["process_cpu_seconds"] = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     shutil.rmtree(folder)
     return summary
 
@@ -150,6 +159,9 @@ def measure(sgmp, case, threads, options, machine, scratch):
     return {
         "case": case.name, "threads": threads, "particles": best["particles"], "steps": best["steps"],
         "ns_median": cost, "ns_min": min(costs), "ns_max": max(costs), "target": case.targets.get(threads),
+        "solve_wall_seconds": statistics.median(summary["solve_seconds"] for summary in summaries),
+        "process_wall_seconds": statistics.median(summary["process_wall_seconds"] for summary in summaries),
+        "process_cpu_seconds": statistics.median(summary["process_cpu_seconds"] for summary in summaries),
         "flops": case.flops(), "bytes": case.bytes(),
         "share_of_peak": case.flops()/(cost*ceiling["gigaflops"]),
         "share_of_bandwidth": case.bytes()/(cost*ceiling["gigabytes_per_second"]),
@@ -235,18 +247,19 @@ def show(row):
     phases = " ".join(f"{percent:3.0f}" for percent in row["phases_percent"].values())
     print(f"{row['case']:28s} {row['threads']:2d} {row['ns_median']:7.1f} {row['ns_min']:7.1f} {target}"
           f" {100*row['share_of_peak']:5.0f} % {100*row['share_of_bandwidth']:5.0f} % {row['gain_over_reference']:6.1f}"
-          f"   {phases}", flush=True)
+          f" {row['solve_wall_seconds']:7.2f} {row['process_wall_seconds']:6.2f} {row['process_cpu_seconds']:6.2f}   {phases}", flush=True)
 
 
 def markdown(rows):
     """The table of doc/performance.md and README.md."""
-    lines = ["| case | threads | ns, median (least) | target | ratio | of multiply-add peak | of bandwidth | gain over plain loop |",
-             "|---|---|---|---|---|---|---|---|"]
+    lines = ["| case | threads | ns, median (least) | target | ratio | of multiply-add peak | of bandwidth | gain over plain loop "
+             "| solve, wall s | process, wall s | process, CPU s |", "|---|---|---|---|---|---|---|---|---|---|---|"]
     for row in rows:
         target = f"{row['target']} | {row['ns_median']/row['target']:.2f}" if row["target"] else " | "
         lines.append(f"| {row['case']} | {row['threads']} | {row['ns_median']:.1f} ({row['ns_min']:.1f}) | {target} "
                      f"| {100*row['share_of_peak']:.0f} % | {100*row['share_of_bandwidth']:.0f} % "
-                     f"| {row['gain_over_reference']:.1f} |")
+                     f"| {row['gain_over_reference']:.1f} | {row['solve_wall_seconds']:.2f} | {row['process_wall_seconds']:.2f} "
+                     f"| {row['process_cpu_seconds']:.2f} |")
     return "\n".join(lines) + "\n"
 
 
@@ -309,9 +322,9 @@ def main():
             print(f"{threads} thread(s): {ceiling['gigaflops']:.1f} Gflop/s of multiply-adds,"
                   f" {ceiling['gigabytes_per_second']:.1f} GB/s (triad)")
         print(f"plain scalar loop of sgmp, elastic: {machine['reference_ns']:.0f} ns per particle and step")
-        print("\nns per particle and step; phases in percent: momentum sweep, stress sweep, grid, re-binning, output, step limit, halo,"
-              " balancing, contact")
-        print(f"{'case':28s} th  median   least target ratio    peak  memory   gain")
+        print("\nns per particle and step; seconds: solution (wall), process (wall, CPU); phases in percent: momentum sweep, stress sweep,"
+              " grid, re-binning, output, step limit, halo, balancing, contact, start")
+        print(f"{'case':28s} th  median   least target ratio    peak  memory   gain   solve   wall    CPU")
         for case in CASES:
             for threads in options.threads:
                 if options.only not in case.name or (case.ndim == 1 and threads > 1):

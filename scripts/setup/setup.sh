@@ -40,6 +40,7 @@ has_recent_cmake() {
 }
 
 has_c_compiler() { has "${CC:-cc}" || has gcc; }
+has_cxx_compiler() { has "${CXX:-c++}" || has g++; }
 has_mpi_compiler() { has mpifort || has mpif90; }
 has_python() { has python3 && python3 -c 'import sys; sys.exit(sys.version_info < (3, 8))'; }
 has_python_venv() { has_python && python3 -c 'import venv, ensurepip' 2> /dev/null; }
@@ -48,6 +49,7 @@ has_python_venv() { has_python && python3 -c 'import venv, ensurepip' 2> /dev/nu
 needs() {
   cat << 'LIST'
 has_c_compiler|gcc|a C compiler|module load gcc; spack install gcc; conda install c-compiler
+has_cxx_compiler|g++|a C++17 compiler (GNU 11 or later)|module load gcc; spack install gcc; conda install cxx-compiler
 has gfortran|gfortran|GNU Fortran 10 or later|module load gcc; spack install gcc; conda install gfortran
 has_mpi_compiler|libopenmpi-dev|MPI with Fortran modules (mpifort)|module load openmpi; spack install openmpi; conda install openmpi-mpifort
 has mpiexec|openmpi-bin|mpiexec|module load openmpi; spack install openmpi; conda install openmpi

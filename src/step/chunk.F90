@@ -601,21 +601,28 @@ contains
     integer, intent(in) :: nb
     real(dp), intent(in) :: mass(lanes), motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(out) :: force(lanes, NDIM)
-    real(dp) :: x(3), x0(3)
+    real(dp) :: x(3, lanes), x0(3, lanes)
     integer :: l, d, s
     s = body%law%slots%initial
     x = 0.0_dp
     x0 = 0.0_dp
-    force = 0.0_dp
-    do l = 1, lanes
-      if (mass(l) <= 0.0_dp) cycle
-      do d = 1, NDIM
-        x(d) = mesh%origin(d) + mesh%h*motion(l, d)
-        if (s > 0) x0(d) = state(l, s + d - 1)
-      end do
-      do d = 1, NDIM
-        force(l, d) = mass(l)*body%force(d)%evaluate(x, x0, plan%time)
-      end do
+    do d = 1, NDIM
+      x(d, :) = mesh%origin(d) + mesh%h*motion(:, d)
+      if (s > 0) x0(d, :) = state(:, s + d - 1)
+    end do
+    do d = 1, NDIM
+      associate (formula => body%force(d))
+        if (formula%uses_position .or. formula%uses_initial_position) then
+          force(:, d) = 0.0_dp
+          do l = 1, lanes
+            if (mass(l) > 0.0_dp) then
+              force(l, d) = mass(l)*formula%evaluate(x(:, l), x0(:, l), plan%time)
+            end if
+          end do
+        else  ! the same for all
+          force(:, d) = mass*formula%evaluate(x(:, 1), x0(:, 1), plan%time)
+        end if
+      end associate
     end do
   end subroutine external_force
 
