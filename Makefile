@@ -88,6 +88,7 @@ fuzz: build setup-test ## Damaged decks and checkpoints, then random scenes (INP
 	$(PYTHON) tests/fuzz/mpm3d.py build/release/sgmp . build/fuzz/mpm3d --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
 	$(PYTHON) tests/fuzz/checkpoints.py build/release/sgmp . build/fuzz/checkpoints --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
 	$(PYTHON) tests/fuzz/scenes.py build/release/sgmp . build/fuzz/scenes --inputs $(or $(SCENES),1500) --seed $(or $(SEED),1)
+	$(PYTHON) tests/fuzz/truth.py build/release/sgmp . build/fuzz/truth --inputs $(or $(SCENES),1500) --seed $(or $(SEED),1)
 
 mutate: build setup-test ## Put small faults into the sources and see whether tests notice (SAMPLE=200, SEED=1; MUTATE=FILE: all of it; FAULTS=LIST)
 	$(PYTHON) tests/mutation/mutate.py $(if $(MUTATE),--files $(MUTATE)) $(if $(FAULTS),--faults $(FAULTS)) $(if $(SAMPLE),--sample $(SAMPLE)) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)

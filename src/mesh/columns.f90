@@ -37,7 +37,8 @@ module sgmp_columns
   end type columns_t
 
   ! Columns of the nodes' values, by dimension; MUSL puts the re-mapped velocity in the place of the
-  ! acceleration, which it no longer needs then. The inverse mass is 0 where a node is ignored.
+  ! acceleration, which it no longer needs then. The inverse mass is 0 where there is none, negative
+  ! where a node is too light to be accelerated.
   integer, parameter :: node_acceleration = 1, node_remapped = node_acceleration
   integer, parameter :: node_velocity(3) = [2, 3, 4]
   integer, parameter :: node_inverse_mass(3) = [3, 5, 7]

@@ -13,7 +13,7 @@ module sgmp_end_state
   use sgmp_particle_fields, only: particle_field_find, particle_field_t, particle_place_t
   use sgmp_particles, only: first_cell, particles_t
   use sgmp_pieces, only: pieces_find
-  use sgmp_rows, only: key_j, key_k, row_key
+  use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_t
   use sgmp_scene, only: body_card_t, layout_file, scene_t
   use sgmp_shapes, only: combine_union
   use sgmp_surface_exposure, only: filled_around
@@ -40,6 +40,9 @@ module sgmp_end_state
     integer(i8) :: inside = 0_i8             !! particles deep inside a body that theirs touches
     real(dp) :: inside_part = 0.0_dp         !! largest part of any body
     integer :: inside_bodies(2) = 0          !! whose, and in which
+    real(dp) :: gaps = 0.0_dp                !! largest number of gaps of one cell along an axis over
+                                             !! the cells with particles, of any body
+    integer :: gaps_body = 0
   end type end_state_t
 
 contains
@@ -118,6 +121,10 @@ contains
     integer :: reach, n, p
     if (card%layout == layout_file) return  ! any number of pieces
     call gather_intervals(model%bodies(b), key, first, last, number)
+    if (gaps(key, first, last) > state%gaps) then
+      state%gaps = gaps(key, first, last)
+      state%gaps_body = b
+    end if
     allocate (piece(size(key)))
     reach = merge(1, 2, model%fields(model%bodies(b)%field)%kernel == kernel_mpm)
     call pieces_find(key, first, last, [reach, reach, reach], piece)
@@ -179,6 +186,39 @@ contains
       end do
     end associate
   end function count_inside
+
+  !> Cells without particles between two that have some, along the axis with most of them, over the
+  !! cells with particles.
+  pure real(dp) function gaps(key, first, last) result(part)
+    integer(i8), intent(in) :: key(:)            !! rows of intervals of occupied cells
+    integer, intent(in) :: first(:), last(:)
+    type(rows_t) :: rows
+    integer :: s, i, axis, found(3), total
+    rows = rows_t(size(key), key, first, last)
+    found = 0
+    total = 0
+    do s = 1, rows%n
+      total = total + last(s) - first(s) + 1
+      do i = first(s), last(s)
+        do axis = 1, 3
+          if (beside(axis, 1) == 0 .and. beside(axis, 2) > 0) found(axis) = found(axis) + 1
+        end do
+      end do
+    end do
+    part = real(maxval(found), dp)/max(1, total)
+
+  contains
+
+    !> Interval that holds the cell so many behind cell i of row s along an axis; 0: none.
+    pure integer function beside(axis, step) result(interval)
+      integer, intent(in) :: axis, step
+      associate (along => merge(step, 0, [1, 2, 3] == axis))
+        interval = rows_contains(rows, row_key(key_j(key(s)) + along(2), &
+                                               key_k(key(s)) + along(3)), i + along(1))
+      end associate
+    end function beside
+
+  end function gaps
 
   !> Occupied cells of a body on all ranks, as intervals of rows with their particles.
   subroutine gather_intervals(body, key, first, last, number)

@@ -30,6 +30,7 @@ module sgmp_verdict
   real(dp), parameter :: largest_excess = 0.1_dp       !! part of the volume without room
   real(dp), parameter :: largest_separated = 0.01_dp   !! part of a body
   real(dp), parameter :: largest_inside = 0.001_dp     !! part of a body inside one that it touches
+  real(dp), parameter :: largest_gaps = 1.0_dp/3.0_dp  !! of a cell, over the cells with particles
   real(dp), parameter :: largest_stretched = 0.01_dp   !! part of the particles larger than a cell
   real(dp), parameter :: largest_compression = 30.0_dp  !! density over the initial one, of a gas
   real(dp), parameter :: largest_condensed = 3.0_dp    !! of other matter: no shock reaches more
@@ -167,6 +168,11 @@ contains
                          trim(scene%bodies(found%inside_bodies(2))%name)// &
                          "': contact has not kept it out; use smaller cells or cfl")
       end if
+      if (found%gaps > largest_gaps .and. .not. found%separated_part > largest_separated) then
+        call self%object("cells of body '"//trim(scene%bodies(found%gaps_body)%name)// &
+                         "' between others have no particle, "//percent(found%gaps)// &
+                         ' of those that have: it is stretched beyond its particles'//remedy)
+      end if
       if (found%stretched > largest_stretched*found%particles) then
         call self%object(integer_text(found%stretched)//' particles are larger than a cell: '// &
                          'they leave gaps between them'//remedy)
@@ -242,6 +248,7 @@ contains
       call summary%set('end_state.particles_larger_than_a_cell', found%stretched)
       call summary%set('end_state.particles_out_of_reach', found%separated)
       call summary%set('end_state.particles_inside_other_bodies', found%inside)
+      call summary%set('end_state.gaps', found%gaps)
       call summary%set('end_state.volume_without_room', found%excess)
       if (found%room > 0.0_dp) call summary%set('end_state.volume_over_box', found%room)
       if (found%reached > 0.0_dp) call summary%set('end_state.box_reached', found%reached)

@@ -16,7 +16,7 @@ module DIM(sgmp_nodes)
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_remapped, &
                           node_swirl, node_total, node_velocity
   use sgmp_field, only: field_t
-  use sgmp_kernels, only: kernel_centred
+  use sgmp_kernels, only: kernel_centred, kernel_mpm
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_nodes_swirl, only: nodes_swirl_book, nodes_swirl_push, nodes_swirl_remap, &
@@ -76,7 +76,8 @@ contains
         call divide_radial(n, field%node(idx, node_inertia), p)
         call divide_radial(n, field%node(idx, node_inertia), f)
 #endif
-        call solve_tile(n, size(field%node, 1), m, p, f, dt, cutoff, field%node(idx, 1))
+        call solve_tile(n, size(field%node, 1), field%kernel, m, p, f, dt, cutoff, &
+                        field%node(idx, 1))
         if (field%columns%swirl > 0) call nodes_swirl_solve(field, mesh%inverse_h, s, first, n, m, &
                                                             dt)
         call hold_walls(field, mesh, s, first, n, [node_acceleration, node_velocity(NDIM)])
@@ -107,7 +108,8 @@ contains
         call radial_inertia(field, s, first, n, m, field%node(idx, node_inertia))
         call divide_radial(n, field%node(idx, node_inertia), p)
 #endif
-        call solve_tile(n, size(field%node, 1), m, p, f, 0.0_dp, cutoff, field%node(idx, 1))
+        call solve_tile(n, size(field%node, 1), field%kernel, m, p, f, 0.0_dp, cutoff, &
+                        field%node(idx, 1))
         if (field%columns%swirl > 0) call nodes_swirl_solve(field, mesh%inverse_h, s, first, n, m, &
                                                             0.0_dp)
         call hold_walls(field, mesh, s, first, n, [node_acceleration, node_velocity(NDIM)])
@@ -138,7 +140,7 @@ contains
     end do
   end subroutine nodes_remap
 
-  !> v = p/m.
+  !> v = p/m; where the mass is below the cut-off, round-off of the weights, the velocity stays.
   pure subroutine divide_tile(n, stride, p, node)
     integer, intent(in) :: n, stride
     real(dp), intent(in) :: p(tile, NDIM)
@@ -147,7 +149,8 @@ contains
     !$omp simd private(a)
     do i = 1, n
       do a = 1, NDIM
-        node(i, before_a + a) = p(i, a)*node(i, inverse_at)
+        node(i, before_a + a) = merge(p(i, a)*node(i, inverse_at), node(i, before_v + a), &
+                                      node(i, inverse_at) >= 0.0_dp)
       end do
     end do
   end subroutine divide_tile
@@ -433,19 +436,22 @@ contains
 
 #include "corner_sums.inc"
 
-  !> a = f/m, v = p/m + dt a, 1/m; all zero where the mass is below the cut-off.
-  pure subroutine solve_tile(n, stride, m, p, f, dt, cutoff, node)
-    integer, intent(in) :: n, stride
+  !> a = f/m, v = p/m + dt a, 1/m; all zero where the mass is below the cut-off. MPM's gradients see
+  !! such nodes: there they move as their particles do, and 1/m is negative to tell them.
+  pure subroutine solve_tile(n, stride, kernel, m, p, f, dt, cutoff, node)
+    integer, intent(in) :: n, stride, kernel
     real(dp), intent(in) :: m(tile), p(tile, NDIM), f(tile, NDIM), dt, cutoff
     real(dp), intent(inout) :: node(stride, node_total(SPACE))
-    real(dp) :: inverse
+    real(dp) :: inverse, active, least
     integer :: i, a
-    !$omp simd private(inverse, a)
+    least = merge(1.0e-290_dp, cutoff, kernel == kernel_mpm)  ! that can be divided by
+    !$omp simd private(inverse, active, a)
     do i = 1, n
-      inverse = merge(1.0_dp/merge(m(i), 1.0_dp, m(i) > cutoff), 0.0_dp, m(i) > cutoff)
-      node(i, inverse_at) = inverse
+      inverse = merge(1.0_dp/merge(m(i), 1.0_dp, m(i) > least), 0.0_dp, m(i) > least)
+      active = merge(inverse, 0.0_dp, m(i) > cutoff)
+      node(i, inverse_at) = active - (inverse - active)
       do a = 1, NDIM
-        node(i, before_a + a) = f(i, a)*inverse
+        node(i, before_a + a) = f(i, a)*active
         node(i, before_v + a) = p(i, a)*inverse + dt*node(i, before_a + a)
       end do
     end do

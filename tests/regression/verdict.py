@@ -130,6 +130,10 @@ def criteria(report):
         result = doubts(report, f"stretch_{method}", STRETCH, "numerical fracture", method=method)
         report.check(result["end_state.particles_out_of_reach"] >= 32, f"{method}: {result['end_state']}")
         sound(report, f"stretch_little_{method}", STRETCH, method=method, strain=0.5)
+    for method in ("sgmp", "gimp"):  # each second cell has no particle, all are in reach of each other
+        result = doubts(report, f"gaps_{method}", STRETCH.replace("0.25", "0.125"), "between others have no particle", method=method, strain=3)
+        report.check(result["end_state.particles_out_of_reach"] == 0 and result["end_state.gaps"] > 0.6, f"gaps {method}: {result['end_state']}")
+        sound(report, f"split_{method}", STRETCH.replace("0.25", "0.125").replace("method $method", "method $method split=0.75"), method=method, strain=3)
     doubts(report, "stretch", STRETCH, "larger than a cell")
     doubts(report, "stretch", STRETCH, "no room in the cells")
     for method in ("gimp", "mpm"):
