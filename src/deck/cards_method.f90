@@ -46,8 +46,8 @@ contains
                       source='doc/volumes.md')
     call registry%key('split', kind_real, 'particles whose longest side is stretched beyond so '// &
                       'many cells are split in two along it, fluids by their volume; 0.75 leaves '// &
-                      'no gaps; default: none is (musl, usl, usavg)', range='[0.25,2]', &
-                      source='doc/volumes.md, 5')
+                      'no gaps (musl, usl, usavg)', range='[0.25,2]', choices='none', &
+                      default='none', source='doc/volumes.md, 5')
     call registry%key('split_most', kind_integer, 'more particles than these after splitting '// &
                       'end the run; default: 1e7', range='[1,inf)')
     call registry%key('hoop', kind_real, 'axisymmetric: correction C of the hoop strain next '// &
@@ -108,7 +108,7 @@ contains
       method%interior = card%number('interior')
       method%volumes_kept = card%word('volumes') == 'kept'
       if (method%volumes_kept) method%normalised = .true.
-      method%split = card%number('split', absent=0.0_dp)
+      if (card%word('split') /= 'none') method%split = card%number('split')
       method%split_most = card%whole('split_most', absent=10000000)
       method%hoop = card%number('hoop', absent=method%hoop)
       method%rotation = card%word('rotation') == 'exact'
@@ -127,7 +127,7 @@ contains
       end if
       call check_volumes(card, method, errors)
       if (method%split > 0.0_dp) call check_split(card, draft%scene, errors)
-      if (card%has('split_most') .and. .not. card%has('split')) then
+      if (card%has('split_most') .and. .not. method%split > 0.0_dp) then
         call errors%add(card%place('split_most'), 'split_most bounds what split makes of the '// &
                         'particles, and none is split', 'add split=0.75 or remove split_most')
       end if
