@@ -103,7 +103,7 @@ def stretch(book, full):
                 draw += [(f"{method}", particles)] if method == "sgmp" else []
                 continue
             draw += [(f"{method}, split=0.6", particles)] if method == "sgmp" and split == 0.6 else []
-            width = 0.15 if method == "mpm" else 0.05
+            width = 0.25 if method == "mpm" else 0.05  # MPM: quadrature
             book.near("stretch", f"least density, {method}, split={split}", inner.min(), 0.1, 0.1*width)
             book.near("stretch", f"largest density, {method}, split={split}", inner.max(), 0.1, 0.1*width)
             book.at_most("stretch", f"gaps, {method}, split={split}", gaps, 0)
