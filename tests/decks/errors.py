@@ -64,6 +64,8 @@ EXPECTED = {
     "interval": [r"{d}:3:18: error: the interval '1:0' is empty"],
     "melt": [r"{d}:6:42: error: the melting temperature is not above room temperature"],
     "long_formula": [r"{d}:2:11: error: .*the formula is too long"],
+    "misplaced_words": [r"{d}:2:22: error: unexpected 'x' in card 'grid'", r"= a key needs a value: x=", r"{d}:3:12: error: unexpected 'soon'",
+                        r"= keys are written key=value, e\.g\. time end=", r"^2 error"],
     "missing_cards": [r"{d}: error: the deck has no card '%s'" % card for card in ("grid", "time", "body")],
     "missing_include": [r"{d}:7:9: error: there is no file '.*nothing\.inp'"],
     "missing_key": [r"{d}:5:1: error: card 'material' needs 'young'"],

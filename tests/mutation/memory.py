@@ -24,6 +24,7 @@ class Memory:
         kept = json.loads(self.path.read_text(encoding="utf-8")) if self.path.exists() else {}
         self.first = kept.get("first", {})      # test -> state, seconds, reaches, runs
         self.outcomes = kept.get("outcomes", {})  # fault -> test -> [state, noticed]
+        self.unfit = kept.get("unfit", {})      # fault -> the sources that it is no Fortran in
         self.tally = collections.defaultdict(lambda: [0, 0])
         for fault, tests in self.outcomes.items():
             for test, (_, noticed) in tests.items():
@@ -38,8 +39,17 @@ class Memory:
     def write(self):
         """Writes the file anew."""
         part = self.path.with_suffix(".part")
-        part.write_text(json.dumps({"first": self.first, "outcomes": self.outcomes}), encoding="utf-8")
+        part.write_text(json.dumps({"first": self.first, "outcomes": self.outcomes, "unfit": self.unfit}), encoding="utf-8")
         part.rename(self.path)
+
+    def fits(self, mutant):
+        """Whether a fault is Fortran, as far as is known."""
+        return self.unfit.get(key(mutant)) != self.sources
+
+    def keep_unfit(self, mutants):
+        """Keeps which faults are no Fortran."""
+        self.unfit.update({key(mutant): self.sources for mutant in mutants})
+        self.write()
 
     def first_round(self, test, program):
         """How a test went without a fault, None if that is not known of this program."""

@@ -197,8 +197,11 @@ def changes(text, reals, inside_only=False, ranges=True):
 
 
 def swaps(text):
-    """Neighbouring arguments or subscripts, both plain names, in the other order."""
+    """Neighbouring arguments or subscripts, both plain names, in the other order; not in texts."""
     for match in re.finditer(r"(?<=[(,])(\s*)([A-Za-z][\w%]*)(\s*,\s*)([A-Za-z][\w%]*)(?=\s*[,)])", text):
+        quotes = text[:match.start()]
+        if quotes.count("'") % 2 or quotes.count('"') % 2:
+            continue
         if match.group(2).lower() != match.group(4).lower():
             new = match.group(1) + match.group(4) + match.group(3) + match.group(2)
             yield text[:match.start()] + new + text[match.end():], f"{match.group(2)}, {match.group(4)} swapped"

@@ -371,11 +371,12 @@ def main():
     by_hand = list(listed(options.faults)) if options.faults else []
     for number, mutant in enumerate(by_hand, len(drawn) + 1):
         mutant.number = number
-    built = build(drawn + by_hand, options.jobs)
+    memory = Memory(WORK / "memory.json", digest(sorted((ROOT / "src").rglob("*.*"))))
+    built = build([m for m in drawn + by_hand if memory.fits(m)], options.jobs)
+    memory.keep_unfit(m for m in drawn + by_hand if m not in built)
     chosen = [m for m in drawn if m in built][:size]
     unfit = len(drawn) + len(by_hand) - len(built)
     print(f"{len(drawn) + len(by_hand)} faults, {unfit} of them no Fortran; built after {time.monotonic() - start:.0f} s", flush=True)
-    memory = Memory(WORK / "memory.json", digest(sorted((ROOT / "src").rglob("*.*"))))
     program = digest(sorted((WORK / "tree/src").rglob("*.*")))
     for old in (WORK / "records").glob("*"):
         if old.name != program:
