@@ -1,0 +1,37 @@
+#!/usr/bin/env python3
+"""Cylinder test: speed of the copper wall against Gurney's formula with the constant that is published for TNT, 2.37 km/s.
+
+v = 2.37/sqrt(M/C + 1/2), M and C the masses of copper and TNT to a length: what the wall comes to, which at 19 mm it has not quite reached.
+"""
+
+import sys
+from math import sqrt
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+import numpy as np  # noqa: E402
+from common import Case, main, solve  # noqa: E402
+
+CYLINDER = "verification/cylinder/cylinder.inp"
+COPPER, TNT = 8.93 * (15.3**2 - 12.7**2), 1.63 * 12.7**2
+GURNEY = 2370 / sqrt(COPPER / TNT + 0.5)
+
+
+def check(book, full):
+    book.section("Cylinder test")
+    book.say("No part of the paper. Programmed burn, JWL and Johnson-Cook copper in one axisymmetric scene.")
+    rows = []
+    for volumes, sizes in (("plain", (0.65, 0.325)), ("kept", (0.65, 0.325) if full else (0.65,))):
+        for h, run in zip(sizes, solve([Case(CYLINDER, h=h, volumes=volumes) for h in sizes])):
+            table = np.genfromtxt(run.folder / "gauges.csv", delimiter=",", names=True, dtype=None, encoding=None)
+            way, speed = table["x"] - table["x"][0], np.hypot(table["velocity_x"], table["velocity_z"])
+            speeds = [float(np.interp(at, way, speed)) for at in (5, 12.5, 19)]
+            rows.append([volumes, f"{h}", *(f"{v:.0f}" for v in speeds), f"{run.cpu_seconds:.0f}"])
+            if volumes == "plain":
+                book.within("cylinder test", f"speed of the wall at 19 mm, h = {h} mm (m/s), against Gurney's formula", speeds[-1], GURNEY, 0.05)
+    book.table("cylinder_test", ["volumes", "h (mm)", "5 mm", "12.5 mm", "19 mm", "CPU s"], rows, f"Speed of the wall (m/s) after so many mm. Gurney: {GURNEY:.0f} m/s at the end.")
+    book.command(Case(CYLINDER, h=0.325))
+
+
+if __name__ == "__main__":
+    main(check, __doc__)
