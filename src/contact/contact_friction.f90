@@ -15,7 +15,7 @@
 !! Friction at a node changes the slip at others. Impulses begin with the force of the step before,
 !! and each node corrects its own once, in the order of its colours: nodes of one colour are three
 !! apart along every axis and have no node around in common, so that any thread may take any of
-!! them. Ranks swap nodes after each three planes (sgmp_phases).
+!! them. Ranks swap nodes after each colour of planes (sgmp_contact_phases).
 module sgmp_contact_friction
   use sgmp_body, only: body_t
   use sgmp_columns, only: node_acceleration, node_inverse_mass, node_velocity
@@ -28,8 +28,9 @@ module sgmp_contact_friction
   use sgmp_vectors, only: cross
   implicit none
   private
-  public :: levers_t, friction_layout, friction_lever, friction_open, friction_start, &
-            friction_turn, friction_close, friction_measure, friction_hold, friction_settle
+  public :: levers_t, friction_layout, friction_lever, friction_open, friction_press, &
+            friction_start, friction_turn, friction_close, friction_measure, friction_hold, &
+            friction_settle
   public :: colours, plane_colours
 
   integer, parameter :: around = 27            !! a node and those around it
@@ -58,6 +59,7 @@ module sgmp_contact_friction
     real(dp), allocatable :: before(:, :, :)   !! velocity before the kick
     real(dp), allocatable :: apart(:, :, :)
       !! velocity that strains the particles before it was made to obey
+    real(dp), allocatable :: pressed(:, :, :)  !! the pull with the contact forces along the normals
     real(dp), allocatable :: external(:, :)
       !! (3, links) acceleration by gravity and body forces, of deformable bodies
   end type levers_t
@@ -74,7 +76,8 @@ contains
               levers%record(around, 2, shared%links))
     allocate (levers%share(around, 2, shared%links), levers%gain(around, 2, shared%links))
     allocate (levers%pull(3, 2, shared%links), levers%before(3, 2, shared%links), &
-              levers%apart(3, 2, shared%links), levers%external(3, shared%links))
+              levers%apart(3, 2, shared%links), levers%pressed(3, 2, shared%links), &
+              levers%external(3, shared%links))
     next = 0
     do n = 1, shared%nodes
       c = colour(shared%point(:, n))
@@ -333,19 +336,32 @@ contains
     end do
   end function external
 
-  !> After the trial along the normals: begins with the forces of the step before.
-  pure subroutine friction_start(levers, shared, n, dt, bodies, fields)
+  !> After the trial along the normals: what forces do to the slip now.
+  pure subroutine friction_press(levers, shared, n, fields, bodies, dt)
+    type(levers_t), intent(inout) :: levers
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    real(dp), intent(in) :: dt
+    integer :: l
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      if (levers%response(l) <= 0.0_dp) cycle
+      levers%pressed(:, :, l) = dt*seen(levers, shared, n, l, fields, bodies, node_acceleration)
+    end do
+  end subroutine friction_press
+
+  !> Begins with the forces of the step before.
+  pure subroutine friction_start(levers, shared, n, dt, fields)
     type(levers_t), intent(in) :: levers
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n
     real(dp), intent(in) :: dt
-    type(body_t), intent(in) :: bodies(:)
     type(field_t), intent(inout) :: fields(:)
     integer :: l
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       if (levers%response(l) <= 0.0_dp .or. shared%link(l)%state <= link_closed) cycle
-      call rub(levers, shared, n, l, tangential(shared, n, l, dt*shared%link(l)%drag), dt, bodies, &
-               fields)
+      call rub(levers, shared, n, l, tangential(shared, n, l, dt*shared%link(l)%drag), dt, fields)
     end do
   end subroutine friction_start
 
@@ -362,21 +378,19 @@ contains
       if (levers%response(l) <= 0.0_dp .or. shared%link(l)%state <= link_closed) cycle
       call rub(levers, shared, n, l, shared%link(l)%rub + sum( &
                seen(levers, shared, n, l, fields, bodies, node_velocity(shared%ndim)), dim=2)/ &
-               levers%response(l), dt, bodies, fields)
+               levers%response(l), dt, fields)
     end do
   end subroutine friction_turn
 
-  !> Sets friction to a trial, as far as Coulomb's law admits, and books what the change does to the
-  !! sums that were taken before contact.
-  pure subroutine rub(levers, shared, n, l, trial, dt, bodies, fields)
+  !> Sets friction to a trial, as far as Coulomb's law admits.
+  pure subroutine rub(levers, shared, n, l, trial, dt, fields)
     type(levers_t), intent(in) :: levers
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n, l
     real(dp), intent(in) :: trial(3), dt
-    type(body_t), intent(in) :: bodies(:)
     type(field_t), intent(inout) :: fields(:)
-    real(dp) :: impulse(3), change(3), kick(3, 2), most
-    associate (link => shared%link(l), terms => shared%terms(n))
+    real(dp) :: impulse(3), change(3), most
+    associate (link => shared%link(l))
       most = link%friction*max(0.0_dp, dot_product(link%impulse, link%normal))
       impulse = trial
       link%state = link_sticking
@@ -385,9 +399,6 @@ contains
         link%state = link_sliding
       end if
       change = impulse - link%rub
-      kick = dt*seen(levers, shared, n, l, fields, bodies, node_acceleration)
-      terms%nodes_aa = terms%nodes_aa + &
-                       dot_product(change, levers%response(l)*change - 2.0_dp*kick(:, 1))/dt**2
       call give(levers, shared, n, l, change, node_velocity(shared%ndim), fields)
       call give(levers, shared, n, l, change/dt, node_acceleration, fields)
       link%rub = impulse
@@ -405,20 +416,22 @@ contains
     real(dp), intent(in) :: dt
     real(dp), intent(in) :: part               !! of the strain that comes from such a velocity
     logical, intent(in) :: with_trial
+    real(dp) :: kick(3, 2)
     integer :: l
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       associate (link => shared%link(l), terms => shared%terms(n))
         link%drag = link%rub/dt
         if (levers%response(l) <= 0.0_dp) cycle
+        kick = dt*seen(levers, shared, n, l, fields, bodies, node_acceleration)
+        ! sum m (|a|^2 - |b|^2) = sum m (a - b) . (a + b)
+        terms%nodes_aa = terms%nodes_aa - &
+                         dot_product(link%rub, levers%pressed(:, 1, l) + kick(:, 1))/dt**2
         terms%power_before = terms%power_before - dot_product(link%rub, levers%before(:, 1, l))/dt
         terms%external_power = terms%external_power - &
                                0.5_dp*dot_product(link%rub, levers%external(:, l))
         if (part <= 0.0_dp) cycle
         levers%apart(:, :, l) = levers%before(:, :, l)
-        if (with_trial) then
-          levers%apart(:, :, l) = levers%apart(:, :, l) + &
-                                  dt*seen(levers, shared, n, l, fields, bodies, node_acceleration)
-        end if
+        if (with_trial) levers%apart(:, :, l) = levers%apart(:, :, l) + kick
         call book(levers, shared, n, l, part)
       end associate
     end do

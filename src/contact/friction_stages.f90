@@ -1,15 +1,16 @@
 !> Friction at the surface in stages, each over all shared nodes or those of some colours: how
 !! threads share the nodes.
 !!
-!! In a trial: levers (once in a step), open, the trial along the normals, start, turns, close. For
-!! another velocity that strains: measure, normals, holds, and after the kick settle. Between stages
-!! nodes may have to come from other ranks (sgmp_phases).
+!! In a trial: levers (once in a step), before, the trial along the normals, first, next (each colour
+!! of planes), after. For another velocity that strains: before, along the normals, strain (each
+!! colour of planes), after. Between stages nodes have to come from other ranks
+!! (sgmp_contact_phases).
 module sgmp_friction_stages
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_step_t, contact_t, contact_trial_strain
   use sgmp_contact_friction, only: colours, friction_close, friction_hold, friction_lever, &
-                                   friction_measure, friction_open, friction_settle, &
-                                   friction_start, friction_turn, plane_colours
+                                   friction_measure, friction_open, friction_press, &
+                                   friction_settle, friction_start, friction_turn, plane_colours
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
@@ -60,13 +61,19 @@ contains
     type(body_t), intent(in) :: bodies(:)
     type(contact_step_t), intent(in) :: step
     integer, intent(in) :: threads
-    integer :: c, q
+    integer :: c, n, q
+    !$omp parallel do schedule(dynamic, 16) num_threads(threads) if(threads > 1) default(none) &
+    !$omp& shared(contact, fields, bodies, step) private(n)
+    do n = 1, contact%shared%nodes
+      call friction_press(contact%levers, contact%shared, n, fields, bodies, step%dt_kick)
+    end do
+    !$omp end parallel do
     do c = 1, colours
       !$omp parallel do schedule(static) num_threads(threads) if(threads > 1) default(none) &
-      !$omp& shared(contact, fields, bodies, step, c) private(q)
+      !$omp& shared(contact, fields, step, c) private(q)
       do q = contact%levers%first(c), contact%levers%first(c + 1) - 1
         call friction_start(contact%levers, contact%shared, contact%levers%node(q), step%dt_kick, &
-                            bodies, fields)
+                            fields)
       end do
       !$omp end parallel do
     end do

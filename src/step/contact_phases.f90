@@ -86,6 +86,7 @@ contains
     end if
     call contact_trial(contact, fields, bodies, step, threads)
     if (contact%at_surface) then
+      call swap(step%number, contact, fields, bodies, ranks, findings, timers, since)
       call friction_first(contact, fields, bodies, step, threads)
       call swap(step%number, contact, fields, bodies, ranks, findings, timers, since)
       do c = 1, plane_colours
