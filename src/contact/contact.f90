@@ -12,8 +12,8 @@ module sgmp_contact
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_remapped, &
                           node_velocity
   use sgmp_contact_distance, only: clouds_t, distance_detect
-  use sgmp_contact_friction, only: friction_layout, levers_t
   use sgmp_contact_ledger, only: ledger_kick, ledger_strain
+  use sgmp_contact_levers, only: levers_layout, levers_t
   use sgmp_contact_memory, only: memory_give, memory_take
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_contact_resolve, only: contact_link_t, link_free, resolve_strain, resolve_trial
@@ -67,7 +67,7 @@ contains
     call memory_take(contact%memory, contact%shared, [-huge(1), huge(1)])
     call shared_build(contact%shared, mesh, fields, bodies, contact%pairs, planes, &
                       contact%at_surface)
-    if (contact%at_surface) call friction_layout(contact%levers, contact%shared)
+    if (contact%at_surface) call levers_layout(contact%levers, contact%shared)
     call memory_give(contact%memory, contact%shared)
   end subroutine contact_layout
 

@@ -48,7 +48,7 @@ module sgmp_contact_resolve
       !! momentum that makes the straining velocity obey; no particle receives it
     real(dp) :: dissipation = 0.0_dp       !! energy that contact has taken in this step
     logical :: at_surface = .false.
-      !! friction does not act at the node but at the surface (sgmp_contact_friction), where
+      !! friction does not act at the node but at the surface (sgmp_contact_levers), where
     real(dp) :: rub(3) = 0.0_dp            !! is its impulse in this step, on the second body
     real(dp) :: drag(3) = 0.0_dp           !! the same as a force: the next step begins with it
     real(dp) :: hold(3) = 0.0_dp           !! what `correction` is along the normal

@@ -8,9 +8,9 @@
 module sgmp_friction_stages
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_step_t, contact_t, contact_trial_strain
-  use sgmp_contact_friction, only: colours, friction_close, friction_hold, friction_lever, &
-                                   friction_measure, friction_open, friction_press, &
-                                   friction_settle, friction_start, friction_turn, plane_colours
+  use sgmp_contact_friction, only: friction_close, friction_hold, friction_measure, friction_open, &
+                                   friction_press, friction_settle, friction_start, friction_turn
+  use sgmp_contact_levers, only: colours, levers_find, plane_colours
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
@@ -32,7 +32,7 @@ contains
     !$omp parallel do schedule(dynamic, 16) num_threads(threads) if(threads > 1) default(none) &
     !$omp& shared(contact, mesh, fields, bodies) private(n)
     do n = 1, contact%shared%nodes
-      call friction_lever(contact%levers, contact%shared, n, mesh, fields, bodies)
+      call levers_find(contact%levers, contact%shared, n, mesh, fields, bodies)
     end do
     !$omp end parallel do
   end subroutine friction_levers

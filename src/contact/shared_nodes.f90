@@ -34,7 +34,7 @@ module sgmp_shared_nodes
   !! have a contact card.
   type :: shared_nodes_t
     integer :: ndim = 3, kernel = kernel_sgmp
-    logical :: at_surface = .false.             !! friction acts there (sgmp_contact_friction)
+    logical :: at_surface = .false.             !! friction acts there (sgmp_contact_levers)
     integer :: nodes = 0, members = 0, links = 0
     integer, allocatable :: point(:, :)         !! (3, nodes) i, j, k
     logical, allocatable :: held(:, :)

@@ -5,8 +5,8 @@ module sgmp_contact_phases
   use sgmp_contact, only: contact_detect, contact_meet, contact_step_t, contact_t, contact_trial, &
                           contact_velocity
   use sgmp_contact_exchange, only: contact_exchange
-  use sgmp_contact_friction, only: plane_colours
   use sgmp_contact_ledger, only: ledger_add_up
+  use sgmp_contact_levers, only: plane_colours
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_t
   use sgmp_findings, only: findings_t
