@@ -57,7 +57,7 @@ def kept(report):
 
 def limits(report):
     """The largest Courant number of a scan up to which every run is sound."""
-    for method, update in (("gimp", "musl"), ("gimp", "usl"), ("mpm", "usl")):
+    for method, update in (("sgmp", "musl"), ("gimp", "musl"), ("gimp", "usl"), ("mpm", "usl")):
         largest = {}
         for name, cards in (("bare", BARE), ("rows", ROWS), ("far", FAR_DUMPS)):
             sound = [cfl for cfl in SCAN if abs(energy(run(name, BAR + cards, method=method, update=update, cfl=cfl)) - 1) < 0.2]
