@@ -31,8 +31,10 @@ contains
     integer, intent(in) :: plane
     real(dp), intent(in) :: interior
     real(dp) :: least(0:tile + 1), factor(tile), filled(tile), cell, around
-    integer :: s, first, n, i, q, idx
+    integer :: s, first, n, i, q, idx, last      !! last: column of a stress
     cell = cell_volume(mesh%h)
+    last = field%columns%force + NFLUX - 1
+    if (field%columns%swirl > 0) last = field%columns%torque + 1
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
@@ -45,7 +47,7 @@ contains
           factor(i) = filled(i)/merge(field%moment(idx + i, field%columns%volume), filled(i), &
                                       around > interior*cell)
         end do
-        do q = field%columns%force, field%columns%force + NFLUX - 1
+        do q = field%columns%force, last
           !$omp simd
           do i = 1, n
             field%moment(idx + i, q) = factor(i)*field%moment(idx + i, q)
