@@ -188,6 +188,8 @@ def changes(text, reals, inside_only=False, ranges=True):
         elif low in BOUND:
             new = (DIRECTION if is_real(tokens, place, reals) else BOUND)[low]
         elif re.match(r"\.?\d", token):
+            if "".join(tokens[:place]).endswith(("huge(", "tiny(", "epsilon(")):  # its kind alone matters
+                continue
             new = other_number(token)
         elif low in OTHER_FUNCTION and "".join(tokens[place + 1:]).lstrip().startswith("(") and tokens[place - 1:place] != ["%"]:
             new = OTHER_FUNCTION[low]
