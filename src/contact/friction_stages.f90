@@ -1,9 +1,9 @@
 !> Friction at the surface in stages, each over all shared nodes or those of some colours: how
 !! threads share the nodes.
 !!
-!! In a trial: levers (once in a step), before, the trial along the normals, first, next (each colour
-!! of planes), after. For another velocity that strains: before, along the normals, strain (each
-!! colour of planes), after. Between stages nodes have to come from other ranks
+!! In a trial: levers (once in a step), before, the trial along the normals, first, next (each
+!! colour of planes), after. For another velocity that strains: before, along the normals, strain
+!! (each colour of planes), after. Between stages nodes have to come from other ranks
 !! (sgmp_contact_phases).
 module sgmp_friction_stages
   use sgmp_body, only: body_t

@@ -189,7 +189,8 @@ contains
         call errors%add(keyword%position, "unknown card '"//keyword%text//"'", &
                         'a line goes on where the one before it ends with &')
         return
-      else if (number == 0) then
+      end if
+      if (number == 0) then
         call errors%add(keyword%position, "unknown card '"//keyword%text//"'", &
                         suggestion(keyword%text, known_keywords(registry), 'cards'))
         return

@@ -55,7 +55,7 @@ module sgmp_scene
       !! nodes lighter than this times the largest particle mass are ignored
     logical :: normalised = .false.   !! volume-normalised stress (sgmp only)
     logical :: volumes_kept = .false.  !! particles keep the volume of the space they fill (sgmp)
-    real(dp) :: split = 0.0_dp        !! longest side (cells) of a particle that is not split; 0: all
+    real(dp) :: split = 0.0_dp        !! longest side (cells) of a particle that stays whole; 0: all
     integer :: split_most = 0         !! particles that splitting may lead to
     logical :: rotation = .false.     !! rigid rotation strains nothing (sgmp only)
     logical :: spin = .false.         !! particles carry their spin (sgmp only)

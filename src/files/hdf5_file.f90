@@ -47,7 +47,7 @@ module sgmp_hdf5_file
   integer, parameter :: hdf5_real = 4     !! 64 bits
   integer, parameter :: block_words = 2**17  !! words verified at a time
 
-  logical, save :: library_open = .false.
+  logical :: library_open = .false.
 
   !> One file.
   type :: hdf5_file_t

@@ -40,8 +40,8 @@ module sgmp_end_state
     integer(i8) :: inside = 0_i8             !! particles deep inside a body that theirs touches
     real(dp) :: inside_part = 0.0_dp         !! largest part of any body
     integer :: inside_bodies(2) = 0          !! whose, and in which
-    real(dp) :: gaps = 0.0_dp                !! largest number of gaps of one cell along an axis over
-                                             !! the cells with particles, of any body
+    real(dp) :: gaps = 0.0_dp
+      !! largest number of gaps of one cell along an axis over the cells with particles, of any body
     integer :: gaps_body = 0
   end type end_state_t
 

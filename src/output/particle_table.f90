@@ -9,7 +9,8 @@ module sgmp_particle_table
   private
   public :: particle_table_write
 
-  integer, parameter :: rows = 512, blocks = 16  !! in a block, which one thread writes; blocks at once
+  integer, parameter :: rows = 512   !! in a block, which one thread writes
+  integer, parameter :: blocks = 16  !! at once
 
 contains
 
@@ -32,7 +33,8 @@ contains
     do first = 1, n, rows*blocks
       !$omp parallel do schedule(dynamic) default(none) shared(snapshot, first, n, text, used)
       do b = 1, blocks
-        call write_rows(snapshot, first + rows*(b - 1), min(n, first + rows*b - 1), text(b), used(b))
+        call write_rows(snapshot, first + rows*(b - 1), min(n, first + rows*b - 1), text(b), &
+                        used(b))
       end do
       !$omp end parallel do
       do b = 1, blocks

@@ -1,8 +1,8 @@
 !> The ranks of a run: who there is, and what they find out together.
 !!
 !! The communicator is the one thing here that is global (`parallel_attach` sets it). A program that
-!! never starts MPI, such as a unit test or a run that no launcher has started, is a run of one rank,
-!! for which every procedure returns at once.
+!! never starts MPI, such as a unit test or a run that no launcher has started, is a run of one
+!! rank, for which every procedure returns at once.
 module sgmp_parallel
   use mpi_f08, only: mpi_allgather, mpi_allgatherv, mpi_allreduce, mpi_alltoall, mpi_alltoallv, &
                      mpi_bcast, mpi_character, mpi_comm, mpi_comm_free, mpi_comm_rank, &
@@ -26,8 +26,8 @@ module sgmp_parallel
   real(dp), parameter :: place_stride = 2.0_dp**31
 
   !> What launchers tell the processes that they start: Open MPI and PRRTE, PMIx, PMI (Hydra of
-  !! MPICH and Intel MPI, Slurm), Slurm, MVAPICH, ALPS and PALS (Cray), JSM (Spectrum MPI), MPT; last
-  !! what the user says.
+  !! MPICH and Intel MPI, Slurm), Slurm, MVAPICH, ALPS and PALS (Cray), JSM (Spectrum MPI), MPT;
+  !! last what the user says.
   character(20), parameter :: launched(*) = [character(20) :: 'OMPI_COMM_WORLD_SIZE', 'PMIX_RANK', &
     'PMI_RANK', 'PMI_SIZE', 'PMI_FD', 'PMI_PORT', 'SLURM_PROCID', 'MV2_COMM_WORLD_RANK', &
     'ALPS_APP_PE', 'PALS_RANKID', 'JSM_NAMESPACE_RANK', 'MPI_LOCALNRANKS', 'SGMP_MPI']

@@ -2,8 +2,8 @@
 !!
 !! A bin holds the particles of one cell, or of some cells that follow each other along a row
 !! (`bin_span`), ordered by id (where particles are split, in each id by the path from the particle
-!! that they come from), in a chain of chunks; those of a cell share a grid stencil. The unused lanes
-!! of a bin's last chunk hold a harmless pad. Two streams keep the two sweeps of a step
+!! that they come from), in a chain of chunks; those of a cell share a grid stencil. The unused
+!! lanes of a bin's last chunk hold a harmless pad. Two streams keep the two sweeps of a step
 !! apart: `motion` (position, velocity, mass) is all that a momentum sweep touches,
 !! `state` (volume, stress, history) is read only where stress is updated.
 module sgmp_particles

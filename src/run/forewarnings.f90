@@ -77,12 +77,12 @@ contains
         call clock_choose(clock, model%mesh%h, model%findings%fastest, huge(1.0_dp), ok)
         if (time%end < clock%dt) call warn(warnings, 'the run ends within its first step: end='// &
           real_text_plain(time%end)//', and the step may be '//real_text_about(clock%dt)// &
-          '; is end= in the deck''s unit of time?')
+          "; is end= in the deck's unit of time?")
       end if
       if (every > 0.0_dp .and. time%end > many_dumps*every) then
         call warn(warnings, 'output every='//real_text_plain(every)//' makes '// &
                   integer_text(int(min(time%end/every, 1.0e15_dp), i8))// &
-                  ' dumps; is every= in the deck''s unit of time?')
+                  " dumps; is every= in the deck's unit of time?")
       end if
       limit = merge(2.54_dp, 2.0_dp, model%fields(1)%kernel == kernel_sgmp)
       if (time%dt <= 0.0_dp .and. .not. time%cfl_auto .and. time%cfl > limit) then
@@ -107,7 +107,8 @@ contains
       if (expected <= 0.0_dp .or. abs(mass - expected) <= tolerated*expected) cycle
       call warn(warnings, "the particles of body '"//trim(model%bodies(b)%name)// &
                 "' have a mass of "//real_text_about(mass)//', its shapes of '// &
-                real_text_about(expected)//': choose a spacing of which its sides are multiples, or a smaller one')
+                real_text_about(expected)//': choose a spacing of which its sides are '// &
+                'multiples, or a smaller one')
     end do
   end subroutine look_at_masses
 

@@ -627,7 +627,9 @@ contains
   end subroutine external_force
 
   !> Splits particles that have been stretched too far: both halves leave as movers, and give to the
-  !! grid half of what the whole gives, but for the mass's moment and the momentum, which are theirs.
+  !! grid half of what the whole gives, but for the mass's moment and the momentum, which are
+  !! theirs.
+  ! allow(S902)
   pure subroutine split_particles(mesh, body, plan, task, s, extent, nl, gradient, nb, motion, &
                                   state, id, xi, values, lane_sums, movers)
     type(mesh_t), intent(in) :: mesh

@@ -180,7 +180,8 @@ contains
     type(timers_t), intent(inout) :: timers
     integer :: f
     if (.not. method%rotation) return
-    call phase_swap_nodes(step, [minval(columns), maxval(columns) + mesh%ndim - 1], 1, fields, bodies, &
+    call phase_swap_nodes(step, [minval(columns), maxval(columns) + mesh%ndim - 1], 1, fields, &
+                          bodies, &
                     ranks, findings, timers)
     do f = 1, size(fields)
       if (rigid_field(bodies, f) > 0) cycle

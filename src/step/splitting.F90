@@ -72,11 +72,12 @@ contains
 
   !> Whether both halves will be inside the grid and within a cell of the bin that the particle was
   !! in.
-  pure logical function fits(mesh, x, extent, xi, axis, offset)
+  pure function fits(mesh, x, extent, xi, axis, offset) result(yes)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: x(NDIM), extent(2), xi, offset
     integer, intent(in) :: axis
-    fits = all(x >= mesh%lower(:NDIM) .and. x <= mesh%upper(:NDIM)) .and. &
+    logical :: yes
+    yes = all(x >= mesh%lower(:NDIM) .and. x <= mesh%upper(:NDIM)) .and. &
            x(axis) - offset >= mesh%lower(axis) .and. x(axis) + offset <= mesh%upper(axis) .and. &
            xi - offset >= extent(1) - 1.0_dp .and. xi + offset < extent(2) + 1.0_dp
   end function fits
