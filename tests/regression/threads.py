@@ -34,7 +34,7 @@ SCENES = [
     ("rings", HOOPS, {}),
     ("rings_normalised", HOOPS, {"stress": "normalised"}),
     ("swirl", SWIRL, {}),
-    ("swirl_usf", SWIRL, {"update": "usf", "stress": "normalised"}),
+    ("swirl_usf", SWIRL.replace("update=$update", "update=usf"), {"stress": "normalised"}),
     ("rotated_bar", "bar_rotated.inp", {"cells": 16, "steps": 60, "dt": 2e-3, "v0": 2}),
     ("beam", "beam.inp", {"h": 1.25, "t_end": 0.003}),
     ("jwl_2d", PLANE, {}),
