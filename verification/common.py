@@ -187,6 +187,7 @@ class Book:
         check is reported as not passed; it counts as failed only if the value has left the band about the known one, whose width is
         half of the deviation and at most a tenth of the value: a deviation that shrinks or grows is news."""
         value = float(value)
+        reference = reference.item() if hasattr(reference, "item") else reference  # numpy's, which JSON does not know
         deviation = bool(not passed and known is not None and abs(value - known) <= band(known, reference))
         a_band = {} if known is None or not band(known, reference) else {"known": known, "band": band(known, reference)}
         self.results.append({"section": self.sections[-1].title if self.sections else "", "case": case, "quantity": quantity,
