@@ -16,6 +16,7 @@ module sgmp_end_state
   use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_t
   use sgmp_scene, only: body_card_t, layout_file, scene_t
   use sgmp_shapes, only: combine_union
+  use sgmp_shared_nodes, only: shared_nodes_t
   use sgmp_surface_exposure, only: filled_around
   implicit none
   private
@@ -157,7 +158,11 @@ contains
       do side = 1, 2
         associate (bodies => cshift(model%contact%pairs(p)%body, side - 1))
           if (model%bodies(bodies(1))%rigid) cycle
-          inside = parallel_sum(count_inside(model, bodies(1), bodies(2)))
+          inside = 0_i8
+          if (meet_here(model%contact%shared, p)) then
+            inside = count_inside(model, bodies(1), bodies(2))
+          end if
+          inside = parallel_sum(inside)
           state%inside = state%inside + inside
           if (real(inside, dp) <= state%inside_part*model%totals%particles(bodies(1))) cycle
           state%inside_part = real(inside, dp)/real(model%totals%particles(bodies(1)), dp)
@@ -167,12 +172,21 @@ contains
     end do
   end subroutine find_inside
 
+  !> Whether the fields of a pair share a node of this rank: those of most pairs do not.
+  pure function meet_here(shared, pair) result(yes)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: pair
+    logical :: yes
+    yes = shared%links > 0
+    if (yes) yes = any(shared%pair == pair)
+  end function meet_here
+
   !> Particles of a body here around which another body fills the space.
   pure function count_inside(model, own, other) result(inside)
     type(model_t), intent(in) :: model
     integer, intent(in) :: own, other
     integer(i8) :: inside
-    real(dp), parameter :: full = 0.9_dp         !! 0.4 where bodies touch, 1 a cell below
+    real(dp), parameter :: full = 0.9_dp         !! 0.34 where bodies touch, 0.96 a cell below
     integer :: c, l
     inside = 0_i8
     associate (particles => model%bodies(own)%particles, body => model%bodies(other))
