@@ -24,7 +24,7 @@ def drift(history):
     total = history["total_energy"]
     scale = max(np.max(np.abs(total)), np.max(np.abs(history["kinetic_energy"])), np.finfo(float).tiny)
     explained = sum(sign * history.get(name, 0.0) for name, sign in (
-        ("external_work", 1.0), ("contact_dissipation", -1.0)))
+        ("external_work", 1.0), ("contact_dissipation", -1.0), ("damping_dissipation", -1.0)))
     change = total - total[0] - (explained - np.atleast_1d(explained)[0])
     return change / scale, history.get("energy_remainder", np.zeros_like(total)) / scale
 

@@ -38,6 +38,7 @@ contains
     call archive%pass(particle_steps)
     call pass_ledger(archive, model%ledger)
     if (model%method%split > 0.0_dp) call archive%pass(model%ledger%split_energy)
+    if (model%method%damped) call archive%pass(model%ledger%damping_dissipation)
     call archive%pass(model%totals%points)
     if (.not. allocated(model%totals%particles)) then
       allocate (model%totals%particles(size(model%bodies)))
@@ -87,6 +88,7 @@ contains
     call archive%pass(ledger%predicted)
     call archive%pass(ledger%largest_kinetic)
     call archive%pass(ledger%supplied)
+    call archive%pass(ledger%moving_until)
     call archive%pass(ledger%momentum)
     call archive%pass(ledger%ignored_nodes)
   end subroutine pass_ledger

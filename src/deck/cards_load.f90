@@ -1,9 +1,11 @@
-!> The cards `velocity`, `gravity`, `bodyforce` and `detonation`: what sets bodies in motion.
+!> The cards `velocity`, `gravity`, `bodyforce`, `damping` and `detonation`: what sets bodies in
+!! motion, and to rest.
 module sgmp_cards_load
   use sgmp_constitutive, only: material_explosive
   use sgmp_deck_card, only: deck_card_t
   use sgmp_expression, only: expression_clone, expression_free, expression_t
-  use sgmp_keys, only: kind_expression, kind_name_word, kind_real, kind_vector
+  use sgmp_keys, only: kind_expression, kind_logical, kind_name_word, kind_real, &
+                       kind_vector
   use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
   use sgmp_scene, only: bodyforce_card_t, detonation_card_t
@@ -33,6 +35,7 @@ contains
                        'bodyforce bar x="sin(pi*x0)*cos(t)"', read_bodyforce)
     call registry%key('body', kind_name_word, 'the body; default: all', default='all', slot=1)
     call register_components(registry, 'acceleration')
+    call register_damping(registry)
     call registry%card('detonation', 'A point or a plane from which explosives are lit.', &
                        'detonation point=(0,0,0)', read_detonation, check_detonation)
     call registry%key('point', kind_vector, 'the point, or a point of the plane', unit='length', &
@@ -41,6 +44,20 @@ contains
     call registry%key('normal', kind_vector, 'normal of a plane wave; without it the wave is '// &
                       'spherical')
   end subroutine register_load
+
+  subroutine register_damping(registry)
+    type(registry_t), intent(inout) :: registry
+    call registry%card('damping', 'Slows everything down that is not rigid: the way to an '// &
+                       'equilibrium.', 'damping rate=200', read_damping, check_damping, &
+                       once=.true.)
+    call registry%key('rate', kind_real, 'force against the velocity, per momentum: free '// &
+                      'motion decays with exp(-rate t), vibrations with half of it', unit='1/time', &
+                      range='[0,inf)', default='0', source='doc/damping.md')
+    call registry%key('kinetic', kind_logical, 'everything stops whenever the kinetic energy '// &
+                      'has begun to fall', default='no', source='doc/damping.md')
+    call registry%key('until', kind_real, 'no damping from this time on; default: never', &
+                      unit='time', range='(0,inf)')
+  end subroutine register_damping
 
   !> Keys x, y, z, or r and z, that are functions of position.
   subroutine register_components(registry, unit)
@@ -132,6 +149,24 @@ contains
     end do
     draft%scene%bodyforces = [draft%scene%bodyforces, new]
   end subroutine read_bodyforce
+
+  subroutine read_damping(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    associate (damping => draft%scene%damping)
+      damping%rate = card%number('rate')
+      damping%kinetic = card%flag('kinetic')
+      damping%until = card%number('until', absent=damping%until)
+    end associate
+  end subroutine read_damping
+
+  subroutine check_damping(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    if (card%position%line == 0 .or. any(card%values%given)) return  ! not in the deck, or with keys
+    call draft%errors%add(card%position, 'the damping does not say how', &
+                          'write rate=…, kinetic=yes or both')
+  end subroutine check_damping
 
   subroutine read_detonation(card, draft)
     type(deck_card_t), intent(in) :: card

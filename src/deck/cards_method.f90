@@ -90,6 +90,13 @@ contains
     call registry%key('kinetic_below', kind_real, &
                       'finish when the kinetic energy falls below this fraction of its maximum', &
                       range='[0,1)', default='0')
+    call registry%key('at_rest', kind_real, &
+                      'finish when the kinetic energy is below this fraction of kinetic and '// &
+                      'internal energy', range='[0,1)', default='0')
+    call registry%key('hold', kind_real, 'and has been for this long: longer than a vibration', &
+                      unit='time', range='[0,inf)', default='0')
+    call registry%key('after', kind_real, 'at_rest counts from this time on', unit='time', &
+                      range='[0,inf)', default='0')
   end subroutine register_time
 
   subroutine read_method(card, draft)
@@ -257,6 +264,9 @@ contains
     type(draft_t), intent(inout) :: draft
     draft%scene%stop%energy_growth = card%number('energy_growth')
     draft%scene%stop%kinetic_below = card%number('kinetic_below')
+    draft%scene%stop%at_rest = card%number('at_rest')
+    draft%scene%stop%hold = card%number('hold')
+    draft%scene%stop%after = card%number('after')
   end subroutine read_stop
 
 end module sgmp_cards_method

@@ -16,8 +16,8 @@ module sgmp_scene
   implicit none
   private
   public :: balance_card_t, body_card_t, bodyforce_card_t, checkpoint_card_t, contact_card_t, &
-            detonation_card_t, gauge_card_t, grid_card_t, material_card_t, method_card_t, &
-            output_card_t, statement_text_t, stop_card_t, time_card_t
+            damping_card_t, detonation_card_t, gauge_card_t, grid_card_t, material_card_t, &
+            method_card_t, output_card_t, statement_text_t, stop_card_t, time_card_t
   public :: contact_lambda_default
   public :: scene_at_rest, scene_free, scene_space, scene_t
   public :: update_usf, update_musl, update_usl, update_usavg, update_names
@@ -166,12 +166,23 @@ module sgmp_scene
     real(dp) :: point(3) = 0.0_dp
   end type gauge_card_t
 
+  !> What slows all bodies down.
+  type :: damping_card_t
+    real(dp) :: rate = 0.0_dp                     !! of the velocities' decay
+    logical :: kinetic = .false.                  !! all stop when the kinetic energy falls
+    real(dp) :: until = huge(1.0_dp)              !! time
+  end type damping_card_t
+
   !> Conditions that end a run early.
   type :: stop_card_t
     real(dp) :: energy_growth = 10.0_dp
       !! abort (exit 4) at this many times the energy that the scene was given
     real(dp) :: kinetic_below = 0.0_dp
       !! finish when kinetic energy falls below this fraction of its maximum
+    real(dp) :: at_rest = 0.0_dp
+      !! finish when kinetic energy is below this fraction of kinetic and internal energy
+    real(dp) :: hold = 0.0_dp                     !! for so long
+    real(dp) :: after = 0.0_dp                    !! counted from this time on
   end type stop_card_t
 
   !> A whole simulation.
@@ -192,6 +203,7 @@ module sgmp_scene
     real(dp) :: gravity(3) = 0.0_dp
     type(bodyforce_card_t), allocatable :: bodyforces(:)
     type(contact_card_t), allocatable :: contacts(:)
+    type(damping_card_t) :: damping
     type(detonation_card_t), allocatable :: detonations(:)
     type(output_card_t) :: output
     type(gauge_card_t), allocatable :: gauges(:)

@@ -82,6 +82,15 @@ contains
         card = 'explosive'//keys(c(2:2), 'detonation_speed')
       case ('null')
         card = 'fluid'//keys(c(3:3), 'viscosity')
+      case ('dpm')
+        call write_soil(c, solid, card)
+        if (card == '') then
+          call words%errors%add(material%place, 'dpm: a cone that is none: qphi must lie '// &
+                                'between 0 and sqrt(3), qpsi not above it, kphi and tenf not '// &
+                                'below 0', &
+                                'check the order: density E nu qphi kphi qpsi tenf')
+          return
+        end if
       case default
         card = ''
       end select
@@ -98,6 +107,24 @@ contains
     end associate
     call note_law(material, word_item(card, 1), notes)
   end subroutine write_law
+
+  !> Drucker-Prager: the cone sqrt(J2) + qphi s <= kphi, s the mean stress, by the angles and the
+  !! cohesion of the Mohr-Coulomb hexagon whose compressive edges it touches; '' where none does.
+  pure subroutine write_soil(c, solid, card)
+    real(dp), intent(in) :: c(:)     !! density E nu qphi kphi qpsi tension
+    character(*), intent(in) :: solid
+    character(:), allocatable, intent(out) :: card
+    real(dp), parameter :: degree = acos(-1.0_dp)/180.0_dp
+    real(dp) :: sines(2)
+    card = ''
+    sines = 3.0_dp*c([4, 6])/(sqrt(12.0_dp) + c([4, 6]))
+    if (c(4) <= 0.0_dp .or. c(5) < 0.0_dp .or. c(6) < 0.0_dp .or. c(7) < 0.0_dp) return
+    if (sines(1) >= 1.0_dp .or. sines(2) > sines(1)) return
+    card = 'drucker_prager'//solid//keys(asin(sines)/degree, 'friction dilatancy')// &
+           keys([c(5)*(sqrt(3.0_dp) - sines(1)/sqrt(3.0_dp))/(2.0_dp*sqrt(1.0_dp - sines(1)**2))], &
+                'cohesion')
+    if (c(7) < c(5)/c(4)) card = card//keys(c(7:7), 'tension')
+  end subroutine write_soil
 
   !> Johnson-Cook without temperature; constants that have no effect are left out.
   pure function flow(abnc, rate, solid) result(card)
@@ -129,6 +156,9 @@ contains
     case ('neoh')
       call notes%add(note_approximated, material%place, keyword, kind//': compressible, with '// &
                      'the same moduli; the volumetric term of its energy may be another')
+    case ('dpm')
+      call notes%add(note_honoured, material%place, keyword, kind//': the same cone, its slope '// &
+                     'as an angle, its size as a cohesion; tension is the largest mean stress')
     case default
       call notes%add(note_honoured, material%place, keyword, kind)
     end select

@@ -16,6 +16,7 @@ module sgmp_mpm3d_native
   private
   public :: native_write, particle_file_name
 
+  real(dp), parameter :: earliest_rest = 100.0_dp  !! MPM3D does not look before
   character(5), parameter :: face_words(0:2) = ['free ', 'fixed', 'slip ']
 
 contains
@@ -70,11 +71,9 @@ contains
   subroutine refuse(deck, words)
     type(mpm3d_deck_t), intent(in) :: deck
     type(mpm3d_words_t), intent(inout) :: words
-    if (mpm3d_given(deck, 'damp')) call words%errors%add( &
-      mpm3d_place(deck, 'damp'), 'Damp: there is no mass-proportional damping here', &
-      'remove it: without damping the run ends with what is left of the motion')
-    if (mpm3d_given(deck, 'drda')) call words%errors%add( &
-      mpm3d_place(deck, 'drda'), 'drda: there is no kinetic damping here', 'remove it')
+    if (deck%damping < 0.0_dp) call words%errors%add( &
+      mpm3d_place(deck, 'damp'), 'Damp is negative: it would drive what moves', &
+      'check the sign')
     if (count([mpm3d_given(deck, 'gimp'), mpm3d_given(deck, 'bimp'), &
                mpm3d_given(deck, 'sgmp')]) > 1) call words%errors%add( &
       mpm3d_place(deck, 'sgmp'), 'more than one of gimp, bimp, sgmp', 'keep one')
@@ -91,7 +90,15 @@ contains
       call native%parameter('spacing', real_text_tidy(common_spacing(pieces)), &
                             'distance of particles')
     end if
-    call native%parameter('t_end', real_text_tidy(deck%end), 'end time')
+    if (mpm3d_given(deck, 'qulo')) then
+      call native%parameter('t_end', real_text_tidy(max(deck%end, earliest_rest)), &
+                            'earliest end: when at rest')
+      call notes%add(note_approximated, mpm3d_place(deck, 'qulo'), 'QuLo', 'the run ends at '// &
+                     'rest, the kinetic energy below 0.005 of kinetic and internal, from '// &
+                     'endtime on and not before 100, as in MPM3D; at the latest at ten times that')
+    else
+      call native%parameter('t_end', real_text_tidy(deck%end), 'end time')
+    end if
     call native%parameter('cfl', real_text_tidy(deck%courant), 'Courant number')
     call notes%add(note_honoured, mpm3d_place(deck, 'dcel'), 'dcell', 'grid cell=h')
     call notes%add(note_honoured, mpm3d_place(deck, 'endt'), 'endtime', 'time end=t_end')
@@ -196,7 +203,13 @@ contains
     if (deck%on(word_position('musl', mpm3d_keywords))) update = 'musl'
     call native%section('numerics')
     call native%add('method '//method//' update='//update)
-    call native%add('time end=t_end cfl=$cfl')
+    if (mpm3d_given(deck, 'qulo')) then
+      call native%add('time end=10*t_end cfl=$cfl')
+      call native%add('stop at_rest=0.005 after=t_end')
+    else
+      call native%add('time end=t_end cfl=$cfl')
+    end if
+    call write_damping(deck, native, notes)
     call note_switches(deck, update, notes)
     if (mpm3d_given(deck, 'bimp')) call notes%add(note_honoured, mpm3d_place(deck, 'bimp'), &
                                                   'bimp', 'method bspline')
@@ -315,6 +328,22 @@ contains
     if (card /= '') call native%add('velocity '//piece%name//card)
   end subroutine write_velocity
 
+  subroutine write_damping(deck, native, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(native_deck_t), intent(inout) :: native
+    type(import_notes_t), intent(inout) :: notes
+    character(:), allocatable :: card
+    card = ''
+    if (mpm3d_given(deck, 'damp')) call notes%add( &
+      note_honoured, mpm3d_place(deck, 'damp'), 'Damp', 'damping rate')
+    if (deck%damping > 0.0_dp) card = ' rate='//real_text_tidy(deck%damping)
+    if (mpm3d_given(deck, 'drda')) then
+      card = card//' kinetic=yes'
+      call notes%add(note_honoured, mpm3d_place(deck, 'drda'), 'drda', 'damping kinetic=yes')
+    end if
+    if (card /= '') call native%add('damping'//card)
+  end subroutine write_damping
+
   !> Gravity and forces as forces per mass.
   subroutine write_loads(deck, pieces, space, native, notes)
     type(mpm3d_deck_t), intent(in) :: deck
@@ -324,8 +353,7 @@ contains
     type(import_notes_t), intent(inout) :: notes
     integer :: i
     if (mpm3d_given(deck, 'qulo')) call notes%add( &
-      note_approximated, mpm3d_place(deck, 'qulo'), 'QuLo', 'forces on particles rise over '// &
-      'this time, as in MPM3D; the run ends at the end time, not when it has come to rest')
+      note_honoured, mpm3d_place(deck, 'qulo'), 'QuLo', 'forces on particles rise over this time')
     do i = 1, size(deck%loads)
       call notes%add(note_honoured, deck%loads(i)%place, 'load', 'bodyforce: force per mass')
     end do

@@ -12,7 +12,8 @@ module sgmp_history
   use sgmp_text, only: integer_text, row_text
   implicit none
   private
-  public :: history_t, history_columns, kept_columns, split_columns, swirl_columns
+  public :: history_t, history_columns, damped_columns, kept_columns, split_columns, &
+            swirl_columns
   public :: bodies_columns, bodies_integers, gauges_columns, &
     gauges_integers, contact_columns, contact_integers, column_length
 
@@ -29,6 +30,9 @@ module sgmp_history
   !> And behind them, where particles are split.
   character(column_length), parameter :: split_columns(*) = [character(column_length) :: &
     'split_energy']
+  !> Or with damping.
+  character(column_length), parameter :: damped_columns(*) = [character(column_length) :: &
+    'damping_dissipation']
   !> Or with swirl.
   character(column_length), parameter :: swirl_columns(*) = [character(column_length) :: &
     'angular_momentum']

@@ -5,9 +5,9 @@ module sgmp_outputs
   use sgmp_energy, only: ledger_total
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: directory_make
-  use sgmp_history, only: bodies_columns, bodies_integers, column_length, gauges_columns, &
-                          gauges_integers, history_columns, history_t, kept_columns, &
-                          split_columns, swirl_columns
+  use sgmp_history, only: bodies_columns, bodies_integers, column_length, damped_columns, &
+                          gauges_columns, gauges_integers, history_columns, history_t, &
+                          kept_columns, split_columns, swirl_columns
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_sum
@@ -124,6 +124,7 @@ contains
     columns = history_columns
     if (model%method%relaxed) columns = [columns, kept_columns]
     if (model%method%split > 0.0_dp) columns = [columns, split_columns]
+    if (model%method%damped) columns = [columns, damped_columns]
     if (model%method%swirl) columns = [columns, swirl_columns]
     call outputs%history%open(folder//'/history.csv', columns, error, keep_to_step=step)
     if (allocated(error)) return
@@ -271,6 +272,7 @@ contains
                 l%interpolation_error, l%remainder, momentum_in_output(model, l%momentum)]
       if (model%method%relaxed) values = [values, l%filter_heat, l%volume_correction]
       if (model%method%split > 0.0_dp) values = [values, l%split_energy]
+      if (model%method%damped) values = [values, l%damping_dissipation]
       if (model%method%swirl) values = [values, model%mesh%h*l%momentum(3)]
     end associate
     call outputs%history%write_row(model%clock%step, values, error)

@@ -322,6 +322,9 @@ contains
     if (model%method%split > 0.0_dp) then
       call summary%set('energy.split_energy', model%ledger%split_energy)
     end if
+    if (model%method%damped) then
+      call summary%set('energy.damping_dissipation', model%ledger%damping_dissipation)
+    end if
     call summary%set('energy.interpolation_error', model%ledger%interpolation_error)
     call summary%set('energy.predicted_error', model%ledger%predicted)
     call summary%set('energy.remainder', model%ledger%remainder)

@@ -8,7 +8,7 @@ module sgmp_simulation
                              checkpoint_write
   use sgmp_command_line, only: command_line_t
   use sgmp_cost_estimate, only: cost_estimate_write, cost_estimate_write_need
-  use sgmp_energy, only: ledger_drift
+  use sgmp_energy, only: ledger_drift, ledger_total
   use sgmp_errors, only: error_make, error_t, exit_io, exit_numerical, exit_stopped
   use sgmp_forewarnings, only: forewarnings_find
   use sgmp_kinds, only: dp, i8
@@ -200,6 +200,7 @@ contains
       call clock_advance(model%clock, target)
       effort%particle_steps = effort%particle_steps + sum(model%totals%particles)
       call guard(scene, model)
+      call note_motion(scene, model)
       if (allocated(model%findings%failure)) then
         call move_alloc(model%findings%failure, error)
         return
@@ -283,8 +284,21 @@ contains
     if (model%clock%step > 0 .and. scene%stop%kinetic_below > 0.0_dp) then
       yes = yes .or. model%ledger%kinetic < scene%stop%kinetic_below*model%ledger%largest_kinetic
     end if
+    if (scene%stop%at_rest > 0.0_dp .and. model%clock%time > model%ledger%moving_until) then
+      yes = yes .or. model%clock%time - model%ledger%moving_until >= scene%stop%hold
+    end if
     yes = yes .or. sum(model%totals%particles) == 0_i8
   end function finished
+
+  !> Notes that the scene is not at rest yet.
+  subroutine note_motion(scene, model)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(inout) :: model
+    associate (kinetic => model%ledger%kinetic, total => ledger_total(model%ledger))
+      if (model%clock%time >= scene%stop%after .and. kinetic < scene%stop%at_rest*total) return
+      model%ledger%moving_until = model%clock%time
+    end associate
+  end subroutine note_motion
 
   !> Energy from nowhere beyond the deck's limit, or beyond all sense, is a failure.
   subroutine guard(scene, model)

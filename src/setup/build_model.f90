@@ -62,6 +62,10 @@ contains
     model%method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
     model%method%spins = spin_components(scene)
     model%method%swirl = scene%swirl
+    model%method%damped = scene%damping%rate > 0.0_dp .or. scene%damping%kinetic
+    model%method%damping = scene%damping%rate
+    model%method%kinetic_damping = scene%damping%kinetic
+    model%method%damped_until = scene%damping%until
     model%method%lost_policy = scene%grid%lost
     kernel = method_kernel(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%totals%bodies(size(scene%bodies)))

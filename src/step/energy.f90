@@ -11,7 +11,8 @@ module sgmp_energy
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: ledger_t, ledger_open, ledger_step, ledger_relax, ledger_after_kick, ledger_split
+  public :: ledger_t, ledger_open, ledger_step, ledger_relax, ledger_after_kick, ledger_split, &
+            ledger_damp
   public :: ledger_total, ledger_drift, step_sums_t
 
   !> Sums of one step.
@@ -41,6 +42,7 @@ module sgmp_energy
     real(dp) :: external_work = 0.0_dp
     real(dp) :: contact_dissipation = 0.0_dp
     real(dp) :: viscous_dissipation = 0.0_dp
+    real(dp) :: damping_dissipation = 0.0_dp
     real(dp) :: filter_heat = 0.0_dp, volume_correction = 0.0_dp  !! for kept volumes
     real(dp) :: split_energy = 0.0_dp        !! kinetic energy that splitting particles has added
     real(dp) :: interpolation_error = 0.0_dp  !! sum of dt^2/2 (sum_I m|a|^2 - sum_p m|a|^2), Eq. 43
@@ -49,6 +51,7 @@ module sgmp_energy
     real(dp) :: largest_kinetic = 0.0_dp
     real(dp) :: supplied = 0.0_dp            !! most that was there to be spent: of the energy at
                                              !! the start and the external work at any time
+    real(dp) :: moving_until = 0.0_dp        !! last time that was not at rest
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: ignored_nodes = 0.0_dp
   end type ledger_t
@@ -63,14 +66,14 @@ contains
   end function ledger_total
 
   !> Part of the energy supplied that has come from nowhere (or, if negative, is gone): the total
-  !! energy and what contact has turned to heat, less the energy at the start and the external work,
-  !! over the most that was there to be spent. What the scheme itself dissipates or creates is in
-  !! it; so is the kinetic energy of removed particles.
+  !! energy and what contact and damping have taken, less the energy at the start and the external
+  !! work, over the most that was there to be spent. What the scheme itself dissipates or creates is
+  !! in it; so is the kinetic energy of removed particles.
   pure function ledger_drift(ledger) result(drift)
     type(ledger_t), intent(in) :: ledger
     real(dp) :: drift
-    drift = (ledger_total(ledger) + ledger%contact_dissipation - ledger%initial_total - &
-             ledger%external_work)/max(ledger%supplied, tiny(1.0_dp))
+    drift = (ledger_total(ledger) + ledger%contact_dissipation + ledger%damping_dissipation - &
+             ledger%initial_total - ledger%external_work)/max(ledger%supplied, tiny(1.0_dp))
   end function ledger_drift
 
   !> Starts a ledger from the initial state.
@@ -136,5 +139,14 @@ contains
     ledger%predicted = ledger%predicted + sums%split
     ledger%split_energy = ledger%split_energy + sums%split
   end subroutine ledger_split
+
+  !> Books the kinetic energy that is lost where all velocities are multiplied by a factor.
+  pure subroutine ledger_damp(ledger, factor)
+    type(ledger_t), intent(inout) :: ledger
+    real(dp), intent(in) :: factor
+    ledger%damping_dissipation = ledger%damping_dissipation + (1.0_dp - factor**2)*ledger%kinetic
+    ledger%kinetic = factor**2*ledger%kinetic
+    ledger%momentum = factor*ledger%momentum
+  end subroutine ledger_damp
 
 end module sgmp_energy

@@ -7,6 +7,7 @@ module sgmp_step
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_step_t
   use sgmp_contact_phases, only: phase_contact_force, phase_contact_velocity, phase_find_contact
+  use sgmp_damping, only: damping_factor, damping_slow
   use sgmp_energy, only: ledger_after_kick, ledger_relax, ledger_split, ledger_step
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
@@ -49,8 +50,9 @@ contains
   !> Advances the model by clock%dt.
   subroutine step_take(model)
     type(model_t), intent(inout) :: model
-    real(dp) :: dt_kick
+    real(dp) :: dt_kick, kinetic
     dt_kick = clock_kick_step(model%clock)
+    kinetic = model%ledger%kinetic
     call step_open(model)
     if (model%method%rotation) call prepare_rotation(model)
     select case (model%method%update)
@@ -64,7 +66,21 @@ contains
       call step_usl(model, dt_kick)
     end select
     call book_step(model, dt_kick)
+    if (model%method%damped) call damp(model, dt_kick, kinetic)
   end subroutine step_take
+
+  !> Takes from the velocities what damping wants.
+  subroutine damp(model, dt_kick, kinetic_before)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt_kick, kinetic_before
+    real(dp) :: factor
+    call timers_start(model%timers)
+    factor = damping_factor(model%method, model%clock%time, dt_kick, kinetic_before, &
+                            model%ledger%kinetic)
+    if (factor < 1.0_dp) call damping_slow(factor, model%team%threads, model%fields, &
+                                           model%bodies, model%totals%bodies, model%ledger)
+    call timers_stop(model%timers, phase_kick)
+  end subroutine damp
 
   !> Modified update stress last.
   subroutine step_musl(model, dt_kick)

@@ -1,0 +1,101 @@
+!> Damping: every step takes the same part of the velocity from all that moves freely.
+!!
+!! A pass of its own after the step, over the particles and over the momentum that they have given
+!! to the grid, so that steps without damping know nothing of it. With the factor f on the
+!! velocities the energy taken is (1 - f^2) of the kinetic energy, exactly. Leapfrog with f = exp(-rate dt)
+!! after each kick lets a mode decay with rate/2, exactly (doc/damping.md).
+module sgmp_damping
+  use sgmp_body, only: body_t
+  use sgmp_energy, only: ledger_damp, ledger_t
+  use sgmp_field, only: field_t
+  use sgmp_kinds, only: dp
+  use sgmp_method, only: method_t
+  use sgmp_motion, only: motion_velocity
+  use sgmp_particles, only: particles_t
+  use sgmp_rigid_bodies, only: rigid_field
+  use sgmp_totals, only: body_sums_t
+  implicit none
+  private
+  public :: damping_factor, damping_slow
+
+contains
+
+  !> What is left of the velocities at the end of a step. Kinetic damping leaves nothing once the
+  !! kinetic energy has passed a maximum: the elastic energy is then near a minimum.
+  pure function damping_factor(method, time, dt_kick, kinetic_before, kinetic) result(factor)
+    type(method_t), intent(in) :: method
+    real(dp), intent(in) :: time               !! at the start of the step
+    real(dp), intent(in) :: dt_kick            !! velocity step
+    real(dp), intent(in) :: kinetic_before, kinetic  !! energy before and after the step
+    real(dp) :: factor
+    factor = 1.0_dp
+    if (time >= method%damped_until) return
+    factor = exp(-method%damping*dt_kick)
+    if (method%kinetic_damping .and. kinetic < kinetic_before) factor = 0.0_dp
+  end function damping_factor
+
+  !> Multiplies velocities, spins and momenta by a factor and books the energy that this takes.
+  subroutine damping_slow(factor, threads, fields, bodies, sums, ledger)
+    real(dp), intent(in) :: factor
+    integer, intent(in) :: threads
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(inout) :: bodies(:)
+    type(body_sums_t), intent(inout) :: sums(:)  !! (bodies)
+    type(ledger_t), intent(inout) :: ledger
+    integer :: b, f
+    do b = 1, size(bodies)
+      if (bodies(b)%rigid) cycle
+      call slow_particles(factor, threads, bodies(b)%law%slots%spin, bodies(b)%law%slots%swirl, &
+                          fields(bodies(b)%field)%columns%spins, bodies(b)%particles)
+      sums(b)%momentum = factor*sums(b)%momentum
+      sums(b)%kinetic = factor**2*sums(b)%kinetic
+    end do
+    do f = 1, size(fields)
+      if (rigid_field(bodies, f) == 0) call slow_field(factor, fields(f))
+    end do
+    call ledger_damp(ledger, factor)
+  end subroutine damping_slow
+
+  !> All that is a velocity in the particles of a body.
+  subroutine slow_particles(factor, threads, spin, swirl, spins, particles)
+    real(dp), intent(in) :: factor
+    integer, intent(in) :: threads
+    integer, intent(in) :: spin, swirl         !! columns of the state, 0: none
+    integer, intent(in) :: spins               !! components of the spin
+    type(particles_t), intent(inout) :: particles
+    integer :: c, first, last
+    first = motion_velocity(particles%ndim)
+    last = first + particles%ndim - 1
+    !$omp parallel do schedule(static) num_threads(threads) if(threads > 1) default(none) &
+    !$omp& shared(particles, first, last, factor, spin, spins, swirl) private(c)
+    do c = 1, particles%chunks
+      particles%motion(:, first:last, c) = factor*particles%motion(:, first:last, c)
+      if (spins > 0) particles%state(:, spin:spin + spins - 1, c) = &
+        factor*particles%state(:, spin:spin + spins - 1, c)
+      if (swirl > 0) particles%state(:, swirl, c) = factor*particles%state(:, swirl, c)
+    end do
+    !$omp end parallel do
+  end subroutine slow_particles
+
+  !> All that is a momentum in the sums of a field, for the step to come.
+  subroutine slow_field(factor, field)
+    real(dp), intent(in) :: factor
+    type(field_t), intent(inout) :: field
+    associate (columns => field%columns)
+      call scale(columns%momentum, field%ndim, factor)
+      if (columns%spins > 0) call scale(columns%spin, columns%spins, factor)
+      if (columns%swirl > 0) call scale(columns%swirl, 1, factor)
+      if (columns%square > 0) call scale(columns%square, 1, factor**2)
+    end associate
+
+  contains
+
+    subroutine scale(first, n, part)
+      integer, intent(in) :: first, n
+      real(dp), intent(in) :: part
+      field%moment(:, first:first + n - 1) = part*field%moment(:, first:first + n - 1)
+    end subroutine scale
+
+  end subroutine slow_field
+
+end module sgmp_damping

@@ -1,0 +1,180 @@
+#!/usr/bin/env python3
+"""Damping (doc/damping.md): decay of a mode, of free flight and of a spin, the way to an equilibrium, the ledger, the same bits.
+
+usage: damping.py SGMP SOURCE_DIR SCRATCH_DIR
+
+Known from outside: exp(-rate t/2) of a mode, exp(-rate t) of what is free, the deflection and energy of a column under gravity.
+"""
+import math
+import os
+
+from _restarts import checkpoints, goes_on, mpirun, straight
+from _runs import KEPT_PLANE, SCRATCH, SPLIT, SWIRL, Report, run
+
+RATE = 0.5
+BAR = f"""
+parameter method = sgmp
+parameter update = musl
+dimension 1
+grid cell=1/32 x=0:1
+wall x-=fixed x+=fixed
+method $method update=$update
+time end=10 dt=1/128
+material rubber elastic density=1 young=1 poisson=0 strain=small
+body bar block lower=0 upper=1 material=rubber spacing=1/64
+velocity bar x="1e-4*sin(pi*x)"
+damping rate={RATE}
+gauge middle point=0.5
+"""
+# Two bodies that fly on, one of them as prescribed, and a third that spins.
+FLIGHT = """
+dimension 2
+grid cell=1
+method sgmp spin=carried
+time end=4 dt=0.05
+material stiff elastic density=2 young=10 poisson=0.3
+body free block lower=(0,0) upper=(4,4) material=stiff
+body tool block lower=(0,20) upper=(4,24) material=stiff
+rigid tool x=1
+velocity free x=1 y=-0.5
+damping rate=0.5 until=2
+history steps=1
+"""
+COLUMN = """
+parameter end = 400
+dimension 1
+grid cell=1/16 x=0:open
+wall x-=fixed
+method sgmp
+time end=end cfl=0.4
+stop at_rest=1e-6 hold=8 after=3
+material rubber elastic density=1 young=1 poisson=0 strain=small
+body bar block lower=0 upper=1 material=rubber spacing=1/32
+gravity -1e-4
+damping kinetic=yes
+history steps=1
+output csv at=end fields=displacement
+"""
+SPINNING = """
+parameter slow = 1
+dimension axisymmetric swirl=yes
+grid cell=1/8
+method sgmp
+time end=2 dt=1/64
+material rubber elastic density=1 young=100 poisson=0.3
+body disc cylinder material=rubber centre=(0,0) axis=(0,1) radius=1 length=1
+velocity disc spin=0.1
+damping rate=slow
+"""
+TUMBLING = """
+dimension 2
+grid cell=1/4
+method sgmp spin=carried
+time end=12 cfl=0.4
+material rubber elastic density=1 young=10 poisson=0.3
+body block block material=rubber lower=(-1,-1) upper=(1,1)
+velocity block x=-0.05*y y=0.05*x
+damping kinetic=yes
+history steps=1
+"""
+
+
+def oscillation(values, dt):
+    """Rate and frequency of a damped oscillation: v(k+1) + p v(k) + q v(k-1) = 0 has the roots exp((-rate +- i omega) dt)."""
+    after, here, before = values[2:], values[1:-1], values[:-2]
+    def product(a, b):
+        return sum(x*y for x, y in zip(a, b))
+    determinant = product(here, here)*product(before, before) - product(here, before)**2
+    p = (product(before, after)*product(here, before) - product(here, after)*product(before, before))/determinant
+    q = (product(here, after)*product(here, before) - product(before, after)*product(here, here))/determinant
+    return -0.5*math.log(q)/dt, math.acos(-0.5*p/math.sqrt(q))/dt
+
+
+def ledger(report, name, result, balance):
+    """Kinetic energy to round-off, the total to what the scheme itself dissipates; the last row is that of the summary."""
+    energy, row = result["energy"], result.table("history.csv")[-1]
+    supplied = energy["supplied"]
+    report.check(abs(energy["remainder"]) < 1e-13*supplied, f"{name}: kinetic identity {energy['remainder']/supplied}")
+    gone = (energy["total"] + energy["damping_dissipation"] + energy["contact_dissipation"] - energy["initial_total"] - energy["external_work"])/supplied
+    report.check(abs(gone) < balance, f"{name}: {gone} of the energy unexplained")
+    report.check(abs(gone - energy["drift"]) < 1e-12, f"{name}: drift {energy['drift']}, not {gone}")
+    report.check(row["damping_dissipation"] == energy["damping_dissipation"] > 0, f"{name}: {row['damping_dissipation']} in history.csv")
+    report.check(abs(row["kinetic_energy"] - sum(body["kinetic_energy"] for body in result.table("bodies.csv")[-1:])) < 1e-13*supplied, f"{name}: bodies.csv")
+
+
+def modes(report):
+    """A bar decays with half the rate whatever the scheme; its frequency falls as that of an oscillator, to the order of the step."""
+    for method, update in (("sgmp", "musl"), ("sgmp", "usf"), ("sgmp", "usl"), ("sgmp", "usavg"), ("mpm", "musl"), ("gimp", "musl")):
+        name = f"bar_{method}_{update}"
+        result = run(name, BAR, method=method, update=update)
+        if not report.finished(result, name):
+            continue
+        rate, omega = oscillation([row["velocity_x"] for row in result.table("gauges.csv")[1:]], 1/128)
+        extra = 1e-3 if update == "usl" else 0.0  # which dissipates by itself
+        report.check(abs(rate/(0.5*RATE) - 1) < 1e-5 + extra, f"{name}: rate {rate}, not {0.5*RATE}")
+        report.check(abs(omega/math.sqrt(math.pi**2 - 0.25*RATE**2) - 1) < 5e-3, f"{name}: frequency {omega}")
+        ledger(report, name, result, 5e-3)
+
+
+def flight(report):
+    """What is free decays with the rate, until damping ends; what is prescribed goes on."""
+    result = run("flight", FLIGHT)
+    if not report.finished(result, "flight"):
+        return
+    rows = [row for row in result.table("bodies.csv") if row["name"] == "free"]
+    for row in rows[1:]:
+        expected = math.exp(-0.5*(min(row["time"], 2.0) - 0.025))  # velocities are those half a step before
+        report.check(abs(row["velocity_x"]/expected - 1) < 1e-12, f"flight: {row['velocity_x']} at {row['time']}, not {expected}")
+        report.check(abs(row["velocity_y"] + 0.5*row["velocity_x"]) < 1e-12, f"flight: direction at {row['time']}")
+    report.check(all(abs(row["velocity_x"] - 1) < 1e-13 for row in result.table("bodies.csv")[1:] if row["name"] == "tool"), "flight: the tool is slowed")
+    report.check(abs(result["energy.damping_dissipation"]/(20*(1 - math.exp(-0.5*2*(2 - 0.025)))) - 1) < 1e-12, f"flight: {result['energy.damping_dissipation']}")
+    result = run("spinning", SPINNING)
+    if report.finished(result, "spinning"):
+        first, last = (result.table("history.csv")[row]["angular_momentum"] for row in (0, -1))
+        report.check(abs(last/first - math.exp(-(2 - 1/128))) < 1e-12, f"spinning: {last/first} of the angular momentum")
+        ledger(report, "spinning", result, 1e-4)
+
+
+def equilibrium(report):
+    """Kinetic damping takes a column under gravity to rest, where the run ends; a block that turns stops and stays."""
+    result = run("column", COLUMN)
+    if report.finished(result, "column"):
+        rows, last = result.table("particles_end.csv"), result.table("history.csv")[-1]
+        worst = max(abs(row["displacement_x"] + 1e-4*(place - 0.5*place**2)) for row in rows
+                    for place in [row["x"] - row["displacement_x"]])
+        report.check(worst < 1e-4*1e-3, f"column: {worst} off the deflection")
+        report.check(abs(last["internal_energy"]/(1e-4**2/6) - 1) < 5e-3, f"column: elastic energy {last['internal_energy']}")
+        report.check(11 <= last["time"] < 200, f"column: at rest at {last['time']}")
+        report.check(last["kinetic_energy"] < 1e-6*last["total_energy"], "column: not at rest")
+        ledger(report, "column", result, 0.02)
+    early = run("early", COLUMN.replace(" hold=8 after=3", ""))
+    if report.finished(early, "early"):
+        report.check(early["time"] < 2, f"early: the first turn is at rest at {early['time']}")
+    result = run("tumbling", TUMBLING)
+    if report.finished(result, "tumbling"):
+        kinetic = [row["kinetic_energy"] for row in result.table("history.csv")]
+        stops = [n for n, energy in enumerate(kinetic) if energy == 0]
+        report.check(stops and max(kinetic[stops[0]:]) < 1e-3*kinetic[0], f"tumbling: {stops[:1]}, then {max(kinetic[stops[0]:])/kinetic[0] if stops else None}")
+
+
+def bits(report):
+    """The same for threads, ranks and restarts, where velocities have companions: kept volumes, swirl, carried spin, halves."""
+    scenes = {"kept": KEPT_PLANE + "velocity gas x=0.3*y\ndamping rate=0.05\n", "swirl": SWIRL + "damping rate=0.2 kinetic=yes\n",
+              "split": SPLIT + "damping rate=0.1\n", "tumbling": TUMBLING.replace("end=12", "steps=80").replace("kinetic=yes", "rate=0.3")}
+    for name, text in scenes.items():
+        text += "checkpoint every=30 keep=9\n"
+        reference = straight(report, name, text)
+        for title, threads, launcher in ((f"{name}_threads", 3, ()), (f"{name}_ranks", 1, mpirun(2))):
+            other = straight(report, title, text, threads=threads, launcher=launcher)
+            for key in ("checksum", "energy.damping_dissipation", "energy.total"):
+                report.check(other[key] == reference[key], f"{title}: {key} {other[key]}, not {reference[key]}")
+        goes_on(report, reference, f"{name}_again", text, checkpoints(os.path.join(SCRATCH, name))[0])
+
+
+if __name__ == "__main__":
+    REPORT = Report()
+    modes(REPORT)
+    flight(REPORT)
+    equilibrium(REPORT)
+    bits(REPORT)
+    REPORT.end()
