@@ -164,12 +164,22 @@ def masses(report):
     report.check("mass" not in result.text, f"thick: {result.text}")
 
 
+def full_log(report):
+    """A log that cannot be written: the run says so, at its end at the latest, and ends with the code for files."""
+    name = "full_log"
+    os.makedirs(clear(name))
+    os.symlink("/dev/full", os.path.join(SCRATCH, name, "run.log"))
+    result = execute(command(name, DECK), name)
+    report.check(result.code == WRONG_FILE and "error: cannot write" in result.text and "run.log" in result.text,
+                 f"{name}: exit code {result.code}\n{result.text}")
+
+
 def main():
     """All checks; the exit code is that of the report."""
     os.makedirs(SCRATCH, exist_ok=True)
     report = Report()
     of_memory = () if SANITIZED else (too_large, estimated)
-    for check in (locked, orphans, interrupted, stale, *of_memory, masses):
+    for check in (locked, orphans, interrupted, stale, *of_memory, masses, full_log):
         check(report)
     report.end()
 
