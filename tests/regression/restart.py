@@ -3,7 +3,9 @@
 
 usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 """
-from _restarts import FULL, checkpoints, deck, goes_on, mpirun, straight
+import os
+
+from _restarts import FULL, checkpoints, command, deck, execute, goes_on, mpirun, same_files, straight
 from _runs import CONE, FAILING, FLUIDS, KEPT_PLANE, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report
 
 EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
@@ -143,10 +145,25 @@ def kept(report):
         report.check(checkpoints(result.folder) == steps[-expected:], f"keep{keep}: {checkpoints(result.folder)}")
 
 
+def other_fields(report):
+    """A field that particles.vtkhdf does not have: the restart is refused, and the steps that it has stay as they are."""
+    card = "output vtkhdf every=5e-4 fields=stress\ncheckpoint every=10\n"
+    reference = straight(report, "fields", deck("block.inp", card), cells=4, steps=20)
+    path = os.path.join(reference.folder, "particles.vtkhdf")
+    result = execute(command("fields", deck("block.inp", card.replace("=stress", "=stress,density")), ["--restart", "latest"],
+                             {"cells": 4, "steps": 40}), "fields")
+    report.check(result.code == 5 and path in result.text and "density" in result.text, f"other fields: {result.code}\n{result.text}")
+    result = execute(command("fields", deck("block.inp", card), ["--restart", "latest"], {"cells": 4, "steps": 40}), "fields")
+    whole = straight(report, "fields_whole", deck("block.inp", card), cells=4, steps=40)
+    if report.finished(result, "the same fields"):
+        same_files(report, whole.folder, result.folder, "the same fields")
+
+
 def main():
     """Straight and interrupted runs of all scenes."""
     report = Report()
     kept(report)
+    other_fields(report)
     other_ranks(report)
     for name, text, settings, steps, threads in SCENES:
         for method, update in variants(name):
