@@ -116,25 +116,39 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: axis, plane1, plane2, q1, q2
     integer :: side, s, first, last, ghost, image, q, n, from, to
-    real(dp) :: parity
+    real(dp) :: parity(q1:q2)
+    logical :: centred
     if (.not. kernel_folds(field%kernel)) return
+    centred = kernel_centred(field%kernel)
     do side = 1, 2
       if (mesh%wall(side, axis) == wall_free) cycle
-      call ghost_point(mesh, axis, side, kernel_centred(field%kernel), ghost, image)
+      call ghost_point(mesh, axis, side, centred, ghost, image)
       call ghost_intervals(field, axis, ghost, plane1, plane2, first, last)
+      do q = q1, q2
+        parity(q) = moment_parity(q, field%columns, axis, mesh%wall(side, axis), field%space, &
+                                  centred)
+      end do
       do s = first, last
         call ghost_records(field, s, axis, ghost, image, from, to, n)
+        if (n == 0) cycle
         do q = q1, q2
-          if (n == 0) exit
-          parity = moment_parity(q, field%columns, axis, mesh%wall(side, axis), field%space, &
-                                 kernel_centred(field%kernel))
-          field%moment(to:to + n - 1, q) = field%moment(to:to + n - 1, q) + &
-                                           parity*field%moment(from:from + n - 1, q)
-          field%moment(from:from + n - 1, q) = 0.0_dp
+          call fold(n, parity(q), field%moment(from, q), field%moment(to, q))
         end do
       end do
     end do
   end subroutine walls_fold
+
+  !> Adds what points behind a wall hold to their images, and empties them.
+  pure subroutine fold(n, parity, ghost, image)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: parity
+    real(dp), intent(inout) :: ghost(n), image(n)
+    integer :: i
+    do i = 1, n
+      image(i) = image(i) + parity*ghost(i)
+      ghost(i) = 0.0_dp
+    end do
+  end subroutine fold
 
   !> Fills nodes behind the walls of one axis with their mirror image, in the vectors that start at
   !! the given columns.
@@ -144,7 +158,6 @@ contains
     integer, intent(in) :: axis, plane1, plane2
     integer, intent(in) :: columns(:)
     integer :: side, s, first, last, ghost, image, c, a, n, from, to
-    real(dp) :: parity
     if (.not. kernel_folds(field%kernel)) return
     do side = 1, 2
       if (mesh%wall(side, axis) == wall_free) cycle
@@ -155,18 +168,28 @@ contains
         if (n == 0) cycle
         do c = 1, size(columns)
           do a = 1, field%ndim
-            parity = vector_parity(a, axis, mesh%wall(side, axis))
-            field%node(to:to + n - 1, columns(c) + a - 1) = &
-              parity*field%node(from:from + n - 1, columns(c) + a - 1)
+            call mirror(n, vector_parity(a, axis, mesh%wall(side, axis)), &
+                        field%node(from, columns(c) + a - 1), field%node(to, columns(c) + a - 1))
           end do
           if (field%columns%swirl == 0) cycle
-          parity = vector_parity(around, axis, mesh%wall(side, axis))
           a = node_swirl(columns(c))
-          field%node(to:to + n - 1, a) = parity*field%node(from:from + n - 1, a)
+          call mirror(n, vector_parity(around, axis, mesh%wall(side, axis)), field%node(from, a), &
+                      field%node(to, a))
         end do
       end do
     end do
   end subroutine walls_mirror
+
+  !> Gives points behind a wall what their images hold.
+  pure subroutine mirror(n, parity, image, ghost)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: parity, image(n)
+    real(dp), intent(out) :: ghost(n)
+    integer :: i
+    do i = 1, n
+      ghost(i) = parity*image(i)
+    end do
+  end subroutine mirror
 
   !> Fills centres behind the walls of one axis with their mirror image, in what particles relax to.
   pure subroutine walls_mirror_centres(field, mesh, axis, plane1, plane2)

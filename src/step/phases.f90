@@ -95,7 +95,7 @@ contains
     type(field_t), intent(inout) :: fields(:)
     integer, intent(in) :: threads
     type(plan_t) :: own
-    integer :: f, axis, p
+    integer :: f, axis, t
     do f = 1, size(fields)
       own = plan
       call sweep_columns(own, fields(f))
@@ -106,9 +106,10 @@ contains
                           own%last_column)
         else
           !$omp parallel do num_threads(threads) if(threads > 1) &
-          !$omp& default(none) shared(mesh, fields, own, f, axis) private(p)
-          do p = 1, fields(f)%planes
-            call walls_fold(fields(f), mesh, axis, p, p, own%first_column, own%last_column)
+          !$omp& default(none) shared(mesh, fields, own, f, axis, threads) private(t)
+          do t = 1, threads
+            call walls_fold(fields(f), mesh, axis, 1 + share(fields(f)%planes, threads, t - 1), &
+                            share(fields(f)%planes, threads, t), own%first_column, own%last_column)
           end do
           !$omp end parallel do
         end if
@@ -134,21 +135,29 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: field
     integer, intent(in) :: columns(:), threads
-    integer :: axis, p
+    integer :: axis, t
     do axis = 1, mesh%ndim
       if (.not. has_walls(mesh, axis)) cycle
       if (axis == mesh%ndim) then
         call walls_mirror(field, mesh, axis, 1, field%planes, columns)
       else
         !$omp parallel do num_threads(threads) if(threads > 1) &
-        !$omp& default(none) shared(mesh, field, axis, columns) private(p)
-        do p = 1, field%planes
-          call walls_mirror(field, mesh, axis, p, p, columns)
+        !$omp& default(none) shared(mesh, field, axis, columns, threads) private(t)
+        do t = 1, threads
+          call walls_mirror(field, mesh, axis, 1 + share(field%planes, threads, t - 1), &
+                            share(field%planes, threads, t), columns)
         end do
         !$omp end parallel do
       end if
     end do
   end subroutine mirror
+
+  !> Planes that the first t threads take where all planes are alike.
+  pure function share(planes, threads, t) result(last)
+    integer, intent(in) :: planes, threads, t
+    integer :: last
+    last = planes*t/threads
+  end function share
 
   !> Prepares exact rotation for the masses as they lie.
   subroutine phase_rotation(method, mesh, fields, bodies, team, partition)
