@@ -5,6 +5,7 @@
 !! same widened so that every stencil of a work point falls on stored (if need be empty) points; a
 !! point's record is base + i.
 module sgmp_field
+  use sgmp_axis, only: axis_hoop_weights
   use sgmp_columns, only: columns_make, columns_t, relax_total
   use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_width
   use sgmp_kinds, only: dp, i8
@@ -13,6 +14,7 @@ module sgmp_field
   use sgmp_rotation_points, only: rotation_points_clear, rotation_points_make, &
                                   rotation_points_move, rotation_points_t
   use sgmp_rows, only: key_k, row_key, rows_contains, rows_dilate, rows_locate, rows_t
+  use sgmp_space, only: space_axisymmetric
   implicit none
   private
   public :: field_t, field_init, field_build, field_base, field_bytes
@@ -36,6 +38,9 @@ module sgmp_field
     real(dp), allocatable :: moment(:, :)           !! (points, columns%total) sums over particles
     type(rotation_points_t) :: rotation             !! for columns%offset > 0
     real(dp), allocatable :: node(:, :)             !! (points, columns%nodes) values at the nodes
+    real(dp) :: hoop_correction = 0.0_dp            !! of the hoop strain (sgmp_axis)
+    real(dp), allocatable :: hoop(:, :)  !! (x of a centre; inner, outer) weights of the hoop strain
+                                         !! where there is an axis and values are at centres
     real(dp), allocatable :: relax(:, :)  !! (points, relax_total) what particles relax to, at the
                                           !! centres; not allocated: nothing relaxes
   end type field_t
@@ -63,6 +68,7 @@ contains
     field%kernel = kernel
     field%ndim = mesh%ndim
     field%space = mesh%space
+    field%hoop_correction = mesh%hoop
     field%columns = columns_make(mesh%space, kernel, body_force, with_volume, nspin, &
                                  rotation, relaxed, swirl)
     field%points = 0
@@ -96,6 +102,7 @@ contains
     end if
     call field_number(new)
     call field_link(new)
+    call weigh_hoops(new, field%hoop_correction)
     allocate (new%moment(new%points, new%columns%total))
     allocate (new%node(new%points, new%columns%nodes))
     if (new%columns%square > 0) then
@@ -110,6 +117,19 @@ contains
     call field_move(field, new)
     call field_replace(new, field)
   end subroutine field_build
+
+  !> Weights of the hoop strain at the centres around the nodes, which all planes share.
+  pure subroutine weigh_hoops(field, correction)
+    type(field_t), intent(inout) :: field
+    real(dp), intent(in) :: correction
+    integer :: first, last
+    if (field%space /= space_axisymmetric .or. .not. kernel_centred(field%kernel)) return
+    if (field%work%n == 0) return
+    first = minval(field%work%first(:field%work%n)) - 1
+    last = maxval(field%work%last(:field%work%n))
+    allocate (field%hoop(first:last, 2))
+    call axis_hoop_weights(correction, first, last - first + 1, field%hoop(:, 1), field%hoop(:, 2))
+  end subroutine weigh_hoops
 
   !> Zeroes all values, every thread those of some planes, so that their memory lies near it.
   subroutine field_clear(field)
@@ -258,6 +278,7 @@ contains
     call move_alloc(new%moment, field%moment)
     call move_alloc(new%node, field%node)
     if (allocated(new%relax)) call move_alloc(new%relax, field%relax)
+    if (allocated(new%hoop)) call move_alloc(new%hoop, field%hoop)
     call rotation_points_move(new%rotation, field%rotation)
   end subroutine field_replace
 

@@ -260,18 +260,19 @@ contains
     type(field_t), intent(in) :: field
     integer, intent(in) :: s, axis, ghost, image
     integer, intent(out) :: at_ghost, at_image, n
-    integer :: first, base, row(3)
+    integer :: base, row(3)
     n = 0
     at_ghost = 0
     at_image = 0
-    first = field%work%first(s)
-    row = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
-    if (axis == 1) then
-      if (ghost < first .or. ghost > field%work%last(s)) return
-      n = 1
-      at_ghost = field%neighbour(0, 0, s) + ghost
-      at_image = field%neighbour(0, 0, s) + image
-    else
+    associate (first => field%work%first(s))
+      if (axis == 1) then
+        if (ghost < first .or. ghost > field%work%last(s)) return
+        n = 1
+        at_ghost = field%neighbour(0, 0, s) + ghost
+        at_image = field%neighbour(0, 0, s) + image
+        return
+      end if
+      row = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
       if (row(merge(3, axis, field%ndim == 2)) /= ghost) return
       row(merge(3, axis, field%ndim == 2)) = image
       base = field_base(field, row(2), row(3), first)
@@ -279,7 +280,7 @@ contains
       n = field%work%last(s) - first + 1
       at_ghost = field%neighbour(0, 0, s) + first
       at_image = base + first
-    end if
+    end associate
   end subroutine ghost_records
 
 end module sgmp_walls

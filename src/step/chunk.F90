@@ -162,7 +162,7 @@ contains
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
     real(dp) :: xi(lanes, NDIM), got(lanes, most_gathered)
-    integer :: cell(lanes)                       !! of the bin, from 0
+    integer :: cell(lanes)                       !! of the bin, from 0; at last -1 for pads
     real(dp) :: axes(lanes, 3, NDIM, 2)          !! of a wide stencil: weights, slopes
     real(dp) :: values(lanes, most_columns + NFLUX), speed2(lanes), jacobian(lanes)
 #ifdef AXISYMMETRIC
@@ -246,6 +246,7 @@ contains
     if (task%wide .and. (plan%drift .or. plan%mass)) then
       call particle_axes(body, task, nb, state, xi, axes)
     end if
+    if (NDIM < 3) cell(nl + 1:) = -1
     call scatter(task, plan%stress, xi, cell, axes, values, stencil)
   end subroutine chunk_advance
 

@@ -11,7 +11,7 @@
 !! force along r are divided by it as they come, and what follows knows of one mass.
 module DIM(sgmp_nodes)
 #ifdef AXISYMMETRIC
-  use sgmp_axis, only: axis_hoop_weights, axis_inertia
+  use sgmp_axis, only: axis_inertia
 #endif
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_remapped, &
                           node_swirl, node_total, node_velocity
@@ -306,18 +306,17 @@ contains
   end subroutine divide_radial
 
   !> Adds the force of the hoop stress, the transpose of the hoop strain, to a tile of nodes.
-  pure subroutine add_hoop_force(mesh, n, first, flux, b, f)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: n, first, b(NROW)  !! b: as for divergence_row
+  pure subroutine add_hoop_force(n, inverse_h, inner, outer, flux, b, f)
+    integer, intent(in) :: n, b(NROW)         !! b: as for divergence_row
+    real(dp), intent(in) :: inverse_h
+    real(dp), intent(in) :: inner(0:n), outer(0:n)  !! weights at the centres around the nodes
     real(dp), intent(in) :: flux(*)           !! hoop stress times volume, at the centres
     real(dp), intent(inout) :: f(n)
-    real(dp) :: inner(0:tile), outer(0:tile)  !! from the centres left of the nodes on
     integer :: i
-    call axis_hoop_weights(mesh%hoop, first - 1, n + 1, inner, outer)
     !$omp simd
     do i = 1, n
-      f(i) = f(i) - mesh%inverse_h*(outer(i - 1)*corner_sum(flux, b, i - 1) &
-                                    + inner(i)*corner_sum(flux, b, i))
+      f(i) = f(i) - inverse_h*(outer(i - 1)*corner_sum(flux, b, i - 1) &
+                               + inner(i)*corner_sum(flux, b, i))
     end do
   end subroutine add_hoop_force
 #endif
@@ -355,8 +354,8 @@ contains
                             centre_rows(field, s, first), f(1, a))
       end do
 #ifdef AXISYMMETRIC
-      call add_hoop_force(mesh, n, first, field%moment(1, before + NFLUX), &
-                          centre_rows(field, s, first), f(1, 1))
+      call add_hoop_force(n, mesh%inverse_h, field%hoop(first - 1, 1), field%hoop(first - 1, 2), &
+                          field%moment(1, before + NFLUX), centre_rows(field, s, first), f(1, 1))
 #endif
     else
       i = field%neighbour(0, 0, s) + first

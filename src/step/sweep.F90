@@ -42,10 +42,12 @@ contains
     type(task_t) :: task
     real(dp), allocatable :: stencil(:, :, :)    !! accumulators of a bin, those of the cell before
                                                  !! it first; every row leaves them empty
+    real(dp) :: lane_sums(lanes, sweep_sums)     !! of a plane, which leaves them empty
     integer :: plane, b, slot, nq
     task = task_make(field%kernel, mesh, plan)
     nq = task%nq
     allocate (stencil(task%points, nq, 0:task%span), source=0.0_dp)
+    lane_sums = 0.0_dp
     call prepare(work, task)
     if (plane2 >= plane1) call fit_buffers(work, task, field%largest_plane)
     do b = 1, size(bodies)
@@ -60,7 +62,7 @@ contains
         if (bodies(b)%field /= number) cycle
         if (bodies(b)%particles%plane_row(plane) == bodies(b)%particles%plane_row(plane + 1)) cycle
         call fill_records(field, mesh, plan, task, plane, work)
-        call sweep_plane(mesh, field, bodies(b), plan, task, plane, stencil, &
+        call sweep_plane(mesh, field, bodies(b), plan, task, plane, stencil, lane_sums, &
                          work%planes(1, 1, 1, slot), sums(:, plane, b), movers(b), work)
       end do
       call clear_rows(field, plane, task%layers*nq, huge(1), work%cleared, &
@@ -138,7 +140,8 @@ contains
   end subroutine fill_records
 
   !> All rows of one body in one plane.
-  subroutine sweep_plane(mesh, field, body, plan, task, plane, stencil, planes, sums, movers, work)
+  subroutine sweep_plane(mesh, field, body, plan, task, plane, stencil, lane_sums, planes, sums, &
+                         movers, work)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(in) :: field
     type(body_t), intent(inout) :: body
@@ -146,13 +149,12 @@ contains
     type(task_t), intent(in) :: task
     integer, intent(in) :: plane
     real(dp), intent(inout) :: stencil(task%points, task%nq, 0:task%span)
+    real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
     real(dp), intent(inout) :: planes(task%layers*task%nq, *)
     real(dp), intent(inout) :: sums(sweep_sums)
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
-    real(dp) :: lane_sums(lanes, sweep_sums)
     integer :: s, i, bins, row(most_rows), place(WIDE_LINE)
-    lane_sums = 0.0_dp
     do s = body%particles%plane_row(plane), body%particles%plane_row(plane + 1) - 1
       bins = body%particles%bins%last(s) - body%particles%bins%first(s) + 1
       call clear_rows(field, plane, task%layers*task%nq, key_j(body%particles%bins%key(s)) + &
@@ -169,6 +171,7 @@ contains
     end do
     do i = 1, sweep_sums
       sums(i) = sum(lane_sums(:, i))
+      lane_sums(:, i) = 0.0_dp
     end do
   end subroutine sweep_plane
 

@@ -5,9 +5,6 @@
 !!
 !! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
 module DIM(sgmp_auxmesh)
-#ifdef AXISYMMETRIC
-  use sgmp_axis, only: axis_hoop_weights
-#endif
   use sgmp_columns, only: node_acceleration, node_swirl, relax_dilation, relax_total
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
@@ -58,8 +55,9 @@ contains
         end do
 #ifdef AXISYMMETRIC
         if (kernel_centred(field%kernel)) then
-          call fill_hoop(mesh, n, first, field%node(1, gradient), node_rows(field, s, first), &
-                         stride, records(q + 1, point))
+          call fill_hoop(n, mesh%inverse_h, field%hoop(first, 1), field%hoop(first, 2), &
+                         field%node(1, gradient), node_rows(field, s, first), stride, &
+                         records(q + 1, point))
         end if
 #endif
       end do
@@ -201,16 +199,14 @@ contains
   end subroutine mirror_hoop
 
   !> Hoop strain rates at the centres of a row (sgmp_axis).
-  pure subroutine fill_hoop(mesh, n, first, column, b, stride, records)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: n, first, b(NROW), stride
+  pure subroutine fill_hoop(n, inverse_h, inner, outer, column, b, stride, records)
+    integer, intent(in) :: n, b(NROW), stride
+    real(dp), intent(in) :: inverse_h, inner(n), outer(n)
     real(dp), intent(in) :: column(*)            !! radial velocity
     real(dp), intent(inout) :: records(stride, n)
-    real(dp) :: inner(tile), outer(tile)
     integer :: i
-    call axis_hoop_weights(mesh%hoop, first, n, inner, outer)
     do i = 1, n
-      records(1, i) = mesh%inverse_h*(inner(i)*corner_sum(column, b, i - 1) &
+      records(1, i) = inverse_h*(inner(i)*corner_sum(column, b, i - 1) &
                                       + outer(i)*corner_sum(column, b, i))
     end do
   end subroutine fill_hoop

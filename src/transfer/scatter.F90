@@ -4,7 +4,7 @@
 !!
 !! Scatters run over the stencil's points, so every particle value is a broadcast and nothing
 !! collides. In 3D a bin is one cell, and its sums stay in registers; in 1D and 2D every lane adds
-!! to the accumulator of its own cell of the bin. Points are numbered as in sgmp_transfer: a whole
+!! to the accumulator of its own cell of the bin, up to the first pad, whose cell is negative. Points are numbered as in sgmp_transfer: a whole
 !! x-layer is contiguous, and moving to the next cell of the row shifts the accumulator by one layer
 !! (`linear_carry`).
 module DIM(sgmp_scatter)
@@ -41,7 +41,7 @@ contains
   pure subroutine linear_scatter(nq, xi, cell, values, columns, sums)
     integer, intent(in) :: nq                      !! values per particle
     real(dp), intent(in) :: xi(lanes, NDIM)        !! position in the cell
-    integer, intent(in) :: cell(lanes)             !! of the bin, from 0
+    integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
     real(dp), intent(in) :: values(lanes, nq)
     integer, intent(in) :: columns                 !! of an accumulator
     real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)  !! accumulators of the bin's cells
@@ -49,6 +49,7 @@ contains
     integer :: l, q, e, c
     do l = 1, lanes
       c = cell(l)
+      if (c < 0) exit
       !$omp simd
       do e = 1, NCORNER
         w(e) = corner_weight(xi(l, :), e, 0)
@@ -66,7 +67,7 @@ contains
   !! bring zeros.
   pure subroutine linear_scatter_force(xi, cell, inverse_h, flux, columns, sums)
     real(dp), intent(in) :: xi(lanes, NDIM), inverse_h
-    integer, intent(in) :: cell(lanes)             !! of the bin, from 0
+    integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
     real(dp), intent(in) :: flux(lanes, NFLUX)     !! sigma V
     integer, intent(in) :: columns                 !! of an accumulator
     real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)  !! the first NDIM columns
@@ -74,6 +75,7 @@ contains
     integer :: l, a, b, e, c
     do l = 1, lanes
       c = cell(l)
+      if (c < 0) exit
       do b = 1, NDIM
         !$omp simd
         do e = 1, NCORNER
@@ -239,7 +241,7 @@ contains
   !! the other.
   pure subroutine linear_scatter_moment(xi, cell, mass, columns, sums)
     real(dp), intent(in) :: xi(lanes, NDIM), mass(lanes)
-    integer, intent(in) :: cell(lanes)             !! of the bin, from 0
+    integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
     integer, intent(in) :: columns                 !! of an accumulator
     real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)  !! the first NDIM columns
     real(dp) :: part(lanes), w(NCORNER/2, lanes), t(NCORNER/2)
@@ -249,6 +251,7 @@ contains
       call other_weights(xi, a, w)
 #if NDIM < 3
       do l = 1, lanes
+        if (cell(l) < 0) exit
         call add_both(a, w(:, l)*part(l), sums(1, a, cell(l)))
       end do
 #else
