@@ -30,6 +30,10 @@ contains
                       slot=2, required=.true.)
     call registry%key('time', kind_word, 'unit of time', choices=words_joined(time_units), &
                       slot=3, required=.true.)
+    call registry%key('scope', kind_word, 'file: these are the units of the file alone in '// &
+                      'which the card stands, and its materials are converted to the units of '// &
+                      'the deck that includes it (input/materials)', choices='deck file', &
+                      default='deck', free=.true.)
     call registry%card('dimension', '1: uniaxial strain along x; 2: plane strain, per unit '// &
                        'thickness; 3; axisymmetric: a body of revolution by its half-plane, '// &
                        'with axes r and z in the place of x, y and z, vectors (r,z), and '// &

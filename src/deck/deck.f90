@@ -5,6 +5,7 @@ module sgmp_deck
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
+  use sgmp_file_units, only: convert_files
   use sgmp_keys, only: key_t, kind_expression, kind_interval, kind_vector
   use sgmp_kinds, only: dp
   use sgmp_lexer, only: lexer_read, statement_t
@@ -60,6 +61,7 @@ contains
       call read_statement(registry, statements(i), parameters, found, n, draft%errors)
     end do
     cards = found(:n)
+    call convert_files(registry, cards, draft%errors)
     call parameters%check_use(draft%errors)
     call check_repeated(registry, cards, draft%errors)
     if (complete) call check_needed(registry, cards, deck, draft%errors)

@@ -1,4 +1,5 @@
-!> Units of a deck's numbers: what they are called, and orders of magnitude worth a warning.
+!> Units of a deck's numbers: what they are called, their sizes, and orders of magnitude worth a
+!! warning.
 module sgmp_units
   use sgmp_deck_card, only: deck_card_t
   use sgmp_deck_errors, only: deck_errors_t
@@ -8,7 +9,7 @@ module sgmp_units
   use sgmp_text, only: real_text_about, real_text_plain
   implicit none
   private
-  public :: length_units, mass_units, time_units, units_check
+  public :: length_units, mass_units, time_units, units_check, units_in_si
 
   !> A unit and its size in SI units (m kg s).
   character(2), parameter :: length_units(*) = [character(2) :: 'm', 'mm', 'cm', 'um', 'km']
@@ -42,32 +43,64 @@ contains
     end do
   end subroutine units_check
 
+  !> How many SI units (m kg s) one unit of a key has where length, mass and time are counted in
+  !! these; 1 for what does not depend on them.
+  subroutine units_in_si(unit, units, factor, known)
+    character(*), intent(in) :: unit       !! of the key; '' for a pure number
+    character(*), intent(in) :: units(3)   !! length, mass, time
+    real(dp), intent(out) :: factor
+    logical, intent(out) :: known          !! the unit of the key is one of those below
+    real(dp) :: length, mass, time
+    length = metres(word_position(units(1), length_units))
+    mass = kilograms(word_position(units(2), mass_units))
+    time = seconds(word_position(units(3), time_units))
+    known = .true.
+    select case (unit)
+    case ('length')
+      factor = length
+    case ('time')
+      factor = time
+    case ('1/time')
+      factor = 1.0_dp/time
+    case ('density')
+      factor = mass/length**3
+    case ('stress')
+      factor = mass/(length*time**2)
+    case ('stress time')
+      factor = mass/(length*time)
+    case ('speed')
+      factor = length/time
+    case ('acceleration')
+      factor = length/time**2
+    case ('specific heat')
+      factor = (length/time)**2
+    case ('', 'temperature', 'degrees')
+      factor = 1.0_dp
+    case default
+      factor = 1.0_dp
+      known = .false.
+    end select
+  end subroutine units_in_si
+
   !> Factor to SI units, and the range in which materials and motions are found.
   subroutine plausible(unit, units, factor, low, high)
     character(*), intent(in) :: unit       !! of the key
     character(*), intent(in) :: units(3)   !! length, mass, time of the deck
     real(dp), intent(out) :: factor, low, high
-    real(dp) :: length, mass, time
-    length = metres(word_position(units(1), length_units))
-    mass = kilograms(word_position(units(2), mass_units))
-    time = seconds(word_position(units(3), time_units))
-    factor = 1.0_dp
+    logical :: known
+    call units_in_si(unit, units, factor, known)
     low = 0.0_dp
     high = huge(1.0_dp)
     select case (unit)
     case ('density')
-      factor = mass/length**3
       low = 1.0e-2_dp
       high = 3.0e4_dp
     case ('stress')
-      factor = mass/(length*time**2)
       low = 1.0e-3_dp
       high = 1.0e13_dp
     case ('speed')
-      factor = length/time
       high = 1.0e5_dp
     case ('specific heat')
-      factor = (length/time)**2
       low = 1.0e1_dp
       high = 2.0e4_dp
     case default  ! lengths and times may be anything

@@ -14,6 +14,7 @@ module sgmp_constitutive
   use sgmp_eos_jwl, only: jwl_keys, jwl_lanes, jwl_read, jwl_t, jwl_terms
   use sgmp_eos_polynomial, only: polynomial_keys, polynomial_lanes, polynomial_read, polynomial_t, &
                                  polynomial_terms
+  use sgmp_eos_shock, only: shock_keys, shock_lanes, shock_read, shock_t, shock_terms
   use sgmp_eos_stiffened_gas, only: ideal_gas_keys, stiffened_gas_keys, stiffened_gas_lanes, &
                                     stiffened_gas_read, stiffened_gas_t, stiffened_gas_terms
   use sgmp_eos_tait, only: tait_keys, tait_lanes, tait_read, tait_t, tait_terms
@@ -35,7 +36,7 @@ module sgmp_constitutive
   public :: material_elastic, material_neo_hookean, material_j2, material_johnson_cook, &
             material_explosive, material_fluid, material_drucker_prager, material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
-            eos_tait, eos_names
+            eos_tait, eos_shock, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check
   public :: eos_keys, eos_lanes, eos_read, eos_terms, law_set_failure, law_set_viscosity
   public :: law_gaseous, law_is_spherical
@@ -48,9 +49,10 @@ module sgmp_constitutive
     'drucker_prager']
 
   integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2, eos_ideal_gas = 3, &
-                        eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6
+                        eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6, eos_shock = 7
   character(16), parameter :: eos_names(*) = [character(16) :: &
-    'jwl', 'gruneisen', 'ideal_gas', 'stiffened_gas', 'polynomial', 'tait']
+    'jwl', 'gruneisen', 'ideal_gas', 'stiffened_gas', 'polynomial', 'tait', &
+    'shock']
 
   !> Where the pressure of a law comes from.
   integer, parameter :: pressure_own = 1       !! the law itself: it takes no equation of state
@@ -98,6 +100,7 @@ module sgmp_constitutive
     type(stiffened_gas_t) :: gas               !! the ideal gas, too
     type(polynomial_t) :: polynomial
     type(tait_t) :: tait
+    type(shock_t) :: shock
     real(dp) :: fluid_viscosity = 0.0_dp       !! Newton's, of a fluid (stress times time)
     logical :: small_strain = .false.          !! the linear theory: constant volume, no spin
     logical :: rigid = .false.                 !! prescribed motion: no stress
@@ -206,6 +209,8 @@ contains
       keys = polynomial_keys()
     case (eos_tait)
       keys = tait_keys()
+    case (eos_shock)
+      keys = shock_keys()
     case default  ! eos_gruneisen
       keys = gruneisen_keys()
     end select
@@ -242,6 +247,8 @@ contains
       law%polynomial = polynomial_read(values)
     case (eos_tait)
       law%tait = tait_read(law%density, values)
+    case (eos_shock)
+      law%shock = shock_read(law%density, values)
     case default  ! eos_gruneisen
       law%gruneisen = gruneisen_read(law%density, values)
     end select
@@ -261,6 +268,8 @@ contains
       call polynomial_terms(law%polynomial, v, a0, b0, da, db)
     case (eos_tait)
       call tait_terms(law%tait, v, a0, b0, da, db)
+    case (eos_shock)
+      call shock_terms(law%shock, v, a0, b0, da, db)
     case default  ! eos_gruneisen
       call gruneisen_terms(law%gruneisen, v, a0, b0, da, db)
     end select
@@ -280,6 +289,8 @@ contains
       call polynomial_lanes(law%polynomial, v, a0, b0, da, db)
     case (eos_tait)
       call tait_lanes(law%tait, v, a0, b0, da, db)
+    case (eos_shock)
+      call shock_lanes(law%shock, v, a0, b0, da, db)
     case default  ! eos_gruneisen
       call gruneisen_lanes(law%gruneisen, v, a0, b0, da, db)
     end select

@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+"""Writes doc/material-library.md from the files of input/materials.
+
+    python3 scripts/dev/material_library.py             writes the page
+    python3 scripts/dev/material_library.py --check     exit code 1 if the page is not what it would write
+
+tests/regression/library.py reads the files by this module, too.
+"""
+import glob
+import os
+import re
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PAGE = os.path.join(ROOT, "doc", "material-library.md")
+UNCHECKED = "not checked"
+
+HEAD = """# Material library
+
+<!-- written by scripts/dev/material_library.py; do not edit -->
+
+Materials of `input/materials`, one to a file, in SI units; a deck includes them and states its own units:
+
+    units mm g ms
+    include "materials/copper.inp"
+    body bar block material=copper lower=(0,0,0) upper=(1,1,9)
+
+The numbers are converted to the units of the deck, because the file says that its units are its own (`units m kg s scope=file`). A file of your own may do the same, in the units of the paper
+that the constants come from (`units cm g us scope=file` has stresses in Mbar); it holds cards `material`, `eos`, `failure`, `viscosity` and parameters. `sgmp DECK --verbose` prints the
+cards as they are after conversion. To change a constant, copy the file. Bulk viscosity is not in the files: shocks need a card `viscosity`.
+
+Each line of a file names the source of its constants. They were compared with other prints of them (libraries of other codes, reports that quote them), not with the originals; those marked *
+were found in no other print. What is called handbook are elastic moduli and densities as they stand in any. Explosives are checked by themselves: their constants give the published speed and pressure of detonation to 0.2 %.
+Every material is strained along a path in two systems of units and compared with its equations, worked out independently (tests/regression/library.py).
+
+Johnson and Cook's damage is off in `copper`, `iron` and `steel_4340`; `--set copper_failure=yes` switches it on. There is no concrete: no law here describes it.
+
+"""
+
+SOURCES = """
+## Sources
+
+* Cole 1948: Underwater Explosions, Princeton University Press.
+* Dobratz and Crawford 1985: LLNL Explosives Handbook, UCRL-52997 Change 2.
+* Johnson and Cook 1983: A constitutive model and data for metals, 7th International Symposium on Ballistics, The Hague, 541-547.
+* Johnson and Cook 1985: Fracture characteristics of three metals, Engineering Fracture Mechanics 21, 31-48.
+* Lange and Ahrens 1983: The dynamic tensile strength of ice and ice-silicate mixtures, J. Geophys. Res. 88, 1197-1208.
+* Lesuer 2000: Experimental investigations of material models for Ti-6Al-4V titanium and 2024-T3 aluminum, DOT/FAA/AR-00/25.
+* Lesuer, Kay and LeBlanc 2001: Modeling large-strain, high-rate deformation in metals, UCRL-JC-134118.
+* LS-DYNA Aerospace Working Group: Modeling Guidelines Document.
+* Lube, Huppert, Sparks and Freundt 2005: Collapses of two-dimensional granular columns, Phys. Rev. E 72, 041301.
+* Marsh 1980: LASL Shock Hugoniot Data, University of California Press.
+* Petrovic 2003: Mechanical properties of ice and snow, J. Mater. Sci. 38, 1-6.
+* Steinberg 1996: Equation of state and strength properties of selected materials, UCRL-MA-106439 Change 1.
+* Stewart and Ahrens 2005: Shock properties of H2O ice, J. Geophys. Res. 110, E03005.
+* Treloar 1944: Stress-strain data for vulcanised rubber under various types of deformation, Trans. Faraday Soc. 40, 59-70.
+* US Standard Atmosphere 1976, NOAA-S/T 76-1562.
+* Wood and Martin 1964: Compressibility of natural rubber at pressures below 500 kg/cm2, J. Res. NBS 68A, 259-268.
+"""
+
+
+def library(root=ROOT):
+    """Paths of the files."""
+    return sorted(glob.glob(os.path.join(root, "input", "materials", "*.inp")))
+
+
+def constants(path):
+    """The cards of a file: {card: {"words": [...], key: number or word}}, parameters replaced."""
+    with open(path, encoding="utf-8") as file:
+        text = re.sub(r" *&\s*\n", " ", re.sub(r" *[!#].*", "", file.read()))
+    cards, words = {}, {}
+    for line in text.splitlines():
+        tokens = line.split()
+        if not tokens:
+            continue
+        if tokens[0] == "parameter":
+            words["$" + tokens[1]] = tokens[3]
+            continue
+        card = cards.setdefault(tokens[0], {"words": [token for token in tokens[1:] if "=" not in token]})
+        for token in tokens[1:]:
+            key, equals, value = token.partition("=")
+            value = words.get(value, value)
+            if equals:
+                card[key] = float(value) if re.match(r"[-+.\d]", value) else value
+    return cards
+
+
+def sourced(path):
+    """What a file says: title, and (constants, source) of each line."""
+    with open(path, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    title, rows = lines[0][2:], []
+    for line in lines[2:]:
+        text, mark, source = line.partition("!")
+        if text.startswith("parameter") or not mark:
+            continue
+        words = text.split()
+        first = 0 if "=" in words[0] else 2 if words[0] == "failure" else 3
+        rows.append((" ".join(word for word in words[first:] if word != "&" and not word.startswith("failure=$")), source.strip()))
+    return title, rows
+
+
+def page():
+    """The whole page."""
+    text = HEAD + "| material | what it is | law, equation of state | constants (SI) and sources |\n|---|---|---|---|\n"
+    for path in library():
+        name = os.path.basename(path)[:-4]
+        cards = constants(path)
+        title, rows = sourced(path)
+        laws = cards["material"]["words"][1] + (", " + cards["eos"]["words"][1] if "eos" in cards else "")
+        said = []
+        for numbers, source in rows:
+            star = "*" if source.endswith(UNCHECKED) else ""
+            source = re.sub(", " + UNCHECKED + "$", "", source)
+            if said and said[-1][1] == (source, star):
+                said[-1][0] += " " + numbers
+            else:
+                said.append([numbers, (source, star)])
+        text += f"| [{name}](../input/materials/{name}.inp) | {title} | {laws} | " + "<br>".join(f"{numbers} ({source}{star})" for numbers, (source, star) in said) + " |\n"
+    return text + SOURCES
+
+
+def main():
+    if sys.argv[1:] == ["--check"]:
+        with open(PAGE, encoding="utf-8") as file:
+            sys.exit(0 if file.read() == page() else 1)
+    with open(PAGE, "w", encoding="utf-8") as file:
+        file.write(page())
+
+
+if __name__ == "__main__":
+    main()

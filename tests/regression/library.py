@@ -1,0 +1,238 @@
+#!/usr/bin/env python3
+"""Every material of input/materials against its own constants, in two systems of units.
+
+A block that moves with a linear velocity is strained uniformly in its middle, until waves come from its surface. What the
+middle then bears is worked out here: by the published equations, from the numbers that stand in the file, in SI. An explosive
+is lit before the start, expands, and its constants give the published speed and pressure of detonation.
+
+usage: library.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+import math
+import os
+import re
+import subprocess
+import sys
+
+from _runs import INPUT, SOURCE, Report, run
+
+sys.path.insert(0, os.path.join(SOURCE, "scripts", "dev"))
+from material_library import constants, library  # noqa: E402
+
+PATH = """
+units {units}
+dimension {dimension}
+grid cell={h}
+time dt={dt} steps={steps}
+include "{file}"
+body b block material={name} lower={lower} upper={upper} ppc=2
+velocity b {velocity}
+{more}
+gauge middle point={middle}
+history steps=1
+"""
+# m kg s of one unit of length, mass, time; strain rate of the path (1/s).
+SYSTEMS = (("m kg s", (1.0, 1.0, 1.0), 1.0), ("cm mg us", (1e-2, 1e-6, 1e-6), 1e3))
+CUSTOMARY = ("mm g ms", (1e-3, 1e-3, 1e-3), 1e3)  # in which the decks of input/ are
+COUNT = 25
+
+
+class Eos:
+    """a0 and b0 of p = a0 + b0 E, and E of the start: from the equations as they are published."""
+
+    def __init__(self, material, eos):
+        self.kind = eos["words"][1] if eos else None
+        self.c, self.density = eos or {}, material["density"]
+        self.energy = self.c.get("energy0", 0.0)
+        if "pressure0" in self.c:
+            self.energy = (self.c["pressure0"] - self.terms(1.0)[0])/self.terms(1.0)[1]
+
+    def terms(self, v):
+        c = self.c
+        if self.kind == "shock":
+            gamma, bulk, eta = c["gamma0"], self.density*c["c0"]**2, 1 - v
+            if eta < 0:
+                return bulk*(1/v - 1), gamma
+            hugoniot = bulk*eta/(1 - c["s"]*eta - c.get("s2", 0.0)*eta**2 - c.get("s3", 0.0)*eta**3)**2
+            return hugoniot*(1 - gamma*eta/2), gamma
+        if self.kind == "jwl":
+            return (c["a"]*(1 - c["omega"]/(c["r1"]*v))*math.exp(-c["r1"]*v)
+                    + c["b"]*(1 - c["omega"]/(c["r2"]*v))*math.exp(-c["r2"]*v), c["omega"]/v)
+        if self.kind == "ideal_gas":
+            return 0.0, (c["gamma"] - 1)/v
+        bulk = self.density*c["c0"]**2  # tait
+        return bulk/c["exponent"]*(v**-c["exponent"] - 1), 0.0
+
+    def pressure(self, v, energy):
+        a, b = self.terms(v)
+        return a + b*energy
+
+
+def yield_stress(material, plastic, rate, temperature):
+    """Johnson and Cook 1983; von Mises where their constants are not given."""
+    flow = material["yield"] + material.get("hardening_modulus", 0.0)*plastic**material.get("hardening_exponent", 1.0)
+    if "reference_rate" in material:
+        flow *= 1 + material.get("rate_coefficient", 0.0)*math.log(max(1.0, rate/material["reference_rate"]))
+        warm = max(0.0, (temperature - 293)/(material["melt_temperature"] - 293))
+        flow *= 1 - warm**material["thermal_exponent"]
+    return flow
+
+
+def expected(cards, volumes, times):
+    """Pressure and von Mises stress at the given volumes over the initial one, in SI."""
+    material = cards["material"]
+    kind = material["words"][1]
+    eos = Eos(material, cards.get("eos"))
+    if kind == "neo_hookean":
+        return [neo_hooke(material, v) for v in volumes]
+    shear = bulk = 0.0
+    if "young" in material:
+        shear = material["young"]/(2*(1 + material["poisson"]))
+        bulk = material["young"]/(3*(1 - 2*material["poisson"]))
+    energy, plastic, temperature, axial, path = eos.energy, 0.0, 293.0, 0.0, []
+    for k, v in enumerate(volumes):
+        substeps = 8 if k else 1
+        old = volumes[k - 1] if k else v
+        dt = (times[k] - times[k - 1])/substeps if k else 1.0
+        for i in range(substeps if k else 0):
+            first, last = old + (v - old)*i/substeps, old + (v - old)*(i + 1)/substeps
+            strain = math.log(last/first)
+            axial_old = axial
+            axial += 4/3*shear*strain
+            trial = 1.5*abs(axial)
+            if "yield" in material and trial > yield_stress(material, plastic, 0.0, temperature):
+                low, high = 0.0, trial/(3*shear)
+                for _ in range(60):
+                    step = (low + high)/2
+                    above = trial - 3*shear*step > yield_stress(material, plastic + step, step/dt, temperature)
+                    low, high = (step, high) if above else (low, step)
+                axial *= (trial - 3*shear*low)/trial
+                plastic += low
+                if material.get("thermal") == "yes":
+                    temperature += 0.9*1.5*abs(axial)*low/(material["density"]*material["specific_heat"])  # (J2): initial density
+            if eos.kind:
+                work = first*(axial + axial_old)/2*strain
+                a, b = eos.terms(last)
+                pressure = eos.pressure(first, energy)
+                energy = (energy + work - (last - first)/2*(pressure + a))/(1 + (last - first)/2*b)
+        pressure = eos.pressure(v, energy) if eos.kind else -bulk*math.log(v)
+        path.append((pressure, 1.5*abs(axial)))
+    return path
+
+
+def neo_hooke(material, v):
+    """Uniaxial stretch v."""
+    young, poisson = material["young"], material["poisson"]
+    mu, lam = young/(2*(1 + poisson)), young*poisson/((1 + poisson)*(1 - 2*poisson))
+    axial, lateral = (mu*(v**2 - 1) + lam*math.log(v))/v, lam*math.log(v)/v
+    return -(axial + 2*lateral)/3, abs(axial - lateral)
+
+
+def path(report, name, file, system, rate, strain, dimension=1, lateral=0.0):
+    """Strains a block of a material; the rows of its middle in SI, with times."""
+    units, (length, mass, time), speed = system
+    steps = 200
+    h, dt = 200.0/speed, abs(strain)/speed/steps  # so large that no wave reaches the middle
+    sides = ["x", "y"][:dimension]
+    rates = [rate, lateral][:dimension]
+    box = lambda value: "(" + ",".join([repr(value/length)]*dimension) + ")" if dimension > 1 else repr(value/length)
+    deck = PATH.format(units=units, dimension=dimension, h=h/length, dt=dt/time, steps=steps, file=file, name=name,
+                       lower=box(-15*h), upper=box(15*h), middle=box(h/4),
+                       velocity=" ".join(f'{a}="{r*speed*time!r}*{a}"' for a, r in zip(sides, rates)),
+                       more=f"detonation time={-100/time!r} normal=(1,0,0)" if name in EXPLOSIVES else "")
+    result = run(f"{name}_{units.replace(' ', '_')}_{dimension}_{'in' if rate < 0 else 'out'}", deck)
+    if not report.finished(result, name):
+        return None
+    stress = mass/(length*time**2)
+    return [{"time": row["time"]*time, "density": row["density"]*mass/length**3, "pressure": row["pressure"]*stress,
+             "von_mises": row["von_mises"]*stress} for row in result.table("gauges.csv")]
+
+
+def same_path(report, name, cards, rows, label):
+    """Pressure and von Mises stress within half a percent of their largest value; the latter at the end, and within 2 % on the
+    way, where one step crosses the yield stress."""
+    density = cards["material"]["density"]
+    volumes, times = [density/row["density"] for row in rows], [row["time"] for row in rows]
+    report.check(abs(volumes[-1] - 1) > 0.05, f"{label}: strained to {volumes[-1]} only")
+    wanted = expected(cards, volumes, times)
+    for column, index in (("pressure", 0), ("von_mises", 1)):
+        largest = max(abs(value[index]) for value in wanted)
+        off = [abs(row[column] - value[index]) for row, value in zip(rows, wanted)]
+        report.check(max(off) <= (0.005, 0.02)[index]*largest, f"{label}: {column} off by {max(off)} where the largest is {largest}")
+        report.check(off[-1] <= 0.005*largest, f"{label}: {column} off by {off[-1]} in the end, where the largest is {largest}")
+
+
+def detonation(report, name, file, cards):
+    """The Chapman-Jouguet state of the file's constants is the published one."""
+    eos, c = Eos(cards["material"], cards["eos"]), cards["material"]
+
+    def hugoniot(v):
+        a, b = eos.terms(v)
+        return (a + b*eos.energy)/(1 - b*(1 - v)/2)
+    # The Rayleigh line of least slope that meets the Hugoniot.
+    speed2, pressure = min((hugoniot(v)/(1 - v)/c["density"], hugoniot(v)) for v in (0.5 + k*1e-5 for k in range(45000)))
+    with open(file, encoding="utf-8") as text:
+        published = float(re.search(r"pressure ([\d.]+) GPa", text.read()).group(1))*1e9
+    report.check(abs(math.sqrt(speed2)/c["detonation_speed"] - 1) < 1e-3, f"{name}: detonates at {math.sqrt(speed2)}")
+    report.check(abs(pressure/published - 1) < 2e-3, f"{name}: Chapman-Jouguet pressure {pressure}")
+
+
+def soil(report, name, file, cards, system):
+    """Sheared soil is on Mohr and Coulomb's cone; drawn apart it bears nothing."""
+    c = cards["material"]
+    sine = math.sin(math.radians(c["friction"]))
+    rows = path(report, name, file, system, -1.0, 0.02, dimension=2, lateral=0.8)
+    if rows:
+        slope = rows[-1]["von_mises"]/rows[-1]["pressure"]
+        report.check(abs(slope/(6*sine/(3 - sine)) - 1) < 1e-3, f"{name}: slope {slope} of the cone")
+    rows = path(report, name, file, system, 1.0, 0.05)
+    if rows:
+        bulk = c["young"]/(3*(1 - 2*c["poisson"]))
+        report.check(abs(rows[-1]["pressure"]) < 1e-9*bulk, f"{name}: bears {rows[-1]['pressure']} in tension")
+
+
+def mistakes(report):
+    """A file with units of its own in decks that cannot take it."""
+    library = os.path.join(INPUT, "materials", "copper.inp")
+    deck = 'dimension 1\ngrid cell=1\ntime dt=1 steps=1\n{}include "{}"\nbody b block material=copper lower=0 upper=1 ppc=2\n'
+    result = run("no_units", deck.format("", library))
+    report.check(result.code == 3 and re.search(r"copper\.inp:2:1: error: this file has units of its own, but the deck", result.text)
+                 and "units mm g ms" in result.text, f"a deck without units: {result.code}\n{result.text}")
+    other = os.path.join(os.path.dirname(result.folder), "other.inp")
+    with open(other, "w", encoding="utf-8") as file:
+        file.write("units m kg s scope=file\nunits m kg s scope=file\ngravity (1,0,0)\n")
+    result = run("other_cards", deck.format("units mm g ms\n", library) + f'include "{other}"\n')
+    report.check(result.code == 3 and re.search(r"other\.inp:2:1: error: card 'units' is given twice", result.text)
+                 and re.search(r"other\.inp:3:1: error: card 'gravity' in a file with units of its own", result.text)
+                 and "material eos failure viscosity" in result.text, f"other cards: {result.code}\n{result.text}")
+    result = run("same_units", deck.format("units m kg s\n", library), options=["--check"])
+    report.check(result.code == 0, f"same units: {result.code}\n{result.text}")
+
+
+EXPLOSIVES = ("tnt", "c4", "pbx_9404", "petn", "anfo")
+
+
+def main():
+    report = Report()
+    files = library(SOURCE)
+    report.check(len(files) == COUNT, f"{len(files)} materials")
+    for file in files:
+        name = os.path.basename(file)[:-4]
+        cards = constants(file)
+        report.check(cards["material"]["words"][0] == name, f"{name}: the material is called {cards['material']['words'][0]}")
+        for system in (*SYSTEMS, CUSTOMARY)[:3 if name == "copper" else 2]:
+            if cards["material"]["words"][1] == "drucker_prager":
+                soil(report, name, file, cards, system)
+                continue
+            outwards = name in EXPLOSIVES
+            rows = path(report, name, file, system, 1.0 if outwards else -1.0, 0.2)
+            if rows:
+                same_path(report, name, cards, rows, f"{name}, {system[0]}")
+        if name in EXPLOSIVES:
+            detonation(report, name, file, cards)
+    mistakes(report)
+    current = subprocess.run([sys.executable, os.path.join(SOURCE, "scripts", "dev", "material_library.py"), "--check"], check=False)
+    report.check(current.returncode == 0, "doc/material-library.md is not current: python3 scripts/dev/material_library.py")
+    report.end()
+
+
+main()
