@@ -9,7 +9,8 @@ module sgmp_mesh
   use sgmp_space, only: space_axisymmetric, space_dimensions
   implicit none
   private
-  public :: mesh_t, mesh_make, mesh_position, mesh_coordinate, mesh_filled
+  public :: mesh_t, mesh_make, mesh_position, mesh_coordinate, mesh_filled, &
+            mesh_occupied
   public :: wall_axis, wall_free, wall_slip, wall_fixed, wall_names
 
   integer, parameter :: wall_free = 0  !! material may leave or the face is open
@@ -97,5 +98,20 @@ contains
       cells = volume/mesh%h**mesh%ndim
     end if
   end function mesh_filled
+
+  !> How many cells a particle occupies. A square section about a radius less than half of its side
+  !! would reach behind the axis: the particle is a disc, as high as its radius is, which continues
+  !! rings whose section touches the axis. Without it the section of a particle that comes close to
+  !! the axis would grow without bounds.
+  pure function mesh_occupied(mesh, x, volume) result(cells)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: x(:)          !! its place (cells)
+    real(dp), intent(in) :: volume
+    real(dp) :: cells
+    cells = mesh_filled(mesh, x, volume)
+    if (mesh%space == space_axisymmetric) then
+      if (cells > (2.0_dp*x(1))**2) cells = (2.0_dp*x(1)*cells)**(2.0_dp/3.0_dp)
+    end if
+  end function mesh_occupied
 
 end module sgmp_mesh

@@ -6,7 +6,7 @@ module sgmp_end_state
   use sgmp_filling, only: filling_measure
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp, i8, lanes
-  use sgmp_mesh, only: mesh_filled, mesh_t
+  use sgmp_mesh, only: mesh_occupied, mesh_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_gather, parallel_max, parallel_min, parallel_sum
@@ -93,7 +93,7 @@ contains
         state%compression = max(state%compression, 1.0_dp/ratio)
         if (.not. law_gaseous(body%law)) state%condensed = max(state%condensed, 1.0_dp/ratio)
         state%expansion = max(state%expansion, ratio)
-        cells = mesh_filled(mesh, body%particles%motion(l, :nd, c), volume)
+        cells = mesh_occupied(mesh, body%particles%motion(l, :nd, c), volume)
         state%per_cell = min(state%per_cell, 1.0_dp/cells)
         if (cells > 1.0_dp) state%stretched = state%stretched + 1
         state%pressure = [min(state%pressure(1), pressure), max(state%pressure(2), pressure)]

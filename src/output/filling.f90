@@ -7,7 +7,7 @@
 !! layout of ranks.
 module sgmp_filling
   use sgmp_kinds, only: dp, i8, lanes
-  use sgmp_mesh, only: mesh_filled, mesh_t, wall_free
+  use sgmp_mesh, only: mesh_occupied, mesh_t, wall_free
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_deal, parallel_sum
   use sgmp_partition, only: partition_owner
@@ -89,7 +89,7 @@ contains
     low = 0
     low(:mesh%ndim) = floor(x - 0.5_dp)
     do corner = 0, size(cell) - 1
-      weight = min(mesh_filled(mesh, x, volume), most)
+      weight = min(mesh_occupied(mesh, x, volume), most)
       at = 0
       do axis = 1, mesh%ndim
         up = ibits(corner, axis - 1, 1)

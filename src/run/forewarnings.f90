@@ -7,7 +7,7 @@ module sgmp_forewarnings
   use sgmp_constitutive, only: law_gaseous
   use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
-  use sgmp_mesh, only: mesh_coordinate, mesh_filled, wall_free
+  use sgmp_mesh, only: mesh_coordinate, mesh_occupied, wall_free
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_max, parallel_min, parallel_sum
   use sgmp_particles, only: particles_t
@@ -207,7 +207,7 @@ contains
       do c = 1, particles%chunks
         do l = 1, lanes
           if (particles%id(l, c) == 0) cycle
-          volume = volume + nint(unit*mesh_filled(model%mesh, &
+          volume = volume + nint(unit*mesh_occupied(model%mesh, &
             particles%motion(l, :particles%ndim, c), particles%state(l, slots%volume, c)), i8)
         end do
       end do

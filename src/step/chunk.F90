@@ -645,7 +645,7 @@ contains
     real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
     type(movers_t), intent(inout) :: movers
-    real(dp) :: offset(lanes), live(lanes), half(lanes, most_columns + NFLUX)
+    real(dp) :: offset(lanes), live(lanes), share(lanes), half(lanes, most_columns + NFLUX)
     real(dp) :: half_motion(lanes, motion_total(NDIM)), half_state(lanes, nb)
     integer :: axis(lanes), side, l
     call splitting_choose(body%law, mesh, plan%split, body%half_size(:NDIM), extent, nl, xi, nb, &
@@ -653,11 +653,11 @@ contains
     if (all(axis == 0)) return
     live = merge(1.0_dp, 0.0_dp, axis > 0)
     do side = -1, 1, 2
-      half = 0.5_dp*values
       half_motion = motion
       half_state = state
       call splitting_halve(body%law, task%h, side, axis, offset, gradient, nb, half_motion, &
-                           half_state, lane_sums(1, sum_split))
+                           half_state, share, lane_sums(1, sum_split))
+      half = spread(share, 2, size(values, 2))*values
       call collect(plan%mass, plan%momentum, live, half_motion, half)
       if (task%square > 0) call relaxation_square(live, half_motion, half(1, task%square))
       do l = 1, nl

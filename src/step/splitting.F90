@@ -10,7 +10,7 @@
 module DIM(sgmp_splitting)
   use sgmp_constitutive, only: constitutive_t, law_is_spherical
   use sgmp_kinds, only: dp, lanes
-  use sgmp_mesh, only: mesh_filled, mesh_t
+  use sgmp_mesh, only: mesh_occupied, mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   implicit none
   private
@@ -50,7 +50,7 @@ contains
     offset = 0.0_dp
     do l = 1, nl
       associate (stretch => state(l, law%slots%stretch:law%slots%stretch + NDIM - 1))
-        mean = mesh_filled(mesh, motion(l, :NDIM), state(l, law%slots%volume))**(1.0_dp/NDIM)
+        mean = mesh_occupied(mesh, motion(l, :NDIM), state(l, law%slots%volume))**(1.0_dp/NDIM)
         side = stretch*(mean/product(stretch)**(1.0_dp/NDIM))
         if (fluid) then
           side = max(mean/widest_ratio, min(mean*widest_ratio, side))
@@ -64,6 +64,9 @@ contains
         end if
         axis(l) = maxloc(side, 1)
         offset(l) = 0.25_dp*side(axis(l))
+#ifdef AXISYMMETRIC
+        if (axis(l) == 1) offset(l) = min(offset(l), 0.5_dp*motion(l, 1))  ! a ring ends at the axis
+#endif
         if (.not. fits(mesh, motion(l, :NDIM), extent(:, axis(l)), xi(l, axis(l)), axis(l), &
                        offset(l))) axis(l) = 0
       end associate
@@ -85,31 +88,47 @@ contains
   !> Makes one half of each particle that is split: side -1 or +1. The halves lie at a quarter of
   !! the side from the centre, each with half of the mass and the volume, and with the velocity that
   !! the gradient says for its place; everything per mass and volume is that of the whole. `kinetic`
-  !! receives the energy of the halves apart, once for both.
-  pure subroutine splitting_halve(law, h, side, axis, offset, gradient, nb, motion, state, kinetic)
+  !! receives what the half has of kinetic energy beyond its share of the whole's.
+  !!
+  !! A ring that is split across the radius has halves as large as their radii say. Their centre of
+  !! mass lies outside the whole's: velocities along the axis count from there, so that momentum
+  !! stays, those along the radius from the whole's place, so that an expansion stays one.
+  pure subroutine splitting_halve(law, h, side, axis, offset, gradient, nb, motion, state, share, &
+                                  kinetic)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: h                          !! cell side (length)
     integer, intent(in) :: side, axis(lanes)
     real(dp), intent(in) :: offset(lanes), gradient(lanes, NGRAD)
     integer, intent(in) :: nb
     real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(out) :: share(lanes)              !! of the half in the whole
     real(dp), intent(inout) :: kinetic(lanes)
-    real(dp) :: change
+    real(dp) :: change, way(NDIM)
     integer :: l, d
+    share = 0.5_dp
     do l = 1, lanes
       if (axis(l) == 0) cycle
+      way = side*offset(l)
+#ifdef AXISYMMETRIC
+      if (axis(l) == 1) then
+        share(l) = 0.5_dp*(1.0_dp + side*offset(l)/motion(l, 1))
+        way(2) = way(2) - offset(l)**2/motion(l, 1)
+        kinetic(l) = kinetic(l) + share(l)*motion(l, mass_at)*motion(l, before_v + 1)*way(1)*h* &
+                     gradient(l, 1)
+      end if
+#endif
       motion(l, axis(l)) = motion(l, axis(l)) + side*offset(l)
-      motion(l, mass_at) = 0.5_dp*motion(l, mass_at)
+      motion(l, mass_at) = share(l)*motion(l, mass_at)
       do d = 1, NDIM
-        change = side*offset(l)*h*gradient(l, (d - 1)*NDIM + axis(l))
+        change = way(d)*h*gradient(l, (d - 1)*NDIM + axis(l))
         motion(l, before_v + d) = motion(l, before_v + d) + change
         kinetic(l) = kinetic(l) + 0.5_dp*motion(l, mass_at)*change**2
       end do
       associate (slots => law%slots, stretch => state(l, law%slots%stretch + axis(l) - 1), &
                  path => state(l, law%slots%path))
-        state(l, slots%volume) = 0.5_dp*state(l, slots%volume)
+        state(l, slots%volume) = share(l)*state(l, slots%volume)
         if (slots%compliance > 0) then
-          state(l, slots%compliance) = 0.5_dp*state(l, slots%compliance)
+          state(l, slots%compliance) = share(l)*state(l, slots%compliance)
         end if
         stretch = 0.5_dp*stretch
         path = 2.0_dp*path + merge(0.0_dp, 1.0_dp, side < 0)

@@ -64,6 +64,20 @@ velocity ball x=0.5*x y=x+0.7*y z=z
 history steps=5
 output vtkhdf
 """
+# About an axis, where a half of a ring is not half of it.
+SPLIT_AXIS = """
+parameter method = sgmp
+parameter update = musl
+dimension axisymmetric
+grid cell=0.25 r=0:open z=open:open
+method $method update=$update split=0.6
+time end=4 cfl=0.4
+material rubber neo_hookean density=1 young=1e-6 poisson=0
+body bar cylinder material=rubber radius=1 length=1 ppc=2
+velocity bar r=r z=0.3*r
+history steps=5
+output csv at=end fields=density,mass,volume,path
+"""
 # Under the address sanitizer, which takes memory of its own, what tests say of memory does not hold.
 SANITIZED = os.environ.get("SGMP_TEST_SANITIZED", "") not in ("", "0")
 
