@@ -71,10 +71,10 @@ test: build setup-test ## Build and run all tests
 	ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
 
 test-full: build setup-test ## The same with all layouts, more kills and random scenes, sanitizers, a sample of small faults (an hour)
-	SGMP_TEST_FULL=1 ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
-	$(MAKE) fuzz INPUTS=$(or $(INPUTS),20000) SCENES=$(or $(SCENES),300) SEED=$(or $(SEED),$(shell date +%s))
+	SGMP_TEST_FULL=1 ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error -LE fuzz
+	$(MAKE) fuzz INPUTS=$(or $(INPUTS),8000) SCENES=$(or $(SCENES),120) SEED=$(or $(SEED),$(shell date +%s))
 	$(MAKE) sanitize
-	$(MAKE) mutate SAMPLE=$(or $(SAMPLE),40)
+	$(MAKE) mutate SAMPLE=$(or $(SAMPLE),20)
 
 sanitize: setup setup-test build/sanitize/.configured ## Run units, broken decks and some scenes with address and undefined-behaviour sanitizers
 	cmake --build build/sanitize --parallel $(JOBS)

@@ -73,8 +73,7 @@ class Findings:
 
 
 def arguments(doc, inputs):
-    """SGMP SOURCE_DIR SCRATCH_DIR and how many of which seed; ten times as many with SGMP_TEST_FULL (`make test-full`)."""
-    inputs *= 10 if os.environ.get("SGMP_TEST_FULL", "") not in ("", "0") else 1
+    """SGMP SOURCE_DIR SCRATCH_DIR and how many of which seed."""
     parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sgmp")
     parser.add_argument("source")

@@ -361,11 +361,19 @@ def rewritten(statement, mutants, impure):
     condition = split_condition(text)
     if condition:
         head, was, tail = condition
-        text = head + either([m for m in mutants if m.part == "condition"], was, impure)
+        faults = [m for m in mutants if m.part == "condition"]
         inner = [m for m in mutants if m.part == "statement"]
-        if inner:
-            return f"{text}) then\n{choice(inner, tail[1:].strip())}\nend if"
-        return text + tail
+        action = tail[1:].strip()
+        if re.match(r"then\b", action, re.IGNORECASE) or not re.match(r"if\b", text, re.IGNORECASE):
+            return head + either(faults, was, impure) + tail
+        if not faults:
+            return f"{head}{was}) then\n{choice(inner, action)}\nend if"
+        # A compiler may work out both sides of .and.: a faulty condition that must not be gets an if of its own.
+        alone = [m for m in faults if not comparable(m, impure)]
+        both = either([m for m in faults if m not in alone], was, impure)
+        branches = [f"if (mutant_on({m.number})) then\nif ({m.now}) then\n{choice(inner, action)}\nend if\nelse " for m in alone]
+        end = "\nend if" if alone else ""
+        return "".join([*branches, "\n" if alone else "", f"if ({both}) then\n{choice(inner, action)}\nend if{end}"])
     loop = LOOP.match(text)
     if loop:
         return loop.group(1) + loop.group(2) + bounds(mutants, loop.group(3))
