@@ -6,6 +6,7 @@
 !! their volumes have drifted. Shares are whole numbers, so that sums depend on no order and on no
 !! layout of ranks.
 module sgmp_filling
+  use sgmp_growing, only: grow
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_occupied, mesh_t, wall_free
   use sgmp_model, only: model_t
@@ -19,6 +20,7 @@ module sgmp_filling
   integer(i8), parameter :: unit = 2_i8**24      !! of volume, in a cell
   real(dp), parameter :: most = 1.0e4_dp         !! cells; larger particles count as so large
   integer(i8), parameter :: base = 2_i8**20      !! cells on either side of the origin
+  integer, parameter :: batch = 2**15            !! shares that are merged at once, in the caches
 
 contains
 
@@ -53,14 +55,12 @@ contains
   subroutine spread_volumes(model, cell, share)
     type(model_t), intent(in) :: model
     integer(i8), allocatable, intent(out) :: cell(:), share(:)
-    integer :: b, c, l, n, nd
-    n = 0
+    integer(i8), allocatable :: new_cell(:), new_share(:)
+    integer :: b, c, l, n, m, nd
     nd = model%mesh%ndim
-    do b = 1, size(model%bodies)
-      if (.not. model%bodies(b)%rigid) n = n + model%bodies(b)%particles%count
-    end do
-    allocate (cell(n*2**nd), share(n*2**nd))
+    allocate (cell(0), share(0), new_cell(batch), new_share(batch))
     n = 0
+    m = 0
     do b = 1, size(model%bodies)
       if (model%bodies(b)%rigid) cycle
       associate (particles => model%bodies(b)%particles)
@@ -69,14 +69,37 @@ contains
             if (particles%id(l, c) == 0) cycle
             call spread_one(model%mesh, particles%motion(l, :nd, c), &
                             particles%state(l, model%bodies(b)%law%slots%volume, c), &
-                            cell(n + 1:n + 2**nd), share(n + 1:n + 2**nd))
+                            new_cell(n + 1:n + 2**nd), new_share(n + 1:n + 2**nd))
             n = n + 2**nd
+            if (n + 2**nd > batch) call append(new_cell, new_share, n, cell, share, m)
           end do
         end do
       end associate
     end do
+    call append(new_cell, new_share, n, cell, share, m)
+    cell = cell(:m)
+    share = share(:m)
     call merge_cells(cell, share)
   end subroutine spread_volumes
+
+  !> Adds n new shares to m, each cell of them named once, and forgets them.
+  pure subroutine append(new_cell, new_share, n, cell, share, m)
+    integer(i8), intent(in) :: new_cell(:), new_share(:)
+    integer, intent(inout) :: n
+    integer(i8), allocatable, intent(inout) :: cell(:), share(:)
+    integer, intent(inout) :: m
+    integer(i8), allocatable :: merged_cell(:), merged_share(:)
+    merged_cell = new_cell(:n)
+    merged_share = new_share(:n)
+    call merge_cells(merged_cell, merged_share)
+    n = size(merged_cell)
+    call grow(cell, m, m + n)
+    call grow(share, m, m + n)
+    cell(m + 1:m + n) = merged_cell
+    share(m + 1:m + n) = merged_share
+    m = m + n
+    n = 0
+  end subroutine append
 
   !> Shares of one particle.
   pure subroutine spread_one(mesh, x, volume, cell, share)

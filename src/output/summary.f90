@@ -1,8 +1,8 @@
 !> summary.json: the figures of a finished run for scripts and comparisons.
 !!
 !! Keys used by the driver (DESIGN 3): exit_status, steps, particle_steps, wall_seconds,
-!! solve_seconds, ns_per_particle_step, ranks, threads, peak_memory_bytes, energy.*, checksum. A dot
-!! nests.
+!! cpu_seconds, solve_seconds (wall), ns_per_particle_step, ranks, threads, peak_memory_bytes,
+!! energy.*, checksum. A dot nests.
 module sgmp_summary
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sgmp_errors, only: error_make, error_t, exit_io

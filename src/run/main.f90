@@ -6,9 +6,11 @@ program sgmp
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sgmp_command_line, only: command_line_read, command_line_t
   use sgmp_errors, only: error_t, exit_io, exit_ok
+  use sgmp_kinds, only: dp
   use sgmp_parallel, only: parallel_agree, parallel_end, parallel_rank, parallel_start
   use sgmp_posix, only: environment_default
   use sgmp_program, only: program_act, program_report
+  use sgmp_timers, only: wall_time
   implicit none
   interface
     subroutine c_exit(status) bind(c, name='exit')
@@ -24,13 +26,15 @@ program sgmp
   end interface
   type(command_line_t) :: options
   type(error_t), allocatable :: error
+  real(dp) :: started
   integer :: status
+  started = wall_time()
   ! Open MPI's own module for files loses data in one of its components (vulcan).
   call environment_default('OMPI_MCA_io', '^ompio')
   call parallel_start()
   status = exit_ok
   call command_line_read(options, error)
-  if (.not. allocated(error)) call program_act(options, error, status)
+  if (.not. allocated(error)) call program_act(options, started, error, status)
   call parallel_agree(error)
   if (allocated(error)) then
     if (parallel_rank() == 0) call program_report(error)

@@ -9,6 +9,7 @@ module sgmp_program
   use sgmp_errors, only: error_t, exit_deck, exit_ok, exit_stopped
   use sgmp_import_mpm3d, only: import_is_mpm3d, import_path, import_read, import_summary, &
                                import_write, imported_t
+  use sgmp_kinds, only: dp
   use sgmp_options, only: options_completion, options_markdown, options_usage
   use sgmp_parallel, only: parallel_agree, parallel_rank
   use sgmp_posix, only: signals_watch
@@ -23,8 +24,9 @@ module sgmp_program
 contains
 
   !> Does what the command line asks for.
-  subroutine program_act(options, error, status)
+  subroutine program_act(options, started, error, status)
     type(command_line_t), intent(in) :: options
+    real(dp), intent(in) :: started        !! wall time at which the program started
     type(error_t), allocatable, intent(out) :: error
     integer, intent(out) :: status         !! exit code, where there is no error
     character(:), allocatable :: native
@@ -48,7 +50,7 @@ contains
     case (action_import)
       call import_deck(options, options%output, .false., native, error, status)
     case default
-      call run_deck(options, error, status)
+      call run_deck(options, started, error, status)
     end select
   end subroutine program_act
 
@@ -81,8 +83,9 @@ contains
   end subroutine import_deck
 
   !> Reads a deck, then checks or runs it.
-  subroutine run_deck(options, error, status)
+  subroutine run_deck(options, started, error, status)
     type(command_line_t), intent(in) :: options
+    real(dp), intent(in) :: started
     type(error_t), allocatable, intent(out) :: error
     integer, intent(out) :: status
     type(scene_t) :: scene
@@ -111,7 +114,7 @@ contains
       call simulation_check(scene, threads, error)
     else
       call signals_watch()
-      call simulation_run(scene, options, threads, output_folder(options), error)
+      call simulation_run(scene, options, threads, output_folder(options), started, error)
     end if
     call scene_free(scene)
   end subroutine run_deck

@@ -8,7 +8,6 @@ module sgmp_report
   use sgmp_kernels, only: kernel_sgmp, method_names
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
-  use sgmp_model_checksum, only: model_checksum
   use sgmp_parallel, only: parallel_agree, parallel_collect, parallel_ranks, parallel_sum
   use sgmp_process, only: peak_memory_bytes
   use sgmp_run_log, only: level_normal, level_quiet, level_verbose, log_row_t, log_t
@@ -29,8 +28,9 @@ module sgmp_report
   !> What a run has cost.
   type :: effort_t
     integer :: threads = 1
-    real(dp) :: wall = 0.0_dp              !! seconds since the start
-    real(dp) :: solving = 0.0_dp           !! seconds in the time loop, output left out
+    real(dp) :: wall = 0.0_dp              !! wall seconds since the program started
+    real(dp) :: solving = 0.0_dp           !! wall seconds in the time loop, output left out
+    real(dp) :: cpu = 0.0_dp               !! CPU seconds of all threads and ranks
     integer(i8) :: particle_steps = 0_i8   !! sum of the particles over the steps
     integer(i8) :: earlier_particle_steps = 0_i8  !! the same, before the restart
     character(:), allocatable :: restart   !! checkpoint that the run went on from, or ''
@@ -48,11 +48,13 @@ contains
     type(effort_t), intent(inout) :: effort
     type(model_t), intent(in) :: model
     real(dp), allocatable :: own(:), others(:), all(:, :)
+    real(dp) :: cpu
     integer(i8) :: memory
     memory = peak_memory_bytes()
     effort%memory = parallel_sum(memory)
+    call cpu_time(cpu)
     own = [model%timers%seconds, real(model%ranks%traffic%messages, dp), &
-           real(model%ranks%traffic%bytes, dp)]
+           real(model%ranks%traffic%bytes, dp), cpu]
     call parallel_collect(own, others)
     all = reshape([own, others], [size(own), model%ranks%partition%ranks])
     effort%least = minval(all(:phase_count, :), dim=2)
@@ -60,6 +62,7 @@ contains
     effort%most = maxval(all(:phase_count, :), dim=2)
     effort%messages = maxval(all(phase_count + 1, :))
     effort%bytes = maxval(all(phase_count + 2, :))
+    effort%cpu = sum(all(phase_count + 3, :))
   end subroutine effort_share
 
   !> How much the log shows on the terminal.
@@ -185,6 +188,7 @@ contains
     call log%phase_table(phase_names, effort%least, effort%mean, effort%most, effort%wall)
     call log%line(integer_text(model%clock%step)//' steps, '//real_text(cost(effort))// &
                   ' ns per particle-step, '//real_text(effort%solving)//' s solving, '// &
+                  real_text(effort%cpu)//' s of CPU in all, '// &
                   real_text(real(effort%memory, dp)/1048576.0_dp)//' MiB peak')
     if (model%ranks%partition%ranks > 1) then
       call log%line('halo: '//real_text(effort%messages/max(model%clock%step, 1))// &
@@ -212,11 +216,12 @@ contains
   end function cost
 
   !> Writes summary.json; a failure to do so becomes `error` if there is none yet.
-  subroutine summary_write(scene, model, effort, verdict, log, path, error)
+  subroutine summary_write(scene, model, effort, verdict, checksum, log, path, error)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     type(effort_t), intent(in) :: effort
     type(verdict_t), intent(in) :: verdict
+    integer(i8), intent(in) :: checksum          !! of the model
     type(log_t), intent(in) :: log
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(inout) :: error  !! what ended the run early
@@ -231,7 +236,7 @@ contains
     if (allocated(log%warnings)) call summary%set('warnings', log%warnings)
     call summarise_scene(summary, scene, model)
     call summarise_effort(summary, model, effort)
-    call summary%set('checksum', checksum_text(model_checksum(model)))
+    call summary%set('checksum', checksum_text(checksum))
     call summarise_energy(summary, model)
     if (model%ranks%partition%rank == 0) call summary%write(path, problem)
     call parallel_agree(problem)
@@ -278,6 +283,7 @@ contains
     call summary%set('particle_steps', effort%earlier_particle_steps + effort%particle_steps)
     call summary%set('restarted_from', effort%restart)
     call summary%set('wall_seconds', effort%wall)
+    call summary%set('cpu_seconds', effort%cpu)
     call summary%set('solve_seconds', effort%solving)
     call summary%set('ns_per_particle_step', cost(effort))
     call summary%set('ranks', model%ranks%partition%ranks)

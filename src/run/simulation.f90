@@ -14,6 +14,7 @@ module sgmp_simulation
   use sgmp_kinds, only: dp, i8
   use sgmp_memory_need, only: memory_need_here, memory_refuse
   use sgmp_model, only: model_t
+  use sgmp_model_checksum, only: model_checksum
   use sgmp_outputs, only: outputs_close, outputs_flush, outputs_next_time, outputs_open, &
                           outputs_step, outputs_stop, outputs_t
   use sgmp_parallel, only: parallel_agree, parallel_any, parallel_rank, parallel_ranks
@@ -30,7 +31,7 @@ module sgmp_simulation
   use sgmp_stopping, only: stopping_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: clock_advance, clock_choose
-  use sgmp_timers, only: phase_output, phase_probe, phase_start, timers_start, timers_stop, &
+  use sgmp_timers, only: phase_end, phase_grid, phase_output, phase_probe, phase_start, timers_stop, &
                          timers_t, wall_time
   use sgmp_verdict, only: verdict_t
   implicit none
@@ -68,11 +69,12 @@ contains
   end subroutine simulation_check
 
   !> Runs a scene from its initial state, or a checkpoint, to its end.
-  subroutine simulation_run(scene, options, threads, folder, error)
+  subroutine simulation_run(scene, options, threads, folder, started, error)
     type(scene_t), intent(in) :: scene
     type(command_line_t), intent(in) :: options
     integer, intent(in) :: threads
     character(*), intent(in) :: folder           !! where the files go
+    real(dp), intent(in) :: started              !! wall time at which the program started
     type(error_t), allocatable, intent(out) :: error
     type(model_t), allocatable :: model
     type(outputs_t), allocatable :: outputs
@@ -81,8 +83,8 @@ contains
     type(effort_t) :: effort
     type(stopping_t) :: stopping
     type(verdict_t) :: verdict
-    real(dp) :: started, solving
-    started = wall_time()
+    integer(i8) :: checksum
+    real(dp) :: solving
     effort%threads = threads
     allocate (model, outputs)
     call memory_refuse(scene, error)
@@ -103,7 +105,6 @@ contains
     solving = wall_time()
     call time_loop(scene, model, outputs, log, stopping, effort, error)
     effort%solving = wall_time() - solving - model%timers%seconds(phase_output)
-    call timers_start(model%timers)
     if (allocated(error)) then
       if (any(error%code == [exit_stopped, exit_io])) then
         if (parallel_rank() == 0) call outputs_stop(outputs, problem)
@@ -116,11 +117,13 @@ contains
     end if
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
     call timers_stop(model%timers, phase_output)
+    call verdict%reach(scene, model, error)
+    checksum = model_checksum(model)
+    call timers_stop(model%timers, phase_end)
     effort%wall = wall_time() - started
     call effort_share(effort, model)
-    call verdict%reach(scene, model, error)
     call report_end(log, model, effort, verdict, error)
-    call summary_write(scene, model, effort, verdict, log, folder//'/summary.json', error)
+    call summary_write(scene, model, effort, verdict, checksum, log, folder//'/summary.json', error)
     call log%close(problem)
     if (allocated(problem) .and. .not. allocated(error)) call move_alloc(problem, error)
   end subroutine simulation_run
@@ -205,7 +208,7 @@ contains
         call move_alloc(model%findings%failure, error)
         return
       end if
-      call timers_start(model%timers)
+      call timers_stop(model%timers, phase_grid)
       call outputs_step(outputs, scene, model, .false., error)
       if (allocated(error)) return
       if (wall_time() - shown > 5.0_dp) then
@@ -237,7 +240,6 @@ contains
     logical :: found
     call balancing_look(model, scene%balance, found)
     if (found) call log%line(report_balance(model))
-    call timers_start(model%timers)
     call stability_choose(model, found)
     if (found) call log%line(report_courant(model))
     call timers_stop(model%timers, phase_probe)

@@ -22,7 +22,7 @@ module sgmp_balancing
   use sgmp_scene, only: balance_card_t, update_usavg, update_usf
   use sgmp_slabs, only: far_plane
   use sgmp_timers, only: phase_balance, phase_contact, phase_drift, phase_grid, phase_kick, &
-                         timers_start, timers_stop
+                         timers_stop
   implicit none
   private
   public :: balancing_look
@@ -45,7 +45,6 @@ contains
     if (model%ranks%partition%ranks == 1 .or. card%every == 0) return
     if (.not. model%ranks%partition%divisible) return
     if (model%clock%step == 0 .or. mod(model%clock%step, card%every) /= 0) return
-    call timers_start(model%timers)
     call measure(model, first, particles, load)
     associate (partition => model%ranks%partition, balance => model%ranks%balance)
       balance%imbalance = partition_imbalance(partition_loads(partition, first, particles))

@@ -19,7 +19,7 @@ module sgmp_step
   use sgmp_scene, only: update_musl, update_usavg, update_usf, update_usl
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_drift, phase_grid, phase_halo, phase_kick, phase_rebin, &
-                         timers_move, timers_start, timers_stop, wall_time
+                         timers_move, timers_stop, wall_time
   use sgmp_totals, only: totals_close, totals_open
   implicit none
   private
@@ -135,7 +135,6 @@ contains
   subroutine step_solve(model, dt_kick)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick
-    call timers_start(model%timers)
     associate (mesh => model%mesh, method => model%method, fields => model%fields, &
                bodies => model%bodies, contact => model%contact, team => model%team, &
                partition => model%ranks%partition, clock => model%clock)
@@ -159,7 +158,6 @@ contains
   !> Velocity of the nodes before the stress update (USF).
   subroutine step_project(model)
     type(model_t), intent(inout) :: model
-    call timers_start(model%timers)
     associate (mesh => model%mesh, fields => model%fields, bodies => model%bodies, &
                team => model%team, velocity => node_velocity(model%mesh%ndim))
       call phase_velocity(model%method, mesh, fields, bodies, team, model%ranks%partition)
@@ -176,7 +174,6 @@ contains
   !> Velocity of the nodes from the updated particles (MUSL).
   subroutine remap(model)
     type(model_t), intent(inout) :: model
-    call timers_start(model%timers)
     associate (mesh => model%mesh, fields => model%fields, bodies => model%bodies, &
                team => model%team)
       call phase_remap(mesh, fields, bodies, team, model%ranks%partition)
@@ -197,7 +194,6 @@ contains
   !> What exact rotation needs to know of the masses.
   subroutine prepare_rotation(model)
     type(model_t), intent(inout) :: model
-    call timers_start(model%timers)
     call phase_rotation(model%method, model%mesh, model%fields, model%bodies, model%team, &
                         model%ranks%partition)
     call timers_stop(model%timers, phase_grid)
@@ -246,7 +242,6 @@ contains
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
     integer, intent(in) :: phase                 !! of the timers
-    call timers_start(model%timers)
     call phase_sweep(plan, model%mesh, model%fields, model%bodies, model%team, model%ranks, &
                      model%findings, model%timers)
     call timers_stop(model%timers, phase)

@@ -11,6 +11,7 @@ program fuzz_driver
   use sgmp_posix, only: environment_default
   use sgmp_program, only: program_act, program_report
   use sgmp_spelling, only: string_t
+  use sgmp_timers, only: wall_time
   implicit none
   interface
     !> -1000 in the child, which prints into the file; in the parent the child's end.
@@ -53,7 +54,7 @@ contains
     type(error_t), allocatable :: error
     integer :: status
     call command_line_parse(words, options, error)
-    if (.not. allocated(error)) call program_act(options, error, status)
+    if (.not. allocated(error)) call program_act(options, wall_time(), error, status)
     if (allocated(error)) then
       call program_report(error)
       status = error%code

@@ -79,7 +79,9 @@ def costs(report):
     total = sum(seconds.values())
     report.check(all(abs(percent[k] - 100*seconds[k]/total) < 1e-6 for k in seconds), f"{percent} of {seconds}")
     report.check(0 < result["solve_seconds"] < result["wall_seconds"] < 300, f"{result['solve_seconds']} of {result['wall_seconds']} s")
-    report.check(0 < total < result["wall_seconds"], f"phases: {total} of {result['wall_seconds']} s")
+    report.check(0.98*result["wall_seconds"] < total <= (1 + 1e-9)*result["wall_seconds"], f"phases: {total} of {result['wall_seconds']} s")
+    report.check(seconds["start"] > 0 and seconds["end"] > 0, f"phases: {seconds}")
+    report.check(0 < result["cpu_seconds"] < 2.1*result["wall_seconds"] + 1, f"{result['cpu_seconds']} s of CPU, {result['wall_seconds']} s")
     report.check(math.isclose(result["ns_per_particle_step"], 1e9*result["solve_seconds"]/(200*PARTICLES), rel_tol=1e-9),
                  f"{result['ns_per_particle_step']} ns per particle and step")
     report.check(1e6 < result["peak_memory_bytes"] < 1e9, f"{result['peak_memory_bytes']} bytes")
