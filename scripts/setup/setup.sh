@@ -21,11 +21,11 @@ has_muparser() {
   local -a roots
   IFS=: read -r -a roots <<< "${CMAKE_PREFIX_PATH:-}:${CONDA_PREFIX:-}:${MUPARSER_ROOT:-}:/usr:/usr/local"
   for dir in "${roots[@]}"; do
-    [ -n "$dir" ] && [ -e "$dir/include/muParserDLL.h" ] && return 0
+    [ -n "$dir" ] && [ -e "$dir/include/muParserBytecode.h" ] && return 0
   done
   IFS=: read -r -a roots <<< "${CPATH:-}"
   for dir in "${roots[@]}"; do
-    [ -n "$dir" ] && [ -e "$dir/muParserDLL.h" ] && return 0
+    [ -n "$dir" ] && [ -e "$dir/muParserBytecode.h" ] && return 0
   done
   return 1
 }
@@ -54,7 +54,7 @@ has gfortran|gfortran|GNU Fortran 10 or later|module load gcc; spack install gcc
 has_mpi_compiler|libopenmpi-dev|MPI with Fortran modules (mpifort)|module load openmpi; spack install openmpi; conda install openmpi-mpifort
 has mpiexec|openmpi-bin|mpiexec|module load openmpi; spack install openmpi; conda install openmpi
 has h5pfc|libhdf5-openmpi-dev|parallel HDF5 with Fortran (h5pfc)|module load hdf5-parallel; spack install hdf5+mpi+fortran; conda install "hdf5=*=mpi_openmpi*"
-has_muparser|libmuparser-dev|muParser (muParserDLL.h)|module load muparser; spack install muparser; conda install muparser; then CMAKE_PREFIX_PATH
+has_muparser|libmuparser-dev|muParser 2.3 or later (muParserBytecode.h)|module load muparser; spack install muparser; conda install muparser; then CMAKE_PREFIX_PATH
 has_recent_cmake|cmake|CMake 3.21 or later|module load cmake; spack install cmake; pip install cmake
 has make|make|make|module load gmake; spack install gmake; conda install make
 has_python|python3|Python 3.8 or later|module load python; spack install python; conda install python

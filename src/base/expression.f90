@@ -1,4 +1,5 @@
-!> Functions of position and time written as text, evaluated by muParser.
+!> Functions of position and time written as text, compiled by muParser and evaluated for all lanes
+!! of a chunk at a time.
 !!
 !! Variables are x, y, z (current position), x0, y0, z0 (initial position) and t, in axisymmetric
 !! scenes r, z, r0, z0 and t; `pi` and the deck's parameters are
@@ -15,17 +16,17 @@ module sgmp_expression
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_get_status, ieee_set_halting_mode, &
     ieee_set_status, ieee_status_type
-  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_funloc, &
-    c_funptr, c_int, c_loc, &
-                                         c_null_char, c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_int, c_null_char, &
+                                         c_null_ptr, c_ptr
   use sgmp_errors, only: error_make, error_t, exit_deck
-  use sgmp_kinds, only: dp, pi
+  use sgmp_kinds, only: dp, lanes, pi
   use sgmp_spelling, only: word_lower
 !$ use omp_lib, only: omp_get_thread_num
   implicit none
   private
   public :: expression_t, expression_make, expression_constant, expression_clone, expression_free
   public :: expression_variables, expression_functions, expression_ring_variables
+  public :: expression_places, expression_time
 
   integer, parameter :: longest_formula = 1500  !! muParser's messages end at 2048 letters
   !> Words that a parameter may not be called, because they mean something inside an expression.
@@ -36,18 +37,15 @@ module sgmp_expression
     'sqrt sign rint abs min max sum avg _pi _e'
   character(2), parameter :: variable_names(*) = ['x ', 'y ', 'z ', 'x0', 'y0', 'z0', 't ']
   character(2), parameter :: ring_names(*) = ['r ', 'z ', '  ', 'r0', 'z0', '  ', 't ']
+  integer, parameter :: expression_places = size(variable_names)  !! numbers that a formula may use:
+    !! current position, initial position, time
+  integer, parameter :: expression_time = expression_places  !! the one of them that is the time
   integer, parameter :: slots = 256
     !! threads beyond this number compile a parser for each evaluation
 
-  !> One thread's parser with the variables it is bound to.
-  type :: parser_t
-    type(c_ptr) :: handle = c_null_ptr
-    real(c_double) :: variables(size(variable_names)) = 0.0_c_double
-  end type parser_t
-
-  !> One thread's entry; empty until that thread first evaluates.
+  !> One thread's compiled formula; none until that thread first evaluates.
   type :: slot_t
-    type(parser_t), pointer :: parser => null()
+    type(c_ptr) :: formula = c_null_ptr
   end type slot_t
 
   !> What all plain copies of an expression share.
@@ -69,97 +67,65 @@ module sgmp_expression
     logical :: uses_initial_position = .false.  !! depends on x0, y0 or z0
     type(shared_t), pointer, private :: shared => null()
   contains
-    procedure :: evaluate
+    procedure :: evaluate, evaluate_lanes
   end type expression_t
 
   interface
-    function mup_create(base_type) bind(c, name='mupCreate') result(handle)
-      import :: c_int, c_ptr
+    function formula_make() result(handle) bind(c, name='sgmp_formula_make')
+      import :: c_ptr
       implicit none
-      integer(c_int), value :: base_type
       type(c_ptr) :: handle
-    end function mup_create
-    subroutine mup_release(handle) bind(c, name='mupRelease')
+    end function formula_make
+    subroutine formula_free(handle) bind(c, name='sgmp_formula_free')
       import :: c_ptr
       implicit none
       type(c_ptr), value :: handle
-    end subroutine mup_release
-    subroutine mup_set_error_handler(handle, handler) bind(c, name='mupSetErrorHandler')
-      import :: c_funptr, c_ptr
-      implicit none
-      type(c_ptr), value :: handle
-      type(c_funptr), value :: handler
-    end subroutine mup_set_error_handler
-    subroutine mup_set_expr(handle, text) bind(c, name='mupSetExpr')
-      import :: c_char, c_ptr
-      implicit none
-      type(c_ptr), value :: handle
-      character(kind=c_char), intent(in) :: text(*)
-    end subroutine mup_set_expr
-    subroutine mup_define_var(handle, name, variable) bind(c, name='mupDefineVar')
-      import :: c_char, c_ptr
+    end subroutine formula_free
+    subroutine formula_variable(handle, name, number) bind(c, name='sgmp_formula_variable')
+      import :: c_char, c_int, c_ptr
       implicit none
       type(c_ptr), value :: handle
       character(kind=c_char), intent(in) :: name(*)
-      type(c_ptr), value :: variable
-    end subroutine mup_define_var
-    subroutine mup_define_const(handle, name, value) bind(c, name='mupDefineConst')
+      integer(c_int), value :: number
+    end subroutine formula_variable
+    subroutine formula_constant(handle, name, value) bind(c, name='sgmp_formula_constant')
       import :: c_char, c_double, c_ptr
       implicit none
       type(c_ptr), value :: handle
       character(kind=c_char), intent(in) :: name(*)
       real(c_double), value :: value
-    end subroutine mup_define_const
-    function mup_eval(handle) bind(c, name='mupEval') result(value)
-      import :: c_double, c_ptr
+    end subroutine formula_constant
+    !> How many values the text has, where all variables are zero, and the first; 0: an error, with
+    !! muParser's message, the word that it stumbled over and its column.
+    function formula_compile(handle, text, value, message, message_length, token, token_length, &
+                             position) result(count) bind(c, name='sgmp_formula_compile')
+      import :: c_char, c_double, c_int, c_ptr
       implicit none
       type(c_ptr), value :: handle
-      real(c_double) :: value
-    end function mup_eval
-    function mup_eval_multi(handle, count) bind(c, name='mupEvalMulti') result(values)
-      import :: c_int, c_ptr
-      implicit none
-      type(c_ptr), value :: handle
-      integer(c_int), intent(out) :: count
-      type(c_ptr) :: values
-    end function mup_eval_multi
-    function mup_error(handle) bind(c, name='mupError') result(failed)
-      import :: c_int, c_ptr
-      implicit none
-      type(c_ptr), value :: handle
-      integer(c_int) :: failed
-    end function mup_error
-    function mup_get_error_pos(handle) bind(c, name='mupGetErrorPos') result(position)
-      import :: c_int, c_ptr
-      implicit none
-      type(c_ptr), value :: handle
-      integer(c_int) :: position
-    end function mup_get_error_pos
-    function mup_get_error_token(handle) bind(c, name='mupGetErrorToken') result(token)
-      import :: c_ptr
-      implicit none
-      type(c_ptr), value :: handle
-      type(c_ptr) :: token
-    end function mup_get_error_token
-    function mup_get_error_msg(handle) bind(c, name='mupGetErrorMsg') result(message)
-      import :: c_ptr
-      implicit none
-      type(c_ptr), value :: handle
-      type(c_ptr) :: message
-    end function mup_get_error_msg
-    function mup_get_expr_var_num(handle) bind(c, name='mupGetExprVarNum') result(count)
-      import :: c_int, c_ptr
-      implicit none
-      type(c_ptr), value :: handle
+      character(kind=c_char), intent(in) :: text(*)
+      real(c_double), intent(out) :: value
+      character(kind=c_char), intent(out) :: message(*), token(*)
+      integer(c_int), value :: message_length, token_length
+      integer(c_int), intent(out) :: position
       integer(c_int) :: count
-    end function mup_get_expr_var_num
-    subroutine mup_get_expr_var(handle, number, name, variable) bind(c, name='mupGetExprVar')
+    end function formula_compile
+    function formula_uses(handle, number) result(uses) bind(c, name='sgmp_formula_uses')
       import :: c_int, c_ptr
       implicit none
       type(c_ptr), value :: handle
       integer(c_int), value :: number
-      type(c_ptr), intent(out) :: name, variable
-    end subroutine mup_get_expr_var
+      integer(c_int) :: uses
+    end function formula_uses
+    !> Values in n lanes, whose numbers count from 0.
+    subroutine formula_values(handle, places, lane, n, values) bind(c, name='sgmp_formula_values')
+      import :: c_double, c_int, c_ptr
+      implicit none
+      type(c_ptr), value :: handle
+      real(c_double), intent(in) :: places(*)
+      integer(c_int), intent(in) :: lane(*)
+      integer(c_int), value :: n
+      real(c_double), intent(inout) :: values(*)
+    end subroutine formula_values
   end interface
 
 contains
@@ -239,7 +205,9 @@ contains
     integer :: i
     if (associated(expression%shared)) then
       do i = lbound(expression%shared%slot, 1), ubound(expression%shared%slot, 1)
-        call parser_free(expression%shared%slot(i)%parser)
+        if (c_associated(expression%shared%slot(i)%formula)) then
+          call formula_free(expression%shared%slot(i)%formula)
+        end if
       end do
       deallocate (expression%shared)
     end if
@@ -259,28 +227,48 @@ contains
     real(dp), intent(in) :: initial_position(3)  !! x0, y0, z0; r0, z0
     real(dp), intent(in) :: time                !! t
     real(dp) :: value
-    type(parser_t), pointer :: parser
-    integer :: thread
-    if (self%is_constant) then
-      value = self%value
-      return
-    end if
+    real(dp) :: places(lanes, expression_places), values(lanes)
+    integer :: lane
+    value = self%value
+    if (self%is_constant) return
+    places = 0.0_dp
+    places(1, :3) = position
+    places(1, 4:6) = initial_position
+    places(1, expression_time) = time
+    call self%evaluate_lanes(places, [(lane == 1, lane=1, lanes)], values)
+    value = values(1)
+  end function evaluate
+
+  !> The values in those lanes that are wanted; zero in the others.
+  subroutine evaluate_lanes(self, places, wanted, values)
+    class(expression_t), intent(in) :: self
+    real(dp), intent(in) :: places(lanes, expression_places)
+    logical, intent(in) :: wanted(lanes)
+    real(dp), intent(out) :: values(lanes)
+    type(c_ptr) :: formula
+    integer(c_int) :: chosen(lanes)
+    integer :: thread, lane, n
+    values = merge(self%value, 0.0_dp, wanted)
+    if (self%is_constant) return
+    n = 0
+    do lane = 1, lanes
+      if (.not. wanted(lane)) cycle
+      n = n + 1
+      chosen(n) = int(lane - 1, c_int)
+    end do
     thread = 0
 !$  thread = omp_get_thread_num()
     if (thread < slots) then
-      if (.not. associated(self%shared%slot(thread)%parser)) then
-        call parser_make(self%shared%slot(thread)%parser, self%shared)
+      if (.not. c_associated(self%shared%slot(thread)%formula)) then
+        call formula_bind(self%shared%slot(thread)%formula, self%shared)
       end if
-      parser => self%shared%slot(thread)%parser
+      formula = self%shared%slot(thread)%formula
     else
-      call parser_make(parser, self%shared)
+      call formula_bind(formula, self%shared)
     end if
-    parser%variables(1:3) = position
-    parser%variables(4:6) = initial_position
-    parser%variables(size(variable_names)) = time
-    value = mup_eval(parser%handle)
-    if (thread >= slots) call parser_free(parser)
-  end function evaluate
+    call formula_values(formula, places, chosen, int(n, c_int), values)
+    if (thread >= slots) call formula_free(formula)
+  end subroutine evaluate_lanes
 
   !> Compiles once, to find errors and the variables used.
   subroutine inspect(expression, error, position, token)
@@ -288,54 +276,38 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer, intent(inout), optional :: position
     character(*), intent(inout), optional :: token
-    type(parser_t), pointer :: parser
-    character(:), allocatable :: word
-    integer(c_int) :: count
-    integer :: at
-    real(c_double), pointer :: values(:)
-    type(c_ptr) :: address
-    call parser_make(parser, expression%shared)
-    address = mup_eval_multi(parser%handle, count)
-    if (mup_error(parser%handle) /= 0) then
-      word = fortran_text(mup_get_error_token(parser%handle))
-      at = min(max(1, int(mup_get_error_pos(parser%handle)) + 1), len(expression%text) + 1)
-      call error_make(error, exit_deck, explain(fortran_text(mup_get_error_msg(parser%handle)), &
-                                                word))
-      if (present(position)) position = at
+    type(c_ptr) :: formula
+    character(2048) :: message
+    character(256) :: word
+    integer(c_int) :: count, at
+    call formula_bind(formula, expression%shared, count, expression%value, message, word, at)
+    if (count == 0) then
+      call error_make(error, exit_deck, explain(trim(message), trim(word)))
+      if (present(position)) position = min(max(1, int(at)), len(expression%text) + 1)
       if (present(token)) token = word
     else if (count /= 1) then
       call error_make(error, exit_deck, 'one value expected, but the expression is a list')
     else
-      call c_f_pointer(address, values, [count])
-      expression%value = values(1)
-      call find_variables(expression, parser%handle)
+      call find_variables(expression, formula)
       if (expression%is_constant .and. .not. ieee_is_finite(expression%value)) then
         call error_make(error, exit_deck, "the value of '"//expression%text//"' is not a "// &
                         'finite number')
       end if
     end if
-    call parser_free(parser)
+    call formula_free(formula)
   end subroutine inspect
 
   !> Which variables the compiled expression uses.
-  subroutine find_variables(expression, handle)
+  subroutine find_variables(expression, formula)
     type(expression_t), intent(inout) :: expression
-    type(c_ptr), intent(in) :: handle
-    type(c_ptr) :: name, variable
-    integer(c_int) :: i, n
-    n = mup_get_expr_var_num(handle)
-    expression%is_constant = n == 0
-    do i = 0, n - 1
-      call mup_get_expr_var(handle, i, name, variable)
-      select case (fortran_text(name))
-      case ('t')
-        expression%uses_time = .true.
-      case ('x0', 'y0', 'z0', 'r0')
-        expression%uses_initial_position = .true.
-      case default
-        expression%uses_position = .true.
-      end select
-    end do
+    type(c_ptr), intent(in) :: formula
+    logical :: used(expression_places)
+    integer :: i
+    used = [(formula_uses(formula, int(i, c_int)) /= 0, i=1, expression_places)]
+    expression%is_constant = .not. any(used)
+    expression%uses_position = any(used(1:3))
+    expression%uses_initial_position = any(used(4:6))
+    expression%uses_time = used(expression_time)
   end subroutine find_variables
 
   !> muParser's message in this program's words.
@@ -349,43 +321,39 @@ contains
     end if
   end function explain
 
-  !> Creates one parser bound to its own variables and the expression's constants.
-  subroutine parser_make(parser, shared)
-    type(parser_t), pointer, intent(out) :: parser
+  !> Compiles a formula with variables of its own; how many values it has, the first, and what is
+  !! wrong with it if it has none.
+  subroutine formula_bind(formula, shared, count, value, message, word, position)
+    type(c_ptr), intent(out) :: formula
     type(shared_t), intent(in) :: shared
+    integer(c_int), intent(out), optional :: count, position
+    real(dp), intent(out), optional :: value
+    character(*), intent(out), optional :: message, word
+    character(2048) :: found
+    character(256) :: token
+    integer(c_int) :: values, at
+    real(dp) :: first
     integer :: i
-    allocate (parser)
     !$omp critical (sgmp_expression_create)
-    parser%handle = mup_create(0_c_int)
-    call mup_set_error_handler(parser%handle, c_funloc(ignore_error))
+    formula = formula_make()
     do i = 1, size(shared%variables)
       if (shared%variables(i) == '') cycle
-      call mup_define_var(parser%handle, c_text(trim(shared%variables(i))), &
-                          c_loc(parser%variables(i)))
+      call formula_variable(formula, c_text(trim(shared%variables(i))), int(i, c_int))
     end do
-    call mup_define_const(parser%handle, c_text('pi'), pi)
+    call formula_constant(formula, c_text('pi'), pi)
     do i = 1, size(shared%parameter_names)
-      call mup_define_const(parser%handle, c_text(trim(shared%parameter_names(i))), &
+      call formula_constant(formula, c_text(trim(shared%parameter_names(i))), &
                             shared%parameter_values(i))
     end do
-    call mup_set_expr(parser%handle, c_text(shared%source))
+    values = formula_compile(formula, c_text(shared%source), first, found, len(found, c_int), &
+                             token, len(token, c_int), at)
     !$omp end critical (sgmp_expression_create)
-  end subroutine parser_make
-
-  !> Releases one parser, if there is one.
-  subroutine parser_free(parser)
-    type(parser_t), pointer, intent(inout) :: parser
-    if (.not. associated(parser)) return
-    if (c_associated(parser%handle)) call mup_release(parser%handle)
-    deallocate (parser)
-    parser => null()
-  end subroutine parser_free
-
-  !> muParser calls this instead of throwing; the error is asked for afterwards.
-  subroutine ignore_error(handle) bind(c)
-    type(c_ptr), value :: handle
-    if (.not. c_associated(handle)) return
-  end subroutine ignore_error
+    if (present(count)) count = values
+    if (present(value)) value = first
+    if (present(message)) message = found
+    if (present(word)) word = token
+    if (present(position)) position = at
+  end subroutine formula_bind
 
   !> The text as muParser reads it; `**` becomes ` ^` so that columns stay the same.
   pure function muparser_source(text) result(source)
@@ -408,21 +376,5 @@ contains
     end do
     array(len(text) + 1) = c_null_char
   end function c_text
-
-  !> A copy of a null-terminated text.
-  function fortran_text(address) result(text)
-    type(c_ptr), intent(in) :: address
-    character(:), allocatable :: text
-    character(kind=c_char), pointer :: letters(:)
-    integer, parameter :: longest = 10000
-    integer :: i
-    text = ''
-    if (.not. c_associated(address)) return
-    call c_f_pointer(address, letters, [longest])
-    do i = 1, longest
-      if (letters(i) == c_null_char) exit
-      text = text//letters(i)
-    end do
-  end function fortran_text
 
 end module sgmp_expression

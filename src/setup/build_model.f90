@@ -7,6 +7,7 @@ module sgmp_build_model
   use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_slots, slots_t
   use sgmp_energy, only: ledger_open
   use sgmp_errors, only: error_t
+  use sgmp_expression, only: expression_places
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
   use sgmp_kernels, only: bin_span, method_cpgimp, method_half_size, method_kernel, stencil_shift
@@ -260,44 +261,54 @@ contains
     real(dp), allocatable, intent(in) :: file_velocity(:, :)
     type(body_t), intent(inout) :: body
     integer :: c, l, d, n
-    real(dp) :: x(3), v
+    real(dp) :: v(lanes)
     n = mesh%ndim
     associate (particles => body%particles)
       do c = 1, particles%chunks
-        do l = 1, lanes
-          if (particles%id(l, c) == 0) cycle
-          x = 0.0_dp
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
-          do d = 1, n
-            v = card%velocity(d)%evaluate(x, x, 0.0_dp)
-            if (allocated(file_velocity)) then
-              v = v + file_velocity(d, particles%id(l, c) - body%first_id + 1)
+        do d = 1, n
+          call card%velocity(d)%evaluate_lanes(places(mesh, particles%motion(:, :n, c)), &
+                                               particles%id(:, c) /= 0, v)
+          if (body%rigid) v = body%speed(d)
+          do l = 1, lanes
+            if (particles%id(l, c) == 0) cycle
+            if (allocated(file_velocity) .and. .not. body%rigid) then
+              v(l) = v(l) + file_velocity(d, particles%id(l, c) - body%first_id + 1)
             end if
-            if (body%rigid) v = body%speed(d)
-            particles%motion(l, n + d, c) = v
+            particles%motion(l, n + d, c) = v(l)
           end do
         end do
       end do
     end associate
   end subroutine set_velocities
 
+  !> What formulas may use at the start: positions of the lanes of a chunk.
+  pure function places(mesh, coordinates)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: coordinates(:, :)    !! (lanes, ndim)
+    real(dp) :: places(lanes, expression_places)
+    integer :: d
+    places = 0.0_dp
+    do d = 1, size(coordinates, 2)
+      places(:, d) = mesh_position(mesh%origin(d), mesh%h, coordinates(:, d))
+    end do
+    places(:, 4:6) = places(:, 1:3)
+  end function places
+
   !> Initial velocity around the axis, times the radius, from the card's angular velocity.
   subroutine set_swirl(card, mesh, body)
     type(body_card_t), intent(in) :: card
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
-    integer :: c, l
-    real(dp) :: x(3)
+    integer :: c
+    real(dp) :: spin(lanes)
     if (body%law%slots%swirl == 0 .or. body%rigid) return
     associate (particles => body%particles)
       do c = 1, particles%chunks
-        do l = 1, lanes
-          if (particles%id(l, c) == 0) cycle
-          x = 0.0_dp
-          x(:2) = mesh_position(mesh%origin(:2), mesh%h, particles%motion(l, :2, c))
-          particles%state(l, body%law%slots%swirl, c) = &
-            card%spin%evaluate(x, x, 0.0_dp)*mesh%h*particles%motion(l, 1, c)**2
-        end do
+        call card%spin%evaluate_lanes(places(mesh, particles%motion(:, :2, c)), &
+                                      particles%id(:, c) /= 0, spin)
+        where (particles%id(:, c) /= 0)
+          particles%state(:, body%law%slots%swirl, c) = spin*mesh%h*particles%motion(:, 1, c)**2
+        end where
       end do
     end associate
   end subroutine set_swirl

@@ -10,6 +10,7 @@ module DIM(sgmp_chunk)
   use sgmp_body, only: body_t
   use sgmp_columns, only: relax_stiffness, relax_total
   use sgmp_constitutive, only: constitutive_t
+  use sgmp_expression, only: expression_places, expression_time
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_mesh, only: mesh_t
@@ -602,26 +603,22 @@ contains
     integer, intent(in) :: nb
     real(dp), intent(in) :: mass(lanes), motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(out) :: force(lanes, NDIM)
-    real(dp) :: x(3, lanes), x0(3, lanes)
-    integer :: l, d, s
+    real(dp) :: places(lanes, expression_places)
+    integer :: d, s
     s = body%law%slots%initial
-    x = 0.0_dp
-    x0 = 0.0_dp
+    places = 0.0_dp
+    places(:, expression_time) = plan%time
     do d = 1, NDIM
-      x(d, :) = mesh%origin(d) + mesh%h*motion(:, d)
-      if (s > 0) x0(d, :) = state(:, s + d - 1)
+      places(:, d) = mesh%origin(d) + mesh%h*motion(:, d)
+      if (s > 0) places(:, 3 + d) = state(:, s + d - 1)
     end do
     do d = 1, NDIM
       associate (formula => body%force(d))
         if (formula%uses_position .or. formula%uses_initial_position) then
-          force(:, d) = 0.0_dp
-          do l = 1, lanes
-            if (mass(l) > 0.0_dp) then
-              force(l, d) = mass(l)*formula%evaluate(x(:, l), x0(:, l), plan%time)
-            end if
-          end do
+          call formula%evaluate_lanes(places, mass > 0.0_dp, force(:, d))
+          force(:, d) = mass*force(:, d)
         else  ! the same for all
-          force(:, d) = mass*formula%evaluate(x(:, 1), x0(:, 1), plan%time)
+          force(:, d) = mass*formula%evaluate(places(1, :3), places(1, 4:6), plan%time)
         end if
       end associate
     end do

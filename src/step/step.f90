@@ -74,7 +74,6 @@ contains
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick, kinetic_before
     real(dp) :: factor
-    call timers_start(model%timers)
     factor = damping_factor(model%method, model%clock%time, dt_kick, kinetic_before, &
                             model%ledger%kinetic)
     if (factor < 1.0_dp) call damping_slow(factor, model%team%threads, model%fields, &
