@@ -145,7 +145,7 @@ contains
     call archive%pass(outputs%last_dump_time)
     call archive%pass(outputs%dump_interval)
     call archive%pass(outputs%row_interval)
-    call archive%pass(outputs%gauge_ids, .true.)
+    call archive%pass(outputs%gauges%ids, .true.)
     call archive%pass(outputs%contact%step)
     call archive%pass(outputs%contact%time)
     if (pairs == 0) return

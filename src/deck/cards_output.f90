@@ -39,10 +39,19 @@ contains
                       default='1')
     call registry%key('every', kind_real, 'a row every so much time instead: at the first step '// &
                       'at or after it', unit='time', range='(0,inf)')
-    call registry%card('gauge', 'History of the particle nearest to a point at the start.', &
-                       'gauge foot point=(0,0,0)', read_gauge)
+    call registry%card('gauge', 'History of the particle nearest to a point at the start, or '// &
+                       'of means over the particles around it, in gauges.csv.', &
+                       'gauge foot point=(0,0,0) radius=1.5', read_gauge)
     call registry%key('name', kind_name_word, 'name in gauges.csv', slot=1, required=.true.)
     call registry%key('point', kind_vector, 'the point', unit='length', required=.true.)
+    call registry%key('radius', kind_real, 'means over the particles within this distance of '// &
+                      'the point, by volume; positions and velocities by mass', unit='length', &
+                      range='(0,inf)')
+    call registry%key('frame', kind_word, 'moving: the particles within the radius at the '// &
+                      'start; fixed: those there at the time', choices='moving fixed', &
+                      default='moving')
+    call registry%key('fields', kind_list, 'fields besides pressure, von Mises stress and '// &
+                      'density', choices='stress plastic_strain temperature damage energy')
     call register_interrupts(registry)
   end subroutine register_output
 
@@ -110,9 +119,20 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     type(gauge_card_t) :: new
+    character(:), allocatable :: fields
+    integer :: i
     if (.not. draft%new_name(card, draft%scene%gauges%name, 'gauges')) return
     new%name = card%word('name')
     new%point = card%vector('point')
+    new%radius = card%number('radius')
+    new%fixed = card%word('frame') == 'fixed'
+    if (new%fixed .and. .not. card%has('radius')) then
+      call draft%errors%add(card%place('frame'), 'a gauge that stays where it is needs a radius', &
+                            'add radius=…, at least a cell')
+    end if
+    fields = card%word('fields')
+    new%fields = [character(name_length) :: &
+                  (word_item(fields, i), i=1, word_count(fields))]
     draft%scene%gauges = [draft%scene%gauges, new]
   end subroutine read_gauge
 

@@ -160,10 +160,13 @@ module sgmp_scene
     integer :: keep = 2
   end type checkpoint_card_t
 
-  !> A history of fields at the particle nearest to a point at t = 0.
+  !> A history of fields at the particle nearest to a point at t = 0, or of means around it.
   type :: gauge_card_t
     character(name_length) :: name = ''
     real(dp) :: point(3) = 0.0_dp
+    real(dp) :: radius = 0.0_dp  !! of the ball that means are over; 0: the nearest particle alone
+    logical :: fixed = .false.   !! the ball stays where it is, its particles change
+    character(name_length), allocatable :: fields(:)  !! besides those of every gauge
   end type gauge_card_t
 
   !> What slows all bodies down.

@@ -5,18 +5,18 @@ module sgmp_outputs
   use sgmp_energy, only: ledger_total
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: directory_make
+  use sgmp_gauges, only: gauges_find, gauges_from_start, gauges_open, gauges_start, gauges_t, &
+                         gauges_write
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, damped_columns, &
-                          gauges_columns, gauges_integers, history_columns, history_t, &
-                          kept_columns, split_columns, swirl_columns
+                          history_columns, history_t, kept_columns, split_columns, swirl_columns
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
-  use sgmp_parallel, only: parallel_agree, parallel_rank, parallel_sum
+  use sgmp_parallel, only: parallel_agree, parallel_rank
   use sgmp_particle_fields, only: particle_field_find, particle_field_t
   use sgmp_particle_table, only: particle_table_write
   use sgmp_scene, only: name_length, scene_t
   use sgmp_snapshot, only: snapshot_t
   use sgmp_snapshot_make, only: snapshot_initial_positions, snapshot_slice, snapshot_whole
-  use sgmp_space, only: axes_in_output
   use sgmp_tecplot, only: tecplot_t
   use sgmp_vtkhdf, only: vtkhdf_t
   use sgmp_vtu, only: vtu_series_t
@@ -28,15 +28,14 @@ module sgmp_outputs
   !> Writers and their schedules.
   type :: outputs_t
     character(:), allocatable :: folder
-    type(history_t) :: history, bodies, gauges
+    type(history_t) :: history, bodies
+    type(gauges_t) :: gauges
     type(contact_rows_t) :: contact
     type(vtu_series_t) :: vtu
     type(tecplot_t) :: tecplot
     type(vtkhdf_t) :: vtkhdf
     character(name_length), allocatable :: fields(:)
     real(dp), allocatable :: initial(:, :)  !! initial positions by id, where a field needs them
-    integer, allocatable :: gauge_ids(:)
-    character(name_length), allocatable :: gauge_names(:)
     integer :: dumps = 0                           !! dumps written
     integer :: history_rows = 0                    !! rows due by time that have been written
     integer :: last_dump_step = -1
@@ -57,10 +56,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in) :: restarted             !! the counts come from a checkpoint
     real(dp), allocatable :: time  !! not allocated in a new run: an absent argument below
-    integer :: g
     outputs%folder = folder
-    outputs%gauge_names = [character(name_length) :: &
-                           (scene%gauges(g)%name, g=1, size(scene%gauges))]
+    call gauges_start(outputs%gauges, scene%gauges)
     if (restarted) call count_anew(outputs, scene, model)
     outputs%dump_interval = scene%output%every
     outputs%row_interval = scene%output%history_every
@@ -69,7 +66,7 @@ contains
     if (allocated(error)) return
     allocate (outputs%fields(0))
     if (allocated(scene%output%fields)) outputs%fields = scene%output%fields
-    if (any_from_start(outputs%fields)) then
+    if (any_from_start(outputs%fields) .or. gauges_from_start(outputs%gauges)) then
       call snapshot_initial_positions(scene, model, outputs%initial, error)
       if (allocated(error)) return
     end if
@@ -79,7 +76,8 @@ contains
       if (allocated(error)) return
     end if
     if (restarted) return
-    call find_gauges(outputs, scene, model)
+    call gauges_find(outputs%gauges, model, outputs%initial, error)
+    if (allocated(error)) return
     call outputs_step(outputs, scene, model, .false., error)
   end subroutine outputs_open
 
@@ -106,14 +104,13 @@ contains
     character(:), allocatable :: folder
     folder = outputs%folder
     call directory_make(folder, error)
-    if (.not. allocated(error)) call open_tables(outputs, scene, model, folder, restarted, error)
+    if (.not. allocated(error)) call open_tables(outputs, model, folder, restarted, error)
     if (.not. allocated(error)) call open_dumps(outputs, scene, folder, restarted, error)
   end subroutine open_files
 
   !> Tables that grow row by row.
-  subroutine open_tables(outputs, scene, model, folder, restarted, error)
+  subroutine open_tables(outputs, model, folder, restarted, error)
     type(outputs_t), intent(inout) :: outputs
-    type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     character(*), intent(in) :: folder
     logical, intent(in) :: restarted
@@ -133,11 +130,7 @@ contains
     if (allocated(error)) return
     call contact_rows_open(outputs%contact, model, folder//'/contact.csv', error, step)
     if (allocated(error)) return
-    if (size(scene%gauges) > 0) then
-      call outputs%gauges%open(folder//'/gauges.csv', &
-                               [character(column_length) :: gauges_columns, gauge_fields()], &
-                               error, gauges_integers, step, 'name')
-    end if
+    call gauges_open(outputs%gauges, model, folder//'/gauges.csv', error, step)
   end subroutine open_tables
 
   !> Files of all particles.
@@ -170,12 +163,6 @@ contains
       if (scene%output%history_every > 0.0_dp) outputs%history_rows = rows_due(scene, model)
     end if
   end subroutine count_anew
-
-  !> Fields recorded at gauges besides position and velocity.
-  pure function gauge_fields() result(names)
-    character(column_length) :: names(3)
-    names = [character(column_length) :: 'pressure', 'von_mises', 'density']
-  end function gauge_fields
 
   !> Next time that a step has to end at: a dump or the end of the run. Rows of histories take the
   !! steps as they come, for steps cut short for them could make a stable run unstable.
@@ -257,7 +244,7 @@ contains
     if (parallel_rank() == 0) call write_sums(outputs, model, error)
     call parallel_agree(error)
     if (allocated(error)) return
-    if (size(outputs%gauge_ids) > 0) call write_gauges(outputs, model, error)
+    call gauges_write(outputs%gauges, model, outputs%initial, error)
   end subroutine write_rows
 
   !> Rows of what all ranks know.
@@ -322,62 +309,6 @@ contains
     call parallel_agree(error)
   end subroutine write_csv
 
-  !> The particle nearest to each gauge at the start.
-  subroutine find_gauges(outputs, scene, model)
-    type(outputs_t), intent(inout) :: outputs
-    type(scene_t), intent(in) :: scene
-    type(model_t), intent(in) :: model
-    type(snapshot_t) :: snapshot
-    character(name_length) :: none(0)
-    integer :: g, nearest
-    allocate (outputs%gauge_ids(size(scene%gauges)))
-    if (size(scene%gauges) == 0) return
-    call snapshot_whole(model, none, outputs%initial, snapshot)
-    if (parallel_rank() == 0) then
-      do g = 1, size(scene%gauges)
-        nearest = minloc(distance2(snapshot%position, &
-                                   scene%gauges(g)%point(axes_in_output(:, model%mesh%space)), &
-                                   snapshot%dimension), 1)
-        outputs%gauge_ids(g) = snapshot%id(nearest)
-      end do
-    else
-      outputs%gauge_ids = 0
-    end if
-    outputs%gauge_ids = int(parallel_sum(int(outputs%gauge_ids, i8)))
-  end subroutine find_gauges
-
-  pure function distance2(position, point, ndim) result(d)
-    real(dp), intent(in) :: position(:, :), point(3)
-    integer, intent(in) :: ndim
-    real(dp) :: d(size(position, 2))
-    integer :: p
-    do p = 1, size(d)
-      d(p) = sum((position(:ndim, p) - point(:ndim))**2)
-    end do
-  end function distance2
-
-  !> One row per gauge.
-  subroutine write_gauges(outputs, model, error)
-    type(outputs_t), intent(inout) :: outputs
-    type(model_t), intent(in) :: model
-    type(error_t), allocatable, intent(out) :: error
-    type(snapshot_t) :: snapshot
-    real(dp), allocatable :: values(:)
-    integer :: g, p, f
-    call snapshot_whole(model, gauge_fields(), outputs%initial, snapshot, outputs%gauge_ids)
-    do g = 1, merge(size(outputs%gauge_ids), 0, parallel_rank() == 0)
-      p = findloc(snapshot%id, outputs%gauge_ids(g), 1)
-      if (p == 0) cycle
-      values = [(snapshot%fields(f)%values(1, p), f=1, size(snapshot%fields))]
-      call outputs%gauges%write_row( &
-        model%clock%step, [model%clock%time, real(g, dp), real(outputs%gauge_ids(g), dp), &
-                           snapshot%position(:, p), snapshot%velocity(:, p), values], error, &
-        trim(outputs%gauge_names(g)))
-      if (allocated(error)) exit
-    end do
-    call parallel_agree(error)
-  end subroutine write_gauges
-
   !> Makes all rows written so far safe on the disk, as far as a checkpoint counts on them.
   subroutine outputs_flush(outputs, error)
     type(outputs_t), intent(inout) :: outputs
@@ -385,7 +316,7 @@ contains
     call outputs%history%flush(error, .true.)
     if (.not. allocated(error)) call outputs%bodies%flush(error, .true.)
     if (.not. allocated(error)) call outputs%contact%file%flush(error, .true.)
-    if (.not. allocated(error)) call outputs%gauges%flush(error, .true.)
+    if (.not. allocated(error)) call outputs%gauges%file%flush(error, .true.)
   end subroutine outputs_flush
 
   !> Writes the final state and closes all files.
@@ -416,7 +347,7 @@ contains
     if (allocated(error)) return
     if (outputs%contact%file%is_open()) call outputs%contact%file%close(error)
     if (allocated(error)) return
-    if (outputs%gauges%is_open()) call outputs%gauges%close(error)
+    if (outputs%gauges%file%is_open()) call outputs%gauges%file%close(error)
     if (allocated(error)) return
     call outputs%tecplot%close(error)
   end subroutine outputs_stop

@@ -17,13 +17,14 @@ module sgmp_snapshot_make
   use sgmp_voigt, only: stress_components
   implicit none
   private
-  public :: snapshot_whole, snapshot_slice, snapshot_initial_positions
+  public :: snapshot_own, snapshot_gather, snapshot_whole, snapshot_slice, &
+            snapshot_initial_positions
 
 contains
 
   !> A snapshot of this rank's particles with the fields asked for; `initial` holds the initial
   !! positions by id.
-  subroutine own_snapshot(model, names, initial, snapshot)
+  subroutine snapshot_own(model, names, initial, snapshot)
     type(model_t), intent(in) :: model
     character(*), intent(in) :: names(:)
     real(dp), allocatable, intent(in) :: initial(:, :)  !! (3, ids), where a field needs it
@@ -80,24 +81,30 @@ contains
     if (allocated(initial) .and. any(names == 'initial_position')) then
       snapshot%initial_position = initial(:, snapshot%id)
     end if
-  end subroutine own_snapshot
+  end subroutine snapshot_own
 
-  !> A snapshot on the first rank of all ranks' particles, or of those with certain ids; empty on
-  !! the others. All ranks must call it.
-  subroutine snapshot_whole(model, names, initial, snapshot, ids)
+  !> A snapshot on the first rank of all ranks' particles; empty on the others. All ranks must call
+  !! it.
+  subroutine snapshot_whole(model, names, initial, snapshot)
     type(model_t), intent(in) :: model
     character(*), intent(in) :: names(:)
     real(dp), allocatable, intent(in) :: initial(:, :)
     type(snapshot_t), intent(out) :: snapshot
-    integer, intent(in), optional :: ids(:)
-    integer, allocatable :: chosen(:)
     integer :: p
-    call own_snapshot(model, names, initial, snapshot)
+    call snapshot_own(model, names, initial, snapshot)
     if (model%ranks%partition%ranks == 1) return
-    chosen = [(p, p=1, size(snapshot%id))]
-    if (present(ids)) chosen = pack(chosen, [(any(snapshot%id(p) == ids), p=1, size(snapshot%id))])
-    call deal_snapshot(snapshot, chosen, [(0, p=1, size(chosen))])
+    call snapshot_gather(snapshot, [(.true., p=1, size(snapshot%id))])
   end subroutine snapshot_whole
+
+  !> Gathers chosen particles of the snapshots of all ranks on the first one; the others' become
+  !! empty. All ranks must call it.
+  subroutine snapshot_gather(snapshot, chosen)
+    type(snapshot_t), intent(inout) :: snapshot
+    logical, intent(in) :: chosen(:)
+    integer :: p
+    call deal_snapshot(snapshot, pack([(p, p=1, size(chosen))], chosen), &
+                       [(0, p=1, count(chosen))])
+  end subroutine snapshot_gather
 
   !> A snapshot of particles dealt out by id: each rank gets a range of ids, behind the `before`
   !! particles of lower ranks. All ranks must call it.
@@ -108,7 +115,7 @@ contains
     type(snapshot_t), intent(out) :: snapshot
     integer(i8), intent(out) :: before, total    !! total: of all ranks
     integer :: p, largest
-    call own_snapshot(model, names, initial, snapshot)
+    call snapshot_own(model, names, initial, snapshot)
     if (model%ranks%partition%ranks > 1) then
       largest = nint(parallel_max(real(maxval([0, snapshot%id]), dp)))
       call deal_snapshot(snapshot, [(p, p=1, size(snapshot%id))], &

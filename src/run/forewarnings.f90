@@ -223,6 +223,7 @@ contains
     integer :: g, b
     associate (mesh => model%mesh)
       do g = 1, size(scene%gauges)
+        if (scene%gauges(g)%radius > 0.0_dp) cycle
         x = mesh_coordinate(mesh%origin, mesh%h, scene%gauges(g)%point)
         cells = huge(1.0_dp)
         do b = 1, size(model%bodies)
