@@ -51,6 +51,14 @@ int sgmp_signal_seen(void)
   }
 }
 
+/* Path of the program's file, at most n bytes with the end mark; its length, -1 where the system does not say. */
+int64_t sgmp_program_path(char *path, int64_t n)
+{
+  const ssize_t length = readlink("/proc/self/exe", path, (size_t)n - 1);
+  if (length >= 0) path[length] = '\0';
+  return length;
+}
+
 /* Waits until a file, or the entries of a folder, are on the disk; 0, or -1 with errno. */
 int sgmp_file_sync(const char *path)
 {

@@ -6,7 +6,7 @@ module sgmp_posix
   implicit none
   private
   public :: environment_default, file_number, file_reserve, file_sync, folder_lock, signal_name, &
-            signals_watch
+            program_path, signals_watch
   public :: lock_taken, lock_unknown, lock_impossible
 
   character(8), parameter :: names(4) = [character(8) :: 'SIGTERM', 'SIGUSR1', 'SIGXCPU', 'SIGINT']
@@ -23,6 +23,13 @@ module sgmp_posix
       implicit none
       integer(c_int) :: number
     end function c_signal_seen
+    function c_program_path(path, n) result(length) bind(c, name='sgmp_program_path')
+      import :: c_char, c_int64_t
+      implicit none
+      character(kind=c_char), intent(inout) :: path(*)
+      integer(c_int64_t), value :: n
+      integer(c_int64_t) :: length
+    end function c_program_path
     function c_file_sync(path) result(status) bind(c, name='sgmp_file_sync')
       import :: c_char, c_int
       implicit none
@@ -74,6 +81,25 @@ contains
     name = ''
     if (number > 0) name = trim(names(number))
   end function signal_name
+
+  !> Path of the program's own file, links followed; as it was called where the system does not say.
+  function program_path() result(path)
+    character(:), allocatable :: path
+    integer, parameter :: most = 4096
+    character(kind=c_char) :: letters(most)
+    integer :: length, i
+    length = int(c_program_path(letters, int(most, c_int64_t)))
+    if (length > 0) then
+      path = repeat(' ', length)
+      do i = 1, length
+        path(i:i) = letters(i)
+      end do
+    else
+      call get_command_argument(0, length=length)
+      path = repeat(' ', length)
+      call get_command_argument(0, path)
+    end if
+  end function program_path
 
   !> Waits until a file, or the entries of a folder, are on the disk.
   function file_sync(path) result(ok)

@@ -51,8 +51,8 @@ contains
                        'equilibrium.', 'damping rate=200', read_damping, check_damping, &
                        once=.true.)
     call registry%key('rate', kind_real, 'force against the velocity, per momentum: free '// &
-                      'motion decays with exp(-rate t), vibrations with half of it', unit='1/time', &
-                      range='[0,inf)', default='0', source='doc/damping.md')
+                      'motion decays with exp(-rate t), vibrations with half of it', &
+                      unit='1/time', range='[0,inf)', default='0', source='doc/damping.md')
     call registry%key('kinetic', kind_logical, 'everything stops whenever the kinetic energy '// &
                       'has begun to fall', default='no', source='doc/damping.md')
     call registry%key('until', kind_real, 'no damping from this time on; default: never', &

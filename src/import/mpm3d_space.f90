@@ -152,7 +152,7 @@ contains
     if (.not. any(thin)) return
     associate (first => clouds(1))
       space%thickness = first%volume(1)*product(first%rows, mask=thin)/ &
-                        first%spacing**size(space%axes)
+                        spacing_along(first, space%axes)**size(space%axes)
     end associate
     names = ''
     do axis = 1, 3
@@ -172,5 +172,22 @@ contains
     if (here /= there) call notes%add(note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', &
                                       'here'//here//', there'//there)
   end subroutine find_thickness
+
+  !> Distance of particles in the directions that are left: of the lattice, or from the first one to
+  !! the next.
+  pure function spacing_along(cloud, axes) result(spacing)
+    type(cloud_t), intent(in) :: cloud
+    integer, intent(in) :: axes(:)
+    real(dp) :: spacing, nearest, distance
+    integer :: p
+    spacing = cloud%spacing
+    if (cloud%cubic) return
+    nearest = huge(1.0_dp)
+    do p = 2, size(cloud%mass)
+      distance = norm2(cloud%position(axes, p) - cloud%position(axes, 1))
+      if (distance > 1.0e-6_dp*spacing) nearest = min(nearest, distance)
+    end do
+    if (nearest < huge(1.0_dp)) spacing = nearest
+  end function spacing_along
 
 end module sgmp_mpm3d_space

@@ -7,7 +7,7 @@ module sgmp_command_line
   private
   public :: command_line_t, command_line_read, command_line_parse
   public :: action_run, action_help, action_markdown, action_version, action_usage, &
-            action_usage_markdown, action_completion, action_import
+            action_usage_markdown, action_completion, action_import, action_new, action_man
 
   integer, parameter :: action_run = 1      !! run or check a deck
   integer, parameter :: action_help = 2     !! show cards, or the keys of one
@@ -18,10 +18,13 @@ module sgmp_command_line
   integer, parameter :: action_completion = 7      !! write a script for the shell
   integer, parameter :: action_import = 8          !! make a native deck of an MPM3D deck
 
+  integer, parameter :: action_new = 9             !! copy a deck of the gallery, or list them
+  integer, parameter :: action_man = 10            !! write the manual page
+
   !> What the user asked for.
   type :: command_line_t
     integer :: action = action_run
-    character(:), allocatable :: deck         !! path
+    character(:), allocatable :: deck         !! path; with action_new a name, '' for a list
     character(:), allocatable :: keyword      !! of help; '' for the overview
     character(:), allocatable :: settings(:)  !! `NAME=VALUE`
     character(:), allocatable :: output       !! directory; '' for the default
@@ -77,6 +80,9 @@ contains
     case ('import')
       chosen%action = action_import
       i = 2
+    case ('new')
+      chosen%action = action_new
+      i = 2
     case default  ! a deck or an option
       i = 1
     end select
@@ -85,7 +91,7 @@ contains
         call take_option(arguments, i, chosen, error)
       else if (chosen%deck /= '') then
         call error_make(error, exit_usage, "more than one deck: '"//arguments(i)%text//"'", &
-                        'run them one after the other')
+                        'one after the other')
       else
         chosen%deck = arguments(i)%text
       end if
@@ -99,8 +105,11 @@ contains
   subroutine check_combination(chosen, error)
     type(command_line_t), intent(in) :: chosen
     type(error_t), allocatable, intent(out) :: error
-    if (chosen%action /= action_run .and. chosen%action /= action_import) return
-    if (chosen%deck == '') then
+    if (.not. any(chosen%action == [action_run, action_import, action_new])) return
+    if (chosen%action == action_new .and. (runs_something(chosen) .or. chosen%keep_3d)) then
+      call error_make(error, exit_usage, 'new takes --output only', &
+                      'run the deck that it makes with the other options')
+    else if (chosen%deck == '' .and. chosen%action /= action_new) then
       call error_make(error, exit_usage, 'no deck given', &
                       'usage: sgmp DECK [--check] …; see sgmp --help')
     else if (chosen%action == action_import .and. runs_something(chosen)) then
@@ -227,17 +236,22 @@ contains
     end do
   end function seconds_of
 
-  !> `help [CARD|options] [--markdown]`.
+  !> `help [CARD|options] [--markdown|--man]`.
   subroutine parse_help(arguments, chosen, error)
     type(string_t), intent(in) :: arguments(:)
     type(command_line_t), intent(inout) :: chosen
     type(error_t), allocatable, intent(out) :: error
-    logical :: markdown
+    logical :: markdown, man
     integer :: i
     markdown = .false.
+    man = .false.
     do i = 2, size(arguments)
       if (arguments(i)%text == '--markdown') then
         markdown = .true.
+        cycle
+      end if
+      if (arguments(i)%text == '--man') then
+        man = .true.
         cycle
       end if
       if (index(arguments(i)%text, '-') == 1) then
@@ -251,7 +265,11 @@ contains
       end if
       chosen%keyword = arguments(i)%text
     end do
-    if (chosen%keyword == topic_options) then
+    if (man .and. (markdown .or. chosen%keyword /= '')) then
+      call error_make(error, exit_usage, '--man writes the manual page', 'leave out the rest')
+    else if (man) then
+      chosen%action = action_man
+    else if (chosen%keyword == topic_options) then
       chosen%action = merge(action_usage_markdown, action_usage, markdown)
     else if (markdown .and. chosen%keyword /= '') then
       call error_make(error, exit_usage, '--markdown writes the complete reference', &

@@ -165,6 +165,28 @@ contains
                          b=1, size(model%bodies))])
   end function gas_enclosed
 
+  !> Cells in which particles of a body lie: a bin may have several.
+  pure function cells_of(particles) result(cells)
+    type(particles_t), intent(in) :: particles
+    integer(i8) :: cells
+    logical :: taken(0:particles%span - 1)
+    integer :: bin, chunk, l
+    cells = 0_i8
+    do bin = 1, size(particles%first)
+      taken = .false.
+      chunk = particles%first(bin)
+      do while (chunk > 0)
+        do l = 1, lanes
+          if (particles%id(l, chunk) == 0) cycle
+          taken(modulo(floor(particles%motion(l, 1, chunk) - particles%shift), particles%span)) = &
+            .true.
+        end do
+        chunk = particles%next(chunk)
+      end do
+      cells = cells + count(taken, kind=i8)
+    end do
+  end function cells_of
+
   !> Particles larger than the cells they lie in: too wide a lattice, or a particle file whose
   !! columns are not what was meant.
   subroutine look_at_spacing(scene, model, warnings)
@@ -184,7 +206,7 @@ contains
                     ' apart, more than a cell of '//real_text_plain(h)// &
                     ': matter between them is not seen; use ppc=2 or a smaller spacing')
         else
-          cells = parallel_sum(count(model%bodies(b)%particles%size > 0, kind=i8))
+          cells = parallel_sum(cells_of(model%bodies(b)%particles))
           filled = real(parallel_sum(volume_of(model, b)), dp)/real(unit, dp)
           if (filled <= most*real(cells, dp)) cycle
           call warn(warnings, "the particles of body '"//trim(card%name)//"' have "// &

@@ -3,12 +3,14 @@
 module sgmp_options
   use sgmp_deck_table, only: deck_table
   use sgmp_errors, only: exit_codes
+  use sgmp_gallery, only: gallery_names
   use sgmp_registry, only: registry_t
   use sgmp_spelling, only: words_joined
   use sgmp_text, only: integer_text
   implicit none
   private
-  public :: option_t, options, option_find, options_usage, options_markdown, options_completion
+  public :: option_t, options, option_find, options_usage, options_markdown, options_completion, &
+            options_man
   public :: topic_options
 
   !> One option.
@@ -37,6 +39,15 @@ module sgmp_options
     option_t('--help', '', '', 'show options and exit codes; also -h and sgmp help options'), &
     option_t('--version', '', '', 'show version, commit and compiler')]
 
+  character(*), parameter :: uses(*) = [character(80) :: &
+    '  sgmp DECK [options]       run a deck, or a deck of MPM3D (X.mpm)', &
+    '  sgmp new [NAME]           copy a deck to begin with, or list them', &
+    '  sgmp import X.mpm         make a deck of a deck of MPM3D, and a report of it', &
+    '  sgmp help [CARD]          cards of a deck, or the keys of one', &
+    '  sgmp help --markdown      the complete deck reference', &
+    '  sgmp help --man           the manual page', &
+    '  sgmp completion bash      what makes the shell complete options and cards']
+
   character(*), parameter :: topic_options = 'options'  !! sgmp help options
 
 contains
@@ -55,12 +66,7 @@ contains
     integer, intent(in) :: unit  !! formatted unit
     integer :: i
     write (unit, '(a)') &
-      'usage: sgmp DECK [options]       run a deck, or a deck of MPM3D (X.mpm)', &
-      '       sgmp import X.mpm         make a deck of a deck of MPM3D, and a report of it', &
-      '       sgmp help [CARD]          cards of a deck, or the keys of one', &
-      '       sgmp help --markdown      the complete deck reference', &
-      '       sgmp completion bash      what makes the shell complete options and cards', '', &
-      'options:'
+      'usage:', uses, '', 'options:'
     do i = 1, size(options)
       write (unit, '(2x, a, t27, a)') called(options(i)), trim(options(i)%help)
     end do
@@ -85,6 +91,44 @@ contains
     end do
   end subroutine options_markdown
 
+  !> Writes the manual page (groff, macros man).
+  subroutine options_man(unit)
+    integer, intent(in) :: unit  !! formatted unit
+    integer :: i
+    write (unit, '(a)') '.TH SGMP 1', '.SH NAME', &
+      'sgmp \- explicit material point solver for impact, penetration and blast', &
+      '.SH SYNOPSIS', '.nf'
+    write (unit, '(a)') (rough(trim(uses(i))), i=1, size(uses))
+    write (unit, '(a)') '.fi', '.SH DESCRIPTION', &
+      'A deck is a text file of cards, one a line. Results go into a folder named as the deck,', &
+      'with .out: tables (history.csv, bodies.csv, gauges.csv), fields for ParaView or Tecplot,', &
+      'run.log, and summary.json with a verdict on the run.', '.SH OPTIONS'
+    do i = 1, size(options)
+      write (unit, '(a)') '.TP', '.B '//rough(called(options(i))), rough(trim(options(i)%help))
+    end do
+    write (unit, '(a)') '.SH EXIT STATUS'
+    do i = 1, size(exit_codes)
+      write (unit, '(a)') '.TP', '.B '//integer_text(exit_codes(i)%code), &
+        rough(trim(exit_codes(i)%meaning))
+    end do
+    write (unit, '(a)') '.SH ENVIRONMENT', '.TP', '.B OMP_NUM_THREADS', &
+      'number of threads, where \-\-threads does not say', '.SH EXAMPLES', '.nf', &
+      'sgmp new penetration', 'sgmp penetration.inp \-\-check', &
+      'sgmp penetration.inp \-\-set speed=700', '.fi'
+  end subroutine options_man
+
+  !> Text as groff takes it.
+  pure function rough(text) result(escaped)
+    character(*), intent(in) :: text
+    character(:), allocatable :: escaped
+    integer :: i
+    escaped = ''
+    do i = 1, len(text)
+      if (text(i:i) == '-') escaped = escaped//'\'
+      escaped = escaped//text(i:i)
+    end do
+  end function rough
+
   !> An option with what its value is called.
   pure function called(option) result(text)
     type(option_t), intent(in) :: option
@@ -108,18 +152,19 @@ contains
       if (options(i)%value == '') cycle
       write (unit, '(a)') '    '//trim(options(i)%name)//') '//values_of(options(i))//' return ;;'
     end do
-    write (unit, '(a)', advance='no') '    help) choices="'//topic_options//' --markdown'
+    write (unit, '(a)', advance='no') '    help) choices="'//topic_options//' --markdown --man'
     do i = 1, size(registry%cards)
       write (unit, '(a)', advance='no') ' '//registry%cards(i)%name
     end do
     write (unit, '(a)') '" ;;', &
       '    completion) choices=bash ;;', &
+      '    new) choices="'//gallery_names()//'" ;;', &
       '    import) COMPREPLY=($(compgen -f -X "!*.mpm" -- "$word") $(compgen -d -- "$word")) ;;', &
       '    *) case $word in', &
       '         -*) choices="'//words_joined(options%name)//'" ;;', &
       '         *) COMPREPLY=($(compgen -f -X "!*.inp" -- "$word") $(compgen -d -- "$word"))', &
       '            COMPREPLY+=($(compgen -f -X "!*.mpm" -- "$word"))', &
-      '            if ((COMP_CWORD == 1)); then choices="help import completion"; fi ;;', &
+      '            if ((COMP_CWORD == 1)); then choices="help import new completion"; fi ;;', &
       '       esac ;;', &
       '  esac', &
       '  COMPREPLY+=($(compgen -W "$choices" -- "$word"))', &

@@ -2,15 +2,17 @@
 module sgmp_program
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-  use sgmp_command_line, only: action_completion, action_help, action_import, action_markdown, &
-                               action_usage, action_usage_markdown, action_version, command_line_t
+  use sgmp_command_line, only: action_completion, action_help, action_import, action_man, &
+                               action_markdown, action_new, action_usage, &
+                               action_usage_markdown, action_version, command_line_t
   use sgmp_deck, only: deck_read
   use sgmp_deck_errors, only: deck_errors_t
   use sgmp_errors, only: error_t, exit_deck, exit_ok, exit_stopped
+  use sgmp_gallery, only: gallery_copy, gallery_list
   use sgmp_import_mpm3d, only: import_is_mpm3d, import_path, import_read, import_summary, &
                                import_write, imported_t
   use sgmp_kinds, only: dp
-  use sgmp_options, only: options_completion, options_markdown, options_usage
+  use sgmp_options, only: options_completion, options_man, options_markdown, options_usage
   use sgmp_parallel, only: parallel_agree, parallel_rank
   use sgmp_posix, only: signals_watch
   use sgmp_registry_help, only: registry_write_help, registry_write_markdown
@@ -44,6 +46,10 @@ contains
       if (speaks) call options_markdown(output_unit)
     case (action_completion)
       if (speaks) call options_completion(output_unit)
+    case (action_man)
+      if (speaks) call options_man(output_unit)
+    case (action_new)
+      if (speaks) call new_deck(options, error)
     case (action_version)
       if (speaks) write (output_unit, '(a)') 'sgmp '//version_string//' ('//commit_hash//') '// &
         compiler_string
@@ -53,6 +59,21 @@ contains
       call run_deck(options, started, error, status)
     end select
   end subroutine program_act
+
+  !> Copies a deck of the gallery, or lists what there is.
+  subroutine new_deck(options, error)
+    type(command_line_t), intent(in) :: options
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: path
+    if (options%deck == '') then
+      call gallery_list(output_unit)
+      return
+    end if
+    call gallery_copy(options%deck, options%output, path, error)
+    if (allocated(error)) return
+    write (output_unit, '(a)') path//': run it with sgmp '//path// &
+      '; --check first says what it will cost'
+  end subroutine new_deck
 
   !> Makes a native deck of an MPM3D deck, in a folder.
   subroutine import_deck(options, folder, replace, native, error, status)

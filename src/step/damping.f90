@@ -2,8 +2,8 @@
 !!
 !! A pass of its own after the step, over the particles and over the momentum that they have given
 !! to the grid, so that steps without damping know nothing of it. With the factor f on the
-!! velocities the energy taken is (1 - f^2) of the kinetic energy, exactly. Leapfrog with f = exp(-rate dt)
-!! after each kick lets a mode decay with rate/2, exactly (doc/damping.md).
+!! velocities the energy taken is (1 - f^2) of the kinetic energy, exactly. Leapfrog with
+!! f = exp(-rate dt) after each kick lets a mode decay with rate/2, exactly (doc/damping.md).
 module sgmp_damping
   use sgmp_body, only: body_t
   use sgmp_energy, only: ledger_damp, ledger_t

@@ -1,0 +1,27 @@
+# What `make install` puts where: the program, its decks (sgmp new finds them there), manual page and completion as the
+# program itself writes them, and a CMake package, so that find_package(sgmp) knows the program and the decks.
+
+include(CMakePackageConfigHelpers)
+
+set(sgmp_documents "${PROJECT_BINARY_DIR}/generated/sgmp.1" "${PROJECT_BINARY_DIR}/generated/completion")
+add_custom_command(OUTPUT ${sgmp_documents}
+  COMMAND sgmp help --man > sgmp.1
+  COMMAND sgmp completion bash > completion
+  WORKING_DIRECTORY "${PROJECT_BINARY_DIR}/generated" DEPENDS sgmp COMMENT "" VERBATIM)
+add_custom_target(sgmp_manual ALL DEPENDS ${sgmp_documents})
+
+install(TARGETS sgmp EXPORT sgmp RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+install(DIRECTORY input DESTINATION "${CMAKE_INSTALL_DATADIR}/sgmp" FILES_MATCHING PATTERN "*.inp")
+install(FILES README.md LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(FILES "${PROJECT_BINARY_DIR}/generated/sgmp.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
+install(FILES "${PROJECT_BINARY_DIR}/generated/completion" RENAME sgmp
+        DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions")
+
+set(sgmp_package "${CMAKE_INSTALL_LIBDIR}/cmake/sgmp")
+set(sgmp_input_dir "${CMAKE_INSTALL_DATADIR}/sgmp/input")
+install(EXPORT sgmp FILE sgmpTargets.cmake NAMESPACE sgmp:: DESTINATION "${sgmp_package}")
+configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/sgmpConfig.cmake.in" "${PROJECT_BINARY_DIR}/generated/sgmpConfig.cmake"
+  INSTALL_DESTINATION "${sgmp_package}" PATH_VARS sgmp_input_dir)
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/generated/sgmpConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/generated/sgmpConfig.cmake" "${PROJECT_BINARY_DIR}/generated/sgmpConfigVersion.cmake"
+        DESTINATION "${sgmp_package}")

@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""The program where it is installed: it finds its decks, other projects find it, the manual page and the completion are there.
+
+usage: installed.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+import os
+import shutil
+import subprocess
+
+from _runs import ENVIRONMENT, SCRATCH, SGMP, Report
+
+PREFIX = os.path.join(SCRATCH, "prefix")
+PROJECT = """
+cmake_minimum_required(VERSION 3.21)
+project(consumer NONE)
+find_package(sgmp 0.1 REQUIRED)
+enable_testing()
+add_test(NAME deck COMMAND sgmp::sgmp ${sgmp_INPUT_DIR}/bar.inp --check)
+"""
+
+
+def call(*words, folder=SCRATCH):
+    done = subprocess.run(words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=ENVIRONMENT, timeout=300, check=False)
+    return done.returncode, done.stdout.decode("utf-8", "replace")
+
+
+def fresh(name):
+    folder = os.path.join(SCRATCH, name)
+    shutil.rmtree(folder, ignore_errors=True)
+    os.makedirs(folder)
+    return folder
+
+
+def decks(report, program):
+    """Every deck that `sgmp new` lists can be copied and checked; no copy takes the place of a file."""
+    folder = fresh("new")
+    code, text = call(program, "new", folder=folder)
+    names = [line.split()[0] for line in text.split("decks:")[-1].splitlines() if line.strip()]
+    report.check(code == 0 and len(names) >= 10 and "penetration" in names, f"sgmp new: {text}")
+    for name in names:
+        code, text = call(program, "new", name, folder=folder)
+        report.check(code == 0 and os.path.exists(os.path.join(folder, name + ".inp")), f"sgmp new {name}: {text}")
+        code, text = call(program, name + ".inp", "--check", folder=folder)
+        report.check(code == 0, f"{name}.inp: {text}")
+    for words, expected, part in ((("new", names[0]), 5, "already"), (("new", names[0], "--output", "there"), 0, "there/"),
+                                  (("new", "penetratoin"), 2, "did you mean 'penetration'"), (("new", names[0], "--check"), 2, "--output only")):
+        code, text = call(program, *words, folder=folder)
+        report.check(code == expected and part in text, f"{words}: exit code {code}: {text}")
+    lonely = shutil.copy(program, os.path.join(fresh("lonely"), "sgmp"))
+    code, text = call(lonely, "new", names[0], folder=folder + "/there/..")
+    report.check(code == 5, f"overwritten by {text}")
+    code, text = call(lonely, "new", names[0], folder=os.path.dirname(lonely))
+    report.check(code == 5 and "not beside" in text, f"without decks: {code} {text}")
+
+
+def main():
+    report = Report()
+    build = os.path.dirname(SGMP)
+    decks(report, SGMP)
+    if not (os.path.exists(os.path.join(build, "generated", "sgmp.1")) and shutil.which("cmake")):
+        return report.end()
+    shutil.rmtree(PREFIX, ignore_errors=True)
+    code, text = call("cmake", "--install", build, "--prefix", PREFIX)
+    report.check(code == 0, f"cmake --install: {text}")
+    program = os.path.join(PREFIX, "bin", "sgmp")
+    decks(report, program)
+    with open(os.path.join(PREFIX, "share", "man", "man1", "sgmp.1"), encoding="utf-8") as page:
+        manual = page.read()
+    for word in call(program, "help", "options")[1].split():
+        if word.startswith("--"):
+            report.check(word.replace("-", "\\-") in manual, f"{word} is not in the manual page")
+    with open(os.path.join(PREFIX, "share", "bash-completion", "completions", "sgmp"), encoding="utf-8") as file:
+        report.check(file.read() == call(program, "completion", "bash")[1], "the completion is another")
+    folder = fresh("consumer")
+    with open(os.path.join(folder, "CMakeLists.txt"), "w", encoding="utf-8") as file:
+        file.write(PROJECT)
+    code, text = call("cmake", "-S", ".", "-B", "build", f"-DCMAKE_PREFIX_PATH={PREFIX}", folder=folder)
+    report.check(code == 0, f"find_package: {text}")
+    code, text = call("ctest", "--test-dir", "build", "--no-tests=error", folder=folder)
+    report.check(code == 0, f"sgmp::sgmp: {text}")
+    return report.end()
+
+
+if __name__ == "__main__":
+    main()
