@@ -122,9 +122,13 @@ coverage: setup setup-dev build/coverage/.configured ## Measure the tests' line 
 	  --html-details build/coverage/report/index.html --print-summary --txt build/coverage/report/coverage.txt
 	@echo "report: $(CURDIR)/build/coverage/report/index.html"
 
-doc: setup setup-dev ## Write the pages of the programming interface
+doc: setup setup-dev ## Write all documents, and the pages of the programming interface, as a site: build/site/html/index.html
+	rm -rf build/site
+	mkdir -p build/site/pages
+	tar cf - *.md LICENSE doc input/*.inp input/gallery packaging tests/README.md python/README.md | tar xf - -C build/site/pages
+	build/venv/bin/mkdocs build --quiet --config-file doc/mkdocs.yml
 	build/venv/bin/ford doc/api.md
-	@echo "pages: $(CURDIR)/build/doc/index.html"
+	@echo "site: $(CURDIR)/build/site/html/index.html"
 
 install: build ## Install below PREFIX (default /usr/local)
 	cmake --install build/release --prefix "$(PREFIX)"
