@@ -45,6 +45,7 @@ EXPECTED = {
     "duplicate_names": [r"{d}:7:10: error: there are two materials 'steel'", r"{d}:8:6: error: there are two bodies 'bar'"],
     "empty": [r"{d}: error: the file has no cards"],
     "explosive": [r"{d}:7:1: error: explosive 'tnt' has no JWL equation", r"eos tnt jwl"],
+    "far_away": [r"{d}:6:1: error: body 'far' reaches 0\.1\d+E\+8 cells from the grid's origin", r"^1 error|remedy: move the body"],
     "far_body": [r"{d}:6:1: error: body 'bar' reaches .*E\+11 cells from the grid's origin"],
     "failure": [r"{d}:8:19: error: 'pmin' = 1e9 is out of range", r"{d}:8:57: error: 'principal_stress' = -1 is out of range",
                 r"{d}:8:38: error: 'plastic_strain' = 0 is out of range", r"{d}:6:1: error: nothing says when 'steel' fails",

@@ -69,6 +69,17 @@ detonation point=(0,0,0)
 LIGHT = LEAVING.replace("body b", "material lead elastic density=0.04 young=210 poisson=0.3\nmethod sgmp mass_cutoff=0.05\n"
                         "body gone block material=lead lower=(7,6) upper=(8,7) spacing=0.5\nvelocity gone x=900\nbody b")
 
+# More particles than a checkpoint writes at a time.
+MANY = """
+dimension 1
+grid cell=1 x=0:5000
+time dt=0.1 steps=10
+material m elastic density=1 young=1 poisson=0
+body b block material=m lower=0 upper=5000 ppc=2
+velocity b x="sin(0.01*x)+0.1*sin(3*x)"
+output csv at=end
+"""
+
 # name, deck, settings, what a straight run takes in steps, threads after the restart
 SCENES = [
     ("block", deck("block.inp", EVERYTHING), {"cells": 5, "steps": 40, "drift": 0.3, "jitter": 0.4}, 40, 2),
@@ -100,6 +111,7 @@ SCENES = [
     ("calming", CALMING, {}, 40, 1),
     ("growing", GROWING, {}, 60, 1),
     ("light", LIGHT, {}, 10, 1),
+    ("many", MANY, {}, 10, 1),
 ]
 EVERY_UPDATE = {"bar": ("sgmp",), "block": ("sgmp", "gimp"), "rings": ("sgmp",)}
 EVERY_METHOD = ("block", "rings", "bar")
