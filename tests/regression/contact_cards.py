@@ -54,6 +54,17 @@ def precedence(report):
     report.check(turned is not None, "the pair the other way round")
 
 
+def taken(report):
+    """What friction takes from a sliding block is in the row of its pair and in the ledger."""
+    deck = SLIDE.format(cards="contact plate block friction=0.3\ncontact far\nhistory steps=5", plate=1e6, block=1e6)
+    result = run("taken", deck.replace("gravity (6,-8)", "gravity (6,-8)\nvelocity block x=2 y=0.7"))
+    if report.finished(result, "taken"):
+        ledger = result.table("history.csv")[-1]["contact_dissipation"]
+        pairs = result.table("contact.csv")
+        found = sum(row["dissipation"] for row in pairs if row["step"] == pairs[-1]["step"])
+        report.check(ledger > 0 and abs(found/ledger - 1) < 1e-12, f"taken by friction: {found}, in the ledger {ledger}")
+
+
 def normals(report):
     """`stiffer` is the normal of the body with the larger modulus."""
     for plate, block, same in ((1e6, 3e6, "second"), (3e6, 1e6, "first")):
@@ -104,7 +115,7 @@ def depth(report):
 def main():
     """All of it."""
     report = Report()
-    for part in (precedence, normals, distance, depth):
+    for part in (precedence, taken, normals, distance, depth):
         part(report)
     report.end()
 
