@@ -16,19 +16,27 @@ module sgmp_deck_table
   private
   public :: deck_table
 
+  type(registry_t), save :: table  !! built when first asked for
+
 contains
 
-  !> Builds the table.
+  !> The table.
   function deck_table() result(registry)
     type(registry_t) :: registry
-    call register_general(registry)
-    call register_grid(registry)
-    call register_method(registry)
-    call register_material(registry)
-    call register_body(registry)
-    call register_load(registry)
-    call register_contact(registry)
-    call register_output(registry)
+    if (.not. allocated(table%cards)) call build
+    registry = table
   end function deck_table
+
+  !> Has every group register its cards.
+  subroutine build()
+    call register_general(table)
+    call register_grid(table)
+    call register_method(table)
+    call register_material(table)
+    call register_body(table)
+    call register_load(table)
+    call register_contact(table)
+    call register_output(table)
+  end subroutine build
 
 end module sgmp_deck_table

@@ -3,11 +3,15 @@ import argparse
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
 
 CRASH = re.compile(r"Backtrace|SIG[A-Z]{3,}|runtime error|terminate called|AddressSanitizer|At line \d+ of file|Fortran runtime")
+
+
+HANGS = (-signal.SIGXCPU, -signal.SIGALRM)  # too much of the processor, too long by the clock: split.c
 
 
 class Driver:

@@ -13,7 +13,7 @@ import shutil
 import subprocess
 import sys
 
-from _driver import CRASH, Driver, Findings, arguments
+from _driver import CRASH, HANGS, Driver, Findings, arguments
 
 # A few particles each; contact, a gauge and a gas, so that most kinds of data are in the files.
 DECKS = ("""
@@ -97,7 +97,7 @@ class Scene:
         with open(self.wrong, "wb") as file:
             file.write(content)
         code, printed = driver.run([self.deck, "--quiet", "--threads", "1", "--output", self.folder, "--restart", self.wrong])
-        if code == -14:
+        if code in HANGS:
             return code, printed, "hang"
         if code < 0 or CRASH.search(printed):
             return code, printed, f"crash {code}"

@@ -6,10 +6,12 @@ program fuzz_driver
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
   use, intrinsic :: iso_fortran_env, only: error_unit, input_unit, iostat_end, output_unit
   use sgmp_command_line, only: command_line_parse, command_line_t
+  use sgmp_deck_table, only: deck_table
   use sgmp_errors, only: error_t
   use sgmp_parallel, only: parallel_start
   use sgmp_posix, only: environment_default
   use sgmp_program, only: program_act, program_report
+  use sgmp_registry, only: registry_t
   use sgmp_spelling, only: string_t
   use sgmp_timers, only: wall_time
   implicit none
@@ -29,11 +31,13 @@ program fuzz_driver
   end interface
   integer(c_int), parameter :: is_child = -1000_c_int
   type(string_t), allocatable :: words(:)
+  type(registry_t) :: table
   character(4096) :: line
   integer(c_int) :: ended
   integer :: status
   call environment_default('OMPI_MCA_io', '^ompio')
   call parallel_start()
+  table = deck_table()  ! built here, every child finds it
   do
     read (input_unit, '(a)', iostat=status) line
     if (status == iostat_end) exit

@@ -11,7 +11,7 @@ import random
 import re
 import shutil
 
-from _driver import CRASH, Findings, Driver, arguments
+from _driver import CRASH, HANGS, Driver, Findings, arguments
 
 NUMBERS = ("0", "-1", "1e300", "1e-300", "1d3", "nan", "inf", "99999999999", "0.1", "2", ".5", "+1", "1e", "--1", "1.2.3", "2147483647", "-0",
            "1e999", "7")
@@ -69,7 +69,7 @@ class Mutator:
 
 def wrong(code, printed, text, path):
     """What is not as it should be with the end of an import."""
-    if code == -14:
+    if code in HANGS:
         return "hang"
     if code < 0 or CRASH.search(printed):
         return f"crash {code}"

@@ -204,7 +204,7 @@ def run(chosen, deck, name, launcher=(), threads=1, options=()):
         environment["OMPI_MCA_ess_singleton_isolated"] = "1"
     try:
         done = subprocess.run([*launcher, chosen.sgmp, deck, "--quiet", "--threads", str(threads), "--output", folder, *options],
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment, timeout=120, check=False)
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment, timeout=600, check=False)
     except subprocess.TimeoutExpired:
         return Result(-14, "hang", folder)
     return Result(done.returncode, done.stdout.decode("utf-8", "replace"), folder)

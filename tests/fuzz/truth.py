@@ -218,7 +218,7 @@ class Result:
         shutil.rmtree(folder, ignore_errors=True)
         try:
             done = subprocess.run([chosen.sgmp, deck, "--quiet", "--threads", "1", "--output", folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                  env=ENVIRONMENT, timeout=120, check=False)
+                                  env=ENVIRONMENT, timeout=600, check=False)
             self.code, self.printed = done.returncode, done.stdout.decode("utf-8", "replace")
         except subprocess.TimeoutExpired:
             self.code, self.printed = -14, "hang"
