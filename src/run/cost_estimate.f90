@@ -88,9 +88,9 @@ contains
     if (expected <= 0.0_dp) then
       call put('  mass      '//real_text(mass))
     else
-      write (percent, '(sp, f0.1)') 100.0_dp*(mass/expected - 1.0_dp)
+      write (percent, '(sp, f24.1)') 100.0_dp*(mass/expected - 1.0_dp)
       call put('  mass      '//real_text(mass)//'; of its shapes '//real_text(expected)//' ('// &
-               trim(percent)//' %)')
+               trim(adjustl(percent))//' %)')
     end if
   end subroutine put_mass
 
