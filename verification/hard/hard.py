@@ -4,11 +4,14 @@
     python3 verification/hard/hard.py                    all of them: build/hard/results.json and pictures
     python3 verification/hard/hard.py flight membrane    some
     python3 verification/hard/hard.py --publish          and doc/hard-cases.md
+    python3 verification/hard/hard.py --again            all runs once more, in a folder of their own: the same results.json to the bit?
 
 A value outside its bound is a weakness; those that are known have their reason in the table. Ends with exit code 1 where one has none.
 The same executable gives the same results.json.
 """
 import argparse
+import json
+import shutil
 import sys
 import time
 from pathlib import Path
@@ -18,7 +21,7 @@ import gas  # noqa: E402
 import motion  # noqa: E402
 import solids  # noqa: E402
 import touching  # noqa: E402
-from table import Table  # noqa: E402
+from table import Table, common  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 CASES = {"alone": motion.alone, "flight": motion.flight, "single": motion.single, "thin": motion.thin, "drift": motion.drift,
@@ -35,13 +38,25 @@ program said of its own runs ([verdict.md](verdict.md)).
 """
 
 
+def differences(before, after):
+    """What two results.json do not have in common, in words."""
+    before, after = ({(row["case"], row["quantity"], method): cell for row in json.loads(path.read_text())["results"] for method, cell in row["methods"].items()}
+                     for path in (before, after))
+    return [f"{' | '.join(key)}: {before.get(key)} is now {after.get(key)}" for key in {**before, **after} if before.get(key) != after.get(key)]
+
+
 def main():
     """All cases, or those that are named."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", nargs="*", choices=[*CASES, []], metavar="CASE", help="of " + ", ".join(CASES))
     parser.add_argument("--publish", action="store_true", help="write doc/hard-cases.md")
+    parser.add_argument("--again", action="store_true", help="all runs anew, compared with build/hard/results.json")
     chosen = parser.parse_args()
-    table, started = Table(ROOT / "build/hard"), time.monotonic()
+    first = ROOT / "build/hard"
+    if chosen.again:
+        common.BUILD = first / "again"
+        shutil.rmtree(common.BUILD, ignore_errors=True)
+    table, started = Table(common.BUILD if chosen.again else first), time.monotonic()
     for name in chosen.cases or CASES:
         CASES[name](table)
     table.write("make hard")
@@ -51,7 +66,12 @@ def main():
     print(f"\n{len(cells)} values, {sum(not cell['met'] for *_, cell in cells)} outside their bounds; {time.monotonic() - started:.0f} s")
     for line in table.unexplained():
         print("no reason:", line)
-    sys.exit(1 if table.unexplained() else 0)
+    changed = differences(first / "results.json", common.BUILD / "results.json") if chosen.again else []
+    for line in changed:
+        print("not as before:", line)
+    if chosen.again:
+        print(f"{len(changed)} of {len(cells)} values differ from those of the run before")
+    sys.exit(1 if table.unexplained() or changed else 0)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+import common  # noqa: E402
 from common import NAMES, Case, plt, solve, subplots  # noqa: E402
 
 METHODS = ("sgmp", "gimp", "mpm", "bspline")
