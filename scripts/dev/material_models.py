@@ -1,0 +1,173 @@
+#!/usr/bin/env python3
+"""Writes the tables of laws and equations of state in doc/materials.md.
+
+    python3 scripts/dev/material_models.py SGMP              writes them
+    python3 scripts/dev/material_models.py SGMP --check      exit code 1 if they are not what it would write
+    python3 scripts/dev/material_models.py SGMP --measure    measures the price of all of them first: on a machine that does nothing else
+
+Which laws there are says the program (`sgmp help`), what they store `sgmp DECK --check`; equations, sources and what they were
+compared with stand here, and a law that is missing here is an error. Prices, once measured, are in doc/material-prices.json; without
+them the tables have no column of them.
+"""
+import json
+import os
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PAGE = os.path.join(ROOT, "doc", "materials.md")
+PRICES = os.path.join(ROOT, "doc", "material-prices.json")
+SOLID = "young=100 poisson=0.3"
+# name: cards, equation and source, compared with
+LAWS = {
+    "elastic": ([f"elastic density=1 {SOLID}"], "Hooke, Jaumann rate; or the linear theory", "bars and beam of the paper (verification/bar, beam)"),
+    "neo_hookean": ([f"neo_hookean density=1 {SOLID}"], "σ = (μ (F Fᵀ − 1) + λ ln J)/J", "manufactured solution, bar in large deformation (bar, vortex)"),
+    "j2": ([f"j2 density=1 {SOLID} yield=0.1 hardening=linear hardening_modulus=1"], "von Mises, radial return (R1)", "uniaxial strain in closed form (test_stress_update)"),
+    "johnson_cook": ([f"johnson_cook density=1 {SOLID} yield=0.1 hardening_modulus=1 hardening_exponent=0.3 rate_coefficient=0.02 reference_rate=1e-3 "
+                      "thermal=yes melt_temperature=1000 specific_heat=10 failure=yes d1=9"],
+                     "(J1)–(J3), Johnson and Cook 1983, 1985", "Taylor bar (taylor_bar), closed forms (test_material_jc), paths of the library's metals (tests/regression/library.py)"),
+    "explosive": (["explosive density=1 detonation_speed=7", "eos m jwl a=371 b=3.2 r1=4.15 r2=0.95 omega=0.3 energy0=7", "detonation time=-100 normal=(1,0,0)"],
+                  "(W1), programmed burn", "Chapman-Jouguet state and Taylor wave (tnt_slab)"),
+    "fluid": (["fluid density=1 viscosity=1e-3", "eos m tait c0=10 pressure0=1"], "2η dev D − p", "shock tube, shocks, hydrostatics, vortex (fluids), below"),
+    "drucker_prager": ([f"drucker_prager density=1 {SOLID} friction=30 cohesion=0.1"], "(D1), (D2), Drucker and Prager 1952",
+                       "Mohr and Coulomb's strength in triaxial compression, oedometer and pure shear in closed form (test_material_drucker_prager)"),
+}
+SOLIDS = "j2, johnson_cook, fluid"
+# name: constants, goes with, equation and source, compared with
+EQUATIONS = {
+    "jwl": ("", "explosive", "(W1), Jones-Wilkins-Lee", "Chapman-Jouguet state and Taylor wave (tnt_slab); detonation speeds and pressures of the library's explosives"),
+    "gruneisen": ("c0=10 s=1.5 gamma0=2", SOLIDS, "(G1), (G2): Us = c0 + s up, the series of (H1) to the third order in the compression (too soft in copper at given compression: 0.2 % at up = 0.5 km/s, "
+                  "1.0 % at 1, 2.6 % at 1.5)", "Hugoniot to third order (test_eos_gruneisen); shock in water at 200 m/s"),
+    "ideal_gas": ("gamma=1.4 pressure0=1", SOLIDS, "(S1), p∞ = 0", "isentrope 1:2 (test_eos_fluids, test_stress_update), shock tube, planar Noh"),
+    "stiffened_gas": ("gamma=4.4 p_inf=20 pressure0=1", SOLIDS, "(S1), Harlow and Amsden 1971", "isentrope, shock in water at 500 m/s"),
+    "polynomial": ("a1=100 a2=100 a3=50 b0=0.3 b1=0.3", SOLIDS, "(P1), LS-DYNA's C0…C6", "coefficients one by one (test_eos_fluids)"),
+    "tait": ("c0=10 pressure0=1", SOLIDS, "(T1), Cole 1948", "bulk modulus and its slope, hydrostatic column, shock in water"),
+    "shock": ("c0=10 s=1.5 gamma0=2", SOLIDS, "(H1), (H2): the Hugoniot itself, Us = c0 + s up + s2 (up/Us) up + s3 (up/Us)² up, Steinberg 1996",
+              "Hugoniots of six metals and of water (hugoniot); paths of the library's metals (tests/regression/library.py)"),
+}
+NOTES = {"j2": "; energy with an equation of state, damage with `failure`", "johnson_cook": " (temperature and damage where asked for); energy with an equation of state",
+         "fluid": " (without a viscosity one stress component)"}
+DECK = """
+dimension 3
+grid cell=1 x=0:{n} y=0:{n} z=0:{n}
+wall x-=slip x+=slip y-=slip y+=slip z-=slip z+=slip
+method sgmp
+time cfl=0.3 steps={steps}
+{cards}
+body b block material=m lower=(0,0,0) upper=({n},{n},{n}) ppc=2
+velocity b x="0.2*sin(pi*x/{n})*cos(pi*y/{n})" y="-0.2*cos(pi*x/{n})*sin(pi*y/{n})"
+"""
+
+
+def cards_of(kind, name):
+    if kind == "law":
+        law, *others = LAWS[name][0]
+    elif name == "jwl":
+        return cards_of("law", "explosive")
+    else:
+        law, others = "fluid density=1", [f"eos m {name} {EQUATIONS[name][0]}"]
+    return "\n".join([f"material m {law}", *others])
+
+
+def run(sgmp, cards, *options, steps=1, n=4):
+    with tempfile.TemporaryDirectory() as folder:
+        deck = os.path.join(folder, "deck.inp")
+        with open(deck, "w", encoding="utf-8") as file:
+            file.write(DECK.format(cards=cards, steps=steps, n=n))
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        done = subprocess.run([sgmp, deck, "--threads", "1", "--output", os.path.join(folder, "out"), *options], capture_output=True, text=True, check=False,
+                              env={**os.environ, "OMP_WAIT_POLICY": "passive"})
+        if done.returncode:
+            sys.exit(f"{cards}\n{done.stdout}{done.stderr}")
+        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, done.stdout
+
+
+def stored(sgmp, cards):
+    """What `--check` says is stored of each particle besides what always is."""
+    lines = run(sgmp, cards, "--check")[1].splitlines()
+    first = next(i for i, line in enumerate(lines) if line.strip().startswith("stored"))
+    kept = []
+    for line in lines[first + 1:]:
+        if not line.startswith(" "*12):
+            break
+        kept.append(re.sub(r" \(.*", "", line.strip()))
+    return ", ".join(kept)
+
+
+def names(sgmp, card):
+    """The words of the card's key `kind`."""
+    text = subprocess.run([sgmp, "help", card], capture_output=True, text=True, check=True).stdout
+    return re.search(r"\n  kind .*\n *word: ([a-z0-9_ ]+);", text).group(1).split()
+
+
+def measure(sgmp):
+    """Time of a particle-step over that of the elastic law: the least of several runs of each, in turns, for others use the machine, too."""
+    size, few, many, rounds = 24, 2, 22, 4
+    all_cards = {f"law {name}": cards_of("law", name) for name in LAWS} | {f"eos {name}": cards_of("eos", name) for name in EQUATIONS}
+    least = {key: [float("inf")]*2 for key in all_cards}
+    for _ in range(rounds):
+        for key, cards in all_cards.items():
+            for i, steps in enumerate((few, many)):
+                least[key][i] = min(least[key][i], run(sgmp, cards, "--quiet", steps=steps, n=size)[0])
+    elastic = least["law elastic"][1] - least["law elastic"][0]
+    prices = {key: round((last - first)/elastic, 2) for key, (first, last) in least.items()}
+    prices["elastic_ns"] = round(1e9*elastic/((many - few)*(2*size)**3))
+    print(prices)
+    with open(PRICES, "w", encoding="utf-8") as file:
+        json.dump(prices, file, indent=1)
+        file.write("\n")
+
+
+def row(*cells):
+    return "| " + " | ".join(cell for cell in cells if cell is not None) + " |\n"
+
+
+def tables(sgmp):
+    """Both tables."""
+    prices = None
+    if os.path.exists(PRICES):
+        with open(PRICES, encoding="utf-8") as file:
+            prices = json.load(file)
+    for card, table in (("material", LAWS), ("eos", EQUATIONS)):
+        if set(names(sgmp, card)) != set(table):
+            sys.exit(f"scripts/dev/material_models.py and the card {card} differ: {sorted(set(names(sgmp, card)) ^ set(table))}")
+    time = "time" if prices else None
+
+    def price(kind, name):
+        return f"{prices[f'{kind} {name}']:.2f}" if prices else None
+    text = row("`material`", "stored per particle besides position, velocity, mass, volume", "equation and source", time, "compared with")
+    text += row(*["---"]*4, time and "---")
+    for name in names(sgmp, "material"):
+        _, equation, compared = LAWS[name]
+        text += row(f"`{name}`", stored(sgmp, cards_of("law", name)) + NOTES.get(name, ""), equation, price("law", name), compared)
+    text += "\n" + row("`eos`", "with", "equation and source", time, "compared with") + row(*["---"]*4, time and "---")
+    for name in names(sgmp, "eos"):
+        _, goes_with, equation, compared = EQUATIONS[name]
+        text += row(f"`{name}`", goes_with, equation, price("eos", name), compared)
+    if prices:
+        text += (f"\nTime: of a particle-step over that of `elastic`, {prices['elastic_ns']} ns (3D, one thread). `johnson_cook` with rate, temperature and damage, `fluid` with a viscosity; "
+                 "equations of state with an inviscid `fluid`, `jwl` with `explosive`.\n")
+    return text
+
+
+def main():
+    sgmp = os.path.abspath(sys.argv[1])
+    if "--measure" in sys.argv:
+        measure(sgmp)
+    with open(PAGE, encoding="utf-8") as file:
+        page = file.read()
+    begin, end = "<!-- tables: scripts/dev/material_models.py -->\n", "<!-- end of the tables -->\n"
+    head, rest = page.split(begin)
+    old, tail = rest.split(end)
+    new = tables(sgmp)
+    if "--check" in sys.argv:
+        sys.exit(0 if new == old else "the tables of doc/materials.md are not current: python3 scripts/dev/material_models.py SGMP")
+    with open(PAGE, "w", encoding="utf-8") as file:
+        file.write(head + begin + new + end + tail)
+
+
+if __name__ == "__main__":
+    main()
