@@ -1,7 +1,7 @@
 !> What a command line asks for, done: help, or a deck read, checked and run; errors in words.
 module sgmp_program
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-  use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+  use omp_lib, only: omp_get_max_threads
   use sgmp_command_line, only: action_completion, action_help, action_import, action_man, &
                                action_markdown, action_new, action_usage, &
                                action_usage_markdown, action_version, command_line_t
@@ -19,6 +19,7 @@ module sgmp_program
   use sgmp_scene, only: scene_free, scene_t
   use sgmp_simulation, only: simulation_check, simulation_run
   use sgmp_version, only: commit_hash, compiler_string, version_string
+  use sgmp_thread_choice, only: thread_choice_read, thread_choice_t
   implicit none
   private
   public :: program_act, program_report
@@ -112,7 +113,7 @@ contains
     type(scene_t) :: scene
     type(deck_errors_t) :: errors
     character(:), allocatable :: deck
-    integer :: threads
+    type(thread_choice_t) :: threads
     status = exit_ok
     deck = options%deck
     if (import_is_mpm3d(deck)) then
@@ -128,9 +129,9 @@ contains
     if (errors%warnings() > 0 .and. .not. options%quiet .and. parallel_rank() == 0) then
       call errors%print(error_unit)
     end if
-    threads = options%threads
-    if (threads == 0) threads = omp_get_max_threads()
-    call omp_set_num_threads(threads)
+    call thread_choice_read(merge(options%threads, omp_get_max_threads(), options%threads > 0), &
+                            threads, error)
+    if (allocated(error)) return
     if (options%check) then
       call simulation_check(scene, threads, error)
     else

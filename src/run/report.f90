@@ -16,6 +16,7 @@ module sgmp_report
   use sgmp_summary, only: summary_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: limit_courant, limit_names
+  use sgmp_thread_choice, only: thread_choice_t
   use sgmp_timers, only: phase_balance, phase_count, phase_halo, phase_names
   use sgmp_verdict, only: verdict_t
   use sgmp_version, only: commit_hash, compiler_string, version_string
@@ -27,7 +28,7 @@ module sgmp_report
 
   !> What a run has cost.
   type :: effort_t
-    integer :: threads = 1
+    type(thread_choice_t) :: threads
     real(dp) :: wall = 0.0_dp              !! wall seconds since the program started
     real(dp) :: solving = 0.0_dp           !! wall seconds in the time loop, output left out
     real(dp) :: cpu = 0.0_dp               !! CPU seconds of all threads and ranks
@@ -78,14 +79,24 @@ contains
   subroutine report_banner(log, scene, threads)
     type(log_t), intent(inout) :: log
     type(scene_t), intent(in) :: scene
-    integer, intent(in) :: threads
+    type(thread_choice_t), intent(in) :: threads
     call log%line('sgmp '//version_string//' ('//commit_hash//'), '//compiler_string// &
                   ', '//integer_text(parallel_ranks())//' '// &
                   trim(merge('rank ', 'ranks', parallel_ranks() == 1))//' x '// &
-                  integer_text(threads)//' threads')
+                  integer_text(threads%threads)// &
+                  trim(merge(' thread ', ' threads', threads%threads == 1))//thread_reason(threads))
     call log%line('deck '//scene%file//': '//scene%title)
     if (allocated(scene%resolved)) call log%line(scene%resolved, level_verbose)
   end subroutine report_banner
+
+  !> Why fewer threads are taken than may be.
+  pure function thread_reason(threads) result(text)
+    type(thread_choice_t), intent(in) :: threads
+    character(:), allocatable :: text
+    text = ''
+    if (threads%threads < threads%most) text = ' of '//integer_text(threads%most)//' ('// &
+                                               threads%reason//')'
+  end function thread_reason
 
   !> What is about to run.
   subroutine report_start(log, scene, model)
@@ -287,7 +298,9 @@ contains
     call summary%set('solve_seconds', effort%solving)
     call summary%set('ns_per_particle_step', cost(effort))
     call summary%set('ranks', model%ranks%partition%ranks)
-    call summary%set('threads', effort%threads)
+    call summary%set('threads', effort%threads%threads)
+    call summary%set('threads_allowed', effort%threads%most)
+    call summary%set('threads_reason', effort%threads%reason)
     call summary%set('peak_memory_bytes', effort%memory)
     total = max(sum(effort%mean), tiny(total))
     do k = 1, phase_count

@@ -30,6 +30,7 @@ module sgmp_simulation
   use sgmp_step, only: step_take
   use sgmp_stopping, only: stopping_t
   use sgmp_text, only: integer_text, real_text
+  use sgmp_thread_choice, only: thread_choice_t
   use sgmp_time_step, only: clock_advance, clock_choose
   use sgmp_timers, only: phase_end, phase_grid, phase_output, phase_probe, phase_start, timers_stop, &
                          timers_t, wall_time
@@ -43,7 +44,7 @@ contains
   !> Prints what a scene will cost, and runs nothing.
   subroutine simulation_check(scene, threads, error)
     type(scene_t), intent(in) :: scene
-    integer, intent(in) :: threads
+    type(thread_choice_t), intent(inout) :: threads
     type(error_t), allocatable, intent(out) :: error
     type(model_t), allocatable :: model
     type(string_t), allocatable :: warnings(:)
@@ -55,8 +56,9 @@ contains
       if (parallel_rank() == 0) call cost_estimate_write_need(scene, need, available)
       return
     end if
+    call threads%choose(scene)
     allocate (model)
-    call model_build(scene, threads, model, error)
+    call model_build(scene, threads%threads, model, error)
     call parallel_agree(error)
     if (allocated(error)) return
     call stability_choose(model)
@@ -72,7 +74,7 @@ contains
   subroutine simulation_run(scene, options, threads, folder, started, error)
     type(scene_t), intent(in) :: scene
     type(command_line_t), intent(in) :: options
-    integer, intent(in) :: threads
+    type(thread_choice_t), intent(inout) :: threads
     character(*), intent(in) :: folder           !! where the files go
     real(dp), intent(in) :: started              !! wall time at which the program started
     type(error_t), allocatable, intent(out) :: error
@@ -85,16 +87,17 @@ contains
     type(verdict_t) :: verdict
     integer(i8) :: checksum
     real(dp) :: solving
-    effort%threads = threads
     allocate (model, outputs)
     call memory_refuse(scene, error)
     if (allocated(error)) return
+    call threads%choose(scene)
+    effort%threads = threads
     call run_folder_open(folder, error)
     if (allocated(error)) return
     call open_log(log, folder, options, error)
     if (allocated(error)) return
     call report_banner(log, scene, threads)
-    call begin(scene, options, threads, folder, log, model, outputs, effort, error)
+    call begin(scene, options, threads%threads, folder, log, model, outputs, effort, error)
     call parallel_agree(error)
     if (allocated(error)) return
     call report_start(log, scene, model)

@@ -16,7 +16,7 @@ module sgmp_memory_need
   use sgmp_text, only: real_text
   implicit none
   private
-  public :: memory_need, memory_need_here, memory_refuse
+  public :: memory_need, memory_need_here, memory_refuse, particles_expected
 
   real(dp), parameter :: bytes_of_process = 2.0e7_dp  !! libraries; with MPI 2.6e7
   real(dp), parameter :: gibibyte = 1024.0_dp**3
@@ -28,18 +28,38 @@ contains
   !> Peak of the bytes of all ranks together.
   function memory_need(scene) result(bytes)
     type(scene_t), intent(in) :: scene
-    real(dp) :: bytes, particles, in_cell
+    real(dp) :: bytes, in_cell
     integer :: b
     bytes = bytes_of_process*parallel_ranks()
     do b = 1, size(scene%bodies)
       if (scene%bodies(b)%layout == layout_file) cycle  ! its size is that of a file
       in_cell = per_cell(scene, scene%bodies(b))
-      particles = in_cell/scene%grid%cell**scene%dimension* &
-                  seeding_shape_volume(scene%bodies(b), scene%dimension, size(scene%bodies), &
-                                       section=.true.)
-      bytes = bytes + particles*(of_particle(scene, in_cell) + of_grid(scene)/in_cell)
+      bytes = bytes + of_body(scene, b)*(of_particle(scene, in_cell) + of_grid(scene)/in_cell)
     end do
   end function memory_need
+
+  !> Particles of all bodies together; `huge` where files bring some.
+  function particles_expected(scene) result(particles)
+    type(scene_t), intent(in) :: scene
+    real(dp) :: particles
+    integer :: b
+    particles = 0.0_dp
+    if (any(scene%bodies%layout == layout_file)) particles = huge(particles)
+    do b = 1, size(scene%bodies)
+      if (particles < huge(particles)) particles = particles + of_body(scene, b)
+    end do
+  end function particles_expected
+
+  !> Particles of a body that is a shape.
+  function of_body(scene, number) result(particles)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: number
+    real(dp) :: particles
+    associate (body => scene%bodies(number), d => scene%dimension)
+      particles = per_cell(scene, body)/scene%grid%cell**d* &
+                  seeding_shape_volume(body, d, size(scene%bodies), section=.true.)
+    end associate
+  end function of_body
 
   !> Bytes that the ranks of this machine will need, and those they can have; an error where the
   !! bodies cannot be counted.

@@ -480,11 +480,18 @@ contains
     real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), lane_sums(lanes, sweep_sums)
     real(dp), intent(out) :: xi(lanes, NDIM)     !! new position in the bin
     logical, intent(out) :: outside
-    real(dp) :: mass, inside, middle(NDIM), half(NDIM)
+    real(dp) :: mass, inside
+#if NDIM < 3
+    real(dp) :: middle(NDIM), half(NDIM)
+#else
+    real(dp), parameter :: middle(NDIM) = 0.5_dp, half(NDIM) = 0.5_dp  ! known: a bin is a cell
+#endif
     integer :: l, d
     inside = 0.0_dp
+#if NDIM < 3
     middle = 0.5_dp*(extent(2, :) + extent(1, :))
     half = 0.5_dp*(extent(2, :) - extent(1, :))
+#endif
     !$omp simd simdlen(8) private(mass, d) reduction(+:inside)
     do l = 1, lanes
       mass = live(l)*motion(l, mass_at)

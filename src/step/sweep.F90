@@ -299,7 +299,11 @@ contains
     integer, intent(in) :: i
     integer(i8), intent(in) :: key               !! of its row
     real(dp), intent(out) :: origin(NDIM), extent(2, NDIM)
+#if NDIM < 3
     origin(1) = first_cell(task%span, i) + task%shift
+#else
+    origin(1) = i + task%shift
+#endif
 #if NDIM == 2
     origin(2) = key_k(key) + task%shift
 #elif NDIM == 3

@@ -26,7 +26,7 @@ FINISHED, WRONG_DECK, NUMERICAL = 0, 3, 4
 CELLS = {1: 8, 2: 4, 3: 3}            # of a body along an axis, at most
 STEPS = {1: 120, 2: 60, 3: 24}
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
-               "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_WAIT_POLICY": "passive"}
+               "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_WAIT_POLICY": "passive", "SGMP_THREADS": "exact"}
 
 MATERIALS = {
     "elastic": "material {name} elastic density={density} young={young} poisson={poisson}",

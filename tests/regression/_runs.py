@@ -9,7 +9,7 @@ SGMP, SOURCE, SCRATCH = (os.path.abspath(path) for path in sys.argv[1:4])
 INPUT = os.path.join(SOURCE, "input")
 # Open MPI starts faster without a daemon of its own, but then needs a folder that no other script uses.
 ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive", "OMPI_MCA_ess_singleton_isolated": "1",
-               "OMPI_MCA_orte_tmpdir_base": SCRATCH}
+               "OMPI_MCA_orte_tmpdir_base": SCRATCH, "SGMP_THREADS": "exact"}
 # The mutation tool asks whether anything fails, not what.
 FIRST_ENDS = os.environ.get("SGMP_TEST_FIRST_ENDS", "") not in ("", "0")
 

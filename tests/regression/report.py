@@ -111,7 +111,7 @@ def ranks(report):
     report.check(math.isclose(result["halo.seconds_per_step"], result["phase_seconds"]["halo"]/40, rel_tol=1e-6), "halo.seconds_per_step")
     report.check(1 <= result["balance.imbalance"] <= result["balance.largest_imbalance"] <= 2, f"imbalance {result['balance.imbalance']}")
     log = written(result)
-    report.check("2 ranks x 1 threads" in log and "bytes per step from the rank that sends most" in log, f"run.log of two ranks:\n{log}")
+    report.check("2 ranks x 1 thread" in log and "bytes per step from the rank that sends most" in log, f"run.log of two ranks:\n{log}")
 
 
 def levels(report):
@@ -139,10 +139,31 @@ def warnings(report):
         report.check(done.returncode == 0 and ("drift of volumes" in text) == warned, f"{name}: exit code {done.returncode}\n{text}")
 
 
+def threads_chosen(report):
+    """Scenes take no more threads than have enough to do, and no more than they may; log and summary say how many and why."""
+    exact = ENVIRONMENT.pop("SGMP_THREADS")
+    blocks = {"small": ("sgmp", 12, 2, 1), "enough": ("sgmp", 13, 2, 2), "may": ("sgmp", 16, 3, 3), "some": ("sgmp", 13, 3, 2),
+              "wide_small": ("gimp", 9, 2, 1), "wide_enough": ("gimp", 10, 2, 2)}
+    for name, (method, cells, most, expected) in blocks.items():
+        result = run("threads_" + name, "block.inp", threads=most, method=method, cells=cells, steps=1)
+        if not report.finished(result, name):
+            continue
+        found = (result["threads"], result["threads_allowed"], result["threads_reason"] != "")
+        report.check(found == (expected, most, expected < most), f"{name}: {found}")
+        words = f"{expected} of {most} (about {8*cells**3} particles" if expected < most else f" x {expected} threads\n"
+        report.check(words.replace("1 of", "1 thread of").replace("2 of", "2 threads of") in written(result), f"{name}: {words}")
+    two = run("threads_contact", "two_blocks.inp", threads=2, width=5, length=50, steps=1)
+    report.check(two["threads"] == (2 if two["particles"] >= 32000 else 1), f"contact: {two['threads']} for {two['particles']}")
+    ENVIRONMENT["SGMP_THREADS"] = "some"
+    wrong = run("threads_wrong", "block.inp", cells=4, steps=1)
+    report.check(wrong.code == 2 and "SGMP_THREADS='some'" in wrong.text, f"unknown word: {wrong.code} {wrong.text}")
+    ENVIRONMENT["SGMP_THREADS"] = exact
+
+
 def main():
     """All of it."""
     report = Report()
-    for part in (scene, costs, ranks, levels, warnings):
+    for part in (scene, costs, ranks, levels, warnings, threads_chosen):
         part(report)
     report.end()
 
