@@ -40,13 +40,10 @@ contains
     type(movers_t), intent(inout) :: movers(:)   !! (bodies) particles that leave their bins
     type(workspace_t), intent(inout) :: work
     type(task_t) :: task
-    real(dp), allocatable :: stencil(:, :, :)    !! accumulators of a bin, those of the cell before
-                                                 !! it first; every row leaves them empty
     real(dp) :: lane_sums(lanes, sweep_sums)     !! of a plane, which leaves them empty
     integer :: plane, b, slot, nq
     task = task_make(field%kernel, mesh, plan)
     nq = task%nq
-    allocate (stencil(task%points, nq, 0:task%span), source=0.0_dp)
     lane_sums = 0.0_dp
     call prepare(work, task)
     if (plane2 >= plane1) call fit_buffers(work, task, field%largest_plane)
@@ -62,7 +59,7 @@ contains
         if (bodies(b)%field /= number) cycle
         if (bodies(b)%particles%plane_row(plane) == bodies(b)%particles%plane_row(plane + 1)) cycle
         call fill_records(field, mesh, plan, task, plane, work)
-        call sweep_plane(mesh, field, bodies(b), plan, task, plane, stencil, lane_sums, &
+        call sweep_plane(mesh, field, bodies(b), plan, task, plane, work%stencil, lane_sums, &
                          work%planes(1, 1, 1, slot), sums(:, plane, b), movers(b), work)
       end do
       call clear_rows(field, plane, task%layers*nq, huge(1), work%cleared, &
@@ -87,6 +84,12 @@ contains
     type(workspace_t), intent(inout) :: work
     type(task_t), intent(in) :: task
     integer, intent(in) :: largest_plane
+    integer :: numbers
+    numbers = task%points*task%nq*(task%span + 1)
+    if (allocated(work%stencil)) then
+      if (size(work%stencil) < numbers) deallocate (work%stencil)
+    end if
+    if (.not. allocated(work%stencil)) allocate (work%stencil(numbers), source=0.0_dp)
     if (allocated(work%records)) then
       if (size(work%records, 1) /= task%stride .or. &
           size(work%records, 2) < largest_plane*task%layers) then

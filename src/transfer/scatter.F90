@@ -332,8 +332,15 @@ contains
     do q = 1, nq
       sums(:, 2, q, 0) = sums(:, 2, q, cells)
     end do
-    sums(:, :, :, 1:) = 0.0_dp
+    call empty(NCORNER*nq*cells, sums(1, 1, 1, 1))
   end subroutine linear_carry
+
+  !> Empties accumulators in one go.
+  pure subroutine empty(n, sums)
+    integer, intent(in) :: n
+    real(dp), intent(out) :: sums(n)
+    sums = 0.0_dp
+  end subroutine empty
 #else
   !> Flushes the accumulator's first x-layer to the plane buffers and moves the stencil one cell
   !! along the row.
