@@ -38,11 +38,11 @@ program said of its own runs ([verdict.md](verdict.md)).
 """
 
 
-def differences(before, after):
-    """What two results.json do not have in common, in words."""
+def differences(before, after, whole):
+    """What two results.json do not have in common, in words; only of what the second has where it is not the whole suite."""
     before, after = ({(row["case"], row["quantity"], method): cell for row in json.loads(path.read_text())["results"] for method, cell in row["methods"].items()}
                      for path in (before, after))
-    return [f"{' | '.join(key)}: {before.get(key)} is now {after.get(key)}" for key in {**before, **after} if before.get(key) != after.get(key)]
+    return [f"{' | '.join(key)}: {before.get(key)} is now {after.get(key)}" for key in ({**before, **after} if whole else after) if before.get(key) != after.get(key)]
 
 
 def main():
@@ -66,7 +66,7 @@ def main():
     print(f"\n{len(cells)} values, {sum(not cell['met'] for *_, cell in cells)} outside their bounds; {time.monotonic() - started:.0f} s")
     for line in table.unexplained():
         print("no reason:", line)
-    changed = differences(first / "results.json", common.BUILD / "results.json") if chosen.again else []
+    changed = differences(first / "results.json", common.BUILD / "results.json", not chosen.cases) if chosen.again else []
     for line in changed:
         print("not as before:", line)
     if chosen.again:
