@@ -22,7 +22,7 @@ export OMP_WAIT_POLICY ?= passive
 
 GALLERY = $(wildcard input/gallery/*.inp) input/taylor_bar_axisymmetric.inp
 
-.PHONY: gallery help setup setup-test setup-dev build run verify verify-full hard test test-full test-slurm sanitize fuzz mutate debug test-debug bench lint format coverage doc install clean
+.PHONY: gallery help setup setup-test setup-dev build build-all run verify verify-full hard test test-full test-slurm sanitize fuzz mutate debug test-debug bench lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
 
 help: ## List the targets
@@ -43,6 +43,9 @@ build/%/.configured: CMakePresets.json
 	@touch $@
 
 build: setup build/release/.configured ## Build build/release/sgmp
+	cmake --build build/release --parallel $(JOBS) --target sgmp sgmp_manual
+
+build-all: setup setup-test build/release/.configured # With the tests, and with what make bench compares
 	cmake --build build/release --parallel $(JOBS)
 
 run: build ## Run the Taylor bar, compare it with the experiment and draw it
@@ -67,10 +70,10 @@ verify-full: build ## The same with all sizes and figures, and the copy in doc/v
 hard: build ## Run the hard cases by four methods (minutes): build/hard/results.json, doc/hard-cases.md
 	$(PYTHON) verification/hard/hard.py --publish
 
-test: build setup-test ## Build and run all tests
+test: build-all ## Build and run all tests
 	ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
 
-test-full: build setup-test ## The same with all layouts, more kills and random scenes, sanitizers, a sample of small faults (an hour)
+test-full: build-all ## The same with all layouts, more kills and random scenes, sanitizers, a sample of small faults (an hour)
 	SGMP_TEST_FULL=1 ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error -LE fuzz
 	$(MAKE) fuzz INPUTS=$(or $(INPUTS),8000) SCENES=$(or $(SCENES),120) SEED=$(or $(SEED),$(shell date +%s))
 	$(MAKE) sanitize
@@ -83,14 +86,14 @@ sanitize: setup setup-test build/sanitize/.configured ## Run units, broken decks
 test-slurm: build ## Run scripts/hpc/slurm.sh under a SLURM of its own through time limit, queue and restart; says what is missing
 	$(PYTHON) tests/slurm/slurm.py build/release/sgmp . build/slurm
 
-fuzz: build setup-test ## Damaged decks and checkpoints, then random scenes (INPUTS=100000 of each, SCENES=1500, SEED=1)
+fuzz: build-all ## Damaged decks and checkpoints, then random scenes (INPUTS=100000 of each, SCENES=1500, SEED=1)
 	$(PYTHON) tests/fuzz/decks.py build/release/sgmp . build/fuzz/decks --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
 	$(PYTHON) tests/fuzz/mpm3d.py build/release/sgmp . build/fuzz/mpm3d --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
 	$(PYTHON) tests/fuzz/checkpoints.py build/release/sgmp . build/fuzz/checkpoints --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
 	$(PYTHON) tests/fuzz/scenes.py build/release/sgmp . build/fuzz/scenes --inputs $(or $(SCENES),1500) --seed $(or $(SEED),1)
 	$(PYTHON) tests/fuzz/truth.py build/release/sgmp . build/fuzz/truth --inputs $(or $(SCENES),1500) --seed $(or $(SEED),1)
 
-mutate: build setup-test ## Put small faults into the sources and see whether tests notice (SAMPLE=200, SEED=1; MUTATE=FILE: all of it; FAULTS=LIST)
+mutate: build-all ## Put small faults into the sources and see whether tests notice (SAMPLE=200, SEED=1; MUTATE=FILE: all of it; FAULTS=LIST)
 	$(PYTHON) tests/mutation/mutate.py $(if $(MUTATE),--files $(MUTATE)) $(if $(FAULTS),--faults $(FAULTS)) $(if $(SAMPLE),--sample $(SAMPLE)) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
 
 debug: setup build/debug/.configured ## Build build/debug/sgmp with all run-time checks
@@ -99,7 +102,7 @@ debug: setup build/debug/.configured ## Build build/debug/sgmp with all run-time
 test-debug: debug setup-test ## Run all tests on the debug build
 	ctest --test-dir build/debug --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
 
-bench: build ## Measure nanoseconds per particle and step beside targets and what the machine can do (minutes)
+bench: build-all ## Measure nanoseconds per particle and step beside targets and what the machine can do (minutes)
 	$(PYTHON) scripts/bench/bench.py build/release/sgmp
 
 lint: setup-dev ## Check the sources against the house style

@@ -7,6 +7,7 @@ Every `sgmp …` of README.md, the user guide and other pages is given to the pr
 like DECK, NAME or … mark what is no command.
 """
 import glob
+import importlib.util
 import os
 import re
 import shlex
@@ -111,9 +112,12 @@ def understood(report):
         with open(os.path.join(SCRATCH, name), "w", encoding="utf-8") as file:
             file.write(OWN)
     helps, count = {}, 0
+    draws = all(importlib.util.find_spec(name) for name in ("numpy", "matplotlib"))
     for page in COMMANDS:
         for line in commands(page):
             program, *words = shlex.split(line)
+            if program == "sgmp-view" and not draws:
+                continue
             if program == "sgmp-view":
                 if words[0] not in helps:
                     helps[words[0]] = call([sys.executable, os.path.join(SOURCE, "scripts", "sgmp-view"), words[0], "--help"], SCRATCH)
