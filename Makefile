@@ -77,7 +77,7 @@ test-full: build-all ## The same with all layouts, more kills and random scenes,
 	SGMP_TEST_FULL=1 ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error -LE fuzz
 	$(MAKE) fuzz INPUTS=$(or $(INPUTS),8000) SCENES=$(or $(SCENES),120) SEED=$(or $(SEED),$(shell date +%s))
 	$(MAKE) sanitize
-	$(MAKE) mutate SAMPLE=$(or $(SAMPLE),20)
+	$(MAKE) mutate SAMPLE=$(or $(SAMPLE),20) LEAST=0.7
 
 sanitize: setup setup-test build/sanitize/.configured ## Run units, broken decks and some scenes with address and undefined-behaviour sanitizers
 	cmake --build build/sanitize --parallel $(JOBS)
@@ -94,7 +94,7 @@ fuzz: build-all ## Damaged decks and checkpoints, then random scenes (INPUTS=100
 	$(PYTHON) tests/fuzz/truth.py build/release/sgmp . build/fuzz/truth --inputs $(or $(SCENES),1500) --seed $(or $(SEED),1)
 
 mutate: build-all ## Put small faults into the sources and see whether tests notice (SAMPLE=200, SEED=1; MUTATE=FILE: all of it; FAULTS=LIST)
-	$(PYTHON) tests/mutation/mutate.py $(if $(MUTATE),--files $(MUTATE)) $(if $(FAULTS),--faults $(FAULTS)) $(if $(SAMPLE),--sample $(SAMPLE)) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
+	$(PYTHON) tests/mutation/mutate.py $(if $(MUTATE),--files $(MUTATE)) $(if $(FAULTS),--faults $(FAULTS)) $(if $(SAMPLE),--sample $(SAMPLE)) $(if $(SEED),--seed $(SEED)) $(if $(LEAST),--least $(LEAST)) --jobs $(JOBS)
 
 debug: setup build/debug/.configured ## Build build/debug/sgmp with all run-time checks
 	cmake --build build/debug --parallel $(JOBS)
