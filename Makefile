@@ -22,7 +22,7 @@ export OMP_WAIT_POLICY ?= passive
 
 GALLERY = $(wildcard input/gallery/*.inp) input/taylor_bar_axisymmetric.inp
 
-.PHONY: gallery help setup setup-test setup-dev build build-all run verify verify-full hard test test-full test-slurm sanitize fuzz mutate debug test-debug bench lint format coverage doc install clean
+.PHONY: gallery help setup setup-test setup-dev build build-all run verify verify-full hard test test-full test-slurm sanitize fuzz mutate debug test-debug bench speed lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
 
 help: ## List the targets
@@ -104,6 +104,9 @@ test-debug: debug setup-test ## Run all tests on the debug build
 
 bench: build-all ## Measure nanoseconds per particle and step beside targets and what the machine can do (minutes)
 	$(PYTHON) scripts/bench/bench.py build/release/sgmp
+
+speed: build ## Error against CPU seconds of all methods on seven scenes (ten minutes, may be stopped and started again): doc/speed-and-accuracy.md
+	$(PYTHON) verification/speed/speed.py
 
 lint: setup-dev ## Check the sources against the house style
 	@$(PYTHON) scripts/dev/lint.py --fortitude build/venv/bin/fortitude src
