@@ -30,6 +30,8 @@ module sgmp_gallery
     deck_t('detonation', 'tnt_slab.inp', 'a slab of TNT is lit at one end; 1D'), &
     deck_t('cylinder_test', 'gallery/cylinder_test.inp', &
            'TNT drives a copper tube; axisymmetric'), &
+    deck_t('blast', 'gallery/blast_wall.inp', &
+           'a charge of TNT bursts in air before a wall; axisymmetric'), &
     deck_t('dam_break', 'gallery/dam_break.inp', 'a column of water collapses in a tank; 2D'), &
     deck_t('slope', 'gallery/slope.inp', 'a slope of soil slides; 2D'), &
     deck_t('collapse', 'gallery/column_collapse.inp', &

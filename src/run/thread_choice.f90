@@ -1,7 +1,7 @@
 !> How many threads a run takes: as many as it may, but no more than have enough to do.
 !!
-!! Threads meet a dozen times per step and field, which costs about a millisecond where the machine
-!! has other work (doc/performance.md). Results have the same bits for any number.
+!! Threads meet a dozen times per step and field, which costs 40 to 300 microseconds on a machine
+!! without other work (doc/performance.md). Results have the same bits for any number.
 module sgmp_thread_choice
   use omp_lib, only: omp_set_num_threads
   use sgmp_errors, only: error_make, error_t, exit_usage
@@ -17,7 +17,7 @@ module sgmp_thread_choice
 
   !> Particles of a velocity field below which a thread does not pay, by the width of stencils:
   !! those with wide ones take 2.5 times as long.
-  integer, parameter :: least_share(2:3) = [8000, 3000]
+  integer, parameter :: least_share(2:3) = [1000, 400]
 
   !> Threads of each rank.
   type :: thread_choice_t

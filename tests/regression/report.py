@@ -142,8 +142,8 @@ def warnings(report):
 def threads_chosen(report):
     """Scenes take no more threads than have enough to do, and no more than they may; log and summary say how many and why."""
     exact = ENVIRONMENT.pop("SGMP_THREADS")
-    blocks = {"small": ("sgmp", 12, 2, 1), "enough": ("sgmp", 13, 2, 2), "may": ("sgmp", 16, 3, 3), "some": ("sgmp", 13, 3, 2),
-              "wide_small": ("gimp", 9, 2, 1), "wide_enough": ("gimp", 10, 2, 2)}
+    blocks = {"small": ("sgmp", 6, 2, 1), "enough": ("sgmp", 7, 2, 2), "may": ("sgmp", 8, 3, 3), "some": ("sgmp", 7, 3, 2),
+              "wide_small": ("gimp", 4, 2, 1), "wide_enough": ("gimp", 5, 2, 2)}
     for name, (method, cells, most, expected) in blocks.items():
         result = run("threads_" + name, "block.inp", threads=most, method=method, cells=cells, steps=1)
         if not report.finished(result, name):
@@ -152,8 +152,9 @@ def threads_chosen(report):
         report.check(found == (expected, most, expected < most), f"{name}: {found}")
         words = f"{expected} of {most} (about {8*cells**3} particles" if expected < most else f" x {expected} threads\n"
         report.check(words.replace("1 of", "1 thread of").replace("2 of", "2 threads of") in written(result), f"{name}: {words}")
-    two = run("threads_contact", "two_blocks.inp", threads=2, width=5, length=50, steps=1)
-    report.check(two["threads"] == (2 if two["particles"] >= 32000 else 1), f"contact: {two['threads']} for {two['particles']}")
+    for width, expected in ((3, 1), (4, 2)):
+        two = run(f"threads_contact_{width}", "two_blocks.inp", threads=2, width=width, length=20, steps=1)
+        report.check(two["threads"] == expected, f"contact: {two['threads']} for {two['particles']}, two bodies")
     ENVIRONMENT["SGMP_THREADS"] = "some"
     wrong = run("threads_wrong", "block.inp", cells=4, steps=1)
     report.check(wrong.code == 2 and "SGMP_THREADS='some'" in wrong.text, f"unknown word: {wrong.code} {wrong.text}")
