@@ -16,7 +16,7 @@ module sgmp_deck_table
   private
   public :: deck_table
 
-  type(registry_t), save :: table  !! built when first asked for
+  type(registry_t) :: table  !! built when first asked for
 
 contains
 

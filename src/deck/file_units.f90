@@ -24,21 +24,14 @@ contains
     type(deck_errors_t), intent(inout) :: errors
     type(deck_card_t), allocatable :: kept(:)
     logical :: own(size(cards))
-    integer :: i, deck, k
-    do i = 1, size(cards)
-      own(i) = cards(i)%name == 'units'
-      if (own(i)) own(i) = cards(i)%word('scope') == 'file'
-    end do
+    integer :: i, deck
+    own = [(of_file(cards(i)), i=1, size(cards))]
     if (.not. any(own)) return
     deck = findloc([(cards(i)%name == 'units' .and. .not. own(i), i=1, size(cards))], .true., 1)
     do i = 1, size(cards)
       if (.not. own(i)) cycle
-      k = findloc([(own(k) .and. cards(k)%position%file == cards(i)%position%file, &
-                    k=1, size(cards))], .true., 1)
-      if (k < i) then
-        call errors%add(cards(i)%position, "card 'units' is given twice", 'first given at '// &
-                        cards(k)%position%text())
-      else if (deck == 0) then
+      if (repeated(i, own, cards, errors)) cycle
+      if (deck == 0) then
         call errors%add(cards(i)%position, 'this file has units of its own, but the deck that '// &
                         'includes it has none', 'add to the deck, e.g.: units mm g ms')
       else if (.not. (cards(i)%failed .or. cards(deck)%failed)) then
@@ -51,6 +44,29 @@ contains
     kept = cards(pack([(i, i=1, size(cards))], .not. own))
     call move_alloc(kept, cards)
   end subroutine convert_files
+
+  !> Whether a card gives the units of a file.
+  function of_file(card) result(yes)
+    type(deck_card_t), intent(in) :: card
+    logical :: yes
+    yes = card%name == 'units'
+    if (yes) yes = card%word('scope') == 'file'
+  end function of_file
+
+  !> Whether a file has said its units before card i does; that is an error.
+  function repeated(i, own, cards, errors) result(yes)
+    integer, intent(in) :: i
+    logical, intent(in) :: own(:)              !! the card gives the units of a file
+    type(deck_card_t), intent(in) :: cards(:)
+    type(deck_errors_t), intent(inout) :: errors
+    logical :: yes
+    integer :: k
+    k = findloc([(own(k) .and. cards(k)%position%file == cards(i)%position%file, &
+                  k=1, size(cards))], .true., 1)
+    yes = k < i
+    if (yes) call errors%add(cards(i)%position, "card 'units' is given twice", &
+                             'first given at '//cards(k)%position%text())
+  end function repeated
 
   !> Converts the cards of one file.
   subroutine convert_file(registry, from, to, own, cards, errors)

@@ -80,9 +80,10 @@ contains
   end subroutine gauges_open
 
   !> Components of the stress in the output.
-  pure integer function stresses(model)
+  pure function stresses(model) result(n)
     type(model_t), intent(in) :: model
-    stresses = stress_components(merge(3, model%mesh%ndim, model%method%swirl))
+    integer :: n
+    n = stress_components(merge(3, model%mesh%ndim, model%method%swirl))
   end function stresses
 
   !> The particle nearest to each gauge at the start; a gauge that follows its particles has some.
@@ -219,7 +220,7 @@ contains
     type(snapshot_t), intent(in) :: snapshot
     logical, intent(in) :: member(:)
     real(dp), allocatable, intent(out) :: values(:)
-    real(dp) :: motion(6), total_mass, total_volume
+    real(dp) :: motion(2*3), total_mass, total_volume
     integer :: f, n, p
     motion = 0.0_dp
     n = size(gauges%fields)

@@ -27,7 +27,8 @@ module sgmp_options
              'replace the value of a parameter of the deck; may be repeated'), &
     option_t('--output', 'DIR', '--output results', &
              'directory of the results (default: the name of the deck and .out)'), &
-    option_t('--threads', 'N', '--threads 2', 'largest number of threads (default: all of OpenMP); small scenes take fewer'), &
+    option_t('--threads', 'N', '--threads 2', &
+             'largest number of threads (default: all of OpenMP); small scenes take fewer'), &
     option_t('--restart', 'FILE', '--restart latest', &
              'go on from a checkpoint; latest: from the last good one of the directory'), &
     option_t('--time-limit', 'HH:MM:SS', '--time-limit 23:45:00', &

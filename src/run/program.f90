@@ -18,8 +18,8 @@ module sgmp_program
   use sgmp_registry_help, only: registry_write_help, registry_write_markdown
   use sgmp_scene, only: scene_free, scene_t
   use sgmp_simulation, only: simulation_check, simulation_run
-  use sgmp_version, only: commit_hash, compiler_string, version_string
   use sgmp_thread_choice, only: thread_choice_read, thread_choice_t
+  use sgmp_version, only: commit_hash, compiler_string, version_string
   implicit none
   private
   public :: program_act, program_report

@@ -15,8 +15,8 @@ module sgmp_report
   use sgmp_spelling, only: string_t
   use sgmp_summary, only: summary_t
   use sgmp_text, only: integer_text, real_text
-  use sgmp_time_step, only: limit_courant, limit_names
   use sgmp_thread_choice, only: thread_choice_t
+  use sgmp_time_step, only: limit_courant, limit_names
   use sgmp_timers, only: phase_balance, phase_count, phase_halo, phase_names
   use sgmp_verdict, only: verdict_t
   use sgmp_version, only: commit_hash, compiler_string, version_string

@@ -32,8 +32,8 @@ module sgmp_simulation
   use sgmp_text, only: integer_text, real_text
   use sgmp_thread_choice, only: thread_choice_t
   use sgmp_time_step, only: clock_advance, clock_choose
-  use sgmp_timers, only: phase_end, phase_grid, phase_output, phase_probe, phase_start, timers_stop, &
-                         timers_t, wall_time
+  use sgmp_timers, only: phase_end, phase_grid, phase_output, phase_probe, phase_start, &
+                         timers_stop, timers_t, wall_time
   use sgmp_verdict, only: verdict_t
   implicit none
   private

@@ -282,16 +282,16 @@ contains
   end subroutine set_velocities
 
   !> What formulas may use at the start: positions of the lanes of a chunk.
-  pure function places(mesh, coordinates)
+  pure function places(mesh, coordinates) result(values)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: coordinates(:, :)    !! (lanes, ndim)
-    real(dp) :: places(lanes, expression_places)
+    real(dp) :: values(lanes, expression_places)
     integer :: d
-    places = 0.0_dp
+    values = 0.0_dp
     do d = 1, size(coordinates, 2)
-      places(:, d) = mesh_position(mesh%origin(d), mesh%h, coordinates(:, d))
+      values(:, d) = mesh_position(mesh%origin(d), mesh%h, coordinates(:, d))
     end do
-    places(:, 4:6) = places(:, 1:3)
+    values(:, 4:6) = values(:, 1:3)
   end function places
 
   !> Initial velocity around the axis, times the radius, from the card's angular velocity.

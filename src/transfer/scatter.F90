@@ -4,9 +4,9 @@
 !!
 !! Scatters run over the stencil's points, so every particle value is a broadcast and nothing
 !! collides. In 3D a bin is one cell, and its sums stay in registers; in 1D and 2D every lane adds
-!! to the accumulator of its own cell of the bin, up to the first pad, whose cell is negative. Points are numbered as in sgmp_transfer: a whole
-!! x-layer is contiguous, and moving to the next cell of the row shifts the accumulator by one layer
-!! (`linear_carry`).
+!! to the accumulator of its own cell of the bin, up to the first pad, whose cell is negative.
+!! Points are numbered as in sgmp_transfer: a whole x-layer is contiguous, and moving to the next
+!! cell of the row shifts the accumulator by one layer (`linear_carry`).
 module DIM(sgmp_scatter)
   use sgmp_kinds, only: dp, lanes
   use DIM(sgmp_transfer), only: flux_of
