@@ -13,6 +13,7 @@ module sgmp_lexer
   character(3), parameter :: byte_order_mark = char(239)//char(187)//char(191)
   integer(i8), parameter :: largest_file = 16*1024_i8**2  !! bytes; a deck is text written by people
   integer, parameter :: deepest_include = 32
+  integer, parameter :: longest_line = 10000  !! letters; every token knows its line
 
   !> A word, a quoted text or an equals sign.
   type :: token_t
@@ -242,20 +243,41 @@ contains
     type(token_t), allocatable, intent(inout) :: tokens(:)
     logical, intent(out) :: continued    !! the line ends in `&`
     type(deck_errors_t), intent(inout) :: errors
+    type(token_t), allocatable :: own(:)
+    type(position_t) :: place
+    continued = .false.
+    if (len(line%source) > longest_line) then
+      place = line
+      place%column = 1
+      place%source = line%source(:40)//'…'
+      call errors%add(place, 'the line has '//integer_text(len(line%source))//' letters, more '// &
+                      'than '//integer_text(longest_line), 'end it with & and go on in the next')
+      return
+    end if
+    call find_tokens(line, size(tokens) > 0, own, continued, errors)
+    tokens = [tokens, own]
+  end subroutine split_line
+
+  !> Finds the tokens of one line.
+  subroutine find_tokens(line, goes_on, tokens, continued, errors)
+    type(position_t), intent(in) :: line  !! its source is the text
+    logical, intent(in) :: goes_on        !! the statement has begun on a line before
+    type(token_t), allocatable, intent(out) :: tokens(:)
+    logical, intent(out) :: continued     !! the line ends in `&`
+    type(deck_errors_t), intent(inout) :: errors
+    type(token_t), allocatable :: found(:), more(:)
     type(token_t) :: token
-    integer :: first, next
+    integer :: first, next, n
     continued = .false.
     next = 1
+    n = 0
+    allocate (found(8))
     do
-      first = next
-      do while (first <= len(line%source))
-        if (.not. is_blank(line%source(first:first))) exit
-        first = first + 1
-      end do
-      if (first > len(line%source)) return
-      if (scan(line%source(first:first), '!#') > 0) return
+      first = next + verify(line%source(next:)//'.', ' '//tab) - 1
+      if (first > len(line%source)) exit
+      if (scan(line%source(first:first), '!#') > 0) exit
       if (line%source(first:first) == '&') then
-        continued = size(tokens) > 0
+        continued = goes_on .or. n > 0
         next = first + 1
         cycle
       end if
@@ -264,12 +286,19 @@ contains
       if (continued) then
         call errors%add(token%position, 'text after the continuation sign &', &
                         '& must be the last character of a line')
-        return
+        exit
       end if
       call take_token(line%source, first, token, next, errors)
-      tokens = [tokens, token]
+      if (n == size(found)) then
+        allocate (more(2*n))
+        more(:n) = found
+        call move_alloc(more, found)
+      end if
+      n = n + 1
+      found(n) = token
     end do
-  end subroutine split_line
+    tokens = found(:n)
+  end subroutine find_tokens
 
   !> Takes the token that starts at `first`; `next` is the column after it.
   subroutine take_token(source, first, token, next, errors)

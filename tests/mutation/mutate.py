@@ -44,7 +44,8 @@ LEAST, LEAST_OF_AREA, AREA = 0.85, 0.75, 8
 SKIPPED = 77
 # Their runs are interrupted or timed: what fails on a busy machine must fail twice.
 TIMED = {f"regression_{name}" for name in ("cost", "folder", "hpc", "interrupt", "view")}
-COPIES = ("CMakeLists.txt", "cmake", "doc", "input", "python", "scripts", "src", "tests", "verification") # as they are now
+COPIES = ("CHANGELOG.md", "CMakeLists.txt", "CONTRIBUTING.md", "LICENSE", "README.md", "cmake", "doc", "input", "packaging", "python", "scripts", "src", "tests",
+          "verification")  # as they are now
 # Nothing that a test could see: speed, times of clocks, hints to the system. The program's own file has no module.
 LEFT_OUT = re.compile(r"/(main|prefetch|large_pages|timers|process|cost_estimate)\.[fF]90$")
 
