@@ -6,7 +6,7 @@ module sgmp_text
   implicit none
   private
   public :: integer_text, real_text, real_text_about, real_text_full, real_text_plain, &
-            real_text_short, real_text_tidy, row_text
+            real_text_short, real_text_tidy, row_text, text_with_backslashes
 
   !> Decimal text of an integer of either kind.
   interface integer_text
@@ -170,5 +170,18 @@ contains
     call reals_put(values, separator, buffer, n)
     text = buffer(:n)
   end function row_text
+
+  !> A text with a backslash before each of some letter that means something where it goes.
+  pure function text_with_backslashes(text, letter) result(escaped)
+    character(*), intent(in) :: text
+    character(1), intent(in) :: letter
+    character(:), allocatable :: escaped
+    integer :: i
+    escaped = ''
+    do i = 1, len(text)
+      if (text(i:i) == letter) escaped = escaped//'\'
+      escaped = escaped//text(i:i)
+    end do
+  end function text_with_backslashes
 
 end module sgmp_text

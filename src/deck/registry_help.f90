@@ -6,6 +6,7 @@ module sgmp_registry_help
   use sgmp_keys, only: key_t, kind_name
   use sgmp_registry, only: card_definition_t, registry_t
   use sgmp_spelling, only: suggestion, word_lower
+  use sgmp_text, only: text_with_backslashes
   implicit none
   private
   public :: registry_write_help, registry_write_markdown
@@ -122,7 +123,7 @@ contains
       associate (key => card%keys(i))
         write (unit, '(a)') '| `'//key%name//'`'//slot_mark(key)//' | '//value_cell(key)//' | '// &
           key%unit//' | '//default_cell(key)//' | '//range_cell(key)//' | '//key%when//' | '// &
-          escaped(key%help)//source_cell(key)//free_cell(key)//' |'
+          text_with_backslashes(key%help, '|')//source_cell(key)//free_cell(key)//' |'
       end associate
     end do
     write (unit, '(a)') ''
@@ -169,18 +170,6 @@ contains
     text = ''
     if (key%free) text = '; may be changed on restart'
   end function free_cell
-
-  !> Bars would end a table's cell.
-  function escaped(help) result(text)
-    character(*), intent(in) :: help
-    character(:), allocatable :: text
-    integer :: i
-    text = ''
-    do i = 1, len(help)
-      if (help(i:i) == '|') text = text//'\'
-      text = text//help(i:i)
-    end do
-  end function escaped
 
   !> Up to the first full stop that ends a sentence, or the first colon or semicolon.
   function first_sentence(help) result(text)

@@ -6,7 +6,7 @@ module sgmp_options
   use sgmp_gallery, only: gallery_names
   use sgmp_registry, only: registry_t
   use sgmp_spelling, only: words_joined
-  use sgmp_text, only: integer_text
+  use sgmp_text, only: integer_text, text_with_backslashes
   implicit none
   private
   public :: option_t, options, option_find, options_usage, options_markdown, options_completion, &
@@ -99,36 +99,27 @@ contains
     write (unit, '(a)') '.TH SGMP 1', '.SH NAME', &
       'sgmp \- explicit material point solver for impact, penetration and blast', &
       '.SH SYNOPSIS', '.nf'
-    write (unit, '(a)') (rough(trim(uses(i))), i=1, size(uses))
+    write (unit, '(a)') (text_with_backslashes(trim(uses(i)), '-'), i=1, size(uses))
     write (unit, '(a)') '.fi', '.SH DESCRIPTION', &
       'A deck is a text file of cards, one a line. Results go into a folder named as the deck,', &
       'with .out: tables (history.csv, bodies.csv, gauges.csv), fields for ParaView or Tecplot,', &
       'run.log, and summary.json with a verdict on the run.', '.SH OPTIONS'
     do i = 1, size(options)
-      write (unit, '(a)') '.TP', '.B '//rough(called(options(i))), rough(trim(options(i)%help))
+      write (unit, '(a)') '.TP', &
+        '.B '//text_with_backslashes(called(options(i)), '-'), &
+        text_with_backslashes(trim(options(i)%help), '-')
     end do
     write (unit, '(a)') '.SH EXIT STATUS'
     do i = 1, size(exit_codes)
       write (unit, '(a)') '.TP', '.B '//integer_text(exit_codes(i)%code), &
-        rough(trim(exit_codes(i)%meaning))
+        text_with_backslashes(trim(exit_codes(i)%meaning), '-')
     end do
     write (unit, '(a)') '.SH ENVIRONMENT', '.TP', '.B OMP_NUM_THREADS', &
-      'number of threads, where \-\-threads does not say', '.SH EXAMPLES', '.nf', &
+      'largest number of threads, where \-\-threads does not say', '.TP', '.B SGMP_THREADS', &
+      'exact: as many threads as are allowed, in small scenes, too', '.SH EXAMPLES', '.nf', &
       'sgmp new penetration', 'sgmp penetration.inp \-\-check', &
       'sgmp penetration.inp \-\-set speed=700', '.fi'
   end subroutine options_man
-
-  !> Text as groff takes it.
-  pure function rough(text) result(escaped)
-    character(*), intent(in) :: text
-    character(:), allocatable :: escaped
-    integer :: i
-    escaped = ''
-    do i = 1, len(text)
-      if (text(i:i) == '-') escaped = escaped//'\'
-      escaped = escaped//text(i:i)
-    end do
-  end function rough
 
   !> An option with what its value is called.
   pure function called(option) result(text)
