@@ -17,16 +17,20 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+import filling  # noqa: E402
 import gas  # noqa: E402
 import motion  # noqa: E402
 import solids  # noqa: E402
 import touching  # noqa: E402
+import turning  # noqa: E402
 from table import Table, common  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 CASES = {"alone": motion.alone, "flight": motion.flight, "single": motion.single, "thin": motion.thin, "drift": motion.drift,
          "units": motion.units, "taylor": solids.taylor, "membrane": solids.membrane, "vacuum": gas.vacuum,
-         "grazing": touching.grazing, "ratios": touching.ratios}
+         "grazing": touching.grazing, "ratios": touching.ratios, "rest": touching.rest, "penetrator": touching.penetrator,
+         "spin": turning.spin, "slope": turning.slope, "charge": filling.charge, "gas": filling.gas, "stretch": filling.stretch,
+         "debris": filling.debris}
 HEAD = """# Hard cases
 
 <!-- written by `make hard`; do not edit -->

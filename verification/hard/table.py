@@ -38,8 +38,9 @@ def near(reference, absolute):
 
 
 def run_methods(deck, methods=METHODS, **parameters):
-    """The same deck by every method: runs by name, failed ones too."""
-    cases = [Case(f"verification/hard/{deck}.inp", method=method, **parameters) for method in methods]
+    """The same deck of verification/hard, or of another folder of verification (folder/name), by every method: runs by name, failed ones too."""
+    path = f"verification/{deck if '/' in deck else f'hard/{deck}'}.inp"
+    cases = [Case(path, method=method, **parameters) for method in methods]
     return dict(zip(methods, solve(cases, may_fail=True)))
 
 

@@ -1,4 +1,4 @@
-"""Bodies that touch: glancing, and with unequal densities and stiffnesses."""
+"""Bodies that touch: glancing, with unequal densities and stiffnesses, at rest on each other, and a sharp rigid one in soft metal."""
 import sys
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import numpy as np
 from table import at_most, near, run_methods, value_of, within
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from contact import body  # noqa: E402
+from contact import body, excess  # noqa: E402
 
 SPEED = 0.05  # of the grazing disks
 
@@ -66,3 +66,32 @@ density is a rigid mass at once: 1 - exp(-1.5).""")
         table.row(f"momentum, change over the first, {words}",
                   {m: value_of(run, lambda run: np.abs(run.history()["momentum_x"]/run.history()["momentum_x"][0] - 1).max()) for m, run in runs.items()},
                   0.0, at_most(1e-11), runs)
+
+
+def rest(table):
+    """Blocks on each other."""
+    table.case("Blocks at rest on each other", """
+Plane strain: blocks of 6 x 4 cells (h = 1) on each other on a smooth wall at y = 0, each shifted by half a cell along x against the one below, the lowest from x = 2 on; E = 100, nu = 0.3, density 1, friction 0.3 between them. At t = 0 gravity of
+0.01 along -y is switched on; to t = 40, more than ten periods of their swing, Courant number 0.4, USAVG. Energy of unknown origin: total energy and energy taken by contact, less the work of gravity; over the largest work.""")
+    for blocks in (2, 3):
+        runs = run_methods(f"contact_rest/stack_{blocks}", update="usavg")
+        for quantity, place in (("largest", 1), ("mean of the last fifth", 0)):
+            table.row(f"energy of unknown origin, {quantity}, {blocks} blocks",
+                      {m: value_of(run, lambda run, place=place: excess(run.history(), "usavg")[place]) for m, run in runs.items()}, 0.0, near(0, 2e-3), runs)
+
+
+def penetrator(table):
+    """A rigid cone in lead."""
+    table.case("Sharp penetrator in soft metal", """
+Axisymmetric: a rigid cone with its apex at the origin, flank z = 2 r up to r = 4 and a shaft of that radius above, runs at a speed of 1 along -z into a free cylinder of radius 20 and height 36 whose upper face is z = 0 at the start: density 1,
+E = 100, nu = 0.3, yield stress 0.3 without hardening, artificial viscosity (1.5 quadratic, 0.2 linear), friction 0.1; h = 1, Courant number 0.4, until the apex is 24 cells deep. What has been the metal's upper face is stretched along the flank
+until its particles are cells apart. Measured: how deep in the cone, across its flank or shaft, the deepest particle of the metal lies, in cells.""")
+    runs = run_methods("cone")
+
+    def deepest(run):
+        particles = run.particles()
+        radius, above = particles.points[:, 0], particles.points[:, 2] + 24
+        inside = np.where(above > 0, np.minimum((above - 2*radius)/np.sqrt(5), 4 - radius), -1.0)
+        return max(inside[particles.fields["body"] == 2].max(), 0.0)
+
+    table.row("depth of the deepest particle in the cone, cells", {m: value_of(run, deepest) for m, run in runs.items()}, 0.0, at_most(0.25), runs)
