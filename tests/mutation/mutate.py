@@ -212,7 +212,7 @@ def build(chosen, jobs):
         if done.returncode == 0:
             return chosen
         text = done.stdout + done.stderr
-        bad = {m.number for path, line in re.findall(r"tree/(src/\S+?):(\d+):\d+:", text)
+        bad = {m.number for path, line in re.findall(r"tree/(src/\S+?):(\d+):\d+(?:-\d+)?:", text)
                for m in owners.get(path, {}).get(int(line), [])}
         if not bad:
             sys.exit(f"the copy does not build:\n{text[-4000:]}")
