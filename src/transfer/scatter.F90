@@ -111,19 +111,23 @@ contains
   end function corner_weight
 #else
   !> Linear weights of a chunk by stencil point: the scatter's view of `linear_weights`.
+  !!
+  !! All points of a lane at a time, so that they are stored in the size in which they are loaded:
+  !! loads of what was stored in halves would have to wait.
   pure subroutine point_weights(xi, w)
     real(dp), intent(in) :: xi(lanes, NDIM)
     real(dp), intent(out) :: w(NCORNER, lanes)
     integer :: l, e
-    real(dp), parameter :: cy(4) = [1, 1, 0, 0], sy(4) = [-1, -1, 1, 1]
-    real(dp), parameter :: cz(4) = [1, 0, 1, 0], sz(4) = [-1, 1, -1, 1]
-    real(dp) :: yz
+    real(dp), parameter :: layer(8) = [0, 0, 0, 0, 1, 1, 1, 1]
+    real(dp), parameter :: cy(8) = [1, 1, 0, 0, 1, 1, 0, 0], sy(8) = [-1, -1, 1, 1, -1, -1, 1, 1]
+    real(dp), parameter :: cz(8) = [1, 0, 1, 0, 1, 0, 1, 0], sz(8) = [-1, 1, -1, 1, -1, 1, -1, 1]
+    real(dp) :: yz, upper
     do l = 1, lanes
-      !$omp simd simdlen(4) private(yz)
-      do e = 1, 4
+      !$omp simd simdlen(8) private(yz, upper)
+      do e = 1, NCORNER
         yz = (cy(e) + sy(e)*xi(l, 2))*(cz(e) + sz(e)*xi(l, 3))
-        w(e + 4, l) = xi(l, 1)*yz
-        w(e, l) = yz - w(e + 4, l)
+        upper = xi(l, 1)*yz
+        w(e, l) = merge(upper, yz - upper, layer(e) > 0.0_dp)
       end do
     end do
   end subroutine point_weights
@@ -356,11 +360,15 @@ contains
     integer :: q, line, e
     do q = 1, nq
       do line = 1, NLINE
+        ! Vectors of a layer: those over columns, which the compiler would make, cost a permutation
+        ! per number.
+        !$omp simd simdlen(NLAYER)
         do e = 1, NLAYER
           planes(e, q, place(line) + shift) = planes(e, q, place(line) + shift) + &
               sums((line - 1)*NLAYER + e, q, 1)
         end do
       end do
+      !$omp simd simdlen(NROW)
       do e = 1, NROW
         sums(e, q, 1) = sums(e + NROW, q, 1)
         sums(e + NROW, q, 1) = 0.0_dp
