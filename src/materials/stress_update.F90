@@ -348,7 +348,7 @@ contains
     real(dp), intent(inout) :: stress(lanes, NSTRESS), f(lanes, NDIM, NDIM)  !! f(:, b, a) = F_ab
     real(dp), intent(out) :: speed2(lanes), q(lanes)
     real(dp), intent(inout) :: work(lanes)
-    real(dp) :: new(lanes, NDIM, NDIM), bij(lanes, NSTRESS), mu, lambda, j
+    real(dp) :: new(lanes, NDIM, NDIM), bij(lanes, NSTRESS), j(lanes), log_j(lanes), mu, lambda
     integer :: l, a, b, c
     integer, parameter :: row(6) = voigt_axes(1, :), col(6) = voigt_axes(2, :)
     real(dp), parameter :: collapsed = 1.0e-100_dp  !! stands for a volume without a logarithm
@@ -376,16 +376,26 @@ contains
       end if
     end do
     do l = 1, lanes
-      j = max(volume(l)*law%density/mass(l), collapsed)  ! the caller looks at the jacobian
+      j(l) = max(volume(l)*law%density/mass(l), collapsed)  ! the caller looks at the jacobian
 #ifdef AXISYMMETRIC
-      bij(l, hoop) = (j/(f(l, 1, 1)*f(l, 2, 2) - f(l, 2, 1)*f(l, 1, 2)))**2
+      bij(l, hoop) = (j(l)/(f(l, 1, 1)*f(l, 2, 2) - f(l, 2, 1)*f(l, 1, 2)))**2
 #endif
-      do c = 1, NSTRESS
-        stress(l, c) = mu/j*bij(l, c)
-        if (c <= 3) stress(l, c) = stress(l, c) + (lambda*log(j) - mu)/j
+    end do
+    !GCC$ novector
+    do l = 1, lanes  ! vectors of logarithms are less exact
+      log_j(l) = log(j(l))
+    end do
+    do c = 1, NSTRESS
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        stress(l, c) = mu/j(l)*bij(l, c)
+        if (c <= 3) stress(l, c) = stress(l, c) + (lambda*log_j(l) - mu)/j(l)
       end do
-      speed2(l) = (lambda*(1.0_dp - log(j)) + mu)*volume(l)/(j*mass(l)) &
-                  + mu*maxval(bij(l, 1:3))*volume(l)/(j*mass(l))
+    end do
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      speed2(l) = (lambda*(1.0_dp - log_j(l)) + mu)*volume(l)/(j(l)*mass(l)) &
+                  + mu*max(bij(l, 1), bij(l, 2), bij(l, 3))*volume(l)/(j(l)*mass(l))
     end do
     call add_half_work(stress, strain, work)
     call viscosity(law, dt, mass, volume, trace, speed2, q)

@@ -244,7 +244,7 @@ contains
     end if
     if (outside) call note_movers(task, s, extent, nl, nb, motion, state, id, xi, values, movers)
     if (plan%drift) call enter_cells(task%span, xi, cell)
-    if (task%wide .and. (plan%drift .or. plan%mass)) then
+    if (task%wide .and. (plan%drift .or. plan%mass .and. body%sides_stretch)) then
       call particle_axes(body, task, nb, state, xi, axes)
     end if
     if (NDIM < 3) cell(nl + 1:) = -1
