@@ -5,14 +5,17 @@ module sgmp_cards_body
   use sgmp_keys, only: kind_integer, kind_name_word, kind_points, kind_real, kind_text, &
                        kind_vector, kind_word
   use sgmp_kinds, only: dp
+  use sgmp_polygon, only: polygon_is_simple
   use sgmp_registry, only: read_second, registry_t
   use sgmp_scene, only: body_card_t, layout_file, layout_gauss, layout_lattice, layout_names
   use sgmp_scene_draft, only: draft_t
-  use sgmp_shapes, only: combine_names, combine_union, most_corners, polygon_is_simple, &
-                         shape_block, shape_cone, shape_cylinder, shape_halfspace, shape_names, &
-                         shape_ogive, shape_polygon, shape_ring, shape_sphere, shape_t
+  use sgmp_shapes, only: combine_intersection, combine_names, combine_union, most_corners, &
+                         shape_block, shape_cone, shape_cylinder, shape_halfspace, shape_moved, &
+                         shape_names, shape_ogive, shape_polygon, shape_revolved, shape_ring, &
+                         shape_sphere, shape_t
   use sgmp_spelling, only: word_position, words_joined
   use sgmp_text, only: integer_text, real_text_plain
+  use sgmp_turn, only: turn_make, turn_t
   implicit none
   private
   public :: register_body
@@ -49,10 +52,8 @@ contains
                       default='2')
     call registry%key('jitter', kind_real, 'largest random displacement, in spacings', &
                       range='[0,0.5]', default='0')
-    call registry%key('rotation', kind_real, 'angle in degrees about z, turns shapes and lattice', &
-                      default='0')
-    call registry%key('pivot', kind_vector, 'centre of the rotation', unit='length', &
-                      default='(0,0,0)')
+    call register_copies(registry)
+    call register_turn(registry, 'angle in degrees; turns shapes and lattice')
     call registry%key('lattice_origin', kind_vector, &
                       'a corner of the cubes of the lattice; default: lower corner of the '// &
                       'first shape, or the axis of a round one', unit='length')
@@ -74,36 +75,61 @@ contains
     call registry%key('shape', kind_word, 'the shape', slot=2, required=.true., &
                       choices=words_joined(shape_names))
     call register_shape_keys(registry)
+    if (name /= combine_names(combine_intersection)) call register_copies(registry)
+    call register_turn(registry, 'angle in degrees; turns this shape, and its copies each')
   end subroutine register_combination
+
+  !> Keys of an array of shapes.
+  subroutine register_copies(registry)
+    type(registry_t), intent(inout) :: registry
+    call registry%key('copies', kind_integer, 'so many of the shape in a row; default: 1', &
+                      range='[1,10000]')
+    call registry%key('offset', kind_vector, 'from each copy to the next', unit='length')
+  end subroutine register_copies
+
+  !> Keys of a rotation.
+  subroutine register_turn(registry, help)
+    type(registry_t), intent(inout) :: registry
+    character(*), intent(in) :: help
+    call registry%key('rotation', kind_real, help, default='0')
+    call registry%key('rotation_axis', kind_vector, 'direction of the axis of the rotation, '// &
+                      'right-handed; default: z')
+    call registry%key('pivot', kind_vector, 'a point of the axis of the rotation', unit='length', &
+                      default='(0,0,0)')
+  end subroutine register_turn
 
   !> Keys of a shape, shared by body, add, subtract and intersect.
   subroutine register_shape_keys(registry)
     type(registry_t), intent(inout) :: registry
-    character(:), allocatable :: block, plane, ball, rounds
+    character(:), allocatable :: block, plane, ball, rounds, flat, lathe
     block = trim(shape_names(shape_block))
     plane = trim(shape_names(shape_halfspace))
     ball = trim(shape_names(shape_sphere))
     rounds = words_joined(shape_names(round))
+    flat = trim(shape_names(shape_polygon))
+    lathe = trim(shape_names(shape_revolved))
     call registry%key('lower', kind_vector, 'lower corner', unit='length', when=block, &
                       required=.true.)
     call registry%key('upper', kind_vector, 'upper corner', unit='length', when=block, &
                       required=.true.)
     call registry%key('centre', kind_vector, 'centre; of the base for cylinder, ring, cone, '// &
-                      'ogive; a point of the plane for halfspace', unit='length', &
-                      default='(0,0,0)', when=ball//' '//plane//' '//rounds)
+                      'ogive; a point of the plane for halfspace; from where corners are '// &
+                      'measured for polygon and revolved', unit='length', default='(0,0,0)', &
+                      when=ball//' '//plane//' '//rounds//' '//flat//' '//lathe)
     call registry%key('axis', kind_vector, 'direction of the axis; outward normal of a halfspace', &
-                      default='(0,0,1)', when=plane//' '//rounds)
+                      default='(0,0,1)', when=plane//' '//rounds//' '//lathe)
     call registry%key('radius', kind_real, 'outer radius, of the base for cone and ogive', &
                       unit='length', range='(0,inf)', when=ball//' '//rounds, required=.true.)
     call registry%key('inner', kind_real, 'inner radius', unit='length', range='(0,inf)', &
                       when=trim(shape_names(shape_ring)), required=.true.)
     call registry%key('top', kind_real, 'radius of the top', unit='length', range='[0,inf)', &
                       when=trim(shape_names(shape_cone)), default='0')
-    call registry%key('length', kind_real, 'length along the axis; not needed in 2D', &
-                      unit='length', range='(0,inf)', when=rounds)
+    call registry%key('length', kind_real, 'length along the axis, of a polygon along z; not '// &
+                      'needed in 2D', unit='length', range='(0,inf)', when=rounds//' '//flat)
     call registry%key('corners', kind_points, 'corners in order round it, either way, at most '// &
-                      integer_text(most_corners)//'; in two dimensions and axisymmetric scenes', &
-                      unit='length', when=trim(shape_names(shape_polygon)), required=.true.)
+                      integer_text(most_corners)//': of a polygon (x,y), axisymmetric '// &
+                      '(r,z); revolved: distances from and along the axis', unit='length', &
+                      when=flat//' '//lathe, required=.true.)
   end subroutine register_shape_keys
 
   subroutine read_body(card, draft)
@@ -129,20 +155,16 @@ contains
       body%layout = layout_file
       body%file = card%word('file')
       if (index(body%file, '/') /= 1) body%file = directory_of(card%position%file)//body%file
+      call refuse_for_files(card, draft%errors)
     else
       call append_shape(card, combine_union, draft%scene%dimension, draft%scene%axisymmetric, &
-                        body, draft%errors)
+                        turn_t(), body, draft%errors)
     end if
     body%rings = draft%scene%axisymmetric
-    if (body%rings .and. abs(card%number('rotation')) > 0.0_dp) then
-      call draft%errors%add(card%place('rotation'), 'a body of revolution cannot be turned', &
-                            'remove rotation')
-    end if
+    call take_turn(card, draft%scene%dimension, body%rings, body%turn, draft%errors)
     body%ppc = card%whole('ppc')
     body%spacing = card%number('spacing', absent=draft%scene%grid%cell/body%ppc)
     body%jitter = card%number('jitter')
-    body%rotation = card%number('rotation')
-    body%pivot = card%vector('pivot')
     if (card%has('lattice_origin')) body%lattice_origin = card%vector('lattice_origin')
     body%temperature = card%number('temperature', absent=-1.0_dp)
     body%allow_overlap = card%word('overlap') == 'allow'
@@ -154,6 +176,48 @@ contains
     end if
   end subroutine fill_body
 
+  !> Keys that would be ignored.
+  subroutine refuse_for_files(card, errors)
+    type(deck_card_t), intent(in) :: card
+    type(deck_errors_t), intent(inout) :: errors
+    if (abs(card%number('rotation')) > 0.0_dp) call refuse('rotation')
+    if (card%number('jitter') > 0.0_dp) call refuse('jitter')
+    if (card%has('copies')) call refuse('copies')
+    if (card%has('lattice_origin')) call refuse('lattice_origin')
+  contains
+    subroutine refuse(key)
+      character(*), intent(in) :: key
+      call errors%add(card%place(key), key//' means nothing for particles from a file', &
+                      'remove it; particles are where the file has them')
+    end subroutine refuse
+  end subroutine refuse_for_files
+
+  !> The rotation that a card asks for.
+  subroutine take_turn(card, dimension, axisymmetric, turn, errors)
+    type(deck_card_t), intent(in) :: card
+    integer, intent(in) :: dimension
+    logical, intent(in) :: axisymmetric
+    type(turn_t), intent(out) :: turn
+    type(deck_errors_t), intent(inout) :: errors
+    real(dp) :: axis(3)
+    axis = [0.0_dp, 0.0_dp, 1.0_dp]
+    if (axisymmetric .and. abs(card%number('rotation')) > 0.0_dp) then
+      call errors%add(card%place('rotation'), 'a body of revolution cannot be turned', &
+                      'remove rotation')
+    else if (card%has('rotation_axis') .and. dimension < 3) then
+      call errors%add(card%place('rotation_axis'), 'in the plane a body turns about z', &
+                      'remove rotation_axis')
+    else if (card%has('rotation_axis')) then
+      axis = card%vector('rotation_axis')
+      if (norm2(axis) <= 0.0_dp) then
+        call errors%add(card%place('rotation_axis'), 'the axis has no direction', &
+                        'e.g. rotation_axis=(0,1,0)')
+        return
+      end if
+    end if
+    turn = turn_make(card%number('rotation'), axis, card%vector('pivot'))
+  end subroutine take_turn
+
   pure function directory_of(path) result(directory)
     character(*), intent(in) :: path
     character(:), allocatable :: directory
@@ -163,6 +227,7 @@ contains
   subroutine read_combination(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
+    type(turn_t) :: turn
     integer :: b
     b = draft%body_of(card, 'body')
     if (b <= 0) return
@@ -172,18 +237,21 @@ contains
                             'remove this card')
       return
     end if
+    call take_turn(card, draft%scene%dimension, draft%scene%axisymmetric, turn, draft%errors)
     call append_shape(card, word_position(card%name, combine_names), draft%scene%dimension, &
-                      draft%scene%axisymmetric, draft%scene%bodies(b), draft%errors)
+                      draft%scene%axisymmetric, turn, draft%scene%bodies(b), draft%errors)
   end subroutine read_combination
 
-  subroutine append_shape(card, operation, dimension, axisymmetric, body, errors)
+  subroutine append_shape(card, operation, dimension, axisymmetric, turn, body, errors)
     type(deck_card_t), intent(in) :: card
     integer, intent(in) :: operation  !! one of combine_*
     integer, intent(in) :: dimension
     logical, intent(in) :: axisymmetric
+    type(turn_t), intent(in) :: turn  !! of the shape within its body
     type(body_card_t), intent(inout) :: body
     type(deck_errors_t), intent(inout) :: errors
     type(shape_t) :: new
+    integer :: i, copies
     new%kind = card%pick('shape', shape_names)
     new%combine = operation
     new%lower = card%vector('lower')
@@ -193,7 +261,9 @@ contains
     new%radius2 = card%number('inner') + card%number('top')
     new%length = card%number('length', absent=huge(1.0_dp))
     if (card%has('axis')) new%axis = card%vector('axis')
-    if (new%kind == shape_polygon) call take_corners(card, new, dimension, errors)
+    if (any(new%kind == [shape_polygon, shape_revolved])) then
+      call take_corners(card, new, dimension, errors)
+    end if
     if (axisymmetric) then
       ! The z axis is the second one; as a third component the default direction means it, too.
       new%axis = [new%axis(1), new%axis(2) + new%axis(3), 0.0_dp]
@@ -201,10 +271,43 @@ contains
     end if
     call check_shape(card, new, dimension, errors)
     if (norm2(new%axis) > 0.0_dp) new%axis = new%axis/norm2(new%axis)
-    body%shapes = [body%shapes, new]
+    new%turn = turn
+    if (operation == combine_intersection) then
+      body%shapes = [body%shapes, new]
+      return
+    end if
+    call check_copies(card, new, axisymmetric, errors)
+    copies = max(1, card%whole('copies', absent=1))
+    body%shapes = [body%shapes, (shape_moved(new, (i - 1)*card%vector('offset')), i=1, copies)]
   end subroutine append_shape
 
-  !> The corners of a polygon.
+  !> A row of shapes needs its length and its distance.
+  subroutine check_copies(card, shape, axisymmetric, errors)
+    type(deck_card_t), intent(in) :: card
+    type(shape_t), intent(in) :: shape
+    logical, intent(in) :: axisymmetric
+    type(deck_errors_t), intent(inout) :: errors
+    if (card%has('copies') .neqv. card%has('offset')) then
+      call errors%add(card%position, 'copies and offset come together', &
+                      'e.g. copies=5 offset=(2,0,0)')
+    else if (card%has('offset') .and. norm2(card%vector('offset')) <= 0.0_dp) then
+      call errors%add(card%place('offset'), 'the copies are all in one place', &
+                      'e.g. offset=(2,0,0)')
+    else if (axisymmetric .and. card%has('offset')) then
+      associate (offset => card%vector('offset'))
+        if (abs(offset(1)) > 0.0_dp .and. any(round == shape%kind)) then
+          call errors%add(card%place('offset'), 'the copies of a '//card%word('shape')// &
+                          ' leave the axis', 'write offset=(0,z)')
+        else if (offset(1) < 0.0_dp) then
+          call errors%add(card%place('offset'), 'the copies move towards the axis', &
+                          'begin with the innermost one')
+        end if
+      end associate
+    end if
+  end subroutine check_copies
+
+  !> The corners of a polygon: those of the plane where they are, those that turn about an axis
+  !! as distances from and along it.
   subroutine take_corners(card, shape, dimension, errors)
     type(deck_card_t), intent(in) :: card
     type(shape_t), intent(inout) :: shape
@@ -214,15 +317,27 @@ contains
     points = card%points('corners')
     shape%corners = min(size(points, 2), most_corners)
     shape%corner(:, :shape%corners) = points(:, :shape%corners)
-    if (dimension /= 2) then
-      call errors%add(card%place('shape'), 'a polygon is a shape of the plane', &
-                      'use it in dimension 2 or axisymmetric')
-    else if (size(points, 2) < 3 .or. size(points, 2) > most_corners) then
+    if (size(points, 2) < 3 .or. size(points, 2) > most_corners) then
       call errors%add(card%place('corners'), 'a polygon of '//integer_text(size(points, 2))// &
                       ' corners', 'write 3 to '//integer_text(most_corners)//': (a,b),(c,d),...')
-    else if (.not. polygon_is_simple(shape)) then
+    else if (.not. polygon_is_simple(points)) then
       call errors%add(card%place('corners'), 'the sides of the polygon cross, or one has no '// &
                       'length', 'write the corners in order round it')
+    end if
+    if (shape%kind == shape_polygon) then
+      shape%corner(1, :) = shape%corner(1, :) + shape%centre(1)
+      shape%corner(2, :) = shape%corner(2, :) + shape%centre(2)
+      if (dimension < 2) call errors%add(card%place('shape'), 'there are no polygons on a line', &
+                                         'write a block')
+      return
+    end if
+    if (size(points, 2) > 0) shape%length = maxval(points(2, :)) - minval(points(2, :))
+    if (dimension /= 3) then
+      call errors%add(card%place('shape'), 'a revolved polygon is a solid', &
+                      'use polygon, in axisymmetric scenes its half at r > 0')
+    else if (any(points(1, :) < 0.0_dp)) then
+      call errors%add(card%place('corners'), 'the polygon reaches beyond its axis', &
+                      'the first number of a corner is its distance from the axis')
     end if
   end subroutine take_corners
 
@@ -247,7 +362,9 @@ contains
                       'make inner smaller')
     end if
     in_plane = dimension < 3 .and. all(abs(shape%axis(:dimension)) <= 0.0_dp)
-    if (.not. any(round == shape%kind) .or. in_plane .or. card%has('length')) return
+    if (shape%kind == shape_polygon) in_plane = dimension < 3
+    if (.not. any([round, shape_polygon] == shape%kind)) return
+    if (in_plane .or. card%has('length')) return
     call errors%add(card%position, 'the '//card%word('shape')//" needs a 'length'", 'add length=…')
   end subroutine check_shape
 

@@ -13,6 +13,7 @@ module sgmp_scene
   use sgmp_mesh, only: wall_free
   use sgmp_shapes, only: shape_t
   use sgmp_space, only: space_axisymmetric
+  use sgmp_turn, only: turn_t
   implicit none
   private
   public :: balance_card_t, body_card_t, bodyforce_card_t, checkpoint_card_t, contact_card_t, &
@@ -90,9 +91,7 @@ module sgmp_scene
     integer :: ppc = 2
       !! points per cell and axis (gauss layout; lattice if no spacing is given)
     real(dp) :: jitter = 0.0_dp                   !! random displacement in spacings, reproducible
-    real(dp) :: rotation = 0.0_dp
-      !! degrees about z through pivot: turns shapes and lattice
-    real(dp) :: pivot(3) = 0.0_dp
+    type(turn_t) :: turn                          !! of shapes and lattice
     real(dp) :: lattice_origin(3) = huge(1.0_dp)
       !! a corner of the lattice's cells; huge: derived from the first shape
     character(:), allocatable :: file             !! particles from file: x y z volume [vx vy vz]

@@ -5,25 +5,27 @@
 !! cubes is a polyhedron with flat facets, and would neither roll nor touch where it should.
 !!
 !! A further shape is a number, its name, and a `case` in `in_shape`, `shape_depth` and `shape_box`;
-!! the deck takes the name from here.
+!! the deck takes the name from here. Each may be turned by itself.
 module sgmp_shapes
   use sgmp_kinds, only: dp, pi
+  use sgmp_polygon, only: polygon_depth, polygon_holds
+  use sgmp_turn, only: infinite_length, turn_back, turn_box, turn_moved, turn_t
   implicit none
   private
   public :: shape_t, surface_depth, shapes_anchor, shapes_box, shapes_inside, shapes_near, &
-            shapes_volume, polygon_is_simple
+            shapes_volume, shape_moved
   public :: shape_block, shape_cylinder, shape_sphere, shape_ring, shape_cone, shape_ogive, &
-    shape_halfspace, shape_polygon, shape_names, most_corners
+    shape_halfspace, shape_polygon, shape_revolved, shape_names, most_corners
   public :: combine_union, combine_difference, combine_intersection, combine_names
-  public :: infinite_length
 
   integer, parameter :: shape_block = 1, shape_cylinder = 2, shape_sphere = 3, shape_ring = 4, &
-    shape_cone = 5, shape_ogive = 6, shape_halfspace = 7, shape_polygon = 8
+    shape_cone = 5, shape_ogive = 6, shape_halfspace = 7, shape_polygon = 8, &
+    shape_revolved = 9
   character(9), parameter :: shape_names(*) = [character(9) :: &
-    'block', 'cylinder', 'sphere', 'ring', 'cone', 'ogive', 'halfspace', 'polygon']
+    'block', 'cylinder', 'sphere', 'ring', 'cone', 'ogive', 'halfspace', 'polygon', &
+    'revolved']
   integer, parameter :: combine_union = 1, combine_difference = 2, combine_intersection = 3
   character(9), parameter :: combine_names(*) = [character(9) :: 'add', 'subtract', 'intersect']
-  real(dp), parameter :: infinite_length = 0.1_dp*huge(1.0_dp)  !! whatever is longer has no end
   integer, parameter :: most_corners = 64  !! of a polygon
 
   !> One primitive of constructive solid geometry.
@@ -32,13 +34,16 @@ module sgmp_shapes
     integer :: combine = combine_union
     real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! block: corners
     real(dp) :: centre(3) = 0.0_dp
-      !! sphere, ring, half-space point; base centre of cylinder, cone, ogive
+      !! sphere, ring, half-space point; base centre of cylinder, cone, ogive, polygon; where the
+      !! axis of a revolved polygon begins
     real(dp) :: axis(3) = [0.0_dp, 0.0_dp, 1.0_dp]
-      !! unit axis of cylinder, ring, cone, ogive; outward normal of a half-space
+      !! unit axis of cylinder, ring, cone, ogive, revolved polygon; outward normal of a half-space
     real(dp) :: radius = 0.0_dp, radius2 = 0.0_dp     !! outer; inner (ring), top (cone)
     real(dp) :: length = 0.0_dp                       !! along the axis (huge: infinite, as in 2D)
     integer :: corners = 0
-    real(dp) :: corner(2, most_corners) = 0.0_dp      !! polygon: in order round it, either way
+    real(dp) :: corner(2, most_corners) = 0.0_dp
+      !! polygon: in order round it, either way; revolved: distances from and along the axis
+    type(turn_t) :: turn                              !! after all that
   end type shape_t
 
 contains
@@ -179,31 +184,55 @@ contains
     end associate
   end function shapes_anchor
 
-  pure function in_shape(shape, point, ndim, margin) result(inside)
+  !> The same shape elsewhere.
+  pure function shape_moved(shape, by) result(moved)
     type(shape_t), intent(in) :: shape
-    real(dp), intent(in) :: point(3), margin
+    real(dp), intent(in) :: by(3)
+    type(shape_t) :: moved
+    moved = shape
+    moved%lower = shape%lower + by
+    moved%upper = shape%upper + by
+    moved%centre = shape%centre + by
+    if (shape%kind == shape_polygon) moved%corner = shape%corner + spread(by(:2), 2, most_corners)
+    moved%turn = turn_moved(shape%turn, by)
+  end function shape_moved
+
+  pure function in_shape(shape, place, ndim, margin) result(inside)
+    type(shape_t), intent(in) :: shape
+    real(dp), intent(in) :: place(3), margin
     integer, intent(in) :: ndim
     logical :: inside
-    real(dp) :: along, radius, outer
-    if (shape%kind == shape_block) then
+    real(dp) :: point(3), along
+    point = place
+    call turn_back(shape%turn, point)
+    select case (shape%kind)
+    case (shape_block)
       inside = all(point(:ndim) >= shape%lower(:ndim) - margin .and. &
                    point(:ndim) < shape%upper(:ndim) - margin)
-      return
-    end if
-    if (shape%kind == shape_polygon) then
-      inside = in_polygon(shape, point(:2) + margin)
-      return
-    end if
-    along = dot_product(point - shape%centre, shape%axis)
-    if (shape%kind == shape_halfspace) then
-      inside = along < -margin
-      return
-    end if
-    if (shape%kind == shape_sphere) then
+    case (shape_polygon)
+      inside = polygon_holds(shape%corner(:, :shape%corners), point(:2) + margin)
+      along = point(3) - shape%centre(3)
+      if (ndim == 3) inside = inside .and. along >= -margin .and. along < shape%length - margin
+    case (shape_halfspace)
+      inside = dot_product(point - shape%centre, shape%axis) < -margin
+    case (shape_sphere)
       inside = norm2(point - shape%centre) <= shape%radius + margin
+    case default
+      along = dot_product(point - shape%centre, shape%axis)
+      inside = in_round(shape, norm2(point - shape%centre - along*shape%axis), along, margin)
+    end select
+  end function in_shape
+
+  !> Whether a point lies in a shape about an axis.
+  pure function in_round(shape, radius, along, margin) result(inside)
+    type(shape_t), intent(in) :: shape
+    real(dp), intent(in) :: radius, along, margin  !! distances from the axis and along it
+    logical :: inside
+    real(dp) :: outer
+    if (shape%kind == shape_revolved) then
+      inside = polygon_holds(shape%corner(:, :shape%corners), [radius, along + margin])
       return
     end if
-    radius = norm2(point - shape%centre - along*shape%axis)
     inside = along >= -margin .and. along < shape%length - margin
     if (.not. inside) return
     outer = shape%radius
@@ -214,69 +243,7 @@ contains
     end if
     inside = radius <= outer + margin
     if (shape%kind == shape_ring) inside = inside .and. radius >= shape%radius2 - margin
-  end function in_shape
-
-  !> Whether a polygon is around a point: a ray to the right crosses its sides an odd number of
-  !! times.
-  pure function in_polygon(shape, point) result(inside)
-    type(shape_t), intent(in) :: shape
-    real(dp), intent(in) :: point(2)
-    logical :: inside
-    real(dp) :: a(2), b(2)
-    integer :: i
-    inside = .false.
-    b = shape%corner(:, shape%corners)
-    do i = 1, shape%corners
-      a = b
-      b = shape%corner(:, i)
-      if ((a(2) <= point(2)) .eqv. (b(2) <= point(2))) cycle
-      if (point(1) < a(1) + (b(1) - a(1))*((point(2) - a(2))/(b(2) - a(2)))) inside = .not. inside
-    end do
-  end function in_polygon
-
-  !> Distance to the nearest side of a polygon, positive inside.
-  pure function polygon_depth(shape, point) result(depth)
-    type(shape_t), intent(in) :: shape
-    real(dp), intent(in) :: point(2)
-    real(dp) :: depth, a(2), side(2), foot
-    integer :: i
-    depth = huge(1.0_dp)
-    a = shape%corner(:, shape%corners)
-    do i = 1, shape%corners
-      side = shape%corner(:, i) - a
-      foot = max(0.0_dp, min(1.0_dp, dot_product(point - a, side)/dot_product(side, side)))
-      depth = min(depth, norm2(point - a - foot*side))
-      a = shape%corner(:, i)
-    end do
-    if (.not. in_polygon(shape, point)) depth = -depth
-  end function polygon_depth
-
-  !> Whether the sides of a polygon have a length and none crosses another.
-  pure function polygon_is_simple(shape) result(simple)
-    type(shape_t), intent(in) :: shape
-    logical :: simple
-    real(dp) :: a(2), b(2), c(2), d(2)
-    integer :: i, j
-    simple = .false.
-    do i = 1, shape%corners
-      a = shape%corner(:, i)
-      b = shape%corner(:, modulo(i, shape%corners) + 1)
-      if (all(abs(b - a) <= 0.0_dp)) return
-      do j = i + 1, shape%corners
-        c = shape%corner(:, j)
-        d = shape%corner(:, modulo(j, shape%corners) + 1)
-        if (turn(a, b, c)*turn(a, b, d) < 0.0_dp .and. turn(c, d, a)*turn(c, d, b) < 0.0_dp) return
-      end do
-    end do
-    simple = .true.
-  contains
-    !> Positive where the way from p over q to r turns left.
-    pure function turn(p, q, r) result(area)
-      real(dp), intent(in) :: p(2), q(2), r(2)
-      real(dp) :: area
-      area = (q(1) - p(1))*(r(2) - p(2)) - (q(2) - p(2))*(r(1) - p(1))
-    end function turn
-  end function polygon_is_simple
+  end function in_round
 
   !> Tangent ogive: an arc that leaves the base at a right angle and ends in the tip.
   pure function ogive_radius(shape, along) result(radius)
@@ -295,19 +262,23 @@ contains
   end function ogive_arc
 
   !> Distance to the surface of one shape, positive inside.
-  pure function shape_depth(shape, point, ndim) result(depth)
+  pure function shape_depth(shape, place, ndim) result(depth)
     type(shape_t), intent(in) :: shape
-    real(dp), intent(in) :: point(3)
+    real(dp), intent(in) :: place(3)
     integer, intent(in) :: ndim
     real(dp) :: depth
-    real(dp) :: along, radius, slant, arc
+    real(dp) :: point(3), along, radius, slant, arc
+    point = place
+    call turn_back(shape%turn, point)
     if (shape%kind == shape_block) then
       depth = min(minval(point(:ndim) - shape%lower(:ndim)), &
                   minval(shape%upper(:ndim) - point(:ndim)))
       return
     end if
     if (shape%kind == shape_polygon) then
-      depth = polygon_depth(shape, point(:2))
+      depth = polygon_depth(shape%corner(:, :shape%corners), point(:2), .false.)
+      along = point(3) - shape%centre(3)
+      if (ndim == 3) depth = min(depth, along, shape%length - along)
       return
     end if
     along = dot_product(point - shape%centre, shape%axis)
@@ -320,6 +291,10 @@ contains
       return
     end if
     radius = norm2(point - shape%centre - along*shape%axis)
+    if (shape%kind == shape_revolved) then
+      depth = polygon_depth(shape%corner(:, :shape%corners), [radius, along], .true.)
+      return
+    end if
     select case (shape%kind)
     case (shape_cone)
       slant = (shape%radius2 - shape%radius)/shape%length
@@ -338,8 +313,6 @@ contains
   pure subroutine shape_box(shape, lower, upper)
     type(shape_t), intent(in) :: shape
     real(dp), intent(out) :: lower(3), upper(3)
-    real(dp) :: reach(3), far_end(3)
-    integer :: i
     select case (shape%kind)
     case (shape_block)
       lower = shape%lower
@@ -351,19 +324,37 @@ contains
       lower = -huge(1.0_dp)
       upper = huge(1.0_dp)
     case (shape_polygon)
-      lower = [minval(shape%corner(:, :shape%corners), dim=2), 0.0_dp]
-      upper = [maxval(shape%corner(:, :shape%corners), dim=2), 0.0_dp]
+      lower = [minval(shape%corner(:, :shape%corners), dim=2), shape%centre(3)]
+      upper = [maxval(shape%corner(:, :shape%corners), dim=2), shape%centre(3) + shape%length]
     case default
-      reach = max(shape%radius, merge(shape%radius2, 0.0_dp, shape%kind == shape_cone))* &
-              sqrt(max(0.0_dp, 1.0_dp - shape%axis**2))
-      do i = 1, 3
-        far_end(i) = shape%centre(i)
-        if (abs(shape%axis(i)) > epsilon(1.0_dp)) far_end(i) = end_along(shape, i)
-      end do
-      lower = min(shape%centre, far_end) - reach
-      upper = max(shape%centre, far_end) + reach
+      call round_box(shape, lower, upper)
     end select
+    call turn_box(shape%turn, lower, upper)
   end subroutine shape_box
+
+  !> The box around what is round about an axis.
+  pure subroutine round_box(shape, lower, upper)
+    type(shape_t), intent(in) :: shape
+    real(dp), intent(out) :: lower(3), upper(3)
+    real(dp) :: radius, reach(3), ends(3, 2)
+    integer :: i
+    if (shape%kind == shape_revolved) then
+      associate (corners => shape%corner(:, :shape%corners))
+        radius = maxval(corners(1, :))
+        ends(:, 1) = shape%centre + shape%axis*minval(corners(2, :))
+        ends(:, 2) = shape%centre + shape%axis*maxval(corners(2, :))
+      end associate
+    else
+      radius = max(shape%radius, merge(shape%radius2, 0.0_dp, shape%kind == shape_cone))
+      ends = spread(shape%centre, 2, 2)
+      do i = 1, 3
+        if (abs(shape%axis(i)) > epsilon(1.0_dp)) ends(i, 2) = end_along(shape, i)
+      end do
+    end if
+    reach = radius*sqrt(max(0.0_dp, 1.0_dp - shape%axis**2))
+    lower = minval(ends, dim=2) - reach
+    upper = maxval(ends, dim=2) + reach
+  end subroutine round_box
 
   pure function end_along(shape, axis) result(coordinate)
     type(shape_t), intent(in) :: shape

@@ -1,63 +1,110 @@
-!> Rotation of a body about z through a pivot, as its card places it.
+!> Rotation about an axis through a point: of a body with its lattice, or of one of its shapes.
 module sgmp_turn
   use sgmp_kinds, only: dp, pi
-  use sgmp_shapes, only: infinite_length
   implicit none
   private
-  public :: turn_t, turn_back, turn_box, turn_forth
+  public :: turn_t, turn_back, turn_box, turn_forth, turn_inverse, turn_make, turn_moved
+  public :: infinite_length
 
-  !> A rotation.
+  real(dp), parameter :: infinite_length = 0.1_dp*huge(1.0_dp)  !! whatever is longer has no end
+
+  !> A rotation; none by default.
   type :: turn_t
-    real(dp) :: degrees = 0.0_dp
+    private
+    logical :: turns = .false.
+    real(dp) :: matrix(3, 3) = 0.0_dp
     real(dp) :: pivot(3) = 0.0_dp
   end type turn_t
 
 contains
 
+  !> Rotation by an angle about an axis through a pivot (Rodrigues).
+  pure function turn_make(degrees, axis, pivot) result(turn)
+    real(dp), intent(in) :: degrees   !! right-handed about the axis
+    real(dp), intent(in) :: axis(3)   !! not zero, of any length
+    real(dp), intent(in) :: pivot(3)
+    type(turn_t) :: turn
+    real(dp) :: n(3), c, s, along(3, 3)
+    integer :: i
+    turn%pivot = pivot
+    turn%turns = abs(degrees) > 0.0_dp
+    if (.not. turn%turns) return
+    n = axis/norm2(axis)
+    c = cos(degrees*pi/180.0_dp)
+    s = sin(degrees*pi/180.0_dp)
+    along = spread(n, 2, 3)*spread(n, 1, 3)
+    turn%matrix = (1.0_dp - c)*along
+    do i = 1, 3
+      turn%matrix(i, i) = along(i, i) + c*(1.0_dp - along(i, i))  ! exact where it is 0 or 1
+    end do
+    turn%matrix = turn%matrix + s*reshape([0.0_dp, n(3), -n(2), -n(3), 0.0_dp, n(1), n(2), -n(1), &
+                                           0.0_dp], [3, 3])
+  end function turn_make
+
+  !> The rotation back.
+  pure function turn_inverse(turn) result(back)
+    type(turn_t), intent(in) :: turn
+    type(turn_t) :: back
+    back = turn
+    back%matrix = transpose(turn%matrix)
+  end function turn_inverse
+
+  !> The same rotation about a pivot that has moved.
+  pure function turn_moved(turn, by) result(moved)
+    type(turn_t), intent(in) :: turn
+    real(dp), intent(in) :: by(3)
+    type(turn_t) :: moved
+    moved = turn
+    moved%pivot = turn%pivot + by
+  end function turn_moved
+
   !> Takes a point with the body.
   pure subroutine turn_forth(turn, point)
     type(turn_t), intent(in) :: turn
     real(dp), intent(inout) :: point(3)
-    call rotate(turn%degrees, turn%pivot, point)
+    if (turn%turns) call rotate(turn%matrix, turn%pivot, point)
   end subroutine turn_forth
 
   !> Takes a point back to where it was before the body was turned.
   pure subroutine turn_back(turn, point)
     type(turn_t), intent(in) :: turn
     real(dp), intent(inout) :: point(3)
-    call rotate(-turn%degrees, turn%pivot, point)
+    if (turn%turns) call rotate(transpose(turn%matrix), turn%pivot, point)
   end subroutine turn_back
 
-  pure subroutine rotate(degrees, pivot, point)
-    real(dp), intent(in) :: degrees, pivot(3)
+  pure subroutine rotate(matrix, pivot, point)
+    real(dp), intent(in) :: matrix(3, 3), pivot(3)
     real(dp), intent(inout) :: point(3)
-    real(dp) :: c, s, x, y
-    if (abs(degrees) <= 0.0_dp) return
-    c = cos(degrees*pi/180.0_dp)
-    s = sin(degrees*pi/180.0_dp)
-    x = point(1) - pivot(1)
-    y = point(2) - pivot(2)
-    point(1) = pivot(1) + c*x - s*y
-    point(2) = pivot(2) + s*x + c*y
+    real(dp) :: from(3)
+    integer :: j
+    from = point - pivot
+    point = pivot
+    do j = 1, 3
+      point = point + matrix(:, j)*from(j)
+    end do
   end subroutine rotate
 
   !> The box around a turned box.
   pure subroutine turn_box(turn, lower, upper)
     type(turn_t), intent(in) :: turn
     real(dp), intent(inout) :: lower(3), upper(3)
-    real(dp) :: corners(3, 4)
-    integer :: c
-    if (abs(turn%degrees) <= 0.0_dp) return
-    if (any(abs([lower(1:2), upper(1:2)]) > infinite_length)) return
-    corners(:, 1) = lower
-    corners(:, 2) = upper
-    corners(:, 3) = [lower(1), upper(2), lower(3)]
-    corners(:, 4) = [upper(1), lower(2), lower(3)]
-    do c = 1, size(corners, 2)
-      call turn_forth(turn, corners(:, c))
+    real(dp) :: ends(3, 2), low, high
+    integer :: i, j
+    if (.not. turn%turns) return
+    ends(:, 1) = lower - turn%pivot
+    ends(:, 2) = upper - turn%pivot
+    do i = 1, 3
+      low = 0.0_dp
+      high = 0.0_dp
+      do j = 1, 3
+        if (abs(turn%matrix(i, j)) <= 0.0_dp) cycle
+        if (any(abs(ends(j, :)) > infinite_length)) exit
+        low = low + minval(turn%matrix(i, j)*ends(j, :))
+        high = high + maxval(turn%matrix(i, j)*ends(j, :))
+      end do
+      lower(i) = merge(turn%pivot(i) + low, -huge(1.0_dp), j > 3)
+      upper(i) = merge(turn%pivot(i) + high, huge(1.0_dp), j > 3)
     end do
-    lower(1:2) = minval(corners(1:2, :), dim=2)
-    upper(1:2) = maxval(corners(1:2, :), dim=2)
   end subroutine turn_box
 
 end module sgmp_turn

@@ -13,11 +13,11 @@ module sgmp_verdict
   use sgmp_parallel, only: parallel_any
   use sgmp_run_log, only: log_t
   use sgmp_scene, only: scene_t
-  use sgmp_shapes, only: combine_union, infinite_length, shape_block, shape_cylinder, shape_ring, &
-                         shape_t
+  use sgmp_shapes, only: combine_union, shape_block, shape_cylinder, shape_ring, shape_t
   use sgmp_summary, only: summary_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: limit_names
+  use sgmp_turn, only: infinite_length
   implicit none
   private
   public :: verdict_t, body_thickness

@@ -9,7 +9,7 @@ module sgmp_build_contact
   use sgmp_scene, only: body_card_t, contact_card_t, layout_file, scene_t
   use sgmp_shapes, only: surface_depth
   use sgmp_surface_particles, only: surface_covered
-  use sgmp_turn, only: turn_back, turn_t
+  use sgmp_turn, only: turn_back
   implicit none
   private
   public :: contact_pairs, contact_fields, contact_add_slot, contact_fill_slot, contact_no_surface
@@ -77,12 +77,10 @@ contains
     type(body_card_t), intent(in) :: card
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
-    type(turn_t) :: turn
     integer :: c, l, n
     real(dp) :: x(3), offset
     if (body%law%slots%surface == 0) return
     n = mesh%ndim
-    turn = turn_t(card%rotation, card%pivot)
     do c = 1, body%particles%chunks
       do l = 1, lanes
         if (body%particles%id(l, c) == 0) cycle
@@ -90,7 +88,7 @@ contains
         if (card%layout /= layout_file) then
           x = 0.0_dp
           x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%motion(l, :n, c))
-          call turn_back(turn, x)
+          call turn_back(card%turn, x)
           offset = surface_depth(card%shapes, x, n)/body%spacing - 0.5_dp
         end if
         if (offset < -outside) then

@@ -9,12 +9,12 @@ module sgmp_seeding
   use sgmp_mesh, only: mesh_make, mesh_position, mesh_t
   use sgmp_particle_file, only: particle_file_read
   use sgmp_scene, only: body_card_t, layout_file, layout_gauss, scene_space, scene_t
-  use sgmp_shapes, only: combine_union, infinite_length, shape_t, shapes_anchor, shapes_box, &
-                         shapes_inside, shapes_near, shapes_volume
+  use sgmp_shapes, only: combine_union, shape_t, shapes_anchor, shapes_box, shapes_inside, &
+                         shapes_near, shapes_volume
   use sgmp_slabs, only: slab_holds, slab_plane, slab_t
   use sgmp_space, only: axis_names
   use sgmp_text, only: real_text
-  use sgmp_turn, only: turn_back, turn_box, turn_forth, turn_t
+  use sgmp_turn, only: infinite_length, turn_back, turn_box, turn_forth, turn_inverse
   implicit none
   private
   public :: seeding_generate, seeding_check_inside, seeding_check_lattices, seeding_check_overlap, &
@@ -199,7 +199,7 @@ contains
     call shapes_box(body%shapes, lower, upper)
     low = lower
     high = upper
-    if (ndim > 1) call turn_box(turn_of(body), low, high)
+    if (ndim > 1) call turn_box(body%turn, low, high)
     if (body%layout == layout_gauss) then
       lower = low
       upper = high
@@ -235,7 +235,6 @@ contains
     integer, intent(in) :: line, layer
     type(line_t), intent(inout) :: found
     type(shape_t), allocatable :: shapes(:)
-    type(turn_t) :: turn
     real(dp) :: point(3), tested(3), ends(3, 2)
     integer :: i, ijk(3)
     logical :: lattice_turns
@@ -243,7 +242,6 @@ contains
       allocate (found%position(3, lattice%count(1)), found%volume(lattice%count(1)))
     end if
     found%n = 0
-    turn = turn_of(body)
     lattice_turns = body%layout /= layout_gauss
     ends(:, 1) = lattice_point(lattice, lattice_ijk(lattice, 1, line, layer))
     ends(:, 2) = lattice_point(lattice, lattice_ijk(lattice, lattice%count(1), line, layer))
@@ -254,10 +252,10 @@ contains
       ijk = lattice_ijk(lattice, i, line, layer)
       point = lattice_point(lattice, ijk)
       tested = point
-      if (.not. lattice_turns) call turn_back(turn, tested)
+      if (.not. lattice_turns) call turn_back(body%turn, tested)
       if (.not. shapes_inside(shapes, tested, lattice%ndim, lattice%margin)) cycle
       call lattice_jitter(lattice, ijk, point)
-      if (lattice_turns) call turn_forth(turn, point)
+      if (lattice_turns) call turn_forth(body%turn, point)
       if (body%rings .and. point(1) <= 0.0_dp) cycle
       found%n = found%n + 1
       found%position(:, found%n) = point
@@ -274,15 +272,10 @@ contains
     real(dp), intent(in) :: margin          !! of boundaries (length)
     integer, intent(in) :: ndim
     type(shape_t), allocatable, intent(out) :: shapes(:)
-    type(turn_t) :: turn
     real(dp) :: low(3), high(3), wide
     low = lower
     high = upper
-    if (placed) then
-      turn = turn_of(body)
-      turn%degrees = -turn%degrees
-      call turn_box(turn, low, high)
-    end if
+    if (placed) call turn_box(turn_inverse(body%turn), low, high)
     wide = 2.0_dp*margin + 1.0e-9_dp*maxval(abs([low(:ndim), high(:ndim)]))  ! beyond all rounding
     shapes = shapes_near(body%shapes, low - wide, high + wide, ndim)
     if (.not. any(shapes%combine == combine_union)) shapes = shapes(:0)
@@ -430,19 +423,12 @@ contains
       if (size(shapes) == 0) cycle
       do p = 1, size(positions, 2)
         point = positions(:, p)
-        call turn_back(turn_of(bodies(other)), point)
+        call turn_back(bodies(other)%turn, point)
         if (shapes_inside(shapes, point, dimension, margin)) return
       end do
     end do
     other = 0
   end function seeding_overlap
-
-  !> How a body is turned.
-  pure function turn_of(body) result(turn)
-    type(body_card_t), intent(in) :: body
-    type(turn_t) :: turn
-    turn = turn_t(body%rotation, body%pivot)
-  end function turn_of
 
   pure function place_of(body) result(place)
     type(body_card_t), intent(in) :: body

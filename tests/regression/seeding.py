@@ -186,6 +186,58 @@ def turns(report):
     compare(report, "ring", "ring material=m centre=(0.3,-0.2) radius=3 inner=1.7 spacing=0.25 lattice_origin=(0.2,0.3)", inside, 0.0625, 2)
 
 
+def spun(point, degrees, axis, pivot):
+    """A point turned about any axis, by the quaternion of the rotation."""
+    s = math.sin(math.radians(degrees/2))
+    w, (x, y, z) = math.cos(math.radians(degrees/2)), [s*a for a in unit(axis)]
+    a, b, c = (p - q for p, q in zip(point, pivot))
+    i, j, k = w*a + y*c - z*b, w*b + z*a - x*c, w*c + x*b - y*a
+    r = -x*a - y*b - z*c
+    return (pivot[0] + w*i - r*x - j*z + k*y, pivot[1] + w*j - r*y - k*x + i*z, pivot[2] + w*k - r*z - i*y + j*x)
+
+
+def revolutions(report):
+    """A polygon turned about an oblique axis, with a hollow; a prism out of which a turned one is cut."""
+    spacing, corner = 0.4, (0.1, -0.05, 0.15)
+    origin = "lattice_origin=(0.1,-0.05,0.15) spacing=0.4"
+    points = list(lattice(corner, spacing, -8, 8))
+    section, centre, axis = ((0.5, -1.0), (2.5, -1.2), (3.0, 1.1), (1.2, 0.4), (1.0, 3.0)), (1, 0, 0.5), (2, -1, 2)
+
+    def revolved(point):
+        along, beside = along_and_beside(point, centre, axis)
+        return polygon(*section)((beside, along))
+    compare(report, "revolved", f"revolved material=m corners={','.join(f'({r},{z})' for r, z in section)} centre=(1,0,0.5) axis=(2,-1,2) {origin}",
+            [p for p in points if revolved(p)], spacing**3)
+
+    def prism(point):
+        return polygon((-3, -3), (4, -2), (0, 4.1))(point[:2]) and -2 <= point[2] < 3
+
+    def bar(point):
+        return block((-1, -5, -1), (1, 5, 1))(spun(point, -40, (1, 2, 3), (1, 0, 1)))
+    compare(report, "prism", f"polygon material=m corners=(-4,-4),(3,-3),(-1,3.1) centre=(1,1,-2) length=5 {origin}",
+            [p for p in points if prism(p) and not bar(p)], spacing**3,
+            more="subtract b block lower=(-1,-5,-1) upper=(1,5,1) rotation=40 rotation_axis=(1,2,3) pivot=(1,0,1)")
+    body = [p for p in points if block((-2, -1, 0), (3, 1, 2))(p)]
+    compare(report, "leaning", f"block material=m lower=(-2,-1,0) upper=(3,1,2) rotation=-25 rotation_axis=(0,1,1) pivot=(1,2,3) {origin}",
+            [spun(p, -25, (0, 1, 1), (1, 2, 3)) for p in body], spacing**3)
+
+
+def rows(report):
+    """Spheres in a row, some of them united; holes in a row, each turned."""
+    spacing, corner = 0.4, (0.1, -0.05, 0.15)
+    origin = "lattice_origin=(0.1,-0.05,0.15) spacing=0.4"
+    points = list(lattice(corner, spacing, -8, 8))
+    places = [(-4 + 1.9*i, 0.3*i, -0.7*i) for i in range(5)]
+    compare(report, "spheres", f"sphere material=m centre=(-4,0,0) radius=1.1 copies=5 offset=(1.9,0.3,-0.7) {origin}",
+            [p for p in points if any(math.dist(p, c) <= 1.1 for c in places)], spacing**3)
+
+    def hole(point):
+        return any(block((-4.5 + 3*i, -9, -1), (-3.5 + 3*i, 9, 1))(spun(point, -30, (0, 0, 1), (-4 + 3*i, 0, 0))) for i in range(3))
+    compare(report, "holes", f"block material=m lower=(-6,-2,-2) upper=(6,2,2) {origin}",
+            [p for p in points if block((-6, -2, -2), (6, 2, 2))(p) and not hole(p)], spacing**3,
+            more="subtract b block lower=(-4.5,-9,-1) upper=(-3.5,9,1) rotation=30 pivot=(-4,0,0) copies=3 offset=(3,0,0)")
+
+
 def files(report):
     """A file's volume of zero is refused at its line."""
     path = os.path.join(SCRATCH, "volumes.txt")
@@ -198,7 +250,7 @@ def files(report):
 def main():
     """All of it."""
     report = Report()
-    for part in (solids, cuts, polygons, turns, files):
+    for part in (solids, cuts, polygons, turns, revolutions, rows, files):
         part(report)
     report.end()
 
