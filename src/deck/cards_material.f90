@@ -2,7 +2,7 @@
 !! keys they have is said in src/materials.
 module sgmp_cards_material
   use sgmp_constitutive, only: eos_keys, eos_names, eos_none, eos_read, law_check, law_keys, &
-                               law_read, law_set_failure, law_set_viscosity, &
+                               law_read, law_set_failure, law_set_viscosity, law_widest_cell, &
                                material_explosive, material_names
   use sgmp_deck_card, only: deck_card_t
   use sgmp_failure, only: failure_keys
@@ -12,6 +12,7 @@ module sgmp_cards_material
   use sgmp_scene, only: material_card_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: word_position, words_joined
+  use sgmp_text, only: real_text
   use sgmp_viscosity, only: viscosity_keys
   implicit none
   private
@@ -51,7 +52,7 @@ contains
     call registry%card('failure', 'When a material fails, and what it carries then. Johnson '// &
                        "and Cook's damage is material … johnson_cook failure=yes; without "// &
                        'this card it leaves pressure alone.', 'failure copper pmin=-1.5e9', &
-                       read_failure)
+                       read_failure, check_failure)
     call registry%key('material', kind_name_word, 'the material', slot=1, required=.true.)
     call registry%keys(failure_keys())
     call registry%card('viscosity', 'Bulk viscosity in compression, q = rho h^2 b1 (tr D)^2 - '// &
@@ -147,6 +148,23 @@ contains
       end if
     end associate
   end subroutine read_failure
+
+  !> Cells in which a crack would give back energy.
+  subroutine check_failure(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: i
+    i = word_position(card%word('material'), draft%scene%materials%name)
+    if (i == 0) return
+    associate (widest => law_widest_cell(draft%scene%materials(i)%law), &
+               cell => draft%scene%grid%cell)
+      if (cell < widest) return
+      call draft%errors%add(card%place('fracture_energy'), 'cells of '//real_text(cell)// &
+                            ' hold more elastic energy than a crack of this energy takes', &
+                            'use cells below '//real_text(widest)// &
+                            ', a lower limit or a higher fracture_energy')
+    end associate
+  end subroutine check_failure
 
   subroutine read_viscosity(card, draft)
     type(deck_card_t), intent(in) :: card

@@ -68,6 +68,8 @@ contains
       factor = mass/(length*time**2)
     case ('stress time')
       factor = mass/(length*time)
+    case ('stress length')
+      factor = mass/time**2
     case ('speed')
       factor = length/time
     case ('acceleration')

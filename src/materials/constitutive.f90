@@ -18,7 +18,7 @@ module sgmp_constitutive
   use sgmp_eos_stiffened_gas, only: ideal_gas_keys, stiffened_gas_keys, stiffened_gas_lanes, &
                                     stiffened_gas_read, stiffened_gas_t, stiffened_gas_terms
   use sgmp_eos_tait, only: tait_keys, tait_lanes, tait_read, tait_t, tait_terms
-  use sgmp_failure, only: failure_none, failure_read, failure_t
+  use sgmp_failure, only: carries_everything, failure_none, failure_read, failure_softens, failure_t
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_drucker_prager, only: drucker_prager_keys, drucker_prager_read, drucker_prager_t
@@ -26,8 +26,9 @@ module sgmp_constitutive
                                    moduli_read, neo_hookean_read
   use sgmp_material_fluid, only: fluid_keys, fluid_read
   use sgmp_material_history, only: history_t
-  use sgmp_material_j2, only: j2_keys, j2_read, j2_t
-  use sgmp_material_jc, only: jc_keys, jc_read, jc_t
+  use sgmp_material_j2, only: j2_keys, j2_read, j2_t, j2_yield_stress
+  use sgmp_material_jc, only: jc_keys, jc_read, jc_t, jc_yield_stress
+  use sgmp_softening, only: softening_make, softening_t, softening_widest
   use sgmp_viscosity, only: viscosity_read, viscosity_t
   use sgmp_voigt, only: stress_components
   implicit none
@@ -37,7 +38,8 @@ module sgmp_constitutive
             material_explosive, material_fluid, material_drucker_prager, material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_shock, eos_names
-  public :: law_keys, law_read, law_slots, law_first_history, law_check
+  public :: law_keys, law_read, law_slots, law_first_history, law_check, law_set_length, &
+            law_widest_cell
   public :: eos_keys, eos_lanes, eos_read, eos_terms, law_set_failure, law_set_viscosity
   public :: law_gaseous, law_is_spherical
 
@@ -80,6 +82,7 @@ module sgmp_constitutive
     integer :: swirl = 0         !! velocity around the axis times radius (cells)
     integer :: surface = 0       !! distance to the body's surface, for contact
     integer :: compliance = 0    !! by which volume is exchanged, for kept volumes
+    integer :: strength = 0      !! factor on the limits of failure, where they scatter
     integer :: path = 0          !! from the particle that it comes from, where particles are split:
                                  !! 1, and of the halves of b 2 b and 2 b + 1
     integer :: total = 1
@@ -107,6 +110,8 @@ module sgmp_constitutive
     logical :: thermal = .false.
     logical :: fails = .false.                 !! by damage, or a fluid's tension is bounded
     type(failure_t) :: failure
+    logical :: softens = .false.               !! it fails little by little
+    type(softening_t) :: softening
     real(dp) :: density = 0.0_dp               !! initial density
     real(dp) :: detonation_speed = 0.0_dp, burn_cells = 0.0_dp
     logical :: viscous = .false.               !! bulk viscosity acts
@@ -362,15 +367,25 @@ contains
     select case (law%kind)
     case (material_j2, material_johnson_cook)
       law%history%damage = .true.
+      law%softens = failure_softens(law%failure)
       if (.not. (law%jc%failure .or. values%has('pmin') .or. values%has('principal_stress') .or. &
                  values%has('plastic_strain'))) then
         call fault_make(fault, '', "nothing says when '"//name//"' fails", &
                         'give pmin, principal_stress or plastic_strain, or '// &
                         'johnson_cook failure=yes')
+      else if (law%softens .and. law%jc%failure) then
+        call fault_make(fault, 'fracture_energy', "the damage of '"//name// &
+                        "' grows by Johnson and Cook's constants already", &
+                        'remove fracture_energy, or failure=yes of the material')
+      else if (law%softens .and. law%failure%carries == carries_everything) then
+        call fault_make(fault, 'fracture_energy', "'"//name//"' carries everything when it has "// &
+                        'failed, and does not soften', &
+                        'remove fracture_energy, or carries=everything')
       end if
     case (material_fluid)
       if (.not. values%has('pmin') .or. values%has('principal_stress') .or. &
-          values%has('plastic_strain')) then
+          values%has('plastic_strain') .or. values%has('fracture_energy') .or. &
+          values%has('weibull')) then
         call fault_make(fault, '', "a fluid such as '"//name//"' fails by pmin alone", &
                         'give pmin, and no other criterion')
       end if
@@ -379,6 +394,36 @@ contains
                       ') cannot fail', 'use j2, johnson_cook or fluid')
     end select
   end subroutine law_set_failure
+
+  !> Gives a law the side of the cells, which is the length of viscosity, burn front and cracks.
+  pure subroutine law_set_length(law, h)
+    type(constitutive_t), intent(inout) :: law
+    real(dp), intent(in) :: h
+    real(dp) :: yield
+    law%h = h
+    if (.not. law%softens) return
+    yield = 0.0_dp
+    if (law%failure%plastic_strain < failure_none) then
+      if (law%kind == material_j2) then
+        yield = j2_yield_stress(law%j2, law%failure%plastic_strain)
+      else
+        yield = jc_yield_stress(law%jc, law%failure%plastic_strain, law%jc%reference_rate, &
+                                law%jc%room)
+      end if
+    end if
+    law%softening = softening_make(law%failure, law%density*law%bulk_speed**2, law%elastic%shear, &
+                                   yield, h)
+  end subroutine law_set_length
+
+  !> Side of the largest cells in which a law can soften; huge where it does not.
+  pure function law_widest_cell(law) result(h)
+    type(constitutive_t), intent(in) :: law
+    real(dp) :: h
+    h = huge(1.0_dp)
+    if (law%softens .and. law%bulk_speed > 0.0_dp) then
+      h = softening_widest(law%failure, law%density*law%bulk_speed**2, law%elastic%shear)
+    end if
+  end function law_widest_cell
 
   !> Gives a law bulk viscosity from the values of its keys.
   pure subroutine law_set_viscosity(values, law)

@@ -9,15 +9,16 @@
 !!
 !! Failed matter carries nothing, or pressure alone (it closes again when it is compressed to its
 !! initial density), or everything: then the damage is only a mark. A fluid tears without damage:
-!! its pressure does not fall below pmin.
+!! its pressure does not fall below pmin. With a fracture energy matter does not fail at once
+!! (sgmp_softening); limits may scatter from particle to particle (sgmp_strength).
 module sgmp_failure
-  use sgmp_keys, only: key, key_t, kind_real, kind_word, values_t
+  use sgmp_keys, only: key, key_t, kind_integer, kind_real, kind_word, values_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_spelling, only: word_position, words_joined
   implicit none
   private
   public :: failure_keys, failure_read
-  public :: failure_t, failure_judge, failure_bounds, largest_principal_stress
+  public :: failure_t, failure_judge, failure_bounds, failure_softens, largest_principal_stress
   public :: carries_nothing, carries_pressure, carries_everything, failure_none
 
   integer, parameter :: carries_nothing = 1, carries_pressure = 2, carries_everything = 3
@@ -34,6 +35,9 @@ module sgmp_failure
     real(dp) :: tension = failure_none               !! -pmin (stress)
     real(dp) :: principal_stress = failure_none      !! (stress)
     real(dp) :: plastic_strain = failure_none
+    real(dp) :: fracture_energy = 0.0_dp             !! per area of crack; 0: it fails at once
+    real(dp) :: weibull = 0.0_dp                     !! modulus of the limits' scatter; 0: none
+    integer :: seed = 0                              !! of the scatter
   end type failure_t
 
 contains
@@ -49,7 +53,14 @@ contains
                 range='(0,inf)'), &
             key('carries', kind_word, 'what failed matter carries; everything: damage is only '// &
                 'a mark', choices=words_joined(carries_names), &
-                default=trim(carries_names(carries_pressure)))]
+                default=trim(carries_names(carries_pressure))), &
+            key('fracture_energy', kind_real, 'energy per area that a crack takes while '// &
+                'strength falls from the limit to nothing; without it all is lost at once', &
+                unit='stress length', range='(0,inf)'), &
+            key('weibull', kind_real, 'Weibull modulus of limits that scatter from particle to '// &
+                'particle; the given ones are the means', range='[0.5,inf)'), &
+            key('seed', kind_integer, 'another number, another scatter', range='[0,inf)', &
+                default='0')]
   end function failure_keys
 
   !> Criteria from the values of those keys.
@@ -61,7 +72,16 @@ contains
     law%tension = -values%number('pmin', -failure_none)
     law%principal_stress = values%number('principal_stress', failure_none)
     law%plastic_strain = values%number('plastic_strain', failure_none)
+    law%fracture_energy = values%number('fracture_energy')
+    law%weibull = values%number('weibull')
+    law%seed = nint(values%number('seed'))
   end function failure_read
+
+  !> Whether matter softens before it has failed.
+  pure logical function failure_softens(law) result(yes)
+    type(failure_t), intent(in) :: law
+    yes = law%fracture_energy > 0.0_dp
+  end function failure_softens
 
   !> Lane kernel: damage 1 where a criterion is met; which lanes carry less than their law says.
   pure subroutine failure_judge(law, stress, plastic_strain, damage, failed)

@@ -1,15 +1,17 @@
 !> Pressure of a chunk from an equation of state, its bounds where matter has failed or a fluid
-!! tears, and bulk viscosity: what the stress update does that is the same in every space.
+!! tears, softening, and bulk viscosity: what the stress update does that is the same in every
+!! space.
 module sgmp_pressure
   use sgmp_burn, only: burn_fraction_lanes
   use sgmp_constitutive, only: constitutive_t, eos_lanes, eos_none
   use sgmp_eos, only: eos_energy_pressure, eos_sound_speed_lanes
-  use sgmp_failure, only: failure_bounds, failure_none
+  use sgmp_failure, only: carries_nothing, failure_bounds, failure_none
   use sgmp_kinds, only: dp, lanes
+  use sgmp_softening, only: softening_damage
   use sgmp_viscosity, only: viscosity_lanes
   implicit none
   private
-  public :: cavitate, equation_of_state, explosive, release, viscosity
+  public :: cavitate, equation_of_state, explosive, release, soften, viscosity
 
 contains
 
@@ -52,6 +54,52 @@ contains
                           mean, speed2, work)
     end if
   end subroutine release
+
+  !> What softening leaves of the stress that undamaged matter would carry, and the work that is
+  !! done with it. Without an equation of state the pressure follows the volume, as where matter has
+  !! failed.
+  subroutine soften(law, before, mass, old_volume, trace, late, nb, b, mean, speed2, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: before(lanes)        !! part of the strength before the step
+    real(dp), intent(in) :: mass(lanes), old_volume(lanes), trace(lanes)
+    real(dp), intent(in) :: late(lanes)          !! 1/2 new deviator : strain, undamaged
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)      !! with the deviator, undamaged
+    real(dp), intent(inout) :: mean(lanes), speed2(lanes), work(lanes)
+    real(dp) :: stress(lanes, 6), strength(lanes), whole(lanes), missing, left
+    integer :: l, n
+    n = law%slots%stresses
+    associate (deviator => b(:, law%slots%stress:law%slots%stress + n - 1), &
+               damage => b(:, law%slots%damage))
+      whole = mean
+      if (law%eos == eos_none) whole = law%elastic%bulk*log(b(:, 1)*law%density/mass)
+      stress = 0.0_dp
+      stress(:, :n) = deviator
+      stress(:, :3) = stress(:, :3) + spread(whole, 2, 3)
+      strength = 1.0_dp
+      if (law%slots%strength > 0) strength = b(:, law%slots%strength)
+      call softening_damage(law%failure, law%softening, stress, b(1, law%slots%plastic), strength, &
+                            damage)
+      do l = 1, lanes
+        left = 1.0_dp - damage(l)
+        deviator(l, :) = left*deviator(l, :)
+        missing = (left - before(l))*late(l)
+        left = merge(left, 1.0_dp, whole(l) > 0.0_dp)
+        if (law%failure%carries == carries_nothing .and. damage(l) >= 1.0_dp) left = 0.0_dp
+        if (damage(l) >= 1.0_dp .and. left < 1.0_dp) speed2(l) = law%bulk_speed**2
+        if (law%eos == eos_none) then
+          missing = missing + 0.5_dp*(left*whole(l) - mean(l))*trace(l)
+        else
+          missing = missing + 0.5_dp*(left - 1.0_dp)*whole(l)*(b(l, 1) - old_volume(l)) &
+                              /old_volume(l)
+          b(l, law%slots%energy) = b(l, law%slots%energy) + &
+                                   missing*old_volume(l)*law%density/mass(l)
+        end if
+        work(l) = work(l) + missing
+        mean(l) = left*whole(l)
+      end do
+    end associate
+  end subroutine soften
 
   !> The tension that a fluid bears is bounded.
   pure subroutine cavitate(law, mass, old_volume, nb, b, mean, speed2, work)

@@ -19,7 +19,8 @@ module DIM(sgmp_stress_update)
   use sgmp_material_fluid, only: fluid_diffusion_speed
   use sgmp_material_j2, only: j2_return
   use sgmp_material_jc, only: jc_return, jc_return_simple
-  use sgmp_pressure, only: cavitate, equation_of_state, explosive, release, viscosity
+  use sgmp_pressure, only: cavitate, equation_of_state, explosive, release, soften, viscosity
+  use sgmp_softening, only: softening_regain
   use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
   private
@@ -412,19 +413,26 @@ contains
     real(dp), intent(out) :: trace(lanes), jacobian(lanes), old_volume(lanes)
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
     real(dp) :: strain(lanes, NFLUX), mean(lanes), norm(lanes), factor(lanes), increment(lanes)
-    real(dp) :: ones(lanes), pressure_work(lanes), failed(lanes), shear, bulk
+    real(dp) :: ones(lanes), pressure_work(lanes), failed(lanes), left(lanes), late(lanes)
+    real(dp) :: shear, bulk
     integer :: l, s
     s = law%slots%stress
     shear = law%elastic%shear
     bulk = law%elastic%bulk
     if (law%fails) call judge(law, nb, b, failed)
+    if (law%softens) call softening_regain(NSTRESS, b(1, law%slots%damage), b(1, s), left)
     call predict(law, shear, -2.0_dp/3.0_dp*shear, dt, grad, b(1, 1), b(1, s), strain, trace, &
                  jacobian, old_volume, work)
     call von_mises(b(1, s), mean, norm)
+    if (law%softens) late = work - 0.5_dp*(mean*trace)
     if (law%fails) norm = (1.0_dp - failed)*norm
     call return_to_yield(law, 3.0_dp*shear, dt, norm, mean, nb, b, factor, increment)
     if (law%fails) factor = (1.0_dp - failed)*factor
     call relax(factor, mean, strain, trace, b(1, s), work)
+    if (law%softens) then
+      late = work - late
+      work = left*work
+    end if
     if (law%eos == eos_none) then
       !$omp simd simdlen(8)
       do l = 1, lanes
@@ -443,7 +451,11 @@ contains
         work(l) = work(l) + pressure_work(l)
       end do
     end if
-    if (law%fails) call release(law, failed, mass, old_volume, trace, nb, b, mean, speed2, work)
+    if (law%softens) then
+      call soften(law, left, mass, old_volume, trace, late, nb, b, mean, speed2, work)
+    else if (law%fails) then
+      call release(law, failed, mass, old_volume, trace, nb, b, mean, speed2, work)
+    end if
     call add_mean(mean, b(1, s))
   end subroutine plastic
 
@@ -453,10 +465,19 @@ contains
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: failed(lanes)  !! 1 or 0
-    real(dp) :: stress(lanes, 6)
+    real(dp) :: stress(lanes, 6), plastic(lanes)
+    if (law%softens) then  ! damage grows with the stress at the end of a step
+      failed = merge(1.0_dp, 0.0_dp, b(:, law%slots%damage) >= 1.0_dp)
+      return
+    end if
     stress = 0.0_dp
     stress(:, :NSTRESS) = b(:, law%slots%stress:law%slots%stress + NSTRESS - 1)
-    call failure_judge(law%failure, stress, b(1, law%slots%plastic), b(1, law%slots%damage), failed)
+    plastic = b(:, law%slots%plastic)
+    if (law%slots%strength > 0) then
+      stress = stress/spread(b(:, law%slots%strength), 2, 6)
+      plastic = plastic/b(:, law%slots%strength)
+    end if
+    call failure_judge(law%failure, stress, plastic, b(1, law%slots%damage), failed)
   end subroutine judge
 
   !> Mean of a stress and von Mises norm of its deviator.
@@ -531,6 +552,11 @@ contains
       if (law%thermal) temperature = b(:, law%slots%temperature)
       call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, damage, &
                      factor, increment)
+      if (law%jc%failure .and. law%slots%strength > 0) then
+        damage = b(:, law%slots%damage) + (damage - b(:, law%slots%damage)) &
+                                          /b(:, law%slots%strength)
+        damage = min(damage, 1.0_dp)
+      end if
       if (law%jc%failure) b(:, law%slots%damage) = damage
       if (law%thermal) b(:, law%slots%temperature) = temperature
     else

@@ -109,6 +109,7 @@ contains
     call put_slot(slots%initial, 'initial position (bodyforce that uses it)')
     call put_slot(slots%swirl, 'velocity around the axis (dimension axisymmetric swirl=yes)')
     call put_slot(slots%compliance, 'compliance (volumes=kept, eos)')
+    call put_slot(slots%strength, 'strength (failure weibull)')
     call put_slot(slots%path, 'path from the particle that was split (split)')
   end subroutine put_slots
 

@@ -4,7 +4,8 @@ module sgmp_build_model
   use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
   use sgmp_burn, only: burn_lighting_time, burn_source_t
-  use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_slots, slots_t
+  use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_set_length, &
+                               law_slots, slots_t
   use sgmp_energy, only: ledger_open
   use sgmp_errors, only: error_t
   use sgmp_expression, only: expression_places
@@ -24,6 +25,7 @@ module sgmp_build_model
   use sgmp_scene, only: body_card_t, scene_at_rest, scene_space, scene_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
   use sgmp_step, only: step_start
+  use sgmp_strength, only: strength_factor
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
   implicit none
@@ -151,7 +153,7 @@ contains
       end if
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
-      body%law%h = mesh%h
+      call law_set_length(body%law, mesh%h)
       body%law%rigid = body%rigid
       call law_slots(body%law, tensor_axes(scene), &
                      stretch=merge(mesh%ndim, 0, body%sides_stretch .or. splits(scene, body)), &
@@ -172,6 +174,7 @@ contains
       call ranks_hold(model%ranks%partition, body%particles)
       call set_velocities(card, mesh, file_velocity, body)
       call set_swirl(card, mesh, body)
+      call set_strength(body)
       call fill_positions(scene, mesh, body)
       call contact_fill_slot(card, mesh, body)
     end associate
@@ -184,11 +187,15 @@ contains
     n = merge(3, scene%dimension, scene%swirl)
   end function tensor_axes
 
-  !> Columns for swirl, and for the compliance of matter whose pressure follows its volume.
+  !> Columns for swirl, for limits of failure that scatter, and for the compliance of matter whose
+  !! pressure follows its volume.
   pure subroutine add_columns(scene, law)
     type(scene_t), intent(in) :: scene
     type(constitutive_t), intent(inout) :: law
     if (scene%swirl) call add_column(law%slots, law%slots%swirl)
+    if (law%failure%weibull > 0.0_dp .and. .not. law%rigid) then
+      call add_column(law%slots, law%slots%strength)
+    end if
     if (.not. scene%method%volumes_kept .or. law%eos == eos_none .or. law%rigid) return
     call add_column(law%slots, law%slots%compliance)
   end subroutine add_columns
@@ -248,6 +255,7 @@ contains
     associate (slots => body%law%slots)
       if (slots%surface > 0) history(slots%surface) = contact_no_surface
       if (slots%path > 0) history(slots%path) = 1.0_dp
+      if (slots%strength > 0) history(slots%strength) = 1.0_dp
       if (slots%temperature > 0 .and. card%temperature >= 0.0_dp) then
         history(slots%temperature) = card%temperature
       end if
@@ -312,6 +320,22 @@ contains
       end do
     end associate
   end subroutine set_swirl
+
+  !> Strength of each particle, where it scatters.
+  subroutine set_strength(body)
+    type(body_t), intent(inout) :: body
+    integer :: c, l
+    if (body%law%slots%strength == 0) return
+    associate (particles => body%particles, failure => body%law%failure)
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          particles%state(l, body%law%slots%strength, c) = &
+            strength_factor(failure%weibull, failure%seed, particles%id(l, c))
+        end do
+      end do
+    end associate
+  end subroutine set_strength
 
   !> History that depends on the initial position: lighting times, and the position itself where a
   !! force uses it.

@@ -137,6 +137,10 @@ history steps=10
 output csv at=end fields=stress,density,energy,damage,plastic_strain
 """
 
+# The same, one of them little by little, with limits that scatter.
+SCATTERED = FAILING.replace("failure spalling pmin=-0.5", "failure spalling pmin=-0.5 weibull=3").replace("failure=yes d1=0.03", "failure=yes d1=0.03\nfailure torn weibull=2 seed=5").replace(
+    "plastic_strain=0.02 carries=nothing", "plastic_strain=0.02 fracture_energy=0.01 weibull=4 seed=3").replace("plastic_strain\n", "plastic_strain,strength\n")
+
 # A ball on the axis and a tube that closes on it, walls below and outside.
 HOOPS = """
 parameter method = sgmp

@@ -11,7 +11,7 @@ import os
 import re
 import subprocess
 
-from _runs import (CONE, ENVIRONMENT, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SCRATCH, SEAT, SGMP,
+from _runs import (CONE, ENVIRONMENT, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SCRATCH, SCATTERED, SEAT, SGMP,
                    SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run)
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
@@ -208,6 +208,7 @@ SCENES = [
     ("sphere_slope", "sphere_slope.inp", {"h": 0.4, "t_end": 0.01, "stress": "normalised"}, FEW),
     ("fluids", FLUIDS, {}, FEW),
     ("failing", FAILING, {}, FEW),
+    ("scattered", SCATTERED, {}, FEW),
     ("kept", KEPT_PLANE, {}, FEW),
     ("kept_space", KEPT_SPACE, {}, FEW),
     ("kept_rings", KEPT_RINGS, {}, FEW),

@@ -1,0 +1,47 @@
+!> Scatter of the strength of particles after Weibull (1951): the factor by which the limits of a
+!! particle are higher than those of the deck, which are the means.
+!!
+!! A factor depends on the seed and on the number of the particle alone, so that the same particles
+!! are weak whatever threads and ranks do.
+module sgmp_strength
+  use sgmp_kinds, only: dp, i4, i8
+  implicit none
+  private
+  public :: strength_factor
+
+  integer(i8), parameter :: word = 2_i8**32
+
+contains
+
+  !> Factor of a particle: the quantile of a Weibull distribution of mean 1.
+  pure function strength_factor(modulus, seed, id) result(factor)
+    real(dp), intent(in) :: modulus    !! Weibull's, > 0
+    integer, intent(in) :: seed        !! >= 0
+    integer(i4), intent(in) :: id      !! of the particle, > 0
+    real(dp) :: factor
+    real(dp) :: survives
+    survives = (real(scrambled(ieor(scrambled(int(seed, i8) + 1_i8), int(id, i8))), dp) + 0.5_dp) &
+               /real(word, dp)
+    factor = (-log(survives))**(1.0_dp/modulus)/gamma(1.0_dp + 1.0_dp/modulus)
+  end function strength_factor
+
+  !> A number of 32 bits for another, all bits of which change half of its own (Wellons 2018).
+  pure function scrambled(number) result(bits)
+    integer(i8), intent(in) :: number
+    integer(i8) :: bits
+    bits = ieor(number, ishft(number, -16))
+    bits = product_of(bits, 2146121005_i8)
+    bits = ieor(bits, ishft(bits, -15))
+    bits = product_of(bits, 2221713035_i8)
+    bits = ieor(bits, ishft(bits, -16))
+  end function scrambled
+
+  !> Lower 32 bits of a product of numbers of 32 bits.
+  pure function product_of(a, b) result(bits)
+    integer(i8), intent(in) :: a, b
+    integer(i8) :: bits
+    integer(i8), parameter :: half = 2_i8**16
+    bits = modulo(modulo(a, half)*b + modulo((a/half)*b, half)*half, word)
+  end function product_of
+
+end module sgmp_strength
