@@ -2,10 +2,11 @@
 !! keys they have is said in src/materials.
 module sgmp_cards_material
   use sgmp_constitutive, only: eos_keys, eos_names, eos_none, eos_read, law_check, law_keys, &
-                               law_read, law_set_failure, law_set_viscosity, law_widest_cell, &
+                               law_read, law_set_failure, law_set_viscosity, law_widest_band, &
                                material_explosive, material_names
   use sgmp_deck_card, only: deck_card_t
   use sgmp_failure, only: failure_keys
+  use sgmp_kernels, only: method_band
   use sgmp_keys, only: fault_t, kind_name_word, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: read_first, registry_t
@@ -156,8 +157,9 @@ contains
     integer :: i
     i = word_position(card%word('material'), draft%scene%materials%name)
     if (i == 0) return
-    associate (widest => law_widest_cell(draft%scene%materials(i)%law), &
-               cell => draft%scene%grid%cell)
+    associate (cell => draft%scene%grid%cell, &
+               widest => law_widest_band(draft%scene%materials(i)%law) &
+               /method_band(draft%scene%method%kind))
       if (cell < widest) return
       call draft%errors%add(card%place('fracture_energy'), 'cells of '//real_text(cell)// &
                             ' hold more elastic energy than a crack of this energy takes', &

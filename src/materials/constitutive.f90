@@ -39,7 +39,7 @@ module sgmp_constitutive
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_shock, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check, law_set_length, &
-            law_widest_cell
+            law_widest_band
   public :: eos_keys, eos_lanes, eos_read, eos_terms, law_set_failure, law_set_viscosity
   public :: law_gaseous, law_is_spherical
 
@@ -395,10 +395,11 @@ contains
     end select
   end subroutine law_set_failure
 
-  !> Gives a law the side of the cells, which is the length of viscosity, burn front and cracks.
-  pure subroutine law_set_length(law, h)
+  !> Gives a law its lengths: the side of the cells, for viscosity and burn front, and the width of
+  !! the band in which a crack opens.
+  pure subroutine law_set_length(law, h, band)
     type(constitutive_t), intent(inout) :: law
-    real(dp), intent(in) :: h
+    real(dp), intent(in) :: h, band
     real(dp) :: yield
     law%h = h
     if (.not. law%softens) return
@@ -412,18 +413,18 @@ contains
       end if
     end if
     law%softening = softening_make(law%failure, law%density*law%bulk_speed**2, law%elastic%shear, &
-                                   yield, h)
+                                   yield, band)
   end subroutine law_set_length
 
-  !> Side of the largest cells in which a law can soften; huge where it does not.
-  pure function law_widest_cell(law) result(h)
+  !> Width of the widest band in which a law can soften; huge where it does not.
+  pure function law_widest_band(law) result(width)
     type(constitutive_t), intent(in) :: law
-    real(dp) :: h
-    h = huge(1.0_dp)
+    real(dp) :: width
+    width = huge(1.0_dp)
     if (law%softens .and. law%bulk_speed > 0.0_dp) then
-      h = softening_widest(law%failure, law%density*law%bulk_speed**2, law%elastic%shear)
+      width = softening_widest(law%failure, law%density*law%bulk_speed**2, law%elastic%shear)
     end if
-  end function law_widest_cell
+  end function law_widest_band
 
   !> Gives a law bulk viscosity from the values of its keys.
   pure subroutine law_set_viscosity(values, law)

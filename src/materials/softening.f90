@@ -9,8 +9,8 @@
 !!     R     = 2 Gc M/(L s^2)                                                          (F2)
 !!
 !! and the stress falls along a line as the crack opens (Hillerborg 1976); L is the width of the
-!! band in which strain localises, the side of a cell (crack band, Bazant and Oh 1983), s the limit,
-!! M the modulus K + 4/3 G across the crack, K for the mean stress. Beyond the plastic strain e of
+!! band in which strain localises (crack band, Bazant and Oh 1983), a cell or two (method_band), s
+!! the limit, M the modulus K + 4/3 G across the crack, K for the mean stress. Beyond the plastic strain e of
 !! its criterion
 !!
 !!     D = (ep - e) L yield(e)/(2 Gc)                                                  (F3)

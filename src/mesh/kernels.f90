@@ -7,7 +7,7 @@ module sgmp_kernels
   public :: kernel_mpm, kernel_gimp, kernel_sgmp, kernel_centred, kernel_folds, kernel_sized
   public :: bin_span, stencil_reach, stencil_shift, stencil_width
   public :: method_mpm, method_gimp, method_cpgimp, method_sgmp, method_bspline
-  public :: method_half_size, method_kernel, method_names
+  public :: method_band, method_half_size, method_kernel, method_names
 
   integer, parameter :: kernel_mpm = 1   !! linear hat functions, particle to node
   integer, parameter :: kernel_gimp = 2  !! GIMP functions, particle to node: uGIMP, cpGIMP and
@@ -24,6 +24,10 @@ module sgmp_kernels
   !> Half-size of a particle (cells) where the method fixes it, 0: from the particles' spacing. The
   !! quadratic B-spline is the GIMP function of particles as wide as a cell, whatever their volume.
   real(dp), parameter :: method_half_size(*) = [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.5_dp]
+
+  !> Width (cells) of the narrowest band in which strain localises, as a crack that is pulled open
+  !! shows it (verification/spall): methods that smooth share the opening among two cells.
+  real(dp), parameter :: method_band(*) = [1.0_dp, 1.0_dp, 1.0_dp, 2.0_dp, 2.0_dp]
 
   !> Properties of a kernel.
   type :: kernel_t
