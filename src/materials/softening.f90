@@ -8,14 +8,15 @@
 !!     1 - D = (R - r)/(r (R - 1)),   1 <= r <= R                                      (F1)
 !!     R     = 2 Gc M/(L s^2)                                                          (F2)
 !!
-!! and the stress falls along a line as the crack opens (Hillerborg 1976); L is the width of the
+!! and the stress falls along a line as the crack opens (Hillerborg 1976). L is the width of the
 !! band in which strain localises (crack band, Bazant and Oh 1983), a cell or two (method_band), s
-!! the limit, M the modulus K + 4/3 G across the crack, K for the mean stress. Beyond the plastic strain e of
-!! its criterion
+!! the limit, M the modulus K + 4/3 G across the crack, K for the mean stress. Beyond the plastic
+!! strain e of its criterion
 !!
 !!     D = (ep - e) L yield(e)/(2 Gc)                                                  (F3)
 !!
-!! D does not fall again. A cell above 2 Gc M/s^2 would have to give back energy: R is above 1.
+!! D does not fall again. A band wider than 2 Gc M/s^2 would have to give back energy:
+!! R is above 1.
 module sgmp_softening
   use sgmp_failure, only: failure_none, failure_t, largest_principal_stress
   use sgmp_kinds, only: dp, lanes

@@ -11,7 +11,8 @@ module sgmp_build_model
   use sgmp_expression, only: expression_places
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
-  use sgmp_kernels, only: bin_span, method_band, method_cpgimp, method_half_size, method_kernel, stencil_shift
+  use sgmp_kernels, only: bin_span, method_band, method_cpgimp, method_half_size, method_kernel, &
+                          stencil_shift
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_model, only: model_t
