@@ -7,7 +7,7 @@ module sgmp_state
   use sgmp_contact, only: contact_t
   use sgmp_contact_memory, only: memory_share
   use sgmp_contact_pairs, only: contact_pair_t
-  use sgmp_energy, only: ledger_t
+  use sgmp_energy, only: eroded_t, ledger_t
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_t
@@ -39,6 +39,7 @@ contains
     call pass_ledger(archive, model%ledger)
     if (model%method%split > 0.0_dp) call archive%pass(model%ledger%split_energy)
     if (model%method%damped) call archive%pass(model%ledger%damping_dissipation)
+    if (model%method%erodes) call pass_eroded(archive, model%ledger%eroded)
     call archive%pass(model%totals%points)
     if (.not. allocated(model%totals%particles)) then
       allocate (model%totals%particles(size(model%bodies)))
@@ -92,6 +93,16 @@ contains
     call archive%pass(ledger%momentum)
     call archive%pass(ledger%ignored_nodes)
   end subroutine pass_ledger
+
+  subroutine pass_eroded(archive, eroded)
+    type(archive_t), intent(inout) :: archive
+    type(eroded_t), intent(inout) :: eroded
+    call archive%pass(eroded%particles)
+    call archive%pass(eroded%mass)
+    call archive%pass(eroded%momentum)
+    call archive%pass(eroded%kinetic)
+    call archive%pass(eroded%internal)
+  end subroutine pass_eroded
 
   subroutine pass_body(archive, body, sums)
     type(archive_t), intent(inout) :: archive

@@ -1,16 +1,17 @@
-!> The cards `material`, `eos` and `viscosity`. Which laws there are, what they are called and which
-!! keys they have is said in src/materials.
+!> The cards `material`, `eos`, `failure`, `erode` and `viscosity`. Which laws there are, what they
+!! are called and which keys they have is said in src/materials.
 module sgmp_cards_material
   use sgmp_constitutive, only: eos_keys, eos_names, eos_none, eos_read, law_check, law_keys, &
-                               law_read, law_set_failure, law_set_viscosity, law_widest_band, &
-                               material_explosive, material_names
+                               law_read, law_set_erosion, law_set_failure, law_set_viscosity, &
+                               law_widest_band, material_explosive, material_names
   use sgmp_deck_card, only: deck_card_t
+  use sgmp_erosion, only: erosion_keys
   use sgmp_failure, only: failure_keys
   use sgmp_kernels, only: method_band
   use sgmp_keys, only: fault_t, kind_name_word, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: read_first, registry_t
-  use sgmp_scene, only: material_card_t
+  use sgmp_scene, only: material_card_t, update_usf
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: word_position, words_joined
   use sgmp_text, only: real_text
@@ -56,6 +57,11 @@ contains
                        read_failure, check_failure)
     call registry%key('material', kind_name_word, 'the material', slot=1, required=.true.)
     call registry%keys(failure_keys())
+    call registry%card('erode', 'When particles of a material are removed. Their mass, '// &
+                       'momentum and energy are booked in history.csv and summary.json.', &
+                       'erode copper plastic_strain=2', read_erode, check_erode)
+    call registry%key('material', kind_name_word, 'the material', slot=1, required=.true.)
+    call registry%keys(erosion_keys())
     call registry%card('viscosity', 'Bulk viscosity in compression, q = rho h^2 b1 (tr D)^2 - '// &
                        'b2 rho h c tr D; none without this card.', 'viscosity copper', &
                        read_viscosity)
@@ -167,6 +173,49 @@ contains
                             ', a lower limit or a higher fracture_energy')
     end associate
   end subroutine check_failure
+
+  subroutine read_erode(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: i
+    i = draft%material_of(card)
+    if (i == 0 .or. card%failed) return
+    associate (erosion => draft%scene%materials(i)%law%erosion)
+      if (erosion%given) then
+        call draft%errors%add(card%position, "material '"//card%word('material')// &
+                              "' has two cards erode", 'write all criteria on one card')
+      end if
+      erosion%given = .true.
+    end associate
+  end subroutine read_erode
+
+  !> Erosion knows the other cards of its material: the law keeps what it asks for.
+  subroutine check_erode(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    type(fault_t), allocatable :: fault
+    integer :: i
+    i = word_position(card%word('material'), draft%scene%materials%name)
+    if (i == 0 .or. card%failed) return
+    call law_set_erosion(card, card%word('material'), draft%scene%materials(i)%law, fault)
+    call complain(card, fault, draft)
+    if (draft%scene%swirl) then
+      call draft%errors%add(card%position, 'erode knows nothing of swirl', 'remove one of the two')
+    end if
+    if (.not. card%has('time_step')) return
+    associate (time => draft%scene%time, erosion => draft%scene%materials(i)%law%erosion)
+      if (time%cfl_auto .or. time%dt > 0.0_dp) then
+        call draft%errors%add(card%place('time_step'), &
+                              'time_step needs steps that follow a Courant number', &
+                              'write time … cfl=0.3')
+      else if (draft%scene%method%update == update_usf) then
+        call draft%errors%add(card%place('time_step'), 'particles go in the sweep that moves '// &
+                              'and strains them, which update=usf has not', &
+                              'remove time_step or use update=musl, usl or usavg')
+      end if
+      erosion%speed = time%cfl*draft%scene%grid%cell/erosion%time_step
+    end associate
+  end subroutine check_erode
 
   subroutine read_viscosity(card, draft)
     type(deck_card_t), intent(in) :: card

@@ -18,6 +18,7 @@ module sgmp_constitutive
   use sgmp_eos_stiffened_gas, only: ideal_gas_keys, stiffened_gas_keys, stiffened_gas_lanes, &
                                     stiffened_gas_read, stiffened_gas_t, stiffened_gas_terms
   use sgmp_eos_tait, only: tait_keys, tait_lanes, tait_read, tait_t, tait_terms
+  use sgmp_erosion, only: erosion_read, erosion_t
   use sgmp_failure, only: carries_everything, failure_none, failure_read, failure_softens, failure_t
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
   use sgmp_kinds, only: dp, lanes
@@ -40,7 +41,8 @@ module sgmp_constitutive
             eos_tait, eos_shock, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check, law_set_length, &
             law_widest_band
-  public :: eos_keys, eos_lanes, eos_read, eos_terms, law_set_failure, law_set_viscosity
+  public :: eos_keys, eos_lanes, eos_read, eos_terms, law_set_failure, law_set_viscosity, &
+            law_set_erosion
   public :: law_gaseous, law_is_spherical
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
@@ -112,6 +114,7 @@ module sgmp_constitutive
     type(failure_t) :: failure
     logical :: softens = .false.               !! it fails little by little
     type(softening_t) :: softening
+    type(erosion_t) :: erosion
     real(dp) :: density = 0.0_dp               !! initial density
     real(dp) :: detonation_speed = 0.0_dp, burn_cells = 0.0_dp
     logical :: viscous = .false.               !! bulk viscosity acts
@@ -394,6 +397,28 @@ contains
                       ') cannot fail', 'use j2, johnson_cook or fluid')
     end select
   end subroutine law_set_failure
+
+  !> Gives a law criteria of erosion from the values of its keys. What goes takes its internal
+  !! energy along, which particles without an equation of state keep for that alone.
+  pure subroutine law_set_erosion(values, name, law, fault)
+    class(values_t), intent(in) :: values
+    character(*), intent(in) :: name  !! of the material
+    type(constitutive_t), intent(inout) :: law
+    type(fault_t), allocatable, intent(out) :: fault
+    law%erosion = erosion_read(values)
+    law%history%energy = .true.
+    if (.not. (values%has('plastic_strain') .or. values%has('time_step') .or. &
+               values%flag('failed'))) then
+      call fault_make(fault, '', "nothing says when particles of '"//name//"' go", &
+                      'give plastic_strain, failed=yes or time_step')
+    else if (values%has('plastic_strain') .and. .not. law%history%plastic) then
+      call fault_make(fault, 'plastic_strain', "'"//name//"' ("//trim(material_names(law%kind))// &
+                      ') has no plastic strain', 'use time_step, or a plastic material')
+    else if (values%flag('failed') .and. .not. law%history%damage) then
+      call fault_make(fault, 'failed', "'"//name//"' does not fail", 'add: failure '//name// &
+                      ' pmin=…, or johnson_cook failure=yes')
+    end if
+  end subroutine law_set_erosion
 
   !> Gives a law its lengths: the side of the cells, for viscosity and burn front, and the width of
   !! the band in which a crack opens.

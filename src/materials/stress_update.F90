@@ -99,6 +99,9 @@ contains
       internal(l) = internal(l) + (work(l) - q(l))
       viscous(l) = viscous(l) - q(l)
     end do
+    if (law%eos == eos_none .and. law%slots%energy > 0) then
+      b(:, law%slots%energy) = b(:, law%slots%energy) + (work - q)*law%density/mass
+    end if
   end subroutine stress_update
 
   !> Flux (sigma - q I) V of a chunk; 0 in pads.
@@ -548,14 +551,12 @@ contains
     else if (law%thermal .or. law%jc%failure) then
       damage = 0.0_dp
       temperature = law%jc%room
-      if (law%jc%failure) damage = b(:, law%slots%damage)
+      if (law%jc%failure .and. law%slots%strength == 0) damage = b(:, law%slots%damage)
       if (law%thermal) temperature = b(:, law%slots%temperature)
       call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, damage, &
                      factor, increment)
       if (law%jc%failure .and. law%slots%strength > 0) then
-        damage = b(:, law%slots%damage) + (damage - b(:, law%slots%damage)) &
-                                          /b(:, law%slots%strength)
-        damage = min(damage, 1.0_dp)
+        damage = min(1.0_dp, b(:, law%slots%damage) + damage/b(:, law%slots%strength))
       end if
       if (law%jc%failure) b(:, law%slots%damage) = damage
       if (law%thermal) b(:, law%slots%temperature) = temperature

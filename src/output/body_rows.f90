@@ -32,12 +32,13 @@ contains
     real(dp) :: row(size(bodies_columns))
     real(dp) :: centroid(3)
     integer :: axes(3)
-    associate (sums => model%totals%bodies(b))
-      centroid = mesh_position(model%mesh%origin, model%mesh%h, sums%moment/sums%mass)
+    associate (sums => model%totals%bodies(b), &
+               mass => max(model%totals%bodies(b)%mass, tiny(1.0_dp)))  ! all of it may have eroded
+      centroid = mesh_position(model%mesh%origin, model%mesh%h, sums%moment/mass)
       centroid(model%mesh%ndim + 1:) = 0.0_dp
       axes = axes_in_output(:, model%mesh%space)
       row = [model%clock%time, real(b, dp), sums%mass, centroid(axes), &
-             momentum_in_output(model, sums%momentum)/sums%mass, sums%kinetic, sums%internal, &
+             momentum_in_output(model, sums%momentum)/mass, sums%kinetic, sums%internal, &
              real(model%totals%particles(b), dp)]
     end associate
   end function body_row

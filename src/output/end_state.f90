@@ -106,7 +106,7 @@ contains
     type(body_t), intent(in) :: body
     logical :: yes
     yes = body%law%kind /= material_explosive .and. body%law%kind /= material_fluid .and. &
-          .not. body%law%fails
+          .not. (body%law%fails .or. body%law%erosion%given)
   end function holds_together
 
   !> Counts the particles of a body out of reach of its largest pieces, of which it may have as

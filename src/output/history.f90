@@ -12,8 +12,8 @@ module sgmp_history
   use sgmp_text, only: integer_text, row_text
   implicit none
   private
-  public :: history_t, history_columns, damped_columns, kept_columns, split_columns, &
-            swirl_columns
+  public :: history_t, history_columns, damped_columns, eroded_columns, kept_columns, &
+            split_columns, swirl_columns
   public :: bodies_columns, bodies_integers, gauges_columns, &
     gauges_integers, contact_columns, contact_integers, column_length
 
@@ -33,6 +33,10 @@ module sgmp_history
   !> Or with damping.
   character(column_length), parameter :: damped_columns(*) = [character(column_length) :: &
     'damping_dissipation']
+  !> Or where particles are removed.
+  character(column_length), parameter :: eroded_columns(*) = [character(column_length) :: &
+    'eroded_particles', 'eroded_mass', 'eroded_momentum_x', 'eroded_momentum_y', &
+    'eroded_momentum_z', 'eroded_kinetic_energy', 'eroded_internal_energy']
   !> Or with swirl.
   character(column_length), parameter :: swirl_columns(*) = [character(column_length) :: &
     'angular_momentum']

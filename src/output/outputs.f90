@@ -8,7 +8,8 @@ module sgmp_outputs
   use sgmp_gauges, only: gauges_find, gauges_from_start, gauges_open, gauges_start, gauges_t, &
                          gauges_write
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, damped_columns, &
-                          history_columns, history_t, kept_columns, split_columns, swirl_columns
+                          eroded_columns, history_columns, history_t, kept_columns, &
+                          split_columns, swirl_columns
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_agree, parallel_rank
@@ -122,6 +123,7 @@ contains
     if (model%method%relaxed) columns = [columns, kept_columns]
     if (model%method%split > 0.0_dp) columns = [columns, split_columns]
     if (model%method%damped) columns = [columns, damped_columns]
+    if (model%method%erodes) columns = [columns, eroded_columns]
     if (model%method%swirl) columns = [columns, swirl_columns]
     call outputs%history%open(folder//'/history.csv', columns, error, keep_to_step=step)
     if (allocated(error)) return
@@ -260,6 +262,10 @@ contains
       if (model%method%relaxed) values = [values, l%filter_heat, l%volume_correction]
       if (model%method%split > 0.0_dp) values = [values, l%split_energy]
       if (model%method%damped) values = [values, l%damping_dissipation]
+      if (model%method%erodes) then
+        values = [values, l%eroded%particles, l%eroded%mass, &
+                  momentum_in_output(model, l%eroded%momentum), l%eroded%kinetic, l%eroded%internal]
+      end if
       if (model%method%swirl) values = [values, model%mesh%h*l%momentum(3)]
     end associate
     call outputs%history%write_row(model%clock%step, values, error)

@@ -16,6 +16,7 @@ module sgmp_movers
     integer(i4), allocatable :: id(:)
     logical, allocatable :: here(:)         !! from a bin of this rank, not from a message
     logical, allocatable :: gone(:)         !! outside the grid, removed
+    logical, allocatable :: eroded(:)       !! removed by its material's card
     integer, allocatable :: row(:)          !! interval of bins: in the sweep that which they left,
                                             !! after re-binning that which they are in
     integer, allocatable :: bin(:)          !! after re-binning: their bin, 0 where none is held
@@ -47,7 +48,7 @@ contains
     type(movers_t), intent(out) :: movers
     integer, intent(in) :: nstate, nvalues, capacity
     allocate (movers%id(capacity), movers%row(capacity), movers%bin(capacity))
-    allocate (movers%here(capacity), movers%gone(capacity))
+    allocate (movers%here(capacity), movers%gone(capacity), movers%eroded(capacity))
     allocate (movers%particle(nstate, capacity), movers%values(nvalues, capacity))
     allocate (movers%chunk(64))
   end subroutine movers_allocate
@@ -63,6 +64,7 @@ contains
     movers%id(movers%n) = id
     movers%here(movers%n) = here
     movers%gone(movers%n) = .false.
+    movers%eroded(movers%n) = .false.
     movers%row(movers%n) = row
     movers%bin(movers%n) = 0
   end subroutine movers_add
@@ -87,6 +89,7 @@ contains
     new%id(:n) = movers%id(:n)
     new%here(:n) = movers%here(:n)
     new%gone(:n) = movers%gone(:n)
+    new%eroded(:n) = movers%eroded(:n)
     new%row(:n) = movers%row(:n)
     new%bin(:n) = movers%bin(:n)
     new%particle(:, :n) = movers%particle(:, :n)
@@ -105,6 +108,7 @@ contains
     call move_alloc(from%id, to%id)
     call move_alloc(from%here, to%here)
     call move_alloc(from%gone, to%gone)
+    call move_alloc(from%eroded, to%eroded)
     call move_alloc(from%row, to%row)
     call move_alloc(from%bin, to%bin)
     call move_alloc(from%particle, to%particle)

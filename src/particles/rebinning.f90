@@ -72,6 +72,7 @@ contains
     movers%without_bin = .false.
     do m = 1, movers%n
       movers%bin(m) = 0
+      if (movers%eroded(m)) cycle
       movers%gone(m) = any(movers%particle(:d, m) < lower(:d) .or. &
                            movers%particle(:d, m) > upper(:d))
       if (movers%gone(m)) cycle

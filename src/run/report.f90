@@ -210,6 +210,11 @@ contains
       call log%warning(integer_text(model%findings%lost)// &
                        ' particles left the grid and were removed')
     end if
+    if (model%method%erodes) then
+      call log%line(integer_text(nint(model%ledger%eroded%particles, i8))//' particles were '// &
+                    'eroded, of mass '//real_text(model%ledger%eroded%mass)//' and energy '// &
+                    real_text(model%ledger%eroded%kinetic + model%ledger%eroded%internal))
+    end if
     call verdict%report(log)
     if (.not. allocated(error)) return
     if (error%code == exit_stopped) then
@@ -343,6 +348,15 @@ contains
     end if
     if (model%method%damped) then
       call summary%set('energy.damping_dissipation', model%ledger%damping_dissipation)
+    end if
+    if (model%method%erodes) then
+      associate (eroded => model%ledger%eroded)
+        call summary%set('eroded.particles', nint(eroded%particles, i8))
+        call summary%set('eroded.mass', eroded%mass)
+        call summary%set('eroded.momentum', eroded%momentum)
+        call summary%set('eroded.kinetic_energy', eroded%kinetic)
+        call summary%set('eroded.internal_energy', eroded%internal)
+      end associate
     end if
     call summary%set('energy.interpolation_error', model%ledger%interpolation_error)
     call summary%set('energy.predicted_error', model%ledger%predicted)

@@ -35,6 +35,7 @@ module sgmp_verdict
   real(dp), parameter :: largest_compression = 30.0_dp  !! density over the initial one, of a gas
   real(dp), parameter :: largest_condensed = 3.0_dp    !! of other matter: no shock reaches more
   real(dp), parameter :: largest_collapse = 20.0_dp    !! longest step over shortest
+  real(dp), parameter :: largest_eroded = 0.05_dp      !! part of the mass
   real(dp), parameter :: least_thickness = 2.0_dp      !! cells across a body
 
   integer, parameter :: reason_length = 240
@@ -89,6 +90,7 @@ contains
     end if
     call end_state_take(scene, model, self%state)
     call judge_energy(self, model%findings%lost)
+    call judge_erosion(self, model)
     call judge_volumes(self, scene%method%volumes_kept)
     call judge_particles(self, scene)
     call judge_resolution(self, scene, thinnest)
@@ -122,6 +124,20 @@ contains
                        'not into contact: use update=musl, smaller cells')
     end if
   end subroutine judge_energy
+
+  !> Mass that erosion has taken away from what would have been hit or held by it.
+  subroutine judge_erosion(self, model)
+    type(verdict_t), intent(inout) :: self
+    type(model_t), intent(in) :: model
+    real(dp) :: all
+    associate (eroded => model%ledger%eroded%mass)
+      all = eroded + sum(model%totals%bodies%mass, mask=.not. model%bodies%rigid)
+      if (eroded > largest_eroded*all) then
+        call self%object(percent(eroded/all)//' of the mass was eroded: what it would have '// &
+                         'pushed or stopped is not in the result; raise the limits of erode')
+      end if
+    end associate
+  end subroutine judge_erosion
 
   !> Volumes that sum to more or less than the room that there is.
   subroutine judge_volumes(self, kept)

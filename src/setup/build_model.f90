@@ -66,6 +66,7 @@ contains
     model%method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
     model%method%spins = spin_components(scene)
     model%method%swirl = scene%swirl
+    model%method%erodes = any([(scene%materials(b)%law%erosion%given, b=1, size(scene%materials))])
     model%method%damped = scene%damping%rate > 0.0_dp .or. scene%damping%kinetic
     model%method%damping = scene%damping%rate
     model%method%kinetic_damping = scene%damping%kinetic

@@ -10,6 +10,7 @@ module DIM(sgmp_chunk)
   use sgmp_body, only: body_t
   use sgmp_columns, only: relax_stiffness, relax_total
   use sgmp_constitutive, only: constitutive_t
+  use sgmp_erosion, only: erosion_wanted
   use sgmp_expression, only: expression_places, expression_time
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
@@ -169,8 +170,9 @@ contains
 #ifdef AXISYMMETRIC
     real(dp) :: radius(lanes)
 #endif
-    logical :: outside
+    logical :: outside, erodes, eroded(lanes)
     outside = .false.
+    erodes = plan%drift .and. body%law%erosion%given .and. .not. body%law%rigid
     call locate(motion, origin, xi)
     call enter_cells(task%span, xi, cell)
     if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
@@ -212,7 +214,13 @@ contains
 #endif
     call update_stress(body%law, plan, task, task%live(1, nl), motion, got, nb, &
                        state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
-    if (plan%strain) call check_chunk(nl, id, task%live(1, nl), motion, speed2, jacobian, work)
+    if (erodes) then
+      call choose_eroded(body%law, plan%strain, nl, motion, speed2, nb, state, eroded)
+      if (plan%strain) call check_chunk(nl, id, merge(0.0_dp, task%live(:, nl), eroded), motion, &
+                                        speed2, jacobian, work)
+    else if (plan%strain) then
+      call check_chunk(nl, id, task%live(1, nl), motion, speed2, jacobian, work)
+    end if
 #ifdef AXISYMMETRIC
     if (plan%stress .and. .not. task%centred) call hoop_force(task, motion, values)
 #endif
@@ -242,6 +250,8 @@ contains
       call split_particles(mesh, body, plan, task, s, extent, nl, got(1, task%gradient), nb, &
                            motion, state, id, xi, values, lane_sums, movers)
     end if
+    if (erodes) call note_eroded(task, s, extent, nl, eroded, nb, motion, state, id, xi, values, &
+                                 movers)
     if (outside) call note_movers(task, s, extent, nl, nb, motion, state, id, xi, values, movers)
     if (plan%drift) call enter_cells(task%span, xi, cell)
     if (task%wide .and. (plan%drift .or. plan%mass .and. body%sides_stretch)) then
@@ -673,6 +683,49 @@ contains
       if (axis(l) > 0) call take_out(l, extent, task%values, id, xi, values)
     end do
   end subroutine split_particles
+
+  !> Which particles are to be removed. One that is inside out is left to stop the run.
+  pure subroutine choose_eroded(law, strains, nl, motion, speed2, nb, state, eroded)
+    type(constitutive_t), intent(in) :: law
+    logical, intent(in) :: strains               !! the sound speed is known
+    integer, intent(in) :: nl, nb
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), speed2(lanes), state(lanes, nb)
+    logical, intent(out) :: eroded(lanes)
+    real(dp) :: strain, damage, speed
+    integer :: l
+    eroded = .false.
+    do l = 1, nl
+      strain = 0.0_dp
+      damage = 0.0_dp
+      speed = 0.0_dp
+      if (law%slots%plastic > 0) strain = state(l, law%slots%plastic)
+      if (law%slots%damage > 0) damage = state(l, law%slots%damage)
+      if (strains) speed = sqrt(max(speed2(l), 0.0_dp)) + &
+                           norm2(motion(l, before_v + 1:before_v + NDIM))
+      eroded(l) = erosion_wanted(law%erosion, strain, damage, speed)
+    end do
+  end subroutine choose_eroded
+
+  !> Notes particles that are removed, unless they have just been split, and takes them out of their
+  !! bin and of the scatter.
+  pure subroutine note_eroded(task, s, extent, nl, eroded, nb, motion, state, id, xi, values, &
+                              movers)
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: s, nl, nb
+    logical, intent(in) :: eroded(lanes)
+    real(dp), intent(in) :: extent(2, NDIM)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    integer(i4), intent(inout) :: id(lanes)
+    real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
+    type(movers_t), intent(inout) :: movers
+    integer :: l
+    do l = 1, nl
+      if (.not. eroded(l) .or. id(l) == 0) cycle
+      call note_mover(task, s, l, id(l), .true., nb, motion, state, values, movers)
+      movers%eroded(movers%n) = .true.
+      call take_out(l, extent, task%values, id, xi, values)
+    end do
+  end subroutine note_eroded
 
   !> Notes particles that left the bin and takes them out of it and of the scatter.
   pure subroutine note_movers(task, s, extent, nl, nb, motion, state, id, xi, values, movers)

@@ -12,8 +12,15 @@ module sgmp_energy
   implicit none
   private
   public :: ledger_t, ledger_open, ledger_step, ledger_relax, ledger_after_kick, ledger_split, &
-            ledger_damp
+            ledger_damp, ledger_erode, eroded_t
   public :: ledger_total, ledger_drift, step_sums_t
+
+  !> What particles that were removed have taken along.
+  type :: eroded_t
+    real(dp) :: particles = 0.0_dp, mass = 0.0_dp
+    real(dp) :: momentum(3) = 0.0_dp
+    real(dp) :: kinetic = 0.0_dp, internal = 0.0_dp
+  end type eroded_t
 
   !> Sums of one step.
   type :: step_sums_t
@@ -33,6 +40,7 @@ module sgmp_energy
     real(dp) :: rigid_work = 0.0_dp  !! work of rigid bodies on the others
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: ignored_nodes = 0.0_dp      !! nodes below the mass cut-off
+    type(eroded_t) :: eroded
   end type step_sums_t
 
   !> Energies and their history.
@@ -44,6 +52,7 @@ module sgmp_energy
     real(dp) :: viscous_dissipation = 0.0_dp
     real(dp) :: damping_dissipation = 0.0_dp
     real(dp) :: filter_heat = 0.0_dp, volume_correction = 0.0_dp  !! for kept volumes
+    type(eroded_t) :: eroded
     real(dp) :: split_energy = 0.0_dp        !! kinetic energy that splitting particles has added
     real(dp) :: interpolation_error = 0.0_dp  !! sum of dt^2/2 (sum_I m|a|^2 - sum_p m|a|^2), Eq. 43
     real(dp) :: remainder = 0.0_dp           !! kinetic energy that the identity does not explain
@@ -66,13 +75,14 @@ contains
   end function ledger_total
 
   !> Part of the energy supplied that has come from nowhere (or, if negative, is gone): the total
-  !! energy and what contact and damping have taken, less the energy at the start and the external
-  !! work, over the most that was there to be spent. What the scheme itself dissipates or creates is
-  !! in it; so is the kinetic energy of removed particles.
+  !! energy and what contact, damping and erosion have taken, less the energy at the start and
+  !! the external work, over the most that was there to be spent. What the scheme itself dissipates or
+  !! creates is in it; so is the kinetic energy of removed particles.
   pure function ledger_drift(ledger) result(drift)
     type(ledger_t), intent(in) :: ledger
     real(dp) :: drift
-    drift = (ledger_total(ledger) + ledger%contact_dissipation + ledger%damping_dissipation - &
+    drift = (ledger_total(ledger) + ledger%contact_dissipation + ledger%damping_dissipation + &
+             (ledger%eroded%kinetic + ledger%eroded%internal) - &
              ledger%initial_total - ledger%external_work)/max(ledger%supplied, tiny(1.0_dp))
   end function ledger_drift
 
@@ -139,6 +149,21 @@ contains
     ledger%predicted = ledger%predicted + sums%split
     ledger%split_energy = ledger%split_energy + sums%split
   end subroutine ledger_split
+
+  !> Books what particles take along that are removed after the kick.
+  pure subroutine ledger_erode(ledger, eroded)
+    type(ledger_t), intent(inout) :: ledger
+    type(eroded_t), intent(in) :: eroded
+    ledger%kinetic = ledger%kinetic - eroded%kinetic
+    ledger%internal = ledger%internal - eroded%internal
+    ledger%momentum = ledger%momentum - eroded%momentum
+    ledger%predicted = ledger%predicted - (eroded%kinetic + eroded%internal)
+    associate (all => ledger%eroded)
+      all = eroded_t(all%particles + eroded%particles, all%mass + eroded%mass, &
+                     all%momentum + eroded%momentum, all%kinetic + eroded%kinetic, &
+                     all%internal + eroded%internal)
+    end associate
+  end subroutine ledger_erode
 
   !> Books the kinetic energy that is lost where all velocities are multiplied by a factor.
   pure subroutine ledger_damp(ledger, factor)

@@ -46,6 +46,7 @@ contains
     type(movers_t), intent(inout) :: movers
     integer :: m, d
     do m = 1, movers%n
+      if (movers%eroded(m)) cycle
       do d = 1, mesh%ndim
         associate (x => movers%particle(d, m), &
                    v => movers%particle(motion_velocity(mesh%ndim) + d - 1, m), &

@@ -19,6 +19,7 @@ module sgmp_method
     logical :: swirl = .false.              !! axisymmetric: with a velocity around the axis
     integer :: spins = 0                    !! components of the spin that particles carry
     real(dp) :: cutoff = 0.0_dp             !! node mass below which a node is ignored
+    logical :: erodes = .false.             !! particles may be removed
     logical :: damped = .false.             !! the deck has damping
     real(dp) :: damping = 0.0_dp            !! rate at which velocities decay
     logical :: kinetic_damping = .false.    !! all stop when the kinetic energy has fallen

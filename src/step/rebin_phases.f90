@@ -12,6 +12,7 @@ module sgmp_rebin_phases
   use sgmp_kinds, only: dp, i4
   use sgmp_lost_particles, only: lost_particles_find_bins
   use sgmp_mesh, only: mesh_t
+  use sgmp_motion, only: motion_mass, motion_velocity
   use sgmp_movers, only: movers_read, movers_reset, movers_t, movers_write
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
   use sgmp_parallel, only: parallel_collect
@@ -22,6 +23,9 @@ module sgmp_rebin_phases
   use sgmp_rebinning, only: arrivals_t, particles_close_lists, particles_extend_bins, &
                             particles_receive, particles_receive_rest
   use sgmp_space, only: axis_names
+  use sgmp_sums, only: eroded_count, eroded_internal, eroded_kinetic, eroded_mass, eroded_moment, &
+                       eroded_momentum, eroded_sums, nodes_sums, sweep_sums
+  use sgmp_tally, only: tally_add
   use sgmp_team, only: team_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_timers, only: phase_halo, timers_move, timers_t, wall_time
@@ -51,6 +55,9 @@ contains
     findings%moved = 0
     if (plan%drift) then
       call report_escaped(plan, mesh, bodies, team%movers, findings%failure)
+      do b = 1, size(bodies)
+        if (bodies(b)%law%erosion%given) call book_eroded(b, bodies, team%movers(b, :), findings)
+      end do
       if (ranks%partition%ranks > 1) then
         call exchange_movers(plan, mesh, bodies, team%movers, ranks, findings, timers)
       end if
@@ -101,6 +108,37 @@ contains
     end do
   end subroutine report_escaped
 
+  !> Adds what particles of a body that are removed take along to the sums of the step.
+  subroutine book_eroded(b, bodies, lists, findings)
+    integer, intent(in) :: b                     !! the body
+    type(body_t), intent(in) :: bodies(:)
+    type(movers_t), intent(in) :: lists(:)       !! of the body
+    type(findings_t), intent(inout) :: findings
+    real(dp) :: terms(eroded_sums), mass
+    integer :: s, m, n, first
+    n = bodies(b)%particles%ndim
+    first = 1 + size(bodies)*sweep_sums + nodes_sums + (b - 1)*eroded_sums
+    do s = 1, size(lists)
+      do m = 1, lists(s)%n
+        if (.not. lists(s)%eroded(m)) cycle
+        associate (particle => lists(s)%particle(:, m), law => bodies(b)%law)
+          mass = particle(motion_mass(n))
+          terms = 0.0_dp
+          terms(eroded_count) = 1.0_dp
+          terms(eroded_mass) = mass
+          terms(eroded_moment:eroded_moment + n - 1) = mass*particle(:n)
+          terms(eroded_momentum:eroded_momentum + n - 1) = &
+            mass*particle(motion_velocity(n):motion_velocity(n) + n - 1)
+          terms(eroded_kinetic) = 0.5_dp*mass* &
+                                  sum(particle(motion_velocity(n):motion_velocity(n) + n - 1)**2)
+          terms(eroded_internal) = mass/law%density* &
+                                   particle(bodies(b)%particles%motion_columns + law%slots%energy)
+        end associate
+        call tally_add(findings%tally, first, terms)
+      end do
+    end do
+  end subroutine book_eroded
+
   !> Tells the neighbours of the particles that have moved into their planes, or next to them.
   !!
   !! Where particles may cross more than a cell, every rank tells all others.
@@ -126,6 +164,7 @@ contains
         associate (movers => lists(b, s), particles => bodies(b)%particles, &
                    partition => ranks%partition)
           do m = 1, movers%n
+            if (movers%eroded(m)) cycle
             bin = bin_coordinates(particles, movers%particle(:, m))
             plane = bin(3)
             if (far) then

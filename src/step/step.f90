@@ -8,7 +8,8 @@ module sgmp_step
   use sgmp_contact, only: contact_step_t
   use sgmp_contact_phases, only: phase_contact_force, phase_contact_velocity, phase_find_contact
   use sgmp_damping, only: damping_factor, damping_slow
-  use sgmp_energy, only: ledger_after_kick, ledger_relax, ledger_split, ledger_step
+  use sgmp_energy, only: ledger_after_kick, ledger_erode, ledger_relax, &
+                         ledger_split, ledger_step
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_relax, phase_remap, &
@@ -253,7 +254,8 @@ contains
   subroutine step_open(model)
     type(model_t), intent(inout) :: model
     model%findings%fastest_before = model%findings%fastest
-    call totals_open(model%totals, model%findings, model%contact, size(model%bodies))
+    call totals_open(model%totals, model%findings, model%contact, size(model%bodies), &
+                     model%method%erodes)
   end subroutine step_open
 
   !> Puts together what the ranks have found.
@@ -263,7 +265,7 @@ contains
     real(dp) :: since
     since = wall_time()
     call totals_close(model%totals, model%findings, model%contact, model%fields, model%bodies, &
-                      model%ranks%partition, whole)
+                      model%ranks%partition, whole, model%method%erodes)
     if (model%ranks%partition%ranks > 1) call timers_move(model%timers, phase_halo, since)
   end subroutine step_close
 
@@ -279,6 +281,7 @@ contains
     if (model%method%relaxed) call ledger_relax(model%ledger, model%totals%sums)
     if (model%method%split > 0.0_dp) call ledger_split(model%ledger, model%totals%sums)
     if (model%method%swirl) call ledger_after_kick(model%ledger, model%totals%sums)
+    if (model%method%erodes) call ledger_erode(model%ledger, model%totals%sums%eroded)
     model%findings%lost_before = lost
   end subroutine book_step
 

@@ -4,6 +4,8 @@ module sgmp_sums
   private
   public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, &
             sum_moment, sum_angular, sum_filter, sum_swirl, sum_volume, sum_split
+  public :: eroded_sums, eroded_count, eroded_mass, eroded_momentum, eroded_moment, &
+            eroded_kinetic, eroded_internal
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_ignored
 
   integer, parameter :: sweep_sums = 13    !! entries of a plane's sums over particles
@@ -20,6 +22,14 @@ module sgmp_sums
   integer, parameter :: sum_swirl = sum_filter
   integer, parameter :: sum_volume = 12  !! sum |dV| p of volumes that are put right
   integer, parameter :: sum_split = 13   !! kinetic energy of the halves of particles apart
+
+  integer, parameter :: eroded_sums = 10   !! entries of a body's sums over particles that go
+  integer, parameter :: eroded_count = 1
+  integer, parameter :: eroded_mass = 2
+  integer, parameter :: eroded_momentum = 3  !! first of sum m v (3 components)
+  integer, parameter :: eroded_moment = 6  !! first of sum m X (3 components, in cells)
+  integer, parameter :: eroded_kinetic = 9
+  integer, parameter :: eroded_internal = 10
 
   integer, parameter :: nodes_sums = 4     !! entries of a plane's sums over nodes
   integer, parameter :: nodes_mass_aa = 1  !! sum m_I |a_I|^2

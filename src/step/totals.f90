@@ -3,14 +3,16 @@ module sgmp_totals
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_t
   use sgmp_contact_ledger, only: contact_sums_t, ledger_close
-  use sgmp_energy, only: step_sums_t
+  use sgmp_energy, only: eroded_t, step_sums_t
   use sgmp_field, only: field_t
   use sgmp_findings, only: findings_t
   use sgmp_halo, only: halo_own_planes
   use sgmp_kinds, only: dp, i8
   use sgmp_parallel, only: parallel_agree, parallel_max_place
   use sgmp_partition, only: partition_t
-  use sgmp_sums, only: nodes_external, nodes_ignored, nodes_mass_aa, nodes_mass_av, nodes_sums, &
+  use sgmp_sums, only: eroded_count, eroded_internal, eroded_kinetic, eroded_mass, eroded_moment, &
+                       eroded_momentum, eroded_sums, nodes_external, nodes_ignored, &
+                       nodes_mass_aa, nodes_mass_av, nodes_sums, &
                        sum_filter, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, &
                        sum_momentum, sum_split, sum_viscous, sum_volume, sweep_sums
   use sgmp_tally, only: tally_reset, tally_total
@@ -37,19 +39,21 @@ module sgmp_totals
 contains
 
   !> Forgets the sums of the step before.
-  subroutine totals_open(totals, findings, contact, bodies)
+  subroutine totals_open(totals, findings, contact, bodies, erodes)
     type(totals_t), intent(inout) :: totals
     type(findings_t), intent(inout) :: findings
     type(contact_t), intent(inout) :: contact
     integer, intent(in) :: bodies                !! how many
+    logical, intent(in) :: erodes                !! particles may be removed
     totals%sums = step_sums_t()
     contact%terms%n = 0
-    call tally_reset(findings%tally, bodies*sweep_sums + nodes_sums)
+    call tally_reset(findings%tally, bodies*sweep_sums + nodes_sums + &
+                     merge(bodies*eroded_sums, 0, erodes))
   end subroutine totals_open
 
   !> Puts together what the ranks have found in a step: sums, particles, the fastest of them, and
   !! whether anything failed; with `whole` the sums are those of a whole step.
-  subroutine totals_close(totals, findings, contact, fields, bodies, partition, whole)
+  subroutine totals_close(totals, findings, contact, fields, bodies, partition, whole, erodes)
     type(totals_t), intent(inout) :: totals
     type(findings_t), intent(inout) :: findings
     type(contact_t), intent(inout) :: contact
@@ -57,9 +61,11 @@ contains
     type(body_t), intent(in) :: bodies(:)
     type(partition_t), intent(in) :: partition
     logical, intent(in) :: whole
-    real(dp) :: sums(size(bodies)*sweep_sums + nodes_sums)
+    logical, intent(in) :: erodes                !! as in totals_open
+    real(dp) :: sums(size(bodies)*sweep_sums + nodes_sums + &
+                     merge(size(bodies)*eroded_sums, 0, erodes))
     integer(i8) :: counts(size(bodies) + 4)
-    integer :: b, n
+    integer :: b, n, e
     n = size(bodies)
     counts(:n) = int(bodies%particles%count, i8)
     counts(n + 1) = int(findings%lost_here, i8)
@@ -78,7 +84,11 @@ contains
       call add_body(bodies(b), sums((b - 1)*sweep_sums + 1:b*sweep_sums), totals%bodies(b), &
                     totals%sums)
     end do
-    call add_nodes(sums(n*sweep_sums + 1:), totals%sums)
+    call add_nodes(sums(n*sweep_sums + 1:n*sweep_sums + nodes_sums), totals%sums)
+    do b = 1, merge(n, 0, erodes)
+      e = n*sweep_sums + nodes_sums + (b - 1)*eroded_sums
+      call take_eroded(sums(e + 1:e + eroded_sums), totals%bodies(b), totals%sums%eroded)
+    end do
     call add_contact(contact, counts(n + 4) > 0_i8, totals%sums)
   end subroutine totals_close
 
@@ -116,6 +126,23 @@ contains
     all%volume_correction = all%volume_correction + sums(sum_volume)
     all%split = all%split + sums(sum_split)
   end subroutine add_body
+
+  !> Takes from a body what its particles that were removed have taken along.
+  pure subroutine take_eroded(sums, own, all)
+    real(dp), intent(in) :: sums(eroded_sums)
+    type(body_sums_t), intent(inout) :: own      !! of the body
+    type(eroded_t), intent(inout) :: all         !! of the step
+    own%mass = own%mass - sums(eroded_mass)
+    own%moment = own%moment - sums(eroded_moment:eroded_moment + 2)
+    own%momentum = own%momentum - sums(eroded_momentum:eroded_momentum + 2)
+    own%kinetic = own%kinetic - sums(eroded_kinetic)
+    own%internal = own%internal - sums(eroded_internal)
+    all%particles = all%particles + sums(eroded_count)
+    all%mass = all%mass + sums(eroded_mass)
+    all%momentum = all%momentum + sums(eroded_momentum:eroded_momentum + 2)
+    all%kinetic = all%kinetic + sums(eroded_kinetic)
+    all%internal = all%internal + sums(eroded_internal)
+  end subroutine take_eroded
 
   !> Adds the nodes' sums.
   pure subroutine add_nodes(sums, all)

@@ -141,6 +141,12 @@ output csv at=end fields=stress,density,energy,damage,plastic_strain
 SCATTERED = FAILING.replace("failure spalling pmin=-0.5", "failure spalling pmin=-0.5 weibull=3").replace("failure=yes d1=0.03", "failure=yes d1=0.03\nfailure torn weibull=2 seed=5").replace(
     "plastic_strain=0.02 carries=nothing", "plastic_strain=0.02 fracture_energy=0.01 weibull=4 seed=3").replace("plastic_strain\n", "plastic_strain,strength\n")
 
+# The same without the heap, and what has come to nothing goes.
+ERODING = SCATTERED.replace("body heap", "! body heap").replace("stress,density,energy", "mass,energy").replace("failure brittle", """erode torn failed=yes
+erode spalling plastic_strain=0.05
+erode brittle failed=yes time_step=0.02
+failure brittle""")
+
 # A ball on the axis and a tube that closes on it, walls below and outside.
 HOOPS = """
 parameter method = sgmp

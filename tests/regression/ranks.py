@@ -11,7 +11,7 @@ import os
 import re
 import subprocess
 
-from _runs import (CONE, ENVIRONMENT, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SCRATCH, SCATTERED, SEAT, SGMP,
+from _runs import (CONE, ENVIRONMENT, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SCRATCH, SCATTERED, SEAT, SGMP,
                    SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run)
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
@@ -209,6 +209,7 @@ SCENES = [
     ("fluids", FLUIDS, {}, FEW),
     ("failing", FAILING, {}, FEW),
     ("scattered", SCATTERED, {}, FEW),
+    ("eroding", ERODING, {}, LAYOUTS),
     ("kept", KEPT_PLANE, {}, FEW),
     ("kept_space", KEPT_SPACE, {}, FEW),
     ("kept_rings", KEPT_RINGS, {}, FEW),

@@ -5,7 +5,7 @@ usage: threads.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import os
 
-from _runs import CONE, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, SCATTERED, SEAT, SPLIT, SPLIT_GAS, SPLIT_SPACE, SWIRL, Report, run
+from _runs import CONE, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, SCATTERED, SEAT, SPLIT, SPLIT_GAS, SPLIT_SPACE, SWIRL, Report, run
 
 # Detonation from a corner of a charge in two or three dimensions, walls on two sides.
 CHARGE = """
@@ -42,6 +42,7 @@ SCENES = [
     ("fluids", FLUIDS, {}),
     ("failing", FAILING, {}),
     ("scattered", SCATTERED, {}),
+    ("eroding", ERODING, {}),
     ("kept", KEPT_PLANE, {}),
     ("kept_space", KEPT_SPACE, {}),
     ("split", SPLIT, {}),
