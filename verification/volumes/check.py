@@ -65,7 +65,7 @@ def boxes(book, full):
         order = np.argsort(particles.fields["volume"])
         shown = axis.scatter(particles.points[order, 0], particles.points[order, 1], c=particles.fields["pressure"][order], s=40*particles.fields["volume"][order],
                              vmin=0, vmax=3000, cmap="viridis", alpha=0.7, linewidth=0)
-        axis.set(title=f"volumes {name}", xlim=(0, 20), ylim=(0, 12), aspect="equal")
+        axis.set(title=f"volumes {name}", xlim=(0, 20), ylim=(0, 12), aspect="equal", xlabel="x (mm)", ylabel="y (mm)")
     figure.colorbar(shown, ax=axes, label="pressure (MPa)")
     book.figure("volumes_box", figure, "Half-filled box at 0.2 ms; areas of the dots are the particles' volumes.")
 
