@@ -6,6 +6,8 @@
 !! component of `constitutive_t`, and a case in law_keys, law_pressure and law_read; its kernel is
 !! called in stress_update.F90. An equation of state has a number, a name, a component, and a case
 !! in eos_keys, eos_set, eos_terms and eos_lanes. Nothing else knows of them.
+!!
+!! Longer than 500 lines: one table, with a case for each law and each equation of state.
 module sgmp_constitutive
   use sgmp_burn, only: burn_keys, burn_read
   use sgmp_eos, only: eos_sound_speed_squared
@@ -376,14 +378,8 @@ contains
         call fault_make(fault, '', "nothing says when '"//name//"' fails", &
                         'give pmin, principal_stress or plastic_strain, or '// &
                         'johnson_cook failure=yes')
-      else if (law%softens .and. law%jc%failure) then
-        call fault_make(fault, 'fracture_energy', "the damage of '"//name// &
-                        "' grows by Johnson and Cook's constants already", &
-                        'remove fracture_energy, or failure=yes of the material')
-      else if (law%softens .and. law%failure%carries == carries_everything) then
-        call fault_make(fault, 'fracture_energy', "'"//name//"' carries everything when it has "// &
-                        'failed, and does not soften', &
-                        'remove fracture_energy, or carries=everything')
+      else if (law%softens) then
+        call check_softening(law, name, fault)
       end if
     case (material_fluid)
       if (.not. values%has('pmin') .or. values%has('principal_stress') .or. &
@@ -419,6 +415,22 @@ contains
                       ' pmin=…, or johnson_cook failure=yes')
     end if
   end subroutine law_set_erosion
+
+  !> Whether a law that is to soften can.
+  pure subroutine check_softening(law, name, fault)
+    type(constitutive_t), intent(in) :: law
+    character(*), intent(in) :: name  !! of the material
+    type(fault_t), allocatable, intent(out) :: fault
+    if (law%jc%failure) then
+      call fault_make(fault, 'fracture_energy', "the damage of '"//name// &
+                      "' grows by Johnson and Cook's constants already", &
+                      'remove fracture_energy, or failure=yes of the material')
+    else if (law%failure%carries == carries_everything) then
+      call fault_make(fault, 'fracture_energy', "'"//name//"' carries everything when it has "// &
+                      'failed, and does not soften', &
+                      'remove fracture_energy, or carries=everything')
+    end if
+  end subroutine check_softening
 
   !> Gives a law its lengths: the side of the cells, for viscosity and burn front, and the width of
   !! the band in which a crack opens.

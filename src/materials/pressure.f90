@@ -13,6 +13,8 @@ module sgmp_pressure
   private
   public :: cavitate, equation_of_state, explosive, release, soften, viscosity
 
+  integer, parameter :: components = 6  !! of a stress in space
+
 contains
 
   !> Detonation products: JWL pressure behind the burn front, none ahead of it.
@@ -66,7 +68,7 @@ contains
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)      !! with the deviator, undamaged
     real(dp), intent(inout) :: mean(lanes), speed2(lanes), work(lanes)
-    real(dp) :: stress(lanes, 6), strength(lanes), whole(lanes), missing, left
+    real(dp) :: stress(lanes, components), strength(lanes), whole(lanes), missing, left
     integer :: l, n
     n = law%slots%stresses
     associate (deviator => b(:, law%slots%stress:law%slots%stress + n - 1), &

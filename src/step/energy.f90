@@ -76,8 +76,8 @@ contains
 
   !> Part of the energy supplied that has come from nowhere (or, if negative, is gone): the total
   !! energy and what contact, damping and erosion have taken, less the energy at the start and
-  !! the external work, over the most that was there to be spent. What the scheme itself dissipates or
-  !! creates is in it; so is the kinetic energy of removed particles.
+  !! the external work, over the most that was there to be spent. What the scheme itself dissipates
+  !! or creates is in it; so is the kinetic energy of removed particles.
   pure function ledger_drift(ledger) result(drift)
     type(ledger_t), intent(in) :: ledger
     real(dp) :: drift
