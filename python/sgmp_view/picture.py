@@ -226,10 +226,10 @@ def draw_line(points, values, name, units):
 
 
 def draw_cloud(points, values, name, units, spacing, outline, options, axes="xyz", box=None):
-    """A figure of a plane or solid cloud with its colour bar; `box`: corners of what is to be in it."""
+    """A figure of a plane or solid cloud with its colour bar; `box`: corners of what it shows instead of all."""
     view = normal_of(points, options.axis)
     across, up = VIEWS[view][:2]
-    shown = np.vstack([cloud for cloud in (points, outline, box) if cloud is not None])
+    shown = np.vstack([cloud for cloud in ((points, outline) if box is None else box) if cloud is not None])
     extent = np.ptp(shown[:, [across, up]], axis=0) + 3 * spacing
     size = extent * min(7.5 / extent[0], 6.5 / extent[1])
     figure, axis = plt.subplots(figsize=(size[0] + 1.9, max(size[1], 1.8) + 0.9), layout="constrained")

@@ -70,6 +70,13 @@ def tables(values):
         yield "</table>"
 
 
+def common_window(clouds):
+    """Corners of the box that holds all of the first cloud and nearly all of the others: what flies away would make the rest small."""
+    ends = [np.percentile(cloud.points, [0.5, 99.5], axis=0) for cloud in clouds]
+    ends.append([clouds[0].points.min(axis=0), clouds[0].points.max(axis=0)])
+    return np.min([end[0] for end in ends], axis=0), np.max([end[1] for end in ends], axis=0)
+
+
 def frames(folder, options):
     """Pictures of some dumps, or of the final particles."""
     drawing = argparse.Namespace(field=options.field, axis=options.axis, cut=options.cut, limits=None, cmap=None, title=" ",
@@ -79,8 +86,10 @@ def frames(folder, options):
         chosen = [dumps[k] for k in sorted({round(k) for k in np.linspace(0, len(dumps) - 1, min(options.frames, len(dumps)))})]
         if chosen:
             drawing.limits = common_limits(dumps[1:] or dumps, options.field)
-        for cloud in [dump.read() for dump in chosen] or [read_dump(folder)]:
-            yield embedded(picture.draw(cloud, folder, drawing))
+        clouds = [dump.read() for dump in chosen] or [read_dump(folder)]
+        box = common_window(clouds)
+        for cloud in clouds:
+            yield embedded(picture.draw(cloud, folder, drawing, box))
     except SgmpFileError as problem:
         yield f"<p>No pictures: {html.escape(str(problem))}</p>"
 
