@@ -11,6 +11,7 @@ module sgmp_state
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_t
+  use sgmp_rigid_motion, only: rigid_motion_t
   use sgmp_time_step, only: clock_t
   use sgmp_totals, only: body_sums_t
   implicit none
@@ -53,7 +54,7 @@ contains
     end do
     if (size(model%contact%pairs) > 0) call pass_memory(archive, model%contact, &
                                                          model%ranks%partition%own)
-    call pass_outputs(archive, outputs, size(model%contact%pairs))
+    call pass_outputs(archive, outputs, model%bodies, size(model%contact%pairs))
   end subroutine state_pass
 
   !> The clock less what the deck sets.
@@ -111,12 +112,32 @@ contains
     call archive%pass(body%first_id)
     call archive%pass(body%speed)
     call archive%pass(body%speed_before)
+    if (body%rigid_motion%free .or. body%rigid_motion%turns) then
+      call pass_rigid(archive, body%rigid_motion)
+    end if
     call archive%pass(sums%mass)
     call archive%pass(sums%moment)
     call archive%pass(sums%momentum)
     call archive%pass(sums%kinetic)
     call archive%pass(sums%internal)
   end subroutine pass_body
+
+  !> Of a rigid body that turns or is free.
+  subroutine pass_rigid(archive, motion)
+    type(archive_t), intent(inout) :: archive
+    type(rigid_motion_t), intent(inout) :: motion
+    call archive%pass(motion%centre)
+    call archive%pass(motion%attitude)
+    call archive%pass(motion%spin)
+    call archive%pass(motion%gradient_before)
+    call archive%pass(motion%mass)
+    call archive%pass(motion%inertia)
+    call archive%pass(motion%inverse)
+    call archive%pass(motion%momentum)
+    call archive%pass(motion%impulse)
+    call archive%pass(motion%last_change)
+    call archive%pass(motion%last_growth)
+  end subroutine pass_rigid
 
   subroutine pass_pair(archive, pair)
     type(archive_t), intent(inout) :: archive
@@ -145,9 +166,10 @@ contains
   end subroutine pass_memory
 
   !> How far the files of the run had come.
-  subroutine pass_outputs(archive, outputs, pairs)
+  subroutine pass_outputs(archive, outputs, bodies, pairs)
     type(archive_t), intent(inout) :: archive
     type(outputs_t), intent(inout) :: outputs
+    type(body_t), intent(in) :: bodies(:)
     integer, intent(in) :: pairs
     call archive%pass(outputs%dumps)
     call archive%pass(outputs%history_rows)
@@ -159,6 +181,14 @@ contains
     call archive%pass(outputs%gauges%ids, .true.)
     call archive%pass(outputs%contact%step)
     call archive%pass(outputs%contact%time)
+    if (any(bodies%rigid_motion%free .or. bodies%rigid_motion%turns)) then
+      if (.not. allocated(outputs%rigid%impulse)) then
+        allocate (outputs%rigid%impulse(6, size(bodies)), source=0.0_dp)
+      end if
+      call archive%pass(outputs%rigid%step)
+      call archive%pass(outputs%rigid%time)
+      call archive%pass(outputs%rigid%impulse)
+    end if
     if (pairs == 0) return
     if (.not. allocated(outputs%contact%impulse)) allocate (outputs%contact%impulse(6, pairs))
     call archive%pass(outputs%contact%impulse)

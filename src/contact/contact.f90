@@ -20,15 +20,16 @@ module sgmp_contact
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
+  use sgmp_rigid_motion, only: motion_kick
   use sgmp_shared_nodes, only: node_terms_t, shared_build, shared_mark, shared_meet, &
-                               shared_nodes_t
+                               shared_nodes_t, shared_place
   use sgmp_space, only: space_axisymmetric
   use sgmp_surface_exposure, only: exposure_steps, surface_expose
   use sgmp_surface_particles, only: surface_count, surface_pack
   implicit none
   private
   public :: contact_t, contact_step_t, contact_layout, contact_meet, contact_detect, &
-            contact_trial, contact_trial_strain, contact_velocity
+            contact_gather, contact_trial, contact_trial_strain, contact_velocity
 
   !> All that contact knows.
   type :: contact_t
@@ -67,7 +68,7 @@ contains
     call memory_take(contact%memory, contact%shared, [-huge(1), huge(1)])
     call shared_build(contact%shared, mesh, fields, bodies, contact%pairs, planes, &
                       contact%at_surface)
-    if (contact%at_surface) call levers_layout(contact%levers, contact%shared)
+    if (contact%at_surface) call levers_layout(contact%levers, contact%shared, mesh%h)
     call memory_give(contact%memory, contact%shared)
   end subroutine contact_layout
 
@@ -160,8 +161,9 @@ contains
 
   !> Makes the velocity that strains the particles obey the last trial: the re-mapped velocity of
   !! MUSL, or the one before the kick, of which the trial has yet to come.
-  subroutine contact_velocity(contact, fields, bodies, step, before_kick, threads)
+  subroutine contact_velocity(contact, mesh, fields, bodies, step, before_kick, threads)
     type(contact_t), intent(inout) :: contact
+    type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
     type(contact_step_t), intent(in) :: step
@@ -169,9 +171,9 @@ contains
     integer, intent(in) :: threads
     integer :: n
     !$omp parallel do schedule(dynamic, 16) num_threads(threads) if(threads > 1) default(none) &
-    !$omp& shared(contact, fields, bodies, step, before_kick) private(n)
+    !$omp& shared(contact, mesh, fields, bodies, step, before_kick) private(n)
     do n = 1, contact%shared%nodes
-      call strain_node(contact%shared, n, bodies, fields, step, before_kick)
+      call strain_node(contact%shared, n, mesh, bodies, fields, step, before_kick)
     end do
     !$omp end parallel do
   end subroutine contact_velocity
@@ -198,8 +200,9 @@ contains
       return
     end if
     nd = shared%ndim
-    call gather(shared, n, bodies, fields, node_velocity(nd), velocity, inverse_mass, moving)
-    call gather(shared, n, bodies, fields, node_acceleration, kick, inverse_mass, moving)
+    call contact_gather(shared, n, bodies, fields, node_velocity(nd), velocity, inverse_mass, &
+                        moving)
+    call contact_gather(shared, n, bodies, fields, node_acceleration, kick, inverse_mass, moving)
     kick = step%dt_kick*kick
     active = 0
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
@@ -266,9 +269,9 @@ contains
     real(dp) :: inverse_mass(3, size(velocity, 2))
     logical :: moving(size(velocity, 2))
     integer :: l
-    call gather(shared, n, bodies, fields, node_velocity(shared%ndim), velocity, inverse_mass, &
-                moving)
-    call gather(shared, n, bodies, fields, node_acceleration, kick, inverse_mass, moving)
+    call contact_gather(shared, n, bodies, fields, node_velocity(shared%ndim), velocity, &
+                        inverse_mass, moving)
+    call contact_gather(shared, n, bodies, fields, node_acceleration, kick, inverse_mass, moving)
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       associate (link => shared%link(l))
         velocity(:, link%first) = velocity(:, link%first) + &
@@ -282,9 +285,10 @@ contains
   end subroutine trial_strain_node
 
   !> Contact at one node: the velocity that strains the particles.
-  subroutine strain_node(shared, n, bodies, fields, step, before_kick)
+  subroutine strain_node(shared, n, mesh, bodies, fields, step, before_kick)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n
+    type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: bodies(:)
     type(field_t), intent(inout) :: fields(:)
     type(contact_step_t), intent(in) :: step
@@ -301,7 +305,7 @@ contains
       if (all(links%state == link_free)) return
       nd = shared%ndim
       column = merge(node_velocity(nd), node_remapped, before_kick)
-      call gather(shared, n, bodies, fields, column, velocity, inverse_mass, moving)
+      call contact_gather(shared, n, bodies, fields, column, velocity, inverse_mass, moving)
       do l = 1, size(links)
         if (.not. (moving(links(l)%first) .and. moving(links(l)%second))) call forget(links(l))
       end do
@@ -318,7 +322,8 @@ contains
     if (before_kick) return
     do k = 1, size(inverse_mass, 2)
       associate (body => bodies(shared%body(shared%member_start(n) + k - 1)))
-        kick(:, k) = merge(0.0_dp, body%speed - body%speed_before, shared%held(:, n))
+        kick(:, k) = merge(0.0_dp, motion_kick(body%rigid_motion, body%speed - body%speed_before, &
+                                               shared_place(shared, n, mesh)), shared%held(:, n))
       end associate
     end do
     call ledger_strain(shared, n, bodies, fields, inverse_mass, velocity, kick, step%after, &
@@ -348,7 +353,7 @@ contains
 
   !> A vector of all members of a node, without the components that walls hold, and the inverse
   !! masses: 0 for rigid bodies.
-  pure subroutine gather(shared, n, bodies, fields, column, vector, inverse_mass, moving)
+  pure subroutine contact_gather(shared, n, bodies, fields, column, vector, inverse_mass, moving)
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: n, column
     type(body_t), intent(in) :: bodies(:)
@@ -371,6 +376,6 @@ contains
         end if
       end associate
     end do
-  end subroutine gather
+  end subroutine contact_gather
 
 end module sgmp_contact

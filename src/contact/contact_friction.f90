@@ -8,7 +8,8 @@ module sgmp_contact_friction
   use sgmp_body, only: body_t
   use sgmp_columns, only: node_acceleration, node_velocity
   use sgmp_contact_ledger, only: body_force
-  use sgmp_contact_levers, only: levers_give, levers_see, levers_t, shift_of, tangential
+  use sgmp_contact_levers, only: levers_give, levers_see, levers_t, parts_of, shift_of, &
+                                 tangential
   use sgmp_contact_resolve, only: link_closed, link_sliding, link_sticking
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
@@ -18,7 +19,19 @@ module sgmp_contact_friction
   public :: friction_open, friction_press, friction_start, friction_turn, friction_close, &
             friction_measure, friction_hold, friction_settle
 
+  ! How vectors of a rigid body grow with the place, in units of the gradients of its velocity in
+  ! this step and in the one before.
+  real(dp), parameter :: of_velocity(2) = [1.0_dp, 0.0_dp], of_before(2) = [0.0_dp, 1.0_dp], &
+                         of_kick(2) = [1.0_dp, -1.0_dp]
+
 contains
+
+  !> The same for a velocity that strains: before the kick it is where that of the trial will be.
+  pure function of_column(ndim, column) result(slopes)
+    integer, intent(in) :: ndim, column
+    real(dp) :: slopes(2)
+    slopes = merge(of_before, of_velocity, column == node_velocity(ndim))
+  end function of_column
 
   !> Before the trial: what forces do to the slip at a node.
   pure subroutine friction_open(levers, shared, n, fields, bodies, dt, gravity)
@@ -32,9 +45,11 @@ contains
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       shared%link(l)%rub = 0.0_dp
       if (levers%response(l) <= 0.0_dp) cycle
-      levers%pull(:, :, l) = dt*levers_see(levers, shared, n, l, fields, bodies, node_acceleration)
+      levers%pull(:, :, l) = dt*levers_see(levers, shared, n, l, fields, bodies, &
+                                           node_acceleration, of_kick/dt)
       levers%before(:, :, l) = levers_see(levers, shared, n, l, fields, bodies, &
-                                          node_velocity(shared%ndim)) - levers%pull(:, :, l)
+                                          node_velocity(shared%ndim), of_velocity) - &
+                               levers%pull(:, :, l)
       levers%external(:, l) = tangential(shared, n, l, external(levers, shared, n, l, fields, &
                                                                 bodies, gravity))
     end do
@@ -81,7 +96,7 @@ contains
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       if (levers%response(l) <= 0.0_dp) cycle
       levers%pressed(:, :, l) = dt*levers_see(levers, shared, n, l, fields, bodies, &
-                                              node_acceleration)
+                                              node_acceleration, of_kick/dt)
     end do
   end subroutine friction_press
 
@@ -111,8 +126,8 @@ contains
     integer :: l
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       if (levers%response(l) <= 0.0_dp .or. shared%link(l)%state <= link_closed) cycle
-      slip = sum(levers_see(levers, shared, n, l, fields, bodies, node_velocity(shared%ndim)), &
-                 dim=2)
+      slip = sum(levers_see(levers, shared, n, l, fields, bodies, node_velocity(shared%ndim), &
+                            of_velocity), dim=2)
       call rub(levers, shared, n, l, shared%link(l)%rub + slip/levers%response(l), dt, fields)
     end do
   end subroutine friction_turn
@@ -151,13 +166,13 @@ contains
     real(dp), intent(in) :: dt
     real(dp), intent(in) :: part               !! of the strain that comes from such a velocity
     logical, intent(in) :: with_trial
-    real(dp) :: kick(3, 2)
+    real(dp) :: kick(3, parts_of)
     integer :: l
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       associate (link => shared%link(l), terms => shared%terms(n))
         link%drag = link%rub/dt
         if (levers%response(l) <= 0.0_dp) cycle
-        kick = dt*levers_see(levers, shared, n, l, fields, bodies, node_acceleration)
+        kick = dt*levers_see(levers, shared, n, l, fields, bodies, node_acceleration, of_kick/dt)
         ! sum m (|a|^2 - |b|^2) = sum m (a - b) . (a + b)
         terms%nodes_aa = terms%nodes_aa - &
                          dot_product(link%rub, levers%pressed(:, 1, l) + kick(:, 1))/dt**2
@@ -184,7 +199,8 @@ contains
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       shared%link(l)%hold = 0.0_dp
       if (levers%response(l) <= 0.0_dp) cycle
-      levers%apart(:, :, l) = levers_see(levers, shared, n, l, fields, bodies, column)
+      levers%apart(:, :, l) = levers_see(levers, shared, n, l, fields, bodies, column, &
+                                          of_column(shared%ndim, column))
     end do
   end subroutine friction_measure
 
@@ -200,7 +216,8 @@ contains
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       if (levers%response(l) <= 0.0_dp .or. shared%link(l)%state /= link_sticking) cycle
       associate (link => shared%link(l))
-        link%hold = sum(levers_see(levers, shared, n, l, fields, bodies, column), dim=2)/ &
+        link%hold = sum(levers_see(levers, shared, n, l, fields, bodies, column, &
+                                    of_column(shared%ndim, column)), dim=2)/ &
                     levers%response(l)
         call levers_give(levers, shared, n, l, link%hold, column, fields)
       end associate

@@ -15,9 +15,9 @@ module sgmp_contact_ledger
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_t
   use sgmp_parallel, only: parallel_gather
-  use sgmp_shared_nodes, only: node_terms_t, row_axis, shared_nodes_t
+  use sgmp_shared_nodes, only: node_terms_t, shared_nodes_t, shared_place
   use sgmp_space, only: axes_in_output
   use sgmp_vectors, only: cross
   implicit none
@@ -82,7 +82,7 @@ contains
     real(dp), intent(in) :: part                 !! of the strain that it makes
     real(dp), intent(in) :: gravity(3)
     real(dp), dimension(3, size(inverse_mass, 2)) :: gained, corrected
-    integer :: k, l
+    integer :: b, k, l
     gained = 0.0_dp
     corrected = 0.0_dp
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
@@ -97,7 +97,9 @@ contains
     end do
     associate (terms => shared%terms(n))
       do k = 1, size(inverse_mass, 2)
-        if (bodies(shared%body(shared%member_start(n) + k - 1))%rigid) then
+        b = shared%body(shared%member_start(n) + k - 1)
+        if (bodies(b)%rigid_motion%free) cycle  ! what it gives it loses
+        if (bodies(b)%rigid) then
           terms%rigid_work = terms%rigid_work + part*(dot_product(corrected(:, k), kick(:, k)) &
                                                       - dot_product(gained(:, k), velocity(:, k)))
         else if (any(abs(corrected(:, k)) > 0.0_dp)) then
@@ -179,15 +181,10 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(terms_t), intent(inout) :: table(:)     !! (pairs)
     real(dp) :: position(3), impulse(3)
-    integer :: axes(3), d, l, nd
+    integer :: axes(3), l
     logical :: first
-    nd = mesh%ndim
     axes = axes_in_output(:, mesh%space)
-    position = 0.0_dp
-    do d = 1, nd
-      position(d) = mesh_position(mesh%origin(d), mesh%h, &
-                                  real(shared%point(row_axis(d, nd), n), dp))
-    end do
+    position = shared_place(shared, n, mesh)
     position = position(axes)
     first = .true.
     do l = shared%link_start(n), shared%link_start(n + 1) - 1

@@ -22,12 +22,13 @@ module sgmp_contact_levers
   implicit none
   private
   public :: levers_t, levers_layout, levers_find, levers_see, levers_give, tangential, shift_of
-  public :: colours, plane_colours
+  public :: colours, parts_of, plane_colours
 
   integer, parameter :: around = 27            !! a node and those around it
   integer, parameter :: itself = 14            !! the place of the node among them
   integer, parameter :: colours = 27           !! of nodes, those of a plane follow each other
   integer, parameter :: plane_colours = 3      !! of planes
+  integer, parameter :: parts_of = 3           !! a relative vector, see levers_t
   real(dp), parameter :: least_spread = 1.0e-6_dp
     !! determinant of the spread of the masses around (cells^2 along each axis)
   real(dp), parameter :: most_turn = 4.0_dp
@@ -44,8 +45,9 @@ module sgmp_contact_levers
     real(dp), allocatable :: gain(:, :, :)     !! (around, side, links) a_J/m_J
     real(dp), allocatable :: response(:)
       !! (links) slip that a unit of impulse takes, sum a_J^2/m_J; 0: the bodies are not near
-    ! Relative vectors at the surface, across the normal: the part of deformable bodies, and that of
-    ! rigid ones. (3, 2, links)
+    real(dp) :: h = 1.0_dp                     !! cell side
+    ! Relative vectors at the surface, across the normal: the parts of deformable bodies, of rigid
+    ! ones whose motion is prescribed, and of free ones. (3, parts_of, links)
     real(dp), allocatable :: pull(:, :, :)     !! change of velocity by all forces but contact
     real(dp), allocatable :: before(:, :, :)   !! velocity before the kick
     real(dp), allocatable :: apart(:, :, :)
@@ -58,16 +60,18 @@ module sgmp_contact_levers
 contains
 
   !> Room for a new list of shared nodes, and their order.
-  pure subroutine levers_layout(levers, shared)
+  pure subroutine levers_layout(levers, shared, h)
     type(levers_t), intent(out) :: levers
     type(shared_nodes_t), intent(in) :: shared
+    real(dp), intent(in) :: h                  !! cell side
     integer :: n, c, next(colours)
+    levers%h = h
     allocate (levers%node(shared%nodes), levers%response(shared%links))
     allocate (levers%nodes(2, shared%links), levers%place(around, 2, shared%links), &
               levers%record(around, 2, shared%links))
     allocate (levers%share(around, 2, shared%links), levers%gain(around, 2, shared%links))
-    allocate (levers%pull(3, 2, shared%links), levers%before(3, 2, shared%links), &
-              levers%apart(3, 2, shared%links), levers%pressed(3, 2, shared%links), &
+    allocate (levers%pull(3, parts_of, shared%links), levers%before(3, parts_of, shared%links), &
+              levers%apart(3, parts_of, shared%links), levers%pressed(3, parts_of, shared%links), &
               levers%external(3, shared%links))
     next = 0
     do n = 1, shared%nodes
@@ -210,14 +214,16 @@ contains
 
   !> What a link sees of a nodal vector at the surface: first body minus second, across the normal,
   !! of deformable and of rigid bodies.
-  pure function levers_see(levers, shared, n, l, fields, bodies, column) result(apart)
+  pure function levers_see(levers, shared, n, l, fields, bodies, column, slopes) result(apart)
     type(levers_t), intent(in) :: levers
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: n, l                !! node and link
     type(field_t), intent(in) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
     integer, intent(in) :: column              !! the first of the vector's
-    real(dp) :: apart(3, 2)
+    real(dp), intent(in) :: slopes(2)
+      !! its gradient in a rigid body: of this step's velocity, and of that before
+    real(dp) :: apart(3, parts_of)
     real(dp) :: vector(3)
     integer :: side, at(2), b, d, last, kind
     at = shared_members(shared, n, l)
@@ -226,8 +232,13 @@ contains
     do side = 1, 2
       vector = 0.0_dp
       kind = merge(2, 1, bodies(shared%body(at(side)))%rigid)
-      associate (field => fields(shared%field(at(side))), nd => shared%ndim)
+      associate (field => fields(shared%field(at(side))), nd => shared%ndim, &
+                 motion => bodies(shared%body(at(side)))%rigid_motion)
         if (kind == 2) vector(:nd) = field%node(shared%record(at(side)), column:last)
+        if (motion%turns) vector = vector + &
+          matmul(slopes(1)*motion%gradient + slopes(2)*motion%gradient_before, &
+                 levers%h*shared%middle(l)*shared%link(l)%normal)
+        if (motion%free) kind = 3
         do b = 1, levers%nodes(side, l)
           do d = 1, nd
             vector(d) = vector(d) + levers%share(b, side, l)* &
@@ -237,7 +248,7 @@ contains
       end associate
       apart(:, kind) = apart(:, kind) + merge(vector, -vector, side == 1)
     end do
-    do kind = 1, 2
+    do kind = 1, parts_of
       apart(:, kind) = tangential(shared, n, l, apart(:, kind))
     end do
   end function levers_see

@@ -11,15 +11,14 @@ module sgmp_shared_nodes
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_reach
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
+  use sgmp_mesh, only: mesh_position, mesh_t, wall_fixed, wall_free
   use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_dilate, rows_intersection, &
     rows_planes, rows_points, rows_t, rows_union
   use sgmp_surface_particles, only: surface_bins, surface_list, surface_t
   implicit none
   private
   public :: node_terms_t, shared_nodes_t, shared_build, shared_mark, shared_meet, shared_members, &
-    most_rows, &
-            row_axis
+            shared_place, most_rows, row_axis
 
   integer, parameter :: most_rows = 9          !! rows of bins whose particles give to a node
 
@@ -134,6 +133,20 @@ contains
     integer :: place
     place = merge(3, axis, ndim == 2 .and. axis == 2)
   end function row_axis
+
+  !> Position of a shared node.
+  pure function shared_place(shared, n, mesh) result(position)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n
+    type(mesh_t), intent(in) :: mesh
+    real(dp) :: position(3)
+    integer :: d
+    position = 0.0_dp
+    do d = 1, mesh%ndim
+      position(d) = mesh_position(mesh%origin(d), mesh%h, &
+                                  real(shared%point(row_axis(d, mesh%ndim), n), dp))
+    end do
+  end function shared_place
 
   !> Counts, or with `fill` lists, the fields and the pairs at each node.
   pure subroutine list_members(shared, fields, pairs, fill)

@@ -2,12 +2,15 @@
 module sgmp_cards_contact
   use sgmp_contact_pairs, only: normal_names, normal_separating
   use sgmp_deck_card, only: deck_card_t
-  use sgmp_expression, only: expression_clone, expression_free
-  use sgmp_keys, only: kind_expression, kind_name_word, kind_real, kind_word
+  use sgmp_deck_errors, only: deck_errors_t
+  use sgmp_expression, only: expression_clone, expression_free, expression_t
+  use sgmp_keys, only: kind_expression, kind_logical, kind_name_word, kind_real, kind_vector, &
+                       kind_word
+  use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
   use sgmp_scene, only: contact_card_t
   use sgmp_scene_draft, only: draft_t
-  use sgmp_space, only: axis_names, space_axisymmetric
+  use sgmp_space, only: axis_names, omega_names, space_axisymmetric
   use sgmp_spelling, only: word_position, words_joined
   implicit none
   private
@@ -18,7 +21,6 @@ contains
   !> Registers the cards of this group.
   subroutine register_contact(registry)
     type(registry_t), intent(inout) :: registry
-    integer :: axis
     call registry%card('contact', 'Lets bodies touch, slide and separate; without it they '// &
                        'stick together where they meet. Names two bodies, one (with all '// &
                        'others) or all; the card that names more counts.', &
@@ -39,7 +41,14 @@ contains
                       'both bodies, of one, or of the stiffer', &
                       choices=words_joined(normal_names), &
                       default=trim(normal_names(normal_separating)), source='Eqs. 87 and 88')
-    call registry%card('rigid', 'Gives a body a prescribed velocity and infinite mass.', &
+    call register_rigid(registry)
+  end subroutine register_contact
+
+  subroutine register_rigid(registry)
+    type(registry_t), intent(inout) :: registry
+    integer :: axis
+    call registry%card('rigid', 'Makes a body rigid: it moves and turns as prescribed, whatever '// &
+                       'acts on it, or with free=yes by the forces on it.', &
                        'rigid punch y="-v0*sin(pi*t)"', read_rigid, check_rigid)
     call registry%key('body', kind_name_word, 'the body', slot=1, required=.true.)
     do axis = 1, 3
@@ -48,7 +57,18 @@ contains
     end do
     call registry%key(axis_names(1, space_axisymmetric), kind_expression, 'velocity along r of '// &
                       'an axisymmetric scene', unit='speed')
-  end subroutine register_contact
+    do axis = 1, 3
+      call registry%key(omega_names(axis), kind_expression, 'angular velocity about an axis in '// &
+                        'radians per time, a function of t', unit='1/time', default='0')
+    end do
+    call registry%key('about', kind_vector, 'the point that has the velocity, at the start; '// &
+                      'default: the centre of mass', unit='length')
+    call registry%key('free', kind_logical, 'contact, gravity and body forces move and turn the '// &
+                      'body, which starts with its card velocity', default='no', &
+                      source='doc/loads.md')
+    call registry%key('mass', kind_real, 'mass of a free body; default: of its particles', &
+                      unit='mass', range='(0,inf)')
+  end subroutine register_rigid
 
   subroutine read_contact(card, draft)
     type(deck_card_t), intent(in) :: card
@@ -120,24 +140,87 @@ contains
         return
       end if
       body%rigid = .true.
+      body%free = card%flag('free')
+      body%mass = card%number('mass')
+      body%about = card%vector('about')
+      body%about_given = card%has('about')
       do axis = 1, 3
-        associate (value => card%values(card%at(draft%axis_key(axis))))
-          if (value%expression%uses_position .or. value%expression%uses_initial_position) then
-            call errors%add(value%position, &
-                            'the velocity of a rigid body cannot depend on position', 'use t only')
-          end if
-          call expression_free(body%motion(axis))
-          body%motion(axis) = expression_clone(value%expression)
-        end associate
+        call take_motion(card, draft%axis_key(axis), errors, body%motion(axis))
+        call take_motion(card, omega_names(axis), errors, body%omega(axis))
       end do
     end associate
+    call check_turning(card, draft)
+    call check_freedom(card, draft)
   end subroutine read_rigid
+
+  !> A component of a prescribed motion.
+  subroutine take_motion(card, key, errors, motion)
+    type(deck_card_t), intent(in) :: card
+    character(*), intent(in) :: key
+    type(deck_errors_t), intent(inout) :: errors
+    type(expression_t), intent(inout) :: motion
+    associate (value => card%values(card%at(key)))
+      if (value%expression%uses_position .or. value%expression%uses_initial_position) then
+        call errors%add(value%position, 'the velocity of a rigid body cannot depend on position', &
+                        'use t only')
+      end if
+      call expression_free(motion)
+      motion = expression_clone(value%expression)
+    end associate
+  end subroutine take_motion
+
+  !> Bodies turn about axes that the scene has.
+  subroutine check_turning(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: axis
+    logical :: turns
+    turns = .false.
+    do axis = 1, 3
+      associate (value => card%values(card%at(omega_names(axis))))
+        if (value%expression%is_constant .and. abs(value%expression%value) <= 0.0_dp) cycle
+        turns = .true.
+        if (draft%turns_about(axis)) cycle
+        call draft%errors%add(value%position, 'nothing turns about '//omega_names(axis)(7:)// &
+                              ' '//draft%in_space(), 'remove '//omega_names(axis)// &
+                              trim(merge('; omega_z turns in the plane', &
+                                         '                            ', draft%turns_about(3))))
+      end associate
+    end do
+    if (card%has('about') .and. .not. turns) then
+      call draft%errors%add(card%place('about'), "'about' of a body that does not turn", &
+                            'give omega_x, omega_y or omega_z, or remove it')
+    end if
+  end subroutine check_turning
+
+  !> Forces or a prescription move a body, not both.
+  subroutine check_freedom(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: i
+    if (.not. card%flag('free')) then
+      if (card%has('mass')) call draft%errors%add(card%place('mass'), &
+        'the mass of a body whose motion is prescribed means nothing', 'write free=yes, or remove it')
+      return
+    end if
+    do i = 1, size(card%keys)
+      associate (value => card%values(i))
+        if (.not. value%given) cycle
+        if (all(card%keys(i)%text /= [character(7) :: 'x', 'y', 'z', 'r', omega_names, 'about'])) cycle
+        call draft%errors%add(value%position, 'a free body with a prescribed '// &
+                              trim(merge('point ', 'motion', card%keys(i)%text == 'about')), &
+                              'its initial motion is that of the card velocity: remove '// &
+                              card%keys(i)%text//', or free=yes')
+      end associate
+    end do
+  end subroutine check_freedom
 
   !> A rigid body is there to be touched.
   subroutine check_rigid(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     integer :: b, c
+    if (card%flag('free') .and. size(draft%scene%bodies) == 1) return  ! it flies
     if (lonely(card, draft)) return
     b = word_position(card%word('body'), draft%scene%bodies%name)
     if (b == 0) return

@@ -10,7 +10,7 @@ module sgmp_cards_load
   use sgmp_registry, only: registry_t
   use sgmp_scene, only: bodyforce_card_t, detonation_card_t
   use sgmp_scene_draft, only: draft_t
-  use sgmp_space, only: axis_names, space_axisymmetric
+  use sgmp_space, only: axis_names, omega_names, space_axisymmetric
   implicit none
   private
   public :: register_load
@@ -20,12 +20,19 @@ contains
   !> Registers the cards of this group.
   subroutine register_load(registry)
     type(registry_t), intent(inout) :: registry
+    integer :: axis
     call registry%card('velocity', 'Initial velocity of a body.', 'velocity rod z="-190"', &
                        read_velocity)
     call registry%key('body', kind_name_word, 'the body; default: all', default='all', slot=1)
     call register_components(registry, 'speed')
     call registry%key('spin', kind_expression, 'angular velocity about the axis, radians per '// &
                       'time, in an axisymmetric scene with swirl', unit='1/time', default='0')
+    do axis = 1, 3
+      call registry%key(omega_names(axis), kind_real, 'angular velocity about an axis, radians '// &
+                        'per time', unit='1/time', default='0')
+    end do
+    call registry%key('about', kind_vector, 'a point of those axes; default: the centre of mass '// &
+                      'of each body', unit='length')
     call registry%card('gravity', 'Constant acceleration of everything.', 'gravity (0,0,-9.81)', &
                        read_gravity, check_gravity, once=.true.)
     call registry%key('vector', kind_vector, 'acceleration', unit='acceleration', slot=1, &
@@ -91,7 +98,37 @@ contains
       end associate
     end do
     call read_spin(card, named, draft)
+    call read_omega(card, named, draft)
   end subroutine read_velocity
+
+  !> The rotation that a card gives to a body, or to all.
+  subroutine read_omega(card, named, draft)
+    type(deck_card_t), intent(in) :: card
+    integer, intent(in) :: named                 !! the body; 0: all
+    type(draft_t), intent(inout) :: draft
+    real(dp) :: omega(3)
+    integer :: b, axis
+    do axis = 1, 3
+      omega(axis) = card%number(omega_names(axis))
+      if (abs(omega(axis)) <= 0.0_dp .or. draft%turns_about(axis)) cycle
+      call draft%errors%add(card%place(omega_names(axis)), 'nothing turns about '// &
+                            omega_names(axis)(7:)//' '//draft%in_space(), &
+                            merge('in the plane it is omega_z', 'remove it                 ', &
+                                  draft%turns_about(3)))
+    end do
+    if (card%has('about') .and. all(abs(omega) <= 0.0_dp)) then
+      call draft%errors%add(card%place('about'), "'about' without a rotation", &
+                            'give omega_x, omega_y or omega_z, or remove it')
+    end if
+    do b = 1, size(draft%scene%bodies)
+      if (named /= 0 .and. named /= b) cycle
+      associate (body => draft%scene%bodies(b))
+        body%spin_at_start = omega
+        body%spin_point = huge(1.0_dp)
+        if (card%has('about')) body%spin_point = card%vector('about')
+      end associate
+    end do
+  end subroutine read_omega
 
   !> The angular velocity that a card gives to a body, or to all.
   subroutine read_spin(card, named, draft)

@@ -102,8 +102,17 @@ module sgmp_scene
     character(:), allocatable :: location         !! file:line:column of the card, for messages
     logical :: allow_overlap = .false.            !! may share space with other bodies at t = 0
     logical :: rings = .false.                    !! axisymmetric: particles are rings about r = 0
+    real(dp) :: spin_at_start(3) = 0.0_dp         !! initial angular velocity
+    real(dp) :: spin_point(3) = huge(1.0_dp)      !! about this point; huge: the centre of mass
     logical :: rigid = .false.                    !! moves as prescribed, whatever acts on it
     type(expression_t) :: motion(3)               !! its velocity, functions of t
+    type(expression_t) :: omega(3)                !! and its angular velocity
+    real(dp) :: about(3) = 0.0_dp                 !! the point that has that velocity at the start
+    logical :: about_given = .false.              !! else it is the centre of mass
+    logical :: free = .false.                     !! rigid, but forces move it
+    real(dp) :: mass = 0.0_dp                     !! of a free body; 0: that of its particles
+  contains
+    procedure :: turns => body_turns
   end type body_card_t
 
   !> Contact of two bodies, of one with all others, or of all; a card that names more bodies comes
@@ -226,6 +235,7 @@ contains
         do i = 1, size(scene%bodies)
           call expression_free(scene%bodies(i)%velocity(k))
           call expression_free(scene%bodies(i)%motion(k))
+          call expression_free(scene%bodies(i)%omega(k))
           call expression_free(scene%bodies(i)%spin)
         end do
       end if
@@ -249,8 +259,21 @@ contains
     type(body_card_t), intent(in) :: card
     logical :: rests
     rests = .false.
-    if (card%rigid) rests = all(card%motion%is_constant) .and. &
-                            all(abs(card%motion%value) <= 0.0_dp)
+    if (card%rigid .and. .not. card%free) rests = vanish(card%motion) .and. vanish(card%omega)
   end function scene_at_rest
+
+  !> Whether a body has an angular velocity.
+  pure function body_turns(self) result(yes)
+    class(body_card_t), intent(in) :: self
+    logical :: yes
+    yes = .not. vanish(self%omega)
+  end function body_turns
+
+  !> Whether functions are zero at all times.
+  pure function vanish(functions) result(yes)
+    type(expression_t), intent(in) :: functions(:)
+    logical :: yes
+    yes = all(functions%is_constant) .and. all(abs(functions%value) <= 0.0_dp)
+  end function vanish
 
 end module sgmp_scene

@@ -18,6 +18,7 @@ module sgmp_scene_draft
   contains
     procedure :: axis_key
     procedure :: in_space
+    procedure :: turns_about
     procedure :: material_of
     procedure :: body_of
     procedure :: new_name
@@ -40,6 +41,15 @@ contains
     text = 'in '//integer_text(self%scene%dimension)//'D'
     if (self%scene%axisymmetric) text = 'in an axisymmetric scene'
   end function in_space
+
+  !> Whether bodies can turn about an axis in the scene.
+  pure function turns_about(self, axis) result(yes)
+    class(draft_t), intent(in) :: self
+    integer, intent(in) :: axis
+    logical :: yes
+    yes = self%scene%dimension == 3 .or. &
+          (self%scene%dimension == 2 .and. axis == 3 .and. .not. self%scene%axisymmetric)
+  end function turns_about
 
   !> Number of the material that a card names, 0 and an error where there is none.
   integer function material_of(self, card) result(number)

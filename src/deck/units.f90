@@ -60,6 +60,8 @@ contains
       factor = length
     case ('time')
       factor = time
+    case ('mass')
+      factor = mass
     case ('1/time')
       factor = 1.0_dp/time
     case ('density')

@@ -15,7 +15,7 @@ module sgmp_history
   public :: history_t, history_columns, damped_columns, eroded_columns, kept_columns, &
             split_columns, swirl_columns
   public :: bodies_columns, bodies_integers, gauges_columns, &
-    gauges_integers, contact_columns, contact_integers, column_length
+    gauges_integers, contact_columns, contact_integers, rigid_columns, rigid_integers, column_length
 
   integer, parameter :: column_length = 32
 
@@ -59,6 +59,13 @@ module sgmp_history
     'shared_nodes', 'contact_nodes', 'dissipation']
   character(column_length), parameter :: contact_integers(3) = [character(column_length) :: &
     'pair', 'shared_nodes', 'contact_nodes']
+
+  !> Columns of rigid.csv after `step`: the attitude is a unit quaternion, its scalar first.
+  character(column_length), parameter :: rigid_columns(*) = [character(column_length) :: &
+    'time', 'body', 'x', 'y', 'z', 'attitude_0', 'attitude_x', 'attitude_y', 'attitude_z', &
+    'velocity_x', 'velocity_y', 'velocity_z', 'omega_x', 'omega_y', 'omega_z', 'force_x', &
+    'force_y', 'force_z', 'torque_x', 'torque_y', 'torque_z']
+  character(column_length), parameter :: rigid_integers(1) = [character(column_length) :: 'body']
 
   !> One table being written.
   type :: history_t

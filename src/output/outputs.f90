@@ -15,6 +15,7 @@ module sgmp_outputs
   use sgmp_parallel, only: parallel_agree, parallel_rank
   use sgmp_particle_fields, only: particle_field_find, particle_field_t
   use sgmp_particle_table, only: particle_table_write
+  use sgmp_rigid_rows, only: rigid_rows_open, rigid_rows_t, rigid_rows_write
   use sgmp_scene, only: name_length, scene_t
   use sgmp_snapshot, only: snapshot_t
   use sgmp_snapshot_make, only: snapshot_initial_positions, snapshot_slice, snapshot_whole
@@ -32,6 +33,7 @@ module sgmp_outputs
     type(history_t) :: history, bodies
     type(gauges_t) :: gauges
     type(contact_rows_t) :: contact
+    type(rigid_rows_t) :: rigid
     type(vtu_series_t) :: vtu
     type(tecplot_t) :: tecplot
     type(vtkhdf_t) :: vtkhdf
@@ -131,6 +133,8 @@ contains
                              'name')
     if (allocated(error)) return
     call contact_rows_open(outputs%contact, model, folder//'/contact.csv', error, step)
+    if (allocated(error)) return
+    call rigid_rows_open(outputs%rigid, model, folder//'/rigid.csv', error, step)
     if (allocated(error)) return
     call gauges_open(outputs%gauges, model, folder//'/gauges.csv', error, step)
   end subroutine open_tables
@@ -273,6 +277,8 @@ contains
     call body_rows_write(outputs%bodies, model, error)
     if (allocated(error)) return
     call contact_rows_write(outputs%contact, model, error)
+    if (allocated(error)) return
+    call rigid_rows_write(outputs%rigid, model, error)
   end subroutine write_sums
 
   !> One dump of the fields.
@@ -322,6 +328,7 @@ contains
     call outputs%history%flush(error, .true.)
     if (.not. allocated(error)) call outputs%bodies%flush(error, .true.)
     if (.not. allocated(error)) call outputs%contact%file%flush(error, .true.)
+    if (.not. allocated(error)) call outputs%rigid%file%flush(error, .true.)
     if (.not. allocated(error)) call outputs%gauges%file%flush(error, .true.)
   end subroutine outputs_flush
 
@@ -352,6 +359,8 @@ contains
     call outputs%bodies%close(error)
     if (allocated(error)) return
     if (outputs%contact%file%is_open()) call outputs%contact%file%close(error)
+    if (allocated(error)) return
+    if (outputs%rigid%file%is_open()) call outputs%rigid%file%close(error)
     if (allocated(error)) return
     if (outputs%gauges%file%is_open()) call outputs%gauges%file%close(error)
     if (allocated(error)) return

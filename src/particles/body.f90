@@ -6,6 +6,7 @@ module sgmp_body
   use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i4
   use sgmp_particles, only: first_cell, particles_t
+  use sgmp_rigid_motion, only: rigid_motion_t
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
@@ -23,9 +24,10 @@ module sgmp_body
     real(dp) :: spacing = 0.0_dp               !! particle spacing (length)
     logical :: forced = .false.                !! a body force acts
     type(expression_t) :: force(3)             !! force per unit mass
-    logical :: rigid = .false.                 !! moves as prescribed
+    logical :: rigid = .false.                 !! moves as prescribed, or as a whole
     logical :: at_rest = .false.               !! rigid and never moves
     type(expression_t) :: motion(3)            !! velocity of a rigid body, functions of t
+    type(rigid_motion_t) :: rigid_motion       !! its rotation, and what moves it where it is free
     real(dp) :: speed(3) = 0.0_dp              !! of a rigid body, in this step
     real(dp) :: speed_before(3) = 0.0_dp       !! and in the one before
   end type body_t

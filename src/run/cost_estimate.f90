@@ -10,6 +10,7 @@ module sgmp_cost_estimate
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_particles, only: particles_bytes
+  use sgmp_rigid_motion, only: rigid_motion_t
   use sgmp_rows, only: rows_points
   use sgmp_scene, only: scene_t, update_names
   use sgmp_text, only: integer_text, real_text
@@ -76,10 +77,29 @@ contains
                trim(material_names(material%law%kind))//'), '// &
                bytes_text(particles_bytes(body%particles)))
       call put_mass(model%totals%bodies(b)%mass, shape_mass(scene, model, b))
+      if (body%rigid_motion%free) call put_free(body%rigid_motion)
       call put('  stored    position, velocity, mass, volume and id (always)')
       call put_slots(body%law%slots)
     end associate
   end subroutine put_body
+
+  !> What moves as a whole: its centre of mass, and the inertia about it as the body lies.
+  subroutine put_free(motion)
+    type(rigid_motion_t), intent(in) :: motion
+    integer :: d
+    call put('  rigid     free, centre of mass ('//list(motion%centre)//')')
+    if (motion%turns) then
+      call put('  inertia   xx yy zz '//list([(motion%inertia(d, d), d=1, 3)])//', xy yz zx '// &
+               list([motion%inertia(1, 2), motion%inertia(2, 3), motion%inertia(3, 1)]))
+    end if
+  end subroutine put_free
+
+  !> Three numbers.
+  function list(values) result(text)
+    real(dp), intent(in) :: values(3)
+    character(:), allocatable :: text
+    text = real_text(values(1))//' '//real_text(values(2))//' '//real_text(values(3))
+  end function list
 
   !> Mass of a body's particles beside that of its shapes.
   subroutine put_mass(mass, expected)

@@ -112,12 +112,14 @@ contains
     end do
   end subroutine look_at_masses
 
-  !> Mass of a body's shapes, 0 where it has none.
+  !> Mass of a body's shapes, 0 where it has none or its card rigid has another.
   pure function shape_mass(scene, model, b) result(mass)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
     real(dp) :: mass
+    mass = 0.0_dp
+    if (scene%bodies(b)%mass > 0.0_dp) return
     mass = model%bodies(b)%law%density*seeding_shape_volume(scene%bodies(b), model%mesh%ndim, &
                                                             size(scene%bodies))
   end function shape_mass

@@ -3,6 +3,7 @@ module sgmp_build_model
   use sgmp_body, only: body_t
   use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
+  use sgmp_build_rigid, only: rigid_begin, rigid_centre, rigid_declare
   use sgmp_burn, only: burn_lighting_time, burn_source_t
   use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_set_length, &
                                law_slots, slots_t
@@ -23,12 +24,14 @@ module sgmp_build_model
   use sgmp_partition, only: partition_make
   use sgmp_phases, only: phase_layout
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
+  use sgmp_rigid_motion, only: motion_energy
   use sgmp_scene, only: body_card_t, scene_at_rest, scene_space, scene_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
   use sgmp_step, only: step_start
   use sgmp_strength, only: strength_factor
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
+  use sgmp_vectors, only: cross
   implicit none
   private
   public :: model_build
@@ -152,6 +155,7 @@ contains
           body%speed(d) = body%motion(d)%evaluate(spread(0.0_dp, 1, 3), spread(0.0_dp, 1, 3), &
                                                   0.0_dp)
         end do
+        call rigid_declare(card, mesh%space, body)
       end if
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
@@ -175,7 +179,9 @@ contains
       body%particles%path = body%law%slots%path
       call ranks_hold(model%ranks%partition, body%particles)
       call set_velocities(card, mesh, file_velocity, body)
+      if (seeded .and. any(abs(card%spin_at_start) > 0.0_dp)) call add_spin(card, mesh, body)
       call set_swirl(card, mesh, body)
+      if (seeded .and. body%rigid) call rigid_begin(card, mesh, body)
       call set_strength(body)
       call fill_positions(scene, mesh, body)
       call contact_fill_slot(card, mesh, body)
@@ -278,10 +284,10 @@ contains
         do d = 1, n
           call card%velocity(d)%evaluate_lanes(places(mesh, particles%motion(:, :n, c)), &
                                                particles%id(:, c) /= 0, v)
-          if (body%rigid) v = body%speed(d)
+          if (body%rigid .and. .not. card%free) v = body%speed(d)
           do l = 1, lanes
             if (particles%id(l, c) == 0) cycle
-            if (allocated(file_velocity) .and. .not. body%rigid) then
+            if (allocated(file_velocity) .and. (card%free .or. .not. body%rigid)) then
               v(l) = v(l) + file_velocity(d, particles%id(l, c) - body%first_id + 1)
             end if
             particles%motion(l, n + d, c) = v(l)
@@ -303,6 +309,29 @@ contains
     end do
     values(:, 4:6) = values(:, 1:3)
   end function places
+
+  !> Adds an initial rotation. All ranks must call it.
+  subroutine add_spin(card, mesh, body)
+    type(body_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    real(dp) :: mass, centre(3), x(3), v(3)
+    integer :: c, l, n
+    n = mesh%ndim
+    call rigid_centre(mesh, body, mass, centre)
+    if (card%spin_point(1) < huge(1.0_dp)) centre = card%spin_point
+    x = centre
+    associate (particles => body%particles)
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
+          v = cross(card%spin_at_start, x - centre)
+          particles%motion(l, n + 1:2*n, c) = particles%motion(l, n + 1:2*n, c) + v(:n)
+        end do
+      end do
+    end associate
+  end subroutine add_spin
 
   !> Initial velocity around the axis, times the radius, from the card's angular velocity.
   subroutine set_swirl(card, mesh, body)
@@ -406,6 +435,7 @@ contains
     type(model_t), intent(inout) :: model
     real(dp), allocatable :: terms(:, :)
     real(dp) :: totals(body_terms)
+    logical :: counted(size(model%bodies))       !! in the ledger
     integer :: b, c
     do b = 1, size(model%bodies)
       associate (particles => model%bodies(b)%particles, sums => model%totals%bodies(b))
@@ -417,13 +447,18 @@ contains
         deallocate (terms)
         sums = body_sums_t(mass=totals(1), moment=totals(2:4), momentum=totals(5:7), &
                            kinetic=totals(8), internal=totals(9))
+        associate (motion => model%bodies(b)%rigid_motion)
+          if (motion%free) then
+            sums%momentum = motion%momentum(:3)
+            sums%kinetic = motion_energy(motion)
+          end if
+        end associate
       end associate
     end do
-    call ledger_open(model%ledger, &
-                     sum(model%totals%bodies%kinetic, mask=.not. model%bodies%rigid), &
+    counted = .not. model%bodies%rigid .or. model%bodies%rigid_motion%free
+    call ledger_open(model%ledger, sum(model%totals%bodies%kinetic, mask=counted), &
                      sum(model%totals%bodies%internal), &
-                     [(sum(model%totals%bodies%momentum(c), mask=.not. model%bodies%rigid), &
-                       c=1, 3)])
+                     [(sum(model%totals%bodies%momentum(c), mask=counted), c=1, 3)])
   end subroutine open_ledger
 
   !> Mass, moment, momentum, kinetic and internal energy of a chunk.

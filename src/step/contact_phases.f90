@@ -121,7 +121,7 @@ contains
       call swap(step%number, contact, fields, bodies, ranks, findings, timers, since)
       call friction_before_strain(contact, column, fields, bodies, threads)
     end if
-    call contact_velocity(contact, fields, bodies, step, before_kick, threads)
+    call contact_velocity(contact, mesh, fields, bodies, step, before_kick, threads)
     if (contact%at_surface) then
       call swap(step%number, contact, fields, bodies, ranks, findings, timers, since)
       do c = 1, plane_colours

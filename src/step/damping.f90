@@ -44,6 +44,11 @@ contains
     type(ledger_t), intent(inout) :: ledger
     integer :: b, f
     do b = 1, size(bodies)
+      if (bodies(b)%rigid_motion%free) then
+        bodies(b)%rigid_motion%momentum = factor*bodies(b)%rigid_motion%momentum
+        sums(b)%momentum = factor*sums(b)%momentum
+        sums(b)%kinetic = factor**2*sums(b)%kinetic
+      end if
       if (bodies(b)%rigid) cycle
       call slow_particles(factor, threads, bodies(b)%law%slots%spin, bodies(b)%law%slots%swirl, &
                           fields(bodies(b)%field)%columns%spins, bodies(b)%particles)

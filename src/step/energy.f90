@@ -37,7 +37,9 @@ module sgmp_energy
     real(dp) :: split = 0.0_dp       !! kinetic energy that the halves of split particles have more
                                      !! than what they were, after the kick
     real(dp) :: contact = 0.0_dp     !! kinetic energy that contact took (friction, impact)
-    real(dp) :: rigid_work = 0.0_dp  !! work of rigid bodies on the others
+    real(dp) :: rigid_work = 0.0_dp  !! work of rigid bodies on the others, and on free ones that of
+                                     !! gravity and body forces
+    real(dp) :: free_growth = 0.0_dp  !! of the kinetic energy of free rigid bodies
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: ignored_nodes = 0.0_dp      !! nodes below the mass cut-off
     type(eroded_t) :: eroded
@@ -105,7 +107,7 @@ contains
     real(dp), intent(in) :: dt_kick
     logical, intent(in) :: exact
     real(dp) :: explained
-    explained = dt_kick*sums%power_before + 0.5_dp*dt_kick**2*sums%particles_aa
+    explained = dt_kick*sums%power_before + 0.5_dp*dt_kick**2*sums%particles_aa + sums%free_growth
     if (exact) ledger%remainder = ledger%remainder + (sums%kinetic - ledger%kinetic) - explained
     ledger%external_work = ledger%external_work + dt_kick*sums%external_power + sums%rigid_work
     ledger%contact_dissipation = ledger%contact_dissipation + sums%contact

@@ -275,7 +275,7 @@ contains
     do f = 1, size(fields)
       b = rigid_field(bodies, f)
       if (b > 0) then
-        call rigid_solve(bodies(b), fields(f), dt)
+        call rigid_solve(bodies(b), mesh, fields(f), dt)
         cycle
       end if
       allocate (sums(nodes_sums, fields(f)%planes), source=0.0_dp)
@@ -301,7 +301,7 @@ contains
     do f = 1, size(fields)
       b = rigid_field(bodies, f)
       if (b > 0) then
-        call rigid_velocity(bodies(b), fields(f), node_velocity(mesh%ndim))
+        call rigid_velocity(bodies(b), mesh, .true., node_velocity(mesh%ndim), fields(f))
       else
         call field_velocity(fields(f), mesh, method%cutoff, team, partition)
       end if
@@ -319,7 +319,7 @@ contains
     do f = 1, size(fields)
       b = rigid_field(bodies, f)
       if (b > 0) then
-        call rigid_velocity(bodies(b), fields(f), node_remapped)
+        call rigid_velocity(bodies(b), mesh, .false., node_remapped, fields(f))
       else
         call field_remap(fields(f), mesh, team, partition)
       end if

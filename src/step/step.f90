@@ -10,13 +10,14 @@ module sgmp_step
   use sgmp_damping, only: damping_factor, damping_slow
   use sgmp_energy, only: ledger_after_kick, ledger_erode, ledger_relax, &
                          ledger_split, ledger_step
+  use sgmp_free_bodies, only: free_any, free_close, free_open, free_settle
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_relax, phase_remap, &
                          phase_rotation, phase_solve, phase_sweep, phase_velocity
   use sgmp_plan, only: plan_t
   use sgmp_rebin_phases, only: phase_rebin_particles
-  use sgmp_rigid_bodies, only: rigid_choose_speed
+  use sgmp_rigid_bodies, only: rigid_advance, rigid_choose_speed
   use sgmp_scene, only: update_musl, update_usavg, update_usf, update_usl
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_drift, phase_grid, phase_halo, phase_kick, phase_rebin, &
@@ -139,10 +140,14 @@ contains
                bodies => model%bodies, contact => model%contact, team => model%team, &
                partition => model%ranks%partition, clock => model%clock)
       call phase_normalise(method, mesh, fields, team, partition)
-      call rigid_choose_speed(bodies, clock%time + 0.5_dp*clock%dt, mesh%ndim)
+      call rigid_choose_speed(bodies, clock%time + 0.5_dp*clock%dt, clock%dt, mesh%ndim)
+      if (free_any(bodies)) call free_open(bodies, mesh, method%gravity, clock%time, clock%dt, &
+                                           dt_kick)
       call phase_solve(method, dt_kick, mesh, fields, bodies, team, partition, &
                        model%findings%tally)
       if (.not. strains_before(model)) call find_contact(model)
+      if (free_any(bodies)) call free_settle(contact_step(model), clock%dt, mesh, fields, bodies, &
+                                             contact, team%threads, model%ranks)
       call phase_contact_force(contact_step(model), mesh, fields, bodies, contact, team%threads, &
                                model%ranks, model%findings, model%timers)
       ! Where a sweep of its own moves the particles the velocity waits for it: see remap.
@@ -273,9 +278,16 @@ contains
   subroutine book_step(model, dt_kick)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick
-    integer :: lost
+    real(dp) :: impulses(6, size(model%contact%pairs))
+    integer :: lost, p
     lost = model%findings%lost
+    do p = 1, size(model%contact%pairs)
+      impulses(:, p) = [model%contact%pairs(p)%impulse, model%contact%pairs(p)%angular_impulse]
+    end do
     call step_close(model, .true.)
+    call rigid_advance(model%bodies, model%clock%dt)
+    if (free_any(model%bodies)) call free_close(model%bodies, model%contact, model%mesh%space, &
+                                                model%clock%dt, impulses, model%totals)
     call ledger_step(model%ledger, model%totals%sums, dt_kick, &
                      exact=model%method%flip >= 1.0_dp .and. lost == model%findings%lost_before)
     if (model%method%relaxed) call ledger_relax(model%ledger, model%totals%sums)

@@ -113,6 +113,7 @@ contains
     type(step_sums_t), intent(inout) :: all      !! of the step
     if (body%at_rest) return
     own%moment = sums(sum_moment:sum_moment + 2)
+    if (body%rigid_motion%free) return  ! the rest belongs to the body as a whole
     own%momentum = sums(sum_momentum:sum_momentum + 2)
     own%kinetic = sums(sum_kinetic) - sums(sum_filter) + sums(sum_split)
     if (body%rigid) return  ! its energy and momentum belong to whoever moves it
