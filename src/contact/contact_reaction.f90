@@ -15,7 +15,7 @@ module sgmp_contact_reaction
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_parallel, only: parallel_exact_sums
-  use sgmp_rigid_motion, only: motion_jerk
+  use sgmp_rigid_motion, only: freedoms, motion_jerk
   use sgmp_shared_nodes, only: shared_nodes_t, shared_place
   use sgmp_vectors, only: cross
   implicit none
@@ -24,11 +24,11 @@ module sgmp_contact_reaction
 
   !> On one body.
   type :: reaction_t
-    real(dp) :: impulse(6) = 0.0_dp        !! linear and, about its centre, angular
-    real(dp) :: carried(6, 6) = 0.0_dp     !! mass and inertia that it carries with it
+    real(dp) :: impulse(freedoms) = 0.0_dp  !! linear and, about its centre, angular
+    real(dp) :: carried(freedoms, freedoms) = 0.0_dp  !! mass and inertia that it carries with it
   end type reaction_t
 
-  integer, parameter :: terms = 6 + 36     !! numbers of a reaction
+  integer, parameter :: terms = freedoms + freedoms**2  !! numbers of a reaction
 
 contains
 
@@ -57,8 +57,8 @@ contains
       end do
       !$omp end parallel do
       call parallel_exact_sums(table, sums)
-      reactions(b)%impulse = sums(:6)
-      reactions(b)%carried = reshape(sums(7:), [6, 6])
+      reactions(b)%impulse = sums(:freedoms)
+      reactions(b)%carried = reshape(sums(freedoms + 1:), [freedoms, freedoms])
       deallocate (table)
     end do
   end subroutine reaction_find
@@ -136,7 +136,7 @@ contains
         call add_friction(contact, n, which(l), sign, mesh, bodies(b), step%dt_kick, sum_of)
       end do
     end associate
-    row = [sum_of%impulse, reshape(sum_of%carried, [36])]
+    row = [sum_of%impulse, reshape(sum_of%carried, [freedoms**2])]
   end function node_reaction
 
   !> Adds friction at the surface, which is found later in the step: that of the step before, and

@@ -47,8 +47,8 @@ contains
   subroutine register_rigid(registry)
     type(registry_t), intent(inout) :: registry
     integer :: axis
-    call registry%card('rigid', 'Makes a body rigid: it moves and turns as prescribed, whatever '// &
-                       'acts on it, or with free=yes by the forces on it.', &
+    call registry%card('rigid', 'Makes a body rigid: it moves and turns as prescribed, '// &
+                       'whatever acts on it, or with free=yes by the forces on it.', &
                        'rigid punch y="-v0*sin(pi*t)"', read_rigid, check_rigid)
     call registry%key('body', kind_name_word, 'the body', slot=1, required=.true.)
     do axis = 1, 3
@@ -63,8 +63,8 @@ contains
     end do
     call registry%key('about', kind_vector, 'the point that has the velocity, at the start; '// &
                       'default: the centre of mass', unit='length')
-    call registry%key('free', kind_logical, 'contact, gravity and body forces move and turn the '// &
-                      'body, which starts with its card velocity', default='no', &
+    call registry%key('free', kind_logical, 'contact, gravity and body forces move and turn '// &
+                      'the body, which starts with its card velocity', default='no', &
                       source='doc/loads.md')
     call registry%key('mass', kind_real, 'mass of a free body; default: of its particles', &
                       unit='mass', range='(0,inf)')
@@ -200,13 +200,15 @@ contains
     integer :: i
     if (.not. card%flag('free')) then
       if (card%has('mass')) call draft%errors%add(card%place('mass'), &
-        'the mass of a body whose motion is prescribed means nothing', 'write free=yes, or remove it')
+        'the mass of a body whose motion is prescribed means nothing', &
+        'write free=yes, or remove it')
       return
     end if
     do i = 1, size(card%keys)
       associate (value => card%values(i))
         if (.not. value%given) cycle
-        if (all(card%keys(i)%text /= [character(7) :: 'x', 'y', 'z', 'r', omega_names, 'about'])) cycle
+        if (all(card%keys(i)%text /= [character(7) :: 'x', 'y', 'z', 'r', omega_names, &
+                                      'about'])) cycle
         call draft%errors%add(value%position, 'a free body with a prescribed '// &
                               trim(merge('point ', 'motion', card%keys(i)%text == 'about')), &
                               'its initial motion is that of the card velocity: remove '// &

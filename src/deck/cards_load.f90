@@ -31,8 +31,8 @@ contains
       call registry%key(omega_names(axis), kind_real, 'angular velocity about an axis, radians '// &
                         'per time', unit='1/time', default='0')
     end do
-    call registry%key('about', kind_vector, 'a point of those axes; default: the centre of mass '// &
-                      'of each body', unit='length')
+    call registry%key('about', kind_vector, 'a point of those axes; default: the centre of '// &
+                      'mass of each body', unit='length')
     call registry%card('gravity', 'Constant acceleration of everything.', 'gravity (0,0,-9.81)', &
                        read_gravity, check_gravity, once=.true.)
     call registry%key('vector', kind_vector, 'acceleration', unit='acceleration', slot=1, &

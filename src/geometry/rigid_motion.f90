@@ -11,10 +11,13 @@ module sgmp_rigid_motion
   use sgmp_rotor, only: rotor_free, rotor_growth, rotor_identity, rotor_matrix, rotor_of, &
                         rotor_product
   use sgmp_space, only: space_axisymmetric
+  use sgmp_vectors, only: cross
   implicit none
   private
   public :: rigid_motion_t, motion_axes, motion_inertia, motion_jerk, motion_kick, &
-            motion_plan, motion_advance, motion_energy, motion_spin, motion_at, motion_start
+            motion_plan, motion_advance, motion_energy, motion_spin, motion_at, motion_start, freedoms
+
+  integer, parameter :: freedoms = 6             !! of a rigid body in space: along axes, about them
 
   !> State of a rigid body's motion; vectors along the axes of the scene.
   type :: rigid_motion_t
@@ -31,10 +34,10 @@ module sgmp_rigid_motion
     real(dp) :: mass = 0.0_dp
     real(dp) :: inertia(3, 3) = 0.0_dp, inverse(3, 3) = 0.0_dp
       !! about the centre of mass, as the body lay at the start
-    real(dp) :: momentum(6) = 0.0_dp             !! linear, and angular about the centre of mass
-    real(dp) :: trial(6) = 0.0_dp                !! the same at the end of the step at hand
-    real(dp) :: push(6) = 0.0_dp                 !! what gravity and body forces give in it
-    real(dp) :: impulse(6) = 0.0_dp              !! what contact has given since the start
+    real(dp) :: momentum(freedoms) = 0.0_dp             !! linear, and angular about the centre of mass
+    real(dp) :: trial(freedoms) = 0.0_dp                !! the same at the end of the step at hand
+    real(dp) :: push(freedoms) = 0.0_dp                 !! what gravity and body forces give in it
+    real(dp) :: impulse(freedoms) = 0.0_dp              !! what contact has given since the start
     real(dp) :: last_change(3) = 0.0_dp, last_growth(3, 3) = 0.0_dp
       !! change of velocity in the step before: at the centre, and its gradient
   end type rigid_motion_t
@@ -46,7 +49,7 @@ contains
   !> Which of the six directions a body may move in: along the axes, about them.
   pure function motion_axes(space) result(axes)
     integer, intent(in) :: space
-    logical :: axes(6)
+    logical :: axes(freedoms)
     select case (space)
     case (1)
       axes = [.true., .false., .false., .false., .false., .false.]
@@ -64,7 +67,7 @@ contains
     type(rigid_motion_t), intent(inout) :: motion
     integer, intent(in) :: space
     real(dp), intent(in) :: mass, moments(3, 3)
-    logical :: axes(6)
+    logical :: axes(freedoms)
     integer :: d
     axes = motion_axes(space)
     motion%mass = mass
@@ -86,14 +89,9 @@ contains
     real(dp), intent(in) :: a(3, 3)
     real(dp) :: b(3, 3)
     real(dp) :: determinant
-    integer :: i, j, k(5)
-    k = [1, 2, 3, 1, 2]
-    do j = 1, 3
-      do i = 1, 3
-        b(i, j) = a(k(j + 1), k(i + 1))*a(k(j + 2), k(i + 2)) - &
-                  a(k(j + 1), k(i + 2))*a(k(j + 2), k(i + 1))
-      end do
-    end do
+    b(:, 1) = cross(a(:, 2), a(:, 3))
+    b(:, 2) = cross(a(:, 3), a(:, 1))
+    b(:, 3) = cross(a(:, 1), a(:, 2))
     determinant = dot_product(a(1, :), b(:, 1))
     if (abs(determinant) <= singular*maxval(abs(a))**3) then
       b = 0.0_dp

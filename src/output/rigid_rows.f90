@@ -59,8 +59,8 @@ contains
     if (model%clock%step == 0) span = 1.0_dp
     do b = 1, size(model%bodies)
       if (.not. (model%bodies(b)%rigid_motion%free .or. model%bodies(b)%rigid_motion%turns)) cycle
-      call rows%file%write_row(model%clock%step, row_of(model, b, rows%impulse(:, b), span), error, &
-                               trim(model%bodies(b)%name))
+      call rows%file%write_row(model%clock%step, row_of(model, b, rows%impulse(:, b), span), &
+                               error, trim(model%bodies(b)%name))
       if (allocated(error)) return
       rows%impulse(:, b) = model%bodies(b)%rigid_motion%impulse
     end do

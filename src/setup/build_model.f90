@@ -25,7 +25,7 @@ module sgmp_build_model
   use sgmp_phases, only: phase_layout
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
   use sgmp_rigid_motion, only: motion_energy
-  use sgmp_scene, only: body_card_t, scene_at_rest, scene_space, scene_t
+  use sgmp_scene, only: body_card_t, scene_space, scene_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
   use sgmp_step, only: step_start
   use sgmp_strength, only: strength_factor
@@ -147,16 +147,7 @@ contains
       body%half_size = method_half_size(scene%method%kind)
       if (all(body%half_size <= 0.0_dp)) body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
       call attach_force(scene, number, body)
-      body%rigid = card%rigid
-      if (body%rigid) then
-        body%motion = card%motion
-        body%at_rest = scene_at_rest(card)
-        do d = 1, mesh%ndim
-          body%speed(d) = body%motion(d)%evaluate(spread(0.0_dp, 1, 3), spread(0.0_dp, 1, 3), &
-                                                  0.0_dp)
-        end do
-        call rigid_declare(card, mesh%space, body)
-      end if
+      call rigid_declare(card, mesh, body)
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
       call law_set_length(body%law, mesh%h, method_band(scene%method%kind)*mesh%h)
@@ -179,9 +170,8 @@ contains
       body%particles%path = body%law%slots%path
       call ranks_hold(model%ranks%partition, body%particles)
       call set_velocities(card, mesh, file_velocity, body)
-      if (seeded .and. any(abs(card%spin_at_start) > 0.0_dp)) call add_spin(card, mesh, body)
       call set_swirl(card, mesh, body)
-      if (seeded .and. body%rigid) call rigid_begin(card, mesh, body)
+      if (seeded) call set_rotation(card, mesh, body)
       call set_strength(body)
       call fill_positions(scene, mesh, body)
       call contact_fill_slot(card, mesh, body)
@@ -310,7 +300,15 @@ contains
     values(:, 4:6) = values(:, 1:3)
   end function places
 
-  !> Adds an initial rotation. All ranks must call it.
+  !> Adds an initial rotation; a rigid body then moves as a whole. All ranks must call it.
+  subroutine set_rotation(card, mesh, body)
+    type(body_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    if (any(abs(card%spin_at_start) > 0.0_dp)) call add_spin(card, mesh, body)
+    if (body%rigid) call rigid_begin(card, mesh, body)
+  end subroutine set_rotation
+
   subroutine add_spin(card, mesh, body)
     type(body_card_t), intent(in) :: card
     type(mesh_t), intent(in) :: mesh

@@ -5,8 +5,8 @@ module sgmp_build_rigid
   use sgmp_mesh, only: mesh_position, mesh_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums
-  use sgmp_rigid_motion, only: motion_at, motion_axes, motion_inertia, motion_spin, motion_start
-  use sgmp_scene, only: body_card_t
+  use sgmp_rigid_motion, only: freedoms, motion_at, motion_axes, motion_inertia, motion_spin, motion_start
+  use sgmp_scene, only: body_card_t, scene_at_rest
   use sgmp_vectors, only: cross
   implicit none
   private
@@ -14,15 +14,22 @@ module sgmp_build_rigid
 
 contains
 
-  !> What a card says of a body's rotation and freedom.
-  subroutine rigid_declare(card, space, body)
+  !> What a card says of a body's motion.
+  subroutine rigid_declare(card, mesh, body)
     type(body_card_t), intent(in) :: card
-    integer, intent(in) :: space
+    type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
     real(dp), parameter :: nowhere(3) = 0.0_dp
-    logical :: axes(6)
+    logical :: axes(freedoms)
     integer :: d
-    axes = motion_axes(space)
+    body%rigid = card%rigid
+    if (.not. body%rigid) return
+    body%motion = card%motion
+    body%at_rest = scene_at_rest(card)
+    do d = 1, mesh%ndim
+      body%speed(d) = body%motion(d)%evaluate(nowhere, nowhere, 0.0_dp)
+    end do
+    axes = motion_axes(mesh%space)
     associate (motion => body%rigid_motion)
       motion%free = card%free
       motion%turns = any(axes(4:)) .and. (card%free .or. card%turns())
@@ -40,7 +47,7 @@ contains
     type(body_card_t), intent(in) :: card
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
-    real(dp) :: moments(3, 3), own(3, 3), mass, momentum(6)
+    real(dp) :: moments(3, 3), own(3, 3), mass, momentum(freedoms)
     if (.not. (body%rigid_motion%free .or. body%rigid_motion%turns)) return
     associate (motion => body%rigid_motion)
       call rigid_centre(mesh, body, mass, motion%centre)
@@ -110,9 +117,9 @@ contains
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: centre(3)
     type(body_t), intent(in) :: body
-    real(dp), intent(out) :: moments(3, 3), own(3, 3), momentum(6)
+    real(dp), intent(out) :: moments(3, 3), own(3, 3), momentum(freedoms)
     real(dp), allocatable :: terms(:, :)
-    real(dp) :: sums(16), m, x(3), v(3)
+    real(dp) :: sums(9 + freedoms + 1), m, x(3), v(3)
     integer :: c, l, n, d
     n = mesh%ndim
     x = 0.0_dp
@@ -132,10 +139,10 @@ contains
     end associate
     call parallel_exact_sums(terms, sums)
     moments = reshape(sums(:9), [3, 3])
-    momentum = sums(10:15)
+    momentum = sums(10:9 + freedoms)
     own = 0.0_dp
     do d = 1, n
-      own(d, d) = sums(16)
+      own(d, d) = sums(10 + freedoms)
     end do
   end subroutine rigid_moments
 

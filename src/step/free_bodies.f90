@@ -15,7 +15,7 @@ module sgmp_free_bodies
   use sgmp_mesh, only: mesh_t
   use sgmp_ranks, only: ranks_t
   use sgmp_rigid_bodies, only: rigid_solve
-  use sgmp_rigid_motion, only: motion_advance, motion_axes, motion_energy, motion_plan
+  use sgmp_rigid_motion, only: freedoms, motion_advance, motion_axes, motion_energy, motion_plan
   use sgmp_rotor, only: rotor_matrix
   use sgmp_space, only: axes_in_output
   use sgmp_totals, only: totals_t
@@ -63,7 +63,7 @@ contains
 
   pure function first_axes(space) result(axes)
     integer, intent(in) :: space
-    logical :: axes(3), all_axes(6)
+    logical :: axes(3), all_axes(freedoms)
     all_axes = motion_axes(space)
     axes = all_axes(:3)
   end function first_axes
@@ -105,8 +105,9 @@ contains
     integer, intent(in) :: space, round
     type(body_t), intent(inout) :: body
     real(dp), intent(out) :: change              !! relative
-    real(dp) :: matrix(6, 6), missing(6), response(6), mass(6, 6), r(3, 3), scale
-    logical :: axes(6)
+    real(dp) :: matrix(freedoms, freedoms), mass(freedoms, freedoms), r(3, 3), scale
+    real(dp) :: missing(freedoms), response(freedoms)
+    logical :: axes(freedoms)
     integer :: d
     axes = motion_axes(space)
     associate (motion => body%rigid_motion)
@@ -118,7 +119,7 @@ contains
       end do
       missing = merge(motion%momentum + motion%push + reaction%impulse - motion%trial, 0.0_dp, axes)
       matrix = mass + reaction%carried
-      do d = 1, 6
+      do d = 1, freedoms
         if (axes(d)) cycle
         matrix(d, :) = 0.0_dp
         matrix(:, d) = 0.0_dp
@@ -139,22 +140,22 @@ contains
 
   !> Solves six equations by elimination with the largest pivot of each column.
   pure function solution(matrix, right) result(x)
-    real(dp), intent(in) :: matrix(6, 6), right(6)
-    real(dp) :: x(6)
-    real(dp) :: a(6, 7), row(7)
+    real(dp), intent(in) :: matrix(freedoms, freedoms), right(freedoms)
+    real(dp) :: x(freedoms)
+    real(dp) :: a(freedoms, freedoms + 1), row(freedoms + 1)
     integer :: i, j, p
-    a(:, :6) = matrix
-    a(:, 7) = right
-    do j = 1, 6
+    a(:, :freedoms) = matrix
+    a(:, freedoms + 1) = right
+    do j = 1, freedoms
       p = j - 1 + maxloc(abs(a(j:, j)), dim=1)
       row = a(p, :)
       a(p, :) = a(j, :)
       a(j, :) = row/row(j)
-      do i = 1, 6
+      do i = 1, freedoms
         if (i /= j) a(i, :) = a(i, :) - a(i, j)*a(j, :)
       end do
     end do
-    x = a(:, 7)
+    x = a(:, freedoms + 1)
   end function solution
 
   !> Ends a step: bodies receive what contact has taken from the others, and the sums know of it.
@@ -163,9 +164,9 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: space
     real(dp), intent(in) :: dt                   !! position step
-    real(dp), intent(in) :: before(:, :)         !! (6, pairs) impulses of the pairs before the step
+    real(dp), intent(in) :: before(:, :)         !! (freedoms, pairs) impulses of the pairs before the step
     type(totals_t), intent(inout) :: totals
-    real(dp) :: given(6), kinetic
+    real(dp) :: given(freedoms), kinetic
     integer :: b
     do b = 1, size(bodies)
       associate (motion => bodies(b)%rigid_motion, own => totals%bodies(b))
@@ -188,15 +189,15 @@ contains
     end do
   end subroutine free_close
 
-  !> What a body has received in the step, from all its pairs: impulse, and its moment about a point.
+  !> What a body has received in the step from all its pairs: impulse, and its moment about a point.
   pure function received(b, centre, contact, space, before) result(given)
     integer, intent(in) :: b
     real(dp), intent(in) :: centre(3)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: space
     real(dp), intent(in) :: before(:, :)
-    real(dp) :: given(6)
-    real(dp) :: impulse(6)
+    real(dp) :: given(freedoms)
+    real(dp) :: impulse(freedoms)
     integer :: p
     given = 0.0_dp
     do p = 1, size(contact%pairs)

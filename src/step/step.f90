@@ -18,6 +18,7 @@ module sgmp_step
   use sgmp_plan, only: plan_t
   use sgmp_rebin_phases, only: phase_rebin_particles
   use sgmp_rigid_bodies, only: rigid_advance, rigid_choose_speed
+  use sgmp_rigid_motion, only: freedoms
   use sgmp_scene, only: update_musl, update_usavg, update_usf, update_usl
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_drift, phase_grid, phase_halo, phase_kick, phase_rebin, &
@@ -278,7 +279,7 @@ contains
   subroutine book_step(model, dt_kick)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick
-    real(dp) :: impulses(6, size(model%contact%pairs))
+    real(dp) :: impulses(freedoms, size(model%contact%pairs))
     integer :: lost, p
     lost = model%findings%lost
     do p = 1, size(model%contact%pairs)

@@ -1,0 +1,215 @@
+#!/usr/bin/env python3
+"""Rigid bodies that turn as prescribed, or are free: rotation, tumbling, bouncing, rolling, and the same bits for threads,
+ranks and restarts.
+
+usage: rigid.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+import math
+import os
+
+from _restarts import checkpoints, goes_on, mpirun, straight
+from _runs import SCRATCH, Report, run
+
+# Three different moments, 5, 10 and 13, turned about the one between.
+TUMBLING = """
+dimension 3
+grid cell=0.5
+time end=60 cfl=0.2
+material stone elastic density=2 young=1e6 poisson=0.3
+body block block material=stone lower=(-1.5,-1,-0.5) upper=(1.5,1,0.5) spacing=0.25
+velocity block x=0.01 omega_x=0.01 omega_y=3 omega_z=0.02
+rigid block free=yes
+history every=1
+"""
+# A tool that goes along x and to and fro about its point; what it touches is far.
+TOOL = """
+dimension {dimension}
+grid cell=0.5
+method {method}
+time end=2 cfl=0.2
+material stone elastic density=2 young=100 poisson=0.3
+body tool block material=stone lower=(-1,-0.5,0) upper=(1,0.5,{thick}) spacing=0.25
+body far block material=stone lower=(20,-0.5,0) upper=(21,0.5,{thick}) spacing=0.25
+rigid tool x=1 {turn} about=(0.25,0,0)
+contact tool far
+output csv at=end fields=initial_position
+"""
+# A ball falls on soft ground and bounces.
+DROP = """
+parameter update = musl
+dimension 2
+grid cell=0.5 x=0:20 y=0:30
+wall x-=slip x+=slip y-=slip
+method sgmp update=$update
+time end=1.4 cfl=0.4
+gravity (0,-10)
+material soft elastic density=1 young=2e4 poisson=0.3
+material hard elastic density=4 young=1e6 poisson=0.3
+body floor block material=soft lower=(0,0) upper=(20,5) spacing=0.25
+body ball sphere material=hard centre=(10,9) radius=2.5 spacing=0.25
+rigid ball free=yes
+contact ball floor friction=0.3
+history every=0.01
+"""
+# A disk or a sphere on a slope, gravity and not the grid being inclined; the ground does not feel it.
+ROLL = """
+parameter angle = 30*pi/180
+parameter R = 3
+dimension {dimension}
+grid cell=0.5 {axis}=0:open
+wall {axis}-=fixed
+method sgmp update=musl rotation=exact
+time end={end} cfl=0.4
+gravity ({gravity})
+material soft elastic density=1 young=2e5 poisson=0.3
+body floor block material=soft lower=({low}) upper=({high}) spacing=0.25
+body ball sphere material=soft centre=({centre}) radius=R spacing=0.25
+bodyforce floor x="-10*sin(angle)" {axis}="10*cos(angle)"
+rigid ball free=yes
+contact ball floor friction=0.5
+history every=0.02
+"""
+DISK = ROLL.format(dimension=2, axis="y", end=1.2, gravity="10*sin(angle),-10*cos(angle)", low="-5,0", high="10,1.5",
+                   centre="0,1.5+R")
+# A light body between two that move, in space, with friction and a tool that turns.
+CROWD = """
+dimension 3
+grid cell=0.5
+method sgmp update={update}{rotation}
+time steps=60 cfl=0.4
+gravity (0,0,-5)
+material soft elastic density=1 young=200 poisson=0.3
+body low block material=soft lower=(-2,-2,0) upper=(2,2,1.5) spacing=0.25
+body stone block material=soft lower=(-0.7,-0.6,1.6) upper=(0.8,0.7,2.4) spacing=0.25
+body high block material=soft lower=(-1.5,-1.5,2.6) upper=(1.5,1.5,4) spacing=0.25
+body tool block material=soft lower=(-3,-1,0.5) upper=(-2.1,1,1) spacing=0.25
+velocity high z=-3 x=1
+velocity stone omega_x=2 z=-1
+rigid stone free=yes mass=0.5
+rigid tool x=1 omega_y="5*cos(3*t)"
+contact all friction=0.4
+history steps=5
+checkpoint every=20 keep=9
+"""
+
+
+def turned(row):
+    """The rotation of a row of rigid.csv as a matrix."""
+    s, x, y, z = (row[f"attitude_{name}"] for name in "0xyz")
+    return [[1 - 2*(y*y + z*z), 2*(x*y - s*z), 2*(x*z + s*y)], [2*(x*y + s*z), 1 - 2*(x*x + z*z), 2*(y*z - s*x)],
+            [2*(x*z - s*y), 2*(y*z + s*x), 1 - 2*(x*x + y*y)]]
+
+
+def tumbling(report):
+    """Energy and angular momentum from what rigid.csv says, with the exact moments of the block; momentum; the particles."""
+    result = run("tumbling", TUMBLING)
+    if not report.finished(result, "tumbling"):
+        return
+    moments, energies, angular = (5.0, 10.0, 13.0), [], []
+    for row in result.table("rigid.csv"):
+        r, w = turned(row), [row[f"omega_{axis}"] for axis in "xyz"]
+        body = [sum(r[a][i]*w[a] for a in range(3))*moments[i] for i in range(3)]
+        angular.append([sum(r[a][i]*body[i] for i in range(3)) for a in range(3)])
+        energies.append(0.5*sum(angular[-1][a]*w[a] for a in range(3)))
+    report.check(abs(energies[0]/(0.5*(5*1e-4 + 10*9 + 13*4e-4)) - 1) < 1e-12, f"tumbling: starts with {energies[0]}")
+    worst = max(abs(energy/energies[0] - 1) for energy in energies)
+    report.check(worst < 1e-10, f"tumbling: energy changes by {worst}")
+    worst = max(abs(a - b) for row in angular for a, b in zip(row, angular[0]))/30
+    report.check(worst < 1e-10, f"tumbling: angular momentum changes by {worst}")
+    last = result.table("rigid.csv")[-1]
+    report.check(min(turned(row)[1][1] for row in result.table("rigid.csv")) < -0.9, "tumbling: it never turns over")
+    report.check(abs(last["x"] - 0.6) < 1e-12, f"tumbling: flew to {last['x']}")
+    centroid = result.table("bodies.csv")[-1]
+    report.check(all(abs(centroid[axis] - last[axis]) < 1e-11 for axis in "xyz"), "tumbling: particles are elsewhere")
+    report.check(abs(result["energy.remainder"]) < 1e-10*45, f"tumbling: {result['energy.remainder']} unexplained")
+
+
+def tools(report):
+    """Particles of a tool that turns are where the angle has taken them: (sin(3t))/3 of cos(3t), by the midpoint rule."""
+    for name, dimension, method, turn, axis in (
+            ("plane", 2, "sgmp", 'omega_z="cos(3*t)"', 2), ("usf", 2, "mpm update=usf", 'omega_z="cos(3*t)"', 2),
+            ("space", 3, "gimp update=usl", 'omega_y="cos(3*t)"', 1), ("usavg", 3, "sgmp update=usavg rotation=exact", 'omega_x="cos(3*t)"', 0)):
+        result = run(f"tool_{name}", TOOL.format(dimension=dimension, method=method, turn=turn, thick=0.5 if dimension == 3 else 0))
+        if not report.finished(result, name):
+            continue
+        row = result.table("rigid.csv")[-1]
+        angle = 2*math.atan2(row[f"attitude_{'xyz'[axis]}"], row["attitude_0"])
+        report.check(abs(angle - math.sin(6)/3) < 1e-3, f"{name}: turned by {angle}, not {math.sin(6)/3}")
+        report.check(abs(row["x"] - 2.25) < 1e-12, f"{name}: its point is at {row['x']}")
+        r, worst = turned(row), 0.0
+        for particle in result.table("particles_end.csv"):
+            if particle["x0"] > 10:
+                continue
+            arm = [particle["x0"] - 0.25, particle["y0"], particle.get("z0", 0.0) if dimension == 3 else 0.0]
+            for a, name_of in enumerate("xyz"[:dimension]):
+                place = sum(r[a][i]*arm[i] for i in range(3)) + (2.25 if a == 0 else 0)
+                worst = max(worst, abs(place - particle[name_of]))
+        report.check(worst < 1e-12, f"{name}: particles are {worst} away")
+
+
+def drop(report):
+    """Free fall, then a bounce in which nothing is gained; momentum is what contact has given."""
+    for update in ("musl", "usavg"):
+        result = run(f"drop_{update}", DROP, update=update)
+        if not report.finished(result, f"drop, {update}"):
+            continue
+        rows = result.table("rigid.csv")
+        for row in rows:
+            if row["time"] < 0.5:  # velocities are those half a step before
+                report.check(abs(row["y"] - (9 - 5*row["time"]**2)) < 5e-3, f"drop: at {row['y']} after {row['time']}")
+        top = max(row["y"] for row in rows if row["time"] > 0.8)
+        report.check(8.5 < top < 9, f"drop: bounces to {top}")
+        report.check(max(abs(row["velocity_x"]) + abs(row["omega_z"]) for row in rows) < 1e-9, "drop: does not stay upright")
+        history = result.table("history.csv")
+        gained = max(row["total_energy"] - row["external_work"] + row["contact_dissipation"] for row in history)/1400
+        report.check(gained < 0.012, f"drop, {update}: {gained} of the energy is of unknown origin")
+        report.check(abs(result["energy.remainder"]) < 1e-12*1400, f"drop: {result['energy.remainder']} unexplained")
+        mass = [row["mass"] for row in result.table("bodies.csv") if row["name"] == "ball"][0]
+        given, before = 0.0, 0.0
+        for row in rows:
+            given += row["force_y"]*(row["time"] - before)
+            before = row["time"]
+        # The first kick is half a step.
+        change = mass*(rows[-1]["velocity_y"] + 10*(rows[-1]["time"] - 0.5*rows[1]["time"]))
+        report.check(abs(change/given - 1) < 5e-3, f"drop: {change} of momentum, contact gave {given}")
+
+
+def rolls(report):
+    """A disk that rolls down a slope is as far as 2/3 g sin(angle) takes it, a box that slides as g (sin - mu cos)."""
+    result = run("disk", DISK)
+    if report.finished(result, "disk"):
+        rows = result.table("rigid.csv")
+        ratio = (rows[-1]["x"] - rows[0]["x"])/(0.5*2/3*5*rows[-1]["time"]**2)
+        report.check(abs(ratio - 1) < 0.03, f"disk: way {ratio} of the exact one")
+        slip = rows[-1]["velocity_x"]/(-3*rows[-1]["omega_z"])
+        report.check(abs(slip - 1) < 0.08, f"disk: v/(w R) = {slip}")
+
+
+def bits(report):
+    """Threads, ranks, restarts; momentum of all that moves but the tool."""
+    for name, update, rotation in (("crowd", "musl", ""), ("crowd_usavg", "usavg", ""), ("crowd_exact", "musl", " rotation=exact")):
+        text = CROWD.format(update=update, rotation=rotation)
+        reference = straight(report, name, text)
+        for title, threads, launcher in ((f"{name}_threads", 3, ()), (f"{name}_ranks", 1, mpirun(2))):
+            other = straight(report, title, text, threads=threads, launcher=launcher)
+            for key in ("checksum", "energy.total", "energy.remainder"):
+                report.check(other[key] == reference[key], f"{title}: {key} {other[key]}, not {reference[key]}")
+            report.check(other.table("rigid.csv") == reference.table("rigid.csv"), f"{title}: rigid.csv differs")
+        steps = checkpoints(os.path.join(SCRATCH, name))
+        goes_on(report, reference, f"{name}_again", text, steps[0])
+        goes_on(report, reference, f"{name}_ranks_again", text, steps[0], launcher=mpirun(2))
+    history = run("crowd_alone", CROWD.format(update="musl", rotation="").replace("rigid tool", "!")
+                  .replace("body tool", "! ").replace("gravity", "!")).table("history.csv")
+    for axis in "xyz":
+        values = [row[f"momentum_{axis}"] for row in history]
+        report.check(max(abs(value - values[0]) for value in values) < 1e-11*40, f"crowd: momentum along {axis} changes: {values[0]} {values[-1]}")
+
+
+if __name__ == "__main__":
+    REPORT = Report()
+    tumbling(REPORT)
+    tools(REPORT)
+    drop(REPORT)
+    rolls(REPORT)
+    bits(REPORT)
+    REPORT.end()
