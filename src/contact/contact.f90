@@ -320,8 +320,10 @@ contains
       end associate
     end do
     if (before_kick) return
+    kick = 0.0_dp
     do k = 1, size(inverse_mass, 2)
       associate (body => bodies(shared%body(shared%member_start(n) + k - 1)))
+        if (.not. body%rigid) cycle
         kick(:, k) = merge(0.0_dp, motion_kick(body%rigid_motion, body%speed - body%speed_before, &
                                                shared_place(shared, n, mesh)), shared%held(:, n))
       end associate

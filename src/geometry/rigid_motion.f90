@@ -15,7 +15,8 @@ module sgmp_rigid_motion
   implicit none
   private
   public :: rigid_motion_t, motion_axes, motion_inertia, motion_jerk, motion_kick, &
-            motion_plan, motion_advance, motion_energy, motion_spin, motion_at, motion_start, freedoms
+            motion_plan, motion_advance, motion_energy, motion_spin, motion_at, motion_start
+  public :: freedoms
 
   integer, parameter :: freedoms = 6             !! of a rigid body in space: along axes, about them
 
@@ -34,10 +35,10 @@ module sgmp_rigid_motion
     real(dp) :: mass = 0.0_dp
     real(dp) :: inertia(3, 3) = 0.0_dp, inverse(3, 3) = 0.0_dp
       !! about the centre of mass, as the body lay at the start
-    real(dp) :: momentum(freedoms) = 0.0_dp             !! linear, and angular about the centre of mass
-    real(dp) :: trial(freedoms) = 0.0_dp                !! the same at the end of the step at hand
-    real(dp) :: push(freedoms) = 0.0_dp                 !! what gravity and body forces give in it
-    real(dp) :: impulse(freedoms) = 0.0_dp              !! what contact has given since the start
+    real(dp) :: momentum(freedoms) = 0.0_dp      !! linear, and angular about the centre of mass
+    real(dp) :: trial(freedoms) = 0.0_dp      !! the same at the end of the step at hand
+    real(dp) :: push(freedoms) = 0.0_dp      !! what gravity and body forces give in it
+    real(dp) :: impulse(freedoms) = 0.0_dp      !! what contact has given since the start
     real(dp) :: last_change(3) = 0.0_dp, last_growth(3, 3) = 0.0_dp
       !! change of velocity in the step before: at the centre, and its gradient
   end type rigid_motion_t

@@ -5,7 +5,8 @@ module sgmp_build_rigid
   use sgmp_mesh, only: mesh_position, mesh_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums
-  use sgmp_rigid_motion, only: freedoms, motion_at, motion_axes, motion_inertia, motion_spin, motion_start
+  use sgmp_rigid_motion, only: freedoms, motion_at, motion_axes, motion_inertia, motion_spin, &
+                               motion_start
   use sgmp_scene, only: body_card_t, scene_at_rest
   use sgmp_vectors, only: cross
   implicit none

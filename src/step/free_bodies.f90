@@ -164,7 +164,7 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: space
     real(dp), intent(in) :: dt                   !! position step
-    real(dp), intent(in) :: before(:, :)         !! (freedoms, pairs) impulses of the pairs before the step
+    real(dp), intent(in) :: before(:, :)         !! (freedoms, pairs) their impulses before the step
     type(totals_t), intent(inout) :: totals
     real(dp) :: given(freedoms), kinetic
     integer :: b
