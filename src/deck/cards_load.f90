@@ -54,9 +54,9 @@ contains
 
   subroutine register_damping(registry)
     type(registry_t), intent(inout) :: registry
-    call registry%card('damping', 'Slows everything down whose motion is not prescribed: the way '// &
-                       'to an equilibrium.', 'damping rate=200', read_damping, check_damping, &
-                       once=.true.)
+    call registry%card('damping', 'Slows everything down whose motion is not prescribed: the '// &
+                       'way to an equilibrium.', 'damping rate=200', read_damping, &
+                       check_damping, once=.true.)
     call registry%key('rate', kind_real, 'force against the velocity, per momentum: free '// &
                       'motion decays with exp(-rate t), vibrations with half of it', &
                       unit='1/time', range='[0,inf)', default='0', source='doc/damping.md')
