@@ -122,7 +122,7 @@ EXPECTED = {
     "soil": [r"{d}:5:74: error: 'friction' = 90 is out of range", r"{d}:6:86: error: 'cohesion' = -1 is out of range",
              r"{d}:7:87: error: the angle of dilatancy is above that of friction", r"{d}:8:98: error: the largest mean stress lies beyond the apex",
              r"{d}:9:1: error: the pressure of 'silt' is elastic already"],
-    "rigid": [r"{d}:10:19: error: a free body with a prescribed motion", r"{d}:10:29: error: a free body with a prescribed motion",
+    "rigid": [r"{d}:10:20: error: a free body with a prescribed motion", r"{d}:10:30: error: a free body with a prescribed motion",
               r"{d}:11:14: error: the mass of a body whose motion is prescribed", r"{d}:12:17: error: nothing turns about x in 2D",
               r"{d}:12:27: error: the velocity of a rigid body cannot depend on position", r"{d}:13:23: error: 'mass' = 0 is out of range",
               r"{d}:14:20: error: nothing turns about y in 2D", r"{d}:15:18: error: 'about' without a rotation"],
