@@ -49,6 +49,7 @@ EXPECTED = {
     "empty": [r"{d}: error: the file has no cards"],
     "explosive": [r"{d}:7:1: error: explosive 'tnt' has no JWL equation", r"eos tnt jwl"],
     "far_away": [r"{d}:6:1: error: body 'far' reaches 0\.1\d+E\+8 cells from the grid's origin", r"^1 error|remedy: move the body"],
+    "extent_out_of_plane": [r"{d}:3:30: error: extent along z in 2D", r"^1 error"],
     "far_body": [r"{d}:6:1: error: body 'bar' reaches .*E\+11 cells from the grid's origin"],
     "erode": [r"{d}:7:28: error: 'plastic_strain' = 0 is out of range", r"{d}:7:40: error: 'time_step' = -1 is out of range",
               r"{d}:9:19: error: 'iron' does not fail", r"{d}:10:1: error: material 'iron' has two cards erode",
