@@ -4,6 +4,7 @@
 !! A warning names the cards' own numbers and what to write instead. All ranks look, each at its own
 !! particles.
 module sgmp_forewarnings
+  use sgmp_body, only: body_t
   use sgmp_constitutive, only: law_gaseous
   use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
@@ -296,27 +297,45 @@ contains
     end do
   end subroutine look_at_lighting
 
-  !> Bodies that fly into each other and, for want of contact, will stick together.
+  !> Bodies that fly into each other and, for want of contact, will stick together, and rigid ones,
+  !! which pass through each other.
   subroutine look_for_collisions(scene, model, warnings)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     type(string_t), allocatable, intent(inout) :: warnings(:)
     type(extent_t) :: extents(size(model%bodies))
+    character(:), allocatable :: names
+    logical :: meet
     integer :: a, b
     do b = 1, size(model%bodies)
       extents(b) = extent_of(model, b)
     end do
     do a = 1, size(model%bodies)
       do b = a + 1, size(model%bodies)
-        if (model%bodies(a)%field /= model%bodies(b)%field) cycle
-        if (.not. collide(extents(a), extents(b), scene%time%end)) cycle
-        call warn(warnings, "'"//trim(model%bodies(a)%name)//"' and '"// &
-                  trim(model%bodies(b)%name)//"' move towards each other and will stick "// &
-                  'together where they meet, since no card contact is for them')
+        meet = collide(extents(a), extents(b), scene%time%end)
+        names = "'"//trim(model%bodies(a)%name)//"' and '"//trim(model%bodies(b)%name)//"'"
+        if (pass_through(model%bodies(a), model%bodies(b), meet)) then
+          call warn(warnings, names//' are both rigid: they do not feel each other, with or '// &
+                    'without contact; make one of them deformable')
+        else if (meet .and. model%bodies(a)%field == model%bodies(b)%field) then
+          call warn(warnings, names//' move towards each other and will stick '// &
+                    'together where they meet, since no card contact is for them')
+        else
+          cycle
+        end if
         return
       end do
     end do
   end subroutine look_for_collisions
+
+  !> Whether bodies may come to lie in each other because both are rigid. Nobody knows before where a
+  !! free one goes.
+  pure function pass_through(a, b, meet) result(yes)
+    type(body_t), intent(in) :: a, b
+    logical, intent(in) :: meet                  !! if they keep their velocities
+    logical :: yes
+    yes = a%rigid .and. b%rigid .and. (meet .or. a%rigid_motion%free .or. b%rigid_motion%free)
+  end function pass_through
 
   !> Where a body is; all ranks must call it.
   function extent_of(model, b) result(extent)

@@ -105,6 +105,8 @@ MISTAKES = [
     ("two bodies of one name", ROD, "body rod cylinder", "body plate cylinder"),
     ("a scene in 3D called plane", ROD, "dimension 3", "dimension 2"),
     ("a forgotten contact", ROD, "contact rod plate friction=0.1\n", ""),
+    ("a rigid rod on a rigid plate", ROD, "velocity rod z=-speed", "rigid plate\nrigid rod z=-speed"),
+    ("a free rigid rod beside a rigid plate", ROD, "velocity rod z=-speed", "velocity rod z=speed\nrigid plate\nrigid rod free=yes"),
     ("two bodies in one place", ROD, "centre=(0,0,0) axis=(0,0,1) radius=3 length=9 ppc=2\nintersect rod block lower=(0,0,0) upper=(6,6,9)",
      "centre=(5,5,-4) axis=(0,0,1) radius=3 length=9 ppc=2"),
     ("a body astride a wall", ROD, "lower=(0,0,-9)", "lower=(-5,0,-9)"),
