@@ -328,8 +328,8 @@ contains
     end do
   end subroutine look_for_collisions
 
-  !> Whether bodies may come to lie in each other because both are rigid. Nobody knows before where a
-  !! free one goes.
+  !> Whether bodies may come to lie in each other because both are rigid. Where a free one goes
+  !! nobody knows before.
   pure function pass_through(a, b, meet) result(yes)
     type(body_t), intent(in) :: a, b
     logical, intent(in) :: meet                  !! if they keep their velocities
