@@ -139,11 +139,18 @@ def reason_of(mutant, known):
 
 def listed(path):
     """Faults that a file lists: end of the path | part of a statement | what stands there instead | what is wrong | who notices."""
+    faults, stale = [], []
     for line in pathlib.Path(path).read_text(encoding="utf-8").splitlines():
         if line.strip() and not line.startswith("#"):
             file, was, now, what, _ = (part.strip() for part in line.split(" | "))
             file = f"src/{file}"
-            yield mutants.by_hand(file, (ROOT / file).read_text(encoding="utf-8"), was, now, what)
+            try:
+                faults.append(mutants.by_hand(file, (ROOT / file).read_text(encoding="utf-8"), was, now, what))
+            except (OSError, ValueError) as error:
+                stale.append(str(error))
+    if stale:
+        sys.exit(f"{path} no longer fits the sources:\n  " + "\n  ".join(stale))
+    return faults
 
 
 def draw(files, size, seed):
@@ -357,12 +364,16 @@ def main():
     parser.add_argument("--seed", type=int, default=1, help="of the sample (default 1)")
     parser.add_argument("--files", nargs="*", default=[], help="sources, or folders of them (default src)")
     parser.add_argument("--faults", help="a file that lists faults by hand; with --sample both, else these alone")
+    parser.add_argument("--fits", action="store_true", help="only see whether the faults listed still fit the sources")
     parser.add_argument("--kinds", nargs="*", default=list(KINDS), choices=KINDS, help="labels of the tests that run (default all)")
     parser.add_argument("--without", nargs="*", default=[], help="tests that do not run")
     parser.add_argument("--budget", type=float, default=120.0, help="CPU seconds of tests per fault (default 120)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="faults at the same time (default: processors)")
     parser.add_argument("--least", type=float, default=LEAST, help="part that must be noticed (default 0.85); small samples scatter")
     options = parser.parse_args()
+    if options.fits:
+        print(f"{len(listed(options.faults))} faults fit the sources")
+        return
     start = time.monotonic()
     places = [ROOT / name for name in options.files or ["src"]]
     files = sorted({p.relative_to(ROOT).as_posix() for place in places
@@ -370,7 +381,7 @@ def main():
     files = [file for file in files if not LEFT_OUT.search(file)] if not options.files else files
     size = options.sample or (None if options.files or options.faults else 200)
     drawn, total = draw(files, size, options.seed) if size or options.files else ([], 0)
-    by_hand = list(listed(options.faults)) if options.faults else []
+    by_hand = listed(options.faults) if options.faults else []
     for number, mutant in enumerate(by_hand, len(drawn) + 1):
         mutant.number = number
     memory = Memory(WORK / "memory.json", digest(sorted((ROOT / "src").rglob("*.*"))))
