@@ -10,13 +10,14 @@ module DIM(sgmp_chunk)
   use sgmp_body, only: body_t
   use sgmp_columns, only: relax_stiffness, relax_total
   use sgmp_constitutive, only: constitutive_t
-  use sgmp_erosion, only: erosion_wanted
+  use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
+                                  departures_outside, departures_take_out
   use sgmp_expression, only: expression_places, expression_time
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
-  use sgmp_movers, only: movers_add, movers_t
+  use sgmp_movers, only: movers_t
   use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_scatter), only: linear_scatter, linear_scatter_force, linear_scatter_moment
@@ -215,7 +216,7 @@ contains
     call update_stress(body%law, plan, task, task%live(1, nl), motion, got, nb, &
                        state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
     if (erodes) then
-      call choose_eroded(body%law, plan%strain, nl, motion, speed2, nb, state, eroded)
+      call departures_eroded(body%law, plan%strain, nl, motion, speed2, nb, state, eroded)
       if (plan%strain) call check_chunk(nl, id, merge(0.0_dp, task%live(:, nl), eroded), motion, &
                                         speed2, jacobian, work)
     else if (plan%strain) then
@@ -250,9 +251,10 @@ contains
       call split_particles(mesh, body, plan, task, s, extent, nl, got(1, task%gradient), nb, &
                            motion, state, id, xi, values, lane_sums, movers)
     end if
-    if (erodes) call note_eroded(task, s, extent, nl, eroded, nb, motion, state, id, xi, values, &
-                                 movers)
-    if (outside) call note_movers(task, s, extent, nl, nb, motion, state, id, xi, values, movers)
+    if (erodes) call departures_note_all(eroded .and. id /= 0, .true., task%values, s, extent, nl, &
+                                         nb, motion, state, id, xi, values, movers)
+    if (outside) call departures_note_all(departures_outside(extent, xi), .false., task%values, s, &
+                                          extent, nl, nb, motion, state, id, xi, values, movers)
     if (plan%drift) call enter_cells(task%span, xi, cell)
     if (task%wide .and. (plan%drift .or. plan%mass .and. body%sides_stretch)) then
       call particle_axes(body, task, nb, state, xi, axes)
@@ -676,107 +678,14 @@ contains
       if (task%square > 0) call relaxation_square(live, half_motion, half(1, task%square))
       do l = 1, nl
         if (axis(l) == 0) cycle
-        call note_mover(task, s, l, id(l), side < 0, nb, half_motion, half_state, half, movers)
+        call departures_note(task%values, s, l, id(l), side < 0, nb, half_motion, half_state, &
+                             half, movers)
       end do
     end do
     do l = 1, nl
-      if (axis(l) > 0) call take_out(l, extent, task%values, id, xi, values)
+      if (axis(l) > 0) call departures_take_out(l, extent, task%values, id, xi, values)
     end do
   end subroutine split_particles
-
-  !> Which particles are to be removed. One that is inside out is left to stop the run.
-  pure subroutine choose_eroded(law, strains, nl, motion, speed2, nb, state, eroded)
-    type(constitutive_t), intent(in) :: law
-    logical, intent(in) :: strains               !! the sound speed is known
-    integer, intent(in) :: nl, nb
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), speed2(lanes), state(lanes, nb)
-    logical, intent(out) :: eroded(lanes)
-    real(dp) :: strain, damage, speed
-    integer :: l
-    eroded = .false.
-    do l = 1, nl
-      strain = 0.0_dp
-      damage = 0.0_dp
-      speed = 0.0_dp
-      if (law%slots%plastic > 0) strain = state(l, law%slots%plastic)
-      if (law%slots%damage > 0) damage = state(l, law%slots%damage)
-      if (strains) speed = sqrt(max(speed2(l), 0.0_dp)) + &
-                           norm2(motion(l, before_v + 1:before_v + NDIM))
-      eroded(l) = erosion_wanted(law%erosion, strain, damage, speed)
-    end do
-  end subroutine choose_eroded
-
-  !> Notes particles that are removed, unless they have just been split, and takes them out of their
-  !! bin and of the scatter.
-  pure subroutine note_eroded(task, s, extent, nl, eroded, nb, motion, state, id, xi, values, &
-                              movers)
-    type(task_t), intent(in) :: task
-    integer, intent(in) :: s, nl, nb
-    logical, intent(in) :: eroded(lanes)
-    real(dp), intent(in) :: extent(2, NDIM)
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
-    integer(i4), intent(inout) :: id(lanes)
-    real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
-    type(movers_t), intent(inout) :: movers
-    integer :: l
-    do l = 1, nl
-      if (.not. eroded(l) .or. id(l) == 0) cycle
-      call note_mover(task, s, l, id(l), .true., nb, motion, state, values, movers)
-      movers%eroded(movers%n) = .true.
-      call take_out(l, extent, task%values, id, xi, values)
-    end do
-  end subroutine note_eroded
-
-  !> Notes particles that left the bin and takes them out of it and of the scatter.
-  pure subroutine note_movers(task, s, extent, nl, nb, motion, state, id, xi, values, movers)
-    type(task_t), intent(in) :: task
-    integer, intent(in) :: s, nl, nb
-    real(dp), intent(in) :: extent(2, NDIM)
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
-    integer(i4), intent(inout) :: id(lanes)
-    real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
-    type(movers_t), intent(inout) :: movers
-    integer :: l
-    do l = 1, nl
-      if (all(xi(l, :) >= extent(1, :) .and. xi(l, :) < extent(2, :))) cycle
-      call note_mover(task, s, l, id(l), .true., nb, motion, state, values, movers)
-      call take_out(l, extent, task%values, id, xi, values)
-    end do
-  end subroutine note_movers
-
-  !> Notes one lane as a mover; of the halves of a particle one counts as leaving the bin.
-  pure subroutine note_mover(task, s, l, id, here, nb, motion, state, values, movers)
-    type(task_t), intent(in) :: task
-    integer, intent(in) :: s, l, nb
-    integer(i4), intent(in) :: id
-    logical, intent(in) :: here
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
-    real(dp), intent(in) :: values(lanes, most_columns + NFLUX)
-    type(movers_t), intent(inout) :: movers
-    integer :: q, m
-    call movers_add(movers, id, here, s)
-    m = movers%n
-    do q = 1, motion_total(NDIM)
-      movers%particle(q, m) = motion(l, q)
-    end do
-    do q = 1, nb
-      movers%particle(motion_total(NDIM) + q, m) = state(l, q)
-    end do
-    do q = 1, task%values
-      movers%values(q, m) = values(l, q)
-    end do
-  end subroutine note_mover
-
-  !> Takes a lane out of its bin and of the scatter: what is left is in the middle of the bin.
-  pure subroutine take_out(l, extent, columns, id, xi, values)
-    integer, intent(in) :: l, columns
-    real(dp), intent(in) :: extent(2, NDIM)      !! of the bin
-    integer(i4), intent(inout) :: id(lanes)
-    real(dp), intent(inout) :: xi(lanes, NDIM), values(lanes, most_columns + NFLUX)
-    id(l) = 0
-    values(l, :columns) = 0.0_dp
-    xi(l, :) = 0.5_dp*(extent(1, :) + extent(2, :))
-  end subroutine take_out
 
   !> Adds a chunk to the accumulators of its stencils.
   pure subroutine scatter(task, stress, xi, cell, axes, values, stencil)
