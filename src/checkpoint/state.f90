@@ -26,7 +26,7 @@ contains
     type(model_t), intent(inout) :: model
     type(outputs_t), intent(inout) :: outputs
     integer(i8), intent(inout) :: particle_steps
-    integer :: b, p
+    integer :: b, f, p
     call pass_clock(archive, model%clock)
     call archive%pass(model%method%cutoff)
     call archive%pass(model%findings%fastest)
@@ -41,6 +41,10 @@ contains
     if (model%method%split > 0.0_dp) call archive%pass(model%ledger%split_energy)
     if (model%method%damped) call archive%pass(model%ledger%damping_dissipation)
     if (model%method%erodes) call pass_eroded(archive, model%ledger%eroded)
+    do f = 1, size(model%turning)
+      call archive%pass(model%turning(f)%vector)
+      call archive%pass(model%turning(f)%largest)
+    end do
     call archive%pass(model%totals%points)
     if (.not. allocated(model%totals%particles)) then
       allocate (model%totals%particles(size(model%bodies)))

@@ -4,6 +4,7 @@
 !! of it costs anything in the time loop. Each has a deck in tests/regression/verdict.py that trips
 !! it.
 module sgmp_verdict
+  use sgmp_angular_momentum, only: angular_momentum_of, angular_momentum_t
   use sgmp_end_state, only: end_state_t, end_state_take
   use sgmp_energy, only: ledger_drift
   use sgmp_errors, only: error_t, exit_stopped
@@ -36,6 +37,8 @@ module sgmp_verdict
   real(dp), parameter :: largest_condensed = 3.0_dp    !! of other matter: no shock reaches more
   real(dp), parameter :: largest_collapse = 20.0_dp    !! longest step over shortest
   real(dp), parameter :: largest_eroded = 0.05_dp      !! part of the mass
+  real(dp), parameter :: largest_turn = 0.05_dp        !! change of angular momentum over the first
+  real(dp), parameter :: least_turn = 0.1_dp           !! that over what the motion could have
   real(dp), parameter :: least_thickness = 2.0_dp      !! cells across a body
 
   integer, parameter :: reason_length = 240
@@ -48,6 +51,7 @@ module sgmp_verdict
     character(reason_length), allocatable :: reasons(:)
     real(dp) :: thickness = huge(1.0_dp)   !! of the thinnest body, in cells
     real(dp) :: drift = 0.0_dp, contact = 0.0_dp, viscous = 0.0_dp  !! parts of the energy supplied
+    real(dp) :: turn = -1.0_dp             !! largest change of angular momentum; -1: none is judged
     real(dp) :: steps(2) = 0.0_dp          !! shortest and longest
     character(16) :: limited_by = ''       !! the last one
   contains
@@ -91,6 +95,7 @@ contains
     call end_state_take(scene, model, self%state)
     call judge_energy(self, model%findings%lost)
     call judge_erosion(self, model)
+    call judge_turning(self, scene, model)
     call judge_volumes(self, scene%method%volumes_kept)
     call judge_particles(self, scene)
     call judge_resolution(self, scene, thinnest)
@@ -138,6 +143,33 @@ contains
       end if
     end associate
   end subroutine judge_erosion
+
+  !> Angular momentum that nothing acts on, and yet has changed.
+  subroutine judge_turning(self, scene, model)
+    type(verdict_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(angular_momentum_t) :: now
+    character(:), allocatable :: remedy
+    real(dp) :: change
+    integer :: f
+    if (model%findings%lost > 0) return
+    remedy = '; use smaller cells or cfl'
+    if (.not. scene%method%rotation) remedy = '; method sgmp rotation=exact keeps it'
+    do f = 1, size(model%fields)
+      associate (before => model%turning(f))
+        if (norm2(before%vector) <= least_turn*before%largest) cycle
+        call angular_momentum_of(model%mesh, model%bodies, model%totals%bodies, f, now)
+        change = norm2(now%vector - before%vector)/norm2(before%vector)
+        self%turn = max(self%turn, change)
+        if (.not. change > largest_turn) cycle
+        call self%object("the angular momentum of body '"// &
+                         trim(model%bodies(findloc(model%bodies%field, f, 1))%name)// &
+                         "' has changed by "//percent(change)//', though nothing acts on it'// &
+                         remedy)
+      end associate
+    end do
+  end subroutine judge_turning
 
   !> Volumes that sum to more or less than the room that there is.
   subroutine judge_volumes(self, kept)
@@ -257,6 +289,7 @@ contains
       call summary%set('end_state.thinnest_body_cells', self%thickness)
     end if
     if (.not. self%looked) return
+    if (self%turn >= 0.0_dp) call summary%set('end_state.angular_momentum_change', self%turn)
     associate (found => self%state)
       call summary%set('end_state.largest_compression', found%compression)
       call summary%set('end_state.largest_expansion', found%expansion)

@@ -1,5 +1,6 @@
 !> From the validated description of a scene to a model ready for its first step.
 module sgmp_build_model
+  use sgmp_angular_momentum, only: angular_momentum_kept, angular_momentum_of
   use sgmp_body, only: body_t
   use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
@@ -111,6 +112,7 @@ contains
     if (.not. seeded) return
     call step_start(model)
     call open_ledger(model)
+    call note_turning(model)
   end subroutine model_build
 
   subroutine build_body(scene, number, model, kernel, first_id, seeded, surveys, body, error)
@@ -405,6 +407,7 @@ contains
     integer, intent(in) :: kernel, threads
     integer :: f
     allocate (model%fields(contact_fields(model)))
+    allocate (model%turning(size(model%fields)))
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
                       model%method%normalised, model%method%spins, model%method%rotation, &
@@ -458,6 +461,17 @@ contains
                      sum(model%totals%bodies%internal), &
                      [(sum(model%totals%bodies%momentum(c), mask=counted), c=1, 3)])
   end subroutine open_ledger
+
+  !> Angular momenta at the start that nothing may change.
+  subroutine note_turning(model)
+    type(model_t), intent(inout) :: model
+    integer :: f
+    do f = 1, size(model%fields)
+      if (.not. angular_momentum_kept(model%mesh, model%method, model%bodies, &
+                                      model%contact%pairs, f)) cycle
+      call angular_momentum_of(model%mesh, model%bodies, model%totals%bodies, f, model%turning(f))
+    end do
+  end subroutine note_turning
 
   !> Mass, moment, momentum, kinetic and internal energy of a chunk.
   pure function chunk_terms(body, n, c) result(terms)

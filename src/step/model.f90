@@ -2,6 +2,7 @@
 !!
 !! Phases do not take the model: they take those of its parts that they read or change.
 module sgmp_model
+  use sgmp_angular_momentum, only: angular_momentum_t
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_t
   use sgmp_energy, only: ledger_t
@@ -31,6 +32,8 @@ module sgmp_model
     type(findings_t) :: findings                     !! of the step's sweeps, on this rank
     type(totals_t) :: totals                         !! of all ranks
     type(ledger_t) :: ledger                         !! of the energy
+    type(angular_momentum_t), allocatable :: turning(:)
+      !! (fields) at the start, where nothing may change it
     type(timers_t) :: timers
   end type model_t
 

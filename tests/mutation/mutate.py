@@ -39,6 +39,7 @@ from memory import Memory, digest
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 WORK = ROOT / "build" / "mutation"
+BUILD = WORK / "tree/build/faults"  # where the program finds the decks that come with it
 KINDS = ("unit", "decks", "regression")
 LEAST, LEAST_OF_AREA, AREA = 0.85, 0.75, 8
 SKIPPED = 77
@@ -73,7 +74,7 @@ class Test:
         scratch = WORK / "scratch" / str(worker) / self.name
         scratch.mkdir(parents=True, exist_ok=True)
         command = [str(scratch) if part == self.folder else part for part in self.command]
-        recall = {"PYTHONPATH": str(HERE / "recall"), "SGMP_MUTANT_PROGRAM": str(WORK / "build/sgmp"),
+        recall = {"PYTHONPATH": str(HERE / "recall"), "SGMP_MUTANT_PROGRAM": str(BUILD / "sgmp"),
                   "SGMP_MUTANT_RECORDS": str(WORK / "records" / program / str(worker) / self.name)}
         # CPU time is the measure: other work on the machine is no fault. What waits without end takes none.
         most = int(3.0*self.seconds) + 5 if self.seconds else 3600
@@ -210,11 +211,11 @@ def impure_functions():
 def build(chosen, jobs):
     """Builds the copy without those mutants that are no Fortran; returns the others."""
     owners = make_tree(chosen)
-    configure = ["cmake", "-S", str(WORK / "tree"), "-B", str(WORK / "build"), "-DCMAKE_BUILD_TYPE=Repro",
+    configure = ["cmake", "-S", str(WORK / "tree"), "-B", str(BUILD), "-DCMAKE_BUILD_TYPE=Repro",
                  "-DCMAKE_Fortran_FLAGS=-ffree-line-length-none", "-DCMAKE_Fortran_FLAGS_REPRO=-O2 -ffp-contract=off"]
     subprocess.run(configure, check=True, stdout=subprocess.DEVNULL)
     for _ in range(40):
-        done = subprocess.run(["cmake", "--build", str(WORK / "build"), "--parallel", str(jobs), "--", "-k"],
+        done = subprocess.run(["cmake", "--build", str(BUILD), "--parallel", str(jobs), "--", "-k"],
                               capture_output=True, text=True)
         if done.returncode == 0:
             return chosen
@@ -232,7 +233,7 @@ def build(chosen, jobs):
 
 def tests_of_build():
     """The entries of ctest that count."""
-    listing = subprocess.run(["ctest", "--test-dir", str(WORK / "build"), "--show-only=json-v1"], check=True,
+    listing = subprocess.run(["ctest", "--test-dir", str(BUILD), "--show-only=json-v1"], check=True,
                              capture_output=True, text=True).stdout
     for entry in json.loads(listing)["tests"]:
         properties = {p["name"]: p["value"] for p in entry.get("properties", [])}

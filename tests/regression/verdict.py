@@ -101,6 +101,25 @@ body plate block material=m lower=(0,0) upper=(4,4) ppc=2 overlap=allow
 body ball sphere material=m centre=(2,height) radius=1 ppc=2 overlap=allow
 contact all
 """
+# A disk that turns and falls; nothing but its weight acts on it. A wall that it never reaches, or another body that it may touch, could turn it.
+TURNING = """
+parameter method = sgmp
+parameter rotation = plain
+parameter spin = 3
+parameter wall = free
+parameter space = 2
+dimension space
+grid cell=0.25 y=-8:open
+wall y-=$wall
+method $method rotation=$rotation
+time end=1 cfl=0.8
+gravity (0,-0.5,0)
+checkpoint every=50 keep=9
+output csv at=end fields=mass,initial_position
+material m elastic density=2 young=1e3 poisson=0.3
+body disk cylinder material=m centre=(0.03,0.04,0) axis=(0,0,1) radius=1 length=0.5 spacing=0.125
+velocity disk x="1-spin*(y-0.04)" y="spin*(x-0.03)"
+"""
 # A bar that rings at a wave length of two cells, which usl damps.
 RINGING = """
 parameter update = musl
@@ -169,8 +188,43 @@ def criteria(report):
     report.check(result["end_state.particles_inside_other_bodies"] >= 250, f"within: {result['end_state']}")
     result = sound(report, "upon", WITHIN, height=5)
     report.check(result["end_state.particles_inside_other_bodies"] == 0, f"upon: {result['end_state']}")
+    turning(report)
     doubts(report, "ringing_usl", RINGING, "is gone", update="usl")
     sound(report, "ringing", RINGING)
+
+
+def loss_of_spin(particles):
+    """Part of the disk's angular momentum about its centre that is gone."""
+    mass = sum(p["mass"] for p in particles)
+
+    def about(x, y, vx, vy):
+        """Angular momentum about the centre of mass of (name or function) coordinates and velocities."""
+        places, speeds = ([[f(p) for p in particles] for f in pair] for pair in ((x, y), (vx, vy)))
+        centre, drift = ([sum(p["mass"]*value for p, value in zip(particles, values))/mass for values in pair] for pair in (places, speeds))
+        return sum(p["mass"]*((places[0][i] - centre[0])*(speeds[1][i] - drift[1]) - (places[1][i] - centre[1])*(speeds[0][i] - drift[0]))
+                   for i, p in enumerate(particles))
+
+    now = about(*(lambda p, name=name: p[name] for name in ("x", "y", "velocity_x", "velocity_y")))
+    then = about(lambda p: p["x0"], lambda p: p["y0"], lambda p: 1 - 3*(p["y0"] - 0.04), lambda p: 3*(p["x0"] - 0.03))
+    return 1 - now/then
+
+
+def turning(report):
+    """Angular momentum about the centre of mass, which uniform gravity does not change; found here from particles_end.csv."""
+    for space in (2, 3):
+        result = doubts(report, f"turning_{space}", TURNING, "the angular momentum of body 'disk' has changed by", space=space)
+        expected = loss_of_spin(result.table("particles_end.csv"))
+        report.check(abs(result["end_state.angular_momentum_change"] - expected) < 2e-3*expected,
+                     f"turning {space}: {result['end_state.angular_momentum_change']}, expected {expected}")
+    sound(report, "turning_exact", TURNING, rotation="exact")
+    result = sound(report, "falling", TURNING, spin=0)
+    report.check("angular_momentum_change" not in result["end_state"], f"nothing turns: {result['end_state']}")
+    result = sound(report, "turning_wall", TURNING, wall="slip")
+    report.check("angular_momentum_change" not in result["end_state"], f"a wall: {result['end_state']}")
+    straight = run("turning_straight", TURNING)
+    again = run("turning_again", TURNING, options=("--restart", os.path.join(straight.folder, "checkpoint_0000050.h5")))
+    report.check(again.code == 0 and again["end_state"] == straight["end_state"] and again["verdict_reasons"] == straight["verdict_reasons"],
+                 f"turning, restarted: {again['end_state']} {straight['end_state']}")
 
 
 def everywhere(report):
@@ -205,7 +259,7 @@ def failures(report):
 
 def layouts(report):
     """The same findings for any number of ranks and threads."""
-    for name, deck in (("stretch", STRETCH), ("gas_half", GAS.replace("fill = 12", "fill = 6")), ("within", WITHIN)):
+    for name, deck in (("stretch", STRETCH), ("gas_half", GAS.replace("fill = 12", "fill = 6")), ("turning", TURNING), ("within", WITHIN)):
         expected = run(name + "_1", deck)
         for ranks, threads in ((1, 2), (3, 1)):
             folder = os.path.join(SCRATCH, f"{name}_{ranks}_{threads}")
