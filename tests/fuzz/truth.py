@@ -9,7 +9,10 @@ is wrong is a finding; a sound one that is called doubtful is only counted.
 * weigh: a block that stands under its weight: its height oscillates between that without weight and that of twice the static strain;
 * ring: a bar that vibrates in its first mode: displacement and energy;
 * fly: a block of any matter that flies through the grid: place and velocity of every particle, no stress;
-* shoot: a ball through a plate, with failure: energy and momentum.
+* shoot: a ball through a plate, with failure: energy and momentum;
+* slow: a block that flies and is damped: its way and its momentum;
+* lift: a block under a force that rises to its full strength: its way, no stress;
+* throw: a free rigid body that spins under gravity: parabola, angle, no force on it.
 
 usage: truth.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S]     N scenes of the seeds S, S+1, …
        truth.py SGMP SOURCE_DIR SCRATCH_DIR --show S                    the deck of one
@@ -48,6 +51,9 @@ class Scene:
         self.method, self.update = self.luck.choice(METHODS), self.luck.choice(UPDATES)
         self.extra = ""
         self.kind = self.luck.choice(("rest", "burn", "pull", "fall", "weigh", "ring", "fly", "shoot"))
+        moved = random.Random(f"moved {seed}")  # of its own, so that the other scenes of old seeds stay what they were
+        if moved.random() < 0.25:
+            self.kind = moved.choice(("slow", "lift", "throw"))
         self.text = getattr(self, self.kind)() + "history steps=1\n"
         self.wrong = getattr(self, "wrong_" + self.kind)
 
@@ -183,6 +189,73 @@ class Scene:
         if far > 1e-6:
             yield f"a particle {far:.1e} from its place"
 
+    def block(self, end, load):
+        """A block that nothing touches."""
+        self.velocity = (self.luck.choice((0.3, 2, -5)), self.luck.choice((0, 1, 3)))
+        shape = self.luck.choice(("block lower=(0,0) upper=(3,2)", "block lower=(0,0) upper=(3,2) rotation=30", "polygon corners=(0,0),(4,0),(1,3)"))
+        return ("dimension 2\ngrid cell=0.5\n" + self.card(("", " rotation=exact")) + f"time end={end} cfl={self.luck.choice((0.1, 0.3))}\n"
+                f"material m elastic density=2 young=10 poisson=0.3\nbody m {shape} material=m ppc=2\n{load}"
+                "output csv at=end fields=displacement,stress,mass\n")
+
+    def slow(self):
+        """Flight with damping, for a time or to the end."""
+        self.rate, self.until = self.luck.choice((0.1, 1, 3)), self.luck.choice((1, 10))
+        text = self.block(2, f"damping rate={self.rate} until={self.until}\n")
+        return text + f"velocity m x={self.velocity[0]} y={self.velocity[1]}\n"
+
+    def wrong_slow(self, result):
+        """Way and momentum, but for the half step that velocities are behind."""
+        damped = min(self.until, 2)
+        left = math.exp(-self.rate*damped)
+        way = (1 - left)/self.rate + (2 - damped)*left
+        late = self.rate*max(row["dt"] for row in result.history)
+        yield from wrong_ways(result, [way*v for v in self.velocity], 1.5*late*way*math.hypot(*self.velocity))
+        mass = sum(row["mass"] for row in result.rows)
+        for axis, v in zip("xy", self.velocity):
+            if abs(result.history[-1][f"momentum_{axis}"] - mass*v*left) > 1.1*late*mass*abs(v)*left + 1e-9:
+                yield f"momentum along {axis} {result.history[-1][f'momentum_{axis}']:.6g} instead of {mass*v*left:.6g}"
+
+    def lift(self):
+        """A force that rises."""
+        self.rise, self.strength = self.luck.choice((0.5, 1.5)), self.luck.choice((-1, 4))
+        return self.block(2, f'bodyforce m y="{self.strength}*min(t/{self.rise},1)"\n')
+
+    def wrong_lift(self, result):
+        """The way, but for a step."""
+        rest = 2 - self.rise
+        way = self.strength*(self.rise**2/6 + self.rise/2*rest + rest**2/2)
+        yield from wrong_ways(result, [0, way], 2*abs(self.strength)*max(row["dt"] for row in result.history))
+        worst = max(abs(row[key]) for row in result.rows for key in row if key.startswith("stress"))
+        if worst > 1e-6:
+            yield f"a stress of {worst:.1e}"
+
+    def throw(self):
+        """A body that is as hard as it likes."""
+        self.omega = self.luck.choice((0.5, 7, -20))
+        mass = self.luck.choice(("", " mass=0.01", " mass=100"))
+        text = self.block(3, f"gravity (0,-2)\nrigid m free=yes{mass}\n")
+        return text + f"velocity m x={self.velocity[0]} y={self.velocity[1]} omega_z={self.omega}\n"
+
+    def wrong_throw(self, result):
+        """What rigid.csv says, and that the particles are as far from each other as they were."""
+        first, last = table(result.folder, "rigid.csv")[0], table(result.folder, "rigid.csv")[-1]
+        late = 2*3*max(row["dt"] for row in result.history)
+        way = [3*self.velocity[0], 3*self.velocity[1] - 9]
+        if math.dist((last["x"] - first["x"], last["y"] - first["y"]), way) > late:
+            yield f"at ({last['x']:.6g}, {last['y']:.6g})"
+        if abs(last["omega_z"] - self.omega) > 1e-10*abs(self.omega):
+            yield f"turns with {last['omega_z']}"
+        angle = 2*math.atan2(last["attitude_z"], last["attitude_0"])
+        if abs(math.remainder(angle - 3*self.omega, math.tau)) > 1e-8:
+            yield f"turned by {angle}"
+        if any(abs(last[f"{kind}_{axis}"]) > 0 for kind in ("force", "torque") for axis in "xyz"):
+            yield "a force of contact"
+        ends = (result.rows[0], result.rows[-1])
+        now = math.dist(*((row["x"], row["y"]) for row in ends))
+        then = math.dist(*((row["x"] - row["displacement_x"], row["y"] - row["displacement_y"]) for row in ends))
+        if abs(now - then) > 1e-9:
+            yield f"particles {now} from each other instead of {then}"
+
     def shoot(self):
         """Lead at some km/s, in the plane."""
         carries = self.luck.choice(("nothing", "pressure", "nothing"))
@@ -201,6 +274,13 @@ class Scene:
             yield "momentum"
 
 
+def wrong_ways(result, way, tolerance):
+    """The displacement of every particle."""
+    far = max(math.dist((row["displacement_x"], row["displacement_y"]), way) for row in result.rows)
+    if far > tolerance + 1e-6:
+        yield f"a particle {far:.1e} from its place"
+
+
 def wrong_energy(result):
     """More or less than there was, over the largest that there was."""
     first, last = result.history[0], result.history[-1]
@@ -214,7 +294,7 @@ class Result:
     """The end of a run."""
 
     def __init__(self, chosen, deck):
-        folder = os.path.join(chosen.scratch, "run")
+        self.folder = folder = os.path.join(chosen.scratch, "run")
         shutil.rmtree(folder, ignore_errors=True)
         try:
             done = subprocess.run([chosen.sgmp, deck, "--quiet", "--threads", "1", "--output", folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -232,7 +312,7 @@ class Result:
 def table(folder, name):
     """Rows of a file of columns."""
     with open(os.path.join(folder, name), encoding="utf-8") as file:
-        return [{key: real(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        return [{key: real(value) for key, value in row.items() if key != "name"} for row in csv.DictReader(file)]
 
 
 def real(text):
