@@ -54,7 +54,7 @@ class Scene:
         self.steps = STEPS[self.dimension]
         self.method = self.luck.choice(("sgmp", "sgmp", "sgmp", "gimp", "mpm", "cpgimp", "bspline"))
         self.update = self.luck.choice(("musl", "musl", "usf", "usl", "usavg"))
-        self.walls = self.rigid = self.carried = self.removes = False
+        self.walls = self.rigid = self.floats = self.carried = self.removes = False
         # What follows has streams of its own, so that the choices of old seeds stay what they were.
         self.split = self.stream("split").random() < 0.3
         self.rich = self.stream("rich").random() < 0.6
@@ -210,6 +210,7 @@ class Scene:
             luck = self.stream("free body")
             mass = luck.choice(("", "", f" mass={luck.choice((0.1, 3, 20))}"))
             self.lines.append(f"rigid {luck.choice(names)} free=yes{mass}")
+            self.floats = True
 
     def loads(self):
         """Velocities, gravity, forces, damping."""
@@ -327,6 +328,9 @@ def layout_problems(first, other, title):
 def physics_problems(scene, result):
     """What holds whatever the scene is."""
     rows, energy = result.table("history.csv"), result.summary["energy"]
+    if energy["remainder"] is None or any(not math.isfinite(value) for row in rows for value in row.values()):
+        yield "a history that is not of numbers"
+        return
     supplied = max(max(abs(row[key]) for row in rows) for key in ("kinetic_energy", "internal_energy", "external_work"))
     # Spin that particles carry has an energy of its own, which the identity does not know.
     if not scene.carried and abs(energy["remainder"]) > 1e-10*max(supplied, 1e-300):
@@ -336,7 +340,7 @@ def physics_problems(scene, result):
         yield "a number that is none"
     if len(particles) != result.summary["particles"]:
         yield f"{len(particles)} particles in the file, {result.summary['particles']} in the summary"
-    if not scene.removes and result.summary["particles_lost"]:
+    if not (scene.removes or scene.rigid or scene.floats) and result.summary["particles_lost"]:  # no face holds what is rigid
         yield "particles lost where none may"
     masses = {}
     for row in result.table("bodies.csv"):
@@ -399,8 +403,8 @@ def momentum_problems(scene, rows, masses):
 def problems(chosen, scene, deck):
     """Everything wrong with a scene, and how it ended."""
     first = run(chosen, deck, "first")
-    if first.code == WRONG_DECK:  # small round bodies may have no particle; all else that is drawn must be legal
-        return first, [] if "has no particles" in first.printed else ["a deck refused"]
+    if first.code == WRONG_DECK:  # small round bodies may have no particle, a rigid one alone may be at rest; all else that is drawn must be legal
+        return first, [] if re.search("has no particles|nothing limits the time step", first.printed) else ["a deck refused"]
     found = list(end_problems(first))
     if found:
         return first, found
