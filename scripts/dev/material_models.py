@@ -34,6 +34,8 @@ LAWS = {
     "fluid": (["fluid density=1 viscosity=1e-3", "eos m tait c0=10 pressure0=1"], "2η dev D − p", "shock tube, shocks, hydrostatics, vortex (fluids), below"),
     "drucker_prager": ([f"drucker_prager density=1 {SOLID} friction=30 cohesion=0.1"], "(D1), (D2), Drucker and Prager 1952",
                        "Mohr and Coulomb's strength in triaxial compression, oedometer and pure shear in closed form (test_material_drucker_prager)"),
+    "mohr_coulomb": ([f"mohr_coulomb density=1 {SOLID} friction=30 cohesion=0.1"], "(M1), Coulomb 1776, Mohr 1900; cut-off of Rankine",
+                     "triaxial, plane strain and simple shear in closed form (test_material_mohr_coulomb); a second implementation, all regions (tests/regression/laws.py)"),
 }
 SOLIDS = "j2, johnson_cook, fluid"
 # name: constants, goes with, equation and source, compared with

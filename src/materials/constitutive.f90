@@ -24,13 +24,15 @@ module sgmp_constitutive
   use sgmp_failure, only: carries_everything, failure_none, failure_read, failure_softens, failure_t
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
   use sgmp_kinds, only: dp, lanes
-  use sgmp_material_drucker_prager, only: drucker_prager_keys, drucker_prager_read, drucker_prager_t
+  use sgmp_material_drucker_prager, only: drucker_prager_read, drucker_prager_t
   use sgmp_material_elastic, only: elastic_keys, elastic_read, elastic_t, moduli_keys, &
                                    moduli_read, neo_hookean_read
   use sgmp_material_fluid, only: fluid_keys, fluid_read
   use sgmp_material_history, only: history_t
   use sgmp_material_j2, only: j2_keys, j2_read, j2_t, j2_yield_stress
   use sgmp_material_jc, only: jc_keys, jc_read, jc_t, jc_yield_stress
+  use sgmp_material_mohr_coulomb, only: mohr_coulomb_read, mohr_coulomb_t
+  use sgmp_soil, only: soil_keys
   use sgmp_softening, only: softening_make, softening_t, softening_widest
   use sgmp_viscosity, only: viscosity_read, viscosity_t
   use sgmp_voigt, only: stress_components
@@ -38,7 +40,8 @@ module sgmp_constitutive
   private
   public :: constitutive_t, slots_t, slots_make
   public :: material_elastic, material_neo_hookean, material_j2, material_johnson_cook, &
-            material_explosive, material_fluid, material_drucker_prager, material_names
+            material_explosive, material_fluid, material_drucker_prager, material_mohr_coulomb, &
+            material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_shock, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check, law_set_length, &
@@ -49,10 +52,10 @@ module sgmp_constitutive
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
-                        material_drucker_prager = 7
+                        material_drucker_prager = 7, material_mohr_coulomb = 8
   character(16), parameter :: material_names(*) = [character(16) :: &
     'elastic', 'neo_hookean', 'j2', 'johnson_cook', 'explosive', 'fluid', &
-    'drucker_prager']
+    'drucker_prager', 'mohr_coulomb']
 
   integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2, eos_ideal_gas = 3, &
                         eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6, eos_shock = 7
@@ -102,6 +105,7 @@ module sgmp_constitutive
     type(j2_t) :: j2
     type(jc_t) :: jc
     type(drucker_prager_t) :: soil
+    type(mohr_coulomb_t) :: mohr_coulomb
     type(jwl_t) :: jwl
     type(gruneisen_t) :: gruneisen
     type(stiffened_gas_t) :: gas               !! the ideal gas, too
@@ -143,8 +147,8 @@ contains
       keys = [moduli_keys(), jc_keys()]
     case (material_fluid)
       keys = fluid_keys()
-    case (material_drucker_prager)
-      keys = [moduli_keys(), drucker_prager_keys()]
+    case (material_drucker_prager, material_mohr_coulomb)
+      keys = [moduli_keys(), soil_keys()]
     case default  ! material_explosive
       keys = burn_keys()
     end select
@@ -154,7 +158,7 @@ contains
   pure integer function law_pressure(kind) result(pressure)
     integer, intent(in) :: kind  !! one of material_*
     select case (kind)
-    case (material_elastic, material_neo_hookean, material_drucker_prager)
+    case (material_elastic, material_neo_hookean, material_drucker_prager, material_mohr_coulomb)
       pressure = pressure_own
     case (material_explosive)
       pressure = pressure_products
@@ -189,6 +193,9 @@ contains
     case (material_drucker_prager)
       call solid_read(values, law)
       call drucker_prager_read(values, law%soil, law%history, fault)
+    case (material_mohr_coulomb)
+      call solid_read(values, law)
+      call mohr_coulomb_read(values, law%mohr_coulomb, law%history, fault)
     case (material_fluid)
       call fluid_read(values, law%fluid_viscosity, law%history)
     case default  ! material_explosive

@@ -9,15 +9,14 @@
 !! exact for constant moduli: to the cone along (3 G, K M_psi), else to the edge or the face of the
 !! cap, the apex being the cap of the largest tension.
 module sgmp_material_drucker_prager
-  use sgmp_keys, only: fault_make, fault_t, key, key_t, kind_real, values_t
+  use sgmp_keys, only: fault_t, values_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_history, only: history_t
+  use sgmp_soil, only: degree, soil_check
   implicit none
   private
-  public :: drucker_prager_keys, drucker_prager_read
+  public :: drucker_prager_read
   public :: drucker_prager_t, drucker_prager_init, drucker_prager_point, drucker_prager_return
-
-  real(dp), parameter :: degree = acos(-1.0_dp)/180.0_dp
 
   !> Constants of (D1).
   type :: drucker_prager_t
@@ -30,18 +29,6 @@ module sgmp_material_drucker_prager
 
 contains
 
-  !> Keys of the law, besides the moduli.
-  function drucker_prager_keys() result(keys)
-    type(key_t), allocatable :: keys(:)
-    keys = [key('friction', kind_real, 'angle of internal friction', unit='degrees', &
-                range='(0,90)', required=.true.), &
-            key('cohesion', kind_real, 'cohesion', unit='stress', range='[0,inf)', default='0'), &
-            key('dilatancy', kind_real, 'angle of dilatancy, not above that of friction', &
-                unit='degrees', range='[0,90)', default='0'), &
-            key('tension', kind_real, 'largest mean stress; default: the apex of the cone', &
-                unit='stress', range='[0,inf)')]
-  end function drucker_prager_keys
-
   !> Law from the values of its keys.
   pure subroutine drucker_prager_read(values, law, history, fault)
     class(values_t), intent(in) :: values
@@ -51,14 +38,7 @@ contains
     law = drucker_prager_init(values%number('friction'), values%number('cohesion'), &
                               values%number('dilatancy'), values%number('tension', huge(1.0_dp)))
     history%plastic = .true.
-    if (values%number('dilatancy') > values%number('friction')) then
-      call fault_make(fault, 'dilatancy', 'the angle of dilatancy is above that of friction', &
-                      'such a soil would make energy')
-    else if (values%has('tension') .and. values%number('tension') > law%tension) then
-      call fault_make(fault, 'tension', &
-                      'the largest mean stress lies beyond the apex of the cone', &
-                      'leave it out, or give less than cohesion/tan(friction)')
-    end if
+    call soil_check(values, fault)
   end subroutine drucker_prager_read
 
   !> Constants from plain numbers; a tension beyond the apex is the apex.

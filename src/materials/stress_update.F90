@@ -12,13 +12,14 @@
 module DIM(sgmp_stress_update)
   use sgmp_constitutive, only: constitutive_t, eos_none, material_drucker_prager, &
                                material_elastic, material_fluid, material_j2, &
-                               material_johnson_cook, material_neo_hookean
+                               material_johnson_cook, material_mohr_coulomb, material_neo_hookean
   use sgmp_failure, only: failure_judge
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_drucker_prager, only: drucker_prager_return
   use sgmp_material_fluid, only: fluid_diffusion_speed
   use sgmp_material_j2, only: j2_return
   use sgmp_material_jc, only: jc_return, jc_return_simple
+  use sgmp_material_mohr_coulomb, only: mohr_coulomb_return
   use sgmp_pressure, only: cavitate, equation_of_state, explosive, release, soften, viscosity
   use sgmp_softening, only: softening_regain
   use sgmp_voigt, only: flux_stress, voigt_axes
@@ -54,7 +55,7 @@ contains
     real(dp), intent(inout) :: internal(lanes)  !! growth of the internal energy, added to
     real(dp), intent(inout) :: viscous(lanes)   !! part of it that the bulk viscosity dissipates
     real(dp) :: strain(lanes, NFLUX), trace(lanes), old_volume(lanes), work(lanes), q(lanes)
-    real(dp) :: none(lanes, NSTRESS)
+    real(dp) :: none(lanes, NSTRESS), mean(lanes), norm(lanes)
     integer :: l, s
     if (law%rigid) then
       flux = 0.0_dp
@@ -73,6 +74,13 @@ contains
       call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
                    trace, jacobian, old_volume, work)
       call soil(law, b(1, law%slots%plastic), b(1, s))
+      call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
+    case (material_mohr_coulomb)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
+                   trace, jacobian, old_volume, work)
+      call von_mises(b(1, s), mean, norm)
+      call mohr_coulomb_return(law%mohr_coulomb, law%elastic, NSTRESS, mean, norm, &
+                               b(1, law%slots%plastic), b(1, s))
       call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
     case (material_neo_hookean)
       call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &

@@ -111,7 +111,7 @@ history steps=10
 output csv at=end fields=stress,density,energy
 """
 
-# Plates that hit each other and fail, each by a criterion of its own, and a heap of soil that they hit.
+# Plates that hit each other and fail, each by a criterion of its own, and two heaps of soil that they hit.
 FAILING = """
 parameter method = sgmp
 parameter update = musl
@@ -124,13 +124,15 @@ material spalling j2 density=1 young=100 poisson=0.3 yield=1
 material torn johnson_cook density=1 young=100 poisson=0.3 yield=1 hardening_modulus=2 hardening_exponent=0.5 failure=yes d1=0.03
 material brittle j2 density=1 young=100 poisson=0.3 yield=5
 material soil drucker_prager density=0.5 young=20 poisson=0.3 friction=30 cohesion=0.01 dilatancy=5
+material clay mohr_coulomb density=0.5 young=20 poisson=0.3 friction=25 cohesion=0.02 dilatancy=5 tension=0.005
 eos spalling gruneisen c0=9 s=1.5 gamma0=1.5
 failure spalling pmin=-0.5
 failure brittle principal_stress=0.8 plastic_strain=0.02 carries=nothing
 body flyer block material=torn lower=(0,0) upper=(6,8) ppc=2 jitter=0.2
 body plate block material=spalling lower=(6,0) upper=(18,8) ppc=2
 body lid block material=brittle lower=(0,8) upper=(18,14) ppc=2
-body heap block material=soil lower=(18,0) upper=(26,9) ppc=2
+body heap block material=soil lower=(18,0) upper=(22,9) ppc=2
+body slope block material=clay lower=(22,0) upper=(26,9) ppc=2
 velocity flyer x=2
 velocity plate y="0.1*x"
 history steps=10
@@ -141,8 +143,8 @@ output csv at=end fields=stress,density,energy,damage,plastic_strain
 SCATTERED = FAILING.replace("failure spalling pmin=-0.5", "failure spalling pmin=-0.5 weibull=3").replace("failure=yes d1=0.03", "failure=yes d1=0.03\nfailure torn weibull=2 seed=5").replace(
     "plastic_strain=0.02 carries=nothing", "plastic_strain=0.02 fracture_energy=0.01 weibull=4 seed=3").replace("plastic_strain\n", "plastic_strain,strength\n")
 
-# The same without the heap, and what has come to nothing goes.
-ERODING = SCATTERED.replace("body heap", "! body heap").replace("stress,density,energy", "mass,energy").replace("failure brittle", """erode torn failed=yes
+# The same without the heaps, and what has come to nothing goes.
+ERODING = SCATTERED.replace("body heap", "! body heap").replace("body slope", "! body slope").replace("stress,density,energy", "mass,energy").replace("failure brittle", """erode torn failed=yes
 erode spalling plastic_strain=0.05
 erode brittle failed=yes time_step=0.02
 failure brittle""")

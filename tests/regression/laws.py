@@ -1,0 +1,182 @@
+#!/usr/bin/env python3
+"""One step of a given velocity gradient against second implementations of the laws, in the middle of small blocks that nothing
+has reached: Mohr and Coulomb's return by trying all sets of planes, in any order of the principal stresses.
+
+usage: laws.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+import itertools
+import math
+import random
+
+from _runs import Report, run
+
+DT, YOUNG, POISSON = 0.01, 100.0, 0.3
+SHEAR, LAME = YOUNG/(2*(1 + POISSON)), YOUNG*POISSON/((1 + POISSON)*(1 - 2*POISSON))
+SOILS = (  # friction, cohesion, dilatancy, tension
+    {"friction": 30.0, "cohesion": 0.02, "dilatancy": 30.0}, {"friction": 35.0, "cohesion": 0.02, "dilatancy": 10.0, "tension": 0.01},
+    {"friction": 20.0, "cohesion": 0.05, "dilatancy": 0.0, "tension": 0.02}, {"friction": 40.0, "cohesion": 0.0, "dilatancy": 5.0},
+    {"friction": 15.0, "cohesion": 0.03, "dilatancy": 0.0}, {"friction": 25.0, "cohesion": 0.04, "dilatancy": 15.0, "tension": 0.0})
+REGIONS = {"elastic", "face", "edge s2 = s3", "edge s1 = s2", "apex", "cut-off", "cut-off, two", "cut-off, three", "face and cut-off",
+           "edge s2 = s3 and cut-off", "edge s1 = s2 and cut-off"}
+
+
+def dot(a, b):
+    return sum(x*y for x, y in zip(a, b))
+
+
+def solve(matrix, right):
+    """Gauss; None where rows depend on each other."""
+    n = len(right)
+    rows = [list(line) + [value] for line, value in zip(matrix, right)]
+    for i in range(n):
+        pivot = max(range(i, n), key=lambda k: abs(rows[k][i]))
+        if abs(rows[pivot][i]) < 1e-9:
+            return None
+        rows[i], rows[pivot] = rows[pivot], rows[i]
+        for k in range(i + 1, n):
+            rows[k] = [x - rows[k][i]/rows[i][i]*y for x, y in zip(rows[k], rows[i])]
+    values = [0.0]*n
+    for i in reversed(range(n)):
+        values[i] = (rows[i][n] - dot(rows[i][i + 1:n], values[i + 1:]))/rows[i][i]
+    return values
+
+
+def mohr_coulomb(soil, trial):
+    """Principal stresses and equivalent plastic strain: of all sets of at most three of the six shear planes and the three of the
+    cut-off the one whose plastic multipliers are none below 0 and whose stress none of the planes cuts off (Koiter)."""
+    sine, psi = (math.sin(math.radians(soil[key])) for key in ("friction", "dilatancy"))
+    tension = min(soil.get("tension", math.inf), soil["cohesion"]/math.tan(math.radians(soil["friction"])))
+    planes = []
+    for i, j in itertools.permutations(range(3), 2):
+        normal, flow = [0.0]*3, [0.0]*3
+        normal[i], normal[j], flow[i], flow[j] = 1 + sine, sine - 1, 1 + psi, psi - 1
+        planes.append((normal, flow, 2*soil["cohesion"]*math.cos(math.radians(soil["friction"]))))
+    for i in range(3):
+        axis = [float(i == j) for j in range(3)]
+        planes.append((axis, axis, tension))
+    pushes = [[LAME*sum(flow) + 2*SHEAR*x for x in flow] for _, flow, _ in planes]
+    best = (math.inf,)
+    for count in range(4):
+        for active in itertools.combinations(range(9), count):
+            matrix = [[dot(planes[a][0], pushes[b]) for b in active] for a in active]
+            factors = solve(matrix, [dot(planes[a][0], trial) - planes[a][2] for a in active])
+            if factors is None:
+                continue
+            stress = [trial[k] - sum(f*pushes[a][k] for f, a in zip(factors, active)) for k in range(3)]
+            wrong = max([dot(normal, stress) - most for normal, _, most in planes] + [-SHEAR*f for f in factors])
+            if wrong < best[0] - 1e-13:
+                strain = [sum(f*planes[a][1][k] for f, a in zip(factors, active)) for k in range(3)]
+                best = (wrong, stress, strain)
+    wrong, stress, strain = best
+    mean = sum(strain)/3
+    return stress, math.sqrt(2/3*sum((x - mean)**2 for x in strain)), wrong
+
+
+def region(soil, trial, stress):
+    """Where a stress has returned to."""
+    s = sorted(stress, reverse=True)
+    near = lambda a, b: abs(a - b) < 1e-9
+    apex = soil["cohesion"]/math.tan(math.radians(soil["friction"]))
+    if all(near(a, b) for a, b in zip(trial, stress)):
+        return "elastic"
+    if near(s[2], apex):
+        return "apex"
+    sine = math.sin(math.radians(soil["friction"]))
+    face = near((1 + sine)*s[0] - (1 - sine)*s[2], 2*soil["cohesion"]*math.cos(math.radians(soil["friction"])))
+    cut = sum(near(x, soil.get("tension", math.inf)) for x in s)
+    edge = "edge s2 = s3" if near(s[1], s[2]) else "edge s1 = s2" if near(s[0], s[1]) else "face"
+    if not cut:
+        return edge
+    return edge + " and cut-off" if face else ("cut-off", "cut-off, two", "cut-off, three")[cut - 1]
+
+
+def turned(luck, plane):
+    """Three orthonormal axes; in the plane the third is z."""
+    angle = luck.uniform(0, math.pi)
+    axes = [[math.cos(angle), math.sin(angle), 0.0], [-math.sin(angle), math.cos(angle), 0.0], [0.0, 0.0, 1.0]]
+    if not plane:
+        x, y, z, w = (luck.gauss(0, 1) for _ in range(4))
+        n = math.sqrt(x*x + y*y + z*z + w*w)
+        x, y, z, w = x/n, y/n, z/n, w/n
+        axes = [[1 - 2*(y*y + z*z), 2*(x*y + z*w), 2*(x*z - y*w)], [2*(x*y - z*w), 1 - 2*(x*x + z*z), 2*(y*z + x*w)],
+                [2*(x*z + y*w), 2*(y*z - x*w), 1 - 2*(x*x + y*y)]]
+    return axes
+
+
+def dyads(values, axes):
+    return [[sum(v*a[i]*a[j] for v, a in zip(values, axes)) for j in range(3)] for i in range(3)]
+
+
+def step(report, name, dimension, cards, bodies):
+    """Stress and plastic strain of the middle of blocks after one step: (material, velocity gradient) of each."""
+    deck = [f"dimension {dimension}", "grid cell=1", "method mpm", f"time dt={DT} steps=1", *cards]
+    sides = "xyz"[:dimension]
+    for i, (material, gradient) in enumerate(bodies):
+        low, high = (",".join([f"{8*i + a}"] + [str(a)]*(dimension - 1)) for a in (-2, 2))
+        deck.append(f"body b{i} block material={material} lower=({low}) upper=({high}) ppc=2")
+        place = [f"(x-{8*i})", "y", "z"]
+        deck.append(f"velocity b{i} " + " ".join(
+            f'{a}="' + "+".join(f"({gradient[k][m]!r})*{place[m]}" for m in range(dimension)) + '"' for k, a in enumerate(sides)))
+    result = run(name, "\n".join([*deck, "output csv at=end fields=stress" + (",plastic_strain" if "coulomb" in name else "")]) + "\n")
+    middles = {}
+    if report.finished(result, name):
+        for row in result.table("particles_end.csv"):
+            i = round(row["x"]/8)
+            off = (row["x"] - 8*i - 0.25)**2 + sum((row[a] - 0.25)**2 for a in sides[1:])
+            if off < middles.get(i, (math.inf,))[0]:
+                middles[i] = (off, row)
+    report.check(len(middles) == len(bodies), f"{name}: {len(middles)} blocks")
+    return [middles[i][1] for i in sorted(middles)]
+
+
+def compare(report, label, row, stress, tolerance):
+    for c, (i, j) in {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "yz": (1, 2), "xz": (0, 2)}.items():
+        if "stress_" + c in row:
+            report.check(abs(row["stress_" + c] - stress[i][j]) < tolerance, f"{label}: stress_{c} {row['stress_' + c]}, expected {stress[i][j]}")
+
+
+def soils(report, dimension, count):
+    """Random strains of soils; every place that a stress can return to is met."""
+    luck = random.Random(8)
+    cards = [f"material soil{k} mohr_coulomb density=1 young={YOUNG} poisson={POISSON} " + " ".join(f"{key}={value}" for key, value in soil.items())
+             for k, soil in enumerate(SOILS)]
+    bodies, wanted, regions = [], [], set()
+    while len(bodies) < count:
+        k = len(bodies) % len(SOILS)
+        middle = luck.choice((-1e-3, 0.0, 5e-4))
+        strain = [luck.gauss(middle, 5e-4) for _ in range(3)]
+        if luck.random() < 0.3:  # triaxial compression or extension
+            strain[0] = luck.gauss(0, 1.5e-3)
+            strain[1] = -strain[0]*luck.random()
+            strain[2] = luck.choice(strain[:2])
+        if dimension == 2:
+            strain[2] = 0.0
+        axes = turned(luck, dimension == 2)
+        trial = [LAME*sum(strain) + 2*SHEAR*e for e in strain]
+        stress, plastic, wrong = mohr_coulomb(SOILS[k], trial)
+        where = region(SOILS[k], trial, stress)
+        report.check(wrong < 1e-9, f"{where}: no set of planes fits, {wrong} off")
+        if where in regions and len(regions) < len(REGIONS) and luck.random() < 0.7:
+            continue  # places seldom met must be met, too
+        regions.add(where)
+        gradient, spin = dyads([e/DT for e in strain], axes), [luck.gauss(0, 0.05) for _ in range(3)]
+        for i, j, w in ((0, 1, spin[0]), (1, 2, spin[1]), (0, 2, spin[2])):
+            gradient[i][j] += w
+            gradient[j][i] -= w
+        bodies.append((f"soil{k}", gradient))
+        wanted.append((where, dyads(stress, axes), plastic))
+    name = f"mohr_coulomb_{dimension}"
+    for i, (row, (where, stress, plastic)) in enumerate(zip(step(report, name, dimension, cards, bodies), wanted)):
+        compare(report, f"{name}, block {i}, {where}", row, stress, 1e-9)
+        report.check(abs(row["plastic_strain"] - plastic) < 1e-11, f"{name}, block {i}, {where}: plastic strain {row['plastic_strain']}, expected {plastic}")
+    return regions
+
+
+def main():
+    report = Report()
+    met = soils(report, 3, 54) | soils(report, 2, 90)
+    report.check(met == REGIONS, f"never returned to {sorted(REGIONS - met)}")
+    report.end()
+
+
+main()
