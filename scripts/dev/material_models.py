@@ -36,6 +36,8 @@ LAWS = {
                        "Mohr and Coulomb's strength in triaxial compression, oedometer and pure shear in closed form (test_material_drucker_prager)"),
     "mohr_coulomb": ([f"mohr_coulomb density=1 {SOLID} friction=30 cohesion=0.1"], "(M1), Coulomb 1776, Mohr 1900; cut-off of Rankine",
                      "triaxial, plane strain and simple shear in closed form (test_material_mohr_coulomb); a second implementation, all regions (tests/regression/laws.py)"),
+    "mooney_rivlin": (["mooney_rivlin density=1 c1=15 c2=4 poisson=0.4"], "(R2), Mooney 1940, Rivlin 1948",
+                      "Rivlin's uniaxial, equibiaxial, pure and simple shear; stress and work from the energy (test_material_mooney_rivlin, tests/regression/laws.py)"),
 }
 SOLIDS = "j2, johnson_cook, fluid"
 # name: constants, goes with, equation and source, compared with

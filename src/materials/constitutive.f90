@@ -32,6 +32,7 @@ module sgmp_constitutive
   use sgmp_material_j2, only: j2_keys, j2_read, j2_t, j2_yield_stress
   use sgmp_material_jc, only: jc_keys, jc_read, jc_t, jc_yield_stress
   use sgmp_material_mohr_coulomb, only: mohr_coulomb_read, mohr_coulomb_t
+  use sgmp_material_mooney_rivlin, only: mooney_rivlin_keys, mooney_rivlin_read, mooney_rivlin_t
   use sgmp_soil, only: soil_keys
   use sgmp_softening, only: softening_make, softening_t, softening_widest
   use sgmp_viscosity, only: viscosity_read, viscosity_t
@@ -41,7 +42,7 @@ module sgmp_constitutive
   public :: constitutive_t, slots_t, slots_make
   public :: material_elastic, material_neo_hookean, material_j2, material_johnson_cook, &
             material_explosive, material_fluid, material_drucker_prager, material_mohr_coulomb, &
-            material_names
+            material_mooney_rivlin, material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_shock, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check, law_set_length, &
@@ -52,10 +53,10 @@ module sgmp_constitutive
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
-                        material_drucker_prager = 7, material_mohr_coulomb = 8
+                        material_drucker_prager = 7, material_mohr_coulomb = 8, material_mooney_rivlin = 9
   character(16), parameter :: material_names(*) = [character(16) :: &
     'elastic', 'neo_hookean', 'j2', 'johnson_cook', 'explosive', 'fluid', &
-    'drucker_prager', 'mohr_coulomb']
+    'drucker_prager', 'mohr_coulomb', 'mooney_rivlin']
 
   integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2, eos_ideal_gas = 3, &
                         eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6, eos_shock = 7
@@ -106,6 +107,7 @@ module sgmp_constitutive
     type(jc_t) :: jc
     type(drucker_prager_t) :: soil
     type(mohr_coulomb_t) :: mohr_coulomb
+    type(mooney_rivlin_t) :: mooney_rivlin
     type(jwl_t) :: jwl
     type(gruneisen_t) :: gruneisen
     type(stiffened_gas_t) :: gas               !! the ideal gas, too
@@ -149,6 +151,8 @@ contains
       keys = fluid_keys()
     case (material_drucker_prager, material_mohr_coulomb)
       keys = [moduli_keys(), soil_keys()]
+    case (material_mooney_rivlin)
+      keys = mooney_rivlin_keys()
     case default  ! material_explosive
       keys = burn_keys()
     end select
@@ -158,7 +162,8 @@ contains
   pure integer function law_pressure(kind) result(pressure)
     integer, intent(in) :: kind  !! one of material_*
     select case (kind)
-    case (material_elastic, material_neo_hookean, material_drucker_prager, material_mohr_coulomb)
+    case (material_elastic, material_neo_hookean, material_drucker_prager, &
+          material_mohr_coulomb, material_mooney_rivlin)
       pressure = pressure_own
     case (material_explosive)
       pressure = pressure_products
@@ -196,6 +201,9 @@ contains
     case (material_mohr_coulomb)
       call solid_read(values, law)
       call mohr_coulomb_read(values, law%mohr_coulomb, law%history, fault)
+    case (material_mooney_rivlin)
+      call mooney_rivlin_read(law%density, values, law%mooney_rivlin, law%elastic, law%history, &
+                              fault)
     case (material_fluid)
       call fluid_read(values, law%fluid_viscosity, law%history)
     case default  ! material_explosive

@@ -12,7 +12,8 @@
 module DIM(sgmp_stress_update)
   use sgmp_constitutive, only: constitutive_t, eos_none, material_drucker_prager, &
                                material_elastic, material_fluid, material_j2, &
-                               material_johnson_cook, material_mohr_coulomb, material_neo_hookean
+                               material_johnson_cook, material_mohr_coulomb, &
+                               material_mooney_rivlin, material_neo_hookean
   use sgmp_failure, only: failure_judge
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_drucker_prager, only: drucker_prager_return
@@ -20,6 +21,7 @@ module DIM(sgmp_stress_update)
   use sgmp_material_j2, only: j2_return
   use sgmp_material_jc, only: jc_return, jc_return_simple
   use sgmp_material_mohr_coulomb, only: mohr_coulomb_return
+  use sgmp_material_mooney_rivlin, only: mooney_rivlin_stress
   use sgmp_pressure, only: cavitate, equation_of_state, explosive, release, soften, viscosity
   use sgmp_softening, only: softening_regain
   use sgmp_voigt, only: flux_stress, voigt_axes
@@ -82,11 +84,11 @@ contains
       call mohr_coulomb_return(law%mohr_coulomb, law%elastic, NSTRESS, mean, norm, &
                                b(1, law%slots%plastic), b(1, s))
       call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
-    case (material_neo_hookean)
+    case (material_neo_hookean, material_mooney_rivlin)
       call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
                    old_volume, work)
-      call neo_hookean(law, dt, mass, grad, strain, trace, b(1, 1), b(1, s), &
-                       b(1, law%slots%deformation), speed2, q, work)
+      call hyperelastic(law, dt, mass, grad, strain, trace, b(1, 1), b(1, s), &
+                        b(1, law%slots%deformation), speed2, q, work)
     case (material_j2, material_johnson_cook)
       call plastic(law, dt, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
     case default  ! material_explosive, material_fluid
@@ -351,21 +353,19 @@ contains
     end do
   end subroutine add_half_work
 
-  !> Compressible neo-Hookean: sigma = (mu (b - I) + lambda ln J I)/J with b = F F^T.
-  pure subroutine neo_hookean(law, dt, mass, grad, strain, trace, volume, stress, f, speed2, q, &
-                              work)
+  !> Rubbers, whose stress follows from b = F F^T.
+  pure subroutine hyperelastic(law, dt, mass, grad, strain, trace, volume, stress, f, speed2, q, &
+                               work)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), &
         trace(lanes), volume(lanes)
     real(dp), intent(inout) :: stress(lanes, NSTRESS), f(lanes, NDIM, NDIM)  !! f(:, b, a) = F_ab
     real(dp), intent(out) :: speed2(lanes), q(lanes)
     real(dp), intent(inout) :: work(lanes)
-    real(dp) :: new(lanes, NDIM, NDIM), bij(lanes, NSTRESS), j(lanes), log_j(lanes), mu, lambda
+    real(dp) :: new(lanes, NDIM, NDIM), bij(lanes, NSTRESS), j(lanes), log_j(lanes)
     integer :: l, a, b, c
     integer, parameter :: row(6) = voigt_axes(1, :), col(6) = voigt_axes(2, :)
     real(dp), parameter :: collapsed = 1.0e-100_dp  !! stands for a volume without a logarithm
-    mu = law%elastic%shear
-    lambda = law%elastic%lambda
     do a = 1, NDIM
       do b = 1, NDIM
         new(:, b, a) = f(:, b, a)
@@ -397,6 +397,23 @@ contains
     do l = 1, lanes  ! vectors of logarithms are less exact
       log_j(l) = log(j(l))
     end do
+    if (law%kind == material_mooney_rivlin) then
+      call mooney_rivlin_stress(law%mooney_rivlin, NSTRESS, bij, j, log_j, stress, speed2)
+      speed2 = speed2*volume/mass
+    else
+      call neo_hookean(law%elastic%shear, law%elastic%lambda, mass, volume, bij, j, log_j, stress, &
+                       speed2)
+    end if
+    call add_half_work(stress, strain, work)
+    call viscosity(law, dt, mass, volume, trace, speed2, q)
+  end subroutine hyperelastic
+
+  !> Compressible neo-Hookean: sigma = (mu (b - I) + lambda ln J I)/J.
+  pure subroutine neo_hookean(mu, lambda, mass, volume, bij, j, log_j, stress, speed2)
+    real(dp), intent(in) :: mu, lambda, mass(lanes), volume(lanes), bij(lanes, NSTRESS), j(lanes), &
+        log_j(lanes)
+    real(dp), intent(out) :: stress(lanes, NSTRESS), speed2(lanes)
+    integer :: l, c
     do c = 1, NSTRESS
       !$omp simd simdlen(8)
       do l = 1, lanes
@@ -409,8 +426,6 @@ contains
       speed2(l) = (lambda*(1.0_dp - log_j(l)) + mu)*volume(l)/(j(l)*mass(l)) &
                   + mu*max(bij(l, 1), bij(l, 2), bij(l, 3))*volume(l)/(j(l)*mass(l))
     end do
-    call add_half_work(stress, strain, work)
-    call viscosity(law, dt, mass, volume, trace, speed2, q)
   end subroutine neo_hookean
 
   !> J2 and Johnson-Cook plasticity by radial return, with linear bulk response or an equation of

@@ -125,6 +125,8 @@ EXPECTED = {
              r"{d}:9:1: error: the pressure of 'silt' is elastic already",
              r"{d}:12:72: error: 'friction' = 0 is out of range", r"{d}:13:85: error: the angle of dilatancy is above that of friction",
              r"{d}:14:96: error: the tension lies beyond the apex", r"{d}:16:1: error: 'mud' \(mohr_coulomb\) cannot fail"],
+    "rubber": [r"{d}:5:41: error: 'c1' = 0 is out of range", r"{d}:6:56: error: such a rubber would collapse under pressure",
+               r"{d}:7:61: error: 'young' means nothing for kind mooney_rivlin", r"{d}:8:1: error: the pressure of 'tyre' is elastic already"],
     "rigid": [r"{d}:10:20: error: a free body with a prescribed motion", r"{d}:10:30: error: a free body with a prescribed motion",
               r"{d}:11:14: error: the mass of a body whose motion is prescribed", r"{d}:12:17: error: nothing turns about x in 2D",
               r"{d}:12:27: error: the velocity of a rigid body cannot depend on position", r"{d}:13:23: error: 'mass' = 0 is out of range",

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """One step of a given velocity gradient against second implementations of the laws, in the middle of small blocks that nothing
-has reached: Mohr and Coulomb's return by trying all sets of planes, in any order of the principal stresses.
+has reached: Mohr and Coulomb's return by trying all sets of planes, in any order of the principal stresses; Mooney and Rivlin's stress
+from its energy by the stretches.
 
 usage: laws.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -172,10 +173,43 @@ def soils(report, dimension, count):
     return regions
 
 
+def energy(c1, c2, lame, stretches):
+    """Mooney and Rivlin's, by the principal stretches."""
+    a, b, c = (x*x for x in stretches)
+    log = math.log(math.prod(stretches))
+    return c1*(a + b + c - 3) + c2*(a*b + b*c + c*a - 3) - 2*(c1 + 2*c2)*log + (lame/2 - 2*c2)*log**2
+
+
+def rubbers(report, dimension, count):
+    """Random stretches s of rubbers along axes of their own: the stress along them is s/J dW/ds."""
+    luck = random.Random(9)
+    constants = [(3.0, 0.0, 0.3), (2.0, 1.0, 0.45), (0.5, 2.0, 0.4)]
+    cards = [f"material rubber{k} mooney_rivlin density=1 c1={c1} c2={c2} poisson={poisson}" for k, (c1, c2, poisson) in enumerate(constants)]
+    bodies, wanted = [], []
+    for i in range(count):
+        c1, c2, poisson = constants[i % len(constants)]
+        lame = 4*(c1 + c2)*poisson/(1 - 2*poisson)
+        stretches = [luck.uniform(0.85, 1.15) for _ in range(3)]
+        if dimension == 2:
+            stretches[2] = 1.0
+        axes, small, principal = turned(luck, dimension == 2), 1e-5, []
+        for a in range(3):
+            ends = [energy(c1, c2, lame, [s + way*small*(k == a) for k, s in enumerate(stretches)]) for way in (1, -1)]
+            principal.append(stretches[a]/math.prod(stretches)*(ends[0] - ends[1])/(2*small))
+        gradient = dyads([(s - 1)/DT for s in stretches], axes)
+        bodies.append((f"rubber{i % len(constants)}", gradient))
+        wanted.append(dyads(principal, axes))
+    name = f"mooney_rivlin_{dimension}"
+    for i, (row, stress) in enumerate(zip(step(report, name, dimension, cards, bodies), wanted)):
+        compare(report, f"{name}, block {i}", row, stress, 1e-7)
+
+
 def main():
     report = Report()
     met = soils(report, 3, 54) | soils(report, 2, 90)
     report.check(met == REGIONS, f"never returned to {sorted(REGIONS - met)}")
+    rubbers(report, 3, 12)
+    rubbers(report, 2, 12)
     report.end()
 
 
