@@ -336,9 +336,12 @@ def label(text: str, unit: str) -> str:
 
 def field_unit(name, units):
     """Unit of a field by its name."""
+    if name in ("x", "y", "z", "displacement", "initial_position"):
+        return units["length"]
     for start, unit in (("stress", units["stress"]), ("pressure", units["stress"]), ("yield", units["stress"]),
                         ("velocity", units["velocity"]), ("temperature", "K"), ("volume", units["length"] and units["length"] + "³"),
-                        ("density", units["mass"] and f"{units['mass']}/{units['length']}³"), ("mass", units["mass"])):
+                        ("density", units["mass"] and f"{units['mass']}/{units['length']}³"), ("mass", units["mass"]),
+                        ("energy", units["energy"])):
         if name.startswith(start):
             return unit
     return ""
@@ -353,8 +356,10 @@ def field_label(name, units):
 
 
 def plot_style() -> dict:
-    """Settings that all figures share."""
-    return {"font.size": 10, "axes.grid": True, "grid.alpha": 0.25, "axes.spines.top": False, "axes.spines.right": False,
+    """Settings that all figures share; colours that colour-blind readers can tell apart (Okabe and Ito)."""
+    from matplotlib import cycler
+    colours = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+    return {"axes.prop_cycle": cycler(color=colours), "font.size": 10, "axes.grid": True, "grid.alpha": 0.25, "axes.spines.top": False, "axes.spines.right": False,
             "legend.frameon": False, "figure.dpi": 110, "savefig.dpi": 200, "lines.linewidth": 1.6,
             "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True}
 

@@ -170,7 +170,7 @@ def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=N
     canvas = Canvas(lower, upper, spacing, 12 if len(points) < 200000 else 6)
     if flat:
         _, colour = canvas.splat(plane, np.zeros(len(plane)), values, 0.55 * spacing, square=True)
-        solid = close_gaps(np.isfinite(colour), int(0.3 * spacing / canvas.size))
+        solid = close_gaps(np.isfinite(colour), int(0.6 * spacing / canvas.size))  # closer than about a cell of two particles
         colour = np.where(np.isfinite(colour), colour, smooth(colour, 0.3 * spacing / canvas.size, solid))
         image = mappable.to_rgba(colour)
         image[~np.isfinite(colour), 3] = 0.0

@@ -85,6 +85,7 @@ module sgmp_keys
     character(:), allocatable :: key      !! the one to point at; '' for all together
     character(:), allocatable :: message  !! what is wrong
     character(:), allocatable :: remedy
+    logical :: warning = .false.          !! the value can be meant
   end type fault_t
 
 contains

@@ -109,7 +109,9 @@ contains
     type(fault_t), allocatable, intent(in) :: fault
     type(draft_t), intent(inout) :: draft
     if (.not. allocated(fault)) return
-    if (fault%key == '') then
+    if (fault%warning) then
+      call draft%errors%warn(card%place(fault%key), fault%message, fault%remedy)
+    else if (fault%key == '') then
       call draft%errors%add(card%position, fault%message, fault%remedy)
     else
       call draft%errors%add(card%place(fault%key), fault%message, fault%remedy)

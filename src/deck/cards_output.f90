@@ -6,9 +6,9 @@ module sgmp_cards_output
   use sgmp_kinds, only: dp
   use sgmp_particle_fields, only: particle_field_names
   use sgmp_registry, only: registry_t
-  use sgmp_scene, only: gauge_card_t, name_length
+  use sgmp_scene, only: dump_names, gauge_card_t, name_length
   use sgmp_scene_draft, only: draft_t
-  use sgmp_spelling, only: word_count, word_in_list, word_item, word_position
+  use sgmp_spelling, only: word_count, word_in_list, word_item, word_position, words_joined
   implicit none
   private
   public :: register_output
@@ -21,15 +21,16 @@ contains
   subroutine register_output(registry)
     type(registry_t), intent(inout) :: registry
     call registry%card('output', 'Files of particles. vtkhdf (one file), vtu (a file per dump) '// &
-                       'and tecplot: at the start, every so much time, and at the end; csv: '// &
-                       'particles_end.csv.', &
+                       'and tecplot: at the start, every so much time, each with an interval '// &
+                       'of its own, and at the end; csv: particles_end.csv. The fields of all '// &
+                       'such cards are in all files.', &
                        'output vtkhdf every=1e-3 fields=stress,pressure', read_output, &
                        selector='kind', free=.true.)
-    call registry%key('kind', kind_word, 'format', choices='vtkhdf vtu tecplot csv', slot=1, &
-                      required=.true.)
+    call registry%key('kind', kind_word, 'format', choices=words_joined(dump_names)//' csv', &
+                      slot=1, required=.true.)
     call registry%key('at', kind_word, 'when', choices='end', default='end', when='csv')
     call registry%key('every', kind_real, 'interval; default: start and end only', unit='time', &
-                      range='(0,inf)', when='vtkhdf vtu tecplot')
+                      range='(0,inf)', when=words_joined(dump_names))
     call registry%key('fields', kind_list, 'fields besides id, body, position and velocity, '// &
                       'which are always written', &
                       choices=particle_field_names()//' '//always_written)
@@ -79,25 +80,15 @@ contains
     type(draft_t), intent(inout) :: draft
     character(:), allocatable :: fields
     character(name_length) :: field
-    integer :: i
+    integer :: format, i
     fields = card%word('fields')
     associate (output => draft%scene%output)
-      select case (card%word('kind'))
-      case ('vtkhdf')
-        output%vtkhdf = .true.
-      case ('vtu')
-        output%vtu = .true.
-      case ('tecplot')
-        output%tecplot = .true.
-      case default
+      format = word_position(card%word('kind'), dump_names)
+      if (format == 0) then
         output%csv_end = .true.
-      end select
-      if (card%has('every')) then
-        if (output%every > 0.0_dp .and. abs(output%every - card%number('every')) > 0.0_dp) then
-          call draft%errors%add(card%place('every'), 'two outputs with different intervals', &
-                                'give both the same every')
-        end if
-        output%every = card%number('every')
+      else
+        output%writes(format) = .true.
+        if (card%has('every')) call take_interval(output%every(format), card, draft)
       end if
       do i = 1, word_count(fields)
         field = word_item(fields, i)
@@ -107,6 +98,18 @@ contains
       end do
     end associate
   end subroutine read_output
+
+  !> The interval of a format, which no other card may say otherwise.
+  subroutine take_interval(every, card, draft)
+    real(dp), intent(inout) :: every
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    if (every > 0.0_dp .and. abs(every - card%number('every')) > 0.0_dp) then
+      call draft%errors%add(card%place('every'), 'two intervals for '//card%word('kind'), &
+                            'another format may have another interval')
+    end if
+    every = card%number('every')
+  end subroutine take_interval
 
   subroutine read_history(card, draft)
     type(deck_card_t), intent(in) :: card

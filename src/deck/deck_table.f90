@@ -29,13 +29,21 @@ contains
 
   !> Has every group register its cards.
   subroutine build()
+    table%group = 'General'
     call register_general(table)
+    table%group = 'Space'
     call register_grid(table)
+    table%group = 'Method and time'
     call register_method(table)
+    table%group = 'Materials'
     call register_material(table)
+    table%group = 'Bodies'
     call register_body(table)
+    table%group = 'Motion and loads'
     call register_load(table)
+    table%group = 'Contact'
     call register_contact(table)
+    table%group = 'Output'
     call register_output(table)
   end subroutine build
 

@@ -32,6 +32,7 @@ module sgmp_registry
   !> One card.
   type :: card_definition_t
     character(:), allocatable :: name
+    character(:), allocatable :: group    !! heading in the reference's contents
     character(:), allocatable :: help
     character(:), allocatable :: example
     character(:), allocatable :: selector
@@ -53,6 +54,7 @@ module sgmp_registry
   !> The table.
   type :: registry_t
     type(card_definition_t), allocatable :: cards(:)
+    character(:), allocatable :: group    !! of the cards registered next
   contains
     procedure :: card => register_card
     procedure :: key => register_key
@@ -75,6 +77,7 @@ contains
     integer, intent(in), optional :: turn
     type(card_definition_t) :: new
     new%name = name
+    new%group = self%group
     new%help = help
     new%example = example
     new%selector = ''

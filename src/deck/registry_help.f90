@@ -80,6 +80,7 @@ contains
     integer :: i
     registry = deck_table()
     call write_preface(unit)
+    call write_contents(unit, registry)
     do i = 1, size(registry%cards)
       call write_section(unit, registry%cards(i))
     end do
@@ -106,8 +107,26 @@ contains
       'alone, if it is not 0, is for scenes in 1D.', &
       '* Formulas of fields may use the variables and constants', &
       '  `'//expression_variables//'` and the functions', &
-      '  `'//expression_functions//'`.', ''
+      '  `'//expression_functions//'`.'
   end subroutine write_preface
+
+  !> The cards with links to their sections, a line for each group.
+  subroutine write_contents(unit, registry)
+    integer, intent(in) :: unit
+    type(registry_t), intent(in) :: registry
+    character(:), allocatable :: group
+    integer :: i
+    write (unit, '(a)') '', 'All cards:'
+    group = ''
+    do i = 1, size(registry%cards)
+      associate (card => registry%cards(i))
+        if (card%group /= group) write (unit, '(/, a)', advance='no') '* '//card%group//':'
+        group = card%group
+        write (unit, '(a)', advance='no') ' ['//card%name//'](#'//card%name//')'
+      end associate
+    end do
+    write (unit, '(a)') '', ''
+  end subroutine write_contents
 
   subroutine write_section(unit, card)
     integer, intent(in) :: unit

@@ -20,6 +20,7 @@ module sgmp_scene
             damping_card_t, detonation_card_t, gauge_card_t, grid_card_t, material_card_t, &
             method_card_t, output_card_t, statement_text_t, stop_card_t, time_card_t
   public :: contact_lambda_default
+  public :: dump_formats, dump_names, dump_tecplot, dump_vtkhdf, dump_vtu
   public :: scene_at_rest, scene_free, scene_space, scene_t
   public :: update_usf, update_musl, update_usl, update_usavg, update_names
   public :: layout_lattice, layout_gauss, layout_file, layout_names
@@ -33,6 +34,8 @@ module sgmp_scene
   character(7), parameter :: layout_names(2) = [character(7) :: 'uniform', 'gauss']
     !! what the card body may ask for
   real(dp), parameter :: contact_lambda_default = -1.0_dp  !! from the particle spacings
+  integer, parameter :: dump_vtkhdf = 1, dump_vtu = 2, dump_tecplot = 3, dump_formats = 3
+  character(7), parameter :: dump_names(dump_formats) = [character(7) :: 'vtkhdf', 'vtu', 'tecplot']
   integer, parameter :: lost_error = 1, lost_remove = 2, lost_reflect = 3
   character(7), parameter :: lost_names(*) = [character(7) :: 'error', 'remove', 'reflect']
 
@@ -148,8 +151,9 @@ module sgmp_scene
 
   !> What is written when.
   type :: output_card_t
-    logical :: vtkhdf = .false., vtu = .false., tecplot = .false., csv_end = .false.
-    real(dp) :: every = 0.0_dp                    !! interval in time; 0: start and end only
+    logical :: writes(dump_formats) = .false.     !! by dump_vtkhdf, dump_vtu, dump_tecplot
+    real(dp) :: every(dump_formats) = 0.0_dp      !! interval in time; 0: start and end only
+    logical :: csv_end = .false.
     character(name_length), allocatable :: fields(:)  !! fields besides id, body, position, velocity
     integer :: history_steps = 1                  !! history and bodies rows every so many steps
     real(dp) :: history_every = 0.0_dp            !! or every so much time (0: by steps)

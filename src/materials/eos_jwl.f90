@@ -26,11 +26,13 @@ contains
   !> Keys of the equation.
   function jwl_keys() result(keys)
     type(key_t), allocatable :: keys(:)
-    keys = [key('a', kind_real, 'JWL A', unit='stress', required=.true.), &
-            key('b', kind_real, 'JWL B', unit='stress', required=.true.), &
-            key('r1', kind_real, 'JWL R1', range='(0,inf)', required=.true.), &
-            key('r2', kind_real, 'JWL R2', range='(0,inf)', required=.true.), &
-            key('omega', kind_real, 'JWL omega', range='(0,inf)', required=.true.)]
+    keys = [key('a', kind_real, 'A of p = A (1 - omega/(R1 V)) exp(-R1 V) + '// &
+                'B (1 - omega/(R2 V)) exp(-R2 V) + omega E/V, V: volume, E: energy, both per '// &
+                'initial volume', unit='stress', required=.true.), &
+            key('b', kind_real, 'B', unit='stress', required=.true.), &
+            key('r1', kind_real, 'R1', range='(0,inf)', required=.true.), &
+            key('r2', kind_real, 'R2', range='(0,inf)', required=.true.), &
+            key('omega', kind_real, 'omega', range='(0,inf)', required=.true.)]
   end function jwl_keys
 
   !> Equation from the values of its keys.

@@ -25,7 +25,8 @@ contains
   !> Keys of the ideal gas.
   function ideal_gas_keys() result(keys)
     type(key_t), allocatable :: keys(:)
-    keys = [key('gamma', kind_real, 'ratio of specific heats', range='(1,inf)', required=.true.)]
+    keys = [key('gamma', kind_real, 'ratio of specific heats: p = (gamma - 1) E/V + '// &
+                'gamma p_inf (1/V - 1)', range='(1,inf)', required=.true.)]
   end function ideal_gas_keys
 
   !> Keys of the stiffened gas.

@@ -55,14 +55,17 @@ contains
   !> Keys of the law, besides the moduli.
   function jc_keys() result(keys)
     type(key_t), allocatable :: keys(:)
-    integer :: i
     keys = [hardening_keys(), &
-            key('rate_coefficient', kind_real, 'Johnson-Cook C', range='[0,inf)', default='0'), &
-            key('reference_rate', kind_real, 'strain rate at which the rate factor is 1', &
+            key('rate_coefficient', kind_real, 'Johnson-Cook C: yield stress (yield + '// &
+                'hardening_modulus e^hardening_exponent) (1 + rate_coefficient ln r) '// &
+                '(1 - T*^thermal_exponent), e: plastic strain', range='[0,inf)', default='0'), &
+            key('reference_rate', kind_real, 'strain rate at which the rate factor is 1; r: rate of '// &
+                'plastic strain over it, at least 1', &
                 unit='1/time', range='(0,inf)', default='1'), &
             key('thermal', kind_logical, 'carry the temperature and soften the yield stress', &
                 default='no'), &
-            key('thermal_exponent', kind_real, 'Johnson-Cook m', range='(0,inf)', default='1'), &
+            key('thermal_exponent', kind_real, 'Johnson-Cook m; T*: (temperature - room) over '// &
+                '(melting - room), 0 to 1', range='(0,inf)', default='1'), &
             key('room_temperature', kind_real, 'initial and reference temperature', &
                 unit='temperature', range='[0,inf)', default='293'), &
             key('melt_temperature', kind_real, 'melting temperature; needed if thermal', &
@@ -71,10 +74,14 @@ contains
                 unit='specific heat', range='(0,inf)'), &
             key('taylor_quinney', kind_real, 'part of the plastic work that becomes heat', &
                 range='[0,1]', default='0.9'), &
-            key('failure', kind_logical, 'Johnson-Cook damage and failure', default='no')]
-    do i = 1, damage_constants
-      keys = [keys, key(damage_names(i), kind_real, 'Johnson-Cook damage constant', default='0')]
-    end do
+            key('failure', kind_logical, 'Johnson-Cook damage and failure: at a plastic strain of '// &
+                '(d1 + d2 exp(d3 s)) (1 + d4 ln r) (1 + d5 T*)', default='no'), &
+            key('d1', kind_real, 'Johnson-Cook D1', default='0'), &
+            key('d2', kind_real, 'Johnson-Cook D2', default='0'), &
+            key('d3', kind_real, 'Johnson-Cook D3; s: mean stress over von Mises stress, '// &
+                'tension positive, so d3 of a metal is negative', default='0'), &
+            key('d4', kind_real, 'Johnson-Cook D4', default='0'), &
+            key('d5', kind_real, 'Johnson-Cook D5', default='0')]
   end function jc_keys
 
   !> Law from the values of its keys.
@@ -107,6 +114,11 @@ contains
              values%number('melt_temperature') <= values%number('room_temperature')) then
       call fault_make(fault, 'melt_temperature', &
                       'the melting temperature is not above room temperature', 'check both')
+    else if (law%failure .and. law%damage(2) > 0.0_dp .and. law%damage(3) > 0.0_dp) then
+      call fault_make(fault, 'd3', 'with d3 above 0 tension makes the material more ductile', &
+                      'stress is positive in tension here; where pressure is, d3 has the '// &
+                      'other sign')
+      fault%warning = .true.
     end if
   end subroutine jc_read
 

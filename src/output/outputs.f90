@@ -16,7 +16,7 @@ module sgmp_outputs
   use sgmp_particle_fields, only: particle_field_find, particle_field_t
   use sgmp_particle_table, only: particle_table_write
   use sgmp_rigid_rows, only: rigid_rows_open, rigid_rows_t, rigid_rows_write
-  use sgmp_scene, only: name_length, scene_t
+  use sgmp_scene, only: dump_formats, dump_tecplot, dump_vtkhdf, dump_vtu, name_length, scene_t
   use sgmp_snapshot, only: snapshot_t
   use sgmp_snapshot_make, only: snapshot_initial_positions, snapshot_slice, snapshot_whole
   use sgmp_tecplot, only: tecplot_t
@@ -39,13 +39,17 @@ module sgmp_outputs
     type(vtkhdf_t) :: vtkhdf
     character(name_length), allocatable :: fields(:)
     real(dp), allocatable :: initial(:, :)  !! initial positions by id, where a field needs them
-    integer :: dumps = 0                           !! dumps written
+    integer :: dumps(dump_formats) = 0             !! written, by format
+    integer :: last_dump_step(dump_formats) = -1
+    real(dp) :: last_dump_time(dump_formats) = -huge(1.0_dp)
     integer :: history_rows = 0                    !! rows due by time that have been written
-    integer :: last_dump_step = -1
     integer :: last_row_step = -1
-    real(dp) :: last_dump_time = -huge(1.0_dp)
-    real(dp) :: dump_interval = 0.0_dp, row_interval = 0.0_dp  !! that the counts belong to
+    real(dp) :: dump_interval(dump_formats) = 0.0_dp, row_interval = 0.0_dp
+      !! that the counts belong to
   end type outputs_t
+
+  real(dp), parameter :: round_off = 1.0e-9_dp
+    !! of an interval: multiples of two intervals that are one time on paper
 
 contains
 
@@ -73,8 +77,8 @@ contains
       call snapshot_initial_positions(scene, model, outputs%initial, error)
       if (allocated(error)) return
     end if
-    if (scene%output%vtkhdf) then
-      if (restarted) time = outputs%last_dump_time
+    if (scene%output%writes(dump_vtkhdf)) then
+      if (restarted) time = outputs%last_dump_time(dump_vtkhdf)
       call outputs%vtkhdf%open(folder//'/particles.vtkhdf', expected_dumps(scene), error, time)
       if (allocated(error)) return
     end if
@@ -147,10 +151,13 @@ contains
     logical, intent(in) :: restarted
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: time  !! not allocated in a new run: an absent argument below
-    if (restarted) time = outputs%last_dump_time
-    if (scene%output%vtu) call outputs%vtu%open(folder, 'particles', error, time)
-    if (allocated(error)) return
-    if (scene%output%tecplot) then
+    if (scene%output%writes(dump_vtu)) then
+      if (restarted) time = outputs%last_dump_time(dump_vtu)
+      call outputs%vtu%open(folder, 'particles', error, time)
+      if (allocated(error)) return
+    end if
+    if (scene%output%writes(dump_tecplot)) then
+      if (restarted) time = outputs%last_dump_time(dump_tecplot)
       call outputs%tecplot%open(folder//'/particles.dat', scene%title, error, time)
     end if
   end subroutine open_dumps
@@ -160,10 +167,14 @@ contains
     type(outputs_t), intent(inout) :: outputs
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    if (abs(scene%output%every - outputs%dump_interval) > 0.0_dp) then
-      outputs%dumps = 1
-      if (scene%output%every > 0.0_dp) outputs%dumps = int(model%clock%time/scene%output%every) + 1
-    end if
+    integer :: k
+    do k = 1, dump_formats
+      associate (every => scene%output%every(k))
+        if (abs(every - outputs%dump_interval(k)) <= 0.0_dp) cycle
+        outputs%dumps(k) = 1
+        if (every > 0.0_dp) outputs%dumps(k) = int(model%clock%time/every + round_off) + 1
+      end associate
+    end do
     if (abs(scene%output%history_every - outputs%row_interval) > 0.0_dp) then
       outputs%history_rows = 0
       if (scene%output%history_every > 0.0_dp) outputs%history_rows = rows_due(scene, model)
@@ -178,10 +189,21 @@ contains
     real(dp) :: time
     time = huge(1.0_dp)
     if (scene%time%end > 0.0_dp) time = scene%time%end
-    if (scene%output%every > 0.0_dp .and. writes_dumps(scene)) then
-      time = min(time, outputs%dumps*scene%output%every)
-    end if
+    associate (output => scene%output)
+      time = min(time, minval(outputs%dumps*output%every, output%writes .and. output%every > 0.0_dp))
+    end associate
   end function outputs_next_time
+
+  !> Formats whose interval is over.
+  pure function dumps_due(outputs, scene, model) result(due)
+    type(outputs_t), intent(in) :: outputs
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    logical :: due(dump_formats)
+    due = model%clock%step == 0
+    where (scene%output%every > 0.0_dp) &
+      due = model%clock%time >= (outputs%dumps - round_off)*scene%output%every
+  end function dumps_due
 
   !> Rows that are due by a time, the one at the start among them; sums of steps fall short of a
   !! row's time by round-off.
@@ -193,23 +215,17 @@ contains
                        0.5_dp*huge(rows)))
   end function rows_due
 
-  pure function writes_dumps(scene) result(yes)
-    type(scene_t), intent(in) :: scene
-    logical :: yes
-    yes = scene%output%vtkhdf .or. scene%output%vtu .or. scene%output%tecplot
-  end function writes_dumps
-
-  !> Dumps that a run will write, as far as its deck tells.
+  !> Dumps that a run will write to its VTKHDF file, as far as its deck tells.
   pure function expected_dumps(scene) result(n)
     type(scene_t), intent(in) :: scene
     integer :: n
     integer, parameter :: unknown = 16, most = 1000  ! the file grows where these are too few
     real(dp) :: intervals
     n = 2
-    if (scene%output%every <= 0.0_dp) return
+    if (scene%output%every(dump_vtkhdf) <= 0.0_dp) return
     n = unknown
     if (scene%time%end <= 0.0_dp .or. scene%time%end >= huge(1.0_dp)) return
-    intervals = scene%time%end/scene%output%every
+    intervals = scene%time%end/scene%output%every(dump_vtkhdf)
     n = 1 + ceiling(min(intervals*(1.0_dp - 1.0e-12_dp), real(most, dp)))
   end function expected_dumps
 
@@ -232,11 +248,7 @@ contains
       call write_rows(outputs, model, error)
     end if
     if (allocated(error)) return
-    due = model%clock%step == 0
-    if (scene%output%every > 0.0_dp) due = model%clock%time >= outputs%dumps*scene%output%every
-    if ((due .or. at_end) .and. model%clock%step /= outputs%last_dump_step) then
-      call dump(outputs, scene, model, error)
-    end if
+    call dump(outputs, scene, model, at_end .or. dumps_due(outputs, scene, model), error)
     if (allocated(error)) return
     if (at_end .and. scene%output%csv_end) call write_csv(outputs, model, error)
   end subroutine outputs_step
@@ -281,28 +293,33 @@ contains
     call rigid_rows_write(outputs%rigid, model, error)
   end subroutine write_sums
 
-  !> One dump of the fields.
-  subroutine dump(outputs, scene, model, error)
+  !> A dump of the fields in each format that is due and has none of this step.
+  subroutine dump(outputs, scene, model, due, error)
     type(outputs_t), intent(inout) :: outputs
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
+    logical, intent(in) :: due(dump_formats)
     type(error_t), allocatable, intent(out) :: error
     type(snapshot_t) :: snapshot
     integer(i8) :: before, total
-    outputs%dumps = outputs%dumps + 1
-    outputs%last_dump_step = model%clock%step
-    outputs%last_dump_time = model%clock%time
-    if (.not. writes_dumps(scene)) return
-    if (scene%output%vtkhdf) then
+    logical :: written(dump_formats)
+    written = due .and. outputs%last_dump_step /= model%clock%step
+    where (written)
+      outputs%dumps = outputs%dumps + 1
+      outputs%last_dump_step = model%clock%step
+      outputs%last_dump_time = model%clock%time
+    end where
+    written = written .and. scene%output%writes
+    if (written(dump_vtkhdf)) then
       call snapshot_slice(model, outputs%fields, outputs%initial, snapshot, before, total)
       call outputs%vtkhdf%dump(snapshot, before, total, error)
       if (allocated(error)) return
     end if
-    if (.not. (scene%output%vtu .or. scene%output%tecplot)) return
+    if (.not. (written(dump_vtu) .or. written(dump_tecplot))) return
     call snapshot_whole(model, outputs%fields, outputs%initial, snapshot)
     if (parallel_rank() == 0) then
-      if (scene%output%vtu) call outputs%vtu%dump(snapshot, error)
-      if (scene%output%tecplot .and. .not. allocated(error)) then
+      if (written(dump_vtu)) call outputs%vtu%dump(snapshot, error)
+      if (written(dump_tecplot) .and. .not. allocated(error)) then
         call outputs%tecplot%dump(snapshot, error)
       end if
     end if

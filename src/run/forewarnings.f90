@@ -70,9 +70,10 @@ contains
     type(string_t), allocatable, intent(inout) :: warnings(:)
     real(dp), parameter :: many_dumps = 1.0e4_dp
     type(clock_t) :: clock
-    real(dp) :: limit
+    real(dp) :: every, limit
     logical :: ok
-    associate (time => scene%time, every => scene%output%every)
+    every = minval(scene%output%every, scene%output%every > 0.0_dp)
+    associate (time => scene%time)
       if (time%end > 0.0_dp .and. model%clock%step == 0) then
         clock = model%clock
         call clock_choose(clock, model%mesh%h, model%findings%fastest, huge(1.0_dp), ok)
@@ -80,7 +81,7 @@ contains
           real_text_plain(time%end)//', and the step may be '//real_text_about(clock%dt)// &
           "; is end= in the deck's unit of time?")
       end if
-      if (every > 0.0_dp .and. time%end > many_dumps*every) then
+      if (time%end/many_dumps > every) then
         call warn(warnings, 'output every='//real_text_plain(every)//' makes '// &
                   integer_text(int(min(time%end/every, 1.0e15_dp), i8))// &
                   " dumps; is every= in the deck's unit of time?")

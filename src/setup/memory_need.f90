@@ -127,7 +127,7 @@ contains
     type(scene_t), intent(in) :: scene
     logical :: yes
     associate (output => scene%output)
-      yes = output%vtkhdf .or. output%vtu .or. output%tecplot .or. output%csv_end
+      yes = any(output%writes) .or. output%csv_end
     end associate
   end function writes_particles
 

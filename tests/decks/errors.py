@@ -99,6 +99,7 @@ EXPECTED = {
     "open_wall": [r"{d}:7:9: error: a wall on y-, which is open", r"grid y=lower:open"],
     "out_of_plane": [r"{d}:6:51: error: 'upper' has a component along z in 2D", r"{d}:7:21: error: 'z' has",
                      r"{d}:8:9: error: 'vector' has"],
+    "output_intervals": [r"{d}:9:18: error: two intervals for vtu", r"^1 error"],
     "output_field": [r"{d}:7:26: error: 'stres'", r"did you mean 'stress'"],
     "outside_grid": [r"{d}:7:1: error: body 'bar' reaches out of the grid along x", r"widen the grid"],
     "overlap": [r"{d}:[67]:1: .*overlap"],

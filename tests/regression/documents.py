@@ -4,7 +4,7 @@
 usage: documents.py SGMP SOURCE_DIR SCRATCH_DIR
 
 Every `sgmp …` of README.md, the user guide and other pages is given to the program with --check, every `sgmp-view …` to its parser; words
-like DECK, NAME or … mark what is no command.
+like DECK, NAME or … mark what is no command. Tecplot's macro is compared with what it reads.
 """
 import glob
 import importlib.util
@@ -138,6 +138,19 @@ def understood(report):
     report.check(count > (30 if draws else 20), f"only {count} commands")
 
 
+def tecplot(report):
+    """The macro for Tecplot names the variables of particles.dat in their order, and colours by the plastic strain."""
+    macro = read("scripts/taylor_bar_tecplot.mcr")
+    names = re.search(r"VarNameList = '(.*)'", macro).group(1)
+    report.check(shlex.split(names)[int(re.search(r"\|FIELD\| = (\d+)", macro).group(1)) - 1] == "plastic_strain", "the macro colours by another variable")
+    code, text = call([SGMP, os.path.join(SOURCE, "input", "taylor_bar.inp"), "--quiet", "--output", "bar.out",
+                       *(word for setting in ("format=tecplot", "h=3.8", "t_end=1e-3") for word in ("--set", setting))], SCRATCH)
+    report.check(code == 0, f"Taylor bar with format=tecplot: {text}")
+    with open(os.path.join(SCRATCH, "bar.out", "particles.dat"), encoding="utf-8") as file:
+        head = file.read(2000)
+    report.check(f"VARIABLES = {names}\n" in head, f"the macro names other variables than particles.dat: {head[:300]}")
+
+
 def main():
     report = Report()
     for old in glob.glob(os.path.join(SCRATCH, "*.inp")):
@@ -146,6 +159,7 @@ def main():
         shutil.rmtree(old)
     links(report)
     understood(report)
+    tecplot(report)
     return report.end()
 
 

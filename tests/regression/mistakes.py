@@ -101,6 +101,7 @@ MISTAKES = [
     ("a negative end", ROD, "end=0.012", "end=-0.012"),
     ("a Courant number ten times too large", ROD, "cfl=0.5", "cfl=5"),
     ("gravity as one number", ROD, "viscosity all", "viscosity all\ngravity -9.81e-3"),
+    ("D3 with the sign of codes in which pressure is positive", ROD, "reference_rate=1e-3", "reference_rate=1e-3 failure=yes d1=0.05 d2=3.44 d3=2.12 d4=0.002"),
     ("two methods", ROD, "method sgmp update=musl", "method sgmp update=musl\nmethod gimp"),
     ("two bodies of one name", ROD, "body rod cylinder", "body plate cylinder"),
     ("a scene in 3D called plane", ROD, "dimension 3", "dimension 2"),

@@ -40,7 +40,7 @@ body charge block material=tnt lower=(0,0,0) upper=({size}) spacing=0.5
 detonation point=(0,0,0)
 output csv at=end fields=stress,density,displacement,initial_position
 output vtu every=0.0005 fields=stress,pressure
-output tecplot
+output tecplot every=0.0007
 output vtkhdf every=0.0005 fields=stress
 history every=0.0001
 gauge near point=({near})
@@ -157,7 +157,7 @@ balance every=3 gain=0
 OUTPUTS = """
 output csv at=end fields=stress,density,displacement,initial_position
 output vtu every=2 fields=stress,pressure
-output tecplot
+output tecplot every=2
 output vtkhdf every=2 fields=stress
 history steps=5
 gauge near point=(0,1)

@@ -23,7 +23,7 @@ velocity b x="300" y="-40"
 bodyforce b x="1e3*sin(x0)" y="1e3*t*x"
 history every=0.001
 output vtkhdf every=0.0025 fields=initial_position,stress
-output vtu every=0.0025
+output vtu every=0.004
 """
 # Two bodies at rest and one that is pushed, friction, a wall that moves.
 PUSH = """

@@ -96,6 +96,10 @@ def study(report):
                  "a misspelt parameter", text)
     code, text = view("convergence", "flying.sweep/speed=1,h=1", "flying.sweep/speed=1,h=2", "--quantity", "bodies.arrow.x", "--exact", "6")
     check(report, code == 0 and text.count("1.000e+00") == 2, "errors against the exact value", text)
+    code, text = view("work-precision", "flying.sweep/speed=1,h=1", "flying.sweep/speed=1,h=2", "--quantity", "bodies.arrow.x", "--exact", "6", "--cost", "steps")
+    table = [line.split() for line in text.splitlines()]
+    check(report, code == 0 and table[1:3] == [["sgmp", "musl", "2", "20", "1.000e+00"], ["sgmp", "musl", "1", "40", "1.000e+00"]],
+          "errors against what the runs cost", text)
 
 
 def figures(report):
