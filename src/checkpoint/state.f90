@@ -9,6 +9,7 @@ module sgmp_state
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_energy, only: eroded_t, ledger_t
   use sgmp_kinds, only: dp, i8
+  use sgmp_mesh, only: mesh_t, wall_speed
   use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_t
   use sgmp_rigid_motion, only: rigid_motion_t
@@ -40,6 +41,7 @@ contains
     call pass_ledger(archive, model%ledger)
     if (model%method%split > 0.0_dp) call archive%pass(model%ledger%split_energy)
     if (model%method%damped) call archive%pass(model%ledger%damping_dissipation)
+    if (model%mesh%walls_move) call pass_walls(archive, model%mesh)
     if (model%method%erodes) call pass_eroded(archive, model%ledger%eroded)
     do f = 1, size(model%turning)
       call archive%pass(model%turning(f)%vector)
@@ -60,6 +62,16 @@ contains
                                                          model%ranks%partition%own)
     call pass_outputs(archive, outputs, model%bodies, size(model%contact%pairs))
   end subroutine state_pass
+
+  !> Velocities of the walls.
+  subroutine pass_walls(archive, mesh)
+    type(archive_t), intent(inout) :: archive
+    type(mesh_t), intent(inout) :: mesh
+    integer :: axis
+    do axis = 1, mesh%ndim
+      call archive%pass(mesh%wall_motion(:, :, axis, wall_speed))
+    end do
+  end subroutine pass_walls
 
   !> The clock less what the deck sets.
   subroutine pass_clock(archive, clock)

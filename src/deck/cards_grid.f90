@@ -1,9 +1,10 @@
-!> The cards `grid`, `wall` and `lost`: where material may be.
+!> The cards `grid`, `wall`, `wallmotion` and `lost`: where material may be.
 module sgmp_cards_grid
   use sgmp_deck_card, only: deck_card_t
-  use sgmp_keys, only: kind_interval, kind_real, kind_word
+  use sgmp_expression, only: expression_clone, expression_t
+  use sgmp_keys, only: kind_expression, kind_interval, kind_real, kind_word
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: wall_free, wall_names
+  use sgmp_mesh, only: wall_fixed, wall_free, wall_names
   use sgmp_registry, only: read_first, registry_t
   use sgmp_scene, only: lost_error, lost_names
   use sgmp_scene_draft, only: draft_t
@@ -48,12 +49,27 @@ contains
     call registry%key(axis_names(1, space_axisymmetric)//sides(2), kind_word, 'outer wall of '// &
                       'an axisymmetric scene, in the place of x+; the axis needs no card', &
                       choices=words_joined(wall_names))
+    call register_motion(registry)
     call registry%card('lost', 'What happens to a particle that leaves through a closed face '// &
                        'without a wall.', 'lost remove', read_lost, once=.true.)
     call registry%key('policy', kind_word, 'error: stop; remove: count and drop; reflect: turn '// &
                       'back', choices=words_joined(lost_names), &
                       default=trim(lost_names(lost_error)), slot=1)
   end subroutine register_grid
+
+  subroutine register_motion(registry)
+    type(registry_t), intent(inout) :: registry
+    integer :: axis
+    call registry%card('wallmotion', 'A fixed wall that moves along itself and drags what '// &
+                       'touches it. What pushes is a rigid body.', &
+                       'wallmotion y+ x="min(t/0.1,1)"', read_motion, check_motion)
+    call registry%key('face', kind_word, 'the face of the grid', choices='x- x+ y- y+ z- z+ r+', &
+                      slot=1, required=.true.)
+    do axis = 1, 3
+      call registry%key(axis_names(axis, 3), kind_expression, 'velocity, a function of t', &
+                        unit='speed', default='0', source='doc/loads.md')
+    end do
+  end subroutine register_motion
 
   subroutine read_grid(card, draft)
     type(deck_card_t), intent(in) :: card
@@ -144,6 +160,89 @@ contains
       end do
     end do
   end subroutine check_walls
+
+  !> Axis and side of the face that a card names; axis = 0: the scene has none of that name.
+  pure subroutine find_face(card, draft, side, axis)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(in) :: draft
+    integer, intent(out) :: side, axis
+    do axis = draft%scene%dimension, 1, -1
+      do side = 1, 2
+        if (draft%axis_key(axis)//sides(side) == card%word('face')) return
+      end do
+    end do
+  end subroutine find_face
+
+  subroutine read_motion(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: side, axis, a
+    call find_face(card, draft, side, axis)
+    if (axis == 0) then
+      call draft%errors%add(card%place('face'), 'there is no face '//card%word('face')//' '// &
+                            draft%in_space(), 'name one that has a card wall')
+      return
+    end if
+    associate (velocity => draft%scene%grid%wall_velocity)
+      if (any([(allocated(velocity(a, side, axis)%text), a=1, 3)])) then
+        call draft%errors%add(card%position, 'the wall on '//card%word('face')//' has two '// &
+                              'motions', 'remove one of the cards')
+        return
+      end if
+      do a = 1, 3
+        associate (value => card%values(card%at(axis_names(a, 3))))
+          if (value%expression%uses_position .or. value%expression%uses_initial_position) then
+            call draft%errors%add(value%position, 'the velocity of a wall cannot depend on '// &
+                                  'position', 'use t only')
+          end if
+        end associate
+      end do
+      do a = 1, draft%scene%dimension
+        if (card%at(draft%axis_key(a)) == 0) cycle  ! r
+        velocity(a, side, axis) = &
+          expression_clone(card%values(card%at(draft%axis_key(a)))%expression)
+      end do
+    end associate
+  end subroutine read_motion
+
+  !> What moves is a fixed wall, and it moves along itself.
+  subroutine check_motion(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    character(:), allocatable :: face
+    integer :: side, axis
+    call find_face(card, draft, side, axis)
+    if (axis == 0) return
+    face = card%word('face')
+    associate (grid => draft%scene%grid, errors => draft%errors)
+      if (grid%wall(side, axis) /= wall_fixed) then
+        call errors%add(card%place('face'), 'the wall on '//face//' is not fixed', &
+                        'write wall '//face//'=fixed; nothing else is dragged along')
+      end if
+      if (.not. rests(grid%wall_velocity(axis:axis, side, axis))) then
+        call errors%add(card%place(draft%axis_key(axis)), 'the wall on '//face//' would leave its place', &
+                        'it moves along itself; what pushes is a rigid body')
+      end if
+      if (rests(grid%wall_velocity(:, side, axis))) then
+        call errors%add(card%position, 'the wall on '//face//' does not move', &
+                        'give a velocity along it, or remove this card')
+      end if
+      if (draft%scene%method%volumes_kept) then
+        call errors%add(card%position, 'walls that move and volumes=kept', 'remove one of them')
+      end if
+      if (draft%scene%damping%rate > 0.0_dp .or. draft%scene%damping%kinetic) then
+        call errors%add(card%position, 'walls that move and a damping', &
+                        'remove one of them; damping slows everything down to rest')
+      end if
+    end associate
+  end subroutine check_motion
+
+  !> Whether a velocity is zero at all times.
+  pure function rests(velocity) result(yes)
+    type(expression_t), intent(in) :: velocity(:)
+    logical :: yes
+    yes = all(velocity%is_constant .and. abs(velocity%value) <= 0.0_dp)
+  end function rests
 
   subroutine read_lost(card, draft)
     type(deck_card_t), intent(in) :: card

@@ -46,6 +46,8 @@ module sgmp_scene
     logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given
     integer :: wall(2, 3) = wall_free
       !! (lower|upper, axis): wall_free, wall_slip, wall_fixed
+    type(expression_t) :: wall_velocity(3, 2, 3)
+      !! (component, lower|upper, axis) of fixed walls, functions of t
     integer :: lost = lost_error
       !! what happens to a particle that leaves through a closed free face
   end type grid_card_t

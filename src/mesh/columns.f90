@@ -6,7 +6,7 @@ module sgmp_columns
   use sgmp_voigt, only: flux_components
   implicit none
   private
-  public :: columns_t, columns_make
+  public :: columns_t, columns_keep_behind, columns_make
   public :: node_acceleration, node_gyration, node_inertia, node_inverse_mass, node_remapped, &
             node_swirl, node_total, node_velocity
   public :: relax_dilation, relax_exchange, relax_filling, relax_filter, relax_stiffness, &
@@ -31,7 +31,10 @@ module sgmp_columns
     integer :: stiffness = 0           !! bulk modulus times volume, 0: nothing relaxes
     integer :: compliance = 0          !! the compliance w; behind it w p and w p^2
     integer :: offset = 0              !! first moments of the mass about the centres (mass times
-                                       !! cells), the last columns; 0: not carried
+                                       !! cells), the last that are swept; 0: not carried
+    integer :: swept = 0               !! the last column that sweeps fill
+    integer :: behind(3) = 0           !! by axis, what lay behind its walls before it was
+                                       !! folded: mass, momentum, force; 0: no wall moves
     integer :: total = 0
     integer :: nodes = 0               !! columns of the nodes' values
   end type columns_t
@@ -114,11 +117,26 @@ contains
       columns%compliance = columns%stiffness + 1
       columns%total = columns%compliance + 2
     end if
-    if (.not. present(offset)) return
-    if (offset) then
-      columns%offset = columns%total + 1
-      columns%total = columns%total + ndim
+    if (present(offset)) then
+      if (offset) then
+        columns%offset = columns%total + 1
+        columns%total = columns%total + ndim
+      end if
     end if
+    columns%swept = columns%total
   end function columns_make
+
+  !> Adds columns for what lies behind the walls of some axes.
+  pure subroutine columns_keep_behind(columns, ndim, axes)
+    type(columns_t), intent(inout) :: columns
+    integer, intent(in) :: ndim
+    logical, intent(in) :: axes(ndim)
+    integer :: axis
+    do axis = 1, ndim
+      if (.not. axes(axis)) cycle
+      columns%behind(axis) = columns%total + 1
+      columns%total = columns%total + 1 + 2*ndim
+    end do
+  end subroutine columns_keep_behind
 
 end module sgmp_columns

@@ -6,11 +6,11 @@
 !! point's record is base + i.
 module sgmp_field
   use sgmp_axis, only: axis_hoop_weights
-  use sgmp_columns, only: columns_make, columns_t, relax_total
-  use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_width
+  use sgmp_columns, only: columns_keep_behind, columns_make, columns_t, relax_total
+  use sgmp_kernels, only: kernel_centred, kernel_folds, kernel_sgmp, stencil_width
   use sgmp_kinds, only: dp, i8
   use sgmp_large_pages, only: large_pages_ask
-  use sgmp_mesh, only: mesh_t
+  use sgmp_mesh, only: mesh_t, wall_free
   use sgmp_rotation_points, only: rotation_points_clear, rotation_points_make, &
                                   rotation_points_move, rotation_points_t
   use sgmp_rows, only: key_k, row_key, rows_contains, rows_dilate, rows_locate, rows_t
@@ -71,6 +71,10 @@ contains
     field%hoop_correction = mesh%hoop
     field%columns = columns_make(mesh%space, kernel, body_force, with_volume, nspin, &
                                  rotation, relaxed, swirl)
+    if (mesh%walls_move .and. kernel_folds(kernel)) then
+      call columns_keep_behind(field%columns, mesh%ndim, any(mesh%wall(:, :mesh%ndim) /= &
+                                                             wall_free, dim=1))
+    end if
     field%points = 0
     allocate (field%moment(0, field%columns%total), field%node(0, field%columns%nodes))
     allocate (field%plane_k(0))

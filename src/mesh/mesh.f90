@@ -12,6 +12,7 @@ module sgmp_mesh
   public :: mesh_t, mesh_make, mesh_position, mesh_coordinate, mesh_filled, &
             mesh_occupied
   public :: wall_axis, wall_free, wall_slip, wall_fixed, wall_names
+  public :: wall_kick, wall_speed
 
   integer, parameter :: wall_free = 0  !! material may leave or the face is open
   integer, parameter :: wall_slip = 1  !! normal velocity vanishes (symmetry)
@@ -19,6 +20,9 @@ module sgmp_mesh
   integer, parameter :: wall_axis = 3  !! a slip wall behind which radii are negative
   character(8), parameter :: wall_names(wall_free:wall_fixed) = [character(8) :: &
     'free', 'slip', 'fixed']
+
+  integer, parameter :: wall_kick = 1    !! acceleration of a wall in a step
+  integer, parameter :: wall_speed = 2   !! its velocity after it
 
   !> Grid geometry; axes beyond the dimension are unused.
   type :: mesh_t
@@ -29,6 +33,9 @@ module sgmp_mesh
     real(dp) :: origin(3) = 0.0_dp       !! position of node 0
     logical :: open(2, 3) = .true.       !! (lower|upper, axis): the grid follows the particles
     integer :: wall(2, 3) = wall_free    !! (lower|upper, axis)
+    logical :: walls_move = .false.      !! some wall moves along itself
+    real(dp) :: wall_motion(3, 2, 3, 2) = 0.0_dp
+      !! (component, lower|upper, axis, wall_kick|wall_speed), 0 where a wall is at rest
     integer :: cells(3) = 0              !! cells between the faces, where both are given
     integer :: lower(3) = -huge(1)/4     !! first node a particle's cell may have
     integer :: upper(3) = huge(1)/4      !! last node

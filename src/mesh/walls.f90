@@ -4,17 +4,22 @@
 !! Both use one table of parities, so that what particles give and what they get are transposes of
 !! each other; Eq. 42 (energy) rests on that. Axes are folded one after the other, which takes care
 !! of edges and corners.
+!!
+!! A fixed wall may move along itself: velocities are odd as seen from the wall, and so is momentum,
+!! v -> 2 V - v and p -> 2 m V - p. What lay behind it is kept for the work of the wall
+!! (sgmp_wall_work).
 module sgmp_walls
   use sgmp_columns, only: columns_t, node_swirl, relax_velocity
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t, wall_axis, wall_fixed, wall_free, wall_slip
+  use sgmp_mesh, only: mesh_t, wall_axis, wall_fixed, wall_free, wall_slip, wall_speed
   use sgmp_rows, only: key_j, key_k
   use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
   private
-  public :: walls_fold, walls_mirror, walls_mirror_centres, moment_parity, has_walls
+  public :: walls_fold, walls_mirror, walls_mirror_centres, walls_hold, moment_parity, has_walls
+  public :: ghost_intervals, ghost_point, ghost_records, vector_parity
 
   integer, parameter :: around = 3   !! component of a vector around the axis
 
@@ -131,12 +136,47 @@ contains
       do s = first, last
         call ghost_records(field, s, axis, ghost, image, from, to, n)
         if (n == 0) cycle
+        if (field%columns%behind(axis) > 0) then
+          call keep_behind(field, axis, q1, q2, from, n)
+          call drag(field, mesh, axis, side, q1, q2, from, to, n)
+        end if
         do q = q1, q2
           call fold(n, parity(q), field%moment(from, q), field%moment(to, q))
         end do
       end do
     end do
   end subroutine walls_fold
+
+  !> Keeps what points behind a wall hold: mass, momentum and force as far as they are folded.
+  pure subroutine keep_behind(field, axis, q1, q2, ghost, n)
+    type(field_t), intent(inout) :: field
+    integer, intent(in) :: axis, q1, q2          !! columns that are folded
+    integer, intent(in) :: ghost, n              !! first record, how many
+    integer :: a, c, columns(1 + 2*field%ndim)
+    columns = [field%columns%mass, (field%columns%momentum + a - 1, a=1, field%ndim), &
+               (field%columns%force + a - 1, a=1, field%ndim)]
+    do c = 1, size(columns)
+      if (columns(c) < q1 .or. columns(c) > q2) cycle
+      field%moment(ghost:ghost + n - 1, field%columns%behind(axis) + c - 1) = &
+        field%moment(ghost:ghost + n - 1, columns(c))
+    end do
+  end subroutine keep_behind
+
+  !> Adds to the images of points behind a moving wall the momentum that belongs to its motion.
+  pure subroutine drag(field, mesh, axis, side, q1, q2, ghost, image, n)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis, side, q1, q2    !! q1..q2: columns that are folded
+    integer, intent(in) :: ghost, image, n       !! first records, how many
+    integer :: a, q
+    do a = 1, field%ndim
+      q = field%columns%momentum + a - 1
+      if (q < q1 .or. q > q2) cycle
+      field%moment(image:image + n - 1, q) = field%moment(image:image + n - 1, q) + &
+        2.0_dp*mesh%wall_motion(a, side, axis, wall_speed)* &
+        field%moment(ghost:ghost + n - 1, field%columns%behind(axis))
+    end do
+  end subroutine drag
 
   !> Adds what points behind a wall hold to their images, and empties them.
   pure subroutine fold(n, parity, ghost, image)
@@ -150,13 +190,56 @@ contains
     end do
   end subroutine fold
 
+  !> Gives nodes on walls the components that the walls have, in the vector that starts at `column`.
+  pure subroutine walls_hold(field, mesh, s, first, n, column, kind)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    integer, intent(in) :: column, kind       !! kind: wall_kick or wall_speed
+    integer :: a
+    do a = 1, field%ndim
+      call hold_component(field, mesh, s, first, n, a, column + a - 1, kind)
+    end do
+    if (field%columns%swirl > 0) then
+      call hold_component(field, mesh, s, first, n, around, node_swirl(column), kind)
+    end if
+  end subroutine walls_hold
+
+  !> The same for component `a`, stored in `column`; the wall across it comes last: nothing passes
+  !! it.
+  pure subroutine hold_component(field, mesh, s, first, n, a, column, kind)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n, a, column, kind
+    real(dp) :: wall
+    integer :: turn, axis, side, at, idx, here(3)
+    here = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
+    if (field%ndim == 2) here(2) = here(3)
+    idx = field%neighbour(0, 0, s)
+    do turn = a, a + field%ndim - 1
+      axis = modulo(turn, field%ndim) + 1
+      do side = 1, 2
+        if (mesh%wall(side, axis) == wall_free) cycle
+        if (axis /= a .and. mesh%wall(side, axis) /= wall_fixed) cycle
+        at = merge(mesh%lower(axis), mesh%upper(axis), side == 1)
+        wall = mesh%wall_motion(a, side, axis, kind)
+        if (axis == 1) then
+          if (at >= first .and. at < first + n) field%node(idx + at, column) = wall
+        else if (here(axis) == at) then
+          field%node(idx + first:idx + first + n - 1, column) = wall
+        end if
+      end do
+    end do
+  end subroutine hold_component
+
   !> Fills nodes behind the walls of one axis with their mirror image, in the vectors that start at
-  !! the given columns.
-  pure subroutine walls_mirror(field, mesh, axis, plane1, plane2, columns)
+  !! the given columns: accelerations and velocities, as the wall itself has them.
+  pure subroutine walls_mirror(field, mesh, axis, plane1, plane2, columns, kinds)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: axis, plane1, plane2
     integer, intent(in) :: columns(:)
+    integer, intent(in) :: kinds(:)              !! (columns) wall_kick or wall_speed
     integer :: side, s, first, last, ghost, image, c, a, n, from, to
     if (.not. kernel_folds(field%kernel)) return
     do side = 1, 2
@@ -169,25 +252,27 @@ contains
         do c = 1, size(columns)
           do a = 1, field%ndim
             call mirror(n, vector_parity(a, axis, mesh%wall(side, axis)), &
+                        mesh%wall_motion(a, side, axis, kinds(c)), &
                         field%node(from, columns(c) + a - 1), field%node(to, columns(c) + a - 1))
           end do
           if (field%columns%swirl == 0) cycle
           a = node_swirl(columns(c))
-          call mirror(n, vector_parity(around, axis, mesh%wall(side, axis)), field%node(from, a), &
-                      field%node(to, a))
+          call mirror(n, vector_parity(around, axis, mesh%wall(side, axis)), 0.0_dp, &
+                      field%node(from, a), field%node(to, a))
         end do
       end do
     end do
   end subroutine walls_mirror
 
-  !> Gives points behind a wall what their images hold.
-  pure subroutine mirror(n, parity, image, ghost)
+  !> Gives points behind a wall what their images hold, as seen from the wall.
+  pure subroutine mirror(n, parity, wall, image, ghost)
     integer, intent(in) :: n
     real(dp), intent(in) :: parity, image(n)
+    real(dp), intent(in) :: wall                 !! its own component
     real(dp), intent(out) :: ghost(n)
     integer :: i
     do i = 1, n
-      ghost(i) = parity*image(i)
+      ghost(i) = 2.0_dp*wall + parity*image(i)
     end do
   end subroutine mirror
 

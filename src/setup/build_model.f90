@@ -33,6 +33,7 @@ module sgmp_build_model
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
   use sgmp_vectors, only: cross
+  use sgmp_wall_motion, only: wall_motion_start
   implicit none
   private
   public :: model_build
@@ -60,6 +61,8 @@ contains
                              grid%wall)
     end associate
     model%mesh%hoop = scene%method%hoop
+    model%wall_motion%velocity = scene%grid%wall_velocity
+    call wall_motion_start(model%wall_motion, model%mesh)
     model%method%update = scene%method%update
     model%method%flip = scene%method%flip
     model%method%gravity = scene%gravity

@@ -91,7 +91,7 @@ contains
       plan%first_column = field%columns%force
     end if
     plan%spins = field%columns%spins
-    plan%last_column = merge(field%columns%total, field%columns%force - 1, plan%stress)
+    plan%last_column = merge(field%columns%swept, field%columns%force - 1, plan%stress)
     if (plan%probe .and. plan%stress) then
       plan%last_column = field%columns%force + field%columns%forces - 1
     end if

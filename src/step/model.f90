@@ -15,6 +15,7 @@ module sgmp_model
   use sgmp_time_step, only: clock_t
   use sgmp_timers, only: timers_t
   use sgmp_totals, only: totals_t
+  use sgmp_wall_motion, only: wall_motion_t
   implicit none
   private
   public :: model_t
@@ -22,6 +23,7 @@ module sgmp_model
   !> State of a simulation.
   type :: model_t
     type(mesh_t) :: mesh
+    type(wall_motion_t) :: wall_motion               !! prescribed, of the mesh's walls
     type(method_t) :: method
     type(clock_t) :: clock
     type(field_t), allocatable :: fields(:)          !! velocity fields

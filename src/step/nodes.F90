@@ -18,15 +18,16 @@ module DIM(sgmp_nodes)
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred, kernel_mpm
   use sgmp_kinds, only: dp, lanes
-  use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
+  use sgmp_mesh, only: mesh_t, wall_kick, wall_speed
   use sgmp_nodes_swirl, only: nodes_swirl_book, nodes_swirl_push, nodes_swirl_remap, &
                               nodes_swirl_solve
 #if NDIM > 1
   use CARTESIAN(sgmp_rotation), only: rotation_force
 #endif
-  use sgmp_rows, only: key_j, key_k
   use sgmp_sums, only: nodes_external, nodes_ignored, nodes_mass_aa, nodes_mass_av, nodes_sums
   use sgmp_voigt, only: flux_between
+  use sgmp_wall_work, only: wall_nodes_book
+  use sgmp_walls, only: walls_hold
   implicit none
   private
   public :: nodes_solve, nodes_velocity, nodes_remap
@@ -80,7 +81,9 @@ contains
                         field%node(idx, 1))
         if (field%columns%swirl > 0) call nodes_swirl_solve(field, mesh%inverse_h, s, first, n, m, &
                                                             dt)
-        call hold_walls(field, mesh, s, first, n, [node_acceleration, node_velocity(NDIM)])
+        if (mesh%walls_move) call wall_nodes_book(field, mesh, s, first, n, m, dt, sums)
+        call walls_hold(field, mesh, s, first, n, node_acceleration, wall_kick)
+        call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
         call book_energies(n, first, driven, size(field%node, 1), m, external, dt, &
                            field%node(idx, 1), lane_sums, sums(nodes_ignored))
         if (field%columns%swirl > 0) call nodes_swirl_book(field, s, first, n, m, dt, lane_sums)
@@ -112,7 +115,8 @@ contains
                         field%node(idx, 1))
         if (field%columns%swirl > 0) call nodes_swirl_solve(field, mesh%inverse_h, s, first, n, m, &
                                                             0.0_dp)
-        call hold_walls(field, mesh, s, first, n, [node_acceleration, node_velocity(NDIM)])
+        call walls_hold(field, mesh, s, first, n, node_acceleration, wall_kick)
+        call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
       end do
     end do
   end subroutine nodes_velocity
@@ -135,7 +139,7 @@ contains
 #endif
         call divide_tile(n, size(field%node, 1), p, field%node(idx, 1))
         if (field%columns%swirl > 0) call nodes_swirl_remap(field, s, first, n)
-        call hold_walls(field, mesh, s, first, n, [node_remapped])
+        call walls_hold(field, mesh, s, first, n, node_remapped, wall_speed)
       end do
     end do
   end subroutine nodes_remap
@@ -455,45 +459,5 @@ contains
       end do
     end do
   end subroutine solve_tile
-
-  !> Zeroes the components that vanish on walls, in the vectors that start at the given columns.
-  pure subroutine hold_walls(field, mesh, s, first, n, columns)
-    type(field_t), intent(inout) :: field
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: s, first, n
-    integer, intent(in) :: columns(:)
-    integer :: c, a
-    do c = 1, size(columns)
-      do a = 1, NDIM
-        call hold_walls_axis(field, mesh, s, first, n, a, columns(c) + a - 1)
-      end do
-      if (field%columns%swirl > 0) then
-        call hold_walls_axis(field, mesh, s, first, n, NDIM + 1, node_swirl(columns(c)))
-      end if
-    end do
-  end subroutine hold_walls
-
-  !> Zeroes component `a`, stored in `column`, on the wall nodes of a tile where it vanishes.
-  pure subroutine hold_walls_axis(field, mesh, s, first, n, a, column)
-    type(field_t), intent(inout) :: field
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: s, first, n, a, column
-    integer :: axis, side, at, idx, here(3)
-    here = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
-    if (NDIM == 2) here(2) = here(3)
-    do axis = 1, NDIM
-      do side = 1, 2
-        if (mesh%wall(side, axis) == wall_free) cycle
-        if (axis /= a .and. mesh%wall(side, axis) /= wall_fixed) cycle
-        at = merge(mesh%lower(axis), mesh%upper(axis), side == 1)
-        idx = field%neighbour(0, 0, s)
-        if (axis == 1) then
-          if (at >= first .and. at < first + n) field%node(idx + at, column) = 0.0_dp
-        else if (here(axis) == at) then
-          field%node(idx + first:idx + first + n - 1, column) = 0.0_dp
-        end if
-      end do
-    end do
-  end subroutine hold_walls_axis
 
 end module DIM(sgmp_nodes)

@@ -118,34 +118,35 @@ contains
   end subroutine phase_fold
 
   !> Fills nodes behind walls with their mirror images, in all fields that the walls act on.
-  subroutine phase_mirror(mesh, fields, bodies, columns, threads)
+  subroutine phase_mirror(mesh, fields, bodies, columns, kinds, threads)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
     integer, intent(in) :: columns(:)            !! first columns of the vectors
+    integer, intent(in) :: kinds(:)              !! of each: wall_kick or wall_speed
     integer, intent(in) :: threads
     integer :: f
     do f = 1, size(fields)
-      if (rigid_field(bodies, f) == 0) call mirror(mesh, fields(f), columns, threads)
+      if (rigid_field(bodies, f) == 0) call mirror(mesh, fields(f), columns, kinds, threads)
     end do
   end subroutine phase_mirror
 
   !> Fills nodes behind walls with their mirror images.
-  subroutine mirror(mesh, field, columns, threads)
+  subroutine mirror(mesh, field, columns, kinds, threads)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: field
-    integer, intent(in) :: columns(:), threads
+    integer, intent(in) :: columns(:), kinds(:), threads
     integer :: axis, t
     do axis = 1, mesh%ndim
       if (.not. has_walls(mesh, axis)) cycle
       if (axis == mesh%ndim) then
-        call walls_mirror(field, mesh, axis, 1, field%planes, columns)
+        call walls_mirror(field, mesh, axis, 1, field%planes, columns, kinds)
       else
         !$omp parallel do num_threads(threads) if(threads > 1) &
-        !$omp& default(none) shared(mesh, field, axis, columns, threads) private(t)
+        !$omp& default(none) shared(mesh, field, axis, columns, kinds, threads) private(t)
         do t = 1, threads
           call walls_mirror(field, mesh, axis, 1 + share(field%planes, threads, t - 1), &
-                            share(field%planes, threads, t), columns)
+                            share(field%planes, threads, t), columns, kinds)
         end do
         !$omp end parallel do
       end if

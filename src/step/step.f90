@@ -12,6 +12,7 @@ module sgmp_step
                          ledger_split, ledger_step
   use sgmp_free_bodies, only: free_any, free_close, free_open, free_settle
   use sgmp_kinds, only: dp
+  use sgmp_mesh, only: wall_kick, wall_speed
   use sgmp_model, only: model_t
   use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_relax, phase_remap, &
                          phase_rotation, phase_solve, phase_sweep, phase_velocity
@@ -24,6 +25,8 @@ module sgmp_step
   use sgmp_timers, only: phase_drift, phase_grid, phase_halo, phase_kick, phase_rebin, &
                          timers_move, timers_stop, wall_time
   use sgmp_totals, only: totals_close, totals_open
+  use sgmp_wall_motion, only: wall_motion_choose
+  use sgmp_wall_work, only: phase_wall_work
   implicit none
   private
   public :: step_start, step_take
@@ -42,7 +45,7 @@ contains
     plan%strain = .true.
     plan%mass = .true.
     plan%momentum = .true.
-    plan%stress = model%method%update /= update_usf .or. model%method%rotation
+    plan%stress = model%method%update /= update_usf .or. brings_stress(model)
     plan%dt_strain = tiny(1.0_dp)**0.25_dp
     allocate (plan%vectors(0))
     call step_open(model)
@@ -121,7 +124,7 @@ contains
     call remap(model)
     plan = plan_drift_strain(model)
     plan%dt_strain = 0.5_dp*plan%dt_strain
-    plan%stress = model%method%rotation  ! which brings the first moments of the mass
+    plan%stress = brings_stress(model)
     call step_sweep(model, plan, phase_drift)
   end subroutine step_usavg
 
@@ -142,6 +145,8 @@ contains
                partition => model%ranks%partition, clock => model%clock)
       call phase_normalise(method, mesh, fields, team, partition)
       call rigid_choose_speed(bodies, clock%time + 0.5_dp*clock%dt, clock%dt, mesh%ndim)
+      if (mesh%walls_move) call wall_motion_choose(model%wall_motion, &
+                                                   clock%time + 0.5_dp*clock%dt, dt_kick, mesh)
       if (free_any(bodies)) call free_open(bodies, mesh, method%gravity, clock%time, clock%dt, &
                                            dt_kick)
       call phase_solve(method, dt_kick, mesh, fields, bodies, team, partition, &
@@ -156,7 +161,9 @@ contains
         call place(model, [node_velocity(mesh%ndim)])
       end if
       call phase_mirror(mesh, fields, bodies, [node_acceleration, node_velocity(mesh%ndim)], &
-                        team%threads)
+                        [wall_kick, wall_speed], team%threads)
+      if (mesh%walls_move) call phase_wall_work(mesh, fields, bodies, partition%own, dt_kick, &
+                                                model%findings%tally)
     end associate
     call timers_stop(model%timers, phase_grid)
   end subroutine step_solve
@@ -172,7 +179,7 @@ contains
                                   model%contact, team%threads, model%ranks, model%findings, &
                                   model%timers)
       call place(model, [velocity])
-      call phase_mirror(mesh, fields, bodies, [velocity], team%threads)
+      call phase_mirror(mesh, fields, bodies, [velocity], [wall_speed], team%threads)
     end associate
     call timers_stop(model%timers, phase_grid)
   end subroutine step_project
@@ -188,9 +195,10 @@ contains
                                   model%timers)
       if (model%method%rotation) then
         call place(model, [node_remapped, node_velocity(mesh%ndim)])
-        call phase_mirror(mesh, fields, bodies, [node_velocity(mesh%ndim)], team%threads)
+        call phase_mirror(mesh, fields, bodies, [node_velocity(mesh%ndim)], [wall_speed], &
+                          team%threads)
       end if
-      call phase_mirror(mesh, fields, bodies, [node_remapped], team%threads)
+      call phase_mirror(mesh, fields, bodies, [node_remapped], [wall_speed], team%threads)
       call phase_relax(model%method, model%clock%dt, mesh, fields, bodies, team, &
                        model%ranks%partition)
     end associate
@@ -220,6 +228,14 @@ contains
     yes = model%method%update == update_usf .or. &
           (model%method%update == update_usavg .and. model%clock%step > 0)
   end function strains_before
+
+  !> Whether sweeps that end a step which begins with a stress update bring the stress none the
+  !! less: with it come the first moments of the mass, and all that lies behind moving walls.
+  pure function brings_stress(model) result(yes)
+    type(model_t), intent(in) :: model
+    logical :: yes
+    yes = model%method%rotation .or. model%mesh%walls_move
+  end function brings_stress
 
   !> What contact must know of the step.
   pure function contact_step(model) result(step)
@@ -363,7 +379,7 @@ contains
     plan%drift = .true.
     plan%mass = .true.
     plan%momentum = .true.
-    plan%stress = model%method%rotation  ! which brings the first moments of the mass
+    plan%stress = brings_stress(model)
     plan%dt_kick = dt_kick
     plan%dt = model%clock%dt
     plan%flip = model%method%flip

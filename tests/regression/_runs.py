@@ -172,6 +172,25 @@ velocity tube r="-0.3*(12-r)/6" z=0.3
 SWIRL = HOOPS.replace("axisymmetric", "axisymmetric swirl=yes").replace('r="0.05*r"', 'r="0.05*r" spin="0.1+0.02*z"').replace(
     'r="-0.3*(12-r)/6"', 'r="-0.3*(12-r)/6" spin="0.05*(12-r)/6"')
 
+# Jelly in a duct whose walls move, one of them across the slowest axis, one beside another at rest.
+DRAGGED = """
+parameter method = sgmp
+parameter update = musl
+dimension 3
+grid cell=1 x=0:5 y=0:open z=0:14
+wall x-=fixed y-=fixed z-=fixed z+=fixed
+wallmotion z- x="0.2*sin(t)"
+wallmotion z+ x=0.1 y="-0.2*cos(t)"
+wallmotion x- z=0.3
+method $method update=$update
+time dt=0.1 steps=30
+material m elastic density=1 young=1 poisson=0.2
+body b block material=m lower=(0,0,0) upper=(4,4,14) ppc=2 jitter=0.3
+velocity b x=0.05 y="0.1*sin(z)" z="0.05*(x-2)"
+history steps=3
+output csv at=end
+"""
+
 # A rigid punch drives a cone into a seat of the same slope, with a hoop around it: bodies of revolution that touch along the
 # axis, across it and at an angle to it, near the axis and far from it, three at a corner.
 SEAT = """

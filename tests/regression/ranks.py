@@ -11,7 +11,7 @@ import os
 import re
 import subprocess
 
-from _runs import (CONE, ENVIRONMENT, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SCRATCH, SCATTERED, SEAT, SGMP,
+from _runs import (CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SCRATCH, SCATTERED, SEAT, SGMP,
                    SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run)
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
@@ -190,6 +190,8 @@ SCENES = [
     ("plane_gimp", PLANE, {"method": "gimp", "update": "musl"}, FEW),
     ("space", SPACE, {"update": "usf"}, FEW),
     ("space_normalised", SPACE, {"stress": "normalised"}, FEW),
+    ("dragged", DRAGGED + "balance every=4 gain=0\n", {}, LAYOUTS),
+    ("dragged_usf", DRAGGED + "balance every=4 gain=0\n", {"method": "gimp", "update": "usf"}, FEW),
     ("climb", CLIMB, {}, LAYOUTS),
     ("climb_gimp", CLIMB, {"method": "gimp", "update": "usl"}, FEW),
     ("climb_bspline", CLIMB, {"method": "bspline", "update": "musl"}, FEW),

@@ -1,0 +1,65 @@
+!> How walls move: each along itself, as prescribed.
+module sgmp_wall_motion
+  use sgmp_expression, only: expression_t
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t, wall_kick, wall_speed
+  implicit none
+  private
+  public :: wall_motion_t, wall_motion_choose, wall_motion_start
+
+  !> Prescribed velocities, functions of t.
+  type :: wall_motion_t
+    type(expression_t) :: velocity(3, 2, 3)      !! (component, lower|upper, axis)
+  end type wall_motion_t
+
+contains
+
+  !> Walls before the start: at rest. Matter takes changes of a wall's velocity, and the first of
+  !! them is in the first kick.
+  subroutine wall_motion_start(motion, mesh)
+    type(wall_motion_t), intent(in) :: motion
+    type(mesh_t), intent(inout) :: mesh
+    integer :: a, side, axis
+    mesh%wall_motion = 0.0_dp
+    mesh%walls_move = .false.
+    do axis = 1, 3
+      do side = 1, 2
+        do a = 1, 3
+          associate (velocity => motion%velocity(a, side, axis))
+            mesh%walls_move = mesh%walls_move .or. .not. velocity%is_constant .or. &
+                              abs(velocity%value) > 0.0_dp
+          end associate
+        end do
+      end do
+    end do
+  end subroutine wall_motion_start
+
+  !> Velocities of the walls at a time, the middle of the step, and the accelerations that lead
+  !! there in the velocity step dt.
+  subroutine wall_motion_choose(motion, time, dt, mesh)
+    type(wall_motion_t), intent(in) :: motion
+    real(dp), intent(in) :: time, dt
+    type(mesh_t), intent(inout) :: mesh
+    real(dp) :: before
+    integer :: a, side, axis
+    do axis = 1, mesh%ndim
+      do side = 1, 2
+        do a = 1, mesh%ndim
+          before = mesh%wall_motion(a, side, axis, wall_speed)
+          mesh%wall_motion(a, side, axis, wall_speed) = at(motion%velocity(a, side, axis), time)
+          mesh%wall_motion(a, side, axis, wall_kick) = &
+            (mesh%wall_motion(a, side, axis, wall_speed) - before)/dt
+        end do
+      end do
+    end do
+  end subroutine wall_motion_choose
+
+  function at(velocity, time) result(value)
+    type(expression_t), intent(in) :: velocity
+    real(dp), intent(in) :: time
+    real(dp) :: value
+    real(dp), parameter :: nowhere(3) = 0.0_dp
+    value = velocity%evaluate(nowhere, nowhere, time)
+  end function at
+
+end module sgmp_wall_motion
