@@ -33,8 +33,8 @@ module sgmp_constitutive
   use sgmp_material_jc, only: jc_keys, jc_read, jc_t, jc_yield_stress
   use sgmp_material_mohr_coulomb, only: mohr_coulomb_read, mohr_coulomb_t
   use sgmp_material_mooney_rivlin, only: mooney_rivlin_keys, mooney_rivlin_read, mooney_rivlin_t
-  use sgmp_soil, only: soil_keys
   use sgmp_softening, only: softening_make, softening_t, softening_widest
+  use sgmp_soil, only: soil_keys
   use sgmp_viscosity, only: viscosity_read, viscosity_t
   use sgmp_voigt, only: stress_components
   implicit none
@@ -53,7 +53,8 @@ module sgmp_constitutive
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
-                        material_drucker_prager = 7, material_mohr_coulomb = 8, material_mooney_rivlin = 9
+                        material_drucker_prager = 7, material_mohr_coulomb = 8, &
+                        material_mooney_rivlin = 9
   character(16), parameter :: material_names(*) = [character(16) :: &
     'elastic', 'neo_hookean', 'j2', 'johnson_cook', 'explosive', 'fluid', &
     'drucker_prager', 'mohr_coulomb', 'mooney_rivlin']

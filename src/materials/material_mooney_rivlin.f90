@@ -19,6 +19,9 @@ module sgmp_material_mooney_rivlin
   public :: mooney_rivlin_keys, mooney_rivlin_read
   public :: mooney_rivlin_t, mooney_rivlin_init, mooney_rivlin_stress
 
+  integer, parameter :: components = 6  !! of a tensor in space
+  integer, parameter :: row(components) = voigt_axes(1, :), column(components) = voigt_axes(2, :)
+
   !> Constants of (R2).
   type :: mooney_rivlin_t
     real(dp) :: c1 = 0.0_dp, c2 = 0.0_dp  !! (stress)
@@ -79,7 +82,6 @@ contains
     real(dp), intent(in) :: b(lanes, n)               !! F F^T, in Voigt's order
     real(dp), intent(in) :: j(lanes), log_j(lanes)    !! volume over the initial one
     real(dp), intent(out) :: stress(lanes, n), modulus(lanes)  !! (stress)
-    integer, parameter :: row(6) = voigt_axes(1, :), column(6) = voigt_axes(2, :)
     real(dp) :: full(3, 3), along, a
     integer :: l, c
     do l = 1, lanes
