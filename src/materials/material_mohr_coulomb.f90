@@ -59,7 +59,6 @@ contains
     law%cohesion = 2.0_dp*cohesion*cos(degree*friction)
     law%tension = min(tension, soil_apex(friction, cohesion))
     law%least = ((1.0_dp + law%friction)*law%tension - law%cohesion)/(1.0_dp - law%friction)
-    law%least = min(law%least, law%tension)
   end function mohr_coulomb_init
 
   !> Return of one trial stress.
