@@ -9,7 +9,7 @@ module sgmp_build_model
   use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_set_length, &
                                law_slots, slots_t
   use sgmp_energy, only: ledger_open
-  use sgmp_errors, only: error_t
+  use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_expression, only: expression_places
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
@@ -116,6 +116,9 @@ contains
     call step_start(model)
     call open_ledger(model)
     call note_turning(model)
+    if (model%clock%fixed > 0.0_dp .or. model%findings%fastest > 0.0_dp) return
+    call error_make(error, exit_deck, 'nothing limits the time step: no body can deform, and '// &
+                    'none moves at the start', 'write the step: time dt=…')
   end subroutine model_build
 
   subroutine build_body(scene, number, model, kernel, first_id, seeded, surveys, body, error)

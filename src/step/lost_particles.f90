@@ -23,11 +23,15 @@ contains
     type(body_t), intent(in) :: bodies(:)
     type(movers_t), intent(inout) :: movers(:)   !! (bodies)
     integer :: b
+    logical :: reflect, remove
     do b = 1, size(bodies)
       if (bodies(b)%field /= f) cycle
-      if (plan%lost_policy /= lost_remove) then
-        call guard_grid(mesh, bodies(b)%particles, plan%lost_policy == lost_reflect, &
-                        merge(1, 0, plan%mass), movers(b))
+      ! A rigid body goes on through the face: what is outside cannot be turned back alone.
+      reflect = plan%lost_policy == lost_reflect .and. .not. bodies(b)%rigid
+      remove = plan%lost_policy == lost_remove .or. &
+               (plan%lost_policy == lost_reflect .and. bodies(b)%rigid)
+      if (.not. remove) then
+        call guard_grid(mesh, bodies(b)%particles, reflect, merge(1, 0, plan%mass), movers(b))
       end if
       call lost_particles_find_bins(mesh, bodies(b)%particles, movers(b))
     end do

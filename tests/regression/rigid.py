@@ -92,6 +92,20 @@ history steps=5
 checkpoint every=20 keep=9
 """
 
+# A stone flies through a face that turns back what can give way.
+FACE = """
+dimension 2
+grid cell=0.5 x=0:10 y=open
+lost reflect
+method {method}
+time end=1.75 cfl=0.1
+material stone elastic density=2 young=100 poisson=0.3
+body stone block material=stone lower=(7,0) upper=(9,2) spacing=0.25
+velocity stone x=1
+rigid stone free=yes
+output csv at=end fields=displacement
+"""
+
 
 def turned(row):
     """The rotation of a row of rigid.csv as a matrix."""
@@ -185,6 +199,18 @@ def rolls(report):
         report.check(abs(slip - 1) < 0.08, f"disk: v/(w R) = {slip}")
 
 
+def face(report):
+    """What is outside of a face is gone (half a cell beyond it with sgmp), and what is left is where the body is."""
+    for method, columns in (("sgmp", 6), ("mpm", 5)):
+        result = run(f"face_{method}", FACE.format(method=method))
+        if not report.finished(result, f"face, {method}"):
+            continue
+        rows = result.table("particles_end.csv")
+        report.check(len(rows) == 8*columns and result["particles_lost"] == 64 - len(rows), f"face, {method}: {len(rows)} particles, {result['particles_lost']} lost")
+        worst = max(math.hypot(row["displacement_x"] - 1.75, row["displacement_y"]) for row in rows)
+        report.check(worst < 1e-12, f"face, {method}: a particle is {worst} from its place")
+
+
 def bits(report):
     """Threads, ranks, restarts; momentum of all that moves but the tool."""
     for name, update, rotation in (("crowd", "musl", ""), ("crowd_usavg", "usavg", ""), ("crowd_exact", "musl", " rotation=exact")):
@@ -211,5 +237,6 @@ if __name__ == "__main__":
     tools(REPORT)
     drop(REPORT)
     rolls(REPORT)
+    face(REPORT)
     bits(REPORT)
     REPORT.end()
