@@ -220,8 +220,8 @@ contains
                         'write wall '//face//'=fixed; nothing else is dragged along')
       end if
       if (.not. rests(grid%wall_velocity(axis:axis, side, axis))) then
-        call errors%add(card%place(draft%axis_key(axis)), 'the wall on '//face//' would leave its place', &
-                        'it moves along itself; what pushes is a rigid body')
+        call errors%add(card%place(draft%axis_key(axis)), 'the wall on '//face// &
+                        ' would leave its place', 'it moves along itself; what pushes is a rigid body')
       end if
       if (rests(grid%wall_velocity(:, side, axis))) then
         call errors%add(card%position, 'the wall on '//face//' does not move', &
