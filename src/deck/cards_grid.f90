@@ -221,7 +221,8 @@ contains
       end if
       if (.not. rests(grid%wall_velocity(axis:axis, side, axis))) then
         call errors%add(card%place(draft%axis_key(axis)), 'the wall on '//face// &
-                        ' would leave its place', 'it moves along itself; what pushes is a rigid body')
+                        ' would leave its place', &
+                        'it moves along itself; what pushes is a rigid body')
       end if
       if (rests(grid%wall_velocity(:, side, axis))) then
         call errors%add(card%position, 'the wall on '//face//' does not move', &
