@@ -26,7 +26,8 @@ contains
     type(key_t), allocatable :: keys(:)
     keys = [key('c0', kind_real, 'sound speed at the initial density', unit='speed', &
                 range='(0,inf)', required=.true.), &
-            key('exponent', kind_real, 'n of p = density c0^2/n (V^-n - 1); 7 for water', range='[1,inf)', default='7')]
+            key('exponent', kind_real, 'n of p = density c0^2/n (V^-n - 1); 7 for water', &
+                range='[1,inf)', default='7')]
   end function tait_keys
 
   !> Equation from the values of its keys.

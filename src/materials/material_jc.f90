@@ -59,8 +59,8 @@ contains
             key('rate_coefficient', kind_real, 'Johnson-Cook C: yield stress (yield + '// &
                 'hardening_modulus e^hardening_exponent) (1 + rate_coefficient ln r) '// &
                 '(1 - T*^thermal_exponent), e: plastic strain', range='[0,inf)', default='0'), &
-            key('reference_rate', kind_real, 'strain rate at which the rate factor is 1; r: rate of '// &
-                'plastic strain over it, at least 1', &
+            key('reference_rate', kind_real, 'strain rate at which the rate factor is 1; r: rate '// &
+                'of plastic strain over it, at least 1', &
                 unit='1/time', range='(0,inf)', default='1'), &
             key('thermal', kind_logical, 'carry the temperature and soften the yield stress', &
                 default='no'), &
@@ -74,8 +74,8 @@ contains
                 unit='specific heat', range='(0,inf)'), &
             key('taylor_quinney', kind_real, 'part of the plastic work that becomes heat', &
                 range='[0,1]', default='0.9'), &
-            key('failure', kind_logical, 'Johnson-Cook damage and failure: at a plastic strain of '// &
-                '(d1 + d2 exp(d3 s)) (1 + d4 ln r) (1 + d5 T*)', default='no'), &
+            key('failure', kind_logical, 'Johnson-Cook damage and failure: at a plastic strain '// &
+                'of (d1 + d2 exp(d3 s)) (1 + d4 ln r) (1 + d5 T*)', default='no'), &
             key('d1', kind_real, 'Johnson-Cook D1', default='0'), &
             key('d2', kind_real, 'Johnson-Cook D2', default='0'), &
             key('d3', kind_real, 'Johnson-Cook D3; s: mean stress over von Mises stress, '// &

@@ -190,7 +190,8 @@ contains
     time = huge(1.0_dp)
     if (scene%time%end > 0.0_dp) time = scene%time%end
     associate (output => scene%output)
-      time = min(time, minval(outputs%dumps*output%every, output%writes .and. output%every > 0.0_dp))
+      time = min(time, minval(outputs%dumps*output%every, &
+                              output%writes .and. output%every > 0.0_dp))
     end associate
   end function outputs_next_time
 
