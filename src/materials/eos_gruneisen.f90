@@ -32,7 +32,8 @@ contains
     type(key_t), allocatable :: keys(:)
     keys = [key('c0', kind_real, 'bulk sound speed', unit='speed', range='(0,inf)', &
                 required=.true.), &
-            key('s', kind_real, 'slope of the shock speed over the particle speed, Us = c0 + s up', &
+            key('s', kind_real, &
+                'slope of the shock speed over the particle speed, Us = c0 + s up', &
                 range='[0,inf)', required=.true.), &
             key('gamma0', kind_real, 'Grueneisen coefficient', range='[0,inf)', required=.true.)]
   end function gruneisen_keys

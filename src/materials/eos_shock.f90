@@ -33,7 +33,8 @@ contains
     type(key_t), allocatable :: keys(:)
     keys = [key('c0', kind_real, 'bulk sound speed', unit='speed', range='(0,inf)', &
                 required=.true.), &
-            key('s', kind_real, 'slope of the shock speed over the particle speed, Us = c0 + s up', &
+            key('s', kind_real, &
+                'slope of the shock speed over the particle speed, Us = c0 + s up', &
                 range='[0,inf)', required=.true.), &
             key('gamma0', kind_real, 'Grueneisen coefficient', range='[0,inf)', required=.true.), &
             key('s2', kind_real, 'coefficient of (up/Us) up in the shock speed', default='0'), &
