@@ -237,6 +237,7 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     associate (time => draft%scene%time)
+      time%location = card%position%text()
       time%end = card%number('end', absent=huge(1.0_dp))
       time%cfl = card%number('cfl')
       time%cfl_auto = card%has('cfl') .and. card%word('cfl') == 'auto'

@@ -78,6 +78,7 @@ module sgmp_scene
     real(dp) :: dt_min = 0.0_dp    !! abort below this; 0: 1e-6 of the first step
     real(dp) :: growth = 1.05_dp   !! largest ratio of successive steps
     integer :: steps = huge(1)     !! stop after so many steps
+    character(:), allocatable :: location  !! file:line:column of the card, for messages
   end type time_card_t
 
   !> A material: its law with its equation of state and viscosity.

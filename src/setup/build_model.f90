@@ -119,6 +119,7 @@ contains
     if (model%clock%fixed > 0.0_dp .or. model%findings%fastest > 0.0_dp) return
     call error_make(error, exit_deck, 'nothing limits the time step: no body can deform, and '// &
                     'none moves at the start', 'write the step: time dt=…')
+    if (allocated(scene%time%location)) error%location = scene%time%location
   end subroutine model_build
 
   subroutine build_body(scene, number, model, kernel, first_id, seeded, surveys, body, error)

@@ -61,7 +61,8 @@ module sgmp_energy
     real(dp) :: predicted = 0.0_dp           !! sum of the energy errors that the identities predict
     real(dp) :: largest_kinetic = 0.0_dp
     real(dp) :: supplied = 0.0_dp            !! most that was there to be spent: of the energy at
-                                             !! the start and the external work at any time
+                                             !! the start, also what became kinetic of it, and the
+                                             !! external work at any time
     real(dp) :: moving_until = 0.0_dp        !! last time that was not at rest
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: ignored_nodes = 0.0_dp
@@ -120,7 +121,8 @@ contains
     ledger%viscous_dissipation = ledger%viscous_dissipation + sums%viscous
     ledger%momentum = sums%momentum
     ledger%largest_kinetic = max(ledger%largest_kinetic, sums%kinetic)
-    ledger%supplied = max(ledger%supplied, abs(ledger%external_work))
+    ledger%supplied = max(ledger%supplied, abs(ledger%external_work), &
+                          ledger%initial_total - ledger%internal)
     ledger%ignored_nodes = max(ledger%ignored_nodes, sums%ignored_nodes)
   end subroutine ledger_step
 

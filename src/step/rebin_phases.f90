@@ -15,7 +15,8 @@ module sgmp_rebin_phases
   use sgmp_motion, only: motion_mass, motion_velocity
   use sgmp_movers, only: movers_read, movers_reset, movers_t, movers_write
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
-  use sgmp_parallel, only: parallel_collect
+  use sgmp_parallel, only: parallel_any, parallel_collect
+  use sgmp_partition, only: partition_t
   use sgmp_particles, only: bin_coordinates, particles_t
   use sgmp_phases, only: phase_fold, phase_layout
   use sgmp_plan, only: plan_t
@@ -157,6 +158,10 @@ contains
     since = wall_time()
     received = size(lists, 2)
     far = plan%dt*findings%fastest_before*mesh%inverse_h > 1.0_dp
+    ! A free body is as fast as the forces of this step have made it.
+    if (any(bodies%rigid_motion%free)) then
+      far = parallel_any(far .or. free_body_far(bodies, lists(:, :received - 1), ranks%partition))
+    end if
     do b = 1, size(bodies)
       call movers_reset(lists(b, received), size(lists(b, 1)%particle, 1), &
                         size(lists(b, 1)%values, 1))
@@ -177,7 +182,7 @@ contains
             if (plane > partition%own(2) - partition%bins(1)) then
               call write_mover(b, movers, m, ranks%messages%to_above)
             end if
-            if (plane < partition%own(1) - 1 .or. plane > partition%own(2) + 1) then
+            if (beyond_neighbours(plane, partition)) then
               call moved_too_far(plan, bodies(b), movers%id(m), findings%failure)
             end if
           end do
@@ -221,6 +226,31 @@ contains
       call movers_read(lists(b), buffer)
     end do
   end subroutine read_movers
+
+  !> Whether particles of free bodies here have moved beyond the planes next to this rank's own.
+  pure logical function free_body_far(bodies, lists, partition) result(far)
+    type(body_t), intent(in) :: bodies(:)
+    type(movers_t), intent(in) :: lists(:, :)    !! (bodies, slabs)
+    type(partition_t), intent(in) :: partition
+    integer :: b, s, m, bin(3)
+    far = .false.
+    do b = 1, size(bodies)
+      if (.not. bodies(b)%rigid_motion%free) cycle
+      do s = 1, size(lists, 2)
+        do m = 1, lists(b, s)%n
+          bin = bin_coordinates(bodies(b)%particles, lists(b, s)%particle(:, m))
+          far = far .or. beyond_neighbours(bin(3), partition)
+        end do
+      end do
+    end do
+  end function free_body_far
+
+  !> Whether a plane is neither of this rank nor next to its planes.
+  pure logical function beyond_neighbours(plane, partition) result(yes)
+    integer, intent(in) :: plane
+    type(partition_t), intent(in) :: partition
+    yes = plane < partition%own(1) - 1 .or. plane > partition%own(2) + 1
+  end function beyond_neighbours
 
   !> A particle has crossed more than a cell although the time step should not let it.
   subroutine moved_too_far(plan, body, id, failure)

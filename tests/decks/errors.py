@@ -92,7 +92,7 @@ EXPECTED = {
     "nan": [r"{d}:4:10: error: '1e999'", r"{d}:5:32: error: 'nan'", r"{d}:5:42: error: 'inf'"],
     "negative_density": [r"{d}:5:32: error: 'density' = -7850 is out of range"],
     "no_end": [r"{d}:4:1: error: the time has no end", r"add end="],
-    "no_limit": [r"error: nothing limits the time step: no body can deform", r"time dt="],
+    "no_limit": [r"{d}:4:1: error: nothing limits the time step: no body can deform", r"time dt="],
     "no_material": [r"{d}:6:1: error: card 'body' needs 'material'"],
     "no_particles": [r"{d}:6:1: .*body 'bar' has no particles"],
     "not_constant": [r"{d}:3:11: error: .*depends on position or time"],
