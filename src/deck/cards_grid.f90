@@ -231,6 +231,9 @@ contains
       if (draft%scene%method%volumes_kept) then
         call errors%add(card%position, 'walls that move and volumes=kept', 'remove one of them')
       end if
+      if (draft%scene%method%spin) then
+        call errors%add(card%position, 'walls that move and spin=carried', 'remove one of them')
+      end if
       if (draft%scene%damping%rate > 0.0_dp .or. draft%scene%damping%kinetic) then
         call errors%add(card%position, 'walls that move and a damping', &
                         'remove one of them; damping slows everything down to rest')

@@ -2,10 +2,10 @@
 module sgmp_wall_motion
   use sgmp_expression, only: expression_t
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t, wall_kick, wall_speed
+  use sgmp_mesh, only: mesh_t, wall_free, wall_kick, wall_speed
   implicit none
   private
-  public :: wall_motion_t, wall_motion_choose, wall_motion_start
+  public :: wall_motion_t, wall_motion_choose, wall_motion_start, wall_motion_meets_walls
 
   !> Prescribed velocities, functions of t.
   type :: wall_motion_t
@@ -25,14 +25,32 @@ contains
     do axis = 1, 3
       do side = 1, 2
         do a = 1, 3
-          associate (velocity => motion%velocity(a, side, axis))
-            mesh%walls_move = mesh%walls_move .or. .not. velocity%is_constant .or. &
-                              abs(velocity%value) > 0.0_dp
-          end associate
+          mesh%walls_move = mesh%walls_move .or. moves(motion%velocity(a, side, axis))
         end do
       end do
     end do
   end subroutine wall_motion_start
+
+  !> Whether a wall moves towards one across its way, as the lid of a cavity does.
+  pure logical function wall_motion_meets_walls(motion, mesh) result(meets)
+    type(wall_motion_t), intent(in) :: motion
+    type(mesh_t), intent(in) :: mesh
+    integer :: a, side, axis
+    meets = .false.
+    do axis = 1, mesh%ndim
+      do side = 1, 2
+        do a = 1, mesh%ndim
+          meets = meets .or. (moves(motion%velocity(a, side, axis)) .and. &
+                              any(mesh%wall(:, a) /= wall_free))
+        end do
+      end do
+    end do
+  end function wall_motion_meets_walls
+
+  pure logical function moves(velocity) result(yes)
+    type(expression_t), intent(in) :: velocity
+    yes = .not. velocity%is_constant .or. abs(velocity%value) > 0.0_dp
+  end function moves
 
   !> Velocities of the walls at a time, the middle of the step, and the accelerations that lead
   !! there in the velocity step dt.

@@ -73,8 +73,9 @@ contains
     do m = 1, movers%n
       movers%bin(m) = 0
       if (movers%eroded(m)) cycle
-      movers%gone(m) = any(movers%particle(:d, m) < lower(:d) .or. &
-                           movers%particle(:d, m) > upper(:d))
+      ! What is not a number is nowhere.
+      movers%gone(m) = .not. all(movers%particle(:d, m) >= lower(:d) .and. &
+                                 movers%particle(:d, m) <= upper(:d))
       if (movers%gone(m)) cycle
       bin = bin_coordinates(particles, movers%particle(:, m))
       if (.not. within(bin(3), particles%held)) cycle

@@ -5,9 +5,11 @@
 !! it.
 module sgmp_verdict
   use sgmp_angular_momentum, only: angular_momentum_of, angular_momentum_t
+  use sgmp_constitutive, only: eos_none
   use sgmp_end_state, only: end_state_t, end_state_take
   use sgmp_energy, only: ledger_drift
   use sgmp_errors, only: error_t, exit_stopped
+  use sgmp_forewarnings, only: lid_leaks
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_free
   use sgmp_model, only: model_t
@@ -26,6 +28,7 @@ module sgmp_verdict
   ! What a sound run stays within.
   real(dp), parameter :: largest_gain = 0.05_dp        !! drift of the energy upwards
   real(dp), parameter :: largest_loss = 0.25_dp        !! and downwards
+  real(dp), parameter :: largest_gift = 0.05_dp        !! negative internal energy
   real(dp), parameter :: largest_room = 1.05_dp        !! sum of volumes over a closed box
   real(dp), parameter :: least_room = 0.9_dp           !! the same, where gas has reached all of it
   real(dp), parameter :: largest_excess = 0.1_dp       !! part of the volume without room
@@ -93,12 +96,16 @@ contains
       return
     end if
     call end_state_take(scene, model, self%state)
-    call judge_energy(self, model%findings%lost)
+    call judge_energy(self, model)
     call judge_erosion(self, model)
     call judge_turning(self, scene, model)
     call judge_volumes(self, scene%method%volumes_kept)
     call judge_particles(self, scene)
     call judge_resolution(self, scene, thinnest)
+    if (lid_leaks(model)) then
+      call self%object('a wall moves towards one across its way: beside their edge matter is '// &
+                       'dragged into the wall at rest (doc/loads.md); use method mpm')
+    end if
   end subroutine verdict_reach
 
   !> Bodies too thin for the grid, steps that have collapsed.
@@ -118,16 +125,26 @@ contains
   end subroutine judge_resolution
 
   !> Energy from nowhere, or gone.
-  subroutine judge_energy(self, lost)
+  subroutine judge_energy(self, model)
     type(verdict_t), intent(inout) :: self
-    integer, intent(in) :: lost            !! particles that took their energy along
+    type(model_t), intent(in) :: model
+    integer :: b
     if (self%drift > largest_gain) then
       call self%object('the energy has grown by '//percent(self%drift)// &
                        ' of what the scene was given: reduce cfl')
-    else if (self%drift < -largest_loss .and. lost == 0) then
+    else if (self%drift < -largest_loss .and. model%findings%lost == 0) then
       call self%object(percent(-self%drift)//' of the energy that the scene was given is gone, '// &
                        'not into contact: use update=musl, smaller cells')
     end if
+    do b = 1, size(model%bodies)
+      ! Elastic energy is never negative, plastic work neither; an equation of state has its own.
+      if (model%bodies(b)%rigid .or. model%bodies(b)%law%eos /= eos_none) cycle
+      if (model%totals%bodies(b)%internal >= -largest_gift*model%ledger%supplied) cycle
+      call self%object("body '"//trim(model%bodies(b)%name)//"' has given away energy that it "// &
+                       'never had, '//percent(-model%totals%bodies(b)%internal/ &
+                       model%ledger%supplied)//' of what the scene was given: soil that '// &
+                       'dilates (reduce dilatancy), or an elastic law far beyond small strains')
+    end do
   end subroutine judge_energy
 
   !> Mass that erosion has taken away from what would have been hit or held by it.

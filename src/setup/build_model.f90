@@ -26,7 +26,7 @@ module sgmp_build_model
   use sgmp_phases, only: phase_layout
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
   use sgmp_rigid_motion, only: motion_energy
-  use sgmp_scene, only: body_card_t, scene_space, scene_t
+  use sgmp_scene, only: body_card_t, scene_space, scene_t, time_card_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
   use sgmp_step, only: step_start
   use sgmp_strength, only: strength_factor
@@ -116,11 +116,19 @@ contains
     call step_start(model)
     call open_ledger(model)
     call note_turning(model)
+    call check_limit(scene%time, model, error)
+  end subroutine model_build
+
+  !> A step must have a limit: what cannot deform has no waves.
+  pure subroutine check_limit(time, model, error)
+    type(time_card_t), intent(in) :: time
+    type(model_t), intent(in) :: model
+    type(error_t), allocatable, intent(inout) :: error
     if (model%clock%fixed > 0.0_dp .or. model%findings%fastest > 0.0_dp) return
     call error_make(error, exit_deck, 'nothing limits the time step: no body can deform, and '// &
                     'none moves at the start', 'write the step: time dt=…')
-    if (allocated(scene%time%location)) error%location = scene%time%location
-  end subroutine model_build
+    if (allocated(time%location)) error%location = time%location
+  end subroutine check_limit
 
   subroutine build_body(scene, number, model, kernel, first_id, seeded, surveys, body, error)
     type(scene_t), intent(in) :: scene

@@ -30,12 +30,27 @@ contains
       reflect = plan%lost_policy == lost_reflect .and. .not. bodies(b)%rigid
       remove = plan%lost_policy == lost_remove .or. &
                (plan%lost_policy == lost_reflect .and. bodies(b)%rigid)
-      if (.not. remove) then
+      call note_nowhere(mesh%ndim, movers(b))
+      if (.not. remove .and. movers(b)%escaped(1) == 0) then
         call guard_grid(mesh, bodies(b)%particles, reflect, merge(1, 0, plan%mass), movers(b))
       end if
       call lost_particles_find_bins(mesh, bodies(b)%particles, movers(b))
     end do
   end subroutine lost_particles_check
+
+  !> Notes the first mover with a coordinate that is not a number.
+  pure subroutine note_nowhere(ndim, movers)
+    integer, intent(in) :: ndim
+    type(movers_t), intent(inout) :: movers
+    integer :: m, d
+    do m = 1, movers%n
+      do d = 1, ndim
+        if (movers%particle(d, m) == movers%particle(d, m)) cycle
+        movers%escaped = [m, d]
+        return
+      end do
+    end do
+  end subroutine note_nowhere
 
   !> Applies the deck's policy to movers that are leaving the grid: reflection, or an error, for
   !! which the first one is noted.

@@ -16,8 +16,8 @@ module sgmp_rebin_phases
   use sgmp_movers, only: movers_read, movers_reset, movers_t, movers_write
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
   use sgmp_parallel, only: parallel_any, parallel_collect
-  use sgmp_partition, only: partition_t
   use sgmp_particles, only: bin_coordinates, particles_t
+  use sgmp_partition, only: partition_t
   use sgmp_phases, only: phase_fold, phase_layout
   use sgmp_plan, only: plan_t
   use sgmp_ranks, only: ranks_t
@@ -96,10 +96,15 @@ contains
         associate (movers => lists(b, s), m => lists(b, s)%escaped(1), &
                    d => lists(b, s)%escaped(2))
           if (movers%n == 0 .or. m == 0 .or. allocated(failure)) cycle
-          call error_make(failure, exit_numerical, 'particle '// &
-                          integer_text(movers%id(m))//' of body '// &
-                          trim(bodies(b)%name)//' left the grid along '// &
-                          axis_names(d, mesh%space)//' at '// &
+          if (movers%particle(d, m) /= movers%particle(d, m)) then
+            call error_make(failure, exit_numerical, particle_name(bodies(b), movers%id(m))// &
+                            ' is nowhere: its place along '//axis_names(d, mesh%space)// &
+                            ' is not a number after step '//integer_text(plan%step), &
+                            'look at formulas of time and place, and at cfl')
+            return
+          end if
+          call error_make(failure, exit_numerical, particle_name(bodies(b), movers%id(m))// &
+                          ' left the grid along '//axis_names(d, mesh%space)//' at '// &
                           real_text(mesh%origin(d) + mesh%h*movers%particle(d, m))// &
                           ' in step '//integer_text(plan%step), &
                           'extend the grid, leave that face open, or choose '// &
@@ -108,6 +113,13 @@ contains
       end do
     end do
   end subroutine report_escaped
+
+  function particle_name(body, id) result(text)
+    type(body_t), intent(in) :: body
+    integer(i4), intent(in) :: id
+    character(:), allocatable :: text
+    text = 'particle '//integer_text(id)//' of body '//trim(body%name)
+  end function particle_name
 
   !> Adds what particles of a body that are removed take along to the sums of the step.
   subroutine book_eroded(b, bodies, lists, findings)
@@ -259,9 +271,8 @@ contains
     integer(i4), intent(in) :: id
     type(error_t), allocatable, intent(inout) :: failure
     if (allocated(failure)) return
-    call error_make(failure, exit_numerical, 'particle '//integer_text(id)//' of body '// &
-                    trim(body%name)//' has crossed more than a cell in step '// &
-                    integer_text(plan%step), &
+    call error_make(failure, exit_numerical, particle_name(body, id)// &
+                    ' has crossed more than a cell in step '//integer_text(plan%step), &
                     'reduce cfl or dt; see the last dump for where it is')
   end subroutine moved_too_far
 

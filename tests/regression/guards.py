@@ -133,6 +133,14 @@ def released_pressure(report):
             report.check(0.5*0.1**2 < result["energy.supplied"] < 2*0.1**2, f"released {update}: supplied {result['energy.supplied']}")
 
 
+def nowhere(report):
+    """A formula that stops being a number, in the middle of a run; with all policies, on all sides open."""
+    for policy in ("error", "remove", "reflect"):
+        for more in ('bodyforce all x="x > 1 ? sqrt(0.01-t) : 0"', 'wall y+=fixed\nwallmotion y+ x="sqrt(0.01-t)"'):
+            deck = flying(2, "x=0:8 y=0:1", 20) + more.replace("\\n", "\n") + "\n"
+            failed(report, f"nowhere {policy}", run(f"nowhere_{policy}_{len(more)}", deck, policy=policy), [r"not a number", r"step \d+"])
+
+
 def leaving(report):
     """All three policies, in all dimensions and methods."""
     for dimension, extent in ((1, "x=0:2"), (2, "x=0:2 y=0:2"), (3, "x=0:2 y=0:2 z=0:2")):
@@ -173,6 +181,7 @@ def main():
     small_steps(report)
     returning_work(report)
     released_pressure(report)
+    nowhere(report)
     leaving(report)
     report.end()
 

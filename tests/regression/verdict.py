@@ -120,6 +120,34 @@ material m elastic density=2 young=1e3 poisson=0.3
 body disk cylinder material=m centre=(0.03,0.04,0) axis=(0,0,1) radius=1 length=0.5 spacing=0.125
 velocity disk x="1-spin*(y-0.04)" y="spin*(x-0.03)"
 """
+# A cavity whose lid drags what is in it; the side walls may be open.
+LID = """
+parameter method = sgmp
+parameter sides = fixed
+dimension 2
+grid cell=0.125 x=0:1 y=0:1
+wall x-=$sides x+=$sides y-=fixed y+=fixed
+wallmotion y+ x="0.1*min(t,1)"
+method $method
+lost remove
+time end=0.2 cfl=0.4
+material water fluid density=1 viscosity=0.5
+eos water tait c0=10
+body water block material=water lower=(0,0) upper=(1,1) ppc=2
+"""
+# Soil without cohesion, whose particles fly apart along the cone as it shears: dilatancy as large as friction makes energy.
+DILATING = """
+parameter dilatancy = 30
+dimension 2
+grid cell=0.05 x=-1:1 y=0:1.5
+wall y-=fixed
+lost remove
+method sgmp
+time end=1 cfl=0.4
+gravity (0,-9.81)
+material sand mohr_coulomb density=1500 young=1e6 poisson=0.3 friction=30 dilatancy=dilatancy
+body heap block material=sand lower=(-0.25,0.5) upper=(0.25,1) ppc=2
+"""
 # A bar that rings at a wave length of two cells, which usl damps.
 RINGING = """
 parameter update = musl
@@ -189,6 +217,14 @@ def criteria(report):
     result = sound(report, "upon", WITHIN, height=5)
     report.check(result["end_state.particles_inside_other_bodies"] == 0, f"upon: {result['end_state']}")
     turning(report)
+    for method in ("sgmp", "gimp", "bspline"):
+        result = doubts(report, f"lid_{method}", LID, "moves towards one across its way", method=method)
+        report.check("a wall moves towards one across its way" in result.text.split("verdict")[0], f"lid {method}: no warning at the start: {result.text}")
+    sound(report, "lid_mpm", LID, method="mpm")
+    sound(report, "plate", LID, sides="free")
+    doubts(report, "dilating", DILATING, "energy that it never had")
+    result = run("dilating_little", DILATING, dilatancy=0)
+    report.check(not any("never had" in reason for reason in result["verdict_reasons"]), f"dilating: {result['verdict_reasons']}")
     doubts(report, "ringing_usl", RINGING, "is gone", update="usl")
     sound(report, "ringing", RINGING)
 
