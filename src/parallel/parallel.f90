@@ -195,14 +195,20 @@ contains
   end function parallel_scan
 
   !> Makes an error of any rank one of all; where several have one, that of the lowest rank.
-  subroutine parallel_agree(error)
+  subroutine parallel_agree(error, moment)
     type(error_t), allocatable, intent(inout) :: error
+    integer, intent(in), optional :: moment  !! when it happened (>= 0): the earliest counts
     integer :: own, first, lengths(4)
     character(:), allocatable :: text
     if (all_ranks == 1) return
-    own = merge(own_rank, all_ranks, allocated(error))
+    own = huge(1)
+    if (allocated(error)) then
+      own = own_rank
+      if (present(moment)) own = own_rank + all_ranks*moment
+    end if
     call mpi_allreduce(own, first, 1, mpi_integer, mpi_min, communicator)
-    if (first == all_ranks) return
+    if (first == huge(1)) return
+    first = modulo(first, all_ranks)
     lengths = 0
     if (own_rank == first) lengths = [error%code, len(error%location), len(error%message), &
                                       len(error%remedy)]

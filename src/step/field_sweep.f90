@@ -261,6 +261,7 @@ contains
     type(team_t), intent(in) :: team
     type(findings_t), intent(inout) :: findings
     integer :: s
+    findings%strained = findings%strained + 1
     do s = 1, team_slabs(team%threads)
       if (slab_empty(team, f, s)) cycle
       associate (work => team%workspaces(s, f))
@@ -270,6 +271,7 @@ contains
           findings%fastest_field = f
         end if
         if (work%bad_id > 0 .and. .not. allocated(findings%failure)) then
+          findings%failed_in = findings%strained
           call error_make(findings%failure, exit_numerical, 'particle '// &
                           integer_text(work%bad_id)//' of body '// &
                           trim(bodies(body_number(bodies, work%bad_id))%name)// &

@@ -20,6 +20,8 @@ module sgmp_findings
     integer :: lost_before = 0              !! of these, before the last kinetic sum
     integer :: moved = 0                    !! particles that changed bins in the last step
     type(error_t), allocatable :: failure   !! what stopped the run, if anything did
+    integer :: strained = 0                 !! sweeps of this step that have strained particles
+    integer :: failed_in = 0                !! of these, the one with the failure
   end type findings_t
 
 end module sgmp_findings

@@ -2,6 +2,7 @@
 !! and the bins of the others.
 module sgmp_lost_particles
   use sgmp_body, only: body_t
+  use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_velocity
   use sgmp_movers, only: movers_t
@@ -9,6 +10,7 @@ module sgmp_lost_particles
   use sgmp_plan, only: plan_t
   use sgmp_rebinning, only: particles_find_bins
   use sgmp_scene, only: lost_reflect, lost_remove
+  use sgmp_space, only: space_axisymmetric
   implicit none
   private
   public :: lost_particles_check, lost_particles_find_bins
@@ -32,7 +34,7 @@ contains
                (plan%lost_policy == lost_reflect .and. bodies(b)%rigid)
       call note_nowhere(mesh%ndim, movers(b))
       if (.not. remove .and. movers(b)%escaped(1) == 0) then
-        call guard_grid(mesh, bodies(b)%particles, reflect, merge(1, 0, plan%mass), movers(b))
+        call guard_grid(mesh, plan, bodies(b)%particles, reflect, movers(b))
       end if
       call lost_particles_find_bins(mesh, bodies(b)%particles, movers(b))
     end do
@@ -57,24 +59,20 @@ contains
   !!
   !! A particle is outside once its bin is: half a cell beyond the face with SGMP and GIMP, at the
   !! face with MPM.
-  pure subroutine guard_grid(mesh, particles, reflect, before, movers)
+  pure subroutine guard_grid(mesh, plan, particles, reflect, movers)
     type(mesh_t), intent(in) :: mesh
+    type(plan_t), intent(in) :: plan
     type(particles_t), intent(in) :: particles
     logical, intent(in) :: reflect
-    integer, intent(in) :: before                !! values before the momentum
     type(movers_t), intent(inout) :: movers
     integer :: m, d
     do m = 1, movers%n
       if (movers%eroded(m)) cycle
       do d = 1, mesh%ndim
-        associate (x => movers%particle(d, m), &
-                   v => movers%particle(motion_velocity(mesh%ndim) + d - 1, m), &
-                   momentum => movers%values(before + d, m))
+        associate (x => movers%particle(d, m))
           if (x >= mesh%lower(d) .and. x <= mesh%upper(d)) cycle
           if (reflect) then
-            x = merge(2*mesh%lower(d), 2*mesh%upper(d), x < mesh%lower(d)) - x
-            v = -v
-            momentum = -momentum
+            call turn_back(mesh, plan, d, movers%particle(:, m), movers%values(:, m))
           else if (x < mesh%lower(d) - particles%shift .or. &
                    x > mesh%upper(d) + particles%shift) then
             movers%escaped = [m, d]
@@ -84,6 +82,26 @@ contains
       end do
     end do
   end subroutine guard_grid
+
+  !> Mirrors a mover at the face that it has passed, with what it gives to the grid: its momentum,
+  !! and about an axis the moments of its mass.
+  pure subroutine turn_back(mesh, plan, d, particle, values)
+    type(mesh_t), intent(in) :: mesh
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: d                     !! axis of the face
+    real(dp), intent(inout) :: particle(:), values(:)
+    integer :: before, v
+    logical :: around
+    around = mesh%space == space_axisymmetric
+    before = merge(merge(2, 1, around), 0, plan%mass)
+    v = motion_velocity(mesh%ndim) + d - 1
+    particle(d) = 2*merge(mesh%lower(d), mesh%upper(d), particle(d) < mesh%lower(d)) - particle(d)
+    particle(v) = -particle(v)
+    values(before + d) = -values(before + d)
+    if (.not. (around .and. d == 1 .and. plan%mass)) return
+    values(2) = values(1)*particle(1)
+    if (plan%swirl .and. plan%momentum) values(before + mesh%ndim + 2) = values(1)*particle(1)**2
+  end subroutine turn_back
 
   !> Finds the bins of movers; those beyond the outermost bins of the grid are gone.
   pure subroutine lost_particles_find_bins(mesh, particles, movers)

@@ -170,9 +170,9 @@ contains
     since = wall_time()
     received = size(lists, 2)
     far = plan%dt*findings%fastest_before*mesh%inverse_h > 1.0_dp
-    ! A free body is as fast as the forces of this step have made it.
-    if (any(bodies%rigid_motion%free)) then
-      far = parallel_any(far .or. free_body_far(bodies, lists(:, :received - 1), ranks%partition))
+    ! A rigid body is as fast as it is made in this step, no wave limits that.
+    if (any(bodies%rigid .and. .not. bodies%at_rest)) then
+      far = parallel_any(far .or. rigid_body_far(bodies, lists(:, :received - 1), ranks%partition))
     end if
     do b = 1, size(bodies)
       call movers_reset(lists(b, received), size(lists(b, 1)%particle, 1), &
@@ -239,15 +239,15 @@ contains
     end do
   end subroutine read_movers
 
-  !> Whether particles of free bodies here have moved beyond the planes next to this rank's own.
-  pure logical function free_body_far(bodies, lists, partition) result(far)
+  !> Whether particles of rigid bodies here have moved beyond the planes next to this rank's own.
+  pure logical function rigid_body_far(bodies, lists, partition) result(far)
     type(body_t), intent(in) :: bodies(:)
     type(movers_t), intent(in) :: lists(:, :)    !! (bodies, slabs)
     type(partition_t), intent(in) :: partition
     integer :: b, s, m, bin(3)
     far = .false.
     do b = 1, size(bodies)
-      if (.not. bodies(b)%rigid_motion%free) cycle
+      if (.not. bodies(b)%rigid) cycle
       do s = 1, size(lists, 2)
         do m = 1, lists(b, s)%n
           bin = bin_coordinates(bodies(b)%particles, lists(b, s)%particle(:, m))
@@ -255,7 +255,7 @@ contains
         end do
       end do
     end do
-  end function free_body_far
+  end function rigid_body_far
 
   !> Whether a plane is neither of this rank nor next to its planes.
   pure logical function beyond_neighbours(plane, partition) result(yes)

@@ -47,6 +47,8 @@ contains
     logical, intent(in) :: erodes                !! particles may be removed
     totals%sums = step_sums_t()
     contact%terms%n = 0
+    findings%strained = 0
+    findings%failed_in = 0
     call tally_reset(findings%tally, bodies*sweep_sums + nodes_sums + &
                      merge(bodies*eroded_sums, 0, erodes))
   end subroutine totals_open
@@ -74,7 +76,7 @@ contains
     counts(n + 4) = int(contact%terms%n, i8)
     call tally_total(findings%tally, sums, counts)
     call parallel_max_place(findings%fastest, findings%fastest_id, findings%fastest_field)
-    if (counts(n + 2) > 0_i8) call parallel_agree(findings%failure)
+    if (counts(n + 2) > 0_i8) call parallel_agree(findings%failure, findings%failed_in)
     totals%particles = counts(:n)
     totals%points = counts(n + 3)
     findings%lost = findings%lost + int(counts(n + 1))

@@ -106,6 +106,22 @@ rigid stone free=yes
 output csv at=end fields=displacement
 """
 
+# Nothing but rigid bodies: no wave limits the step, and they may move by more than a cell in it.
+ALONE = """
+dimension 2
+grid cell=0.5
+method sgmp update=usavg
+time steps=12 cfl=0.3
+gravity (0,-0.2)
+material stone elastic density=2 young=100 poisson=0.3
+body low block material=stone lower=(0,0) upper=(4,4) spacing=0.25
+body high block material=stone lower=(6,2) upper=(8,6) spacing=0.25
+velocity high y=0.01
+rigid low y="0.001+2*sin(t)"
+rigid high free=yes
+history steps=1
+"""
+
 
 def turned(row):
     """The rotation of a row of rigid.csv as a matrix."""
@@ -224,6 +240,13 @@ def bits(report):
         steps = checkpoints(os.path.join(SCRATCH, name))
         goes_on(report, reference, f"{name}_again", text, steps[0])
         goes_on(report, reference, f"{name}_ranks_again", text, steps[0], launcher=mpirun(2))
+    reference = straight(report, "alone", ALONE)
+    rows = reference.table("rigid.csv")
+    way = max(abs(after["y"] - before["y"]) for before, after in zip(rows, rows[1:]))
+    report.check(way > 1, f"alone: {way} in a step: nothing was tested")
+    for ranks in (2, 3):
+        other = straight(report, f"alone_{ranks}", ALONE, launcher=mpirun(ranks))
+        report.check(other["checksum"] == reference["checksum"] and other.table("rigid.csv") == rows, f"alone: {ranks} ranks are not one")
     history = run("crowd_alone", CROWD.format(update="musl", rotation="").replace("rigid tool", "!")
                   .replace("body tool", "! ").replace("gravity", "!")).table("history.csv")
     for axis in "xyz":
