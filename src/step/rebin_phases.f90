@@ -169,11 +169,7 @@ contains
     logical :: far
     since = wall_time()
     received = size(lists, 2)
-    far = plan%dt*findings%fastest_before*mesh%inverse_h > 1.0_dp
-    ! A rigid body is as fast as it is made in this step, no wave limits that.
-    if (any(bodies%rigid .and. .not. bodies%at_rest)) then
-      far = parallel_any(far .or. rigid_body_far(bodies, lists(:, :received - 1), ranks%partition))
-    end if
+    far = goes_far(plan, mesh, bodies, lists(:, :received - 1), ranks%partition, findings)
     do b = 1, size(bodies)
       call movers_reset(lists(b, received), size(lists(b, 1)%particle, 1), &
                         size(lists(b, 1)%values, 1))
@@ -238,6 +234,21 @@ contains
       call movers_read(lists(b), buffer)
     end do
   end subroutine read_movers
+
+  !> Whether particles of some rank may have moved beyond the planes next to its own.
+  logical function goes_far(plan, mesh, bodies, lists, partition, findings) result(far)
+    type(plan_t), intent(in) :: plan
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: bodies(:)
+    type(movers_t), intent(in) :: lists(:, :)    !! (bodies, slabs)
+    type(partition_t), intent(in) :: partition
+    type(findings_t), intent(in) :: findings
+    far = plan%dt*findings%fastest_before*mesh%inverse_h > 1.0_dp
+    ! A rigid body is as fast as it is made in this step, no wave limits that.
+    if (any(bodies%rigid .and. .not. bodies%at_rest)) then
+      far = parallel_any(far .or. rigid_body_far(bodies, lists, partition))
+    end if
+  end function goes_far
 
   !> Whether particles of rigid bodies here have moved beyond the planes next to this rank's own.
   pure logical function rigid_body_far(bodies, lists, partition) result(far)

@@ -396,7 +396,9 @@ def momentum_problems(scene, rows, masses):
             expected = (expected + weight*span - eroded)*math.exp(-rate*span)
             wrong = max(wrong, abs(row[key] - expected))
             strongest = max(strongest, abs(weight) + scene.damping*abs(before[key]))
-        if wrong > 1e-10*size + (2.02 if scene.ramp else 1.01)*strongest*longest:
+        # A particle of mpm that lies on a cell's face pushes nodes to which it gives no mass: that force is lost.
+        face = 1e-3*size if scene.method == "mpm" else 0.0
+        if wrong > 1e-10*size + face + (2.02 if scene.ramp else 1.01)*strongest*longest:
             yield f"{key} wrong by {wrong/size:.1e}"
 
 
