@@ -1,6 +1,8 @@
 !> From the validated description of a scene to a model ready for its first step.
+!!
+!! Longer than 500 lines: everything that a model consists of begins here.
 module sgmp_build_model
-  use sgmp_angular_momentum, only: angular_momentum_kept, angular_momentum_of
+  use sgmp_angular_momentum, only: angular_momentum_note
   use sgmp_body, only: body_t
   use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
@@ -115,7 +117,8 @@ contains
     if (.not. seeded) return
     call step_start(model)
     call open_ledger(model)
-    call note_turning(model)
+    call angular_momentum_note(model%mesh, model%method, model%bodies, model%contact%pairs, &
+                               model%totals%bodies, model%turning)
     call check_limit(scene%time, model, error)
   end subroutine model_build
 
@@ -476,17 +479,6 @@ contains
                      sum(model%totals%bodies%internal), &
                      [(sum(model%totals%bodies%momentum(c), mask=counted), c=1, 3)])
   end subroutine open_ledger
-
-  !> Angular momenta at the start that nothing may change.
-  subroutine note_turning(model)
-    type(model_t), intent(inout) :: model
-    integer :: f
-    do f = 1, size(model%fields)
-      if (.not. angular_momentum_kept(model%mesh, model%method, model%bodies, &
-                                      model%contact%pairs, f)) cycle
-      call angular_momentum_of(model%mesh, model%bodies, model%totals%bodies, f, model%turning(f))
-    end do
-  end subroutine note_turning
 
   !> Mass, moment, momentum, kinetic and internal energy of a chunk.
   pure function chunk_terms(body, n, c) result(terms)

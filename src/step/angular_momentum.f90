@@ -15,7 +15,7 @@ module sgmp_angular_momentum
   use sgmp_vectors, only: cross
   implicit none
   private
-  public :: angular_momentum_kept, angular_momentum_of, angular_momentum_t
+  public :: angular_momentum_note, angular_momentum_of, angular_momentum_t
 
   type :: angular_momentum_t
     real(dp) :: vector(3) = 0.0_dp
@@ -24,22 +24,37 @@ module sgmp_angular_momentum
 
 contains
 
+  !> Notes the angular momenta that nothing in a scene may change; all ranks must call it.
+  subroutine angular_momentum_note(mesh, method, bodies, pairs, sums, found)
+    type(mesh_t), intent(in) :: mesh
+    type(method_t), intent(in) :: method
+    type(body_t), intent(in) :: bodies(:)
+    type(contact_pair_t), intent(in) :: pairs(:)
+    type(body_sums_t), intent(in) :: sums(:)     !! (bodies) as they are now
+    type(angular_momentum_t), intent(inout) :: found(:)  !! (fields) unchanged where something may
+    integer :: f
+    do f = 1, size(found)
+      if (.not. kept(mesh, method, bodies, pairs, f)) cycle
+      call angular_momentum_of(mesh, bodies, sums, f, found(f))
+    end do
+  end subroutine angular_momentum_note
+
   !> Whether nothing in a scene may change the angular momentum of a field.
-  pure logical function angular_momentum_kept(mesh, method, bodies, pairs, field) result(kept)
+  pure logical function kept(mesh, method, bodies, pairs, field) result(yes)
     type(mesh_t), intent(in) :: mesh
     type(method_t), intent(in) :: method
     type(body_t), intent(in) :: bodies(:)
     type(contact_pair_t), intent(in) :: pairs(:)
     integer, intent(in) :: field
     integer :: p
-    kept = mesh%ndim > 1 .and. mesh%space /= space_axisymmetric .and. &
-           all(mesh%wall(:, :mesh%ndim) == wall_free) .and. &
-           .not. (method%damped .or. method%erodes) .and. &
-           .not. any((bodies%rigid .or. bodies%forced) .and. bodies%field == field)
+    yes = mesh%ndim > 1 .and. mesh%space /= space_axisymmetric .and. &
+          all(mesh%wall(:, :mesh%ndim) == wall_free) .and. &
+          .not. (method%damped .or. method%erodes) .and. &
+          .not. any((bodies%rigid .or. bodies%forced) .and. bodies%field == field)
     do p = 1, size(pairs)
-      kept = kept .and. all(bodies(pairs(p)%body)%field /= field)
+      yes = yes .and. all(bodies(pairs(p)%body)%field /= field)
     end do
-  end function angular_momentum_kept
+  end function kept
 
   !> Angular momentum of a field now; all ranks must call it.
   subroutine angular_momentum_of(mesh, bodies, sums, field, found)
