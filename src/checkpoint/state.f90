@@ -108,7 +108,7 @@ contains
     call archive%pass(ledger%supplied)
     call archive%pass(ledger%moving_until)
     call archive%pass(ledger%momentum)
-    call archive%pass(ledger%ignored_nodes)
+    call archive%pass(ledger%lost_impulse)
   end subroutine pass_ledger
 
   subroutine pass_eroded(archive, eroded)

@@ -42,6 +42,7 @@ module sgmp_verdict
   real(dp), parameter :: largest_eroded = 0.05_dp      !! part of the mass
   real(dp), parameter :: largest_turn = 0.05_dp        !! change of angular momentum over the first
   real(dp), parameter :: least_turn = 0.1_dp           !! that over what the motion could have
+  real(dp), parameter :: largest_impulse = 1.0e-4_dp   !! lost, over the largest momentum
   real(dp), parameter :: least_thickness = 2.0_dp      !! cells across a body
 
   integer, parameter :: reason_length = 240
@@ -55,6 +56,7 @@ module sgmp_verdict
     real(dp) :: thickness = huge(1.0_dp)   !! of the thinnest body, in cells
     real(dp) :: drift = 0.0_dp, contact = 0.0_dp, viscous = 0.0_dp  !! parts of the energy supplied
     real(dp) :: turn = -1.0_dp             !! largest change of angular momentum; -1: none is judged
+    real(dp) :: impulse = 0.0_dp           !! of forces on nodes without mass
     real(dp) :: steps(2) = 0.0_dp          !! shortest and longest
     character(16) :: limited_by = ''       !! the last one
   contains
@@ -98,6 +100,7 @@ contains
     call end_state_take(scene, model, self%state)
     call judge_energy(self, model)
     call judge_erosion(self, model)
+    call judge_impulse(self, model)
     call judge_turning(self, scene, model)
     call judge_volumes(self, scene%method%volumes_kept)
     call judge_particles(self, scene)
@@ -160,6 +163,21 @@ contains
       end if
     end associate
   end subroutine judge_erosion
+
+  !> Forces that moved nothing, for they acted on nodes without mass: momentum is not kept.
+  subroutine judge_impulse(self, model)
+    type(verdict_t), intent(inout) :: self
+    type(model_t), intent(in) :: model
+    real(dp) :: momentum
+    self%impulse = model%ledger%lost_impulse
+    momentum = sqrt(2.0_dp*sum(model%totals%bodies%mass, mask=.not. model%bodies%rigid)* &
+                    model%ledger%largest_kinetic)
+    if (.not. self%impulse > largest_impulse*momentum) return
+    call self%object('forces acted on grid points without mass and moved nothing, an impulse '// &
+                     'of '//percent(self%impulse/max(momentum, tiny(1.0_dp)))// &
+                     ' of the largest momentum: particles lie on the faces of cells; shift the body or the '// &
+                     'grid by a part of a cell')
+  end subroutine judge_impulse
 
   !> Angular momentum that nothing acts on, and yet has changed.
   subroutine judge_turning(self, scene, model)
@@ -306,6 +324,7 @@ contains
       call summary%set('end_state.thinnest_body_cells', self%thickness)
     end if
     if (.not. self%looked) return
+    call summary%set('end_state.lost_impulse', self%impulse)
     if (self%turn >= 0.0_dp) call summary%set('end_state.angular_momentum_change', self%turn)
     associate (found => self%state)
       call summary%set('end_state.largest_compression', found%compression)

@@ -41,7 +41,7 @@ module sgmp_energy
                                      !! gravity and body forces
     real(dp) :: free_growth = 0.0_dp  !! of the kinetic energy of free rigid bodies
     real(dp) :: momentum(3) = 0.0_dp
-    real(dp) :: ignored_nodes = 0.0_dp      !! nodes below the mass cut-off
+    real(dp) :: lost_force = 0.0_dp  !! on nodes below the mass cut-off, which move nothing
     type(eroded_t) :: eroded
   end type step_sums_t
 
@@ -65,7 +65,7 @@ module sgmp_energy
                                              !! external work at any time
     real(dp) :: moving_until = 0.0_dp        !! last time that was not at rest
     real(dp) :: momentum(3) = 0.0_dp
-    real(dp) :: ignored_nodes = 0.0_dp
+    real(dp) :: lost_impulse = 0.0_dp        !! of forces on nodes below the mass cut-off
   end type ledger_t
 
 contains
@@ -123,7 +123,7 @@ contains
     ledger%largest_kinetic = max(ledger%largest_kinetic, sums%kinetic)
     ledger%supplied = max(ledger%supplied, abs(ledger%external_work), &
                           ledger%initial_total - ledger%internal)
-    ledger%ignored_nodes = max(ledger%ignored_nodes, sums%ignored_nodes)
+    ledger%lost_impulse = ledger%lost_impulse + dt_kick*sums%lost_force
   end subroutine ledger_step
 
   !> Books the kinetic energy that is lost after the kick.

@@ -24,7 +24,8 @@ module DIM(sgmp_nodes)
 #if NDIM > 1
   use CARTESIAN(sgmp_rotation), only: rotation_force
 #endif
-  use sgmp_sums, only: nodes_external, nodes_ignored, nodes_mass_aa, nodes_mass_av, nodes_sums
+  use sgmp_sums, only: nodes_external, nodes_lost, nodes_mass_aa, nodes_mass_av, &
+                       nodes_sums
   use sgmp_voigt, only: flux_between
   use sgmp_wall_work, only: wall_nodes_book
   use sgmp_walls, only: walls_hold
@@ -52,7 +53,7 @@ contains
     logical, intent(in) :: forced             !! the moments carry an external force
     real(dp), intent(inout) :: sums(nodes_sums)  !! of the plane, added to
     real(dp) :: m(tile), p(tile, NDIM), f(tile, NDIM), external(tile, NDIM)
-    real(dp) :: lane_sums(lanes, nodes_external)
+    real(dp) :: lane_sums(lanes, nodes_sums)
     integer :: s, first, n, idx
     logical :: driven
     driven = forced .or. any(abs(gravity) > 0.0_dp)
@@ -84,12 +85,12 @@ contains
         if (mesh%walls_move) call wall_nodes_book(field, mesh, s, first, n, m, dt, sums)
         call walls_hold(field, mesh, s, first, n, node_acceleration, wall_kick)
         call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
-        call book_energies(n, first, driven, size(field%node, 1), m, external, dt, &
-                           field%node(idx, 1), lane_sums, sums(nodes_ignored))
+        call book_energies(n, first, driven, size(field%node, 1), m, f, external, dt, &
+                           field%node(idx, 1), lane_sums)
         if (field%columns%swirl > 0) call nodes_swirl_book(field, s, first, n, m, dt, lane_sums)
       end do
     end do
-    sums(:nodes_external) = sums(:nodes_external) + sum(lane_sums, dim=1)
+    sums = sums + sum(lane_sums, dim=1)
   end subroutine nodes_solve
 
   !> Nodal velocity from the projected momentum alone (USF).
@@ -163,28 +164,30 @@ contains
   !!
   !! Nodes go to the lane of their place along the grid, not along the tile: empty nodes beside
   !! them, of which ranks may store different ones, then change nothing.
-  pure subroutine book_energies(n, first, driven, stride, m, external, dt, node, sums, ignored)
+  pure subroutine book_energies(n, first, driven, stride, m, f, external, dt, node, sums)
     integer, intent(in) :: n, first, stride      !! nodes, place of the first, stride of `node`
     logical, intent(in) :: driven                !! there are external forces
-    real(dp), intent(in) :: m(tile), external(tile, NDIM), dt
+    real(dp), intent(in) :: m(tile), f(tile, NDIM), external(tile, NDIM), dt
     real(dp), intent(in) :: node(stride, node_total(SPACE))
-    real(dp), intent(inout) :: sums(lanes, nodes_external), ignored
-    real(dp), dimension(0:tile + 2*lanes) :: aa, av, ev
-    real(dp) :: active, a2, v2, light
+    real(dp), intent(inout) :: sums(lanes, nodes_sums)
+    real(dp), dimension(0:tile + 2*lanes) :: aa, av, ev, lost
+    real(dp) :: active, a2, v2, push
     integer :: i, a, before
     before = modulo(first, lanes)
     aa(:before) = 0.0_dp
     av(:before) = 0.0_dp
+    lost(:before) = 0.0_dp
     aa(before + n:before + n + lanes - 2) = 0.0_dp
     av(before + n:before + n + lanes - 2) = 0.0_dp
-    light = 0.0_dp
-    !$omp simd reduction(+:light) private(active, a, a2, v2)
+    lost(before + n:before + n + lanes - 2) = 0.0_dp
+    !$omp simd private(active, a, a2, v2, push)
     do i = 1, n
       active = merge(m(i), 0.0_dp, node(i, inverse_at) > 0.0_dp)
-      light = light + merge(1.0_dp, 0.0_dp, m(i) - active > 0.0_dp)
       a2 = 0.0_dp
       v2 = 0.0_dp
+      push = 0.0_dp
       do a = 1, NDIM
+        push = push + abs(f(i, a))
         a2 = a2 + node(i, before_a + a)**2
         v2 = v2 + node(i, before_a + a)*(node(i, before_v + a) - dt*node(i, before_a + a))
 #ifdef AXISYMMETRIC
@@ -196,10 +199,11 @@ contains
       end do
       aa(before + i - 1) = active*a2
       av(before + i - 1) = active*v2
+      lost(before + i - 1) = merge(0.0_dp, push, node(i, inverse_at) > 0.0_dp)
     end do
-    ignored = ignored + light
     call add_lanes(before + n, aa, sums(1, nodes_mass_aa))
     call add_lanes(before + n, av, sums(1, nodes_mass_av))
+    call add_lanes(before + n, lost, sums(1, nodes_lost))
     if (.not. driven) return
     ev(:before) = 0.0_dp
     ev(before + n:before + n + lanes - 2) = 0.0_dp

@@ -6,7 +6,7 @@ module sgmp_sums
             sum_moment, sum_angular, sum_filter, sum_swirl, sum_volume, sum_split
   public :: eroded_sums, eroded_count, eroded_mass, eroded_momentum, eroded_moment, &
             eroded_kinetic, eroded_internal
-  public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_ignored
+  public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_lost
 
   integer, parameter :: sweep_sums = 13    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
@@ -36,6 +36,7 @@ module sgmp_sums
   integer, parameter :: nodes_mass_av = 2  !! sum m_I a_I . v_I at the velocity before the kick
   integer, parameter :: nodes_external = 3  !! power of gravity and body forces at the mid-step
                                            !! velocity
-  integer, parameter :: nodes_ignored = 4  !! nodes below the mass cut-off
+  !> Forces on nodes below the mass cut-off, which move nothing: sum |f_x| + |f_y| + |f_z|.
+  integer, parameter :: nodes_lost = 4
 
 end module sgmp_sums

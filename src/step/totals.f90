@@ -11,7 +11,7 @@ module sgmp_totals
   use sgmp_parallel, only: parallel_agree, parallel_max_place
   use sgmp_partition, only: partition_t
   use sgmp_sums, only: eroded_count, eroded_internal, eroded_kinetic, eroded_mass, eroded_moment, &
-                       eroded_momentum, eroded_sums, nodes_external, nodes_ignored, &
+                       eroded_momentum, eroded_sums, nodes_external, nodes_lost, &
                        nodes_mass_aa, nodes_mass_av, nodes_sums, &
                        sum_filter, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, &
                        sum_momentum, sum_split, sum_viscous, sum_volume, sweep_sums
@@ -154,7 +154,7 @@ contains
     all%nodes_aa = all%nodes_aa + sums(nodes_mass_aa)
     all%power_before = all%power_before + sums(nodes_mass_av)
     all%external_power = all%external_power + sums(nodes_external)
-    all%ignored_nodes = all%ignored_nodes + sums(nodes_ignored)
+    all%lost_force = all%lost_force + sums(nodes_lost)
   end subroutine add_nodes
 
   !> Adds what contact did.

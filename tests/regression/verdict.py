@@ -148,6 +148,19 @@ gravity (0,-9.81)
 material sand mohr_coulomb density=1500 young=1e6 poisson=0.3 friction=30 dilatancy=dilatancy
 body heap block material=sand lower=(-0.25,0.5) upper=(0.25,1) ppc=2
 """
+# Liquid under a pressure, whose outer particles lie on faces of cells (shift 0): that of the last pushes a node to which it gives no mass.
+FACES = """
+parameter method = mpm
+parameter shift = 0
+dimension 1
+grid cell=1 x=-4:8
+method $method
+time dt=0.001 steps=1
+material water fluid density=2
+eos water tait c0=10 pressure0=3
+body column block material=water lower="0.5+shift" upper="3.5+shift" ppc=1
+velocity column x=0.1
+"""
 # A bar that rings at a wave length of two cells, which usl damps.
 RINGING = """
 parameter update = musl
@@ -225,8 +238,22 @@ def criteria(report):
     doubts(report, "dilating", DILATING, "energy that it never had")
     result = run("dilating_little", DILATING, dilatancy=0)
     report.check(not any("never had" in reason for reason in result["verdict_reasons"]), f"dilating: {result['verdict_reasons']}")
+    faces(report)
     doubts(report, "ringing_usl", RINGING, "is gone", update="usl")
     sound(report, "ringing", RINGING)
+
+
+def faces(report):
+    """A force on a node without mass moves nothing: here the pressure of 3 for 0.001, out of a momentum of 3 x 2 x 0.1."""
+    result = doubts(report, "faces", FACES, "grid points without mass")
+    momentum = [row["momentum_x"] for row in result.table("history.csv")]
+    report.check(abs(result["end_state.lost_impulse"] - 0.003) < 1e-12 and abs(momentum[-1] - momentum[0] + 0.003) < 1e-12,
+                 f"faces: {result['end_state.lost_impulse']}, momentum {momentum}")
+    for name, settings in (("inside", {"shift": 0.25}), ("sgmp", {"method": "sgmp"})):
+        result = run(f"faces_{name}", FACES, **settings)
+        momentum = [row["momentum_x"] for row in result.table("history.csv")]
+        report.check(result["end_state.lost_impulse"] == 0 and abs(momentum[-1] - momentum[0]) < 1e-15 and
+                     not any("without mass" in reason for reason in result["verdict_reasons"]), f"faces {name}: {result['end_state']} {momentum}")
 
 
 def loss_of_spin(particles):
