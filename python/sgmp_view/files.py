@@ -1,11 +1,13 @@
-"""Readers for what sgmp writes: history.csv, bodies.csv, particles_end.csv, .vtu, .pvd, summary.json.
+"""Readers for what sgmp writes: history.csv, bodies.csv, particles_end.csv, .vtu, .pvd, VTKHDF, checkpoints, summary.json.
 
-Needs numpy only. Every reader raises SgmpFileError with the file's name when something is missing or malformed.
+Needs numpy only, and h5py for VTKHDF and checkpoints. Every reader raises SgmpFileError with the file's name when something is missing or malformed.
 
     from sgmp_view import read_history, read_vtu
     history = read_history("taylor_bar.out")         # dict: column -> array
     cloud = read_vtu("taylor_bar.out/particles_0000120.vtu")
     cloud.points, cloud.time, cloud.fields["stress"]  # (n, 3), float, (n, 6)
+    read_dump("taylor_bar.out/checkpoint_0000120.h5").bodies["bar"]  # which particles are of a body: (n,) of bool
+    cloud.frame()                                     # the same as a table of pandas
 """
 
 import csv
@@ -25,13 +27,32 @@ class SgmpFileError(Exception):
 
 @dataclass
 class Particles:
-    """Particles at one time, from a .vtu file or particles_end.csv."""
+    """Particles at one time, from a .vtu file, particles_end.csv, particles.vtkhdf or a checkpoint."""
 
     path: Path
     points: np.ndarray                                  # (n, 3)
     fields: Dict[str, np.ndarray] = field(default_factory=dict)  # (n,) or (n, components)
     components: Dict[str, List[str]] = field(default_factory=dict)
     time: Optional[float] = None
+    body_names: List[str] = field(default_factory=list)  # where the file has them
+
+    @property
+    def bodies(self) -> Dict[str, np.ndarray]:
+        """Which particles belong to each body, by its name; by its number where the file has no names."""
+        numbers = self.fields["body"]
+        names = self.body_names or [str(number) for number in range(1, int(numbers.max(initial=0)) + 1)]
+        return {name: numbers == number for number, name in enumerate(names, 1)}
+
+    def frame(self):
+        """All of it as a table of pandas, with the names of particles_end.csv."""
+        import pandas
+        columns = dict(zip("xyz", self.points.T))
+        for name, values in self.fields.items():
+            if values.ndim == 1:
+                columns[name] = values
+            else:
+                columns.update({f"{name}_{part}": values[:, i] for i, part in enumerate(self.components[name])})
+        return pandas.DataFrame(columns)
 
     def column(self, name: str) -> np.ndarray:
         """One number per particle: a scalar field, `stress_xx`, `velocity_z`, or the size of a vector."""
@@ -220,14 +241,19 @@ def read_pvd(path: Path) -> List[Tuple[float, Path]]:
 
 
 def read_dump(source: Path, step: str = "last") -> Particles:
-    """Particles of a .vtu or .csv file, or of dump `step` (number in the series, or 'last') of an output folder."""
+    """Particles of a .vtu or .csv file or a checkpoint, or of dump `step` (number in the series, or 'last') of an output folder."""
     source = existing(source)
     if source.is_file():
+        if source.suffix in (".h5", ".old"):
+            return read_checkpoint(source)
         return read_vtu(source) if source.suffix == ".vtu" else read_particles_csv(source)
     dumps = dumps_of(source)
     if not dumps:
         if step == "last" and (source / "particles_end.csv").exists():
             return read_particles_csv(source)
+        checkpoints = sorted(source.glob("checkpoint_*.h5"), key=lambda path: int(path.stem[11:]))
+        if step == "last" and checkpoints:
+            return read_checkpoint(checkpoints[-1])
         raise SgmpFileError(f"{source}: no dumps (add `output vtu every=…`, `output vtkhdf every=…` or `output csv at=end`)")
     try:
         return dumps[-1 if step == "last" else int(step)].read()
@@ -267,8 +293,11 @@ def open_hdf5(path: Path):
     try:
         import h5py
     except ImportError:
-        raise SgmpFileError(f"{path}: reading VTKHDF needs h5py (pip install h5py), or `output vtu` in the deck") from None
-    return h5py.File(existing(path), "r")
+        raise SgmpFileError(f"{path}: reading HDF5 needs h5py (pip install h5py), or `output vtu` in the deck") from None
+    try:
+        return h5py.File(existing(path), "r")
+    except OSError as problem:
+        raise SgmpFileError(f"{path}: {problem}") from None
 
 
 def read_vtkhdf(path: Path, step: int) -> Particles:
@@ -288,6 +317,48 @@ def read_vtkhdf(path: Path, step: int) -> Particles:
             if data.ndim == 2:
                 particles.components[name] = ["x", "y", "z"] if data.shape[1] == 3 else ["xx", "yy", "zz", "xy", "yz", "xz"]
     return particles
+
+
+def read_checkpoint(path: Path) -> Particles:
+    """The particles of a checkpoint in the order of their bodies and ids, with all that they carry."""
+    with open_hdf5(path) as file:
+        if "contents" not in file:
+            raise SgmpFileError(f"{path}: not a checkpoint of sgmp, or one of a version before format 7")
+        contents = json.loads(file["contents"][()])
+        bodies = [read_checkpoint_body(file[f"body_{number}"], number, body, contents) for number, body in enumerate(contents["bodies"], 1)]
+    names = dict.fromkeys(name for body in bodies for name in body)  # materials differ in what they carry
+    together = {name: np.concatenate([body.get(name, np.zeros(len(body["id"]))) for body in bodies]) for name in names}
+    particles = Particles(path, together.pop("position"), time=contents["time"], body_names=[body["name"] for body in contents["bodies"]])
+    if "stress_xx" in together:
+        together["stress"] = np.column_stack([together.pop(f"stress_{c}", np.zeros(len(particles.points))) for c in STRESSES])
+        together["pressure"] = -together["stress"][:, :3].mean(axis=1)
+    together["density"] = together["mass"] / together["volume"]
+    particles.fields = together
+    particles.components = {"velocity": list("xyz"), "stress": STRESSES}
+    return particles
+
+
+STRESSES = ["xx", "yy", "zz", "xy", "yz", "xz"]
+
+
+def read_checkpoint_body(group, number: int, body: dict, contents: dict) -> Dict[str, np.ndarray]:
+    """The columns of a body's particles by name, in the order of their ids (of halves of one that was split, of their paths)."""
+    values, ids, given = group["particles"][()], group["ids"][()].ravel(), group["given_ids"][()].ravel()
+    axes = [axis - 1 for axis in contents["axes"]]
+    names = body["columns"].split()[2:]                 # behind position and velocity, a column along each axis
+    columns = dict(zip(names, values[:, 2 * len(axes):].T))
+    order = np.lexsort((columns.get("path", ids), ids))
+    position, velocity = np.zeros((len(ids), 3)), np.zeros((len(ids), 3))
+    position[:, axes] = np.array(contents["origin"]) + contents["cell"] * values[:, :len(axes)]
+    velocity[:, axes] = values[:, len(axes):2 * len(axes)]
+    if "swirl" in columns:                              # around the axis: moment over radius, both in cells
+        velocity[:, 1] = columns["swirl"] / values[:, 0]
+    if "mean_stress" in columns:
+        mean = columns.pop("mean_stress")
+        columns.update({f"stress_{c}": mean for c in ("xx", "yy", "zz")})
+    table = {"id": given[ids - body["first_id"]] if len(given) else ids, "body": np.full(len(ids), number),
+             "position": position, "velocity": velocity, **columns}
+    return {name: column[order] for name, column in table.items()}
 
 
 def first_dump(source: Path) -> Optional[Particles]:

@@ -4,7 +4,7 @@
     sgmp-view picture taylor_bar.out --step 3 --field pressure --axis x --cut
     sgmp-view picture taylor_bar.out/particles_0000120.vtu -o picture.png
 
-Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, or a particles CSV.
+Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, a particles CSV, or a checkpoint.
 3D: side view along --axis as a shaded surface, hidden particles hidden; --cut removes the half that faces the viewer and
 shows the section. 2D: the plane. 1D: field over x. A dashed line is the undeformed outline, where it is known (first dump
 or initial positions). A field may be a component (stress_xx), a vector (its size) or a tensor (von Mises); without --field:
@@ -282,7 +282,7 @@ def drawing_arguments(parser):
 
 def arguments(parser):
     """Arguments of the command."""
-    parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file or particles CSV")
+    parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file, particles CSV or checkpoint")
     parser.add_argument("--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)")
     drawing_arguments(parser)
 

@@ -53,7 +53,7 @@ def profile(particles, options):
 
 def arguments(parser):
     """Arguments of the command."""
-    parser.add_argument("sources", nargs="+", type=Path, metavar="OUT_DIR|FILE", help="output folder(s), .vtu files or particles CSV")
+    parser.add_argument("sources", nargs="+", type=Path, metavar="OUT_DIR|FILE", help="output folder(s), .vtu files, particles CSV or checkpoints")
     parser.add_argument("--field", help="field, component, vector or tensor (default: plastic strain, else pressure, else speed)")
     parser.add_argument("--along", choices="xyz", default="x", help="axis of the profile (default: x)")
     parser.add_argument("--near", action="append", default=[], metavar="AXIS=PLACE", help="only particles near; may be repeated")

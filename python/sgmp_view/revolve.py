@@ -4,7 +4,7 @@
     sgmp-view revolve taylor_bar_axisymmetric.out --step 3 --angle 360
     sgmp-view revolve taylor_bar_axisymmetric.out/particles_0000120.vtu -o bar.vtu
 
-Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, or a particles CSV. Every ring becomes particles on
+Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, a particles CSV, or a checkpoint. Every ring becomes particles on
 its circle, as far apart as rings are from each other; vectors and tensors turn with them, mass and volume are shared out. Without
 an angle of 360 degrees the section can be seen. Writes a .vtu file for ParaView or `sgmp-view picture`.
 """
@@ -89,7 +89,7 @@ def write_vtu(particles, path):
 
 def arguments(parser):
     """Arguments of the command."""
-    parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file or particles CSV")
+    parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file, particles CSV or checkpoint")
     parser.add_argument("--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)")
     parser.add_argument("--angle", type=float, default=180, help="degrees about the axis, 0 to 360 (default: 180)")
     parser.add_argument("--spacing", type=float, help="distance of particles on a circle (default: that of the rings)")

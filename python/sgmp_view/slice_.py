@@ -53,7 +53,7 @@ def plane(text):
 
 def arguments(parser):
     """Arguments of the command."""
-    parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file or particles CSV")
+    parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file, particles CSV or checkpoint")
     parser.add_argument("--plane", required=True, metavar="AXIS=PLACE", help="x=…, y=… or z=…")
     parser.add_argument("--thickness", type=float, help="width of what is shown (default: two spacings)")
     parser.add_argument("--mirror", default="", metavar="LETTERS", help="complete a half or quarter model: x, y, xy, …")

@@ -10,6 +10,8 @@
 !! be kept go.
 module sgmp_checkpoint
   use sgmp_archive, only: archive_t
+  use sgmp_body, only: body_t
+  use sgmp_contents, only: contents_text
   use sgmp_errors, only: error_make, error_t, exit_io
   use sgmp_field, only: field_t
   use sgmp_file_tools, only: file_remove, file_rename, io_error, newline, system_message
@@ -114,6 +116,7 @@ contains
     call file%create(path, shared=.true., summed=.true.)
     call file%put_text('/format', checkpoint_format)
     call file%put_text('/program', version_string//' ('//commit_hash//')')
+    call file%put_text('/contents', contents_text(model))
     call file%put_text('/deck', scene%resolved)
     call file%put_text('/fixed', checkpoint_fixed_text(scene%fixed))
     call archive%start()
@@ -121,6 +124,7 @@ contains
     call put_archive(file, archive)
     do b = 1, size(model%bodies)
       call put_particles(file, '/body_'//integer_text(b), model%bodies(b)%particles)
+      call put_given_ids(file, '/body_'//integer_text(b), model%bodies(b))
     end do
     do f = 1, size(model%fields)
       call put_field(file, '/field_'//integer_text(f), model%fields(f), model%ranks%partition%own)
@@ -228,6 +232,17 @@ contains
     before = parallel_scan(int(particles%count, i8))
     call put_columns(file, name, particles, before)
   end subroutine put_particles
+
+  !> Ids that a file gives the particles of a body, which every rank knows.
+  subroutine put_given_ids(file, name, body)
+    type(hdf5_file_t), intent(inout) :: file
+    character(*), intent(in) :: name
+    type(body_t), intent(in) :: body
+    call file%declare(name//'/given_ids', hdf5_long, size(body%given_ids, kind=i8), 1)
+    if (parallel_rank() > 0) return
+    call file%put(name//'/given_ids', reshape(int(body%given_ids, i8), &
+                                              [1, size(body%given_ids)]), 0_i8)
+  end subroutine put_given_ids
 
   !> Particles of the bins one after the other, a block at a time.
   subroutine put_columns(file, name, particles, before)

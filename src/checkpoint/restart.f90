@@ -2,6 +2,7 @@
 !! taking the state of the run from it.
 module sgmp_restart
   use sgmp_archive, only: archive_t
+  use sgmp_body, only: body_t
   use sgmp_build_model, only: model_build
   use sgmp_checkpoint, only: block_columns, checkpoint_fixed_text, checkpoint_format, &
                              checkpoint_path, checkpoint_prefix, checkpoint_suffix, plane_columns
@@ -9,7 +10,7 @@ module sgmp_restart
   use sgmp_field, only: field_t
   use sgmp_file_tools, only: newline
   use sgmp_hdf5_file, only: hdf5_file_t
-  use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_t
   use sgmp_parallel, only: parallel_agree, parallel_any
@@ -159,6 +160,7 @@ contains
     if (fits) call cut_planes(file, model)
     do b = 1, size(model%bodies)
       if (fits) call get_particles(file, '/body_'//integer_text(b), model%bodies(b)%particles, fits)
+      if (fits) call get_given_ids(file, '/body_'//integer_text(b), model%bodies(b))
     end do
     fits = .not. parallel_any(.not. (fits .and. file%good()))
     if (fits) then
@@ -291,6 +293,16 @@ contains
     call get_columns(file, name, particles, slot, before)
     call particles_pad(particles)
   end subroutine get_particles
+
+  !> Ids that the particles' file gave all particles of a body, for every rank.
+  subroutine get_given_ids(file, name, body)
+    type(hdf5_file_t), intent(inout) :: file
+    character(*), intent(in) :: name
+    type(body_t), intent(inout) :: body
+    integer(i8), allocatable :: table(:, :)
+    call get_table(file, name//'/given_ids', 1, table)
+    body%given_ids = int(table(1, :), i4)
+  end subroutine get_given_ids
 
   !> Fills the lanes with the particles behind the first `before` of the file.
   subroutine get_columns(file, name, particles, slot, before)

@@ -5,6 +5,7 @@ module sgmp_cards_body
   use sgmp_keys, only: kind_integer, kind_name_word, kind_points, kind_real, kind_text, &
                        kind_vector, kind_word
   use sgmp_kinds, only: dp
+  use sgmp_particle_file, only: particle_file_columns
   use sgmp_polygon, only: polygon_is_simple
   use sgmp_registry, only: read_second, registry_t
   use sgmp_scene, only: body_card_t, layout_file, layout_gauss, layout_lattice, layout_names
@@ -31,7 +32,7 @@ contains
     call registry%card('body', 'A body: its first shape, its material, its particles. Further '// &
                        'shapes are added, subtracted or intersected by the cards of those names.', &
                        'body rod cylinder material=copper radius=3.8 length=25.4 spacing=0.38', &
-                       read_body, check_particle_number, selector='shape', needed='add a body', &
+                       read_body, check_body, selector='shape', needed='add a body', &
                        turn=read_second)
     call registry%key('name', kind_name_word, 'name used by other cards', slot=1, required=.true.)
     call registry%key('shape', kind_word, 'first shape; file: particles from a file', slot=2, &
@@ -40,8 +41,9 @@ contains
                       required=.true.)
     call registry%key('material', kind_name_word, 'the material', required=.true.)
     call register_shape_keys(registry)
-    call registry%key('file', kind_text, 'text file with a line per particle: x y z volume '// &
-                      '[velocity_x velocity_y velocity_z]; a relative path starts at the deck', &
+    call registry%key('file', kind_text, 'text file with a line per particle: '// &
+                      particle_file_columns//', or columns that its first line names, '// &
+                      'among them id and material; a relative path starts at the deck', &
                       when=from_file, required=.true.)
     call registry%key('layout', kind_word, 'uniform: particles in the middle of cubes; gauss: '// &
                       'Gauss points of each grid cell', choices=words_joined(layout_names), &
@@ -391,6 +393,41 @@ contains
                       'write centre=(0,z), or a centre at r > radius for a torus')
     end if
   end subroutine check_ring
+
+  !> What a body's card says together with others.
+  subroutine check_body(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    if (card%word('shape') == from_file) then
+      call share_file(card, word_position(card%word('name'), draft%scene%bodies%name), draft)
+    else
+      call check_particle_number(card, draft)
+    end if
+  end subroutine check_body
+
+  !> Bodies that take their particles from the same file take those of their material each.
+  subroutine share_file(card, number, draft)
+    type(deck_card_t), intent(in) :: card
+    integer, intent(in) :: number            !! of the body
+    type(draft_t), intent(inout) :: draft
+    integer :: b
+    associate (bodies => draft%scene%bodies, body => draft%scene%bodies(number), &
+               materials => draft%scene%materials)
+      body%choice%known = words_joined(materials%name)
+      body%choice%material = card%word('material')
+      body%choice%others = ''
+      do b = 1, size(bodies)
+        if (b == number .or. .not. allocated(bodies(b)%file) .or. bodies(b)%material == 0) cycle
+        if (bodies(b)%file /= body%file) cycle
+        if (bodies(b)%material == body%material .and. b < number) then
+          call draft%errors%add(card%place('file'), "body '"//trim(bodies(b)%name)// &
+                                "' takes the same particles", 'remove one of the bodies, or '// &
+                                'give them materials that the file tells apart')
+        end if
+        body%choice%others = body%choice%others//trim(materials(bodies(b)%material)%name)//' '
+      end do
+    end associate
+  end subroutine share_file
 
   !> Particle numbers are 32-bit integers; a block tells at once how many there will be.
   subroutine check_particle_number(card, draft)

@@ -11,6 +11,7 @@ module sgmp_scene
   use sgmp_kernels, only: method_sgmp
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_free
+  use sgmp_particle_file, only: material_choice_t
   use sgmp_shapes, only: shape_t
   use sgmp_space, only: space_axisymmetric
   use sgmp_turn, only: turn_t
@@ -100,7 +101,8 @@ module sgmp_scene
     type(turn_t) :: turn                          !! of shapes and lattice
     real(dp) :: lattice_origin(3) = huge(1.0_dp)
       !! a corner of the lattice's cells; huge: derived from the first shape
-    character(:), allocatable :: file             !! particles from file: x y z volume [vx vy vz]
+    character(:), allocatable :: file             !! that particles come from
+    type(material_choice_t) :: choice             !! which of them
     type(expression_t) :: velocity(3)             !! initial velocity, functions of x, y, z
     type(expression_t) :: spin                    !! initial angular velocity of rings
     real(dp) :: temperature = -1.0_dp

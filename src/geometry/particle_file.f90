@@ -1,32 +1,74 @@
-!> Text files with a particle per line: `x y z volume [velocity_x velocity_y velocity_z]`; # and !
-!! begin comments.
+!> Text files with a particle per line; # and ! begin comments.
+!!
+!! A first line of names says what the columns are, in any order: the axes of the space, volume,
+!! velocities, id, material. Without it they are `x y z volume [velocity_x velocity_y velocity_z]`.
 module sgmp_particle_file
   use, intrinsic :: ieee_exceptions, only: ieee_get_halting_mode, ieee_overflow, ieee_set_flag, &
                                            ieee_set_halting_mode
   use sgmp_errors, only: error_make, error_t, exit_deck, exit_io
   use sgmp_growing, only: grow
-  use sgmp_kinds, only: dp
+  use sgmp_kinds, only: dp, i4, i8
+  use sgmp_sorting, only: sort_order
+  use sgmp_space, only: axis_names, space_dimensions
+  use sgmp_spelling, only: suggestion, word_in_list, word_items, word_position, words_joined
   use sgmp_text, only: integer_text
   implicit none
   private
-  public :: particle_file_read
+  public :: file_particles_t, material_choice_t, particle_file_columns, particle_file_read
 
-  integer, parameter :: with_velocity = 7, without = 4  !! numbers in a line
+  !> Which particles of a file a body takes, where the file says what each is made of.
+  type :: material_choice_t
+    character(:), allocatable :: material    !! those of this material
+    character(:), allocatable :: others      !! blank-separated: what other bodies take from it
+    character(:), allocatable :: known       !! blank-separated: all materials of the deck
+  end type material_choice_t
+
+  !> Particles of a file in its order, or in that of their ids where it gives some.
+  type :: file_particles_t
+    real(dp), allocatable :: position(:, :)  !! (3, n)
+    real(dp), allocatable :: volume(:)       !! (n)
+    real(dp), allocatable :: velocity(:, :)  !! (3, n), allocated if the file has velocities
+    integer(i4), allocatable :: id(:)        !! (n) ascending; empty if the file has no ids
+  end type file_particles_t
+
+  !> Quantities that a column may hold, behind the axes.
+  integer, parameter :: in_volume = 4, in_velocity = 5, in_id = 8, in_material = 9, quantities = 9
+  integer, parameter :: in_line = 10         !! the line that a particle stands in
+  character(*), parameter :: particle_file_columns = &
+    'x y z volume [velocity_x velocity_y velocity_z]'
+  integer, parameter :: with_velocity = 7, without = 4  !! columns of a file without names
+
+  !> What the columns of a file are.
+  type :: columns_t
+    integer :: ndim = 3                      !! axes of the space
+    character(10) :: names(quantities) = ''
+    integer :: place(quantities) = 0         !! column of each quantity, 0: not in the file
+    integer :: n = 0                         !! columns; 0: not known yet
+  end type columns_t
+
+  !> A line of a file.
+  type :: line_t
+    character(:), allocatable :: file, text
+    integer :: number = 0
+    integer :: words = 0
+    integer :: first(quantities) = 0, last(quantities) = 0  !! letters of the first words
+  end type line_t
+
   real(dp), parameter :: largest = 0.1_dp*huge(1.0_dp)
   character(*), parameter :: separators = ' ,'//achar(9)//achar(13)
-  character(*), parameter :: expected = &
-    'expected: x y z volume [velocity_x velocity_y velocity_z], volume > 0'
+  character(*), parameter :: expected = 'expected: '//particle_file_columns// &
+    ', volume > 0, or a first line that names the columns'
 
 contains
 
-  !> Reads all particles; the first line decides whether there are velocities.
-  subroutine particle_file_read(file, place, ndim, positions, volumes, error, velocities)
-    character(*), intent(in) :: file, place      !! place: of the card that names it
-    integer, intent(in) :: ndim                  !! coordinates beyond must be zero
-    real(dp), allocatable, intent(out) :: positions(:, :), volumes(:)  !! (3, n), (n)
+  !> Reads the particles that a body takes; the whole file must be right.
+  subroutine particle_file_read(file, place, space, choice, particles, error)
+    character(*), intent(in) :: file, place  !! place: of the card that names it
+    integer, intent(in) :: space             !! coordinates beyond its axes must be zero
+    type(material_choice_t), intent(in) :: choice
+    type(file_particles_t), intent(out) :: particles
     type(error_t), allocatable, intent(out) :: error
-    real(dp), allocatable, intent(out), optional :: velocities(:, :)
-      !! (3, n), allocated if the file has them
+    type(columns_t) :: columns
     real(dp), allocatable :: rows(:, :)
     integer :: unit, status
     open (newunit=unit, file=file, status='old', action='read', iostat=status)
@@ -35,128 +77,286 @@ contains
                       'check its path', place)
       return
     end if
-    call read_rows(unit, file, ndim, rows, error)
+    columns%ndim = space_dimensions(space)
+    columns%names(:3) = axis_names(:, space)
+    columns%names(in_volume) = 'volume'
+    columns%names(in_velocity:in_velocity + 2) = 'velocity_'//axis_names(:, space)
+    columns%names(in_id) = 'id'
+    columns%names(in_material) = 'material'
+    call read_rows(unit, file, choice, columns, rows, error)
     close (unit)
+    if (allocated(error)) return
+    if (columns%place(in_id) > 0) call order_by_id(file, rows, error)
     if (allocated(error)) return
     if (size(rows, 2) == 0) then
       call error_make(error, exit_deck, "the particle file '"//file//"' has no particles", &
-                      'a line per particle: x y z volume', place)
-      return
+                      'a line per particle: '//particle_file_columns, place)
+    else if (columns%place(in_material) == 0 .and. choice%others /= '') then
+      call error_make(error, exit_deck, 'several bodies take their particles from '//file// &
+                      ', which does not say what each is made of', &
+                      'name its columns in its first line, one of them material', place)
+    else if (.not. any(rows(in_material, :) > 0.0_dp)) then
+      call error_make(error, exit_deck, "the particle file '"//file//"' has no particles of "// &
+                      "material '"//choice%material//"'", 'look at its column material', place)
+    else
+      call take_rows(rows, columns, particles)
     end if
-    positions = rows(1:3, :)
-    volumes = rows(4, :)
-    if (present(velocities) .and. size(rows, 1) == with_velocity) velocities = rows(5:7, :)
   end subroutine particle_file_read
 
-  !> All rows of a particle file, each with as many numbers as the first.
-  subroutine read_rows(unit, file, ndim, rows, error)
+  !> The rows that a body takes as particles.
+  pure subroutine take_rows(rows, columns, particles)
+    real(dp), intent(in) :: rows(:, :)
+    type(columns_t), intent(in) :: columns
+    type(file_particles_t), intent(out) :: particles
+    integer, allocatable :: taken(:)
+    integer :: p
+    taken = pack([(p, p=1, size(rows, 2))], rows(in_material, :) > 0.0_dp)
+    particles%position = rows(1:3, taken)
+    particles%volume = rows(in_volume, taken)
+    if (any(columns%place(in_velocity:in_velocity + 2) > 0)) then
+      particles%velocity = rows(in_velocity:in_velocity + 2, taken)
+    end if
+    allocate (particles%id(0))
+    if (columns%place(in_id) > 0) particles%id = nint(rows(in_id, taken), i4)
+  end subroutine take_rows
+
+  !> Puts rows into the order of their ids; an error where two have the same.
+  subroutine order_by_id(file, rows, error)
+    character(*), intent(in) :: file
+    real(dp), intent(inout) :: rows(:, :)
+    type(error_t), allocatable, intent(out) :: error
+    integer, allocatable :: order(:)
+    integer :: p, lines(2)
+    allocate (order(size(rows, 2)))
+    call sort_order(nint(rows(in_id, :), i8), order)
+    rows = rows(:, order)
+    do p = 2, size(order)
+      if (rows(in_id, p) > rows(in_id, p - 1)) cycle
+      lines = nint(rows(in_line, p - 1:p))
+      call error_make(error, exit_deck, 'two particles have the id '// &
+                      integer_text(nint(rows(in_id, p))), 'give each its own; the first is in '// &
+                      'line '//integer_text(minval(lines)), &
+                      file//':'//integer_text(maxval(lines))//':1')
+      return
+    end do
+  end subroutine order_by_id
+
+  !> All rows of a particle file: its quantities (material: 1 if the body takes it, else 0), line.
+  subroutine read_rows(unit, file, choice, columns, rows, error)
     integer, intent(in) :: unit
     character(*), intent(in) :: file
-    integer, intent(in) :: ndim
-    real(dp), allocatable, intent(out) :: rows(:, :)  !! (4 or 7, n)
+    type(material_choice_t), intent(in) :: choice
+    type(columns_t), intent(inout) :: columns
+    real(dp), allocatable, intent(out) :: rows(:, :)  !! (10, n)
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: line, wrong
-    real(dp) :: row(with_velocity)
-    integer :: n, found, line_number
-    allocate (rows(without, 0))
+    type(line_t) :: line
+    real(dp) :: row(in_line)
+    logical :: named
+    integer :: n
+    allocate (rows(in_line, 0))
     n = 0
-    line_number = 0
+    line%file = file
     do while (next_line(unit, line))
-      line_number = line_number + 1
-      if (verify(line, separators) == 0) cycle
-      call read_numbers(line, row, found, wrong)
-      if (n == 0 .and. found == with_velocity) rows = reshape(rows, [with_velocity, 0])
-      if (wrong == '') wrong = objection(row, found, size(rows, 1), ndim)
-      if (wrong /= '') then
-        call error_make(error, exit_deck, 'not a particle ('//wrong//'): '//trim(line), expected, &
-                        file//':'//integer_text(line_number)//':1')
-        return
+      if (line%words == 0) cycle
+      if (columns%n == 0) then
+        call choose_columns(line, columns, named, error)
+        if (allocated(error)) return
+        if (named) cycle
       end if
+      call read_row(line, columns, row, error)
+      if (allocated(error)) return
+      call look_at_material(line, columns%place(in_material), choice, row(in_material), error)
+      if (allocated(error)) return
       call grow(rows, n, n + 1)
       n = n + 1
-      rows(:, n) = row(:found)
+      rows(:, n) = row
     end do
     rows = rows(:, :n)
   end subroutine read_rows
 
-  !> What is wrong with the numbers of a line, nothing if it is a particle.
-  pure function objection(row, found, columns, ndim) result(text)
-    real(dp), intent(in) :: row(:)
-    integer, intent(in) :: found, columns  !! numbers in this line and in the first
-    integer, intent(in) :: ndim
+  !> What the first line says of the columns: by names, or by their number alone.
+  subroutine choose_columns(line, columns, named, error)
+    type(line_t), intent(in) :: line
+    type(columns_t), intent(inout) :: columns
+    logical, intent(out) :: named            !! it is no particle
+    type(error_t), allocatable, intent(out) :: error
+    integer :: w, q
+    named = .not. looks_like_number(word(line, 1))
+    if (.not. named) then
+      columns%n = merge(with_velocity, without, line%words == with_velocity)
+      columns%place(:columns%n) = [(q, q=1, columns%n)]
+      return
+    end if
+    do w = 1, min(line%words, quantities)
+      q = word_position(word(line, w), columns%names)
+      if (q == 0) then
+        call refuse(line, w, "a particle has no '"//word(line, w)//"'", suggestion( &
+                    word(line, w), word_items(words_joined(columns%names)), 'columns'), error)
+      else if (columns%place(q) > 0) then
+        call refuse(line, w, "there are two columns '"//word(line, w)//"'", 'remove one', error)
+      end if
+      if (allocated(error)) return
+      columns%place(q) = w
+    end do
+    columns%n = line%words
+    if (columns%n > quantities) then
+      call refuse(line, 1, 'there are '//integer_text(columns%n)//' columns', &
+                  'known are '//words_joined(columns%names), error)
+      return
+    end if
+    do q = 1, in_volume
+      if (columns%place(q) > 0 .or. (q > columns%ndim .and. q < in_volume)) cycle
+      call refuse(line, 1, "there is no column '"//trim(columns%names(q))//"'", &
+                  'particles have a place and a volume', error)
+      return
+    end do
+  end subroutine choose_columns
+
+  !> The numbers of a line, or why it is no particle.
+  subroutine read_row(line, columns, row, error)
+    type(line_t), intent(in) :: line
+    type(columns_t), intent(in) :: columns
+    real(dp), intent(out) :: row(in_line)
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: wrong
+    integer :: q
+    row = 0.0_dp
+    row(in_line) = line%number
+    if (line%words /= columns%n) then
+      call refuse(line, 1, 'not a particle ('//integer_text(line%words)//' numbers, not '// &
+                  integer_text(columns%n)//'): '//trim(line%text), expected, error)
+      return
+    end if
+    do q = 1, in_id
+      if (columns%place(q) == 0) cycle
+      call read_number(word(line, columns%place(q)), row(q), wrong)
+      if (wrong == '') wrong = objection(q, row(q), columns%ndim)
+      if (wrong == '') cycle
+      call refuse(line, columns%place(q), 'not a particle ('//wrong//'): '//trim(line%text), &
+                  expected, error)
+      return
+    end do
+  end subroutine read_row
+
+  !> What is wrong with a quantity of a particle, nothing if it may be.
+  pure function objection(quantity, value, ndim) result(text)
+    integer, intent(in) :: quantity, ndim
+    real(dp), intent(in) :: value
     character(:), allocatable :: text
     text = ''
-    if (found /= columns) then
-      text = integer_text(found)//' numbers, not '//integer_text(columns)
-    else if (any(.not. abs(row(:found)) <= largest)) then
+    if (.not. abs(value) <= largest) then
       text = 'a number is not finite'
-    else if (row(4) <= 0.0_dp) then
-      text = 'the volume is not positive'
-    else if (any(abs(row(ndim + 1:3)) > 0.0_dp)) then
-      text = 'a coordinate beyond the dimension is not 0'
+    else if (quantity == in_volume) then
+      if (value <= 0.0_dp) text = 'the volume is not positive'
+    else if (quantity == in_id) then
+      if (value < 0.0_dp .or. value > real(huge(1_i4), dp) .or. &
+          abs(value - aint(value)) > 0.0_dp) then
+        text = 'an id is a whole number from 0 to '//integer_text(huge(1_i4))
+      end if
+    else if (abs(value) > 0.0_dp .and. ndim < merge(quantity, quantity - in_velocity + 1, &
+                                                    quantity < in_velocity)) then
+      text = 'a component beyond the dimension is not 0'
     end if
   end function objection
 
-  !> The next line without its comment; false at the end of the file.
+  !> Whether the body takes the particle of a line; an error where no body does.
+  subroutine look_at_material(line, column, choice, taken, error)
+    type(line_t), intent(in) :: line
+    integer, intent(in) :: column            !! 0: the file does not say
+    type(material_choice_t), intent(in) :: choice
+    real(dp), intent(out) :: taken           !! 1 or 0
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: name
+    taken = 1.0_dp
+    if (column == 0) return
+    name = word(line, column)
+    if (name == choice%material) return
+    taken = 0.0_dp
+    if (word_in_list(name, choice%others) > 0) return
+    if (word_in_list(name, choice%known) > 0) then
+      call refuse(line, column, "no body takes the particles of material '"//name//"'", &
+                  'add a card: body NAME file material='//name//' file="'//line%file//'"', error)
+    else
+      call refuse(line, column, "there is no material '"//name//"'", suggestion(name, &
+                  word_items(choice%known), 'materials of the deck'), error)
+    end if
+  end subroutine look_at_material
+
+  !> An error at a word of a line.
+  subroutine refuse(line, at, message, remedy, error)
+    type(line_t), intent(in) :: line
+    integer, intent(in) :: at                !! number of the word
+    character(*), intent(in) :: message, remedy
+    type(error_t), allocatable, intent(out) :: error
+    call error_make(error, exit_deck, message, remedy, line%file//':'// &
+                    integer_text(line%number)//':'//integer_text(line%first(at)))
+  end subroutine refuse
+
+  !> The next line without its comment, split into words; false at the end of the file.
   function next_line(unit, line) result(there)
     integer, intent(in) :: unit
-    character(:), allocatable, intent(inout) :: line
+    type(line_t), intent(inout) :: line
     logical :: there
     character(256) :: part
     integer :: length, status
-    line = ''
+    line%text = ''
     do
       read (unit, '(a)', advance='no', size=length, iostat=status) part
-      if (status == 0 .or. is_iostat_eor(status)) line = line//part(:length)
+      if (status == 0 .or. is_iostat_eor(status)) line%text = line%text//part(:length)
       if (status /= 0) exit
     end do
-    there = is_iostat_eor(status) .or. len(line) > 0
-    if (scan(line, '#!') > 0) line = line(:scan(line, '#!') - 1)
+    there = is_iostat_eor(status) .or. len(line%text) > 0
+    if (scan(line%text, '#!') > 0) line%text = line%text(:scan(line%text, '#!') - 1)
+    line%number = line%number + 1
+    call find_words(line)
   end function next_line
 
-  !> The numbers of a line: how many there are, and the first of them.
-  subroutine read_numbers(line, row, found, wrong)
-    character(*), intent(in) :: line
-    real(dp), intent(out) :: row(:)
-    integer, intent(out) :: found
-    character(:), allocatable, intent(out) :: wrong  !! what is no number
-    real(dp) :: value
-    logical :: unreadable
+  !> Finds the words of a line: counts all, notes where the first are.
+  pure subroutine find_words(line)
+    type(line_t), intent(inout) :: line
     integer :: first, last
-    row = 0.0_dp
-    found = 0
-    wrong = ''
-    first = 1
+    line%words = 0
+    last = 0
     do
-      last = verify(line(first:), separators)
-      if (last == 0) return
-      first = first + last - 1
-      last = scan(line(first:)//' ', separators) + first - 2
-      unreadable = verify(line(first:last), '0123456789+-.eEdD') > 0
-      if (.not. unreadable) call read_number(line(first:last), value, unreadable)
-      if (unreadable) then
-        wrong = "'"//line(first:last)//"' is not a number"
-        return
-      end if
-      found = found + 1
-      if (found <= size(row)) row(found) = value
-      first = last + 1
-      if (first > len(line)) return
+      first = verify(line%text(last + 1:), separators) + last
+      if (first == last) return
+      last = scan(line%text(first:)//' ', separators) + first - 2
+      line%words = line%words + 1
+      if (line%words > quantities) cycle
+      line%first(line%words) = first
+      line%last(line%words) = last
     end do
-  end subroutine read_numbers
+  end subroutine find_words
+
+  !> A word of a line.
+  pure function word(line, number) result(text)
+    type(line_t), intent(in) :: line
+    integer, intent(in) :: number
+    character(:), allocatable :: text
+    text = line%text(line%first(number):line%last(number))
+  end function word
+
+  !> Whether a word has only the letters of numbers.
+  pure logical function looks_like_number(text) result(yes)
+    character(*), intent(in) :: text
+    yes = verify(text, '0123456789+-.eEdD') == 0
+  end function looks_like_number
 
   !> Reads a number. One beyond the largest becomes infinite, which is an error of the file and not
   !! of the program: it must not trap.
-  subroutine read_number(word, value, wrong)
-    character(*), intent(in) :: word
+  subroutine read_number(text, value, wrong)
+    character(*), intent(in) :: text
     real(dp), intent(out) :: value
-    logical, intent(out) :: wrong
+    character(:), allocatable, intent(out) :: wrong  !! nothing if it is a number
     logical :: traps
     integer :: status
+    value = 0.0_dp
+    status = 1
     call ieee_get_halting_mode(ieee_overflow, traps)
     if (traps) call ieee_set_halting_mode(ieee_overflow, .false.)
-    read (word, *, iostat=status) value
-    wrong = status /= 0
+    if (looks_like_number(text)) read (text, *, iostat=status) value
+    wrong = ''
+    if (status /= 0) wrong = "'"//text//"' is not a number"
     if (.not. traps) return
     call ieee_set_flag(ieee_overflow, .false.)
     call ieee_set_halting_mode(ieee_overflow, .true.)

@@ -6,6 +6,7 @@
 !! (`fixed`). They are added up in the order of their ids, so that the sums have the same bits on
 !! any number of threads and ranks.
 module sgmp_gauges
+  use sgmp_body, only: body_given_id
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_history, only: column_length, gauges_columns, gauges_integers, history_t
   use sgmp_kinds, only: dp, i8
@@ -204,7 +205,7 @@ contains
       call means(gauges, snapshot, member, values)
     else
       p = findloc(member, .true., 1)
-      particle = snapshot%id(p)
+      particle = body_given_id(model%bodies(snapshot%body(p)), snapshot%id(p))
       values = [snapshot%position(:, p), snapshot%velocity(:, p), &
                 (snapshot%fields(f)%values(:, p), f=1, size(gauges%fields))]
     end if

@@ -18,7 +18,8 @@ module sgmp_outputs
   use sgmp_rigid_rows, only: rigid_rows_open, rigid_rows_t, rigid_rows_write
   use sgmp_scene, only: dump_formats, dump_tecplot, dump_vtkhdf, dump_vtu, name_length, scene_t
   use sgmp_snapshot, only: snapshot_t
-  use sgmp_snapshot_make, only: snapshot_initial_positions, snapshot_slice, snapshot_whole
+  use sgmp_snapshot_make, only: snapshot_give_ids, snapshot_initial_positions, &
+                                snapshot_slice, snapshot_whole
   use sgmp_tecplot, only: tecplot_t
   use sgmp_vtkhdf, only: vtkhdf_t
   use sgmp_vtu, only: vtu_series_t
@@ -313,11 +314,13 @@ contains
     written = written .and. scene%output%writes
     if (written(dump_vtkhdf)) then
       call snapshot_slice(model, outputs%fields, outputs%initial, snapshot, before, total)
+      call snapshot_give_ids(model%bodies, snapshot)
       call outputs%vtkhdf%dump(snapshot, before, total, error)
       if (allocated(error)) return
     end if
     if (.not. (written(dump_vtu) .or. written(dump_tecplot))) return
     call snapshot_whole(model, outputs%fields, outputs%initial, snapshot)
+    call snapshot_give_ids(model%bodies, snapshot)
     if (parallel_rank() == 0) then
       if (written(dump_vtu)) call outputs%vtu%dump(snapshot, error)
       if (written(dump_tecplot) .and. .not. allocated(error)) then
@@ -333,6 +336,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(snapshot_t) :: snapshot
     call snapshot_whole(model, outputs%fields, outputs%initial, snapshot)
+    call snapshot_give_ids(model%bodies, snapshot)
     if (parallel_rank() == 0) then
       call particle_table_write(outputs%folder//'/particles_end.csv', snapshot, error)
     end if
@@ -361,6 +365,7 @@ contains
     if (allocated(error)) return
     if (outputs%vtkhdf%has_room()) then
       call snapshot_whole(model, outputs%fields, outputs%initial, snapshot)
+      call snapshot_give_ids(model%bodies, snapshot)
       call outputs%vtkhdf%trim(snapshot, error)
       if (allocated(error)) return
     end if

@@ -18,7 +18,7 @@ module sgmp_snapshot
     integer :: dimension = 3
     integer :: step = 0
     real(dp) :: time = 0.0_dp
-    integer(i4), allocatable :: id(:)                 !! (n) global id, ascending, from 1
+    integer(i4), allocatable :: id(:)                 !! (n) ascending; see snapshot_give_ids
     integer(i4), allocatable :: body(:)               !! (n) body number, from 1
     real(dp), allocatable :: path(:)  !! (n) from the particle that was split, ascending in each id;
                                       !! allocated only where particles are split

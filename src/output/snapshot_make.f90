@@ -1,6 +1,6 @@
 !> Snapshots: the particles of the model, ordered by id, on one rank or dealt out to all.
 module sgmp_snapshot_make
-  use sgmp_body, only: body_t
+  use sgmp_body, only: body_given_id, body_t
   use sgmp_errors, only: error_t
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_position
@@ -17,7 +17,7 @@ module sgmp_snapshot_make
   use sgmp_voigt, only: stress_components
   implicit none
   private
-  public :: snapshot_own, snapshot_gather, snapshot_whole, snapshot_slice, &
+  public :: snapshot_own, snapshot_gather, snapshot_give_ids, snapshot_whole, snapshot_slice, &
             snapshot_initial_positions
 
 contains
@@ -124,6 +124,16 @@ contains
     before = parallel_scan(size(snapshot%id, kind=i8))
     total = parallel_sum(size(snapshot%id, kind=i8))
   end subroutine snapshot_slice
+
+  !> Gives particles the ids by which the user knows them, in the same order.
+  pure subroutine snapshot_give_ids(bodies, snapshot)
+    type(body_t), intent(in) :: bodies(:)
+    type(snapshot_t), intent(inout) :: snapshot
+    integer :: p
+    do p = 1, size(snapshot%id)
+      snapshot%id(p) = body_given_id(bodies(snapshot%body(p)), snapshot%id(p))
+    end do
+  end subroutine snapshot_give_ids
 
   !> Sends particles of a snapshot to other ranks; what arrives is ordered by id.
   subroutine deal_snapshot(snapshot, chosen, destination)

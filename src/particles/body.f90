@@ -8,15 +8,18 @@ module sgmp_body
   use sgmp_particles, only: first_cell, particles_t
   use sgmp_rigid_motion, only: rigid_motion_t
   use sgmp_rows, only: key_j, key_k
+  use sgmp_text, only: integer_text
   implicit none
   private
-  public :: body_t, body_place, body_forced, body_number
+  public :: body_t, body_place, body_forced, body_given_id, body_number, body_particle
 
   !> One body of the model.
   type :: body_t
     character(32) :: name = ''
     integer :: field = 1                       !! velocity field it moves in
     integer(i4) :: first_id = 1                !! id of its first particle
+    integer(i4), allocatable :: given_ids(:)
+      !! ids that a file gives all its particles, on every rank; empty: it gives none
     type(particles_t) :: particles
     type(constitutive_t) :: law
     real(dp) :: half_size(3) = 0.25_dp         !! GIMP particle half-size (cells)
@@ -56,6 +59,27 @@ contains
       if (bodies(b)%first_id <= id) number = b
     end do
   end function body_number
+
+  !> The id by which the user knows a particle of a body.
+  pure integer(i4) function body_given_id(body, id) result(given)
+    type(body_t), intent(in) :: body
+    integer(i4), intent(in) :: id
+    integer :: place
+    given = id
+    if (.not. allocated(body%given_ids)) return
+    place = id - body%first_id + 1
+    if (place >= 1 .and. place <= size(body%given_ids)) given = body%given_ids(place)
+  end function body_given_id
+
+  !> A particle's name in messages.
+  pure function body_particle(bodies, id) result(text)
+    type(body_t), intent(in) :: bodies(:)
+    integer(i4), intent(in) :: id
+    character(:), allocatable :: text
+    associate (body => bodies(body_number(bodies, id)))
+      text = 'particle '//integer_text(body_given_id(body, id))//' of body '//trim(body%name)
+    end associate
+  end function body_particle
 
   !> Finds where the stencils of a body's bins lie in a field that has just been laid out.
   pure subroutine body_place(body, field)

@@ -2,7 +2,7 @@
 !! will cost.
 module sgmp_cost_estimate
   use, intrinsic :: iso_fortran_env, only: output_unit
-  use sgmp_body, only: body_t
+  use sgmp_body, only: body_particle, body_t
   use sgmp_constitutive, only: material_names, slots_t
   use sgmp_field, only: field_bytes
   use sgmp_forewarnings, only: shape_mass
@@ -150,8 +150,8 @@ contains
     clock = model%clock
     call clock_choose(clock, model%mesh%h, model%findings%fastest, huge(1.0_dp), ok)
     call put('time step   '//real_text(clock%dt)//' ('//trim(limit_names(clock%limited_by))// &
-             ', c + |v| = '//real_text(model%findings%fastest)//' at particle '// &
-             integer_text(model%findings%fastest_id)//')')
+             ', c + |v| = '//real_text(model%findings%fastest)//' at '// &
+             body_particle(model%bodies, model%findings%fastest_id)//')')
     steps = real(scene%time%steps, dp)
     if (scene%time%end < steps*clock%dt) steps = scene%time%end/clock%dt  ! huge if not given
     call put('steps       about '//real_text(steps)//', '// &

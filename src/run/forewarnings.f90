@@ -11,6 +11,7 @@ module sgmp_forewarnings
   use sgmp_mesh, only: mesh_coordinate, mesh_occupied, wall_free
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_max, parallel_min, parallel_sum
+  use sgmp_particle_file, only: particle_file_columns
   use sgmp_particles, only: particles_t
   use sgmp_scene, only: layout_file, scene_t
   use sgmp_seeding, only: seeding_shape_volume
@@ -242,7 +243,7 @@ contains
           call warn(warnings, "the particles of body '"//trim(card%name)//"' have "// &
                     real_text_about(filled/real(cells, dp))//' times the volume of the cells '// &
                     'that they lie in; the columns of '//trim(card%file)// &
-                    ' are read as x y z volume [velocity_x velocity_y velocity_z]')
+                    ' are read as '//particle_file_columns//', unless its first line names them')
         end if
       end associate
     end do

@@ -1,5 +1,6 @@
 !> What a run says of itself: the lines of its log and summary.json.
 module sgmp_report
+  use sgmp_body, only: body_given_id, body_number
   use sgmp_checksum, only: checksum_text
   use sgmp_command_line, only: command_line_t
   use sgmp_energy, only: ledger_drift, ledger_total
@@ -177,7 +178,10 @@ contains
     row%dt = model%clock%dt
     row%limited_by = limit_names(model%clock%limited_by)
     if (model%clock%limited_by == limit_courant) then
-      row%limited_by = 'particle '//integer_text(model%findings%fastest_id)
+      associate (id => model%findings%fastest_id)
+        row%limited_by = 'particle '//integer_text(body_given_id( &
+                         model%bodies(body_number(model%bodies, id)), id))
+      end associate
     end if
     row%kinetic = model%ledger%kinetic
     row%internal = model%ledger%internal

@@ -2,7 +2,7 @@
 module sgmp_simulation
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sgmp_balancing, only: balancing_look
-  use sgmp_body, only: body_number
+  use sgmp_body, only: body_number, body_particle
   use sgmp_build_model, only: model_build
   use sgmp_checkpoint, only: checkpoint_bytes, checkpoint_path, checkpoint_set_aside, &
                              checkpoint_write
@@ -358,8 +358,7 @@ contains
     character(:), allocatable :: text
     integer :: b
     b = body_number(model%bodies, model%findings%fastest_id)
-    text = 'particle '//integer_text(model%findings%fastest_id)//' of body '// &
-           trim(model%bodies(b)%name)// &
+    text = body_particle(model%bodies, model%findings%fastest_id)// &
            ' ('//trim(scene%materials(scene%bodies(b)%material)%name)//')'
   end function fastest_particle
 

@@ -148,13 +148,14 @@ contains
     associate (card => scene%bodies(number), mesh => model%mesh, &
                material => scene%materials(scene%bodies(number)%material))
       if (.not. seeded) then
-        allocate (x(3, 0), volume(0))
+        allocate (x(3, 0), volume(0), body%given_ids(0))
       else if (model%ranks%partition%ranks > 1) then
         call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, &
-                              file_velocity, partition_slab(model, kernel), surveys(number), ids)
+                              file_velocity, partition_slab(model, kernel), surveys(number), &
+                              ids, body%given_ids)
       else
         call seeding_generate(card, scene%grid%cell, mesh%origin, mesh%ndim, x, volume, error, &
-                              file_velocity)
+                              file_velocity, file_ids=body%given_ids)
       end if
       if (seeded .and. .not. allocated(error)) then
         call seeding_check_overlap(scene%bodies, number, x, mesh%ndim, error)

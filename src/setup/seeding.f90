@@ -7,12 +7,12 @@ module sgmp_seeding
                           lattice_layers, lattice_lines, lattice_point, lattice_t, &
                           lattice_tolerance, lattice_too_many, lattice_volume
   use sgmp_mesh, only: mesh_make, mesh_position, mesh_t
-  use sgmp_particle_file, only: particle_file_read
+  use sgmp_particle_file, only: file_particles_t, particle_file_read
   use sgmp_scene, only: body_card_t, layout_file, layout_gauss, scene_space, scene_t
   use sgmp_shapes, only: combine_union, shape_t, shapes_anchor, shapes_box, shapes_inside, &
                          shapes_near, shapes_volume
   use sgmp_slabs, only: slab_holds, slab_plane, slab_t
-  use sgmp_space, only: axis_names
+  use sgmp_space, only: axis_names, space_axisymmetric
   use sgmp_text, only: real_text
   use sgmp_turn, only: infinite_length, turn_back, turn_box, turn_forth, turn_inverse
   implicit none
@@ -42,7 +42,7 @@ contains
   !> Fills a body with particles; an error where it is unbounded, empty, too large or its file is
   !! wrong.
   subroutine seeding_generate(body, cell, grid_lower, dimension, positions, volumes, error, &
-                              velocities, slab, survey, ids)
+                              velocities, slab, survey, ids, file_ids)
     type(body_card_t), intent(in) :: body
     real(dp), intent(in) :: cell                      !! side of a grid cell (length)
     real(dp), intent(in) :: grid_lower(3)             !! a corner of the grid (length)
@@ -56,16 +56,19 @@ contains
     type(survey_t), intent(in), optional :: survey    !! comes with the slab
     integer(i4), allocatable, intent(out), optional :: ids(:)
       !! (n) which particles of the whole body they are, from 1; comes with the slab
+    integer(i4), allocatable, intent(out), optional :: file_ids(:)
+      !! ids of all particles in the body's file; empty where it gives none
     type(lattice_t) :: lattice
+    type(file_particles_t) :: file
+    if (present(file_ids)) allocate (file_ids(0))
     if (body%layout == layout_file) then
-      call particle_file_read(body%file, place_of(body), dimension, positions, volumes, &
-                              error, velocities)
+      call read_file(body, cell, grid_lower, dimension, file, error)
       if (allocated(error)) return
-      call check_reach(body, minval(positions, dim=2), maxval(positions, dim=2), cell, grid_lower, &
-                       dimension, error)
-      if (present(slab) .and. .not. allocated(error)) then
-        call keep_slab(slab, positions, volumes, ids)
-      end if
+      call move_alloc(file%position, positions)
+      call move_alloc(file%volume, volumes)
+      if (present(velocities)) call move_alloc(file%velocity, velocities)
+      if (present(file_ids)) call move_alloc(file%id, file_ids)
+      if (present(slab)) call keep_slab(slab, positions, volumes, ids)
       return
     end if
     call lay_lattice(body, cell, grid_lower, dimension, lattice, error)
@@ -93,18 +96,14 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(lattice_t) :: lattice
     type(line_t) :: found
-    real(dp), allocatable :: positions(:, :), volumes(:)
+    type(file_particles_t) :: file
     integer :: layer, line, p
     if (body%layout == layout_file) then
-      call particle_file_read(body%file, place_of(body), dimension, positions, volumes, &
-                              error)
-      if (allocated(error)) return
-      call check_reach(body, minval(positions, dim=2), maxval(positions, dim=2), cell, grid_lower, &
-                       dimension, error)
+      call read_file(body, cell, grid_lower, dimension, file, error)
       if (allocated(error)) return
       call survey_open(survey, 1)
-      do p = 1, merge(size(volumes), 0, sharer == 0)
-        call survey_note(survey, 1, slab_plane(slab, positions(:, p)))
+      do p = 1, merge(size(file%volume), 0, sharer == 0)
+        call survey_note(survey, 1, slab_plane(slab, file%position(:, p)))
       end do
       return
     end if
@@ -120,6 +119,21 @@ contains
       end do
     end do
   end subroutine seeding_survey
+
+  !> The particles that a body takes from its file.
+  subroutine read_file(body, cell, grid_lower, dimension, file, error)
+    type(body_card_t), intent(in) :: body
+    real(dp), intent(in) :: cell, grid_lower(3)       !! as for seeding_generate
+    integer, intent(in) :: dimension
+    type(file_particles_t), intent(out) :: file
+    type(error_t), allocatable, intent(out) :: error
+    call particle_file_read(body%file, place_of(body), &
+                            merge(space_axisymmetric, dimension, body%rings), body%choice, file, &
+                            error)
+    if (allocated(error)) return
+    call check_reach(body, minval(file%position, dim=2), maxval(file%position, dim=2), cell, &
+                     grid_lower, dimension, error)
+  end subroutine read_file
 
   !> An empty survey.
   pure subroutine survey_open(survey, layers)

@@ -5,7 +5,7 @@
 !! under way while the others are swept. Where a slab ends changes no sum: a plane between two slabs
 !! is joined to what the straight sweep would have made of it.
 module sgmp_field_sweep
-  use sgmp_body, only: body_number, body_t
+  use sgmp_body, only: body_particle, body_t
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_t
   use sgmp_findings, only: findings_t
@@ -272,9 +272,8 @@ contains
         end if
         if (work%bad_id > 0 .and. .not. allocated(findings%failure)) then
           findings%failed_in = findings%strained
-          call error_make(findings%failure, exit_numerical, 'particle '// &
-                          integer_text(work%bad_id)//' of body '// &
-                          trim(bodies(body_number(bodies, work%bad_id))%name)// &
+          call error_make(findings%failure, exit_numerical, &
+                          body_particle(bodies, work%bad_id)// &
                           trim(merge(' has an imaginary sound speed   ', &
                                      ' is inside out or not a number  ', work%no_sound))// &
                           ' after step '//integer_text(plan%step), &

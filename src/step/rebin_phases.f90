@@ -1,7 +1,7 @@
 !> Particles that change bins: those that leave the grid or the rank, those that come, and what they
 !! bring to the grid.
 module sgmp_rebin_phases
-  use sgmp_body, only: body_t
+  use sgmp_body, only: body_particle, body_t
   use sgmp_buffer, only: buffer_left, buffer_put, buffer_t, buffer_whole
   use sgmp_contact, only: contact_t
   use sgmp_errors, only: error_make, error_t, exit_numerical
@@ -97,13 +97,13 @@ contains
                    d => lists(b, s)%escaped(2))
           if (movers%n == 0 .or. m == 0 .or. allocated(failure)) cycle
           if (movers%particle(d, m) /= movers%particle(d, m)) then
-            call error_make(failure, exit_numerical, particle_name(bodies(b), movers%id(m))// &
+            call error_make(failure, exit_numerical, body_particle(bodies, movers%id(m))// &
                             ' is nowhere: its place along '//axis_names(d, mesh%space)// &
                             ' is not a number after step '//integer_text(plan%step), &
                             'look at formulas of time and place, and at cfl')
             return
           end if
-          call error_make(failure, exit_numerical, particle_name(bodies(b), movers%id(m))// &
+          call error_make(failure, exit_numerical, body_particle(bodies, movers%id(m))// &
                           ' left the grid along '//axis_names(d, mesh%space)//' at '// &
                           real_text(mesh%origin(d) + mesh%h*movers%particle(d, m))// &
                           ' in step '//integer_text(plan%step), &
@@ -113,13 +113,6 @@ contains
       end do
     end do
   end subroutine report_escaped
-
-  function particle_name(body, id) result(text)
-    type(body_t), intent(in) :: body
-    integer(i4), intent(in) :: id
-    character(:), allocatable :: text
-    text = 'particle '//integer_text(id)//' of body '//trim(body%name)
-  end function particle_name
 
   !> Adds what particles of a body that are removed take along to the sums of the step.
   subroutine book_eroded(b, bodies, lists, findings)
@@ -191,7 +184,7 @@ contains
               call write_mover(b, movers, m, ranks%messages%to_above)
             end if
             if (beyond_neighbours(plane, partition)) then
-              call moved_too_far(plan, bodies(b), movers%id(m), findings%failure)
+              call moved_too_far(plan, bodies, movers%id(m), findings%failure)
             end if
           end do
         end associate
@@ -276,13 +269,13 @@ contains
   end function beyond_neighbours
 
   !> A particle has crossed more than a cell although the time step should not let it.
-  subroutine moved_too_far(plan, body, id, failure)
+  subroutine moved_too_far(plan, bodies, id, failure)
     type(plan_t), intent(in) :: plan
-    type(body_t), intent(in) :: body
+    type(body_t), intent(in) :: bodies(:)
     integer(i4), intent(in) :: id
     type(error_t), allocatable, intent(inout) :: failure
     if (allocated(failure)) return
-    call error_make(failure, exit_numerical, particle_name(body, id)// &
+    call error_make(failure, exit_numerical, body_particle(bodies, id)// &
                     ' has crossed more than a cell in step '//integer_text(plan%step), &
                     'reduce cfl or dt; see the last dump for where it is')
   end subroutine moved_too_far

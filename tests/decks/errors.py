@@ -122,7 +122,7 @@ EXPECTED = {
     "parameter_twice": [r"{d}:8:11: error: parameter 'h' is defined twice", r"{d}:7:11"],
     "parenthesis": [r"{d}:7:9: error: unbalanced parentheses"],
     "particle_columns": [r"particle_columns\.txt:3:1: .*not a particle \(5 numbers, not 4\)"],
-    "particle_file": [r"particles\.txt:3:1: .*not a particle"],
+    "particle_file": [r"particles\.txt:3:9: .*not a particle \('oops' is not a number\)"],
     "poisson": [r"{d}:5:57: error: 'poisson' = 0\.5 is out of range", r"\(-1,0\.5\)"],
     "quote": [r"{d}:7:7: error: the quote is not closed"],
     "repeated_card": [r"{d}:7:1: error: card 'time' is given twice", r"{d}:4:1"],

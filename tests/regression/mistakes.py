@@ -132,10 +132,11 @@ FILES = [
     ("numbers in place of volumes", particles("x y z id")),
     ("volumes before the places", particles("volume x y z")),
     ("masses in place of volumes", particles("x y z mass")),
-    ("a line of names", "x y z volume\n" + particles("x y z volume")),
+    ("a misspelt name of a column", "x y z volumes\n" + particles("x y z volume")),
+    ("a name for each column but one", "id x y z\n" + particles("id x y z volume")),
 ]
 RIGHT = [("rod", ROD, ""), ("explosive", TNT, ""), ("file", FILE, particles("x y z volume")),
-         ("file with commas", FILE, particles("x y z volume").replace(" ", ","))]
+         ("file with a line of names", FILE, "volume z y x\n" + particles("volume z y x")), ("file with commas", FILE, particles("x y z volume").replace(" ", ","))]
 
 
 def check(deck, text):

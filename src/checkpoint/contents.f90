@@ -1,0 +1,102 @@
+!> What a checkpoint says of itself to readers other than a restart: time, grid, bodies, and what
+!! the columns of their particles are, as JSON.
+module sgmp_contents
+  use sgmp_body, only: body_t
+  use sgmp_constitutive, only: slots_t
+  use sgmp_mesh, only: mesh_t
+  use sgmp_model, only: model_t
+  use sgmp_particle_fields, only: particle_field_components, particle_field_find
+  use sgmp_space, only: axes_in_output
+  use sgmp_text, only: integer_text, real_text_short
+  implicit none
+  private
+  public :: contents_text
+
+  integer, parameter :: name_length = 16
+
+contains
+
+  !> Places are origin + cell*(the first columns), along the axes of output that `axes` counts.
+  function contents_text(model) result(text)
+    type(model_t), intent(in) :: model
+    character(:), allocatable :: text
+    integer :: b, d
+    associate (mesh => model%mesh)
+      text = '{"time": '//real_text_short(model%clock%time)//', "step": '// &
+             integer_text(model%clock%step)//', "cell": '//real_text_short(mesh%h)//', "origin": ['
+      do d = 1, mesh%ndim
+        text = text//real_text_short(mesh%origin(d))//trim(merge(', ', '  ', d < mesh%ndim))
+      end do
+      text = text//'], "axes": ['
+      do d = 1, mesh%ndim
+        text = text//integer_text(axes_in_output(d, mesh%space))// &
+               trim(merge(', ', '  ', d < mesh%ndim))
+      end do
+      text = text//'], "bodies": ['
+      do b = 1, size(model%bodies)
+        text = text//body_text(model%bodies(b), mesh)
+        if (b < size(model%bodies)) text = text//', '
+      end do
+      text = text//']}'
+    end associate
+  end function contents_text
+
+  !> Name and first id of a body, and the columns of its particles.
+  function body_text(body, mesh) result(text)
+    type(body_t), intent(in) :: body
+    type(mesh_t), intent(in) :: mesh
+    character(:), allocatable :: text
+    character(name_length), allocatable :: names(:)
+    integer :: q
+    names = column_names(body%law%slots, mesh)
+    text = '{"name": "'//trim(body%name)//'", "first_id": '//integer_text(body%first_id)// &
+           ', "columns": "position velocity mass'
+    do q = 1, size(names)
+      text = text//' '//trim(names(q))
+    end do
+    text = text//'"}'
+  end function body_text
+
+  !> Names of the history columns as output has them; the mean stress where it is the only one, and
+  !! `spin+2` for the third component of the spin.
+  function column_names(slots, mesh) result(names)
+    type(slots_t), intent(in) :: slots
+    type(mesh_t), intent(in) :: mesh
+    character(name_length) :: names(slots%total)
+    integer :: q, first
+    names = ''
+    names(slots%volume) = 'volume'
+    if (slots%stresses > 1) then
+      names(slots%stress:slots%stress + slots%stresses - 1) = &
+        particle_field_components(particle_field_find('stress'), mesh%space, slots%stresses)
+    else
+      call name_column(slots%stress, 'mean_stress')
+    end if
+    call name_column(slots%plastic, 'plastic_strain')
+    call name_column(slots%temperature, 'temperature')
+    call name_column(slots%damage, 'damage')
+    call name_column(slots%energy, 'energy')
+    call name_column(slots%lighting, 'lighting_time')
+    call name_column(slots%deformation, 'deformation')
+    call name_column(slots%stretch, 'stretch')
+    call name_column(slots%initial, 'initial')
+    call name_column(slots%spin, 'spin')
+    call name_column(slots%swirl, 'swirl')
+    call name_column(slots%surface, 'surface')
+    call name_column(slots%compliance, 'compliance')
+    call name_column(slots%strength, 'strength')
+    call name_column(slots%path, 'path')
+    first = 1
+    do q = 1, slots%total
+      if (names(q) /= '') first = q
+      if (names(q) == '') names(q) = trim(names(first))//'+'//integer_text(q - first)
+    end do
+  contains
+    subroutine name_column(column, name)
+      integer, intent(in) :: column
+      character(*), intent(in) :: name
+      if (column > 0) names(column) = name
+    end subroutine name_column
+  end function column_names
+
+end module sgmp_contents
