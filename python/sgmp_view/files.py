@@ -323,7 +323,7 @@ def read_checkpoint(path: Path) -> Particles:
     """The particles of a checkpoint in the order of their bodies and ids, with all that they carry."""
     with open_hdf5(path) as file:
         if "contents" not in file:
-            raise SgmpFileError(f"{path}: not a checkpoint of sgmp, or one of a version before format 7")
+            raise SgmpFileError(f"{path}: not a checkpoint of sgmp, or one of a version before format 8")
         contents = json.loads(file["contents"][()])
         bodies = [read_checkpoint_body(file[f"body_{number}"], number, body, contents) for number, body in enumerate(contents["bodies"], 1)]
     names = dict.fromkeys(name for body in bodies for name in body)  # materials differ in what they carry
