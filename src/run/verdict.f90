@@ -174,9 +174,9 @@ contains
                     model%ledger%largest_kinetic)
     if (.not. self%impulse > largest_impulse*momentum) return
     call self%object('forces acted on grid points without mass and moved nothing, an impulse '// &
-                     'of '//percent(self%impulse/max(momentum, tiny(1.0_dp)))// &
-                     ' of the largest momentum: particles lie on the faces of cells; shift the body or the '// &
-                     'grid by a part of a cell')
+                     'of '//percent(self%impulse/max(momentum, tiny(1.0_dp)))//' of the '// &
+                     'largest momentum: particles lie on the faces of cells; shift the body '// &
+                     'or the grid by a part of a cell')
   end subroutine judge_impulse
 
   !> Angular momentum that nothing acts on, and yet has changed.
