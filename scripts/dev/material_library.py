@@ -33,6 +33,8 @@ Each line of a file names the source of its constants. They were compared with o
 were found in no other print. What is called handbook are elastic moduli and densities as they stand in any. Explosives are checked by themselves: their constants give the published speed and pressure of detonation to 0.2 %.
 Every material is strained along a path in two systems of units and compared with its equations, worked out independently (tests/regression/library.py).
 
+`copper` and `copper_steinberg` are the same metal: the first is for rates and temperatures of impact, the second for pressures of 10 GPa and more.
+
 Johnson and Cook's damage is off in `copper`, `iron` and `steel_4340`; `--set copper_failure=yes` switches it on. There is no concrete: no law here describes it.
 
 """

@@ -38,8 +38,16 @@ LAWS = {
                      "triaxial, plane strain and simple shear in closed form (test_material_mohr_coulomb); a second implementation, all regions (tests/regression/laws.py)"),
     "mooney_rivlin": (["mooney_rivlin density=1 c1=15 c2=4 poisson=0.4"], "(R2), Mooney 1940, Rivlin 1948",
                       "Rivlin's uniaxial, equibiaxial, pure and simple shear; stress and work from the energy (test_material_mooney_rivlin, tests/regression/laws.py)"),
+    "steinberg_guinan": ([f"steinberg_guinan density=1 {SOLID} yield=0.1 yield_limit=1 hardening_factor=40 hardening_exponent=0.3 pressure_stiffening=0.02 "
+                          "thermal_softening=4e-4 specific_heat=10 melt_temperature=1000"],
+                         "(SG1)–(SG3), Steinberg, Cochran and Guinan 1980", "closed forms (test_material_steinberg_guinan); paths of a second implementation, with "
+                         "temperature, Ymax and melting (tests/regression/laws.py, 0.1 %)"),
+    "zerilli_armstrong": ([f"zerilli_armstrong density=1 {SOLID} yield=0.1 thermal_stress=1 thermal_softening=7e-3 thermal_rate=4e-4 hardening_modulus=1 "
+                           "hardening_exponent=0.3 specific_heat=10"],
+                          "(ZA1), Zerilli and Armstrong 1987", "closed forms, both lattices (test_material_zerilli_armstrong); paths of a second implementation "
+                          "(tests/regression/laws.py, 0.1 %)"),
 }
-SOLIDS = "j2, johnson_cook, fluid"
+SOLIDS = "metals, fluid"
 # name: constants, goes with, equation and source, compared with
 EQUATIONS = {
     "jwl": ("", "explosive", "(W1), Jones-Wilkins-Lee", "Chapman-Jouguet state and Taylor wave (tnt_slab); detonation speeds and pressures of the library's explosives"),
@@ -53,6 +61,8 @@ EQUATIONS = {
               "Hugoniots of six metals and of water (hugoniot); paths of the library's metals (tests/regression/library.py)"),
 }
 NOTES = {"j2": "; energy with an equation of state, damage with `failure`", "johnson_cook": " (temperature and damage where asked for); energy with an equation of state",
+         "steinberg_guinan": " (temperature with `specific_heat`); energy with an equation of state",
+         "zerilli_armstrong": " (temperature with `specific_heat`); energy with an equation of state",
          "fluid": " (without a viscosity one stress component)"}
 DECK = """
 dimension 3

@@ -68,6 +68,8 @@ contains
       factor = mass/length**3
     case ('stress')
       factor = mass/(length*time**2)
+    case ('1/stress')
+      factor = length*time**2/mass
     case ('stress time')
       factor = mass/(length*time)
     case ('stress length')
@@ -78,7 +80,7 @@ contains
       factor = length/time**2
     case ('specific heat')
       factor = (length/time)**2
-    case ('', 'temperature', 'degrees')
+    case ('', 'temperature', '1/temperature', 'degrees')
       factor = 1.0_dp
     case default
       factor = 1.0_dp

@@ -22,6 +22,7 @@ module sgmp_constitutive
   use sgmp_eos_tait, only: tait_keys, tait_lanes, tait_read, tait_t, tait_terms
   use sgmp_erosion, only: erosion_read, erosion_t
   use sgmp_failure, only: carries_everything, failure_none, failure_read, failure_softens, failure_t
+  use sgmp_heating, only: heating_t
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_drucker_prager, only: drucker_prager_read, drucker_prager_t
@@ -33,6 +34,10 @@ module sgmp_constitutive
   use sgmp_material_jc, only: jc_keys, jc_read, jc_t, jc_yield_stress
   use sgmp_material_mohr_coulomb, only: mohr_coulomb_read, mohr_coulomb_t
   use sgmp_material_mooney_rivlin, only: mooney_rivlin_keys, mooney_rivlin_read, mooney_rivlin_t
+  use sgmp_material_steinberg_guinan, only: steinberg_guinan_keys, steinberg_guinan_read, &
+                                            steinberg_guinan_t, steinberg_guinan_yield_stress
+  use sgmp_material_zerilli_armstrong, only: zerilli_armstrong_keys, zerilli_armstrong_read, &
+                                             zerilli_armstrong_t, zerilli_armstrong_yield_stress
   use sgmp_softening, only: softening_make, softening_t, softening_widest
   use sgmp_soil, only: soil_keys
   use sgmp_viscosity, only: viscosity_read, viscosity_t
@@ -42,7 +47,8 @@ module sgmp_constitutive
   public :: constitutive_t, slots_t, slots_make
   public :: material_elastic, material_neo_hookean, material_j2, material_johnson_cook, &
             material_explosive, material_fluid, material_drucker_prager, material_mohr_coulomb, &
-            material_mooney_rivlin, material_names
+            material_mooney_rivlin, material_steinberg_guinan, material_zerilli_armstrong, &
+            material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_shock, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check, law_set_length, &
@@ -54,10 +60,11 @@ module sgmp_constitutive
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
                         material_drucker_prager = 7, material_mohr_coulomb = 8, &
-                        material_mooney_rivlin = 9
-  character(16), parameter :: material_names(*) = [character(16) :: &
+                        material_mooney_rivlin = 9, material_steinberg_guinan = 10, &
+                        material_zerilli_armstrong = 11
+  character(17), parameter :: material_names(*) = [character(17) :: &
     'elastic', 'neo_hookean', 'j2', 'johnson_cook', 'explosive', 'fluid', &
-    'drucker_prager', 'mohr_coulomb', 'mooney_rivlin']
+    'drucker_prager', 'mohr_coulomb', 'mooney_rivlin', 'steinberg_guinan', 'zerilli_armstrong']
 
   integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2, eos_ideal_gas = 3, &
                         eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6, eos_shock = 7
@@ -109,6 +116,9 @@ module sgmp_constitutive
     type(drucker_prager_t) :: soil
     type(mohr_coulomb_t) :: mohr_coulomb
     type(mooney_rivlin_t) :: mooney_rivlin
+    type(steinberg_guinan_t) :: steinberg_guinan
+    type(zerilli_armstrong_t) :: zerilli_armstrong
+    type(heating_t) :: heating                 !! where compression warms, too
     type(jwl_t) :: jwl
     type(gruneisen_t) :: gruneisen
     type(stiffened_gas_t) :: gas               !! the ideal gas, too
@@ -154,6 +164,10 @@ contains
       keys = [moduli_keys(), soil_keys()]
     case (material_mooney_rivlin)
       keys = mooney_rivlin_keys()
+    case (material_steinberg_guinan)
+      keys = [moduli_keys(), steinberg_guinan_keys()]
+    case (material_zerilli_armstrong)
+      keys = [moduli_keys(), zerilli_armstrong_keys()]
     case default  ! material_explosive
       keys = burn_keys()
     end select
@@ -205,6 +219,14 @@ contains
     case (material_mooney_rivlin)
       call mooney_rivlin_read(law%density, values, law%mooney_rivlin, law%elastic, law%history, &
                               fault)
+    case (material_steinberg_guinan)
+      call solid_read(values, law)
+      call steinberg_guinan_read(law%density, values, law%steinberg_guinan, law%history, fault)
+      law%heating = law%steinberg_guinan%heating
+    case (material_zerilli_armstrong)
+      call solid_read(values, law)
+      call zerilli_armstrong_read(law%density, values, law%zerilli_armstrong, law%history, fault)
+      law%heating = law%zerilli_armstrong%heating
     case (material_fluid)
       call fluid_read(values, law%fluid_viscosity, law%history)
     case default  ! material_explosive
@@ -386,7 +408,7 @@ contains
     law%failure = failure_read(values)
     law%fails = .true.
     select case (law%kind)
-    case (material_j2, material_johnson_cook)
+    case (material_j2, material_johnson_cook, material_steinberg_guinan, material_zerilli_armstrong)
       law%history%damage = .true.
       law%softens = failure_softens(law%failure)
       if (.not. (law%jc%failure .or. values%has('pmin') .or. values%has('principal_stress') .or. &
@@ -406,7 +428,8 @@ contains
       end if
     case default
       call fault_make(fault, '', "'"//name//"' ("//trim(material_names(law%kind))// &
-                      ') cannot fail', 'use j2, johnson_cook or fluid')
+                      ') cannot fail', 'use j2, johnson_cook, steinberg_guinan, '// &
+                      'zerilli_armstrong or fluid')
     end select
   end subroutine law_set_failure
 
@@ -457,17 +480,30 @@ contains
     law%h = h
     if (.not. law%softens) return
     yield = 0.0_dp
-    if (law%failure%plastic_strain < failure_none) then
-      if (law%kind == material_j2) then
-        yield = j2_yield_stress(law%j2, law%failure%plastic_strain)
-      else
-        yield = jc_yield_stress(law%jc, law%failure%plastic_strain, law%jc%reference_rate, &
-                                law%jc%room)
-      end if
-    end if
+    if (law%failure%plastic_strain < failure_none) yield = usual_yield_stress(law)
     law%softening = softening_make(law%failure, law%density*law%bulk_speed**2, law%elastic%shear, &
                                    yield, band)
   end subroutine law_set_length
+
+  !> Yield stress at the plastic strain of failure, in the room and at the rate of reference.
+  pure function usual_yield_stress(law) result(yield)
+    type(constitutive_t), intent(in) :: law
+    real(dp) :: yield
+    associate (strain => law%failure%plastic_strain)
+      select case (law%kind)
+      case (material_j2)
+        yield = j2_yield_stress(law%j2, strain)
+      case (material_steinberg_guinan)
+        yield = steinberg_guinan_yield_stress(law%steinberg_guinan, strain)
+      case (material_zerilli_armstrong)
+        yield = zerilli_armstrong_yield_stress(law%zerilli_armstrong, strain, &
+                                               law%zerilli_armstrong%reference_rate, &
+                                               law%heating%room)
+      case default  ! material_johnson_cook
+        yield = jc_yield_stress(law%jc, strain, law%jc%reference_rate, law%jc%room)
+      end select
+    end associate
+  end function usual_yield_stress
 
   !> Width of the widest band in which a law can soften; huge where it does not.
   pure function law_widest_band(law) result(width)

@@ -10,6 +10,7 @@
 !! is implicit in the plastic strain and its rate; the temperature is that of the beginning of the
 !! step.
 module sgmp_material_jc
+  use sgmp_heating, only: heating_keys, plastic_heat_lanes
   use sgmp_keys, only: fault_make, fault_t, key, key_t, kind_logical, kind_real, values_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_history, only: history_t
@@ -60,20 +61,13 @@ contains
                 'hardening_modulus e^hardening_exponent) (1 + rate_coefficient ln r) '// &
                 '(1 - T*^thermal_exponent), e: plastic strain', range='[0,inf)', default='0'), &
             key('reference_rate', kind_real, 'strain rate at which the rate factor is 1; r: '// &
-                'rate of plastic strain over it, at least 1', &
+                'rate of plastic strain over it, in johnson_cook at least 1', &
                 unit='1/time', range='(0,inf)', default='1'), &
             key('thermal', kind_logical, 'carry the temperature and soften the yield stress', &
                 default='no'), &
             key('thermal_exponent', kind_real, 'Johnson-Cook m; T*: (temperature - room) over '// &
                 '(melting - room), 0 to 1', range='(0,inf)', default='1'), &
-            key('room_temperature', kind_real, 'initial and reference temperature', &
-                unit='temperature', range='[0,inf)', default='293'), &
-            key('melt_temperature', kind_real, 'melting temperature; needed if thermal', &
-                unit='temperature', range='(0,inf)'), &
-            key('specific_heat', kind_real, 'specific heat; needed if thermal', &
-                unit='specific heat', range='(0,inf)'), &
-            key('taylor_quinney', kind_real, 'part of the plastic work that becomes heat', &
-                range='[0,1]', default='0.9'), &
+            heating_keys(), &
             key('failure', kind_logical, 'Johnson-Cook damage and failure: at a plastic strain '// &
                 'of (d1 + d2 exp(d3 s)) (1 + d4 ln r) (1 + d5 T*)', default='no'), &
             key('d1', kind_real, 'Johnson-Cook D1', default='0'), &
@@ -250,7 +244,9 @@ contains
     if (law%thermal) call softening_lanes(law, temperature, softening)
     call flow_lanes(law, shear3, dt, softening, trial, ep, factor, dep)
     if (law%failure) call damage_lanes(law, dt, trial, factor, mean, temperature, dep, damage)
-    if (law%thermal) call heat_lanes(law, trial, factor, dep, temperature)
+    if (law%thermal) then
+      call plastic_heat_lanes(law%taylor_quinney/law%heat_capacity, trial, factor, dep, temperature)
+    end if
   end subroutine jc_return
 
   !> Lane kernel, model without temperature and failure.
@@ -329,19 +325,5 @@ contains
       damage(p) = merge(damage(p), 1.0_dp, damage(p) < 1.0_dp)
     end do
   end subroutine damage_lanes
-
-  !> Adiabatic heating (J2).
-  pure subroutine heat_lanes(law, trial, factor, dep, temperature)
-    type(jc_t), intent(in) :: law
-    real(dp), dimension(lanes), intent(in) :: trial, factor, dep
-    real(dp), intent(inout) :: temperature(lanes)
-    real(dp) :: heating
-    integer :: p
-    heating = law%taylor_quinney/law%heat_capacity
-    !$omp simd simdlen(8)
-    do p = 1, lanes
-      temperature(p) = temperature(p) + heating*factor(p)*trial(p)*dep(p)
-    end do
-  end subroutine heat_lanes
 
 end module sgmp_material_jc

@@ -6,12 +6,13 @@ module sgmp_pressure
   use sgmp_constitutive, only: constitutive_t, eos_lanes, eos_none
   use sgmp_eos, only: eos_energy_pressure, eos_sound_speed_lanes
   use sgmp_failure, only: carries_nothing, failure_bounds, failure_none
+  use sgmp_heating, only: compression_heat_lanes
   use sgmp_kinds, only: dp, lanes
   use sgmp_softening, only: softening_damage
   use sgmp_viscosity, only: viscosity_lanes
   implicit none
   private
-  public :: cavitate, equation_of_state, explosive, release, soften, viscosity
+  public :: cavitate, equation_of_state, explosive, release, soften, viscosity, warm
 
   integer, parameter :: components = 6  !! of a stress in space
 
@@ -28,7 +29,7 @@ contains
     none = 0.0_dp
     call burn_fraction_lanes(time, b(1, law%slots%lighting), law%detonation_speed, law%h, &
                              law%burn_cells, burnt)
-    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, none, 0.0_dp, burnt, &
+    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, none, none, burnt, &
                            b(1, law%slots%energy), b(1, law%slots%stress), speed2, q, work)
   end subroutine explosive
 
@@ -143,7 +144,7 @@ contains
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), volume(lanes), trace(lanes)
     real(dp), intent(in) :: deviatoric_work(lanes)      !! per current (old) volume
-    real(dp), intent(in) :: stiffness  !! 4/3 G, of the shear part of the sound speed
+    real(dp), intent(in) :: stiffness(lanes)  !! 4/3 G, of the shear part of the sound speed
     real(dp), intent(in) :: burnt(lanes)                !! factor on the pressure
     real(dp), intent(inout) :: energy(lanes), mean(lanes)
     real(dp), intent(out) :: speed2(lanes), q(lanes)
@@ -169,7 +170,7 @@ contains
     do l = 1, lanes
       speed2(l) = merge(bulk(l), law%slowest**2, bulk(l) > law%slowest**2)
       speed2(l) = merge(speed2(l), law%detonation_speed**2, burnt(l) > 0.0_dp) + &
-          (stiffness*inverse)*v(l)
+          (stiffness(l)*inverse)*v(l)
     end do
     call viscosity(law, dt, mass, volume, trace, speed2, q)
     !$omp simd simdlen(8)
@@ -184,10 +185,25 @@ contains
       work(l) = -0.5_dp*(p_old(l) + p(l))*(v(l) - v_old(l))/v_old(l)
       mean(l) = -p(l)
       ! Waves without a speed are left as they are, for the caller to see.
-      bulk(l) = merge(bulk(l) + (stiffness*inverse)*v(l), 0.0_dp, burnt(l) > 0.0_dp)
+      bulk(l) = merge(bulk(l) + (stiffness(l)*inverse)*v(l), 0.0_dp, burnt(l) > 0.0_dp)
       speed2(l) = merge(bulk(l), speed2(l), bulk(l) < 0.0_dp)
     end do
   end subroutine equation_of_state
+
+  !> Temperature of matter that is compressed, and heated by bulk viscosity.
+  subroutine warm(law, mass, old_volume, volume, trace, q, temperature)
+    type(constitutive_t), intent(in) :: law
+    real(dp), dimension(lanes), intent(in) :: mass, old_volume, volume, trace
+    real(dp), intent(in) :: q(lanes)                    !! viscous pressure
+    real(dp), intent(inout) :: temperature(lanes)
+    real(dp), dimension(lanes) :: scale, v_old, v, viscous, a0, b0, da, db
+    scale = law%density/mass
+    v_old = old_volume*scale
+    v = volume*scale
+    viscous = -v_old*q*trace
+    call eos_lanes(law, v, a0, b0, da, db)
+    call compression_heat_lanes(law%heating%heat_capacity, b0, v_old, v, viscous, temperature)
+  end subroutine warm
 
   !> Bulk viscosity of a chunk; none where the scene has none.
   pure subroutine viscosity(law, dt, mass, volume, trace, speed2, q)

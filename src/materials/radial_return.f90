@@ -9,21 +9,27 @@
 !! term alone sets, also at ep = 0 with n < 1, where iterations in dep stall on the infinite slope.
 !! A lane that has settled is frozen, so its bits do not depend on its neighbours, and the chunk
 !! leaves when all have: without a step where all are elastic, usually after two.
+!!
+!! `radial_return_activated` is for thermally activated flow, with a power of the rate in place of
+!! the logarithm, which is an exponential in q, too.
 module sgmp_radial_return
   use sgmp_keys, only: key, key_t, kind_real
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
-  public :: hardening_t, hardening_keys
+  public :: hardening_t, activated_t, hardening_keys
   public :: return_linear, return_factor, hardening_power_term
-  public :: radial_return_linear, radial_return_power, radial_return_rate
+  public :: radial_return_linear, radial_return_power, radial_return_rate, radial_return_activated
 
   real(dp), parameter :: tiny_strain = 1.0e-30_dp  !! strains below count as zero
   real(dp), parameter :: threshold = 1.0e-15_dp    !! overstress/3G below which a lane is elastic
   real(dp), parameter :: benign = 1.0e-6_dp        !! overstress/3G that elastic lanes solve for
   real(dp), parameter :: settled = 2.0e-4_dp       !! last change of ln(dep); its cube/12 remains
   integer, parameter :: most_steps = 12            !! more than any state tried has needed
+  integer, parameter :: most_activated_steps = 60  !! from far above where the rate hardly matters
   real(dp), parameter :: largest_log = 600.0_dp    !! exp of it is finite
+  !> Least increment of activated flow: below, a lane is elastic.
+  real(dp), parameter :: least_increment = 1.0e-30_dp
 
   !> What the return needs to know of a material.
   type :: hardening_t
@@ -35,16 +41,24 @@ module sgmp_radial_return
     real(dp) :: dep_reference = 1.0_dp     !! reference strain rate times dt, > 0
   end type hardening_t
 
+  !> Thermally activated part (stress + hardening ep^(1/2)) (dep/dep_reference)^power of the yield
+  !! stress of each lane.
+  type :: activated_t
+    real(dp) :: stress(lanes) = 0.0_dp     !! (stress)
+    real(dp) :: hardening(lanes) = 0.0_dp  !! (stress)
+    real(dp) :: power(lanes) = 0.0_dp      !! >= 0
+  end type activated_t
+
 contains
 
   !> Keys of yield stress and hardening.
   function hardening_keys() result(keys)
     type(key_t), allocatable :: keys(:)
-    keys = [key('yield', kind_real, 'initial yield stress (Johnson-Cook A)', unit='stress', &
-                range='(0,inf)', required=.true.), &
+    keys = [key('yield', kind_real, 'initial yield stress (Johnson-Cook A, Zerilli-Armstrong C0)', &
+                unit='stress', range='(0,inf)', required=.true.), &
             key('hardening_modulus', kind_real, &
-                'slope, or factor of the power law (Johnson-Cook B)', unit='stress', &
-                range='[0,inf)', default='0'), &
+                'slope, or factor of the power law (Johnson-Cook B, Zerilli-Armstrong C5)', &
+                unit='stress', range='[0,inf)', default='0'), &
             key('hardening_exponent', kind_real, &
                 'exponent of the power law (Johnson-Cook n)', range='(0,inf)', default='1')]
   end function hardening_keys
@@ -153,6 +167,26 @@ contains
                    elastic + h1*(curvature*(1.0_dp + q) + 2.0_dp*rate))
   end function rate_step
 
+  !> Ratio by which one Halley step changes dep, with the activated part.
+  pure function activated_step(law, stress, root, power, over, hard, ep, dep) result(ratio)
+    type(hardening_t), intent(in) :: law
+    real(dp), intent(in) :: stress, root, power  !! of activated_t, one lane
+    real(dp), intent(in) :: over, hard, ep, dep
+    real(dp) :: ratio
+    real(dp) :: share, h, h1, elastic, rate, a, b, slope
+    share = dep/(ep + dep)
+    h = law%modulus*exp(law%exponent*log(ep + dep))
+    h1 = law%exponent*h*share
+    rate = exp(power*log(dep/law%dep_reference))
+    a = stress*rate
+    b = root*sqrt(ep + dep)*rate
+    slope = power + 0.5_dp*share
+    elastic = law%shear3*dep
+    ratio = halley(elastic + (h - hard) + a + b - over, elastic + h1 + a*power + b*slope, &
+                   elastic + h1*(1.0_dp + (law%exponent - 1.0_dp)*share) + a*power**2 &
+                   + b*(slope**2 + 0.5_dp*share*(1.0_dp - share)))
+  end function activated_step
+
   !> Halley's step in q from g and its derivatives with respect to q, as exp(step) to the order of
   !! the step; |step| <= 3/2.
   pure function halley(g, g1, g2) result(ratio)
@@ -252,6 +286,61 @@ contains
     end do steps
     call finish(law%shear3, trial, plastic, ep, factor, dep)
   end subroutine radial_return_rate
+
+  !> Lane kernel for power hardening (C = 0) and a thermally activated part, implicit in dep.
+  pure subroutine radial_return_activated(law, activated, trial, ep, factor, dep)
+    type(hardening_t), intent(in) :: law                 !! hardening
+    type(activated_t), intent(in) :: activated           !! the activated part
+    real(dp), intent(in) :: trial(lanes)                 !! as in radial_return_linear
+    real(dp), intent(inout) :: ep(lanes)                 !! as in radial_return_linear
+    real(dp), intent(out) :: factor(lanes), dep(lanes)   !! as in radial_return_linear
+    real(dp), dimension(lanes) :: hard, over, plastic, moving, ratio, least, ones
+    integer :: k, p
+    ones = 1.0_dp
+    if (all_elastic(law, ones, trial)) then
+      factor = 1.0_dp
+      dep = 0.0_dp
+      return
+    end if
+    call prepare_activated(law, activated, trial, ep, hard, over, plastic, dep)
+    moving = plastic
+    least = least_increment
+    steps: do k = 1, most_activated_steps
+      if (.not. any(moving > 0.0_dp)) exit steps
+      !$omp simd simdlen(8)
+      do p = 1, lanes
+        ratio(p) = activated_step(law, activated%stress(p), activated%hardening(p), &
+                                  activated%power(p), over(p), hard(p), ep(p), dep(p))
+      end do
+      call advance(ratio, least, dep, moving)
+    end do steps
+    call finish(law%shear3, trial, plastic, ep, factor, dep)
+  end subroutine radial_return_activated
+
+  !> Overstress to solve for, lanes that flow by more than the least increment, and the start: the
+  !! lesser of the bounds that elasticity alone and the activated stress at ep alone set.
+  pure subroutine prepare_activated(law, activated, trial, ep, hard, over, plastic, dep)
+    type(hardening_t), intent(in) :: law
+    type(activated_t), intent(in) :: activated
+    real(dp), dimension(lanes), intent(in) :: trial, ep
+    real(dp), dimension(lanes), intent(out) :: hard, over, plastic, dep
+    real(dp) :: slowest, now, q
+    integer :: p
+    slowest = log(least_increment/law%dep_reference)
+    !$omp simd simdlen(8) private(now, q)
+    do p = 1, lanes
+      hard(p) = law%modulus*hardening_power_term(ep(p), law%exponent)
+      over(p) = trial(p) - law%yield - hard(p)
+      now = activated%stress(p) + activated%hardening(p)*sqrt(ep(p))
+      plastic(p) = merge(1.0_dp, 0.0_dp, &
+                         over(p) - now*exp(activated%power(p)*slowest) > threshold*law%shear3)
+      over(p) = overstress(law%shear3, over(p))
+      q = log(over(p)/greater(now, tiny_strain*over(p)))/greater(activated%power(p), tiny_strain)
+      q = greater(-largest_log, lesser(q, largest_log))
+      dep(p) = greater(least_increment, &
+                       lesser(law%dep_reference*exp(q), over(p)/law%shear3))
+    end do
+  end subroutine prepare_activated
 
   !> Whether every lane stays below the yield stress of the virgin material, whatever its hardening:
   !! most of a body mostly does, and needs no power then.

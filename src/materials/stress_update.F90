@@ -13,7 +13,8 @@ module DIM(sgmp_stress_update)
   use sgmp_constitutive, only: constitutive_t, eos_none, material_drucker_prager, &
                                material_elastic, material_fluid, material_j2, &
                                material_johnson_cook, material_mohr_coulomb, &
-                               material_mooney_rivlin, material_neo_hookean
+                               material_mooney_rivlin, material_neo_hookean, &
+                               material_steinberg_guinan, material_zerilli_armstrong
   use sgmp_failure, only: failure_judge
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_drucker_prager, only: drucker_prager_return
@@ -22,7 +23,9 @@ module DIM(sgmp_stress_update)
   use sgmp_material_jc, only: jc_return, jc_return_simple
   use sgmp_material_mohr_coulomb, only: mohr_coulomb_return
   use sgmp_material_mooney_rivlin, only: mooney_rivlin_stress
-  use sgmp_pressure, only: cavitate, equation_of_state, explosive, release, soften, viscosity
+  use sgmp_material_steinberg_guinan, only: steinberg_guinan_return, steinberg_guinan_stiffness
+  use sgmp_material_zerilli_armstrong, only: zerilli_armstrong_return
+  use sgmp_pressure, only: cavitate, equation_of_state, explosive, release, soften, viscosity, warm
   use sgmp_softening, only: softening_regain
   use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
@@ -89,7 +92,7 @@ contains
                    old_volume, work)
       call hyperelastic(law, dt, mass, grad, strain, trace, b(1, 1), b(1, s), &
                         b(1, law%slots%deformation), speed2, q, work)
-    case (material_j2, material_johnson_cook)
+    case (material_j2, material_johnson_cook, material_steinberg_guinan, material_zerilli_armstrong)
       call plastic(law, dt, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
     case default  ! material_explosive, material_fluid
       none = 0.0_dp
@@ -428,8 +431,7 @@ contains
     end do
   end subroutine neo_hookean
 
-  !> J2 and Johnson-Cook plasticity by radial return, with linear bulk response or an equation of
-  !! state.
+  !> Plasticity of metals by radial return, with linear bulk response or an equation of state.
   ! allow(S902)
   subroutine plastic(law, dt, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
     type(constitutive_t), intent(in) :: law
@@ -440,19 +442,25 @@ contains
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
     real(dp) :: strain(lanes, NFLUX), mean(lanes), norm(lanes), factor(lanes), increment(lanes)
     real(dp) :: ones(lanes), pressure_work(lanes), failed(lanes), left(lanes), late(lanes)
-    real(dp) :: shear, bulk
+    real(dp) :: shear(lanes), bulk
     integer :: l, s
     s = law%slots%stress
     shear = law%elastic%shear
     bulk = law%elastic%bulk
     if (law%fails) call judge(law, nb, b, failed)
     if (law%softens) call softening_regain(NSTRESS, b(1, law%slots%damage), b(1, s), left)
-    call predict(law, shear, -2.0_dp/3.0_dp*shear, dt, grad, b(1, 1), b(1, s), strain, trace, &
-                 jacobian, old_volume, work)
+    if (law%kind == material_steinberg_guinan) then
+      call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
+                   old_volume, work)
+      call stiffen(law, mass, old_volume, strain, trace, nb, b, shear)
+    else
+      call predict(law, law%elastic%shear, -2.0_dp/3.0_dp*law%elastic%shear, dt, grad, b(1, 1), &
+                   b(1, s), strain, trace, jacobian, old_volume, work)
+    end if
     call von_mises(b(1, s), mean, norm)
     if (law%softens) late = work - 0.5_dp*(mean*trace)
     if (law%fails) norm = (1.0_dp - failed)*norm
-    call return_to_yield(law, 3.0_dp*shear, dt, norm, mean, nb, b, factor, increment)
+    call return_to_yield(law, shear, dt, norm, mean, nb, b, factor, increment)
     if (law%fails) factor = (1.0_dp - failed)*factor
     call relax(factor, mean, strain, trace, b(1, s), work)
     if (law%softens) then
@@ -462,7 +470,7 @@ contains
     if (law%eos == eos_none) then
       !$omp simd simdlen(8)
       do l = 1, lanes
-        speed2(l) = (bulk + 4.0_dp/3.0_dp*shear)*b(l, 1)/mass(l)
+        speed2(l) = (bulk + 4.0_dp/3.0_dp*shear(l))*b(l, 1)/mass(l)
         work(l) = work(l) + (mean(l) + 0.5_dp*bulk*trace(l))*trace(l)
         mean(l) = mean(l) + bulk*trace(l)
       end do
@@ -476,6 +484,9 @@ contains
       do l = 1, lanes
         work(l) = work(l) + pressure_work(l)
       end do
+      if (law%heating%warms) then
+        call warm(law, mass, old_volume, b(1, 1), trace, q, b(1, law%slots%temperature))
+      end if
     end if
     if (law%softens) then
       call soften(law, left, mass, old_volume, trace, late, nb, b, mean, speed2, work)
@@ -484,6 +495,35 @@ contains
     end if
     call add_mean(mean, b(1, s))
   end subroutine plastic
+
+  !> Shear modulus of each lane, and the stress that its shear strain adds with it.
+  pure subroutine stiffen(law, mass, old_volume, strain, trace, nb, b, shear)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: mass(lanes), old_volume(lanes), strain(lanes, NFLUX), trace(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: shear(lanes)
+    real(dp) :: pressure(lanes), v(lanes), temperature(lanes), third(lanes)
+    integer :: c, s
+    s = law%slots%stress
+    pressure = -(b(:, s) + b(:, s + 1) + b(:, s + 2))*(1.0_dp/3.0_dp)
+    v = old_volume*law%density/mass
+    temperature = law%history%first_temperature
+    if (law%heating%warms) temperature = b(:, law%slots%temperature)
+    call steinberg_guinan_stiffness(law%steinberg_guinan, pressure, v, temperature, shear)
+    shear = law%elastic%shear*shear
+    third = (2.0_dp/3.0_dp)*shear*trace
+    do c = 1, 3
+      b(:, s + c - 1) = b(:, s + c - 1) - third
+    end do
+    do c = 1, NFLUX
+      if (stress_of(c) <= 3) then
+        b(:, s + stress_of(c) - 1) = b(:, s + stress_of(c) - 1) + 2.0_dp*shear*strain(:, c)
+      else
+        b(:, s + stress_of(c) - 1) = b(:, s + stress_of(c) - 1) + shear*strain(:, c)
+      end if
+    end do
+  end subroutine stiffen
 
   !> Which lanes have failed, by the stress and history at the beginning of the step.
   subroutine judge(law, nb, b, failed)
@@ -562,30 +602,40 @@ contains
   end subroutine add_mean
 
   !> Radial return of the law at hand.
-  subroutine return_to_yield(law, shear3, dt, norm, mean, nb, b, factor, increment)
+  subroutine return_to_yield(law, shear, dt, norm, mean, nb, b, factor, increment)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: shear3, dt, norm(lanes), mean(lanes)
+    real(dp), intent(in) :: shear(lanes), dt, norm(lanes), mean(lanes)
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: factor(lanes), increment(lanes)
-    real(dp) :: damage(lanes), temperature(lanes)
-    if (law%kind == material_j2) then
+    real(dp) :: damage(lanes), temperature(lanes), shear3
+    shear3 = 3.0_dp*law%elastic%shear
+    temperature = law%history%first_temperature
+    if (law%slots%temperature > 0) temperature = b(:, law%slots%temperature)
+    select case (law%kind)
+    case (material_j2)
       call j2_return(law%j2, shear3, norm, b(1, law%slots%plastic), factor, increment)
-    else if (law%thermal .or. law%jc%failure) then
+    case (material_steinberg_guinan)
+      call steinberg_guinan_return(law%steinberg_guinan, shear3, shear/law%elastic%shear, norm, &
+                                   b(1, law%slots%plastic), temperature, factor, increment)
+    case (material_zerilli_armstrong)
+      call zerilli_armstrong_return(law%zerilli_armstrong, shear3, dt, norm, &
+                                    b(1, law%slots%plastic), temperature, factor, increment)
+    case default  ! material_johnson_cook
+      if (.not. (law%thermal .or. law%jc%failure)) then
+        call jc_return_simple(law%jc, shear3, dt, norm, b(1, law%slots%plastic), factor, increment)
+        return
+      end if
       damage = 0.0_dp
-      temperature = law%jc%room
       if (law%jc%failure .and. law%slots%strength == 0) damage = b(:, law%slots%damage)
-      if (law%thermal) temperature = b(:, law%slots%temperature)
       call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, damage, &
                      factor, increment)
       if (law%jc%failure .and. law%slots%strength > 0) then
         damage = min(1.0_dp, b(:, law%slots%damage) + damage/b(:, law%slots%strength))
       end if
       if (law%jc%failure) b(:, law%slots%damage) = damage
-      if (law%thermal) b(:, law%slots%temperature) = temperature
-    else
-      call jc_return_simple(law%jc, shear3, dt, norm, b(1, law%slots%plastic), factor, increment)
-    end if
+    end select
+    if (law%slots%temperature > 0) b(:, law%slots%temperature) = temperature
   end subroutine return_to_yield
 
   !> A fluid: pressure from the equation of state, and Newton's viscous stress where it has one.
@@ -595,20 +645,21 @@ contains
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
-    real(dp) :: mean(lanes), viscous_work(lanes), ones(lanes)
+    real(dp) :: mean(lanes), viscous_work(lanes), ones(lanes), no_shear(lanes)
     integer :: l, s
     s = law%slots%stress
     ones = 1.0_dp
+    no_shear = 0.0_dp
     if (law%slots%stresses == 1) then
       viscous_work = 0.0_dp
-      call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, viscous_work, 0.0_dp, &
+      call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, viscous_work, no_shear, &
                              ones, b(1, law%slots%energy), b(1, s), speed2, q, work)
       if (law%fails) call cavitate(law, mass, old_volume, nb, b, b(1, s), speed2, work)
       return
     end if
     call newtonian(law%fluid_viscosity, dt, strain, trace, b(1, s), mean, viscous_work)
-    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, viscous_work, 0.0_dp, ones, &
-                           b(1, law%slots%energy), mean, speed2, q, work)
+    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, viscous_work, no_shear, &
+                           ones, b(1, law%slots%energy), mean, speed2, q, work)
     if (law%fails) call cavitate(law, mass, old_volume, nb, b, mean, speed2, work)
     call add_mean(mean, b(1, s))
     !$omp simd simdlen(8)

@@ -149,6 +149,33 @@ erode spalling plastic_strain=0.05
 erode brittle failed=yes time_step=0.02
 failure brittle""")
 
+# Metals that hit each other so fast that they warm, stiffen and in part melt.
+METALS = """
+parameter method = sgmp
+parameter update = musl
+dimension 2
+grid cell=1 x=open:open y=0:open
+wall y-=slip
+method $method update=$update
+time steps=80 cfl=0.4
+material stiff steinberg_guinan density=1 young=100 poisson=0.3 yield=0.5 yield_limit=1.2 hardening_factor=40 hardening_exponent=0.4 &
+  pressure_stiffening=0.02 thermal_softening=5e-4 specific_heat=0.01 melt_temperature=420 melt_slope=1.5 melt_gamma=2
+eos stiff shock c0=9 s=1.5 gamma0=1.5
+material fcc zerilli_armstrong density=1.2 young=80 poisson=0.3 yield=0.1 thermal_hardening=3 thermal_softening=2e-3 thermal_rate=1e-4 specific_heat=0.003
+eos fcc gruneisen c0=8 s=1.4 gamma0=2
+material bcc zerilli_armstrong density=0.8 young=90 poisson=0.3 yield=0.1 thermal_stress=4 thermal_softening=7e-3 thermal_rate=4e-4 hardening_modulus=1 &
+  hardening_exponent=0.3
+failure bcc plastic_strain=0.2
+viscosity all
+body flyer block material=stiff lower=(0,0) upper=(6,8) ppc=2 jitter=0.2
+body plate block material=fcc lower=(6,0) upper=(14,8) ppc=2
+body lid block material=bcc lower=(6,8) upper=(14,14) ppc=2
+velocity flyer x=3 y=0.5
+velocity plate y="0.1*x"
+history steps=10
+output csv at=end fields=stress,density,energy,temperature,plastic_strain
+"""
+
 # A ball on the axis and a tube that closes on it, walls below and outside.
 HOOPS = """
 parameter method = sgmp

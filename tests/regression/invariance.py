@@ -3,7 +3,7 @@
 
 usage: invariance.py SGMP SOURCE_DIR SCRATCH_DIR
 """
-from _runs import ENVIRONMENT, FAILING, FLUIDS, HOOPS, SEAT, SPLIT_SPACE, Report, run
+from _runs import ENVIRONMENT, FAILING, FLUIDS, HOOPS, METALS, SEAT, SPLIT_SPACE, Report, run
 
 # All in units of (m, kg, s), which are 2^n of something.
 MATTER = """
@@ -25,6 +25,11 @@ material johnson_cook johnson_cook density=density young=young poisson=0.3 yield
   hardening_modulus=3*kg/(m*s^2) hardening_exponent=0.4 rate_coefficient=0.02 reference_rate=0.1/s &
   thermal=yes melt_temperature=1000 specific_heat=0.001*m^2/s^2
 eos johnson_cook gruneisen c0=5*m/s s=1.5 gamma0=2
+material steinberg_guinan steinberg_guinan density=density young=young poisson=0.3 yield=0.7*kg/(m*s^2) yield_limit=1*kg/(m*s^2) &
+  hardening_factor=20 hardening_exponent=0.4 pressure_stiffening=0.05*m*s^2/kg thermal_softening=1e-4 melt_temperature=1000 specific_heat=0.001*m^2/s^2
+eos steinberg_guinan gruneisen c0=5*m/s s=1.5 gamma0=2
+material zerilli_armstrong zerilli_armstrong density=density young=young poisson=0.3 yield=0.2*kg/(m*s^2) thermal_stress=4*kg/(m*s^2) &
+  thermal_hardening=2*kg/(m*s^2) thermal_softening=5e-3 thermal_rate=3e-4 reference_rate=0.1/s specific_heat=0.001*m^2/s^2
 viscosity elastic quadratic=1.5 linear=0.06
 """
 # A block in a box; drift makes particles change cells.
@@ -78,7 +83,7 @@ def power_of(column, dimension):
 def same_in_other_units(report, dimension, deck):
     """Units that are powers of two change no bit but the exponents'."""
     units = {"m": 2.0**7, "kg": 2.0**-5, "s": 2.0**3}
-    for kind in ("elastic", "j2", "johnson_cook"):
+    for kind in ("elastic", "j2", "johnson_cook", "steinberg_guinan", "zerilli_armstrong"):
         for method, update in (("sgmp", "musl"), ("sgmp", "usf"), ("gimp", "musl"), ("mpm", "musl")):
             if kind != "elastic" and method != "sgmp":
                 continue
@@ -214,7 +219,7 @@ def same_whatever_is_written(report):
 
 def same_in_used_memory(report):
     """Memory that is not empty when it is given out: nothing is read before it is written."""
-    for name, deck in (("plane", PLANE), ("space", SPACE), ("fluids", FLUIDS), ("failing", FAILING), ("hoops", HOOPS), ("seat", SEAT), ("split", SPLIT_SPACE)):
+    for name, deck in (("plane", PLANE), ("space", SPACE), ("fluids", FLUIDS), ("failing", FAILING), ("metals", METALS), ("hoops", HOOPS), ("seat", SEAT), ("split", SPLIT_SPACE)):
         clean = run(f"clean_{name}", deck)
         ENVIRONMENT["MALLOC_PERTURB_"] = "128"  # bytes of 127 where it is given out, of 128 where it is given back: numbers of 1e306
         used = run(f"used_{name}", deck)

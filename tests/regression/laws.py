@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """One step of a given velocity gradient against second implementations of the laws, in the middle of small blocks that nothing
 has reached: Mohr and Coulomb's return by trying all sets of planes, in any order of the principal stresses; Mooney and Rivlin's stress
-from its energy by the stretches.
+from its energy by the stretches. Steinberg and Guinan's and Zerilli and Armstrong's metals along a path of uniaxial strain, as an
+ordinary differential equation in shorter steps.
 
 usage: laws.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -204,8 +205,109 @@ def rubbers(report, dimension, count):
         compare(report, f"{name}, block {i}", row, stress, 1e-7)
 
 
+COPPER = {"density": 8930, "young": 127e9, "poisson": 0.331, "room_temperature": 300, "specific_heat": 383}
+GUINAN = {**COPPER, "law": "steinberg_guinan", "yield": 120e6, "yield_limit": 640e6, "hardening_factor": 36, "hardening_exponent": 0.45,
+          "pressure_stiffening": 2.83e-11, "thermal_softening": 3.77e-4}
+SHOCK = {"c0": 3940, "s": 1.489, "gamma0": 2.02}
+# name, material, equation of state (none: the bulk modulus), rate of strain, bulk viscosity
+METALS = (
+    ("guinan", GUINAN, SHOCK, -1e5, False), ("guinan_out", {**GUINAN, "yield_limit": 200e6, "initial_strain": 0.01}, SHOCK, 1e5, False),
+    ("guinan_melts", {**GUINAN, "melt_temperature": 500}, SHOCK, -1e5, True),
+    ("guinan_under_pressure", {**GUINAN, "melt_temperature": 330, "melt_slope": 1.5, "melt_gamma": 2.02, "initial_strain": 0.5}, SHOCK, -1e5, True),
+    ("guinan_alone", {**GUINAN, "specific_heat": None, "hardening_factor": 0}, None, -1e4, False),
+    ("armstrong_fcc", {**COPPER, "law": "zerilli_armstrong", "yield": 65e6, "thermal_hardening": 890e6, "thermal_softening": 0.0028, "thermal_rate": 0.000115},
+     SHOCK, -1e4, False),
+    ("armstrong_bcc", {**COPPER, "law": "zerilli_armstrong", "yield": 65e6, "thermal_stress": 1033e6, "thermal_softening": 0.00698, "thermal_rate": 0.000415,
+                       "hardening_modulus": 266e6, "hardening_exponent": 0.289, "melt_temperature": 310, "reference_rate": 10}, None, 1e4, False))
+
+
+def flow_stress(metal, strain, rate, temperature):
+    """Yield stress of a metal in units of G/G0."""
+    if metal["law"] == "steinberg_guinan":
+        return min(metal["yield"]*(1 + metal["hardening_factor"]*(strain + metal.get("initial_strain", 0.0)))**metal["hardening_exponent"], metal["yield_limit"])
+    activated = math.exp(-metal["thermal_softening"]*temperature + metal["thermal_rate"]*temperature*math.log(rate/metal.get("reference_rate", 1.0)))
+    return (metal["yield"] + metal.get("hardening_modulus", 0.0)*strain**metal.get("hardening_exponent", 1.0)
+            + (metal.get("thermal_stress", 0.0) + metal.get("thermal_hardening", 0.0)*math.sqrt(strain))*activated)
+
+
+def strained(metal, eos, cell, times, volumes):
+    """Pressure, von Mises stress, temperature and plastic strain at the times when the volume is known, which is linear in between;
+    cell: the length of the quadratic bulk viscosity, 0 for none."""
+    shear0, bulk = metal["young"]/(2*(1 + metal["poisson"])), metal["young"]/(3*(1 - 2*metal["poisson"]))
+    cold, capacity = metal["density"]*(eos or SHOCK)["c0"]**2, metal["density"]*(metal["specific_heat"] or 1e30)
+    energy, plastic, warm, axial, pressure, found = 0.0, 0.0, float(metal["room_temperature"]), 0.0, 0.0, []
+    substeps = 200
+    for k in range(substeps*(len(times) - 1)):
+        i, part = divmod(k, substeps)
+        dt = (times[i + 1] - times[i])/substeps
+        v, last = (volumes[i] + (volumes[i + 1] - volumes[i])*(part + later)/substeps for later in (0, 1))
+        strain = math.log(last/v)
+        slope = metal.get("melt_slope", 0.0)
+        melt = metal.get("melt_temperature", math.inf)*(math.exp(2*slope*(1 - v))*v**(-2*(metal["melt_gamma"] - slope - 1/3)) if slope else 1.0)
+        stiff = 1 + metal.get("pressure_stiffening", 0.0)*pressure*v**(1/3)
+        stiff -= metal["thermal_softening"]*(warm - metal["room_temperature"]) if metal["law"] == "steinberg_guinan" else 0.0
+        if metal["law"] != "steinberg_guinan":
+            stiff = 1.0
+        before, axial = axial, axial + 4/3*shear0*stiff*strain
+        trial, heat = 1.5*abs(axial), 0.0
+        if warm >= melt:
+            axial = 0.0
+        elif trial > stiff*flow_stress(metal, plastic, 1e-30, warm):
+            low, high = 0.0, trial/(3*shear0*stiff)
+            for _ in range(80):
+                middle = (low + high)/2
+                above = trial - 3*shear0*stiff*middle > stiff*flow_stress(metal, plastic + middle, max(middle/dt, 1e-30), warm)
+                low, high = (middle, high) if above else (low, middle)
+            axial *= (trial - 3*shear0*stiff*low)/trial
+            plastic += low
+            heat = 0.9*1.5*abs(axial)*low
+        if metal["specific_heat"]:
+            warm += heat/capacity
+        if eos:
+            q = metal["density"]/v*1.5*(cell*strain/dt)**2
+            eta = 1 - last
+            a = cold*eta/(1 - eos["s"]*eta)**2*(1 - eos["gamma0"]*eta/2) if eta > 0 else cold*(1/last - 1)
+            work = v*((axial + before)/2*strain - q*strain)
+            energy = (energy + work - (last - v)/2*(pressure + a))/(1 + (last - v)/2*eos["gamma0"])
+            pressure = a + eos["gamma0"]*energy
+            warm = warm*math.exp(-eos["gamma0"]*(last - v)) - v*q*strain/capacity
+        else:
+            pressure = -bulk*math.log(last)
+        if part == substeps - 1:
+            found.append((pressure, 1.5*abs(axial), warm, plastic))
+    return found
+
+
+def metals(report):
+    """Metals strained along x, whose middle no wave reaches."""
+    for name, metal, eos, rate, viscous in METALS:
+        steps, cell = 1000, 300/abs(rate)
+        words = " ".join(f"{key}={value}" for key, value in metal.items() if key != "law" and value is not None)
+        deck = ["dimension 1", f"grid cell={cell}", f"time dt={0.2/abs(rate)/steps!r} steps={steps}", f"material m {metal['law']} {words}",
+                *([f"eos m shock c0={eos['c0']} s={eos['s']} gamma0={eos['gamma0']}"] if eos else []),
+                *(["viscosity m quadratic=1.5 linear=0"] if viscous else []),
+                f"body b block material=m lower={-15*cell} upper={15*cell} ppc=2", f'velocity b x="{rate!r}*x"',
+                f"gauge middle point={cell/4} fields=plastic_strain" + (",temperature" if metal["specific_heat"] else ""), "history steps=50"]
+        result = run("metal_" + name, "\n".join(deck) + "\n")
+        if not report.finished(result, name):
+            continue
+        rows = result.table("gauges.csv")
+        report.check(len(rows) == steps//50 + 1, f"{name}: {len(rows)} rows")
+        wanted = strained(metal, eos, cell if viscous else 0.0, [row["time"] for row in rows], [metal["density"]/row["density"] for row in rows])
+        for i, column in enumerate(("pressure", "von_mises", "temperature", "plastic_strain")):
+            if column not in rows[0]:
+                continue
+            largest = max(abs(values[i]) for values in wanted)
+            off = max(abs(row[column] - values[i]) for row, values in zip(rows[1:], wanted))
+            report.check(off <= 0.001*largest, f"{name}: {column} off by {off}, where the largest is {largest}")
+        if "melt_temperature" in metal:  # all pass it, but under pressure it rises
+            hot, molten = rows[-1]["temperature"] > metal["melt_temperature"], rows[-1]["von_mises"] < 1.0
+            report.check(hot and molten != ("melt_slope" in metal), f"{name}: von Mises stress {rows[-1]['von_mises']} at {rows[-1]['temperature']}")
+
+
 def main():
     report = Report()
+    metals(report)
     met = soils(report, 3, 54) | soils(report, 2, 90)
     report.check(met == REGIONS, f"never returned to {sorted(REGIONS - met)}")
     rubbers(report, 3, 12)

@@ -33,7 +33,7 @@ history steps=1
 # m kg s of one unit of length, mass, time; strain rate of the path (1/s).
 SYSTEMS = (("m kg s", (1.0, 1.0, 1.0), 1.0), ("cm mg us", (1e-2, 1e-6, 1e-6), 1e3))
 CUSTOMARY = ("mm g ms", (1e-3, 1e-3, 1e-3), 1e3)  # in which the decks of input/ are
-COUNT = 25
+COUNT = 26
 
 
 class Eos:
@@ -68,13 +68,21 @@ class Eos:
 
 
 def yield_stress(material, plastic, rate, temperature):
-    """Johnson and Cook 1983; von Mises where their constants are not given."""
+    """Johnson and Cook 1983, Steinberg, Cochran and Guinan 1980 (at G = G0); von Mises where their constants are not given."""
+    if "hardening_factor" in material:
+        return min(material["yield"]*(1 + material["hardening_factor"]*plastic)**material["hardening_exponent"], material["yield_limit"])
     flow = material["yield"] + material.get("hardening_modulus", 0.0)*plastic**material.get("hardening_exponent", 1.0)
     if "reference_rate" in material:
         flow *= 1 + material.get("rate_coefficient", 0.0)*math.log(max(1.0, rate/material["reference_rate"]))
         warm = max(0.0, (temperature - 293)/(material["melt_temperature"] - 293))
         flow *= 1 - warm**material["thermal_exponent"]
     return flow
+
+
+def stiffness(material, pressure, volume, temperature):
+    """G/G0 of Steinberg, Cochran and Guinan 1980; 1 where their constants are not given."""
+    return (1 + material.get("pressure_stiffening", 0.0)*pressure*volume**(1/3)
+            - material.get("thermal_softening", 0.0)*(temperature - material.get("room_temperature", 293.0)))
 
 
 def expected(cards, volumes, times):
@@ -88,7 +96,7 @@ def expected(cards, volumes, times):
     if "young" in material:
         shear = material["young"]/(2*(1 + material["poisson"]))
         bulk = material["young"]/(3*(1 - 2*material["poisson"]))
-    energy, plastic, temperature, axial, path = eos.energy, 0.0, 293.0, 0.0, []
+    energy, plastic, temperature, axial, path = eos.energy, 0.0, material.get("room_temperature", 293.0), 0.0, []
     for k, v in enumerate(volumes):
         substeps = 8 if k else 1
         old = volumes[k - 1] if k else v
@@ -97,8 +105,9 @@ def expected(cards, volumes, times):
             first, last = old + (v - old)*i/substeps, old + (v - old)*(i + 1)/substeps
             strain = math.log(last/first)
             axial_old = axial
-            axial += 4/3*shear*strain
-            trial = 1.5*abs(axial)
+            stiff = stiffness(material, eos.pressure(first, energy) if eos.kind else 0.0, first, temperature)
+            axial += 4/3*shear*stiff*strain
+            trial = 1.5*abs(axial)/stiff
             if "yield" in material and trial > yield_stress(material, plastic, 0.0, temperature):
                 low, high = 0.0, trial/(3*shear)
                 for _ in range(60):
@@ -107,12 +116,14 @@ def expected(cards, volumes, times):
                     low, high = (step, high) if above else (low, step)
                 axial *= (trial - 3*shear*low)/trial
                 plastic += low
-                if material.get("thermal") == "yes":
+                if "specific_heat" in material:
                     temperature += 0.9*1.5*abs(axial)*low/(material["density"]*material["specific_heat"])  # (J2): initial density
             if eos.kind:
                 work = first*(axial + axial_old)/2*strain
                 a, b = eos.terms(last)
                 pressure = eos.pressure(first, energy)
+                if "pressure_stiffening" in material:  # Steinberg, Cochran and Guinan's temperature is that of the isentrope, too
+                    temperature *= math.exp(-b*(last - first))
                 energy = (energy + work - (last - first)/2*(pressure + a))/(1 + (last - first)/2*b)
         pressure = eos.pressure(v, energy) if eos.kind else -bulk*math.log(v)
         path.append((pressure, 1.5*abs(axial)))

@@ -11,7 +11,7 @@ import os
 import re
 import subprocess
 
-from _runs import (CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SCRATCH, SCATTERED, SEAT, SGMP,
+from _runs import (CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, METALS, SCRATCH, SCATTERED, SEAT, SGMP,
                    SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run)
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
@@ -210,6 +210,7 @@ SCENES = [
     ("sphere_slope", "sphere_slope.inp", {"h": 0.4, "t_end": 0.01, "stress": "normalised"}, FEW),
     ("fluids", FLUIDS, {}, FEW),
     ("failing", FAILING, {}, FEW),
+    ("metals", METALS, {}, FEW),
     ("scattered", SCATTERED, {}, FEW),
     ("eroding", ERODING, {}, LAYOUTS),
     ("kept", KEPT_PLANE, {}, FEW),

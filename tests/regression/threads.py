@@ -5,7 +5,7 @@ usage: threads.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import os
 
-from _runs import CONE, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, SCATTERED, SEAT, SPLIT, SPLIT_GAS, SPLIT_SPACE, SWIRL, Report, run
+from _runs import CONE, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, METALS, SCATTERED, SEAT, SPLIT, SPLIT_GAS, SPLIT_SPACE, SWIRL, Report, run
 
 # Detonation from a corner of a charge in two or three dimensions, walls on two sides.
 CHARGE = """
@@ -41,6 +41,7 @@ SCENES = [
     ("jwl_3d", SPACE, {}),
     ("fluids", FLUIDS, {}),
     ("failing", FAILING, {}),
+    ("metals", METALS, {}),
     ("scattered", SCATTERED, {}),
     ("eroding", ERODING, {}),
     ("kept", KEPT_PLANE, {}),
