@@ -51,13 +51,13 @@ SOLIDS = "metals, fluid"
 # name: constants, goes with, equation and source, compared with
 EQUATIONS = {
     "jwl": ("", "explosive", "(W1), Jones-Wilkins-Lee", "Chapman-Jouguet state and Taylor wave (tnt_slab); detonation speeds and pressures of the library's explosives"),
-    "gruneisen": ("c0=10 s=1.5 gamma0=2", SOLIDS, "(G1), (G2): Us = c0 + s up, the series of (H1) to the third order in the compression (too soft in copper at given compression: 0.2 % at up = 0.5 km/s, "
+    "gruneisen": ("c0=10 s=1.5 gamma0=2", SOLIDS + "; porous with `distention`", "(G1), (G2): Us = c0 + s up, the series of (H1) to the third order in the compression (too soft in copper at given compression: 0.2 % at up = 0.5 km/s, "
                   "1.0 % at 1, 2.6 % at 1.5)", "Hugoniot to third order (test_eos_gruneisen); shock in water at 200 m/s"),
     "ideal_gas": ("gamma=1.4 pressure0=1", SOLIDS, "(S1), p∞ = 0", "isentrope 1:2 (test_eos_fluids, test_stress_update), shock tube, planar Noh"),
     "stiffened_gas": ("gamma=4.4 p_inf=20 pressure0=1", SOLIDS, "(S1), Harlow and Amsden 1971", "isentrope, shock in water at 500 m/s"),
     "polynomial": ("a1=100 a2=100 a3=50 b0=0.3 b1=0.3", SOLIDS, "(P1), LS-DYNA's C0…C6", "coefficients one by one (test_eos_fluids)"),
     "tait": ("c0=10 pressure0=1", SOLIDS, "(T1), Cole 1948", "bulk modulus and its slope, hydrostatic column, shock in water"),
-    "shock": ("c0=10 s=1.5 gamma0=2", SOLIDS, "(H1), (H2): the Hugoniot itself, Us = c0 + s up + s2 (up/Us) up + s3 (up/Us)² up, Steinberg 1996",
+    "shock": ("c0=10 s=1.5 gamma0=2", SOLIDS + "; porous with `distention`", "(H1), (H2): the Hugoniot itself, Us = c0 + s up + s2 (up/Us) up + s3 (up/Us)² up, Steinberg 1996",
               "Hugoniots of six metals and of water (hugoniot); paths of the library's metals (tests/regression/library.py)"),
 }
 NOTES = {"j2": "; energy with an equation of state, damage with `failure`", "johnson_cook": " (temperature and damage where asked for); energy with an equation of state",

@@ -52,7 +52,8 @@ contains
                       'start; fixed: those there at the time', choices='moving fixed', &
                       default='moving')
     call registry%key('fields', kind_list, 'fields besides pressure, von Mises stress and '// &
-                      'density', choices='stress plastic_strain temperature damage energy')
+                      'density', choices='stress plastic_strain temperature damage energy '// &
+                      'distention')
     call register_interrupts(registry)
   end subroutine register_output
 

@@ -38,6 +38,7 @@ module sgmp_constitutive
                                             steinberg_guinan_t, steinberg_guinan_yield_stress
   use sgmp_material_zerilli_armstrong, only: zerilli_armstrong_keys, zerilli_armstrong_read, &
                                              zerilli_armstrong_t, zerilli_armstrong_yield_stress
+  use sgmp_porosity, only: porosity_keys, porosity_read, porosity_t, porosity_terms
   use sgmp_softening, only: softening_make, softening_t, softening_widest
   use sgmp_soil, only: soil_keys
   use sgmp_viscosity, only: viscosity_read, viscosity_t
@@ -90,6 +91,7 @@ module sgmp_constitutive
     integer :: temperature = 0
     integer :: damage = 0
     integer :: energy = 0        !! internal energy per initial volume, for an equation of state
+    integer :: distention = 0    !! of porous matter, behind the energy
     integer :: lighting = 0      !! lighting time of an explosive
     integer :: deformation = 0   !! deformation gradient, row by row
     integer :: stretch = 0       !! its diagonal alone, for cpGIMP and to split particles
@@ -125,6 +127,9 @@ module sgmp_constitutive
     type(polynomial_t) :: polynomial
     type(tait_t) :: tait
     type(shock_t) :: shock
+    type(porosity_t) :: porosity
+    integer :: kept = 1                        !! columns of an equation of state: energy, and the
+                                               !! distention of porous matter
     real(dp) :: fluid_viscosity = 0.0_dp       !! Newton's, of a fluid (stress times time)
     logical :: small_strain = .false.          !! the linear theory: constant volume, no spin
     logical :: rigid = .false.                 !! prescribed motion: no stress
@@ -258,9 +263,9 @@ contains
     case (eos_tait)
       keys = tait_keys()
     case (eos_shock)
-      keys = shock_keys()
+      keys = [shock_keys(), porosity_keys()]
     case default  ! eos_gruneisen
-      keys = gruneisen_keys()
+      keys = [gruneisen_keys(), porosity_keys()]
     end select
   end function eos_keys
 
@@ -270,20 +275,27 @@ contains
     class(values_t), intent(in) :: values
     type(constitutive_t), intent(inout) :: law
     type(fault_t), allocatable, intent(out) :: fault
-    call eos_set(eos, values, law)
+    call porosity_read(values, law%porosity, law%history, fault)
+    if (law%porosity%porous) law%kept = 2
+    call eos_set(eos, values, law%density*law%porosity%distention, law)
     law%history%energy = .true.
     law%history%first_energy = values%number('energy0')
     if (eos == eos_jwl) then
       law%slowest = slowest_part*law%detonation_speed
-    else
+    else if (.not. allocated(fault)) then
       call start_state(values, law, fault)
+    end if
+    if (law%porosity%porous .and. law%heating%warms .and. .not. allocated(fault)) then
+      call fault_make(fault, 'distention', 'the temperature of porous matter is not known', &
+                      'remove specific_heat of the material')
     end if
   end subroutine eos_read
 
   !> Constants of an equation of state from the values of its keys.
-  pure subroutine eos_set(eos, values, law)
+  pure subroutine eos_set(eos, values, density, law)
     integer, intent(in) :: eos  !! one of eos_*
     class(values_t), intent(in) :: values
+    real(dp), intent(in) :: density  !! of the solid, where matter is porous
     type(constitutive_t), intent(inout) :: law
     law%eos = eos
     select case (eos)
@@ -294,11 +306,11 @@ contains
     case (eos_polynomial)
       law%polynomial = polynomial_read(values)
     case (eos_tait)
-      law%tait = tait_read(law%density, values)
+      law%tait = tait_read(density, values)
     case (eos_shock)
-      law%shock = shock_read(law%density, values)
+      law%shock = shock_read(density, values)
     case default  ! eos_gruneisen
-      law%gruneisen = gruneisen_read(law%density, values)
+      law%gruneisen = gruneisen_read(density, values)
     end select
   end subroutine eos_set
 
@@ -352,6 +364,7 @@ contains
     type(fault_t), allocatable, intent(out) :: fault
     real(dp) :: a0, b0, da, db, pressure, speed_squared
     call eos_terms(law, 1.0_dp, a0, b0, da, db)
+    call porosity_terms(law%porosity, law%porosity%distention, a0, b0, da, db)
     if (values%has('pressure0')) then
       if (abs(law%history%first_energy) > 0.0_dp) then
         call fault_make(fault, 'energy0', 'energy0 and pressure0 are both given', &
@@ -544,7 +557,8 @@ contains
     associate (keeps => law%history)
       law%slots = slots_make(stresses=merge(1, stress_components(ndim), keeps%mean_stress), &
                              plastic=keeps%plastic, temperature=keeps%temperature, &
-                             damage=keeps%damage, energy=keeps%energy, lighting=keeps%lighting, &
+                             damage=keeps%damage, energy=keeps%energy, &
+                             distention=keeps%distention, lighting=keeps%lighting, &
                              deformation=merge(ndim**2, 0, keeps%deformation), &
                              stretch=stretch, initial=initial, spin=spin)
     end associate
@@ -560,6 +574,7 @@ contains
     associate (slots => law%slots)
       if (slots%temperature > 0) first(slots%temperature) = law%history%first_temperature
       if (slots%energy > 0) first(slots%energy) = law%history%first_energy
+      if (slots%distention > 0) first(slots%distention) = law%porosity%distention
       first(slots%stress:slots%stress + min(3, slots%stresses) - 1) = law%history%first_mean_stress
       do d = 1, ndim
         if (slots%deformation > 0) first(slots%deformation + (d - 1)*(ndim + 1)) = 1.0_dp
@@ -570,10 +585,11 @@ contains
 
   !> Assigns columns to the fields that are wanted, in a fixed order.
   pure function slots_make(stresses, plastic, temperature, damage, energy, lighting, deformation, &
-                           stretch, initial, spin) result(slots)
+                           stretch, initial, spin, distention) result(slots)
     integer, intent(in) :: stresses            !! stress components
     logical, intent(in) :: plastic, temperature, damage, energy, lighting
     integer, intent(in) :: deformation, stretch, initial, spin  !! components wanted
+    logical, intent(in), optional :: distention
     type(slots_t) :: slots
     slots%volume = 1
     slots%total = 1
@@ -583,6 +599,7 @@ contains
     call take(slots%total, merge(1, 0, temperature), slots%temperature)
     call take(slots%total, merge(1, 0, damage), slots%damage)
     call take(slots%total, merge(1, 0, energy), slots%energy)
+    if (present(distention)) call take(slots%total, merge(1, 0, distention), slots%distention)
     call take(slots%total, merge(1, 0, lighting), slots%lighting)
     call take(slots%total, deformation, slots%deformation)
     call take(slots%total, stretch, slots%stretch)

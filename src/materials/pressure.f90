@@ -8,6 +8,7 @@ module sgmp_pressure
   use sgmp_failure, only: carries_nothing, failure_bounds, failure_none
   use sgmp_heating, only: compression_heat_lanes
   use sgmp_kinds, only: dp, lanes
+  use sgmp_porosity, only: porosity_bound_lanes, porosity_terms_lanes
   use sgmp_softening, only: softening_damage
   use sgmp_viscosity, only: viscosity_lanes
   implicit none
@@ -15,6 +16,8 @@ module sgmp_pressure
   public :: cavitate, equation_of_state, explosive, release, soften, viscosity, warm
 
   integer, parameter :: components = 6  !! of a stress in space
+  integer, parameter :: most_trials = 60           !! of a distention
+  real(dp), parameter :: settled = 1.0e-13_dp      !! of a distention
 
 contains
 
@@ -140,13 +143,14 @@ contains
 
   !> Pressure and energy by an equation of state linear in the energy; `mean` is the mean stress -p.
   subroutine equation_of_state(law, dt, mass, old_volume, volume, trace, deviatoric_work, &
-                               stiffness, burnt, energy, mean, speed2, q, work)
+                               stiffness, burnt, kept, mean, speed2, q, work)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), volume(lanes), trace(lanes)
     real(dp), intent(in) :: deviatoric_work(lanes)      !! per current (old) volume
     real(dp), intent(in) :: stiffness(lanes)  !! 4/3 G, of the shear part of the sound speed
     real(dp), intent(in) :: burnt(lanes)                !! factor on the pressure
-    real(dp), intent(inout) :: energy(lanes), mean(lanes)
+    real(dp), intent(inout) :: kept(lanes, law%kept)    !! energy, distention of porous matter
+    real(dp), intent(inout) :: mean(lanes)
     real(dp), intent(out) :: speed2(lanes), q(lanes)
     real(dp), intent(out) :: work(lanes)                !! pressure work per old volume
     real(dp) :: v_old(lanes), v(lanes), p_old(lanes), p(lanes), other(lanes)
@@ -162,10 +166,14 @@ contains
       v(l) = volume(l)*scale
       p_old(l) = -mean(l)
     end do
-    call eos_lanes(law, v, a0, b0, da, db)
-    p = burnt*(a0 + b0*energy)
+    if (law%porosity%porous) then
+      call porous_lanes(law, v, kept(1, 2), a0, b0, da, db)
+    else
+      call eos_lanes(law, v, a0, b0, da, db)
+    end if
+    p = burnt*(a0 + b0*kept(:, 1))
     ones = 1.0_dp
-    call eos_sound_speed_lanes(law%density, v, p, energy, da, db, b0, ones, bulk)
+    call eos_sound_speed_lanes(law%density, v, p, kept(1, 1), da, db, b0, ones, bulk)
     !$omp simd simdlen(8)
     do l = 1, lanes
       speed2(l) = merge(bulk(l), law%slowest**2, bulk(l) > law%slowest**2)
@@ -179,7 +187,8 @@ contains
       other(l) = v_old(l)*(deviatoric_work(l) - q(l)*trace(l))
     end do
     p = p_old
-    call eos_energy_pressure(v_old, v, other, burnt, a0, b0, energy, p)
+    if (law%porosity%porous) call close_pores(law, v_old, v, p_old, other, kept, a0, b0)
+    call eos_energy_pressure(v_old, v, other, burnt, a0, b0, kept(1, 1), p)
     !$omp simd simdlen(8)
     do l = 1, lanes
       work(l) = -0.5_dp*(p_old(l) + p(l))*(v(l) - v_old(l))/v_old(l)
@@ -189,6 +198,88 @@ contains
       speed2(l) = merge(bulk(l), speed2(l), bulk(l) < 0.0_dp)
     end do
   end subroutine equation_of_state
+
+  !> Terms of the equation of state of porous matter whose pores stay.
+  pure subroutine porous_lanes(law, v, distention, a0, b0, da, db)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: v(lanes), distention(lanes)
+    real(dp), intent(out) :: a0(lanes), b0(lanes), da(lanes), db(lanes)
+    call eos_lanes(law, v*law%porosity%distention/distention, a0, b0, da, db)
+    call porosity_terms_lanes(law%porosity, distention, a0, b0, da, db)
+  end subroutine porous_lanes
+
+  !> Distention after the step, and the terms with it: the pressure that it leaves is the one that
+  !! closes the pores so far.
+  !!
+  !! What a distention is above its bound grows with it, by no less; regula falsi (Illinois) between
+  !! none and the old one finds where it is nothing, in each lane by itself.
+  pure subroutine close_pores(law, v_old, v, p_old, other, kept, a0, b0)
+    type(constitutive_t), intent(in) :: law
+    real(dp), dimension(lanes), intent(in) :: v_old, v, p_old, other  !! as in eos_energy_pressure
+    real(dp), intent(inout) :: kept(lanes, 2)           !! energy before the step, distention
+    real(dp), dimension(lanes), intent(out) :: a0, b0
+    real(dp), dimension(lanes) :: low, high, below, above, middle, excess, moving, side
+    integer :: k
+    high = kept(:, 2)
+    call excess_distention(law, v_old, v, p_old, other, kept, high, above, a0, b0)
+    moving = merge(1.0_dp, 0.0_dp, above > settled)
+    if (.not. any(moving > 0.0_dp)) return
+    low = 1.0_dp
+    side = 0.0_dp
+    call excess_distention(law, v_old, v, p_old, other, kept, low, below, a0, b0)
+    trials: do k = 1, most_trials
+      if (.not. any(moving > 0.0_dp)) exit trials
+      middle = merge((low*above - high*below)/(above - below), high, moving > 0.0_dp)
+      call excess_distention(law, v_old, v, p_old, other, kept, middle, excess, a0, b0)
+      call narrow(middle, excess, low, high, below, above, side, moving)
+    end do trials
+    kept(:, 2) = high
+    call excess_distention(law, v_old, v, p_old, other, kept, high, excess, a0, b0)
+  end subroutine close_pores
+
+  !> By how much a distention is above the bound that the pressure with it sets, and the terms.
+  pure subroutine excess_distention(law, v_old, v, p_old, other, kept, distention, excess, a0, b0)
+    type(constitutive_t), intent(in) :: law
+    real(dp), dimension(lanes), intent(in) :: v_old, v, p_old, other  !! as in eos_energy_pressure
+    real(dp), intent(in) :: kept(lanes, 2)              !! energy before the step
+    real(dp), intent(in) :: distention(lanes)
+    real(dp), dimension(lanes), intent(out) :: excess, a0, b0
+    real(dp), dimension(lanes) :: da, db, energy, pressure, ones, bound
+    ones = 1.0_dp
+    energy = kept(:, 1)
+    pressure = p_old
+    call porous_lanes(law, v, distention, a0, b0, da, db)
+    call eos_energy_pressure(v_old, v, other, ones, a0, b0, energy, pressure)
+    call porosity_bound_lanes(law%porosity, pressure, bound)
+    excess = distention - bound
+  end subroutine excess_distention
+
+  !> One step of the Illinois method; an end that stays twice loses half of its weight.
+  pure subroutine narrow(middle, excess, low, high, below, above, side, moving)
+    real(dp), dimension(lanes), intent(in) :: middle, excess
+    real(dp), dimension(lanes), intent(inout) :: low, high, below, above
+    real(dp), intent(inout) :: side(lanes)              !! of the last step: 1 high, -1 low
+    real(dp), intent(inout) :: moving(lanes)            !! 1, 0 where it has settled, in `high`
+    integer :: l
+    do l = 1, lanes
+      if (moving(l) < 0.5_dp) cycle
+      if (excess(l) > 0.0_dp) then
+        high(l) = middle(l)
+        above(l) = excess(l)
+        if (side(l) > 0.0_dp) below(l) = 0.5_dp*below(l)
+        side(l) = 1.0_dp
+      else
+        low(l) = middle(l)
+        below(l) = excess(l)
+        if (side(l) < 0.0_dp) above(l) = 0.5_dp*above(l)
+        side(l) = -1.0_dp
+      end if
+      if (abs(excess(l)) <= settled .or. high(l) - low(l) <= settled) then
+        high(l) = middle(l)
+        moving(l) = 0.0_dp
+      end if
+    end do
+  end subroutine narrow
 
   !> Temperature of matter that is compressed, and heated by bulk viscosity.
   subroutine warm(law, mass, old_volume, volume, trace, q, temperature)

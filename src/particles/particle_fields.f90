@@ -57,6 +57,7 @@ contains
               particle_field_t('temperature', scalar, .false., temperature), &
               particle_field_t('damage', scalar, .false., damage), &
               particle_field_t('energy', scalar, .false., energy), &
+              particle_field_t('distention', scalar, .false., distention), &
               particle_field_t('strength', scalar, .false., strength), &
               particle_field_t('path', scalar, .false., path)]
   end function field_table
@@ -213,6 +214,13 @@ contains
     real(dp) :: values(most_components)
     values = stored(body, at, body%law%slots%energy)
   end function energy
+
+  pure function distention(body, at) result(values)
+    type(body_t), intent(in) :: body
+    type(particle_place_t), intent(in) :: at
+    real(dp) :: values(most_components)
+    values = stored(body, at, body%law%slots%distention)
+  end function distention
 
   pure function strength(body, at) result(values)
     type(body_t), intent(in) :: body

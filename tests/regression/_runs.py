@@ -149,7 +149,7 @@ erode spalling plastic_strain=0.05
 erode brittle failed=yes time_step=0.02
 failure brittle""")
 
-# Metals that hit each other so fast that they warm, stiffen and in part melt.
+# Metals that hit each other so fast that they warm, stiffen and in part melt, and a foam that they crush.
 METALS = """
 parameter method = sgmp
 parameter update = musl
@@ -166,14 +166,17 @@ eos fcc gruneisen c0=8 s=1.4 gamma0=2
 material bcc zerilli_armstrong density=0.8 young=90 poisson=0.3 yield=0.1 thermal_stress=4 thermal_softening=7e-3 thermal_rate=4e-4 hardening_modulus=1 &
   hardening_exponent=0.3
 failure bcc plastic_strain=0.2
+material foam j2 density=0.7 young=40 poisson=0.3 yield=0.2
+eos foam gruneisen c0=8 s=1.4 gamma0=2 distention=1.4 crush_start=0.3 crush_end=6
 viscosity all
 body flyer block material=stiff lower=(0,0) upper=(6,8) ppc=2 jitter=0.2
 body plate block material=fcc lower=(6,0) upper=(14,8) ppc=2
 body lid block material=bcc lower=(6,8) upper=(14,14) ppc=2
+body backing block material=foam lower=(14,0) upper=(20,8) ppc=2
 velocity flyer x=3 y=0.5
 velocity plate y="0.1*x"
 history steps=10
-output csv at=end fields=stress,density,energy,temperature,plastic_strain
+output csv at=end fields=stress,density,energy,temperature,plastic_strain,distention
 """
 
 # A ball on the axis and a tube that closes on it, walls below and outside.

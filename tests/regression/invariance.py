@@ -30,6 +30,8 @@ material steinberg_guinan steinberg_guinan density=density young=young poisson=0
 eos steinberg_guinan gruneisen c0=5*m/s s=1.5 gamma0=2
 material zerilli_armstrong zerilli_armstrong density=density young=young poisson=0.3 yield=0.2*kg/(m*s^2) thermal_stress=4*kg/(m*s^2) &
   thermal_hardening=2*kg/(m*s^2) thermal_softening=5e-3 thermal_rate=3e-4 reference_rate=0.1/s specific_heat=0.001*m^2/s^2
+material foam fluid density=density
+eos foam shock c0=5*m/s s=1.5 gamma0=2 distention=1.2 crush_start=0.3*kg/(m*s^2) crush_end=3*kg/(m*s^2)
 viscosity elastic quadratic=1.5 linear=0.06
 """
 # A block in a box; drift makes particles change cells.
@@ -83,7 +85,7 @@ def power_of(column, dimension):
 def same_in_other_units(report, dimension, deck):
     """Units that are powers of two change no bit but the exponents'."""
     units = {"m": 2.0**7, "kg": 2.0**-5, "s": 2.0**3}
-    for kind in ("elastic", "j2", "johnson_cook", "steinberg_guinan", "zerilli_armstrong"):
+    for kind in ("elastic", "j2", "johnson_cook", "steinberg_guinan", "zerilli_armstrong", "foam"):
         for method, update in (("sgmp", "musl"), ("sgmp", "usf"), ("gimp", "musl"), ("mpm", "musl")):
             if kind != "elastic" and method != "sgmp":
                 continue
