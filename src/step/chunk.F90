@@ -46,6 +46,7 @@ module DIM(sgmp_chunk)
   integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
+  real(dp), parameter :: beyond = 1.0e150_dp     !! no particle whose state makes sense is as fast
 
 #ifdef AXISYMMETRIC
   real(dp), parameter :: least_radius = 1.0e-12_dp  !! (cells) of a particle on the axis
@@ -492,29 +493,29 @@ contains
     real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), lane_sums(lanes, sweep_sums)
     real(dp), intent(out) :: xi(lanes, NDIM)     !! new position in the bin
     logical, intent(out) :: outside
-    real(dp) :: mass, inside
+    real(dp) :: mass, left
 #if NDIM < 3
     real(dp) :: middle(NDIM), half(NDIM)
 #else
     real(dp), parameter :: middle(NDIM) = 0.5_dp, half(NDIM) = 0.5_dp  ! known: a bin is a cell
 #endif
     integer :: l, d
-    inside = 0.0_dp
+    left = 0.0_dp
 #if NDIM < 3
     middle = 0.5_dp*(extent(2, :) + extent(1, :))
     half = 0.5_dp*(extent(2, :) - extent(1, :))
 #endif
-    !$omp simd simdlen(8) private(mass, d) reduction(+:inside)
+    !$omp simd simdlen(8) private(mass, d) reduction(max:left)
     do l = 1, lanes
       mass = live(l)*motion(l, mass_at)
       do d = 1, NDIM
         motion(l, d) = motion(l, d) + dt*velocity(l, d)
         xi(l, d) = motion(l, d) - origin(d)
         lane_sums(l, sum_moment + d - 1) = lane_sums(l, sum_moment + d - 1) + mass*motion(l, d)
-        inside = inside + merge(1.0_dp, 0.0_dp, abs(xi(l, d) - middle(d)) < half(d))
+        left = max(left, merge(0.0_dp, 1.0_dp, abs(xi(l, d) - middle(d)) < half(d)))
       end do
     end do
-    outside = inside < NDIM*lanes - 0.5_dp
+    outside = left > 0.0_dp
   end subroutine drift
 
   !> Largest c + |v| for the time step (Eq. 69), and whether the state of all particles makes sense:
@@ -526,35 +527,44 @@ contains
     real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM))
     real(dp), intent(in) :: speed2(lanes), jacobian(lanes)
     type(workspace_t), intent(inout) :: work
-    real(dp) :: speed(lanes), square, good, fast
+    real(dp) :: speed(lanes), square, worst
+    logical :: fine
     integer :: l, d
-    good = 0.0_dp
-    fast = 0.0_dp
-    !$omp simd simdlen(8) private(square, d) reduction(+:good) reduction(max:fast)
+    worst = 0.0_dp
+    !$omp simd simdlen(8) private(square, fine, d) reduction(max:worst)
     do l = 1, lanes
       square = 0.0_dp
       do d = 1, NDIM
         square = square + motion(l, before_v + d)*motion(l, before_v + d)
       end do
       speed(l) = live(l)*(sqrt(max(speed2(l), 0.0_dp)) + sqrt(square))
-      fast = max(fast, speed(l))
-      good = good + merge(1.0_dp, 0.0_dp, jacobian(l) > 0.0_dp)* &
-             merge(1.0_dp, 0.0_dp, speed(l) < 1.0e150_dp)* &
-             merge(1.0_dp, 0.0_dp, speed2(l) >= 0.0_dp)
+      fine = jacobian(l) > 0.0_dp .and. speed(l) < beyond .and. speed2(l) >= 0.0_dp
+      worst = max(worst, merge(speed(l), beyond, fine))
     end do
-    if (fast > work%fastest) then
-      l = maxloc(speed, 1)
+    if (worst > work%fastest) call note_worst(nl, id, speed, speed2, jacobian, work)
+  end subroutine check_chunk
+
+  !> Notes the fastest particle of a chunk if none before was as fast, and the first whose state
+  !! makes no sense.
+  pure subroutine note_worst(nl, id, speed, speed2, jacobian, work)
+    integer, intent(in) :: nl
+    integer(i4), intent(in) :: id(lanes)
+    real(dp), intent(in) :: speed(lanes), speed2(lanes), jacobian(lanes)
+    type(workspace_t), intent(inout) :: work
+    integer :: l
+    l = maxloc(speed, 1)
+    if (speed(l) > work%fastest) then
       work%fastest = speed(l)
       work%fastest_id = id(l)
     end if
-    if (good > lanes - 0.5_dp .or. work%bad_id /= 0) return
+    if (work%bad_id /= 0) return
     do l = 1, nl
-      if (jacobian(l) > 0.0_dp .and. speed(l) < 1.0e150_dp .and. speed2(l) >= 0.0_dp) cycle
+      if (jacobian(l) > 0.0_dp .and. speed(l) < beyond .and. speed2(l) >= 0.0_dp) cycle
       work%bad_id = id(l)
       work%no_sound = jacobian(l) > 0.0_dp .and. speed2(l) < 0.0_dp
       return
     end do
-  end subroutine check_chunk
+  end subroutine note_worst
 
   !> Mass (about an axis, its moment, too) and momentum, the first columns that go to the grid.
   pure subroutine collect(with_mass, with_momentum, live, motion, values)
