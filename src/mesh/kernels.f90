@@ -5,7 +5,7 @@ module sgmp_kernels
   implicit none
   private
   public :: kernel_mpm, kernel_gimp, kernel_sgmp, kernel_centred, kernel_folds, kernel_sized
-  public :: bin_span, stencil_reach, stencil_shift, stencil_width
+  public :: bin_span, linear_span, stencil_reach, stencil_shift, stencil_width
   public :: method_mpm, method_gimp, method_cpgimp, method_sgmp, method_bspline
   public :: method_band, method_half_size, method_kernel, method_names
 

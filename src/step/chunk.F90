@@ -20,7 +20,8 @@ module DIM(sgmp_chunk)
   use sgmp_movers, only: movers_t
   use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
-  use CARTESIAN(sgmp_scatter), only: linear_scatter, linear_scatter_force, linear_scatter_moment
+  use CARTESIAN(sgmp_scatter), only: column_sums, linear_scatter, linear_scatter_force, &
+                                     linear_scatter_moment
   use CARTESIAN(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
   use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
@@ -57,7 +58,8 @@ module DIM(sgmp_chunk)
     integer :: kernel = kernel_sgmp
     logical :: wide = .false.            !! three points per axis and not two
     logical :: centred = .true.          !! the stencil's points are cell centres
-    integer :: width = 2, layers = 1, lines = 1, rows = 1, points = 2  !! of the stencil
+    integer :: width = 2, layers = 1, lines = 1, rows = 1  !! of the stencil
+    integer :: points = 2                !! numbers of a column of an accumulator
     real(dp) :: shift = 0.5_dp           !! of the stencil against the grid (cells)
     integer :: span = 1                  !! cells of a bin
     integer :: nq = 0                    !! columns of the moments that are scattered
@@ -98,7 +100,7 @@ contains
     task%layers = merge(WIDE_LAYER, NLAYER, task%wide)
     task%lines = merge(WIDE_LINE, NLINE, task%wide)
     task%rows = task%layers*task%lines
-    task%points = merge(NWIDE_SUM, NCORNER, task%wide)
+    task%points = merge(NWIDE_SUM, column_sums, task%wide)
     task%shift = stencil_shift(kernel)
     task%span = bin_span(kernel, NDIM)
     task%nq = plan%last_column - plan%first_column + 1
@@ -161,7 +163,7 @@ contains
     integer, intent(in) :: nb
     integer(i4), intent(inout) :: id(lanes)      !! 0 when the particle has left
     real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
-    real(dp), intent(inout) :: stencil(task%points, task%nq, task%span)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
@@ -704,7 +706,7 @@ contains
     real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
     integer, intent(in) :: cell(lanes)
     real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
-    real(dp), intent(inout) :: stencil(task%points, task%nq, task%span)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     type(product_spread_t) :: spread
     integer :: plain, rest
     if (task%centred) then

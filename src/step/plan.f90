@@ -47,8 +47,7 @@ module sgmp_plan
                                                  !! planes are joined
     real(dp), allocatable :: lead(:, :, :)       !! GIMP: the first plane's sums, kept for the joint
                                                  !! with the slab below
-    real(dp), allocatable :: stencil(:)          !! accumulators of a bin, those of the cell before
-                                                 !! it first; every row leaves them empty
+    real(dp), allocatable :: stencil(:)  !! accumulators of a bin; every row leaves them empty
     integer :: cleared = 1                       !! next stored interval to zero in `planes`
     real(dp) :: fastest = 0.0_dp                 !! largest c + |v|
     integer(i4) :: fastest_id = 0                !! its particle

@@ -19,7 +19,7 @@ module DIM(sgmp_sweep)
   use sgmp_particles, only: chunk_prefetch, first_cell, particles_t
   use sgmp_plan, only: plan_t, workspace_t
   use sgmp_rows, only: key_j, key_k
-  use CARTESIAN(sgmp_scatter), only: linear_carry
+  use CARTESIAN(sgmp_scatter), only: accumulators, linear_carry
   use sgmp_sums, only: sweep_sums
   use CARTESIAN(sgmp_transfer_product), only: product_carry
   implicit none
@@ -85,7 +85,7 @@ contains
     type(task_t), intent(in) :: task
     integer, intent(in) :: largest_plane
     integer :: numbers
-    numbers = task%points*task%nq*(task%span + 1)
+    numbers = task%points*task%nq*accumulators
     if (allocated(work%stencil)) then
       if (size(work%stencil) < numbers) deallocate (work%stencil)
     end if
@@ -151,7 +151,7 @@ contains
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
     integer, intent(in) :: plane
-    real(dp), intent(inout) :: stencil(task%points, task%nq, 0:task%span)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, accumulators)
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
     real(dp), intent(inout) :: planes(task%layers*task%nq, *)
     real(dp), intent(inout) :: sums(sweep_sums)
@@ -164,8 +164,7 @@ contains
                       task%lines - 1, work%cleared, planes)
       call place_row(field, body, task, plane, s, row, place)
       do i = 0, bins - 1
-        call sweep_bin(mesh, body, plan, task, s, i, row, stencil(1, 1, 1), lane_sums, movers, &
-                       work)
+        call sweep_bin(mesh, body, plan, task, s, i, row, stencil, lane_sums, movers, work)
         call carry(task, task%span, stencil, i*task%span, place, planes)
       end do
       do i = 0, bins_to(body, s, task%width - 1) - 1
@@ -238,10 +237,10 @@ contains
   subroutine carry(task, cells, stencil, shift, place, planes)
     type(task_t), intent(in) :: task
     integer, intent(in) :: cells, shift, place(WIDE_LINE)
-    real(dp), intent(inout) :: stencil(task%points, task%nq, 0:task%span)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, accumulators)
     real(dp), intent(inout) :: planes(task%layers*task%nq, *)
     if (task%wide) then
-      call product_carry(task%nq, stencil(1, 1, 1), shift, place, planes)
+      call product_carry(task%nq, stencil, shift, place, planes)
     else
       call linear_carry(task%nq, cells, stencil, shift, place, planes)
     end if
@@ -255,7 +254,7 @@ contains
     type(task_t), intent(in) :: task
     integer, intent(in) :: s, i                  !! interval of bins; bin, from its first
     integer, intent(in) :: row(most_rows)        !! records of the stencil of its first cell
-    real(dp), intent(inout) :: stencil(task%points, task%nq, task%span)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, accumulators)
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work

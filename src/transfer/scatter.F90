@@ -4,16 +4,31 @@
 !!
 !! Scatters run over the stencil's points, so every particle value is a broadcast and nothing
 !! collides. In 3D a bin is one cell, and its sums stay in registers; in 1D and 2D every lane adds
-!! to the accumulator of its own cell of the bin, up to the first pad, whose cell is negative.
+!! to the sums of its own cell of the bin, up to the first pad, whose cell is negative.
 !! Points are numbered as in sgmp_transfer: a whole x-layer is contiguous, and moving to the next
 !! cell of the row shifts the accumulator by one layer (`linear_carry`).
+!!
+!! In 1D and 2D the cells of a bin share points with their neighbours. Even cells have one
+!! accumulator and odd ones another, both by point: cells in one of them do not overlap, so that
+!! layers stay apart, a particle adds whole vectors, and a bin is flushed as long ones.
 module DIM(sgmp_scatter)
+#if NDIM < 3
+  use sgmp_kernels, only: linear_span
+#endif
   use sgmp_kinds, only: dp, lanes
   use DIM(sgmp_transfer), only: flux_of
   implicit none
   private
   public :: linear_scatter, linear_scatter_force, linear_scatter_moment, linear_carry
-  public :: stride_of
+  public :: accumulators, column_sums, stride_of
+
+  !> Accumulators of a bin, and numbers of a column of each.
+#if NDIM < 3
+  integer, parameter :: span = linear_span(NDIM)
+  integer, parameter :: accumulators = 2, column_sums = NROW*(span + 1)
+#else
+  integer, parameter :: accumulators = 1, column_sums = NCORNER
+#endif
 
   !> Way between a stencil's points along an axis, and the points that are the lower ones along it;
   !! 1 for them, 0 for the others.
@@ -44,12 +59,13 @@ contains
     integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
     real(dp), intent(in) :: values(lanes, nq)
     integer, intent(in) :: columns                 !! of an accumulator
-    real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)  !! accumulators of the bin's cells
+    real(dp), intent(inout) :: sums(column_sums, columns, 0:*)
     real(dp) :: w(NCORNER)
-    integer :: l, q, e, c
+    integer :: l, q, e, first, odd
     do l = 1, lanes
-      c = cell(l)
-      if (c < 0) exit
+      if (cell(l) < 0) exit
+      first = NROW*cell(l)
+      odd = iand(cell(l), 1)
       !$omp simd
       do e = 1, NCORNER
         w(e) = corner_weight(xi(l, :), e, 0)
@@ -57,7 +73,7 @@ contains
       do q = 1, nq
         !$omp simd simdlen(NCORNER)
         do e = 1, NCORNER
-          sums(e, q, c) = sums(e, q, c) + w(e)*values(l, q)
+          sums(first + e, q, odd) = sums(first + e, q, odd) + w(e)*values(l, q)
         end do
       end do
     end do
@@ -70,12 +86,13 @@ contains
     integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
     real(dp), intent(in) :: flux(lanes, NFLUX)     !! sigma V
     integer, intent(in) :: columns                 !! of an accumulator
-    real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)  !! the first NDIM columns
+    real(dp), intent(inout) :: sums(column_sums, columns, 0:*)  !! the first NDIM columns
     real(dp) :: g(NCORNER, NDIM)
-    integer :: l, a, b, e, c
+    integer :: l, a, b, e, first, odd
     do l = 1, lanes
-      c = cell(l)
-      if (c < 0) exit
+      if (cell(l) < 0) exit
+      first = NROW*cell(l)
+      odd = iand(cell(l), 1)
       do b = 1, NDIM
         !$omp simd
         do e = 1, NCORNER
@@ -86,7 +103,7 @@ contains
         do b = 1, NDIM
           !$omp simd simdlen(NCORNER)
           do e = 1, NCORNER
-            sums(e, a, c) = sums(e, a, c) + g(e, b)*flux(l, flux_of(b, a))
+            sums(first + e, a, odd) = sums(first + e, a, odd) + g(e, b)*flux(l, flux_of(b, a))
           end do
         end do
       end do
@@ -247,7 +264,7 @@ contains
     real(dp), intent(in) :: xi(lanes, NDIM), mass(lanes)
     integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
     integer, intent(in) :: columns                 !! of an accumulator
-    real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)  !! the first NDIM columns
+    real(dp), intent(inout) :: sums(column_sums, columns, 0:*)  !! the first NDIM columns
     real(dp) :: part(lanes), w(NCORNER/2, lanes), t(NCORNER/2)
     integer :: a, e, l
     do a = 1, NDIM
@@ -256,7 +273,7 @@ contains
 #if NDIM < 3
       do l = 1, lanes
         if (cell(l) < 0) exit
-        call add_both(a, w(:, l)*part(l), sums(1, a, cell(l)))
+        call add_both(a, w(:, l)*part(l), sums(NROW*cell(l) + 1, a, iand(cell(l), 1)))
       end do
 #else
       !$omp simd private(l)
@@ -312,39 +329,52 @@ contains
   end subroutine other_weights
 
 #if NDIM < 3
-  !> Flushes the accumulators of some cells to the plane buffers and empties them, but for the last
-  !! one's upper x-layer, which waits for the next cells as that of cell 0.
+  !> Flushes the accumulators of a bin to the plane buffers and empties them, but for the upper
+  !! x-layer of the last cell, an odd one, which waits for the next bin as that of the cell before
+  !! it. Behind the last bin, where one more cell is flushed, nothing else is left.
   !!
   !! Every grid point's sum is one fixed tree: lower layer of a cell, upper layer of the cell
   !! before, then rows and planes.
   pure subroutine linear_carry(nq, cells, sums, shift, place, planes)
-    integer, intent(in) :: nq, cells
-    real(dp), intent(inout) :: sums(NROW, 2, nq, 0:cells)
+    integer, intent(in) :: nq, cells               !! all of a bin, or 1
+    real(dp), intent(inout) :: sums(NROW, 0:span, nq, 0:1)
     integer, intent(in) :: shift                   !! first cell along the row
     integer, intent(in) :: place(NLINE)            !! record of cell 0 in each line
     real(dp), intent(inout) :: planes(NROW, nq, *)
-    integer :: c, q, e
-    do c = 1, cells
-      associate (point => place(1) + shift + c - 1)
-        do q = 1, nq
-          do e = 1, NROW
-            planes(e, q, point) = planes(e, q, point) + (sums(e, 1, q, c) + sums(e, 2, q, c - 1))
-          end do
-        end do
-      end associate
-    end do
-    do q = 1, nq
-      sums(:, 2, q, 0) = sums(:, 2, q, cells)
-    end do
-    call empty(NCORNER*nq*cells, sums(1, 1, 1, 1))
+    integer :: q
+    associate (point => place(1) + shift)
+      do q = 1, nq
+        if (cells == 1) then
+          planes(:, q, point) = planes(:, q, point) + sums(:, 0, q, 1)
+          sums(:, 0, q, 1) = 0.0_dp
+        else
+          call flush(nq, sums(1, 0, q, 0), sums(1, 0, q, 1), planes(1, q, point))
+        end if
+      end do
+    end associate
   end subroutine linear_carry
 
-  !> Empties accumulators in one go.
-  pure subroutine empty(n, sums)
-    integer, intent(in) :: n
-    real(dp), intent(out) :: sums(n)
-    sums = 0.0_dp
-  end subroutine empty
+  !> One column of a bin: sums of its points as long vectors, then point by point.
+  pure subroutine flush(nq, even, odd, planes)
+    integer, intent(in) :: nq
+    real(dp), intent(inout) :: even(column_sums), odd(column_sums), planes(NROW, nq, 0:span - 1)
+    real(dp) :: both(NROW*span), carried(NROW)
+    integer :: c, e, n
+    !$omp simd simdlen(8)
+    do n = 1, NROW*span
+      both(n) = even(n) + odd(n)
+    end do
+    carried = odd(NROW*span + 1:)
+    even = 0.0_dp
+    odd = 0.0_dp
+    odd(:NROW) = carried
+    do c = 0, span - 1
+      !$omp simd simdlen(NROW)
+      do e = 1, NROW
+        planes(e, 1, c) = planes(e, 1, c) + both(NROW*c + e)
+      end do
+    end do
+  end subroutine flush
 #else
   !> Flushes the accumulator's first x-layer to the plane buffers and moves the stencil one cell
   !! along the row.
@@ -353,7 +383,7 @@ contains
   !! layers kept apart until the planes are joined, every grid point's sum is one fixed tree.
   pure subroutine linear_carry(nq, cells, sums, shift, place, planes)
     integer, intent(in) :: nq, cells               !! 1 cell
-    real(dp), intent(inout) :: sums(NCORNER, nq, 0:cells)  !! that of cell 1 is used
+    real(dp), intent(inout) :: sums(NCORNER, nq, cells)
     integer, intent(in) :: shift                   !! cell along the row
     integer, intent(in) :: place(NLINE)            !! record of cell 0 in each line
     real(dp), intent(inout) :: planes(NLAYER, nq, *)

@@ -6,9 +6,7 @@
 !! is scattered like any momentum, and what the other corners get more is spin x (way between them).
 module DIM(sgmp_spin)
   use sgmp_kinds, only: dp, lanes
-#if NDIM > 1
-  use DIM(sgmp_scatter), only: linear_scatter
-#endif
+  use DIM(sgmp_scatter), only: accumulators, column_sums, linear_scatter
   implicit none
   private
   public :: spin_collect, spin_lever, spin_to_corners, spin_to_origin
@@ -64,16 +62,19 @@ contains
     integer, intent(in) :: cell(lanes)                   !! of the bin, from 0
     real(dp), intent(in) :: spin(lanes, *)               !! times mass
     integer, intent(in) :: cells, columns                !! of the bin; of an accumulator
-    real(dp), intent(inout) :: momentum(NCORNER, columns, cells)  !! the first NDIM columns
+    real(dp), intent(inout) :: momentum(column_sums, columns, 0:*)  !! the first NDIM columns
 #if NDIM > 1
-    real(dp) :: sums(NCORNER, NSPIN, cells)
-    integer :: c, e, d
+    real(dp) :: sums(column_sums, NSPIN, 0:accumulators - 1)
+    integer :: c, e, d, first, odd
     sums = 0.0_dp
     call linear_scatter(NSPIN, xi, cell, spin, NSPIN, sums)
-    do c = 1, cells
+    do c = 0, cells - 1
+      first = NROW*c
+      odd = iand(c, 1)
       do d = 1, NDIM
         do e = 1, NCORNER
-          momentum(e, d, c) = momentum(e, d, c) + h*spin_lever(sums(e, :, c), e, d)
+          momentum(first + e, d, odd) = momentum(first + e, d, odd) &
+                                        + h*spin_lever(sums(first + e, :, odd), e, d)
         end do
       end do
     end do
