@@ -4,7 +4,7 @@
 !! Variables are x, y, z (current position), x0, y0, z0 (initial position) and t, in axisymmetric
 !! scenes r, z, r0, z0 and t; `pi` and the deck's parameters are
 !! constants; upper and lower case are the same; both `^` and `**` mean power. muParser's own
-!! functions are available.
+!! functions are available, and tables that are called by their names.
 !!
 !! An `expression_t` is a small value that shares its compiled parsers with every plain copy of
 !! itself. Each OpenMP
@@ -25,6 +25,7 @@ module sgmp_expression
   implicit none
   private
   public :: expression_t, expression_make, expression_constant, expression_clone, expression_free
+  public :: table_t
   public :: expression_variables, expression_functions, expression_ring_variables
   public :: expression_places, expression_time
 
@@ -48,12 +49,20 @@ module sgmp_expression
     type(c_ptr) :: formula = c_null_ptr
   end type slot_t
 
+  !> A function that formulas call: linear between its rows, constant before the first and behind
+  !! the last.
+  type :: table_t
+    character(32) :: name = ''
+    real(dp), allocatable :: rows(:, :)                !! (argument|value, row), arguments ascend
+  end type table_t
+
   !> What all plain copies of an expression share.
   type :: shared_t
     character(:), allocatable :: source                !! lower-case text with `**` written `^`
     character(2) :: variables(size(variable_names)) = variable_names  !! '' for none
     character(32), allocatable :: parameter_names(:)
     real(dp), allocatable :: parameter_values(:)
+    type(table_t), allocatable :: tables(:)
     type(slot_t) :: slot(0:slots - 1)
   end type shared_t
 
@@ -95,6 +104,15 @@ module sgmp_expression
       character(kind=c_char), intent(in) :: name(*)
       real(c_double), value :: value
     end subroutine formula_constant
+    !> A table as a function: its rows are copied.
+    subroutine formula_table(handle, name, rows, count) bind(c, name='sgmp_formula_table')
+      import :: c_char, c_double, c_int, c_ptr
+      implicit none
+      type(c_ptr), value :: handle
+      character(kind=c_char), intent(in) :: name(*)
+      real(c_double), intent(in) :: rows(*)
+      integer(c_int), value :: count
+    end subroutine formula_table
     !> How many values the text has, where all variables are zero, and the first; 0: an error, with
     !! muParser's message, the word that it stumbled over and its column.
     function formula_compile(handle, text, value, message, message_length, token, token_length, &
@@ -132,7 +150,7 @@ contains
 
   !> Compiles a text; on error the expression is zero and the message names the offending token.
   subroutine expression_make(expression, text, parameter_names, parameter_values, error, position, &
-                             token, axisymmetric)
+                             token, axisymmetric, tables)
     type(expression_t), intent(out) :: expression
     character(*), intent(in) :: text                     !! e.g. `v0*sin(pi*x/L)`
     character(*), intent(in) :: parameter_names(:)       !! constants it may use
@@ -141,6 +159,7 @@ contains
     integer, intent(out), optional :: position           !! column of the error in the text, from 1
     character(*), intent(out), optional :: token         !! the word that muParser stumbled over
     logical, intent(in), optional :: axisymmetric        !! variables are r and z
+    type(table_t), intent(in), optional :: tables(:)     !! functions it may use
     type(ieee_status_type) :: status
     integer :: i
     expression%text = text
@@ -165,6 +184,8 @@ contains
       expression%shared%parameter_names(i) = word_lower(parameter_names(i))
     end do
     expression%shared%parameter_values = parameter_values
+    allocate (expression%shared%tables(0))
+    if (present(tables)) expression%shared%tables = tables
     call ieee_get_status(status)  ! trial values may lie outside the formula's domain
     call ieee_set_halting_mode(ieee_all, .false.)
     call inspect(expression, error, position, token)
@@ -196,6 +217,7 @@ contains
     clone%shared%variables = expression%shared%variables
     clone%shared%parameter_names = expression%shared%parameter_names
     clone%shared%parameter_values = expression%shared%parameter_values
+    clone%shared%tables = expression%shared%tables
   end function expression_clone
 
   !> Releases the parsers; the expression becomes zero and its plain copies unusable. May be called
@@ -344,6 +366,12 @@ contains
     do i = 1, size(shared%parameter_names)
       call formula_constant(formula, c_text(trim(shared%parameter_names(i))), &
                             shared%parameter_values(i))
+    end do
+    do i = 1, size(shared%tables)
+      associate (table => shared%tables(i))
+        call formula_table(formula, c_text(trim(table%name)), table%rows, &
+                           size(table%rows, 2, c_int))
+      end associate
     end do
     values = formula_compile(formula, c_text(shared%source), first, found, len(found, c_int), &
                              token, len(token, c_int), at)

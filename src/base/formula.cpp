@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -14,15 +15,34 @@ namespace {
 const int lanes = 8;      // particles at a time: those of sgmp_kinds
 const int variables = 7;  // of sgmp_expression
 
+// Rows of a table that formulas call as a function: arguments ascend.
+struct Table {
+  std::vector<double> arguments, values;
+};
+
 // A text compiled by muParser, and the places of its variables: all lanes of the first, then of the next.
 struct Formula {
   mu::Parser parser;
+  std::deque<Table> tables;  // whose addresses the parser keeps
   double places[variables*lanes] = {};
   std::vector<double> stack;  // of values of all lanes
   bool known = false;         // whether `work` knows all instructions
 };
 
 using Token = mu::SToken;
+
+// A table between its rows: linear; before the first and behind the last: constant.
+double table_value(void *data, double argument)
+{
+  const Table &table = *static_cast<Table *>(data);
+  if (std::isnan(argument)) return argument;
+  const auto above = std::upper_bound(table.arguments.begin(), table.arguments.end(), argument);
+  if (above == table.arguments.begin()) return table.values.front();
+  if (above == table.arguments.end()) return table.values.back();
+  const auto i = above - table.arguments.begin();
+  const double part = (argument - table.arguments[i - 1])/(table.arguments[i] - table.arguments[i - 1]);
+  return table.values[i - 1] + part*(table.values[i] - table.values[i - 1]);
+}
 
 // Whether `work` knows an instruction.
 bool knows(const Token &token)
@@ -145,6 +165,17 @@ void sgmp_formula_constant(void *handle, const char *name, double value)
   } catch (const mu::ParserError &) {
     // a name that muParser cannot use is one that no formula can
   }
+}
+
+void sgmp_formula_table(void *handle, const char *name, const double *rows, int count)
+{
+  Formula &formula = formula_of(handle);
+  Table &table = formula.tables.emplace_back();
+  for (int i = 0; i < count; i++) {
+    table.arguments.push_back(rows[2*i]);
+    table.values.push_back(rows[2*i + 1]);
+  }
+  formula.parser.DefineFunUserData(name, table_value, &table);
 }
 
 int sgmp_formula_compile(void *handle, const char *text, double *value, char *message, int message_length, char *token, int token_length,

@@ -1,8 +1,8 @@
-!> The cards `title`, `units` and `dimension`.
+!> The cards `title`, `units`, `dimension` and `table`.
 module sgmp_cards_general
   use sgmp_deck_card, only: deck_card_t
   use sgmp_kernels, only: method_sgmp
-  use sgmp_keys, only: kind_integer, kind_logical, kind_text, kind_word
+  use sgmp_keys, only: kind_integer, kind_logical, kind_name_word, kind_points, kind_text, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: read_first, registry_t
   use sgmp_scene_draft, only: draft_t
@@ -46,6 +46,18 @@ contains
     call registry%key('swirl', kind_logical, 'axisymmetric: a velocity around the axis, for '// &
                       'what spins or is twisted (sgmp)', default='no', &
                       source='doc/theory.md, 8')
+    call registry%card('table', 'A function that formulas call by its name, with t or any '// &
+                       'other argument: linear between its rows, constant before the first '// &
+                       'and behind the last. Stands before the formulas that use it.', &
+                       'table pull file="pull.csv"')
+    call registry%key('name', kind_name_word, 'name of the function: "v0*pull(t)"', slot=1, &
+                      required=.true.)
+    call registry%key('file', kind_text, 'rows t, value in the units of the deck, t growing '// &
+                      'from row to row; # and ! begin comments, the first line may name the '// &
+                      'columns; a relative path starts at the deck')
+    call registry%key('rows', kind_points, 'the rows themselves instead of a file: (t,value),...')
+    call registry%key('checksum', kind_text, 'of the rows of the file, as the complete deck in '// &
+                      'run.log says it: rows with another one are refused')
   end subroutine register_general
 
   subroutine read_title(card, draft)

@@ -15,6 +15,7 @@ module sgmp_deck
   use sgmp_scene, only: scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
+  use sgmp_tables, only: table_define
   use sgmp_units, only: units_check
   implicit none
   private
@@ -148,7 +149,7 @@ contains
         associate (definition => registry%cards(cards(i)%definition))
           if (definition%turn /= turn) cycle
           if (turn == read_last .and. cards(i)%failed) cycle
-          call definition%read(cards(i), draft)
+          if (associated(definition%read)) call definition%read(cards(i), draft)
         end associate
       end do
       if (turn == read_second) draft%scene%bodies = draft%scene%bodies(:draft%bodies)
@@ -201,6 +202,7 @@ contains
     n = n + 1
     call card_parse(registry%cards(number), number, statement, parameters, cards(n), errors)
     if (cards(n)%name == 'dimension') call choose_variables(cards(:n), parameters, errors)
+    if (cards(n)%name == 'table') call table_define(cards(n), parameters, errors)
   end subroutine read_statement
 
   !> Whether a statement has the form of a card's end.
@@ -221,7 +223,7 @@ contains
       parameters%axisymmetric = card%word('value') == 'axisymmetric'
       if (.not. parameters%axisymmetric) return
       do i = 1, size(cards) - 1
-        if (cards(i)%name == 'title' .or. cards(i)%name == 'units') cycle
+        if (any(cards(i)%name == [character(5) :: 'title', 'units', 'table'])) cycle
         call errors%add(card%position, "'dimension axisymmetric' comes after the card '"// &
                         cards(i)%name//"'", 'put it first: it names the axes of all other cards')
         return

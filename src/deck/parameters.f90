@@ -4,7 +4,7 @@ module sgmp_parameters
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_errors, only: error_t
   use sgmp_expression, only: expression_free, expression_functions, expression_make, &
-                             expression_ring_variables, expression_t, expression_variables
+                             expression_ring_variables, expression_t, expression_variables, table_t
   use sgmp_kinds, only: dp
   use sgmp_lexer, only: token_t
   use sgmp_spelling, only: string_t, suggestion, word_count, word_in_list, word_is_identifier, &
@@ -35,14 +35,22 @@ module sgmp_parameters
     type(position_t) :: position
   end type setting_t
 
-  !> All parameters defined so far.
+  !> One table that formulas call.
+  type, extends(table_t) :: named_table_t
+    logical :: used = .false.
+    type(position_t) :: position
+  end type named_table_t
+
+  !> All parameters and tables defined so far.
   type :: parameters_t
     type(parameter_t), allocatable :: list(:)
     type(setting_t), allocatable :: settings(:)
+    type(named_table_t), allocatable :: tables(:)
     logical :: axisymmetric = .false.  !! formulas are functions of r and z
   contains
     procedure :: start
     procedure :: define
+    procedure :: define_table
     procedure :: substitute
     procedure :: make_expression
     procedure :: number
@@ -59,7 +67,7 @@ contains
     character(*), intent(in) :: settings(:)
     type(deck_errors_t), intent(inout) :: errors
     integer :: i, k, equals
-    allocate (self%list(0))
+    allocate (self%list(0), self%tables(0))
     allocate (self%settings(size(settings)))
     do i = 1, size(settings)
       associate (setting => self%settings(i))
@@ -92,7 +100,7 @@ contains
     type(deck_errors_t), intent(inout) :: errors
     type(parameter_t) :: new, from_deck
     integer :: i
-    if (.not. name_allowed(self, name, errors)) return
+    if (.not. name_allowed(self, name%text, name%position, 'parameter', errors)) return
     call interpret(self, name, value%text, value%quoted, value%position, new, errors)
     do i = 1, size(self%settings)
       if (self%settings(i)%name /= new%name .or. self%settings(i)%used) cycle
@@ -112,24 +120,46 @@ contains
     self%list = [self%list, new]
   end subroutine define
 
-  !> Whether a parameter may have this name.
-  logical function name_allowed(self, name, errors) result(allowed)
+  !> Defines a table.
+  subroutine define_table(self, name, position, rows, errors)
+    class(parameters_t), intent(inout) :: self
+    character(*), intent(in) :: name
+    type(position_t), intent(in) :: position     !! of the name
+    real(dp), intent(in) :: rows(:, :)           !! (argument|value, row), arguments ascend
+    type(deck_errors_t), intent(inout) :: errors
+    type(named_table_t) :: new
+    if (.not. name_allowed(self, name, position, 'table', errors)) return
+    new%name = name
+    new%rows = rows
+    new%position = position
+    self%tables = [self%tables, new]
+  end subroutine define_table
+
+  !> Whether a parameter or table may have this name.
+  logical function name_allowed(self, name, position, what, errors) result(allowed)
     class(parameters_t), intent(in) :: self
-    type(token_t), intent(in) :: name
+    character(*), intent(in) :: name
+    type(position_t), intent(in) :: position
+    character(*), intent(in) :: what             !! is named
     type(deck_errors_t), intent(inout) :: errors
     character(:), allocatable :: lower
-    lower = word_lower(name%text)
+    integer :: table
+    lower = word_lower(name)
+    table = findloc(self%tables%name == lower, .true., 1)
     allowed = .false.
     if (.not. word_is_identifier(lower) .or. len(lower) > name_size) then
-      call errors%add(name%position, "'"//name%text//"' cannot name a parameter", &
+      call errors%add(position, "'"//name//"' cannot name a "//what, &
                       'a name is a letter, then letters, digits and underscores, 32 at most')
     else if (word_in_list(lower, variables(self)) > 0 .or. &
              word_in_list(lower, expression_functions) > 0) then
-      call errors%add(name%position, "'"//name%text//"' already means something in expressions", &
+      call errors%add(position, "'"//name//"' already means something in expressions", &
                       'choose another name')
     else if (self%find(lower) > 0) then
-      call errors%add(name%position, "parameter '"//name%text//"' is defined twice", &
+      call errors%add(position, what//" '"//name//"' is defined twice", &
                       'first defined at '//self%list(self%find(lower))%position%text())
+    else if (table > 0) then
+      call errors%add(position, what//" '"//name//"' is defined twice", &
+                      'first defined at '//self%tables(table)%position%text())
     else
       allowed = .true.
     end if
@@ -330,6 +360,7 @@ contains
     character(*), intent(out), optional :: token
     character(name_size), allocatable :: names(:)
     real(dp), allocatable :: values(:)
+    type(table_t), allocatable :: tables(:)
     integer :: i, n
     allocate (names(count(.not. self%list%is_word)), values(count(.not. self%list%is_word)))
     n = 0
@@ -339,10 +370,16 @@ contains
       names(n) = self%list(i)%name
       values(n) = self%list(i)%value
     end do
-    call expression_make(expression, text, names, values, error, column, token, self%axisymmetric)
+    allocate (tables(0))
+    do i = 1, size(self%tables)
+      if (index(word_lower(text), trim(self%tables(i)%name)) == 0) cycle
+      tables = [tables, self%tables(i)%table_t]
+    end do
+    call expression_make(expression, text, names, values, error, column, token, &
+                         self%axisymmetric, tables)
   end subroutine try_expression
 
-  !> Marks the parameters whose names occur in an expression.
+  !> Marks the parameters and tables whose names occur in an expression.
   pure subroutine mark_used(self, text)
     class(parameters_t), intent(inout) :: self
     character(*), intent(in) :: text
@@ -356,12 +393,13 @@ contains
       end do
       number = self%find(word_lower(text(first:last - 1)))
       if (number > 0) self%list(number)%used = .true.
+      where (self%tables%name == word_lower(text(first:last - 1))) self%tables%used = .true.
       first = last + 1
     end do
   end subroutine mark_used
 
-  !> After the last card: settings of unknown parameters are errors, unused parameters worth a
-  !! warning.
+  !> After the last card: settings of unknown parameters are errors, unused parameters and tables
+  !! worth a warning.
   subroutine check_use(self, errors)
     class(parameters_t), intent(in) :: self
     type(deck_errors_t), intent(inout) :: errors
@@ -375,6 +413,11 @@ contains
     do i = 1, size(self%list)
       if (self%list(i)%used) cycle
       call errors%warn(self%list(i)%position, "parameter '"//trim(self%list(i)%name)//"' is "// &
+                       'not used')
+    end do
+    do i = 1, size(self%tables)
+      if (self%tables(i)%used) cycle
+      call errors%warn(self%tables(i)%position, "table '"//trim(self%tables(i)%name)//"' is "// &
                        'not used')
     end do
   end subroutine check_use
@@ -407,6 +450,9 @@ contains
     character(:), allocatable :: words
     integer :: i, n
     words = variables(self)//' '//expression_functions
+    do i = 1, size(self%tables)
+      words = words//' '//trim(self%tables(i)%name)
+    end do
     n = size(self%list)
     allocate (all(n + word_count(words)))
     do i = 1, size(all)

@@ -70,8 +70,7 @@ contains
                            turn)
     class(registry_t), intent(inout) :: self
     character(*), intent(in) :: name, help, example
-    procedure(card_action) :: read
-    procedure(card_action), optional :: check
+    procedure(card_action), optional :: read, check
     logical, intent(in), optional :: once, free
     character(*), intent(in), optional :: selector, needed
     integer, intent(in), optional :: turn
@@ -82,7 +81,7 @@ contains
     new%example = example
     new%selector = ''
     new%needed = ''
-    new%read => read
+    if (present(read)) new%read => read
     if (present(check)) new%check => check
     if (present(selector)) new%selector = selector
     if (present(needed)) new%needed = needed

@@ -3,11 +3,10 @@
 !! A first line of names says what the columns are, in any order: the axes of the space, volume,
 !! velocities, id, material. Without it they are `x y z volume [velocity_x velocity_y velocity_z]`.
 module sgmp_particle_file
-  use, intrinsic :: ieee_exceptions, only: ieee_get_halting_mode, ieee_overflow, ieee_set_flag, &
-                                           ieee_set_halting_mode
   use sgmp_errors, only: error_make, error_t, exit_deck, exit_io
   use sgmp_growing, only: grow
   use sgmp_kinds, only: dp, i4, i8
+  use sgmp_number_rows, only: number_looks_so, number_read, number_row_next, number_separators
   use sgmp_sorting, only: sort_order
   use sgmp_space, only: axis_names, space_dimensions
   use sgmp_spelling, only: suggestion, word_in_list, word_items, word_position, words_joined
@@ -55,7 +54,6 @@ module sgmp_particle_file
   end type line_t
 
   real(dp), parameter :: largest = 0.1_dp*huge(1.0_dp)
-  character(*), parameter :: separators = ' ,'//achar(9)//achar(13)
   character(*), parameter :: expected = 'expected: '//particle_file_columns// &
     ', volume > 0, or a first line that names the columns'
 
@@ -181,7 +179,7 @@ contains
     logical, intent(out) :: named            !! it is no particle
     type(error_t), allocatable, intent(out) :: error
     integer :: w, q
-    named = .not. looks_like_number(word(line, 1))
+    named = .not. number_looks_so(word(line, 1))
     if (.not. named) then
       columns%n = merge(with_velocity, without, line%words == with_velocity)
       columns%place(:columns%n) = [(q, q=1, columns%n)]
@@ -229,7 +227,7 @@ contains
     end if
     do q = 1, in_id
       if (columns%place(q) == 0) cycle
-      call read_number(word(line, columns%place(q)), row(q), wrong)
+      call number_read(word(line, columns%place(q)), row(q), wrong)
       if (wrong == '') wrong = objection(q, row(q), columns%ndim)
       if (wrong == '') cycle
       call refuse(line, columns%place(q), 'not a particle ('//wrong//'): '//trim(line%text), &
@@ -297,16 +295,7 @@ contains
     integer, intent(in) :: unit
     type(line_t), intent(inout) :: line
     logical :: there
-    character(256) :: part
-    integer :: length, status
-    line%text = ''
-    do
-      read (unit, '(a)', advance='no', size=length, iostat=status) part
-      if (status == 0 .or. is_iostat_eor(status)) line%text = line%text//part(:length)
-      if (status /= 0) exit
-    end do
-    there = is_iostat_eor(status) .or. len(line%text) > 0
-    if (scan(line%text, '#!') > 0) line%text = line%text(:scan(line%text, '#!') - 1)
+    there = number_row_next(unit, line%text)
     line%number = line%number + 1
     call find_words(line)
   end function next_line
@@ -318,9 +307,9 @@ contains
     line%words = 0
     last = 0
     do
-      first = verify(line%text(last + 1:), separators) + last
+      first = verify(line%text(last + 1:), number_separators) + last
       if (first == last) return
-      last = scan(line%text(first:)//' ', separators) + first - 2
+      last = scan(line%text(first:)//' ', number_separators) + first - 2
       line%words = line%words + 1
       if (line%words > quantities) cycle
       line%first(line%words) = first
@@ -337,29 +326,4 @@ contains
   end function word
 
   !> Whether a word has only the letters of numbers.
-  pure logical function looks_like_number(text) result(yes)
-    character(*), intent(in) :: text
-    yes = verify(text, '0123456789+-.eEdD') == 0
-  end function looks_like_number
-
-  !> Reads a number. One beyond the largest becomes infinite, which is an error of the file and not
-  !! of the program: it must not trap.
-  subroutine read_number(text, value, wrong)
-    character(*), intent(in) :: text
-    real(dp), intent(out) :: value
-    character(:), allocatable, intent(out) :: wrong  !! nothing if it is a number
-    logical :: traps
-    integer :: status
-    value = 0.0_dp
-    status = 1
-    call ieee_get_halting_mode(ieee_overflow, traps)
-    if (traps) call ieee_set_halting_mode(ieee_overflow, .false.)
-    if (looks_like_number(text)) read (text, *, iostat=status) value
-    wrong = ''
-    if (status /= 0) wrong = "'"//text//"' is not a number"
-    if (.not. traps) return
-    call ieee_set_flag(ieee_overflow, .false.)
-    call ieee_set_halting_mode(ieee_overflow, .true.)
-  end subroutine read_number
-
 end module sgmp_particle_file
