@@ -11,6 +11,7 @@ module sgmp_deck_table
   use sgmp_cards_material, only: register_material
   use sgmp_cards_method, only: register_method
   use sgmp_cards_output, only: register_output
+  use sgmp_cards_surface, only: register_surface
   use sgmp_registry, only: registry_t
   implicit none
   private
@@ -41,6 +42,7 @@ contains
     call register_body(table)
     table%group = 'Motion and loads'
     call register_load(table)
+    call register_surface(table)
     table%group = 'Contact'
     call register_contact(table)
     table%group = 'Output'

@@ -10,6 +10,7 @@ module sgmp_scene
   use sgmp_expression, only: expression_free, expression_t
   use sgmp_kernels, only: method_sgmp
   use sgmp_kinds, only: dp
+  use sgmp_load, only: load_force
   use sgmp_mesh, only: wall_free
   use sgmp_particle_file, only: material_choice_t
   use sgmp_shapes, only: shape_t
@@ -18,8 +19,9 @@ module sgmp_scene
   implicit none
   private
   public :: balance_card_t, body_card_t, bodyforce_card_t, checkpoint_card_t, contact_card_t, &
-            damping_card_t, detonation_card_t, gauge_card_t, grid_card_t, material_card_t, &
-            method_card_t, output_card_t, statement_text_t, stop_card_t, time_card_t
+            damping_card_t, detonation_card_t, gauge_card_t, grid_card_t, load_card_t, &
+            material_card_t, method_card_t, output_card_t, statement_text_t, stop_card_t, &
+            time_card_t
   public :: contact_lambda_default
   public :: dump_formats, dump_names, dump_tecplot, dump_vtkhdf, dump_vtu
   public :: scene_at_rest, scene_free, scene_space, scene_t
@@ -140,6 +142,16 @@ module sgmp_scene
     type(expression_t) :: force(3)
   end type bodyforce_card_t
 
+  !> Force on particles of a body, or pressure or traction on faces of them.
+  type :: load_card_t
+    integer :: body = 0
+    integer :: kind = load_force                  !! one of load_*
+    type(expression_t) :: value(3)                !! force, traction; pressure: the first
+    type(expression_t) :: where                   !! not 0 where the load acts, a function of place
+    integer :: axis = 0, side = 0                 !! of the faces: lower 1, upper 2; 0: all
+    character(:), allocatable :: location         !! file:line:column of the card, for messages
+  end type load_card_t
+
   !> A point from which explosives are lit.
   type :: detonation_card_t
     real(dp) :: point(3) = 0.0_dp
@@ -222,6 +234,7 @@ module sgmp_scene
     type(body_card_t), allocatable :: bodies(:)
     real(dp) :: gravity(3) = 0.0_dp
     type(bodyforce_card_t), allocatable :: bodyforces(:)
+    type(load_card_t), allocatable :: loads(:)
     type(contact_card_t), allocatable :: contacts(:)
     type(damping_card_t) :: damping
     type(detonation_card_t), allocatable :: detonations(:)
@@ -251,6 +264,12 @@ contains
       if (allocated(scene%bodyforces)) then
         do i = 1, size(scene%bodyforces)
           call expression_free(scene%bodyforces(i)%force(k))
+        end do
+      end if
+      if (allocated(scene%loads)) then
+        do i = 1, size(scene%loads)
+          call expression_free(scene%loads(i)%value(k))
+          call expression_free(scene%loads(i)%where)
         end do
       end if
     end do

@@ -26,7 +26,9 @@ module sgmp_columns
     integer :: forces = 0              !! components of it
     integer :: torque = 0              !! shear stresses of swirl times volume and radius, and the
                                        !! centrifugal force
-    integer :: external = 0            !! external force, 0: no body force acts
+    integer :: external = 0            !! external force, 0: none acts
+    integer :: lever = 0               !! external force times lever (length), component by
+                                       !! component along each axis; 0: none acts on faces
     integer :: volume = 0              !! 0: not carried
     integer :: stiffness = 0           !! bulk modulus times volume, 0: nothing relaxes
     integer :: compliance = 0          !! the compliance w; behind it w p and w p^2
@@ -65,8 +67,8 @@ module sgmp_columns
 contains
 
   !> Lays out the columns of the sums.
-  pure function columns_make(space, kernel, external, volume, spins, offset, relaxed, swirl) &
-    result(columns)
+  pure function columns_make(space, kernel, external, volume, spins, offset, relaxed, swirl, &
+                             faced) result(columns)
     integer, intent(in) :: space, kernel
     logical, intent(in) :: external    !! with an external force
     logical, intent(in) :: volume      !! with the volume
@@ -74,6 +76,7 @@ contains
     logical, intent(in), optional :: offset  !! with the first moments of the mass
     logical, intent(in), optional :: relaxed  !! with what particles relax by; needs the volume
     logical, intent(in), optional :: swirl  !! with the velocity around the axis
+    logical, intent(in), optional :: faced  !! external forces act on faces of particles
     type(columns_t) :: columns
     integer :: ndim
     logical :: with_relaxation, with_swirl
@@ -107,6 +110,12 @@ contains
     if (external) then
       columns%external = columns%total + 1
       columns%total = columns%total + ndim
+    end if
+    if (present(faced)) then
+      if (faced .and. kernel_centred(kernel)) then
+        columns%lever = columns%total + 1
+        columns%total = columns%total + ndim**2
+      end if
     end if
     if (volume) then
       columns%total = columns%total + 1

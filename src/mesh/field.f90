@@ -49,7 +49,7 @@ contains
 
   !> An empty field.
   pure subroutine field_init(field, mesh, kernel, body_force, volume, spins, rotation, relaxed, &
-                             swirl)
+                             swirl, faced)
     type(field_t), intent(out) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel        !! one of kernel_*
@@ -59,6 +59,7 @@ contains
     logical, intent(in), optional :: rotation  !! rotation is exact
     logical, intent(in), optional :: relaxed   !! columns for what particles relax by
     logical, intent(in), optional :: swirl     !! columns for the velocity around the axis
+    logical, intent(in), optional :: faced     !! columns for the levers of external forces
     logical :: with_volume
     integer :: nspin
     with_volume = .false.
@@ -70,7 +71,7 @@ contains
     field%space = mesh%space
     field%hoop_correction = mesh%hoop
     field%columns = columns_make(mesh%space, kernel, body_force, with_volume, nspin, &
-                                 rotation, relaxed, swirl)
+                                 rotation, relaxed, swirl, faced)
     if (mesh%walls_move .and. kernel_folds(kernel)) then
       call columns_keep_behind(field%columns, mesh%ndim, any(mesh%wall(:, :mesh%ndim) /= &
                                                              wall_free, dim=1))

@@ -58,11 +58,30 @@ contains
       else if (wall /= wall_fixed) then
         parity = stress_parity(1 + column - columns%force, normal, space)
       end if
-    else if (columns%offset > 0 .and. column >= columns%offset) then
-      ! A mirror turns the lever across it round, whatever the wall does to velocities.
-      parity = vector_parity(1 + column - columns%offset, normal, wall_slip)
+    else
+      parity = lever_parity(column, columns, normal, wall)
     end if
   end function moment_parity
+
+  !> The same for levers: of the mass, and of external forces, component by component. A mirror
+  !! turns the lever across it round, whatever the wall does to velocities.
+  pure function lever_parity(column, columns, normal, wall) result(parity)
+    integer, intent(in) :: column
+    type(columns_t), intent(in) :: columns
+    integer, intent(in) :: normal        !! axis of the wall's normal
+    integer, intent(in) :: wall
+    real(dp) :: parity
+    integer :: axes, number
+    parity = 1.0_dp
+    if (columns%offset > 0 .and. column >= columns%offset) then
+      parity = vector_parity(1 + column - columns%offset, normal, wall_slip)
+    else if (columns%lever > 0 .and. wall /= wall_fixed) then
+      axes = columns%lever - columns%external  ! components of the force
+      number = column - columns%lever
+      if (number < 0 .or. number >= axes**2) return
+      if ((1 + number/axes == normal) .neqv. (1 + mod(number, axes) == normal)) parity = -1.0_dp
+    end if
+  end function lever_parity
 
   !> Whether a column belongs to swirl.
   pure function swirls(column, columns) result(yes)

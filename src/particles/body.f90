@@ -5,6 +5,7 @@ module sgmp_body
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i4
+  use sgmp_load, only: load_t
   use sgmp_particles, only: first_cell, particles_t
   use sgmp_rigid_motion, only: rigid_motion_t
   use sgmp_rows, only: key_j, key_k
@@ -25,8 +26,10 @@ module sgmp_body
     real(dp) :: half_size(3) = 0.25_dp         !! GIMP particle half-size (cells)
     logical :: sides_stretch = .false.         !! and it follows the particle's stretch (cpGIMP)
     real(dp) :: spacing = 0.0_dp               !! particle spacing (length)
-    logical :: forced = .false.                !! a body force acts
+    logical :: forced = .false.                !! a body force or a load acts
     type(expression_t) :: force(3)             !! force per unit mass
+    type(load_t), allocatable :: loads(:)      !! not allocated: none
+    logical :: faced = .false.                 !! some of them act on faces
     logical :: rigid = .false.                 !! moves as prescribed, or as a whole
     logical :: at_rest = .false.               !! rigid and never moves
     type(expression_t) :: motion(3)            !! velocity of a rigid body, functions of t
@@ -37,7 +40,7 @@ module sgmp_body
 
 contains
 
-  !> Whether any body of a field feels a body force.
+  !> Whether any body of a field feels a body force or a load.
   pure function body_forced(bodies, field) result(forced)
     type(body_t), intent(in) :: bodies(:)
     integer, intent(in) :: field

@@ -8,6 +8,7 @@ module sgmp_cost_estimate
   use sgmp_forewarnings, only: shape_mass
   use sgmp_kernels, only: method_names
   use sgmp_kinds, only: dp, i8
+  use sgmp_load, only: load_force
   use sgmp_model, only: model_t
   use sgmp_particles, only: particles_bytes
   use sgmp_rigid_motion, only: rigid_motion_t
@@ -80,6 +81,7 @@ contains
       if (body%rigid_motion%free) call put_free(body%rigid_motion)
       call put('  stored    position, velocity, mass, volume and id (always)')
       call put_slots(body%law%slots)
+      call put_loads(body)
     end associate
   end subroutine put_body
 
@@ -127,12 +129,22 @@ contains
     call put_slot(slots%lighting, 'lighting time (explosive, detonation)')
     call put_slot(slots%deformation, 'deformation gradient (neo-Hookean material)')
     call put_slot(slots%stretch, 'diagonal of the deformation gradient (method cpgimp, split)')
-    call put_slot(slots%initial, 'initial position (bodyforce that uses it)')
+    call put_slot(slots%initial, 'initial position (bodyforce or load that uses it)')
     call put_slot(slots%swirl, 'velocity around the axis (dimension axisymmetric swirl=yes)')
     call put_slot(slots%compliance, 'compliance (volumes=kept, eos)')
     call put_slot(slots%strength, 'strength (failure weibull)')
     call put_slot(slots%path, 'path from the particle that was split (split)')
   end subroutine put_slots
+
+  !> What is stored for the loads of a body.
+  subroutine put_loads(body)
+    type(body_t), intent(in) :: body
+    integer :: forces
+    forces = count(body%loads%kind == load_force)
+    call put_slot(forces, integer_text(forces)//' shares in forces (load)')
+    forces = size(body%loads) - forces
+    call put_slot(forces, integer_text(forces)//' area vectors of faces (pressure, traction)')
+  end subroutine put_loads
 
   subroutine put_slot(column, text)
     integer, intent(in) :: column

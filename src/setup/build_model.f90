@@ -6,6 +6,7 @@ module sgmp_build_model
   use sgmp_body, only: body_t
   use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
+  use sgmp_build_loads, only: loads_add_columns, loads_declare, loads_fill
   use sgmp_build_rigid, only: rigid_begin, rigid_centre, rigid_declare
   use sgmp_burn, only: burn_lighting_time, burn_source_t
   use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_set_length, &
@@ -18,6 +19,7 @@ module sgmp_build_model
   use sgmp_kernels, only: bin_span, method_band, method_cpgimp, method_half_size, method_kernel, &
                           stencil_shift
   use sgmp_kinds, only: dp, i4, lanes
+  use sgmp_load, only: load_is_bound
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
@@ -168,6 +170,7 @@ contains
       body%half_size = method_half_size(scene%method%kind)
       if (all(body%half_size <= 0.0_dp)) body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
       call attach_force(scene, number, body)
+      call loads_declare(scene, number, body)
       call rigid_declare(card, mesh, body)
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
@@ -179,6 +182,7 @@ contains
       call contact_add_slot(scene, number, body%law%slots)
       call add_columns(scene, body%law)
       if (splits(scene, body)) call add_column(body%law%slots, body%law%slots%path)
+      call loads_add_columns(mesh%ndim, body)
       do d = 1, mesh%ndim
         x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
       end do
@@ -196,6 +200,7 @@ contains
       call set_strength(body)
       call fill_positions(scene, mesh, body)
       call contact_fill_slot(card, mesh, body)
+      if (seeded) call loads_fill(scene, number, mesh, body, error)
     end associate
   end subroutine build_body
 
@@ -253,7 +258,11 @@ contains
   pure function needs_initial(body) result(yes)
     type(body_t), intent(in) :: body
     logical :: yes
-    yes = body%forced .and. any(body%force%uses_initial_position)
+    integer :: i
+    yes = any(body%force%uses_initial_position)
+    do i = 1, size(body%loads)
+      yes = yes .or. load_is_bound(body%loads(i))
+    end do
   end function needs_initial
 
   !> Components of the spin that particles carry: one in the plane, three in space.
@@ -430,7 +439,7 @@ contains
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
                       model%method%normalised, model%method%spins, model%method%rotation, &
-                      model%method%relaxed, model%method%swirl)
+                      model%method%relaxed, model%method%swirl, any(model%bodies%faced))
     end do
     call team_make(model%team, threads, model%mesh%space, size(model%fields), size(model%bodies))
     allocate (model%ranks%below(size(model%fields)), model%ranks%above(size(model%fields)))

@@ -12,9 +12,10 @@ module DIM(sgmp_chunk)
   use sgmp_constitutive, only: constitutive_t
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
                                   departures_outside, departures_take_out
-  use sgmp_expression, only: expression_places, expression_time
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
+  use sgmp_load, only: load_force
+  use DIM(sgmp_loads), only: loads_levers, loads_on_faces, loads_on_mass, loads_strain
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
@@ -31,19 +32,19 @@ module DIM(sgmp_chunk)
   use sgmp_swirl, only: swirl_collect, swirl_drift, swirl_flux, swirl_kick, swirl_moments, &
                         swirl_strain, swirl_stresses
 #endif
-  use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_weights, &
-                                      record_group
+  use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_gradients, &
+                                      linear_weights, record_group
   use CARTESIAN(sgmp_transfer_product), only: product_gather, product_gather_gradient, &
                                               product_scatter, product_scatter_force, &
                                               product_spread, product_spread_t
   implicit none
   private
-  public :: chunk_advance, particle_axes, task_make, task_t
+  public :: axes_moved, chunk_advance, particle_axes, task_make, task_t
   public :: largest_stencil, most_columns, most_rows
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 1 + NMASS + 3*NDIM + NSPIN + NFLUX + 5
+  integer, parameter :: most_columns = 1 + NMASS + NDIM*(3 + NDIM) + NSPIN + NFLUX + 5
   integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
@@ -218,6 +219,9 @@ contains
 #endif
     call update_stress(body%law, plan, task, task%live(1, nl), motion, got, nb, &
                        state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
+    if (body%faced .and. plan%strain) then
+      call loads_strain(body, plan%dt_strain, got(1, task%gradient), nb, state)
+    end if
     if (erodes) then
       call departures_eroded(body%law, plan%strain, nl, motion, speed2, nb, state, eroded)
       if (plan%strain) call check_chunk(nl, id, merge(0.0_dp, task%live(:, nl), eroded), motion, &
@@ -264,6 +268,9 @@ contains
     end if
     if (NDIM < 3) cell(nl + 1:) = -1
     call scatter(task, plan%stress, xi, cell, axes, values, stencil)
+    if (body%faced .and. plan%external > 0) then
+      call scatter_faces(mesh, body, plan, task, id, nb, motion, state, xi, cell, axes, stencil)
+    end if
   end subroutine chunk_advance
 
   !> Stress update where the sweep strains, and the flux that the grid wants.
@@ -605,7 +612,6 @@ contains
     integer, intent(in) :: nb
     real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
-    real(dp) :: mass(lanes)
     integer :: n
     n = task%forces
     if (task%centred) then
@@ -619,41 +625,74 @@ contains
     end if
     if (plan%volume) values(:, task%plain - task%behind + 1) = live*state(:, 1)
     if (n == task%plain - task%behind) return
-    values(:, n + 1:n + NDIM) = 0.0_dp
-    mass = live*motion(:, mass_at)
-    if (body%forced) then
-      call external_force(mesh, body, plan, mass, nb, motion, state, values(1, n + 1))
-    end if
+    values(:, n + 1:task%plain - task%behind) = 0.0_dp  ! levers, too
+    if (body%forced) call loads_on_mass(mesh, body, plan%time, live*motion(:, mass_at), nb, &
+                                        motion, state, values(1, n + 1))
   end subroutine collect_rest
 
-  !> Mass times the body force at the particles (Eq. 24).
-  subroutine external_force(mesh, body, plan, mass, nb, motion, state, force)
+  !> Adds pressure and traction on the faces of those particles that have stayed, where they act:
+  !! the weights are continued linearly from the centres.
+  subroutine scatter_faces(mesh, body, plan, task, id, nb, motion, state, xi, cell, axes, stencil)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
-    integer, intent(in) :: nb
-    real(dp), intent(in) :: mass(lanes), motion(lanes, motion_total(NDIM)), state(lanes, nb)
-    real(dp), intent(out) :: force(lanes, NDIM)
-    real(dp) :: places(lanes, expression_places)
-    integer :: d, s
-    s = body%law%slots%initial
-    places = 0.0_dp
-    places(:, expression_time) = plan%time
-    do d = 1, NDIM
-      places(:, d) = mesh%origin(d) + mesh%h*motion(:, d)
-      if (s > 0) places(:, 3 + d) = state(:, s + d - 1)
+    type(task_t), intent(in) :: task
+    integer(i4), intent(in) :: id(lanes)
+    integer, intent(in) :: nb, cell(lanes)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, task%span)
+    real(dp) :: force(lanes, NDIM), way(lanes, NDIM)
+    type(product_spread_t) :: spread
+    logical :: some
+    integer :: i
+    do i = 1, size(body%loads)
+      if (body%loads(i)%kind == load_force) cycle
+      call loads_on_faces(mesh, body, body%loads(i), plan%time, &
+                          merge(1.0_dp, 0.0_dp, id /= 0), nb, motion, state, force, way, some)
+      if (.not. some) cycle
+      if (task%wide) then
+        call product_spread(axes_moved(axes, task%h*way), axes(1, 1, 1, 2), .false., spread)
+        call product_scatter(NDIM, spread, force, stencil(1, plan%external + 1, 1))
+      else
+        call linear_scatter(NDIM, xi + way, cell, force, task%nq, stencil(1, plan%external + 1, 1))
+        if (task%centred) call scatter_levers(task, plan%external + NDIM, xi + way, &
+                                              loads_levers(task%h, xi + way, way), cell, force, &
+                                              stencil)
+      end if
     end do
-    do d = 1, NDIM
-      associate (formula => body%force(d))
-        if (formula%uses_position .or. formula%uses_initial_position) then
-          call formula%evaluate_lanes(places, mass > 0.0_dp, force(:, d))
-          force(:, d) = mass*force(:, d)
-        else  ! the same for all
-          force(:, d) = mass*formula%evaluate(places(1, :3), places(1, 4:6), plan%time)
-        end if
-      end associate
+  end subroutine scatter_faces
+
+  !> Adds force times lever to the centres (sgmp_loads).
+  pure subroutine scatter_levers(task, before, place, levers, cell, force, stencil)
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: before, cell(lanes)   !! before: columns
+    real(dp), intent(in) :: place(lanes, NDIM), levers(lanes, NDIM), force(lanes, NDIM)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, task%span)
+    real(dp) :: g(lanes, NCORNER, NDIM)
+    integer :: l, a, b
+    call linear_gradients(place, 1.0_dp, g)
+    do l = 1, lanes
+      if (cell(l) < 0) exit
+      do a = 1, NDIM
+        do b = 1, NDIM
+          associate (column => stencil(:NCORNER, before + (a - 1)*NDIM + b, cell(l) + 1))
+            column = column + (force(l, a)*levers(l, b))*g(l, :, b)
+          end associate
+        end do
+      end do
     end do
-  end subroutine external_force
+  end subroutine scatter_levers
+
+  !> Weights per axis some way off, continued linearly.
+  pure function axes_moved(axes, way) result(moved)
+    real(dp), intent(in) :: axes(lanes, 3, NDIM, 2), way(lanes, NDIM)  !! way: length
+    real(dp) :: moved(lanes, 3, NDIM)
+    integer :: point
+    do point = 1, 3
+      moved(:, point, :) = axes(:, point, :, 1) + way*axes(:, point, :, 2)
+    end do
+  end function axes_moved
 
   !> Splits particles that have been stretched too far: both halves leave as movers, and give to the
   !! grid half of what the whole gives, but for the mass's moment and the momentum, which are

@@ -95,6 +95,7 @@ contains
     if (plan%probe .and. plan%stress) then
       plan%last_column = field%columns%force + field%columns%forces - 1
     end if
+    call external_columns(plan, field)
     plan%volume = plan%stress .and. field%columns%volume > 0 .and. .not. plan%probe
     if (field%columns%square > 0) call relaxation_columns(plan, field)
     if (field%columns%swirl > 0) call swirl_columns(plan, field)
@@ -104,6 +105,14 @@ contains
       plan%last_column = field%columns%offset - 1
     end if
   end subroutine sweep_columns
+
+  !> The same for external forces, which come with the stress; a probe knows none.
+  pure subroutine external_columns(plan, field)
+    type(plan_t), intent(inout) :: plan
+    type(field_t), intent(in) :: field
+    if (.not. plan%stress .or. plan%probe .or. field%columns%external == 0) return
+    plan%external = field%columns%external - plan%first_column
+  end subroutine external_columns
 
   !> The same where particles relax to the centres; a probe lets nothing relax.
   pure subroutine relaxation_columns(plan, field)

@@ -68,7 +68,7 @@ contains
         if (field%columns%offset > 0) call rotation_force(field, s, first, n, f)
 #endif
         if (driven) then
-          call external_forces(field, s, first, n, m, gravity, forced, external)
+          call external_forces(field, mesh, s, first, n, m, gravity, forced, external)
           f(:n, :) = f(:n, :) + external(:n, :)
         end if
         idx = field%neighbour(0, 0, s) + first
@@ -399,9 +399,11 @@ contains
     end do
   end subroutine divergence_row
 
-  !> Gravity on the nodes' mass, and the body forces that particles brought (Eq. 20; MPM Eq. 12).
-  pure subroutine external_forces(field, s, first, n, m, gravity, forced, f)
+  !> Gravity on the nodes' mass, and the forces that particles brought (Eq. 20; MPM Eq. 12); those
+  !! on faces with their levers.
+  pure subroutine external_forces(field, mesh, s, first, n, m, gravity, forced, f)
     type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
     real(dp), intent(in) :: m(tile), gravity(3)
     logical, intent(in) :: forced
@@ -414,6 +416,17 @@ contains
       if (kernel_centred(field%kernel)) then
         call mean_row(n, field%moment(1, field%columns%external + a - 1), &
                       centre_rows(field, s, first), t)
+        f(:n, a) = f(:n, a) + t(:n)
+        if (field%columns%lever == 0) cycle
+        i = field%columns%lever + (a - 1)*NDIM
+        call divergence_row(n, mesh%inverse_h*0.5_dp**(NDIM - 1), field%moment(1, i), &
+#if NDIM > 1
+                            field%moment(1, i + 1), &
+#endif
+#if NDIM > 2
+                            field%moment(1, i + 2), &
+#endif
+                            centre_rows(field, s, first), t)
         f(:n, a) = f(:n, a) + t(:n)
       else
         i = field%neighbour(0, 0, s) + first

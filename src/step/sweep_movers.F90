@@ -4,9 +4,12 @@
 !! the sums of some planes in the order of bins and ids, as a sweep would have done.
 module DIM(sgmp_sweep_movers)
   use sgmp_body, only: body_t
-  use DIM(sgmp_chunk), only: largest_stencil, most_columns, particle_axes, task_make, task_t
+  use DIM(sgmp_chunk), only: axes_moved, largest_stencil, most_columns, particle_axes, task_make, &
+                             task_t
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp, lanes
+  use sgmp_load, only: load_force
+  use DIM(sgmp_loads), only: loads_levers, loads_on_faces
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_total
   use sgmp_movers, only: movers_t
@@ -65,10 +68,15 @@ contains
     integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
     type(pile_t), intent(inout) :: pile
     real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM), xi(lanes, NDIM)
+    real(dp), allocatable :: force(:, :, :), w_face(:, :, :), levers(:, :, :), &
+        g_face(:, :, :, :)                       ! of the loads on faces
     logical :: forces
     integer :: cell, l
     forces = plan%stress .and. .not. task%centred
     call mover_weights(task, body, forces, lists, list, at, xi, w, g)
+    if (body%faced .and. plan%external > 0) then
+      call mover_faces(mesh, body, plan, task, lists, list, at, xi, force, w_face, levers, g_face)
+    end if
     do l = 1, size(at)
       associate (movers => lists(list(l)))
         cell = floor(movers%particle(1, at(l)) - body%particles%shift)
@@ -83,9 +91,12 @@ contains
                                                         movers%values(1, at(l)), pile%sums)
         if (task%spin > 0) call add_mover_spin(task, xi(l, :), w(l, :), movers%values(1, at(l)), &
                                                pile%sums)
+        if (allocated(force)) call add_mover_faces(task, plan, l, force, w_face, levers, g_face, &
+                                                   pile%sums)
       end associate
     end do
   end subroutine pile_movers
+
 
   !> Weights of some movers in their new bins, and where forces are scattered their gradients.
   pure subroutine mover_weights(task, body, gradients, lists, list, at, xi, w, g)
@@ -117,6 +128,74 @@ contains
       if (gradients) g(:, :NCORNER, :) = slopes
     end if
   end subroutine mover_weights
+
+  !> Pressure and traction on the faces of some movers, and the weights where they act.
+  subroutine mover_faces(mesh, body, plan, task, lists, list, at, xi, force, w, levers, g)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    type(movers_t), intent(in) :: lists(:)
+    integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
+    real(dp), intent(in) :: xi(lanes, NDIM)      !! position in the cell
+    real(dp), allocatable, intent(out) :: force(:, :, :), w(:, :, :)
+    real(dp), allocatable, intent(out) :: levers(:, :, :), g(:, :, :, :)  !! and gradients per cell
+    real(dp) :: motion(lanes, motion_total(NDIM)), state(lanes, body%particles%state_columns), &
+        axes(lanes, 3, NDIM, 2), live(lanes), way(lanes, NDIM), corners(lanes, NCORNER)
+    logical :: some
+    integer :: l, i
+    motion = 0.5_dp
+    state = 1.0_dp
+    live = 0.0_dp
+    do l = 1, size(at)
+      associate (particle => lists(list(l))%particle(:, at(l)))
+        motion(l, :) = particle(:motion_total(NDIM))
+        state(l, :) = particle(motion_total(NDIM) + 1:)
+        live(l) = 1.0_dp
+      end associate
+    end do
+    allocate (force(lanes, NDIM, size(body%loads)), w(lanes, largest_stencil, size(body%loads)), &
+              levers(lanes, NDIM, size(body%loads)), g(lanes, NCORNER, NDIM, size(body%loads)), &
+              source=0.0_dp)
+    if (task%wide) call particle_axes(body, task, size(state, 2), state, xi, axes)
+    do i = 1, size(body%loads)
+      if (body%loads(i)%kind == load_force) cycle
+      call loads_on_faces(mesh, body, body%loads(i), plan%time, live, size(state, 2), motion, &
+                          state, force(:, :, i), way, some)
+      if (.not. some) cycle
+      if (task%wide) then
+        call product_weights(axes_moved(axes, task%h*way), w(:, :, i))
+      else
+        call linear_weights(xi + way, corners)
+        w(:, :NCORNER, i) = corners
+        levers(:, :, i) = loads_levers(task%h, xi + way, way)
+        call linear_gradients(xi + way, 1.0_dp, g(:, :, :, i))
+      end if
+    end do
+  end subroutine mover_faces
+
+  !> The same for one of them, added.
+  pure subroutine add_mover_faces(task, plan, lane, force, w, levers, g, sums)
+    type(task_t), intent(in) :: task
+    type(plan_t), intent(in) :: plan
+    integer, intent(in) :: lane
+    real(dp), intent(in) :: force(:, :, :), w(:, :, :)  !! of each load
+    real(dp), intent(in) :: levers(:, :, :), g(:, :, :, :)
+    real(dp), intent(inout) :: sums(largest_stencil, most_columns)
+    integer :: i, d, b, points
+    points = task%width*task%rows
+    do i = 1, size(force, 3)
+      do d = 1, NDIM
+        call add_product(points, force(lane, d, i), w(lane, :points, i), &
+                         sums(1, plan%external + d))
+        if (.not. task%centred) cycle
+        do b = 1, NDIM
+          call add_product(NCORNER, force(lane, d, i)*levers(lane, b, i), g(lane, :, b, i), &
+                           sums(1, plan%external + d*NDIM + b))
+        end do
+      end do
+    end do
+  end subroutine add_mover_faces
 
   !> First moments of one particle's mass about the points of its stencil.
   pure subroutine add_mover_moment(task, xi, w, mass, sums)

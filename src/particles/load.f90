@@ -1,0 +1,28 @@
+!> A load on the particles of a body: a force that is shared out among them by their masses, or a
+!! pressure or traction on faces of them.
+module sgmp_load
+  use sgmp_expression, only: expression_t
+  implicit none
+  private
+  public :: load_t, load_force, load_pressure, load_traction, load_is_bound
+
+  integer, parameter :: load_force = 1, load_pressure = 2, load_traction = 3
+
+  !> One load. Its column of the particles' second stream is for a force the particle's share in it
+  !! per mass, for pressure and traction the first component of the area vector of its faces.
+  type :: load_t
+    integer :: kind = load_force       !! one of load_*
+    integer :: column = 0
+    type(expression_t) :: value(3)     !! components of force or traction; pressure: the first
+  end type load_t
+
+contains
+
+  !> Whether a load refers to the initial position, which must then be stored.
+  pure function load_is_bound(load) result(yes)
+    type(load_t), intent(in) :: load
+    logical :: yes
+    yes = any(load%value%uses_initial_position)
+  end function load_is_bound
+
+end module sgmp_load

@@ -1,0 +1,200 @@
+!> Loads on the particles of a body: who bears them, and how much of them.
+module sgmp_build_loads
+  use sgmp_body, only: body_t
+  use sgmp_errors, only: error_make, error_t, exit_deck
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_lattice, only: lattice_tolerance
+  use sgmp_load, only: load_force, load_t
+  use sgmp_mesh, only: mesh_position, mesh_t, wall_free
+  use sgmp_motion, only: motion_mass
+  use sgmp_parallel, only: parallel_exact_sums
+  use sgmp_scene, only: body_card_t, load_card_t, scene_t
+  use sgmp_shapes, only: shapes_inside
+  use sgmp_turn, only: turn_back, turn_forth
+  implicit none
+  private
+  public :: loads_add_columns, loads_declare, loads_fill
+
+  real(dp), parameter :: on_wall = 1.0e-6_dp  !! spacings between a face and the wall that bears it
+
+contains
+
+  !> What the cards say of a body's loads.
+  subroutine loads_declare(scene, number, body)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: number
+    type(body_t), intent(inout) :: body
+    type(load_t) :: new
+    integer :: i
+    allocate (body%loads(0))
+    do i = 1, size(scene%loads)
+      if (scene%loads(i)%body /= number) cycle
+      new%kind = scene%loads(i)%kind
+      new%value = scene%loads(i)%value
+      body%loads = [body%loads, new]
+    end do
+    body%forced = body%forced .or. size(body%loads) > 0
+    body%faced = any(body%loads%kind /= load_force)
+  end subroutine loads_declare
+
+  !> Columns of the particles for shares and area vectors.
+  pure subroutine loads_add_columns(ndim, body)
+    integer, intent(in) :: ndim
+    type(body_t), intent(inout) :: body
+    integer :: i
+    associate (total => body%law%slots%total)
+      do i = 1, size(body%loads)
+        body%loads(i)%column = total + 1
+        total = total + merge(1, ndim, body%loads(i)%kind == load_force)
+      end do
+    end associate
+  end subroutine loads_add_columns
+
+  !> Fills these columns; an error where nothing bears a load. All ranks must call it.
+  subroutine loads_fill(scene, number, mesh, body, error)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: number
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    type(error_t), allocatable, intent(out) :: error
+    real(dp) :: borne
+    integer :: i, own
+    own = 0
+    do i = 1, size(scene%loads)
+      if (scene%loads(i)%body /= number) cycle
+      own = own + 1
+      associate (card => scene%loads(i), column => body%loads(own)%column)
+        if (card%kind == load_force) then
+          call fill_shares(card, mesh, column, body, borne)
+        else
+          call fill_areas(card, scene%bodies(number), mesh, column, body, borne)
+        end if
+        if (borne > 0.0_dp) cycle
+        call error_make(error, exit_deck, trim(merge('the load acts on no particle  ', &
+                                                     'there are no such faces       ', &
+                                                     card%kind == load_force)), &
+                        'look at where=… and face=…; particles are at the centres of their cubes', &
+                        card%location)
+        return
+      end associate
+    end do
+  end subroutine loads_fill
+
+  !> Shares of particles in a force, per mass: one over the mass of all that bear it.
+  subroutine fill_shares(card, mesh, column, body, mass)
+    type(load_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: column
+    type(body_t), intent(inout) :: body
+    real(dp), intent(out) :: mass
+    real(dp), allocatable :: terms(:, :)
+    real(dp) :: x(3), total(1)
+    integer :: c, l, n
+    n = mesh%ndim
+    x = 0.0_dp
+    associate (particles => body%particles)
+      allocate (terms(1, particles%chunks), source=0.0_dp)
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
+          if (.not. chosen(card, x)) cycle
+          particles%state(l, column, c) = 1.0_dp
+          terms(1, c) = terms(1, c) + particles%motion(l, motion_mass(n), c)
+        end do
+      end do
+      call parallel_exact_sums(terms, total)
+      mass = total(1)
+      if (mass <= 0.0_dp) return
+      do c = 1, particles%chunks
+        particles%state(:, column, c) = particles%state(:, column, c)/mass
+      end do
+    end associate
+  end subroutine fill_shares
+
+  !> Area vectors of the faces that particles show.
+  subroutine fill_areas(card, owner, mesh, column, body, area)
+    type(load_card_t), intent(in) :: card
+    type(body_card_t), intent(in) :: owner
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: column
+    type(body_t), intent(inout) :: body
+    real(dp), intent(out) :: area                !! of all
+    real(dp), allocatable :: terms(:, :)
+    real(dp) :: x(3), faces(3), total(1)
+    integer :: c, l, n
+    n = mesh%ndim
+    x = 0.0_dp
+    associate (particles => body%particles)
+      allocate (terms(1, particles%chunks), source=0.0_dp)
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
+          faces = faces_of(card, owner, mesh, body%spacing, x, particles%state(l, 1, c))
+          particles%state(l, column:column + n - 1, c) = faces(:n)
+          terms(1, c) = terms(1, c) + norm2(faces)
+        end do
+      end do
+    end associate
+    call parallel_exact_sums(terms, total)
+    area = total(1)
+  end subroutine fill_areas
+
+  !> Sum of the area vectors of those faces of a particle behind which its lattice has no other one.
+  !! Between rings a face is as long as its own radius says.
+  function faces_of(card, owner, mesh, spacing, x, volume) result(area)
+    type(load_card_t), intent(in) :: card
+    type(body_card_t), intent(in) :: owner
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: spacing
+    real(dp), intent(in) :: x(3)                 !! of the particle
+    real(dp), intent(in) :: volume
+    real(dp) :: area(3)
+    real(dp) :: point(3), next(3), face(3), size_of
+    integer :: axis, side
+    area = 0.0_dp
+    point = x
+    call turn_back(owner%turn, point)
+    do axis = 1, mesh%ndim
+      do side = 1, 2
+        if (card%axis > 0 .and. (card%axis /= axis .or. card%side /= side)) cycle
+        next = point
+        next(axis) = next(axis) + (2*side - 3)*spacing
+        if (shapes_inside(owner%shapes, next, mesh%ndim, lattice_tolerance*spacing)) cycle
+        if (owner%rings .and. next(1) <= 0.0_dp) cycle
+        call turn_forth(owner%turn, next)
+        face = 0.5_dp*(x + next)
+        if (borne_by_wall(mesh, spacing, face) .or. .not. chosen(card, face)) cycle
+        size_of = volume/spacing
+        if (owner%rings) size_of = size_of*face(1)/x(1)
+        area = area + size_of/spacing*(next - x)
+      end do
+    end do
+  end function faces_of
+
+  !> Whether a face lies on a wall of the grid.
+  pure function borne_by_wall(mesh, spacing, face) result(yes)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: spacing, face(3)
+    logical :: yes
+    real(dp) :: walls(2)
+    integer :: axis
+    yes = .false.
+    do axis = 1, mesh%ndim
+      walls = mesh_position(mesh%origin(axis), mesh%h, &
+                            real([mesh%lower(axis), mesh%upper(axis)], dp))
+      yes = yes .or. any(mesh%wall(:, axis) /= wall_free .and. &
+                         abs(face(axis) - walls) < on_wall*spacing)
+    end do
+  end function borne_by_wall
+
+  !> Whether a card means a place.
+  function chosen(card, x) result(yes)
+    type(load_card_t), intent(in) :: card
+    real(dp), intent(in) :: x(3)
+    logical :: yes
+    yes = abs(card%where%evaluate(x, x, 0.0_dp)) > 0.0_dp
+  end function chosen
+
+end module sgmp_build_loads

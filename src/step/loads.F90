@@ -1,0 +1,187 @@
+! dimension-generic, axisymmetric
+#include "dimension.inc"
+!> External forces on a chunk of particles: body forces, loads that are shared out by mass, pressure
+!! and traction on faces (doc/loads.md).
+!!
+!! The faces of a particle have an area vector a, which follows the deformation (Nanson), and act in
+!! their middle: where V is the particle's volume, V/2 lies between them and its centre, so that the
+!! middle is at x + a V/(2 |a|^2). There the grid receives their force, by the functions of the
+!! particle continued linearly. Where stresses act at centres these are not the functions whose
+!! gradients the stresses see: along the normal, those have at a place xi between two centres
+!! (1 - xi)^2/2, 1/2 + xi (1 - xi), xi^2/2 at the nodes, the means of linear functions at the
+!! centres (1 - xi)/2, 1/2, xi/2. What is missing is the force of a stress -/+ xi (1 - xi)/2 h at
+!! the centres per force: the lever. With it a pressure on a face and a uniform stress behind it are
+!! in equilibrium.
+module DIM(sgmp_loads)
+  use sgmp_body, only: body_t
+  use sgmp_expression, only: expression_places, expression_t, expression_time
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_load, only: load_force, load_pressure, load_t
+  use sgmp_mesh, only: mesh_t
+  use sgmp_motion, only: motion_total
+  implicit none
+  private
+  public :: loads_levers, loads_on_faces, loads_on_mass, loads_strain
+
+contains
+
+  !> Body force (Eq. 24) and the particles' shares in forces.
+  subroutine loads_on_mass(mesh, body, time, mass, nb, motion, state, force)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: time, mass(lanes)      !! zero for pads
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(inout) :: force(lanes, NDIM)  !! added to
+    real(dp) :: places(lanes, expression_places)
+    integer :: i, d
+    call take_places(mesh, body, time, nb, motion, state, places)
+    do d = 1, NDIM
+      call add_force(body%force(d), places, mass, force(:, d))
+    end do
+    if (.not. allocated(body%loads)) return
+    do i = 1, size(body%loads)
+      associate (load => body%loads(i))
+        if (load%kind /= load_force) cycle
+        do d = 1, NDIM
+          call add_force(load%value(d), places, mass*state(:, load%column), force(:, d))
+        end do
+      end associate
+    end do
+  end subroutine loads_on_mass
+
+  !> Pressure or traction on the faces of a chunk: force, and the way from the centres to where it
+  !! acts; zero where there are no faces.
+  subroutine loads_on_faces(mesh, body, load, time, live, nb, motion, state, force, way, some)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    type(load_t), intent(in) :: load
+    real(dp), intent(in) :: time, live(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(out) :: force(lanes, NDIM)
+    real(dp), intent(out) :: way(lanes, NDIM)      !! (cells)
+    logical, intent(out) :: some                   !! there are faces
+    real(dp) :: places(lanes, expression_places), area(lanes, NDIM), square(lanes), weight(lanes)
+    integer :: d
+    area = state(:, load%column:load%column + NDIM - 1)
+    square = live*sum(area**2, dim=2)
+    some = any(square > 0.0_dp)
+    force = 0.0_dp
+    way = 0.0_dp
+    if (.not. some) return
+    weight = 0.5_dp*mesh%inverse_h*state(:, body%law%slots%volume)/max(square, tiny(1.0_dp))
+    way = spread(merge(weight, 0.0_dp, square > 0.0_dp), 2, NDIM)*area
+    call take_places(mesh, body, time, nb, motion, state, places)
+    places(:, :NDIM) = places(:, :NDIM) + mesh%h*way
+    if (load%kind == load_pressure) then
+      do d = 1, NDIM
+        call add_force(load%value(1), places, -live*area(:, d), force(:, d))
+      end do
+    else
+      do d = 1, NDIM
+        call add_force(load%value(d), places, sqrt(square), force(:, d))
+      end do
+    end if
+  end subroutine loads_on_faces
+
+  !> Levers of forces on faces along each axis (length), the gradients of the centres' weights per
+  !! cell left out.
+  pure function loads_levers(h, place, way) result(levers)
+    real(dp), intent(in) :: h
+    real(dp), intent(in) :: place(lanes, NDIM)     !! of the force, from the centre below (cells)
+    real(dp), intent(in) :: way(lanes, NDIM)       !! to there from the particle
+    real(dp) :: levers(lanes, NDIM)
+    real(dp) :: square(lanes)
+    integer :: d
+    square = max(sum(way**2, dim=2), tiny(1.0_dp))
+    do d = 1, NDIM
+      levers(:, d) = 0.5_dp*h*place(:, d)*(1.0_dp - place(:, d))*(way(:, d)**2/square)
+    end do
+  end function loads_levers
+
+  !> Lets the area vectors of faces follow a step: a' = cof(I + dt L) a. In the linear theory they
+  !! stay as they are, as volumes do.
+  pure subroutine loads_strain(body, dt, gradient, nb, state)
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: dt
+    real(dp), intent(in) :: gradient(lanes, NGRAD)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: state(lanes, nb)
+    real(dp) :: f(NDIM, NDIM), cofactor(NDIM, NDIM)
+    integer :: i, l, a
+    if (body%law%small_strain) return
+    do i = 1, size(body%loads)
+      associate (load => body%loads(i))
+        if (load%kind == load_force) cycle
+        do l = 1, lanes
+          associate (area => state(l, load%column:load%column + NDIM - 1))
+            if (all(abs(area) <= 0.0_dp)) cycle
+            do a = 1, NDIM
+              f(a, :) = dt*gradient(l, (a - 1)*NDIM + 1:a*NDIM)
+              f(a, a) = 1.0_dp + f(a, a)
+            end do
+            cofactor = cofactors(f)
+#ifdef AXISYMMETRIC
+            cofactor = (1.0_dp + dt*gradient(l, NGRAD))*cofactor  ! the ring grows longer
+#endif
+            area = matmul(cofactor, area)
+          end associate
+        end do
+      end associate
+    end do
+  end subroutine loads_strain
+
+  !> The cofactors of a matrix.
+  pure function cofactors(f) result(cofactor)
+    real(dp), intent(in) :: f(NDIM, NDIM)
+    real(dp) :: cofactor(NDIM, NDIM)
+#if NDIM == 1
+    cofactor = 1.0_dp + 0.0_dp*f
+#elif NDIM == 2
+    cofactor = reshape([f(2, 2), -f(1, 2), -f(2, 1), f(1, 1)], [2, 2])
+#else
+    integer :: i, j
+    do j = 1, 3
+      do i = 1, 3
+        associate (i1 => mod(i, 3) + 1, i2 => mod(i + 1, 3) + 1, &
+                   j1 => mod(j, 3) + 1, j2 => mod(j + 1, 3) + 1)
+          cofactor(i, j) = f(i1, j1)*f(i2, j2) - f(i1, j2)*f(i2, j1)
+        end associate
+      end do
+    end do
+#endif
+  end function cofactors
+
+  !> What formulas may use of the particles of a chunk.
+  pure subroutine take_places(mesh, body, time, nb, motion, state, places)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: time
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(out) :: places(lanes, expression_places)
+    integer :: d
+    places = 0.0_dp
+    places(:, expression_time) = time
+    do d = 1, NDIM
+      places(:, d) = mesh%origin(d) + mesh%h*motion(:, d)
+      if (body%law%slots%initial > 0) places(:, 3 + d) = state(:, body%law%slots%initial + d - 1)
+    end do
+  end subroutine take_places
+
+  !> Adds weight times a formula; where all places give the same value it is worked out once.
+  subroutine add_force(formula, places, weight, force)
+    type(expression_t), intent(in) :: formula
+    real(dp), intent(in) :: places(lanes, expression_places), weight(lanes)
+    real(dp), intent(inout) :: force(lanes)
+    real(dp) :: values(lanes)
+    if (formula%uses_position .or. formula%uses_initial_position) then
+      call formula%evaluate_lanes(places, abs(weight) > 0.0_dp, values)
+    else
+      values = formula%evaluate(places(1, :3), places(1, 4:6), places(1, expression_time))
+    end if
+    force = force + weight*values
+  end subroutine add_force
+
+end module DIM(sgmp_loads)

@@ -1,0 +1,250 @@
+#!/usr/bin/env python3
+"""Loads (doc/loads.md): tables, forces that particles share, pressure and traction on faces; the ledger, the same bits.
+
+usage: loads.py SGMP SOURCE_DIR SCRATCH_DIR
+
+Known from outside: a pulse p(t) on the end of a rod is the stress -p(t - x/c) in it and the work of p^2/(rho c); momentum is the force times the time; a block that is
+pressed all around keeps its momentum; the same pulse on a face of a block between slip walls, in the plane, in space and along an axis, is that of the rod.
+"""
+import math
+import os
+
+from _restarts import checkpoints, command, execute, goes_on, mpirun, straight
+from _runs import SCRATCH, Report, run
+
+PEAK, LASTS, END = 1e-3, 0.4, 0.7
+PULSE = f"{PEAK}*sin(pi*t/{LASTS})^2*(t<{LASTS})"
+ROD = f"""
+parameter method = sgmp
+parameter update = musl
+parameter cells = 64
+dimension 1
+grid cell=1/cells x=-0.25:1.25
+method $method update=$update
+time end={END} dt=0.1/cells
+material rubber elastic density=2 young=2 poisson=0 strain=small
+body rod block lower=0 upper=1 material=rubber ppc=2
+pressure rod face=x- p="{PULSE}"
+output csv at=end fields=stress,initial_position
+"""
+# The same along the last axis of other spaces, four cells wide; about an axis along z.
+BLOCKS = {"plane": ("2", "x=0:4/cells y=-0.25:1.25", "x-=slip x+=slip", "(0,0)", "(4/cells,1)", "y"),
+          "space": ("3", "x=0:2/cells y=0:2/cells z=-0.25:1.25", "x-=slip x+=slip y-=slip y+=slip", "(0,0,0)", "(2/cells,2/cells,1)", "z"),
+          "rings": ("axisymmetric", "r=0:4/cells z=-0.25:1.25", "r+=slip", "(0,0)", "(4/cells,1)", "z")}
+# What moves through many cells while it is loaded in every way: by tables, on faces that turn, on a part of it.
+MOVING = """
+parameter method = sgmp
+parameter update = musl
+dimension 2
+grid cell=1
+method $method update=$update
+time dt=0.1 steps=80
+table pull file="pull.csv"
+table push rows=(0,0),(2,1),(3,0.5)
+material rubber neo_hookean density=1 young=20 poisson=0.3
+body block block lower=(0,0) upper=(7,5) material=rubber ppc=2 rotation=20
+body ball sphere centre=(20,0) radius=3 material=rubber ppc=2
+velocity block x=1.5 y=0.7 omega_z=0.1
+velocity ball x=-1 y=0.9
+load block where="x0>4" x="2*pull(t)" y="0.1*x"
+pressure block face=y+ p="0.3*push(t)*(1+0.1*x)"
+traction block face=x- where="y<3" x="-0.2*pull(t)" y="0.1*y0"
+pressure ball p="0.2*push(t)"
+history steps=5
+gauge middle point=(3,3,0)
+output csv at=end fields=stress,displacement
+"""
+
+
+# At rest under a pressure on all sides, each by a card of its own.
+PRESSED = """
+parameter method = sgmp
+dimension 2
+grid cell=1 x=0:open y=0:open
+method $method
+time dt=0.05 steps=1600
+material rubber elastic density=1 young=10 poisson=0.25 strain=small
+body block block lower=(10,10) upper=(16,14) material=rubber ppc=2
+pressure block face=x- p=0.01
+pressure block face=x+ p=0.01
+pressure block face=y- p=0.01
+pressure block face=y+ p=0.01
+damping rate=2
+output csv at=end fields=stress
+"""
+
+
+def exact(x):
+    """Stress of the pulse at a place of the rod, whose speed of sound is 1."""
+    t = END - x
+    return -PEAK*math.sin(math.pi*t/LASTS)**2 if 0 < t < LASTS else 0.0
+
+
+def ledger(report, name, result):
+    """Kinetic energy to round-off."""
+    energy = result["energy"]
+    report.check(abs(energy["remainder"]) < 1e-12*energy["supplied"], f"{name}: kinetic identity {energy['remainder']/energy['supplied']}")
+
+
+def rod_error(rows, axis="x"):
+    """Of the stress along an axis, relative to the norm of the exact one."""
+    places = [(row[f"stress_{axis}{axis}"], exact(row[f"{axis}0"])) for row in rows]
+    return math.sqrt(sum((here - there)**2 for here, there in places)/sum(there**2 for _, there in places))
+
+
+def pulse(report):
+    """The stress in the rod, the work done on it and the momentum that it gets."""
+    work = PEAK**2*LASTS*3/8/2  # the integral of p^2/(rho c)
+    for method, update, most in (("sgmp", "musl", 0.05), ("sgmp", "usf", 0.05), ("sgmp", "usavg", 0.05), ("mpm", "musl", 0.03), ("gimp", "usl", 0.03), ("bspline", "musl", 0.05)):
+        errors = []
+        for cells in (64, 128):
+            name = f"rod_{method}_{update}_{cells}"
+            result = run(name, ROD, method=method, update=update, cells=cells)
+            if not report.finished(result, name):
+                return
+            ledger(report, name, result)
+            errors.append(rod_error(result.table("particles_end.csv")))
+            report.check(abs(result["energy.external_work"]/work - 1) < 0.02, f"{name}: work {result['energy.external_work']}, not {work}")
+            # The pressure of a step is that of its beginning; the first lasts half a step.
+            dt = 0.1/cells
+            impulse = sum(dt*(0.5 if k == 0 else 1)*PEAK*math.sin(math.pi*k*dt/LASTS)**2 for k in range(math.ceil(LASTS/dt)))
+            momentum = result.table("history.csv")[-1]["momentum_x"]
+            report.check(abs(momentum/impulse - 1) < 1e-9, f"{name}: momentum {momentum}, not {impulse}")
+        report.check(errors[1] < most, f"{name}: stress is off by {errors}")
+
+
+def spaces(report):
+    """A face between slip walls is the end of the rod, in every space."""
+    for method in ("sgmp", "mpm"):
+        rod = run(f"rod_{method}", ROD, method=method, cells=32)
+        if not report.finished(rod, f"rod_{method}"):
+            return
+        line = sorted((row["x0"], row["stress_xx"]) for row in rod.table("particles_end.csv"))
+        for space, (dimension, extent, walls, lower, upper, axis) in BLOCKS.items():
+            text = ROD.replace("dimension 1", f"dimension {dimension}").replace("x=-0.25:1.25", extent).replace("lower=0 upper=1", f"lower={lower} upper={upper}")
+            text = text.replace("face=x-", f"face={axis}-").replace("\ntime", f"\nwall {walls}\ntime")
+            result = run(f"{space}_{method}", text, method=method, cells=32)
+            if not report.finished(result, f"{space}_{method}"):
+                continue
+            ledger(report, f"{space}_{method}", result)
+            rows = result.table("particles_end.csv")
+            worst = max(abs(row[f"stress_{axis}{axis}"] - stress) for row in rows
+                        for place, stress in [min(line, key=lambda pair, row=row: abs(pair[0] - row[f"{axis}0"]))])
+            report.check(worst < 1e-9*PEAK, f"{space}_{method}: {worst/PEAK} of the peak off the rod")
+
+
+def forces(report):
+    """A force that all particles share moves a body as a whole; that on a part is the same momentum; about an axis it is that on whole rings."""
+    scene = """
+dimension {dimension}
+grid cell=0.5
+table ramp rows=(0,0),(0.5,1)
+time dt=0.05 steps=40
+material rubber elastic density=2 young=50 poisson=0.3
+body ball sphere centre={centre} radius=1.5 material=rubber ppc=2 jitter={jitter}
+load ball where="{where}" {axis}="3*ramp(t)"
+history steps=1
+"""
+    for dimension, centre, axis, jitter in ((1, "0", "x", 0.3), (2, "(0,0)", "y", 0.3), (3, "(0,0,0)", "z", 0.3), ("axisymmetric", "(0,0)", "z", 0)):
+        for part, where in (("all", "1"), ("part", f"{axis} > 0.4")):
+            name = f"force_{dimension}_{part}"
+            result = run(name, scene.format(dimension=dimension, centre=centre, axis=axis, jitter=jitter, where=where))
+            if not report.finished(result, name):
+                continue
+            ledger(report, name, result)
+            momentum = result.table("history.csv")[-1][f"momentum_{axis}"]
+            impulse = sum(0.05*(0.5 if k == 0 else 1)*3*min(k*0.05/0.5, 1) for k in range(40))
+            report.check(abs(momentum/impulse - 1) < 1e-11, f"{name}: momentum {momentum}, not {impulse}")
+            if part == "all":  # work is what the body has
+                kinetic = result["energy.kinetic"]
+                report.check(abs(result["energy.external_work"]/kinetic - 1) < 1e-9, f"{name}: work {result['energy.external_work']}, energy {kinetic}")
+
+
+def patch(report):
+    """A uniform pressure all around a block is in equilibrium with the stress behind it, corners included."""
+    for method in ("sgmp", "mpm", "gimp"):
+        result = run(f"patch_{method}", PRESSED, method=method)
+        if not report.finished(result, f"patch_{method}"):
+            continue
+        rows = result.table("particles_end.csv")
+        for field, expected in (("stress_xx", -0.01), ("stress_yy", -0.01), ("stress_xy", 0)):
+            worst = max(abs(row[field] - expected) for row in rows)
+            report.check(worst < 5e-3*0.01, f"patch_{method}: {field} is off by {worst/0.01} of the pressure")
+
+
+def tables(report):
+    """A table is the formula that it is made from; one that has changed is refused, also by a restart."""
+    path = os.path.join(SCRATCH, "pull.csv")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("t,value  # how hard\n0,0\n2, 1\n5,0.25\n")
+    formula = MOVING.replace('table pull file="pull.csv"\n', "").replace("pull(t)", "(t<2 ? t/2 : 1-0.25*(t-2))").replace("steps=80", "steps=45")
+    first, second = run("by_table", MOVING.replace("steps=80", "steps=45")), run("by_formula", formula)
+    if report.finished(first, "by_table") and report.finished(second, "by_formula"):
+        for key in ("energy.external_work", "energy.kinetic", "energy.internal"):
+            report.check(abs(first[key]/second[key] - 1) < 1e-12, f"tables: {key} {first[key]}, by formula {second[key]}")
+    with open(os.path.join(SCRATCH, "by_table", "run.log"), encoding="utf-8") as file:
+        said = [line for line in file if line.startswith("table pull")]
+    report.check(len(said) == 1 and "checksum=" in said[0], f"tables: the complete deck says {said}")
+    for title, before, after, message in (("other_rows", 'pull.csv"', 'pull.csv" checksum="0123456789ABCDEF"', "have the checksum"),):
+        result = run(title, MOVING.replace(before, after))
+        report.check(result.code == 3 and message in result.text, f"{title}: exit code {result.code}: {result.text}")
+
+
+def changed_table(report, name, text, **settings):
+    """A restart with other rows is refused."""
+    path = os.path.join(SCRATCH, "pull.csv")
+    with open(path, encoding="utf-8") as file:
+        rows = file.read()
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(rows.replace("0.25", "0.5"))
+    result = execute(command(name, text, ["--restart", "latest"], settings), name)
+    report.check(result.code == 3 and "table pull" in result.text, f"{name}: exit code {result.code} with other rows: {result.text}")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(rows)
+
+
+def mistakes(report):
+    """What a deck must not say, and what it is told."""
+    cases = (("a face beyond the dimension", "face=y+ p=", "face=z+ p=", "there is no face 'z+' in 2D"),
+             ("no such face", 'where="y<3"', 'where="y<-300"', "there are no such faces"),
+             ("nobody bears the load", 'where="x0>4"', 'where="x0>400"', "the load acts on no particle"),
+             ("time chooses", 'where="x0>4"', 'where="x0>t"', "'where' cannot depend on t"),
+             ("a load on all", 'load block', 'load all', "a load acts on one body"),
+             ("no lattice", "radius=3 material=rubber ppc=2", "radius=3 material=rubber ppc=2 layout=gauss", "have no known faces"),
+             ("a rigid body", "history", "rigid ball x=1\nhistory", "is rigid"),
+             ("split particles", "method $method update=$update", "method $method update=$update split=1", "faces of particles are not split"),
+             ("a table without rows", "rows=(0,0),(2,1),(3,0.5)", "", "either a file or rows"),
+             ("rows that do not grow", "(2,1),(3,0.5)", "(2,1),(2,0.5)", "t = 2 does not follow t = 2"),
+             ("a table twice", "table push", "table pull", "'pull' is defined twice"),
+             ("no such file", "pull.csv", "pul.csv", "cannot be opened"))
+    for title, before, after, message in cases:
+        name = title.replace(" ", "_")
+        result = run(name, MOVING.replace(before, after))
+        report.check(result.code == 3, f"{title}: exit code {result.code}")
+        report.check(message in result.text, f"{title}: says {result.text}")
+
+
+def bits(report):
+    """The same for threads, ranks and restarts."""
+    for method, update in (("sgmp", "musl"), ("gimp", "usl"), ("mpm", "usf")):
+        name, text = f"moving_{method}", MOVING + "checkpoint every=30 keep=9\n"
+        reference = straight(report, name, text, method=method, update=update)
+        ledger(report, name, reference)
+        for title, threads, launcher in ((f"{name}_threads", 3, ()), (f"{name}_ranks", 1, mpirun(2))):
+            other = straight(report, title, text, threads=threads, launcher=launcher, method=method, update=update)
+            for key in ("checksum", "energy.external_work", "energy.total"):
+                report.check(other[key] == reference[key], f"{title}: {key} {other[key]}, not {reference[key]}")
+        goes_on(report, reference, f"{name}_again", text, checkpoints(os.path.join(SCRATCH, name))[0], method=method, update=update)
+    changed_table(report, f"{name}_again", text, method=method, update=update)
+
+
+if __name__ == "__main__":
+    REPORT = Report()
+    tables(REPORT)
+    pulse(REPORT)
+    spaces(REPORT)
+    forces(REPORT)
+    patch(REPORT)
+    mistakes(REPORT)
+    bits(REPORT)
+    REPORT.end()
