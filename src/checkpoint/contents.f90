@@ -3,6 +3,7 @@
 module sgmp_contents
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: slots_t
+  use sgmp_load, only: load_force, load_t
   use sgmp_mesh, only: mesh_t
   use sgmp_model, only: model_t
   use sgmp_particle_fields, only: particle_field_components, particle_field_find
@@ -48,7 +49,7 @@ contains
     character(:), allocatable :: text
     character(name_length), allocatable :: names(:)
     integer :: q
-    names = column_names(body%law%slots, mesh)
+    names = column_names(body%law%slots, body%loads, mesh)
     text = '{"name": "'//trim(body%name)//'", "first_id": '//integer_text(body%first_id)// &
            ', "columns": "position velocity mass'
     do q = 1, size(names)
@@ -58,9 +59,11 @@ contains
   end function body_text
 
   !> Names of the history columns as output has them; the mean stress where it is the only one, and
-  !! `spin+2` for the third component of the spin.
-  function column_names(slots, mesh) result(names)
+  !! `spin+2` for the third component of the spin; of the loads of a body, by number, shares in a
+  !! force and area vectors.
+  function column_names(slots, loads, mesh) result(names)
     type(slots_t), intent(in) :: slots
+    type(load_t), intent(in) :: loads(:)
     type(mesh_t), intent(in) :: mesh
     character(name_length) :: names(slots%total)
     integer :: q, first
@@ -87,6 +90,10 @@ contains
     call name_column(slots%compliance, 'compliance')
     call name_column(slots%strength, 'strength')
     call name_column(slots%path, 'path')
+    do q = 1, size(loads)
+      call name_column(loads(q)%column, trim(merge('share', 'area ', &
+                                                   loads(q)%kind == load_force))//integer_text(q))
+    end do
     first = 1
     do q = 1, slots%total
       if (names(q) /= '') first = q
