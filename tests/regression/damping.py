@@ -117,17 +117,22 @@ def modes(report):
 
 
 def flight(report):
-    """What is free decays with the rate, until damping ends; what is prescribed goes on."""
-    result = run("flight", FLIGHT)
-    if not report.finished(result, "flight"):
-        return
+    """What is free decays with the rate, until damping ends, a rigid body, too; what is prescribed goes on."""
+    for name, deck in (("flight", FLIGHT), ("rigid flight", FLIGHT + "rigid free free=yes\n")):
+        result = run(name.replace(" ", "_"), deck)
+        if report.finished(result, name):
+            flown(report, name, result)
+
+
+def flown(report, name, result):
+    """One of them."""
     rows = [row for row in result.table("bodies.csv") if row["name"] == "free"]
     for row in rows[1:]:
         expected = math.exp(-0.5*(min(row["time"], 2.0) - 0.025))  # velocities are those half a step before
-        report.check(abs(row["velocity_x"]/expected - 1) < 1e-12, f"flight: {row['velocity_x']} at {row['time']}, not {expected}")
-        report.check(abs(row["velocity_y"] + 0.5*row["velocity_x"]) < 1e-12, f"flight: direction at {row['time']}")
-    report.check(all(abs(row["velocity_x"] - 1) < 1e-13 for row in result.table("bodies.csv")[1:] if row["name"] == "tool"), "flight: the tool is slowed")
-    report.check(abs(result["energy.damping_dissipation"]/(20*(1 - math.exp(-0.5*2*(2 - 0.025)))) - 1) < 1e-12, f"flight: {result['energy.damping_dissipation']}")
+        report.check(abs(row["velocity_x"]/expected - 1) < 1e-12, f"{name}: {row['velocity_x']} at {row['time']}, not {expected}")
+        report.check(abs(row["velocity_y"] + 0.5*row["velocity_x"]) < 1e-12, f"{name}: direction at {row['time']}")
+    report.check(all(abs(row["velocity_x"] - 1) < 1e-13 for row in result.table("bodies.csv")[1:] if row["name"] == "tool"), f"{name}: the tool is slowed")
+    report.check(abs(result["energy.damping_dissipation"]/(20*(1 - math.exp(-0.5*2*(2 - 0.025)))) - 1) < 1e-12, f"{name}: {result['energy.damping_dissipation']}")
     result = run("spinning", SPINNING)
     if report.finished(result, "spinning"):
         first, last = (result.table("history.csv")[row]["angular_momentum"] for row in (0, -1))

@@ -3,7 +3,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from table import at_most, near, run_methods, value_of, within
+from pictures import portraits
+from table import NAMES, at_most, near, run_methods, value_of, within
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from volumes.tube import jwl  # noqa: E402
@@ -52,6 +53,7 @@ follow the divergence at the centres of cells (`volumes=kept`).""")
     table.row("mean pressure over JWL", {m: value_of(run, lambda run: pressure(run)/jwl(2.0, inner_energy(run)/DENSITY/120)) for m, run in runs.items()},
               1.0, within(1, 0.1), runs, {"all": PLAIN})
     table.row("energy over that of the start", {m: value_of(run, energy_ratio) for m, run in runs.items()}, 1.0, within(1, 0.01), runs, {"all": PLAIN})
+    portraits(table, "charge", runs, "pressure", "Products in the end (pressure in GPa).")
 
 
 def gas(table):
@@ -63,6 +65,7 @@ An ideal gas (gamma = 1.4, density 1, p = 1) fills 4 of 40 cells of a closed cha
     table.row("pressure over (gamma - 1) E/V", {m: value_of(run, lambda run: pressure(run)/(0.4*inner_energy(run)/160)) for m, run in runs.items()},
               1.0, within(1, 0.03), runs, {"all": PLAIN})
     table.row("energy over that of the start", {m: value_of(run, energy_ratio) for m, run in runs.items()}, 1.0, within(1, 0.03), runs, {"all": PLAIN})
+    portraits(table, "gas", runs, "pressure", "The gas in the end.", layout=(4, 1), panel=(7.0, 1.1))
 
 
 def stretch(table):
@@ -70,8 +73,10 @@ def stretch(table):
     table.case("Bar pulled to ten times its length", """
 A neo-Hookean bar (E = 0.001, nu = 0, density 1, length 1, height 1 between smooth walls, h = 0.25) flies apart with the velocity x, nearly without force, to t = 9: it is then ten times as long and its density 0.1 everywhere (measured
 over its inner half, x < 5, for its free end springs back). Particles of `split=0.6` are cut in two when they are longer than 0.6 cells; without it they part, and the bar is a row of grains.""")
+    bars = {}
     for split in ("none", 0.6):
         runs = run_methods("volumes/stretch", split=split)
+        bars |= {f"{m} {split}": run for m, run in runs.items() if m in ("sgmp", "mpm")}
 
         def gaps(run):
             cells = np.unique(np.floor(run.particles().points[:, 0]/0.25))
@@ -86,6 +91,8 @@ over its inner half, x < 5, for its free end springs back). Particles of `split=
         table.row(f"cells without a particle, {words}", {m: value_of(run, gaps) for m, run in runs.items()}, 0.0, at_most(0), runs, torn)
         table.row(f"least density, {words}", {m: value_of(run, lambda run: inner(run).min()) for m, run in runs.items()}, 0.1, within(0.1, 0.05), runs, torn)
         table.row(f"largest density, {words}", {m: value_of(run, lambda run: inner(run).max()) for m, run in runs.items()}, 0.1, within(0.1, 0.05), runs, torn)
+    portraits(table, "stretch", bars, "density", "The bar in the end, without and with splitting.", layout=(4, 1), panel=(7.0, 1.0),
+              names={name: f"{NAMES[name.split()[0]]}, split={name.split()[1]}" for name in bars})
 
 
 def debris(table):
@@ -101,3 +108,4 @@ gamma = 2); what has seen a pressure of -1 GPa or a plastic strain of 3 carries 
               0.0, near(0, 1e-9), runs)
     table.row("shortest over longest step, less 1", {m: value_of(run, lambda run: 1 - run.summary["end_state"]["shortest_step"]/run.summary["end_state"]["longest_step"]) for m, run in runs.items()},
               0.0, at_most(0.8), runs)
+    portraits(table, "debris", runs, "body", "Plate and ball in the end, particles within a cell of the plane y = 0 (mm).", axes=(2, 0), layout=(2, 2), panel=(4.5, 1.9), size=5, select=lambda points: np.abs(points[:, 1]) < 4.24)

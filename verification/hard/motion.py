@@ -1,8 +1,14 @@
 """Motion that must leave a body as it is, and bodies of few particles."""
 import re
+import sys
+from pathlib import Path
 
 import numpy as np
-from table import METHODS, at_most, near, run_methods, value_of, within
+from pictures import curves, method_styles, portraits
+from table import METHODS, NAMES, at_most, near, run_methods, value_of, within
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from contact import body  # noqa: E402
 
 SPEED_OF_WAVES = np.sqrt(0.7/(1.3*0.4))  # E = density = 1, nu = 0.3
 
@@ -19,6 +25,12 @@ x0 + v t + g t^2/2 and feel no stress; any step is stable, and `cfl=auto` must f
         table.row(f"distance from the parabola over h, {words}", values, 0.0, at_most(1e-9), runs)
         stress = {m: value_of(run, lambda run: np.abs(run.particles().fields["stress"]).max()) for m, run in runs.items()}
         table.row(f"largest stress over E, {words}", stress, 0.0, at_most(1e-9), runs)
+    time = np.linspace(0, 20, 81)
+    lines = [(0.35 + 5*time, 0.55 + 4*time - 0.25*time**2, {"color": "0.3", "label": "parabola"})]
+    for number, (method, run) in enumerate(runs.items()):
+        way = body(run, 1)
+        lines.append((way["x"][number::4], way["z"][number::4], method_styles(method, linestyle="")))
+    curves(table, "alone", lines, "Way of the particle (cfl=auto), markers of the methods in turn.", xlabel="x/h", ylabel="z/h")
 
 
 def flight(table):
@@ -42,6 +54,13 @@ time of 200 h/c with the step 0.2 h/c, that is through 100 cells. In its own fra
     table.row("energy of the disk at rest, change", rest, 0.0, near(0, 0.05), runs)
     table.row("energy in its own frame, largest deviation from the disk at rest over the initial", energy, 0.0, at_most(0.05), runs, crossing)
     table.row("place of particles in its own frame, largest rms deviation over 0.002 R", shape, 0.0, at_most(0.1), runs, crossing)
+    lines = []
+    for method in METHODS:
+        for angle, speed, style in ((45, 0.5, "-"), (0, 0.0, ":")):
+            run = run_methods("flight", (method,), **({"angle": angle} if speed else {"speed": 0}))[method]
+            energy_now = own_energy(run, speed)
+            lines.append((run.history()["time"]*SPEED_OF_WAVES, energy_now/energy_now[0], method_styles(method, linestyle=style, marker="", **({} if speed else {"label": None}))))
+    curves(table, "flight", lines, "Energy in its own frame of the disk that flies at 45 degrees (lines) and of the disk at rest (dots).", xlabel="t c/h", ylabel="energy over the first")
 
 
 def own_energy(run, speed):
@@ -67,6 +86,16 @@ Then every particle is back where it was.""")
         values = {m: value_of(run, lambda run: np.sqrt(np.mean((run.particles().points[:, 0] - run.particles().fields["initial_position"][:, 0])**2))
                               / (1e-4/np.pi)) for m, run in runs.items()}
         table.row(f"rms displacement after a period over the amplitude, {ppc} per cell", values, 0.0, at_most(0.02), runs)
+        if ppc == 2:
+            lines = [(*displaced(run), method_styles(method, linestyle="")) for method, run in runs.items()]
+            curves(table, "single", lines, "Displacement after a period, two particles per cell: 0 is exact.", xlabel="x", ylabel="displacement over the amplitude")
+
+
+def displaced(run):
+    """Places and displacements over the amplitude."""
+    particles = run.particles()
+    start = particles.fields["initial_position"][:, 0]
+    return start, (particles.points[:, 0] - start)/(1e-4/np.pi)
 
 
 def thin(table):
@@ -75,11 +104,20 @@ def thin(table):
     table.case("Plate one particle thick", """
 A plate of length 40 h and a thickness of one, two or four particles of side h/2, free on all sides, its lower face at 0.25 h over a line of nodes, E = density = 1, nu = 0.3, vibrates lengthwise: velocity
 -1e-4 cos(pi x/L). The faces are free of stress, so waves run at sqrt(E/(density (1 - nu^2))); with thickness strain suppressed they would run at c, in 0.90 of the time.""")
+    lines = []
     for layers in (1, 2, 4):
         runs = run_methods("thin", layers=layers)
         values = {m: value_of(run, lambda run: period(run, exact)/exact) for m, run in runs.items()}
         table.row(f"period over 2 L sqrt(density (1 - nu^2)/E), {layers} layer{'s' if layers > 1 else ''}", values, 1.0, within(1, 0.02), runs,
                   {"all": "one layer reads next to no strain across its thickness and cannot relax its stress there: waves run at c"})
+        for method, run in runs.items():
+            if method in ("sgmp", "mpm") and layers != 2:
+                history = run.history()
+                lines.append((history["time"]/exact, history["kinetic_energy"]/history["kinetic_energy"][0],
+                              method_styles(method, linestyle="-" if layers == 1 else "--", marker="", label=f"{NAMES[method]}, {layers} layer{'s' if layers > 1 else ''}")))
+    time = np.linspace(0, lines[0][0][-1], 400)
+    lines.append((time, np.cos(2*np.pi*time)**2, {"color": "0.3", "linestyle": ":", "label": "exact, dispersion left out"}))
+    curves(table, "thin", lines, "Kinetic energy of the vibration over its exact period.", xlabel="t over the exact period", ylabel="kinetic energy over the first")
 
 
 def period(run, exact):
@@ -110,6 +148,13 @@ damps; what energy is lost or found is round-off and the scheme. Compared are th
     table.row("energy, relative change", {m: value_of(run, change) for m, run in runs.items()}, 0.0, near(0, 1e-3), runs)
     remainder = {m: value_of(run, lambda run: abs(run.summary["energy"]["remainder"])/run.history()["total_energy"][0]) for m, run in runs.items()}
     table.row("remainder of the kinetic identity over the energy", remainder, 0.0, at_most(1e-9), runs)
+    lines = []
+    for method, run in runs.items():
+        history = run.history()
+        parts = len(history["time"])//100
+        means = [history[name][:100*parts].reshape(100, parts).mean(axis=1) for name in ("time", "total_energy")]
+        lines.append((means[0]/2, means[1]/means[1][0] - 1, method_styles(method, marker="")))
+    curves(table, "drift", lines, "Energy, means over a hundredth of the run each.", xlabel="periods", ylabel="energy over the first, less 1")
 
 
 def units(table):
@@ -125,6 +170,7 @@ An elastoplastic block (2 x 1.5, h = 0.25, J2, particles displaced at random by 
         factor = np.array([scale_of(name) for name in one["names"]])
         differing[method] = float(np.sum(one["values"]*factor != other["values"]))
     table.row("numbers of particles_end.csv that differ", differing, 0.0, at_most(0), plain)
+    portraits(table, "units", plain, "speed", "The block after 200 steps.", size=9)
 
 
 def scale_of(name):

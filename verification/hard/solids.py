@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 from finite_elements import membrane as membrane_by_elements
+from pictures import portraits
 from table import METHODS, at_most, figure, run_methods, value_of, within
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
@@ -28,6 +29,8 @@ within h of the middle over that at the start. Experiment: 16.2 and 13.5 mm.""")
             table.row(f"{what} along {name} (mm)", {m: shapes[name][m][number] for m in METHODS}, experiment, within(experiment, 0.05), runs)
         spread = {m: np.ptp([shapes[name][m][number] for name in DIRECTIONS])/experiment for m in METHODS}
         table.row(f"{what}, spread over the directions", spread, 0.0, at_most(0.02))
+    portraits(table, "taylor", found["x"], "plastic_strain", "Both halves along x in the end, particles within a cell of the plane through the axis.",
+              select=lambda points: np.abs(points[:, 2]) < 1.27)
 
 
 def shape_of(run, direction):

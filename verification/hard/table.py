@@ -6,7 +6,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import common  # noqa: E402
-from common import NAMES, Case, plt, solve, subplots  # noqa: E402
+from common import COLOURS, MARKERS, NAMES, Case, plt, solve, subplots  # noqa: E402
 
 METHODS = ("sgmp", "gimp", "mpm", "bspline")
 

@@ -3,6 +3,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from pictures import curves, method_styles, portraits
 from table import at_most, near, run_methods, value_of, within
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
@@ -40,6 +41,7 @@ Two disks of radius 1, E = 1e4, density 1, nu = 0.3, no friction, run past each 
                   near(0, 0.02), runs)
         table.row(f"momentum from nowhere over that of a disk, {turn} degrees", {m: value_of(run, momentum) for m, run in runs.items()}, 0.0,
                   at_most(1e-12), runs)
+    portraits(table, "grazing", runs, "speed", "The disks in the end, turned by 30 degrees.")
 
 
 def ratios(table):
@@ -50,8 +52,10 @@ first bar until t = 1.5, before the wave is back from its free end, over 1e-4: t
 density is a rigid mass at once: 1 - exp(-1.5).""")
     cases = (("density 1 : 10^4", {"density": 1e4}, 1.5*100/101), ("stiffness 1 : 10^5", {"young": 1e5}, 1 - np.exp(-1.5)),
              ("both", {"density": 1e4, "young": 1e5}, 1.5*1/(1 + 10**-4.5)))
+    found = {}
     for words, parameters, expected in cases:
         runs = run_methods("ratios", **parameters)
+        found[words] = runs
 
         def impulse(run):
             left = body(run, 1)
@@ -66,6 +70,12 @@ density is a rigid mass at once: 1 - exp(-1.5).""")
         table.row(f"momentum, change over the first, {words}",
                   {m: value_of(run, lambda run: np.abs(run.history()["momentum_x"]/run.history()["momentum_x"][0] - 1).max()) for m, run in runs.items()},
                   0.0, at_most(1e-11), runs)
+    time = np.linspace(0, 1.5, 100)
+    lines = [(time, np.exp(-time), {"color": "0.3", "label": "rigid mass"})]
+    for method, run in found["stiffness 1 : 10^5"].items():
+        left = body(run, 1)
+        lines.append((left["time"], left["velocity_x"]/1e-4, method_styles(method, linestyle="", markevery=len(left["time"])//15)))
+    curves(table, "ratios", lines, "Velocity of the first bar's centre of mass, stiffness 1 : 10^5.", xlabel="t", ylabel="velocity over the first", xlim=(0, 1.5))
 
 
 def rest(table):
@@ -78,6 +88,7 @@ Plane strain: blocks of 6 x 4 cells (h = 1) on each other on a smooth wall at y 
         for quantity, place in (("largest", 1), ("mean of the last fifth", 0)):
             table.row(f"energy of unknown origin, {quantity}, {blocks} blocks",
                       {m: value_of(run, lambda run, place=place: excess(run.history(), "usavg")[place]) for m, run in runs.items()}, 0.0, near(0, 2e-3), runs)
+    portraits(table, "rest", runs, "body", "Three blocks in the end.", size=6)
 
 
 def penetrator(table):
@@ -95,3 +106,4 @@ until its particles are cells apart. Measured: how deep in the cone, across its 
         return max(inside[particles.fields["body"] == 2].max(), 0.0)
 
     table.row("depth of the deepest particle in the cone, cells", {m: value_of(run, deepest) for m, run in runs.items()}, 0.0, at_most(0.25), runs)
+    portraits(table, "penetrator", runs, "body", "Cone and metal in the end.", axes=(0, 2))

@@ -3,7 +3,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from table import near, run_methods, value_of, within
+from pictures import curves, method_styles, portraits
+from table import NAMES, near, run_methods, value_of, within
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from contact import body  # noqa: E402
@@ -30,8 +31,10 @@ Angular momentum about the origin must stay what it is. The last row of each is 
     for deck, words in (("contact_rolling/spin", "disk, three radians"), ("rotation/ring", "ring, three turns")):
         runs = run_methods(deck)
         table.row(f"change of angular momentum in percent, {words}", {m: value_of(run, angular_momentum) for m, run in runs.items()}, 0.0, near(0, 1), runs, {"all": EDGE, "mpm": CROSSING if "ring" in words else EDGE})
+        whole = runs
         runs = run_methods(deck, ("sgmp",), rotation="exact")
         table.row(f"the same, rotation=exact, {words}", {m: value_of(run, angular_momentum) for m, run in runs.items()}, 0.0, near(0, 0.1), runs)
+    portraits(table, "spin", whole | {"exact": runs["sgmp"]}, "speed", "The ring after three turns.", names=NAMES | {"exact": "SGMP, rotation=exact"})
 
 
 def slope(table):
@@ -39,6 +42,7 @@ def slope(table):
     table.case("Cylinder on a slope", """
 Plane strain: a cylinder of radius 1.6 m (E = 1.24e9 Pa, nu = 0.35, density 8000 kg/m^3) on a rigid plane that slopes by 30, 45 and 60 degrees, gravity 10 m/s^2, friction 0.4, from rest for 1 s; h = 0.2 m, the plane on a line of nodes, Courant
 number 1. It rolls as long as tan(slope) <= 3 times the friction, 50.2 degrees: g t^2 sin/3, beyond that it slides, too: g t^2 (sin - 0.4 cos)/2. The last row of each is SGMP with `rotation=exact`.""")
+    lines = []
     for angle in (30, 45, 60):
         sine, cosine = np.sin(np.radians(angle)), np.cos(np.radians(angle))
 
@@ -49,7 +53,13 @@ number 1. It rolls as long as tan(slope) <= 3 times the friction, 50.2 degrees: 
             return (rows["x"][-1] - rows["x"][0])/rigid
 
         runs = run_methods("contact_rolling/cylinder", angle=angle)
+        if angle == 30:
+            for method, run in runs.items():
+                rows = body(run, 1)
+                lines.append((rows["time"], rows["x"] - rows["x"][0], method_styles(method, markevery=0.1)))
+            lines.append((rows["time"], 10*rows["time"]**2*sine/3, {"color": "0.3", "linestyle": "--", "label": "rigid cylinder"}))
         table.row(f"way over that of a rigid cylinder, {angle} degrees", {m: value_of(run, way) for m, run in runs.items()}, 1.0, within(1, 0.02), runs,
                   {"all": FRICTION})
         runs = run_methods("contact_rolling/cylinder", ("sgmp",), rotation="exact", angle=angle)
         table.row(f"the same, rotation=exact, {angle} degrees", {m: value_of(run, way) for m, run in runs.items()}, 1.0, within(1, 0.02), runs)
+    curves(table, "slope", lines, "Way down the slope of 30 degrees.", xlabel="t (s)", ylabel="way (m)")
