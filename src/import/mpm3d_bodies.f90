@@ -307,9 +307,13 @@ contains
       if (size(pieces) > 1) text = text//' for each force on its particles'
     end select
     if (part%form /= 'poin' .and. pieces(1)%shape == piece_file .and. size(pieces) == 1) then
-      text = text//', for the volume of a particle (mass over the density of material) is not '// &
-             'that of its lattice'
-      if (pieces(1)%hole) text = text//', or particles lie on the edge of the hole'
+      if (pieces(1)%moves_as_one .or. pieces(1)%formula /= '') then
+        text = text//', for the volume of a particle (mass over the density of material) is '// &
+               'not that of its lattice'
+        if (pieces(1)%hole) text = text//', or particles lie on the edge of the hole'
+      else
+        text = text//', for its particles differ in velocity'
+      end if
     end if
     call notes%add(note_honoured, part%place, 'particle', text)
   end subroutine note_body

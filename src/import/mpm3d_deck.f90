@@ -197,8 +197,7 @@ contains
     case ('pt2d')
       associate (window => [words%vector(), words%vector()])
       end associate
-    case default  ! switches without a value
-      deck%on(word_position(keyword, mpm3d_keywords)) = .true.
+    case default  ! switches without a value: given is on
     end select
   end subroutine read_keyword
 

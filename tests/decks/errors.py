@@ -26,6 +26,7 @@ EXPECTED = {
     "axisymmetric_late": [r"{d}:2:1: error: 'dimension axisymmetric' comes after the card 'grid'", r"^1 error"],
     "axisymmetric_names": [r"{d}:2:18: error: there is no axis 'r' in 2D", r"{d}:3:18: error: the hoop strain is corrected",
                            r"{d}:7:16: error: there is no axis 'r' in 2D", r"^3 error"],
+    "axisymmetric_rotation": [r"{d}:4:34: error: rotation=exact does not exist in axisymmetric scenes", r"^1 error"],
     "bad_expression": [r"{d}:8:19: error: .*'yung'", r"did you mean 'young'"],
     "bad_number": [r"{d}:4:12: error: .*'abc'", r"numbers are written like"],
     "beyond_units": [r"{d}:6:41: warning: young = 1e60 is 1e66 in SI units", r"{d}:7:1: error: unknown card 'nonsense'"],
@@ -88,6 +89,7 @@ EXPECTED = {
                         r"= keys are written key=value, e\.g\. time end=", r"^2 error"],
     "missing_cards": [r"{d}: error: the deck has no card '%s'" % card for card in ("grid", "time", "body")],
     "missing_include": [r"{d}:7:9: error: there is no file '.*nothing\.inp'"],
+    "missing_cards_include": [r"{d}:3:9: error: there is no file '.*nothing\.inp'", r"^1 error"],
     "missing_key": [r"{d}:5:1: error: card 'material' needs 'young'"],
     "nan": [r"{d}:4:10: error: '1e999'", r"{d}:5:32: error: 'nan'", r"{d}:5:42: error: 'inf'"],
     "negative_density": [r"{d}:5:32: error: 'density' = -7850 is out of range"],
@@ -176,6 +178,8 @@ HELPERS = {"included", "include_loop_2"}  # included by others
 SETTINGS = [
     ("unknown setting", "not_constant", ["--set", "hh=1"], [r"--set:1:1: error: the deck has no parameter 'hh'"]),
     ("bad setting", "not_constant", ["--set", "hh"], [r"--set:1:1: error: a setting must be NAME=VALUE"]),
+    ("setting without name", "not_constant", ["--set", "=1"], [r"--set:1:1: error: a setting must be NAME=VALUE"]),
+    ("setting without value", "not_constant", ["--set", "hh="], [r"--set:1:1: error: a setting must be NAME=VALUE"]),
 ]
 
 
