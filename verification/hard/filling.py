@@ -53,7 +53,7 @@ follow the divergence at the centres of cells (`volumes=kept`).""")
     table.row("mean pressure over JWL", {m: value_of(run, lambda run: pressure(run)/jwl(2.0, inner_energy(run)/DENSITY/120)) for m, run in runs.items()},
               1.0, within(1, 0.1), runs, {"all": PLAIN})
     table.row("energy over that of the start", {m: value_of(run, energy_ratio) for m, run in runs.items()}, 1.0, within(1, 0.01), runs, {"all": PLAIN})
-    portraits(table, "charge", runs, "pressure", "Products in the end (pressure in GPa).")
+    portraits(table, "charge", runs, "pressure", "Products in the end (pressure in MPa).")
 
 
 def gas(table):

@@ -4,6 +4,8 @@ import math
 import sys
 from pathlib import Path
 
+from PIL import Image
+
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import common  # noqa: E402
 from common import COLOURS, MARKERS, NAMES, Case, plt, solve, subplots  # noqa: E402
@@ -125,7 +127,8 @@ class Table:
             lines += [f"![{name}]({folder}/{name}.png)\n\n{caption}\n" for name, caption in case["pictures"]]
             for name, _ in case["pictures"]:
                 path.with_suffix("").mkdir(exist_ok=True)
-                (path.with_suffix("") / f"{name}.png").write_bytes((self.output / f"{name}.png").read_bytes())
+                with Image.open(self.output / f"{name}.png") as image:  # few colours are a third of the bytes
+                    image.convert("RGB").quantize(64).save(path.with_suffix("") / f"{name}.png", optimize=True)
         path.write_text("\n".join(lines).rstrip() + "\n")
 
 
