@@ -32,8 +32,8 @@ module DIM(sgmp_chunk)
   use sgmp_swirl, only: swirl_collect, swirl_drift, swirl_flux, swirl_kick, swirl_moments, &
                         swirl_strain, swirl_stresses
 #endif
-  use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_gradients, &
-                                      linear_weights, record_group
+  use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_weights, &
+                                      record_group
   use CARTESIAN(sgmp_transfer_product), only: product_gather, product_gather_gradient, &
                                               product_scatter, product_scatter_force, &
                                               product_spread, product_spread_t
@@ -641,7 +641,7 @@ contains
     integer, intent(in) :: nb, cell(lanes)
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
-    real(dp), intent(inout) :: stencil(task%points, task%nq, task%span)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     real(dp) :: force(lanes, NDIM), way(lanes, NDIM)
     type(product_spread_t) :: spread
     logical :: some
@@ -663,22 +663,22 @@ contains
     end do
   end subroutine scatter_faces
 
-  !> Adds force times lever to the centres (sgmp_loads).
+  !> Adds force times lever to the centres (sgmp_loads). The derivative of a linear weight along an
+  !! axis is what it is at the upper end of the cell less what it is at the lower one.
   pure subroutine scatter_levers(task, before, place, levers, cell, force, stencil)
     type(task_t), intent(in) :: task
     integer, intent(in) :: before, cell(lanes)   !! before: columns
     real(dp), intent(in) :: place(lanes, NDIM), levers(lanes, NDIM), force(lanes, NDIM)
-    real(dp), intent(inout) :: stencil(task%points, task%nq, task%span)
-    real(dp) :: g(lanes, NCORNER, NDIM)
-    integer :: l, a, b
-    call linear_gradients(place, 1.0_dp, g)
-    do l = 1, lanes
-      if (cell(l) < 0) exit
-      do a = 1, NDIM
-        do b = 1, NDIM
-          associate (column => stencil(:NCORNER, before + (a - 1)*NDIM + b, cell(l) + 1))
-            column = column + (force(l, a)*levers(l, b))*g(l, :, b)
-          end associate
+    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
+    real(dp) :: end(lanes, NDIM)
+    integer :: a, b, side
+    do b = 1, NDIM
+      do side = 0, 1
+        end = place
+        end(:, b) = side
+        do a = 1, NDIM
+          call linear_scatter(1, end, cell, (2*side - 1)*(force(:, a)*levers(:, b)), task%nq, &
+                              stencil(1, before + (a - 1)*NDIM + b, 1))
         end do
       end do
     end do
