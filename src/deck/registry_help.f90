@@ -50,8 +50,8 @@ contains
     write (unit, '(a)') card%name//': '//card%help, ''
     write (unit, '(a)') '  e.g. '//card%example, ''
     do i = 1, size(card%keys)
-      write (unit, '(2x, a, t22, a)') card%keys(i)%name, card%keys(i)%help
-      write (unit, '(t24, a)') facts(card%keys(i))
+      write (unit, '(2x, a, t24, a)') card%keys(i)%name, card%keys(i)%help
+      write (unit, '(t26, a)') facts(card%keys(i))
     end do
     if (card%once) write (unit, '(/, a)') 'At most one such card.'
     if (card%free) write (unit, '(/, a)') 'May be changed when a run is restarted.'

@@ -32,7 +32,7 @@ contains
   function porosity_keys() result(keys)
     type(key_t), allocatable :: keys(:)
     keys = [key('distention', kind_real, 'volume over that of the solid, of porous matter: '// &
-                'density is that of the porous matter, the other constants are the solid''s', &
+                "density is that of the porous matter, the other constants are the solid's", &
                 range='(1,inf)', source='P-alpha, Herrmann 1969'), &
             key('crush_start', kind_real, 'pressure at which pores begin to close; needed with '// &
                 'distention', unit='stress', range='[0,inf)'), &

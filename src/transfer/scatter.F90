@@ -357,7 +357,7 @@ contains
   !> One column of a bin: sums of its points as long vectors, then point by point.
   pure subroutine flush(nq, even, odd, planes)
     integer, intent(in) :: nq
-    real(dp), intent(inout) :: even(column_sums), odd(column_sums), planes(NROW, nq, 0:span - 1)
+    real(dp), intent(inout) :: even(column_sums), odd(column_sums), planes(NROW, nq, 0:*)
     real(dp) :: both(NROW*span), carried(NROW)
     integer :: c, e, n
     !$omp simd simdlen(8)
