@@ -32,6 +32,7 @@ material zerilli_armstrong zerilli_armstrong density=density young=young poisson
   thermal_hardening=2*kg/(m*s^2) thermal_softening=5e-3 thermal_rate=3e-4 reference_rate=0.1/s specific_heat=0.001*m^2/s^2
 material foam fluid density=density
 eos foam shock c0=5*m/s s=1.5 gamma0=2 distention=1.2 crush_start=0.3*kg/(m*s^2) crush_end=3*kg/(m*s^2)
+failure foam pmin=0
 viscosity elastic quadratic=1.5 linear=0.06
 """
 # A block in a box; drift makes particles change cells.
