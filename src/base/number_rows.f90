@@ -59,9 +59,16 @@ contains
     end do
   end subroutine number_row
 
+  !> Whether a word may be a number: 1+2, which Fortran reads as 100, is none, 1.5-100 of a file
+  !! that a Fortran program wrote is one.
   pure logical function number_looks_so(text) result(yes)
     character(*), intent(in) :: text
+    integer :: i
     yes = verify(text, '0123456789+-.eEdD') == 0
+    do i = 2, len(text)
+      if (scan(text(i:i), '+-') == 0 .or. scan(text(i - 1:i - 1), 'eEdD') > 0) cycle
+      yes = yes .and. len(text) - i == 3
+    end do
   end function number_looks_so
 
   !> Reads a number. One beyond the largest becomes infinite, which is an error of the file and not

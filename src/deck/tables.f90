@@ -5,7 +5,7 @@ module sgmp_tables
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_growing, only: grow
   use sgmp_kinds, only: dp, i4, i8
-  use sgmp_number_rows, only: number_row, number_row_is_empty, number_row_next
+  use sgmp_number_rows, only: number_looks_so, number_row, number_row_is_empty, number_row_next
   use sgmp_parameters, only: parameters_t
   use sgmp_spelling, only: word_lower
   use sgmp_text, only: integer_text, real_text_plain
@@ -109,12 +109,23 @@ contains
       "the table '"//path//"' has fewer than two rows", row_expected)
   end subroutine read_file
 
-  !> Whether a line names its columns: it begins with a letter or a quote.
+  !> Whether a line names its columns: it begins with a letter or a quote, and none of its words is
+  !! a number or meant to be one.
   pure function is_heading(line) result(yes)
     character(*), intent(in) :: line
     logical :: yes
-    yes = verify(word_lower(line(verify(line, ' '):verify(line, ' '))), &
-                 'abcdefghijklmnopqrstuvwxyz"'//"'") == 0
+    character(*), parameter :: between = ' ,;'//achar(9)
+    character(:), allocatable :: rest, word
+    integer :: n
+    rest = word_lower(line(verify(line, ' '):))
+    yes = verify(rest(1:1), 'abcdefghijklmnopqrstuvwxyz"'//"'") == 0
+    do while (yes .and. verify(rest, between) > 0)
+      rest = rest(verify(rest, between):)//' '
+      n = scan(rest, between) - 1
+      word = rest(:n)
+      rest = rest(n + 1:)
+      yes = .not. (number_looks_so(word) .or. word == 'nan' .or. word == 'inf')
+    end do
   end function is_heading
 
   !> What is wrong with a row behind n others, nothing if it is one.

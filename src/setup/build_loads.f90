@@ -57,9 +57,10 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
     type(error_t), allocatable, intent(out) :: error
-    real(dp) :: borne
+    real(dp) :: borne, squeezed
     integer :: i, own
     own = 0
+    squeezed = 0.0_dp
     do i = 1, size(scene%loads)
       if (scene%loads(i)%body /= number) cycle
       own = own + 1
@@ -67,7 +68,14 @@ contains
         if (card%kind == load_force) then
           call fill_shares(card, mesh, column, body, borne)
         else
-          call fill_areas(card, scene%bodies(number), mesh, column, body, borne)
+          call fill_areas(card, scene%bodies(number), mesh, column, body, borne, squeezed)
+        end if
+        if (squeezed > 0.0_dp) then
+          call error_make(error, exit_deck, "particles of body '"//trim(body%name)// &
+                          "' show opposite faces, which one force cannot press", &
+                          'a card for each face (face=x- … face=x+), or two particles across '// &
+                          'the thinnest part', card%location)
+          return
         end if
         if (borne > 0.0_dp) cycle
         call error_make(error, exit_deck, trim(merge('the load acts on no particle  ', &
@@ -113,47 +121,54 @@ contains
   end subroutine fill_shares
 
   !> Area vectors of the faces that particles show.
-  subroutine fill_areas(card, owner, mesh, column, body, area)
+  subroutine fill_areas(card, owner, mesh, column, body, area, squeezed)
     type(load_card_t), intent(in) :: card
     type(body_card_t), intent(in) :: owner
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: column
     type(body_t), intent(inout) :: body
     real(dp), intent(out) :: area                !! of all
+    real(dp), intent(out) :: squeezed            !! particles whose faces are opposite
     real(dp), allocatable :: terms(:, :)
-    real(dp) :: x(3), faces(3), total(1)
+    real(dp) :: x(3), faces(3), total(2)
+    logical :: opposed
     integer :: c, l, n
     n = mesh%ndim
     x = 0.0_dp
     associate (particles => body%particles)
-      allocate (terms(1, particles%chunks), source=0.0_dp)
+      allocate (terms(2, particles%chunks), source=0.0_dp)
       do c = 1, particles%chunks
         do l = 1, lanes
           if (particles%id(l, c) == 0) cycle
           x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
-          faces = faces_of(card, owner, mesh, body%spacing, x, particles%state(l, 1, c))
+          call faces_of(card, owner, mesh, body%spacing, x, particles%state(l, 1, c), faces, &
+                        opposed)
           particles%state(l, column:column + n - 1, c) = faces(:n)
           terms(1, c) = terms(1, c) + norm2(faces)
+          if (opposed) terms(2, c) = terms(2, c) + 1.0_dp
         end do
       end do
     end associate
     call parallel_exact_sums(terms, total)
     area = total(1)
+    squeezed = total(2)
   end subroutine fill_areas
 
   !> Sum of the area vectors of those faces of a particle behind which its lattice has no other one.
   !! Between rings a face is as long as its own radius says.
-  function faces_of(card, owner, mesh, spacing, x, volume) result(area)
+  subroutine faces_of(card, owner, mesh, spacing, x, volume, area, opposed)
     type(load_card_t), intent(in) :: card
     type(body_card_t), intent(in) :: owner
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: spacing
     real(dp), intent(in) :: x(3)                 !! of the particle
     real(dp), intent(in) :: volume
-    real(dp) :: area(3)
+    real(dp), intent(out) :: area(3)
+    logical, intent(out) :: opposed              !! each face has one opposite it
     real(dp) :: point(3), next(3), face(3), size_of
-    integer :: axis, side
+    integer :: axis, side, shown(3)
     area = 0.0_dp
+    shown = 0
     point = x
     call turn_back(owner%turn, point)
     do axis = 1, mesh%ndim
@@ -169,9 +184,11 @@ contains
         size_of = volume/spacing
         if (owner%rings) size_of = size_of*face(1)/x(1)
         area = area + size_of/spacing*(next - x)
+        shown(axis) = shown(axis) + 1
       end do
     end do
-  end function faces_of
+    opposed = any(shown == 2) .and. all(shown /= 1)
+  end subroutine faces_of
 
   !> Whether a face lies on a wall of the grid.
   pure function borne_by_wall(mesh, spacing, face) result(yes)

@@ -216,7 +216,14 @@ def mistakes(report):
              ("a table without rows", "rows=(0,0),(2,1),(3,0.5)", "", "either a file or rows"),
              ("rows that do not grow", "(2,1),(3,0.5)", "(2,1),(2,0.5)", "t = 2 does not follow t = 2"),
              ("a table twice", "table push", "table pull", "'pull' is defined twice"),
+             ("opposite faces", "pressure ball", "body web block lower=(30,0) upper=(30.5,4) material=rubber ppc=2\npressure web p=1\npressure ball", "show opposite faces"),
+             ("a spoilt row", "pull.csv", "spoilt.csv", "'O' is not a number"),
+             ("a sum", "pull.csv", "sum.csv", "'1+2' is not a number"),
              ("no such file", "pull.csv", "pul.csv", "cannot be opened"))
+    with open(os.path.join(SCRATCH, "spoilt.csv"), "w", encoding="utf-8") as file:
+        file.write("O,0\n1,1\n2,1\n")
+    with open(os.path.join(SCRATCH, "sum.csv"), "w", encoding="utf-8") as file:
+        file.write("0,0\n1+2,1\n1.5+100,1\n")
     for title, before, after, message in cases:
         name = title.replace(" ", "_")
         result = run(name, MOVING.replace(before, after))
