@@ -37,6 +37,7 @@ contains
     else
       rows = card%points('rows')
       call check_rows(card, rows, errors)
+      if (.not. card%failed .and. card%has('checksum')) call check_sum(card, rows, errors)
     end if
     ! Formulas know one that failed, too: they are not wrong.
     if (card%failed) rows = reshape([0.0_dp, 0.0_dp], [2, 1])

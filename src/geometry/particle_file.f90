@@ -325,5 +325,4 @@ contains
     text = line%text(line%first(number):line%last(number))
   end function word
 
-  !> Whether a word has only the letters of numbers.
 end module sgmp_particle_file

@@ -103,7 +103,7 @@ contains
     call judge_impulse(self, model)
     call judge_turning(self, scene, model)
     call judge_volumes(self, scene%method%volumes_kept)
-    call judge_particles(self, scene)
+    call judge_particles(self, scene, model%findings%lost)
     call judge_resolution(self, scene, thinnest)
     if (lid_leaks(model)) then
       call self%object('a wall moves towards one across its way: beside their edge matter is '// &
@@ -232,13 +232,17 @@ contains
   end subroutine judge_volumes
 
   !> Particles that no longer stand for the space around them.
-  subroutine judge_particles(self, scene)
+  subroutine judge_particles(self, scene, lost)
     type(verdict_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
+    integer, intent(in) :: lost            !! particles that have left the grid
     character(:), allocatable :: remedy
     remedy = ''
     if (.not. scene%method%split > 0.0_dp) remedy = '; method … split=0.75 splits what is stretched'
     associate (found => self%state)
+      if (found%particles == 0 .and. lost > 0) then
+        call self%object('no particle is left: all have left the grid; enlarge it, or end earlier')
+      end if
       if (found%separated_part > largest_separated) then
         call self%object(percent(found%separated_part)//" of body '"// &
                          trim(scene%bodies(found%separated_body)%name)// &

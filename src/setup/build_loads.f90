@@ -1,5 +1,6 @@
 !> Loads on the particles of a body: who bears them, and how much of them.
 module sgmp_build_loads
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use sgmp_body, only: body_t
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_kinds, only: dp, lanes
@@ -15,6 +16,9 @@ module sgmp_build_loads
   private
   public :: loads_add_columns, loads_declare, loads_fill
 
+  ! What is summed over particles: mass or area that bears a load, particles whose faces are
+  ! opposite, places of which where=… does not say.
+  integer, parameter :: borne = 1, squeezed = 2, unclear = 3, sums = 3
   real(dp), parameter :: on_wall = 1.0e-6_dp  !! spacings between a face and the wall that bears it
 
 contains
@@ -57,106 +61,84 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
     type(error_t), allocatable, intent(out) :: error
-    real(dp) :: borne, squeezed
+    real(dp) :: total(sums)
     integer :: i, own
     own = 0
-    squeezed = 0.0_dp
     do i = 1, size(scene%loads)
       if (scene%loads(i)%body /= number) cycle
       own = own + 1
       associate (card => scene%loads(i), column => body%loads(own)%column)
-        if (card%kind == load_force) then
-          call fill_shares(card, mesh, column, body, borne)
-        else
-          call fill_areas(card, scene%bodies(number), mesh, column, body, borne, squeezed)
-        end if
-        if (squeezed > 0.0_dp) then
+        call fill_columns(card, scene%bodies(number), mesh, column, body, total)
+        if (total(unclear) > 0.0_dp) then
+          call error_make(error, exit_deck, "where=… is not a number at some places of body '"// &
+                          trim(body%name)//"'", 'particles bear the load where it is not 0', &
+                          card%location)
+        else if (total(squeezed) > 0.0_dp) then
           call error_make(error, exit_deck, "particles of body '"//trim(body%name)// &
                           "' show opposite faces, which one force cannot press", &
                           'a card for each face (face=x- … face=x+), or two particles across '// &
                           'the thinnest part', card%location)
-          return
+        else if (total(borne) <= 0.0_dp) then
+          call error_make(error, exit_deck, trim(merge('the load acts on no particle  ', &
+                                                       'there are no such faces       ', &
+                                                       card%kind == load_force)), &
+                          'look at where=… and face=…; particles are at the centres of their '// &
+                          'cubes', card%location)
         end if
-        if (borne > 0.0_dp) cycle
-        call error_make(error, exit_deck, trim(merge('the load acts on no particle  ', &
-                                                     'there are no such faces       ', &
-                                                     card%kind == load_force)), &
-                        'look at where=… and face=…; particles are at the centres of their cubes', &
-                        card%location)
-        return
+        if (allocated(error)) return
+        if (card%kind == load_force) call share(body, column, total(borne))
       end associate
     end do
   end subroutine loads_fill
 
-  !> Shares of particles in a force, per mass: one over the mass of all that bear it.
-  subroutine fill_shares(card, mesh, column, body, mass)
-    type(load_card_t), intent(in) :: card
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: column
-    type(body_t), intent(inout) :: body
-    real(dp), intent(out) :: mass
-    real(dp), allocatable :: terms(:, :)
-    real(dp) :: x(3), total(1)
-    integer :: c, l, n
-    n = mesh%ndim
-    x = 0.0_dp
-    associate (particles => body%particles)
-      allocate (terms(1, particles%chunks), source=0.0_dp)
-      do c = 1, particles%chunks
-        do l = 1, lanes
-          if (particles%id(l, c) == 0) cycle
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
-          if (.not. chosen(card, x)) cycle
-          particles%state(l, column, c) = 1.0_dp
-          terms(1, c) = terms(1, c) + particles%motion(l, motion_mass(n), c)
-        end do
-      end do
-      call parallel_exact_sums(terms, total)
-      mass = total(1)
-      if (mass <= 0.0_dp) return
-      do c = 1, particles%chunks
-        particles%state(:, column, c) = particles%state(:, column, c)/mass
-      end do
-    end associate
-  end subroutine fill_shares
-
-  !> Area vectors of the faces that particles show.
-  subroutine fill_areas(card, owner, mesh, column, body, area, squeezed)
+  !> Fills the columns of a load: 1 for the particles that bear a force, area vectors of the faces
+  !! that particles show.
+  subroutine fill_columns(card, owner, mesh, column, body, total)
     type(load_card_t), intent(in) :: card
     type(body_card_t), intent(in) :: owner
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: column
     type(body_t), intent(inout) :: body
-    real(dp), intent(out) :: area                !! of all
-    real(dp), intent(out) :: squeezed            !! particles whose faces are opposite
+    real(dp), intent(out) :: total(sums)         !! of the mass or the area, and of particles
     real(dp), allocatable :: terms(:, :)
-    real(dp) :: x(3), faces(3), total(2)
-    logical :: opposed
+    real(dp) :: x(3), faces(3)
     integer :: c, l, n
     n = mesh%ndim
     x = 0.0_dp
     associate (particles => body%particles)
-      allocate (terms(2, particles%chunks), source=0.0_dp)
+      allocate (terms(sums, particles%chunks), source=0.0_dp)
       do c = 1, particles%chunks
         do l = 1, lanes
           if (particles%id(l, c) == 0) cycle
           x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
-          call faces_of(card, owner, mesh, body%spacing, x, particles%state(l, 1, c), faces, &
-                        opposed)
-          particles%state(l, column:column + n - 1, c) = faces(:n)
-          terms(1, c) = terms(1, c) + norm2(faces)
-          if (opposed) terms(2, c) = terms(2, c) + 1.0_dp
+          if (card%kind /= load_force) then
+            call faces_of(card, owner, mesh, body%spacing, x, particles%state(l, 1, c), faces, &
+                          terms(:, c))
+            particles%state(l, column:column + n - 1, c) = faces(:n)
+          else if (chosen(card, x, terms(unclear, c))) then
+            particles%state(l, column, c) = 1.0_dp
+            terms(borne, c) = terms(borne, c) + particles%motion(l, motion_mass(n), c)
+          end if
         end do
       end do
     end associate
     call parallel_exact_sums(terms, total)
-    area = total(1)
-    squeezed = total(2)
-  end subroutine fill_areas
+  end subroutine fill_columns
+
+  !> Shares of particles in a force, per mass: one over the mass of all that bear it.
+  pure subroutine share(body, column, mass)
+    type(body_t), intent(inout) :: body
+    integer, intent(in) :: column
+    real(dp), intent(in) :: mass
+    integer :: c
+    do c = 1, body%particles%chunks
+      body%particles%state(:, column, c) = body%particles%state(:, column, c)/mass
+    end do
+  end subroutine share
 
   !> Sum of the area vectors of those faces of a particle behind which its lattice has no other one.
   !! Between rings a face is as long as its own radius says.
-  subroutine faces_of(card, owner, mesh, spacing, x, volume, area, opposed)
+  subroutine faces_of(card, owner, mesh, spacing, x, volume, area, counts)
     type(load_card_t), intent(in) :: card
     type(body_card_t), intent(in) :: owner
     type(mesh_t), intent(in) :: mesh
@@ -164,7 +146,7 @@ contains
     real(dp), intent(in) :: x(3)                 !! of the particle
     real(dp), intent(in) :: volume
     real(dp), intent(out) :: area(3)
-    logical, intent(out) :: opposed              !! each face has one opposite it
+    real(dp), intent(inout) :: counts(sums)
     real(dp) :: point(3), next(3), face(3), size_of
     integer :: axis, side, shown(3)
     area = 0.0_dp
@@ -180,14 +162,16 @@ contains
         if (owner%rings .and. next(1) <= 0.0_dp) cycle
         call turn_forth(owner%turn, next)
         face = 0.5_dp*(x + next)
-        if (borne_by_wall(mesh, spacing, face) .or. .not. chosen(card, face)) cycle
+        if (borne_by_wall(mesh, spacing, face)) cycle
+        if (.not. chosen(card, face, counts(unclear))) cycle
         size_of = volume/spacing
         if (owner%rings) size_of = size_of*face(1)/x(1)
         area = area + size_of/spacing*(next - x)
         shown(axis) = shown(axis) + 1
       end do
     end do
-    opposed = any(shown == 2) .and. all(shown /= 1)
+    counts(borne) = counts(borne) + norm2(area)
+    if (any(shown == 2) .and. all(shown /= 1)) counts(squeezed) = counts(squeezed) + 1.0_dp
   end subroutine faces_of
 
   !> Whether a face lies on a wall of the grid.
@@ -206,12 +190,16 @@ contains
     end do
   end function borne_by_wall
 
-  !> Whether a card means a place.
-  function chosen(card, x) result(yes)
+  !> Whether a card means a place; counts those of which it does not say.
+  function chosen(card, x, unknown) result(yes)
     type(load_card_t), intent(in) :: card
     real(dp), intent(in) :: x(3)
+    real(dp), intent(inout) :: unknown
     logical :: yes
-    yes = abs(card%where%evaluate(x, x, 0.0_dp)) > 0.0_dp
+    real(dp) :: weight
+    weight = card%where%evaluate(x, x, 0.0_dp)
+    yes = abs(weight) > 0.0_dp
+    if (ieee_is_nan(weight)) unknown = unknown + 1.0_dp
   end function chosen
 
 end module sgmp_build_loads

@@ -7,6 +7,7 @@ import sys
 
 SGMP, SOURCE, SCRATCH = (os.path.abspath(path) for path in sys.argv[1:4])
 INPUT = os.path.join(SOURCE, "input")
+os.makedirs(SCRATCH, exist_ok=True)
 # Open MPI starts faster without a daemon of its own, but then needs a folder that no other script uses.
 ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive", "OMPI_MCA_ess_singleton_isolated": "1",
                "OMPI_MCA_orte_tmpdir_base": SCRATCH, "SGMP_THREADS": "exact"}

@@ -219,7 +219,10 @@ def mistakes(report):
              ("opposite faces", "pressure ball", "body web block lower=(30,0) upper=(30.5,4) material=rubber ppc=2\npressure web p=1\npressure ball", "show opposite faces"),
              ("a spoilt row", "pull.csv", "spoilt.csv", "'O' is not a number"),
              ("a sum", "pull.csv", "sum.csv", "'1+2' is not a number"),
-             ("no such file", "pull.csv", "pul.csv", "cannot be opened"))
+             ("no such file", "pull.csv", "pul.csv", "cannot be opened"),
+             ("a checksum of other rows", "rows=(0,0),(2,1),(3,0.5)", "rows=(0,0),(2,1),(3,0.5) checksum=00000000000000AB", "have the checksum"),
+             ("where the load acts is no number", 'where="x0>4"', 'where="sqrt(x0-4)"', "is not a number at some places of body 'block'"),
+             ("where the faces are is no number", 'where="y<3"', 'where="sqrt(y-3)"', "is not a number at some places of body 'block'"))
     with open(os.path.join(SCRATCH, "spoilt.csv"), "w", encoding="utf-8") as file:
         file.write("O,0\n1,1\n2,1\n")
     with open(os.path.join(SCRATCH, "sum.csv"), "w", encoding="utf-8") as file:

@@ -161,6 +161,17 @@ eos water tait c0=10 pressure0=3
 body column block material=water lower="0.5+shift" upper="3.5+shift" ppc=1
 velocity column x=0.1
 """
+# A block that flies off the grid.
+GONE = """
+dimension 2
+grid cell=1 x=0:8 y=0:4
+method sgmp
+lost remove
+time dt=0.01 steps=500
+material m elastic density=1 young=1 poisson=0.2
+body b block material=m lower=(3,1) upper=(5,3) ppc=2
+velocity b x=2
+"""
 # A bar that rings at a wave length of two cells, which usl damps.
 RINGING = """
 parameter update = musl
@@ -239,6 +250,8 @@ def criteria(report):
     result = run("dilating_little", DILATING, dilatancy=0)
     report.check(not any("never had" in reason for reason in result["verdict_reasons"]), f"dilating: {result['verdict_reasons']}")
     faces(report)
+    gone = doubts(report, "gone", GONE, "no particle is left")
+    report.check(gone["particles_lost"] == 16, f"gone: {gone.text}")
     doubts(report, "ringing_usl", RINGING, "is gone", update="usl")
     sound(report, "ringing", RINGING)
 
