@@ -343,6 +343,11 @@ class Report:
         """A run that ended well."""
         return self.check(result.code == 0, f"{name}: exit code {result.code}\n{result.text}")
 
+    def add(self, other):
+        """Counts what another report has counted."""
+        self.checks += other.checks
+        self.failures += other.failures
+
     def end(self):
         """Last line and exit code."""
         print(f"{self.checks} checks, {self.failures} failures")

@@ -5,6 +5,7 @@ With SGMP_TEST_FULL in the environment (`make test-full`) the decks of input/, w
 
 usage: ranks.py SGMP SOURCE_DIR SCRATCH_DIR
 """
+import concurrent.futures
 import filecmp
 import json
 import os
@@ -293,8 +294,9 @@ def figures(result):
     return json.dumps([result[key] for key in ("checksum", "steps", "time", "particle_steps", "particles", "particles_lost", "energy")])
 
 
-def same_everywhere(report, name, deck, settings, layouts):
-    """One scene on all its layouts."""
+def same_everywhere(name, deck, settings, layouts):
+    """One scene on all its layouts; a report of its own."""
+    report = Report()
     first = None
     for ranks, threads in layouts:
         title = f"{name} on {ranks}x{threads}"
@@ -307,18 +309,28 @@ def same_everywhere(report, name, deck, settings, layouts):
             continue
         report.check(figures(result) == figures(first), f"{title}: {figures(result)}\nis not {figures(first)}")
         same_files(report, title, first, result)
+    return report
 
 
-def piles(report):
+def every_way():
+    """All decks with all methods and updates."""
+    for deck, settings in DECKS.items():
+        for method in METHODS:
+            for update in UPDATES:
+                if (deck, method, update) not in UNSTABLE:
+                    layouts = LAYOUTS if (method, update) == ("sgmp", "musl") else LEAST
+                    yield f"{deck.split('.')[0]}_{method}_{update}", deck, {**settings, "method": method, "update": update}, layouts
+
+
+def piles():
     """Contact of many bodies with every method, update and normal."""
     for title, deck in (("pile", PILE), ("tower", TOWER)):
         for method in METHODS:
             for update in UPDATES:
                 for normal in ("separating", "average", "second"):
                     if (title, method, update) not in UNSTABLE:
-                        same_everywhere(report, f"{title}_{method}_{update}_{normal}", deck,
-                                        {"method": method, "update": update, "normal": normal},
-                                        FEW if normal == "separating" else LEAST)
+                        yield (f"{title}_{method}_{update}_{normal}", deck, {"method": method, "update": update, "normal": normal},
+                               FEW if normal == "separating" else LEAST)
 
 
 def one_message(report):
@@ -356,18 +368,10 @@ def balanced(report):
 def main():
     """The scenes of `make test`, or with SGMP_TEST_FULL all decks with all methods."""
     report = Report()
-    if FULL:
-        for deck, settings in DECKS.items():
-            for method in METHODS:
-                for update in UPDATES:
-                    if (deck, method, update) in UNSTABLE:
-                        continue
-                    layouts = LAYOUTS if (method, update) == ("sgmp", "musl") else LEAST
-                    name = f"{deck.split('.')[0]}_{method}_{update}"
-                    same_everywhere(report, name, deck, {**settings, "method": method, "update": update}, layouts)
-        piles(report)
-    for name, deck, settings, layouts in SCENES:
-        same_everywhere(report, name, deck, settings, layouts)
+    scenes = [*every_way(), *piles(), *SCENES] if FULL else SCENES
+    with concurrent.futures.ThreadPoolExecutor(2 if FULL else 1) as lanes:
+        for own in lanes.map(lambda scene: same_everywhere(*scene), scenes):
+            report.add(own)
     balanced(report)
     one_message(report)
     report.end()
