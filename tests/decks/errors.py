@@ -167,7 +167,7 @@ EXPECTED = {
     "unknown_key": [r"{d}:3:6: error: unknown key 'cel' of card 'grid'", r"^  \| grid cel=0\.25 x=0:1$", r"^  \|      \^$",
                     r"did you mean 'cell'"],
     "unknown_material": [r"{d}:6:25: error: there is no material 'stel'", r"did you mean 'steel'"],
-    "vector": [r"{d}:7:9: error: .*more than three components"],
+    "vector": [r"{d}:7:9: error: .*more than three components", r"{d}:8:23: error: '': empty expression"],
     "whole_number": [r"{d}:6:51: error: 'ppc' = 1\.5 is not a whole number"],
     "word_as_number": [r"{d}:4:11: error: .*is the word 'fine', not a number"],
     "wrong_kind": [r"{d}:5:67: error: 'yield' means nothing for kind elastic"],

@@ -67,7 +67,7 @@ def books(report):
 
 def steps(report):
     """A particle with c + |v| = 10 forces steps of 0.05, the others of 0.5; at the limit it stays."""
-    for limit, goes in ((0.04, False), (0.06, True), (0.4, True)):
+    for limit, goes in ((0.04, False), (0.053, True), (0.4, True)):
         result = run(f"steps_{limit}", FAST.format(erode=f"erode m time_step={limit}"))
         if report.finished(result, f"steps_{limit}"):
             rows = result.table("particles_end.csv")
