@@ -9,6 +9,7 @@ module sgmp_number_rows
             number_separators
 
   character(*), parameter :: number_separators = ' ,'//achar(9)//achar(13)
+  character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
 contains
 
@@ -19,7 +20,8 @@ contains
     yes = verify(line, number_separators) == 0
   end function number_row_is_empty
 
-  !> The next line without its comment; false at the end of the file.
+  !> The next line without its comment and the mark by which spreadsheets begin a file in UTF-8;
+  !! false at the end of the file.
   function number_row_next(unit, line) result(there)
     integer, intent(in) :: unit
     character(:), allocatable, intent(inout) :: line
@@ -33,6 +35,7 @@ contains
       if (status /= 0) exit
     end do
     there = is_iostat_eor(status) .or. len(line) > 0
+    if (index(line, byte_order_mark) == 1) line = line(len(byte_order_mark) + 1:)
     if (scan(line, '#!') > 0) line = line(:scan(line, '#!') - 1)
   end function number_row_next
 

@@ -298,12 +298,28 @@ contains
       end if
     else if (word_is_identifier(token) .and. .not. follows_digit(text, column) .and. &
              word_in_list(word_lower(token), 'nan inf infinity') == 0) then
-      remedy = word_nearest(token, known_names(self))
-      if (remedy /= '') remedy = "did you mean '"//remedy//"'?"
+      remedy = correction(self, word_lower(token))
     end if
     if (remedy == '') remedy = 'numbers are written like 12, 1.5e-3 or h/2, and must be finite'
     call errors%add(moved(position, column - 1), "'"//text//"': "//error%message, remedy)
   end subroutine make_expression
+
+  !> What to write in the place of a word that a formula cannot have there: one that is spelt nearly
+  !! so, or, where it is right as it is, what it needs; nothing where that is not known.
+  pure function correction(self, word) result(remedy)
+    class(parameters_t), intent(in) :: self
+    character(*), intent(in) :: word             !! in lower case
+    character(:), allocatable :: remedy
+    remedy = word_nearest(word, known_names(self))
+    if (remedy == '') return
+    if (remedy /= word) then
+      remedy = "did you mean '"//remedy//"'?"
+    else if (word_in_list(word, expression_functions) > 0 .or. any(self%tables%name == word)) then
+      remedy = "'"//word//"' is a function: write "//word//'(…), with what it is a function of'
+    else
+      remedy = ''
+    end if
+  end function correction
 
   !> Whether the word at a column is glued to a digit, as in `12abc`.
   pure function follows_digit(text, column) result(yes)

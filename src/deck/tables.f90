@@ -7,7 +7,7 @@ module sgmp_tables
   use sgmp_kinds, only: dp, i4, i8
   use sgmp_number_rows, only: number_looks_so, number_row, number_row_is_empty, number_row_next
   use sgmp_parameters, only: parameters_t
-  use sgmp_spelling, only: word_lower
+  use sgmp_spelling, only: word_is_identifier, word_lower
   use sgmp_text, only: integer_text, real_text_plain
   implicit none
   private
@@ -25,13 +25,24 @@ contains
     type(parameters_t), intent(inout) :: parameters
     type(deck_errors_t), intent(inout) :: errors
     real(dp), allocatable :: rows(:, :)
-    if (card%failed) return
+    if (.not. card%failed) call take_rows(card, rows, errors)
+    ! Formulas know one that failed, too: they are not wrong.
+    if (card%failed) then
+      if (.not. (card%has('name') .and. word_is_identifier(card%word('name')))) return
+      rows = reshape([0.0_dp, 0.0_dp], [2, 1])
+    end if
+    call parameters%define_table(card%word('name'), card%place('name'), rows, errors)
+  end subroutine table_define
+
+  !> The rows of a card, its own or those of its file.
+  subroutine take_rows(card, rows, errors)
+    type(deck_card_t), intent(inout) :: card
+    real(dp), allocatable, intent(out) :: rows(:, :)
+    type(deck_errors_t), intent(inout) :: errors
     if (card%has('file') .eqv. card%has('rows')) then
       call card_fail(card, errors, card%position, 'a table has either a file or rows', &
                      'e.g. file="pull.csv", or rows=(0,0),(1,5)')
-      return
-    end if
-    if (card%has('file')) then
+    else if (card%has('file')) then
       call read_file(card, rows, errors)
       if (.not. card%failed) call check_sum(card, rows, errors)
     else
@@ -39,10 +50,7 @@ contains
       call check_rows(card, rows, errors)
       if (.not. card%failed .and. card%has('checksum')) call check_sum(card, rows, errors)
     end if
-    ! Formulas know one that failed, too: they are not wrong.
-    if (card%failed) rows = reshape([0.0_dp, 0.0_dp], [2, 1])
-    call parameters%define_table(card%word('name'), card%place('name'), rows, errors)
-  end subroutine table_define
+  end subroutine take_rows
 
   !> Rows that the card itself has.
   subroutine check_rows(card, rows, errors)

@@ -76,14 +76,14 @@ class Findings:
         sys.exit(1 if self.count or not inputs else 0)
 
 
-def arguments(doc, inputs):
+def arguments(doc, inputs, seed=1):
     """SGMP SOURCE_DIR SCRATCH_DIR and how many of which seed."""
     parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sgmp")
     parser.add_argument("source")
     parser.add_argument("scratch")
     parser.add_argument("--inputs", type=int, default=inputs)
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=int, default=seed)
     chosen = parser.parse_args()
     for name in ("sgmp", "source", "scratch"):
         setattr(chosen, name, os.path.abspath(getattr(chosen, name)))

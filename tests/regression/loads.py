@@ -176,7 +176,7 @@ def tables(report):
     """A table is the formula that it is made from; one that has changed is refused, also by a restart."""
     path = os.path.join(SCRATCH, "pull.csv")
     with open(path, "w", encoding="utf-8") as file:
-        file.write("t,value  # how hard\n0,0\n2, 1\n5,0.25\n")
+        file.write("\N{BYTE ORDER MARK}t,value  # how hard\n0,0\n2, 1\n5,0.25\n")
     formula = MOVING.replace('table pull file="pull.csv"\n', "").replace("pull(t)", "(t<2 ? t/2 : 1-0.25*(t-2))").replace("steps=80", "steps=45")
     first, second = run("by_table", MOVING.replace("steps=80", "steps=45")), run("by_formula", formula)
     if report.finished(first, "by_table") and report.finished(second, "by_formula"):
@@ -217,6 +217,8 @@ def mistakes(report):
              ("rows that do not grow", "(2,1),(3,0.5)", "(2,1),(2,0.5)", "t = 2 does not follow t = 2"),
              ("a table twice", "table push", "table pull", "'pull' is defined twice"),
              ("opposite faces", "pressure ball", "body web block lower=(30,0) upper=(30.5,4) material=rubber ppc=2\npressure web p=1\npressure ball", "show opposite faces"),
+             ("a wrong row alone", "(3,0.5)", "(3,1e99)", "beyond all measure"), ("a wrong row alone", "(3,0.5)", "(3,1e99)", "1 error(s) in the deck"),
+             ("a table without an argument", '"2*pull(t)"', '"2*pull"', "'pull' is a function: write pull(…)"),
              ("a spoilt row", "pull.csv", "spoilt.csv", "'O' is not a number"),
              ("a sum", "pull.csv", "sum.csv", "'1+2' is not a number"),
              ("no such file", "pull.csv", "pul.csv", "cannot be opened"),
