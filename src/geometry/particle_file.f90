@@ -9,7 +9,8 @@ module sgmp_particle_file
   use sgmp_number_rows, only: number_looks_so, number_read, number_row_next, number_separators
   use sgmp_sorting, only: sort_order
   use sgmp_space, only: axis_names, space_dimensions
-  use sgmp_spelling, only: suggestion, word_in_list, word_items, word_position, words_joined
+  use sgmp_spelling, only: suggestion, word_in_list, word_items, word_lower, word_position, &
+                           words_joined
   use sgmp_text, only: integer_text
   implicit none
   private
@@ -267,7 +268,7 @@ contains
     character(:), allocatable :: name
     taken = 1.0_dp
     if (column == 0) return
-    name = word(line, column)
+    name = word_lower(word(line, column))
     if (name == choice%material) return
     taken = 0.0_dp
     if (word_in_list(name, choice%others) > 0) return
