@@ -96,6 +96,10 @@ stop kinetic_below=0.04
         # K = K0 cos^2(2 pi t): 0.04 of it at t = acos(0.2)/(2 pi) = 0.218.
         report.check(kinetic[-1] < 0.04*most <= min(kinetic[:-1]), f"kinetic_below: ended at {kinetic[-2:]} of {most}")
         report.check(abs(result["time"] - 0.2180) < 0.01, f"kinetic_below: ended at {result['time']}")
+    # Friction leaves exp(-100 x 0.1) of the momentum: the first step is the last.
+    braked = vibrating.replace("time end=1 cfl=0.2", "time dt=0.1 steps=9").replace("cell=0.05", "cell=1").replace("sin(pi*x)", "1") + "damping rate=100\n"
+    result = run("cards_braked", braked)
+    report.check(result.code == 0 and result["steps"] == 1, f"kinetic_below in the first step: {result.text}")
     growing = """
 parameter factor=3
 dimension 1
