@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""Equilibria under loads that set in slowly and are damped: a cantilever."""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from common import NAMES, Case, main, slopes, solve  # noqa: E402
+from clamped import cantilever  # noqa: E402
+
+METHODS = ("sgmp", "gimp", "mpm", "bspline")
+LENGTH, LOAD, POISSON = 6.0, 1e-6, 0.3
+
+
+def deck(name, **parameters):
+    return Case(f"verification/statics/{name}.inp", **parameters)
+
+
+def columns(run, component):
+    """Places along the body at the start of each column of particles, and the mean over the column of a component of the displacement."""
+    particles = run.particles()
+    start = particles.fields["initial_position"]
+    moved = particles.points - start
+    places, which = np.unique(start[:, 0].round(9), return_inverse=True)
+    return places, np.bincount(which, moved[:, component])/np.bincount(which)
+
+
+def at_end(run, component):
+    """The displacement of the end face: half a spacing beyond the last column."""
+    _, moved = columns(run, component)
+    return 1.5*moved[-1] - 0.5*moved[-2]
+
+
+def extrapolated(values):
+    """Limit of a sequence whose differences shrink by one factor (Aitken)."""
+    a, b, c = values
+    return c - (c - b)**2/((c - b) - (b - a))
+
+
+def beam(book, full):
+    stretched = 1/(1 - POISSON**2)
+    closed = LOAD*(4*LENGTH**3/stretched + 1.2*LENGTH*2*(1 + POISSON))
+    exact = extrapolated([cantilever(LENGTH, POISSON, LOAD, n) for n in (1, 2, 4)])
+    book.say(f"A cantilever six times as long as high, plane strain, linear theory, shear traction on its end, damped to rest. Reference: finite elements of nine nodes, three meshes extrapolated "
+             f"(deflection {1e6*exact:.3f}e-6); PL³/3EI and the shear of a beam, whose end may thicken, give {1e6*closed:.3f}e-6.")
+    book.within("cantilever", "finite elements over PL³/3EI + 6PL/5GA", exact/closed, 1.0, 0.01)
+    rows = []
+    for method in METHODS:
+        sizes = (4, 8, 16) if full or method == "sgmp" else (4, 8)
+        errors = []
+        for n, run in zip(sizes, solve([deck("beam", method=method, cells=n) for n in sizes])):
+            errors.append(-at_end(run, 1)/exact - 1)
+            rows.append([NAMES[method], n, 0.0, float(errors[-1]), float(run.history()["internal_energy"][-1]/(0.5*LOAD*exact) - 1)])
+        book.at_least("cantilever", f"order of the error of the deflection, {NAMES[method]}, 4 to {sizes[-1]} cells to the height", slopes(1/np.array(sizes), np.abs(errors)).mean(), 1.5)
+        book.near("cantilever", f"error of the deflection, {NAMES[method]}, 8 cells", errors[1], 0.0, 0.006)
+        book.near("cantilever", f"elastic energy over half of load times deflection, less 1, {NAMES[method]}, 8 cells", rows[-len(sizes) + 1][4], 0.0, 0.006)
+    for method in METHODS if full else ("sgmp", "gimp"):
+        for lift, run in zip((0.25, 0.5), solve([deck("beam", method=method, cells=8, lift=lift) for lift in (0.25, 0.5)])):
+            rows.append([NAMES[method], 8, lift, float(-at_end(run, 1)/exact - 1), float(run.history()["internal_energy"][-1]/(0.5*LOAD*exact) - 1)])
+            book.near("cantilever", f"error of the deflection, {NAMES[method]}, 8 cells, {lift:g} cells above a line of nodes", rows[-1][3], 0.0, 0.006)
+    book.table("cantilever", ["method", "cells over the height", "lift (cells)", "error of the deflection", "error of the energy"], rows, "Cantilever at rest.")
+    book.command(deck("beam"))
+
+
+def check(book, full):
+    book.section("Equilibria under loads")
+    beam(book, full)
+
+
+if __name__ == "__main__":
+    main(check, __doc__)
