@@ -33,6 +33,8 @@ Each line of a file names the source of its constants. They were compared with o
 were found in no other print. What is called handbook are elastic moduli and densities as they stand in any. Explosives are checked by themselves: their constants give the published speed and pressure of detonation to 0.2 %.
 Every material is strained along a path in two systems of units and compared with its equations, worked out independently (tests/regression/library.py).
 
+`alumina_jh2` is the alumina of Johnson and Holmquist's cases for one element; its constants were found in one other print, rounded to two or three digits.
+
 `copper` and `copper_steinberg` are the same metal: the first is for rates and temperatures of impact, the second for pressures of 10 GPa and more.
 
 Johnson and Cook's damage is off in `copper`, `iron` and `steel_4340`; `--set copper_failure=yes` switches it on. There is no concrete: no law here describes it.
@@ -46,6 +48,7 @@ SOURCES = """
 * Dobratz and Crawford 1985: LLNL Explosives Handbook, UCRL-52997 Change 2.
 * Johnson and Cook 1983: A constitutive model and data for metals, 7th International Symposium on Ballistics, The Hague, 541-547.
 * Johnson and Cook 1985: Fracture characteristics of three metals, Engineering Fracture Mechanics 21, 31-48.
+* Johnson and Holmquist 1994: An improved computational constitutive model for brittle materials, AIP Conf. Proc. 309, 981-984.
 * Lange and Ahrens 1983: The dynamic tensile strength of ice and ice-silicate mixtures, J. Geophys. Res. 88, 1197-1208.
 * Lesuer 2000: Experimental investigations of material models for Ti-6Al-4V titanium and 2024-T3 aluminum, DOT/FAA/AR-00/25.
 * Lesuer, Kay and LeBlanc 2001: Modeling large-strain, high-rate deformation in metals, UCRL-JC-134118.

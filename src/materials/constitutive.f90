@@ -32,6 +32,8 @@ module sgmp_constitutive
   use sgmp_material_history, only: history_t
   use sgmp_material_j2, only: j2_keys, j2_read, j2_t, j2_yield_stress
   use sgmp_material_jc, only: jc_keys, jc_read, jc_t, jc_yield_stress
+  use sgmp_material_johnson_holmquist, only: johnson_holmquist_keys, johnson_holmquist_read, &
+                                             johnson_holmquist_t
   use sgmp_material_mohr_coulomb, only: mohr_coulomb_read, mohr_coulomb_t
   use sgmp_material_mooney_rivlin, only: mooney_rivlin_keys, mooney_rivlin_read, mooney_rivlin_t
   use sgmp_material_steinberg_guinan, only: steinberg_guinan_keys, steinberg_guinan_read, &
@@ -49,7 +51,7 @@ module sgmp_constitutive
   public :: material_elastic, material_neo_hookean, material_j2, material_johnson_cook, &
             material_explosive, material_fluid, material_drucker_prager, material_mohr_coulomb, &
             material_mooney_rivlin, material_steinberg_guinan, material_zerilli_armstrong, &
-            material_names
+            material_johnson_holmquist, material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_shock, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check, law_set_length, &
@@ -62,10 +64,11 @@ module sgmp_constitutive
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
                         material_drucker_prager = 7, material_mohr_coulomb = 8, &
                         material_mooney_rivlin = 9, material_steinberg_guinan = 10, &
-                        material_zerilli_armstrong = 11
+                        material_zerilli_armstrong = 11, material_johnson_holmquist = 12
   character(17), parameter :: material_names(*) = [character(17) :: &
     'elastic', 'neo_hookean', 'j2', 'johnson_cook', 'explosive', 'fluid', &
-    'drucker_prager', 'mohr_coulomb', 'mooney_rivlin', 'steinberg_guinan', 'zerilli_armstrong']
+    'drucker_prager', 'mohr_coulomb', 'mooney_rivlin', 'steinberg_guinan', 'zerilli_armstrong', &
+    'johnson_holmquist']
 
   integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2, eos_ideal_gas = 3, &
                         eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6, eos_shock = 7
@@ -92,6 +95,7 @@ module sgmp_constitutive
     integer :: damage = 0
     integer :: energy = 0        !! internal energy per initial volume, for an equation of state
     integer :: distention = 0    !! of porous matter, behind the energy
+    integer :: bulking = 0       !! pressure of broken ceramics
     integer :: lighting = 0      !! lighting time of an explosive
     integer :: deformation = 0   !! deformation gradient, row by row
     integer :: stretch = 0       !! its diagonal alone, for cpGIMP and to split particles
@@ -120,6 +124,7 @@ module sgmp_constitutive
     type(mooney_rivlin_t) :: mooney_rivlin
     type(steinberg_guinan_t) :: steinberg_guinan
     type(zerilli_armstrong_t) :: zerilli_armstrong
+    type(johnson_holmquist_t) :: johnson_holmquist
     type(heating_t) :: heating                 !! where compression warms, too
     type(jwl_t) :: jwl
     type(gruneisen_t) :: gruneisen
@@ -173,6 +178,8 @@ contains
       keys = [moduli_keys(), steinberg_guinan_keys()]
     case (material_zerilli_armstrong)
       keys = [moduli_keys(), zerilli_armstrong_keys()]
+    case (material_johnson_holmquist)
+      keys = johnson_holmquist_keys()
     case default  ! material_explosive
       keys = burn_keys()
     end select
@@ -183,7 +190,7 @@ contains
     integer, intent(in) :: kind  !! one of material_*
     select case (kind)
     case (material_elastic, material_neo_hookean, material_drucker_prager, &
-          material_mohr_coulomb, material_mooney_rivlin)
+          material_mohr_coulomb, material_mooney_rivlin, material_johnson_holmquist)
       pressure = pressure_own
     case (material_explosive)
       pressure = pressure_products
@@ -232,6 +239,10 @@ contains
       call solid_read(values, law)
       call zerilli_armstrong_read(law%density, values, law%zerilli_armstrong, law%history, fault)
       law%heating = law%zerilli_armstrong%heating
+    case (material_johnson_holmquist)
+      call johnson_holmquist_read(law%density, values, law%johnson_holmquist, law%elastic, &
+                                  law%history, fault)
+      law%bulk_speed = sqrt(law%elastic%bulk/law%density)
     case (material_fluid)
       call fluid_read(values, law%fluid_viscosity, law%history)
     case default  ! material_explosive
@@ -439,6 +450,10 @@ contains
         call fault_make(fault, '', "a fluid such as '"//name//"' fails by pmin alone", &
                         'give pmin, and no other criterion')
       end if
+    case (material_johnson_holmquist)
+      call fault_make(fault, '', "'"//name//"' ("//trim(material_names(law%kind))// &
+                      ') fails by damage of its own', 'remove the card failure; erode '//name// &
+                      ' failed=yes removes what has failed')
     case default
       call fault_make(fault, '', "'"//name//"' ("//trim(material_names(law%kind))// &
                       ') cannot fail', 'use j2, johnson_cook, steinberg_guinan, '// &
@@ -558,7 +573,8 @@ contains
       law%slots = slots_make(stresses=merge(1, stress_components(ndim), keeps%mean_stress), &
                              plastic=keeps%plastic, temperature=keeps%temperature, &
                              damage=keeps%damage, energy=keeps%energy, &
-                             distention=keeps%distention, lighting=keeps%lighting, &
+                             distention=keeps%distention, bulking=keeps%bulking, &
+                             lighting=keeps%lighting, &
                              deformation=merge(ndim**2, 0, keeps%deformation), &
                              stretch=stretch, initial=initial, spin=spin)
     end associate
@@ -585,11 +601,11 @@ contains
 
   !> Assigns columns to the fields that are wanted, in a fixed order.
   pure function slots_make(stresses, plastic, temperature, damage, energy, lighting, deformation, &
-                           stretch, initial, spin, distention) result(slots)
+                           stretch, initial, spin, distention, bulking) result(slots)
     integer, intent(in) :: stresses            !! stress components
     logical, intent(in) :: plastic, temperature, damage, energy, lighting
     integer, intent(in) :: deformation, stretch, initial, spin  !! components wanted
-    logical, intent(in), optional :: distention
+    logical, intent(in), optional :: distention, bulking
     type(slots_t) :: slots
     slots%volume = 1
     slots%total = 1
@@ -600,6 +616,7 @@ contains
     call take(slots%total, merge(1, 0, damage), slots%damage)
     call take(slots%total, merge(1, 0, energy), slots%energy)
     if (present(distention)) call take(slots%total, merge(1, 0, distention), slots%distention)
+    if (present(bulking)) call take(slots%total, merge(1, 0, bulking), slots%bulking)
     call take(slots%total, merge(1, 0, lighting), slots%lighting)
     call take(slots%total, deformation, slots%deformation)
     call take(slots%total, stretch, slots%stretch)

@@ -61,7 +61,8 @@ contains
                 'hardening_modulus e^hardening_exponent) (1 + rate_coefficient ln r) '// &
                 '(1 - T*^thermal_exponent), e: plastic strain', range='[0,inf)', default='0'), &
             key('reference_rate', kind_real, 'strain rate at which the rate factor is 1; r: '// &
-                'rate of plastic strain over it, in johnson_cook at least 1', &
+                'rate of plastic strain (johnson_holmquist: of the deviator of strain) over '// &
+                'it, in both at least 1', &
                 unit='1/time', range='(0,inf)', default='1'), &
             key('thermal', kind_logical, 'carry the temperature and soften the yield stress', &
                 default='no'), &

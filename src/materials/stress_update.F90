@@ -12,7 +12,8 @@
 module DIM(sgmp_stress_update)
   use sgmp_constitutive, only: constitutive_t, eos_none, material_drucker_prager, &
                                material_elastic, material_fluid, material_j2, &
-                               material_johnson_cook, material_mohr_coulomb, &
+                               material_johnson_cook, material_johnson_holmquist, &
+                               material_mohr_coulomb, &
                                material_mooney_rivlin, material_neo_hookean, &
                                material_steinberg_guinan, material_zerilli_armstrong
   use sgmp_failure, only: failure_judge
@@ -21,6 +22,7 @@ module DIM(sgmp_stress_update)
   use sgmp_material_fluid, only: fluid_diffusion_speed
   use sgmp_material_j2, only: j2_return
   use sgmp_material_jc, only: jc_return, jc_return_simple
+  use sgmp_material_johnson_holmquist, only: johnson_holmquist_return
   use sgmp_material_mohr_coulomb, only: mohr_coulomb_return
   use sgmp_material_mooney_rivlin, only: mooney_rivlin_stress
   use sgmp_material_steinberg_guinan, only: steinberg_guinan_return, steinberg_guinan_stiffness
@@ -87,6 +89,10 @@ contains
       call mohr_coulomb_return(law%mohr_coulomb, law%elastic, NSTRESS, mean, norm, &
                                b(1, law%slots%plastic), b(1, s))
       call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
+    case (material_johnson_holmquist)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
+                   trace, jacobian, old_volume, work)
+      call ceramic(law, dt, mass, strain, trace, nb, b, speed2, q, work)
     case (material_neo_hookean, material_mooney_rivlin)
       call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
                    old_volume, work)
@@ -329,16 +335,73 @@ contains
     returned = mean
     call drucker_prager_return(law%soil, 3.0_dp*law%elastic%shear, law%elastic%bulk, norm, &
                                returned, ep, factor)
+    call rescale(factor, mean, returned, stress)
+  end subroutine soil
+
+  !> Scales the deviator of a stress, and gives it another mean.
+  pure subroutine rescale(factor, mean, new_mean, stress)
+    real(dp), intent(in) :: factor(lanes), mean(lanes), new_mean(lanes)
+    real(dp), intent(inout) :: stress(lanes, NSTRESS)
+    integer :: l, c
     !$omp simd simdlen(8) private(c)
     do l = 1, lanes
       do c = 1, 3
-        stress(l, c) = factor(l)*(stress(l, c) - mean(l)) + returned(l)
+        stress(l, c) = factor(l)*(stress(l, c) - mean(l)) + new_mean(l)
       end do
       do c = 4, NSTRESS
         stress(l, c) = factor(l)*stress(l, c)
       end do
     end do
-  end subroutine soil
+  end subroutine rescale
+
+  !> Returns the trial stress of a ceramic to its strength, and gives it the pressure of its volume.
+  pure subroutine ceramic(law, dt, mass, strain, trace, nb, b, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), strain(lanes, NFLUX), trace(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: speed2(lanes), q(lanes)
+    real(dp), intent(inout) :: work(lanes)
+    real(dp), dimension(lanes) :: mean, norm, volume, rate, bulking, pressure, slope, factor
+    integer :: l, s
+    s = law%slots%stress
+    call von_mises(b(1, s), mean, norm)
+    call deviator_rate(dt, strain, trace, rate)
+    volume = b(:, 1)*law%density/mass
+    bulking = 0.0_dp
+    if (law%slots%bulking > 0) bulking = b(:, law%slots%bulking)
+    call johnson_holmquist_return(law%johnson_holmquist, volume, rate, norm, &
+                                  b(1, law%slots%plastic), b(1, law%slots%damage), bulking, &
+                                  pressure, slope, factor)
+    if (law%slots%bulking > 0) b(:, law%slots%bulking) = bulking
+    call rescale(factor, mean, -pressure, b(1, s))
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      speed2(l) = (slope(l) + 4.0_dp/3.0_dp*law%elastic%shear*volume(l))/law%density
+      ! Waves without a speed are left as they are, for the caller to see.
+      speed2(l) = merge(speed2(l), slope(l)/law%density, slope(l) > 0.0_dp)
+    end do
+    call add_half_work(b(1, s), strain, work)
+    call viscosity(law, dt, mass, b(1, 1), trace, speed2, q)
+  end subroutine ceramic
+
+  !> Rate of the deviator of a strain, sqrt(2/3 e:e); none in a step without time.
+  pure subroutine deviator_rate(dt, strain, trace, rate)
+    real(dp), intent(in) :: dt, strain(lanes, NFLUX), trace(lanes)
+    real(dp), intent(out) :: rate(lanes)
+    real(dp) :: inverse, square
+    integer :: l, c
+    inverse = 0.0_dp
+    if (dt > 0.0_dp) inverse = 1.0_dp/dt
+    !$omp simd simdlen(8) private(square, c)
+    do l = 1, lanes
+      square = -trace(l)**2/3.0_dp
+      do c = 1, NFLUX
+        square = square + merge(1.0_dp, 0.5_dp, stress_of(c) <= 3)*strain(l, c)**2
+      end do
+      rate(l) = inverse*sqrt(2.0_dp/3.0_dp*max(square, 0.0_dp))
+    end do
+  end subroutine deviator_rate
 
   !> work += 1/2 stress : strain.
   pure subroutine add_half_work(stress, strain, work)

@@ -150,7 +150,7 @@ erode spalling plastic_strain=0.05
 erode brittle failed=yes time_step=0.02
 failure brittle""")
 
-# Metals that hit each other so fast that they warm, stiffen and in part melt, and a foam that they crush.
+# Metals that hit each other so fast that they warm, stiffen and in part melt, a foam that they crush and ceramics that break.
 METALS = """
 parameter method = sgmp
 parameter update = musl
@@ -169,15 +169,20 @@ material bcc zerilli_armstrong density=0.8 young=90 poisson=0.3 yield=0.1 therma
 failure bcc plastic_strain=0.2
 material foam j2 density=0.7 young=40 poisson=0.3 yield=0.2
 eos foam gruneisen c0=8 s=1.4 gamma0=2 distention=1.4 crush_start=0.3 crush_end=6
+material tile johnson_holmquist density=0.9 shear_modulus=40 k1=60 k2=20 k3=30 hugoniot_limit=3 hugoniot_pressure=1.2 intact_strength=0.9 intact_exponent=0.6 &
+  fractured_strength=0.4 fractured_exponent=0.7 rate_coefficient=0.02 reference_rate=1e-3 tension_limit=1 damage_strain=0.1
+erode tile plastic_strain=2
 viscosity all
+body tile block material=tile lower=(-6,0) upper=(0,8) ppc=2
 body flyer block material=stiff lower=(0,0) upper=(6,8) ppc=2 jitter=0.2
 body plate block material=fcc lower=(6,0) upper=(14,8) ppc=2
 body lid block material=bcc lower=(6,8) upper=(14,14) ppc=2
 body backing block material=foam lower=(14,0) upper=(20,8) ppc=2
+velocity tile x=6
 velocity flyer x=3 y=0.5
 velocity plate y="0.1*x"
 history steps=10
-output csv at=end fields=stress,density,energy,temperature,plastic_strain,distention
+output csv at=end fields=stress,density,energy,temperature,plastic_strain,distention,damage,bulking
 """
 
 # A ball on the axis and a tube that closes on it, walls below and outside.

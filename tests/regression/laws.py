@@ -2,7 +2,7 @@
 """One step of a given velocity gradient against second implementations of the laws, in the middle of small blocks that nothing
 has reached: Mohr and Coulomb's return by trying all sets of planes, in any order of the principal stresses; Mooney and Rivlin's stress
 from its energy by the stretches. Steinberg and Guinan's and Zerilli and Armstrong's metals along a path of uniaxial strain, as an
-ordinary differential equation in shorter steps.
+ordinary differential equation in shorter steps; Johnson and Holmquist's ceramics squeezed, let go and drawn.
 
 usage: laws.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -10,6 +10,7 @@ import itertools
 import math
 import random
 
+from _ceramics import squeezed
 from _runs import Report, run
 
 DT, YOUNG, POISSON = 0.01, 100.0, 0.3
@@ -305,9 +306,48 @@ def metals(report):
             report.check(hot and molten != ("melt_slope" in metal), f"{name}: von Mises stress {rows[-1]['von_mises']} at {rows[-1]['temperature']}")
 
 
+# Constants of the test cases for one element (Johnson and Holmquist 1994, Cronin et al. 2003), of alumina with and without bulking; and of
+# nothing, where all terms act. Greatest strain; tolerance: strength that falls almost as fast as elastic stress multiplies the lag of a step.
+ALUMINA = {"density": 3700, "shear_modulus": 90.16e9, "k1": 130.95e9, "hugoniot_limit": 2.79e9, "hugoniot_pressure": 1.46e9, "intact_strength": 0.93,
+           "intact_exponent": 0.6, "fractured_strength": 0.31, "fractured_exponent": 0.6, "tension_limit": 0.2e9, "damage_strain": 0.005}
+HARD = {**ALUMINA, "density": 2510, "k2": -593e9, "k3": 2800e9, "rate_coefficient": 0.01, "reference_rate": 100, "fractured_strength": 0.7, "fractured_limit": 0.6,
+        "damage_strain": 0.03, "damage_exponent": 0.5, "bulking": 0.5}
+CERAMICS = (("alumina", ALUMINA, 0.06, 0.005), ("alumina_no_bulking", {**ALUMINA, "bulking": 0.0, "damage_strain": 0.015}, 0.06, 0.001),
+            ("alumina_hardly_harmed", {**ALUMINA, "damage_strain": 0.03}, 0.03, 0.001),
+            ("alumina_no_remains", {**ALUMINA, "fractured_strength": 0.0, "damage_strain": 0.02}, 0.05, 0.001), ("hard", HARD, 0.08, 0.002),
+            ("drawn", ALUMINA, -0.01, 0.001))
+
+
+def ceramics(report):
+    """Ceramics in uniaxial strain 1 - a sin(w t), for one period, in the middle that no wave reaches."""
+    for name, ceramic, size, tolerance in CERAMICS:
+        steps, rate, every = 50000, 1e4, 250
+        w, cell = rate/abs(size), 750/rate
+        words = " ".join(f"{key}={value}" for key, value in ceramic.items())
+        deck = ["dimension 1", f"grid cell={cell}", f"time dt={2*math.pi/w/steps!r} steps={steps}", f"material m johnson_holmquist {words}",
+                f"body b block material=m lower={-6*cell} upper={6*cell} ppc=2", f'velocity b x="{-size*w!r}*x"',
+                f'bodyforce b x="{size*w**2!r}*sin({w!r}*t)/(1-{size}*sin({w!r}*t))*x"',
+                f"gauge middle point={cell/4} fields=plastic_strain,damage" + (",bulking" if ceramic.get("bulking", 1) else ""), f"history steps={every}"]
+        result = run("ceramic_" + name, "\n".join(deck) + "\n")
+        if not report.finished(result, name):
+            continue
+        rows = result.table("gauges.csv")
+        report.check(len(rows) == steps//every + 1, f"{name}: {len(rows)} rows")
+        wanted = squeezed(ceramic, [row["time"] for row in rows], [ceramic["density"]/row["density"] for row in rows], 200)
+        report.check(abs(min(row["density"] for row in rows[:steps//every//2])/ceramic["density"] - 1) < 0.1 and
+                     abs(max(abs(row["density"]/ceramic["density"] - 1) for row in rows)/abs(size) - 1) < 0.1, f"{name}: not strained by {size}")
+        for i, column in enumerate(("pressure", "von_mises", "plastic_strain", "damage", "bulking")):
+            if column not in rows[0]:
+                continue
+            largest = max(abs(values[i]) for values in wanted)
+            off = max(abs(row[column] - values[i]) for row, values in zip(rows, wanted))
+            report.check(off <= tolerance*largest, f"{name}: {column} off by {off}, where the largest is {largest}")
+
+
 def main():
     report = Report()
     metals(report)
+    ceramics(report)
     met = soils(report, 3, 54) | soils(report, 2, 90)
     report.check(met == REGIONS, f"never returned to {sorted(REGIONS - met)}")
     rubbers(report, 3, 12)
