@@ -86,7 +86,7 @@ over its inner half, x < 5, for its free end springs back). Particles of `split=
             particles = run.particles()
             return particles.fields["density"][particles.points[:, 0] < 5]
 
-        torn = {"all": "grains further apart than a cell feel each other no more"} if split == "none" else {"mpm": "quadrature: the gradient jumps at cell faces, and so does what each half has felt"}
+        torn = {"all": "particles further apart than a cell do not feel each other"} if split == "none" else {"mpm": "the gradient jumps at cell faces, and so does the strain of particles that cross them"}
         words = f"split={split}"
         table.row(f"cells without a particle, {words}", {m: value_of(run, gaps) for m, run in runs.items()}, 0.0, at_most(0), runs, torn)
         table.row(f"least density, {words}", {m: value_of(run, lambda run: inner(run).min()) for m, run in runs.items()}, 0.1, within(0.1, 0.05), runs, torn)
@@ -101,11 +101,11 @@ def debris(table):
 Three dimensions: a lead ball of radius 7.5 mm hits the middle of a free plate 127.2 x 127.2 x 6.36 mm of lead at 6.58 km/s along +z; density 11.35 g/cm^3, E = 17 GPa, nu = 0.42, yield stress 12 MPa, hardening 125 MPa, Mie-Grueneisen (c0 = 2092 m/s, s = 1.45,
 gamma = 2); what has seen a pressure of -1 GPa or a plastic strain of 3 carries nothing; h = 4.24 mm, Courant number 0.25, to 100 us. Energy is conserved, and what flies freely needs no shorter steps.""")
     runs = run_methods("volumes/debris", cfl=0.25)
-    coarse = {"all": "coarse cells at the first contact: it falls with the step"}
+    coarse = {"all": "the error falls with the time step"}
     table.row("change of the energy over the first", {m: value_of(run, lambda run: run.summary["energy"]["drift"]) for m, run in runs.items()}, 0.0,
               near(0, 0.03), runs, coarse)
     table.row("momentum over that of the ball, less 1", {m: value_of(run, lambda run: run.history()["momentum_z"][-1]/run.history()["momentum_z"][0] - 1) for m, run in runs.items()},
               0.0, near(0, 1e-9), runs)
-    table.row("shortest over longest step, less 1", {m: value_of(run, lambda run: 1 - run.summary["end_state"]["shortest_step"]/run.summary["end_state"]["longest_step"]) for m, run in runs.items()},
+    table.row("1 less the shortest over the longest step", {m: value_of(run, lambda run: 1 - run.summary["end_state"]["shortest_step"]/run.summary["end_state"]["longest_step"]) for m, run in runs.items()},
               0.0, at_most(0.8), runs)
     portraits(table, "debris", runs, "body", "Plate and ball in the end, particles within a cell of the plane y = 0 (mm).", axes=(2, 0), layout=(2, 2), panel=(4.5, 1.9), size=5, select=lambda points: np.abs(points[:, 1]) < 4.24)

@@ -49,7 +49,7 @@ time of 200 h/c with the step 0.2 h/c, that is through 100 cells. In its own fra
         shape[method] = max(np.sqrt(np.mean(np.sum((own_shape(run, 0.5, angle) - own_shape(still, 0.0, 0))**2, axis=1)))/0.01
                             for run, angle in zip(flying, angles))
     crossing = {"mpm": "the gradient jumps at cell faces: each crossing of a particle changes its force by a finite amount",
-                "all": "quadrature: what the rim weighs and how stiff it is depend on where its particles lie in their cells, which changes all the way"}
+                "all": "mass and stiffness of the rim, as the grid sees them, depend on where its particles lie in their cells, which changes all the way"}
     runs = run_methods("flight")
     table.row("energy of the disk at rest, change", rest, 0.0, near(0, 0.05), runs)
     table.row("energy in its own frame, largest deviation from the disk at rest over the initial", energy, 0.0, at_most(0.05), runs, crossing)

@@ -64,9 +64,9 @@ of 4 x 4 at distances of h/2; their rms deviation from the plane that fits them 
                    "all": "volumetric locking: every particle is a constraint on volume, more than the nodes can take; there is no F-bar or B-bar here"}
         table.row(f"deflection over the finite elements', nu = {poisson}", tips[poisson], 1.0, within(1, 0.03), runs, locking)
         table.row(f"roughness of the pressure, nu = {poisson}", {m: found[m][1] for m in METHODS}, 0.0, at_most(0.1), runs,
-                  {"sgmp": "cells of alternating sign exert no force: what of them a sudden load leaves stays, it seems. At rest the same quadrature has 0.06 at any nu (verification/hard/at_rest.py, linear, no program); "
-                          "F-bar, tried there, is no cure: 0.65 (mean of the particles around a centre) and 0.81 (of the centres around a node) at nu = 0.4999, for one centre per cell asks no more of the nodes than they can take",
-                   "all": "pressures alternate between the particles of a cell: more of them than constraints that the nodes can take (the other face of locking)"})
+                  {"sgmp": "pressures that alternate from cell to cell exert no force on the nodes, so what a sudden load leaves of them stays, it seems. A static linear calculation with the same quadrature, without the program, has 0.06 at any nu (verification/hard/at_rest.py); "
+                          "a mean volumetric strain (F-bar) makes it worse there: 0.65 (mean of the particles around a centre) and 0.81 (of the centres around a node) at nu = 0.4999",
+                   "all": "pressures alternate between the particles of a cell: the other face of locking, below"})
     table.row("finite elements 14 x 14 over 20 x 20, less 1, largest", {"sgmp": max(abs(v) for v in check.values())}, 0.0, at_most(0.02))
     canvas, axis = figure(figsize=(6.4, 3.6))
     for method in METHODS:

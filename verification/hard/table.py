@@ -134,7 +134,7 @@ class Table:
 
 def markdown_row(row):
     """A row of the page; what misses its bound is bold."""
-    cells, verdicts = [], []
+    cells = []
     for method in METHODS:
         cell = row["methods"].get(method)
         if cell is None:
@@ -142,11 +142,19 @@ def markdown_row(row):
             continue
         text = "failed" if cell["value"] is None else f"{cell['value']:.4g}"
         cells.append(text if cell["met"] else f"**{text}**")
-        if cell["verdict"] not in ("", "sound"):
-            verdicts.append(f"{NAMES[method]}: {cell['verdict']}")
-    known = any(cell["verdict"] for cell in row["methods"].values())
-    verdict = "; ".join(verdicts) or ("sound" if known else "")
-    return f"| {row['quantity']} | " + " | ".join(cells) + f" | {row['reference']:.4g} | {row['bound']} | {verdict} |"
+    return f"| {row['quantity']} | " + " | ".join(cells) + f" | {row['reference']:.4g} | {row['bound']} | {verdicts(row)} |"
+
+
+def verdicts(row):
+    """One word where all methods have the same; else whom each verdict but sound is about."""
+    found = {}
+    for method in METHODS:
+        verdict = row["methods"].get(method, {}).get("verdict", "")
+        if verdict:
+            found.setdefault(verdict, []).append(NAMES[method])
+    if len(found) == 1:
+        return next(iter(found))
+    return "; ".join(f"{verdict}: {', '.join(who)}" for verdict, who in found.items() if verdict != "sound")
 
 
 def figure(*arguments, **keywords):

@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from contact import body  # noqa: E402
 
 SPIN = 3.0
-EDGE = "nodes at the edge move with what is around them and strain the body (SGMP's reach a cell and a half); as the cell, of first order"
+EDGE = "nodes beyond the edge take the velocity of what is around them, which is too slow for their place, and strain the body (SGMP's reach a cell and a half); it falls with the cell"
 CROSSING = "crossings of cell faces make energy at this Courant number, until the run ends by itself"
 FRICTION = "friction acts at nodes up to a cell and a half from the surface, and the cylinder loses angular momentum by itself; rotation=exact cures both"
 

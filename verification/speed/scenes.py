@@ -81,7 +81,7 @@ SCENES = {
         lambda run: load("beam").deflection_error(run), "error of deflection, rms (mm)", (0.03, 0.01, 0.003, 0.001), "mm",
         "the deflection of the middle line at 50 µs by finite elements, two meshes extrapolated (largest 0.487 mm, good to 0.0001 mm)",
         "**SGMP loses to GIMP**: at one cell size its deflection is wrong by four times as much. A run of it is cheap (larger step, fewer operations), but it needs half the cell size, eight times the work, to make that up. All updates of SGMP and\n"
-        "both stresses share the error, so it is not the time step's or the quadrature's; the auxiliary cells that are half empty along both faces are a guess that nobody has tested. The good coarse value of MPM is luck: its error grows with finer cells."),
+        "both stresses share the error, so it comes neither from the time step nor from the stress; why is not known. The good coarse value of MPM is luck: its error grows with finer cells."),
     "taylor_rings": Scene(
         "Taylor bar, axisymmetric", "input/taylor_bar_axisymmetric.inp", by_h, (0.76, 0.4), (0.2,), (0.25, 0.5, 1.0, 1.5, 2.0),
         lambda run: bar_surface.error(bar_surface.of_rings(run, run.summary["h"] / 2)), "error of shape, mean of L, D, W (1)", (0.01, 0.005, 0.003), "mm",
@@ -103,7 +103,7 @@ SCENES = {
         "Generalised vortex, 2D", "input/vortex.inp", by_cells, (8, 16), (32,), (0.4, 0.8, 1.2, 1.6, 2.0),
         vortex_error, "error of position, rms (m)", (0.02, 0.01, 0.004), "cells/m",
         "the manufactured solution after one period, amplitude 0.25 (largest shear 1.7), exact",
-        "Most of the time goes into the body force, a long formula of place, so that a cheaper sweep gains little here. SGMP, plain or normalised, falls from 1 to 0.35 cm between 16 and 32 cells per metre; MPM and GIMP get worse, as their particles leave the lattice."),
+        "Most of the time goes into the body force, a long formula of place, so that a cheaper step gains little here. SGMP, plain or normalised, falls from 1 to 0.35 cm between 16 and 32 cells per metre; MPM and GIMP get worse, as their particles leave the lattice."),
     "hertz": Scene(
         "Plate on a sphere (Hertz), axisymmetric, contact", "verification/contact_axisymmetric/hertz.inp", by_cells, (16, 32), (48,), (0.2, 0.4, 0.8),
         hertz_error, "error of force, rms of two approaches (1)", (0.05, 0.02, 0.01), "cells/radius",
