@@ -73,20 +73,21 @@ contains
     type(string_t), allocatable, intent(inout) :: warnings(:)
     real(dp), parameter :: many_dumps = 1.0e4_dp
     type(clock_t) :: clock
-    real(dp) :: every, limit
+    real(dp) :: every, end, limit
     logical :: ok
     every = minval(scene%output%every, scene%output%every > 0.0_dp)
+    clock = model%clock
     associate (time => scene%time)
       if (time%end > 0.0_dp .and. model%clock%step == 0) then
-        clock = model%clock
         call clock_choose(clock, model%mesh%h, model%findings%fastest, huge(1.0_dp), ok)
         if (time%end < clock%dt) call warn(warnings, 'the run ends within its first step: end='// &
           real_text_plain(time%end)//', and the step may be '//real_text_about(clock%dt)// &
           "; is end= in the deck's unit of time?")
       end if
-      if (time%end/many_dumps > every) then
+      end = min(time%end, time%steps*clock%dt)  ! huge where not given
+      if (end/many_dumps > every) then
         call warn(warnings, 'output every='//real_text_plain(every)//' makes '// &
-                  integer_text(int(min(time%end/every, 1.0e15_dp), i8))// &
+                  integer_text(int(min(end/every, 1.0e15_dp), i8))// &
                   " dumps; is every= in the deck's unit of time?")
       end if
       limit = merge(2.54_dp, 2.0_dp, model%fields(1)%kernel == kernel_sgmp)

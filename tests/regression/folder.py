@@ -176,12 +176,22 @@ def full_log(report):
                  f"{name}: exit code {result.code}\n{result.text}")
 
 
+def no_dumps(report):
+    """A file of particles that the first of two ranks cannot make: both end, and say it once."""
+    name = "no_dumps"
+    os.makedirs(clear(name))
+    os.symlink(os.path.join(SCRATCH, "no_such_folder", "file"), os.path.join(SCRATCH, name, "particles.vtkhdf"))
+    result = execute(command(name, DECK + "output vtkhdf every=0.1\n"), name, mpirun(2), timeout=60)
+    report.check(result.code == WRONG_FILE and result.text.count("error: cannot create") == 1 and "HDF5-DIAG" not in result.text,
+                 f"{name}: exit code {result.code}\n{result.text}")
+
+
 def main():
     """All checks; the exit code is that of the report."""
     os.makedirs(SCRATCH, exist_ok=True)
     report = Report()
     of_memory = () if SANITIZED else (too_large, estimated)
-    for check in (locked, orphans, interrupted, stale, *of_memory, masses, full_log):
+    for check in (locked, orphans, interrupted, stale, *of_memory, masses, full_log, no_dumps):
         check(report)
     report.end()
 

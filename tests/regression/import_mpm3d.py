@@ -256,12 +256,15 @@ def displacements(name, deck, expected):
 
 
 def ranks():
-    """Two ranks: one writes, both read."""
+    """Two ranks: one writes and says so, both read; one rank alone, which may be quiet."""
     out = fresh("ranks")
     if shutil.which("mpirun"):
         done = subprocess.run(["mpirun", "-np", "2", "--oversubscribe", EXECUTABLE, "explosive_row.mpm", "--check", "--output", out],
                               cwd=DECKS, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120, check=False)
-        expect(done.returncode == 0, f"two ranks: {done.stdout.decode()}")
+        expect(done.returncode == 0 and done.stdout.decode().count("explosive_row.mpm is ") == 1, f"two ranks: {done.stdout.decode()}")
+    for words, times in (((), 1), (("--quiet",), 0)):
+        code, printed = sgmp("explosive_row.mpm", "--check", "--output", out, *words)
+        expect(code == 0 and printed.count("explosive_row.mpm is ") == times, f"one rank {words}: {printed}")
 
 
 def main():
