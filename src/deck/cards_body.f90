@@ -59,7 +59,8 @@ contains
     call registry%key('lattice_origin', kind_vector, &
                       'a corner of the cubes of the lattice; default: lower corner of the '// &
                       'first shape, or the axis of a round one', unit='length')
-    call registry%key('temperature', kind_real, 'initial temperature; default: room temperature', &
+    call registry%key('temperature', kind_real, 'initial temperature, of '// &
+                      'matter that keeps one; default: room temperature', &
                       unit='temperature', range='[0,inf)')
     call registry%key('overlap', kind_word, 'allow: bodies may share space at the start', &
                       choices='error allow', default='error')
@@ -398,12 +399,29 @@ contains
   subroutine check_body(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
+    call check_temperature(card, draft)
     if (card%word('shape') == from_file) then
       call share_file(card, word_position(card%word('name'), draft%scene%bodies%name), draft)
     else
       call check_particle_number(card, draft)
     end if
   end subroutine check_body
+
+  !> Only some laws know a temperature.
+  subroutine check_temperature(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: i
+    i = word_position(card%word('material'), draft%scene%materials%name)
+    if (i == 0 .or. .not. card%has('temperature')) return
+    associate (material => draft%scene%materials(i))
+      if (material%law%history%temperature) return
+      call draft%errors%add(card%place('temperature'), "particles of '"//trim(material%name)// &
+                            "' keep no temperature", 'remove it, or use johnson_cook '// &
+                            'thermal=yes, or steinberg_guinan or zerilli_armstrong with '// &
+                            'specific_heat')
+    end associate
+  end subroutine check_temperature
 
   !> Bodies that take their particles from the same file take those of their material each.
   subroutine share_file(card, number, draft)

@@ -12,7 +12,8 @@ module sgmp_heating
   use sgmp_material_history, only: history_t
   implicit none
   private
-  public :: heating_t, heating_keys, heating_read, plastic_heat_lanes, compression_heat_lanes
+  public :: heating_t, heating_keys, heating_read
+  public :: heat_plastic_work, plastic_heat_lanes, compression_heat_lanes
 
   !> What warms matter.
   type :: heating_t
@@ -61,6 +62,16 @@ contains
                       'add specific_heat, or remove melt_temperature')
     end if
   end subroutine heating_read
+
+  !> Lane kernel: heat of the plastic work (T1) of matter that warms; none of other matter.
+  pure subroutine heat_plastic_work(heating, trial, factor, dep, temperature)
+    type(heating_t), intent(in) :: heating
+    real(dp), dimension(lanes), intent(in) :: trial, factor, dep  !! as in plastic_heat_lanes
+    real(dp), intent(inout) :: temperature(lanes)
+    if (.not. heating%warms) return
+    call plastic_heat_lanes(heating%taylor_quinney/heating%heat_capacity, trial, factor, dep, &
+                            temperature)
+  end subroutine heat_plastic_work
 
   !> Lane kernel: heat of the plastic work (T1).
   pure subroutine plastic_heat_lanes(rise, trial, factor, dep, temperature)

@@ -10,7 +10,7 @@
 !! the return is the common one; it starts from the strain at which the power alone is the yield
 !! stress, and of hardening and Ymax the one that yields more is the solution.
 module sgmp_material_steinberg_guinan
-  use sgmp_heating, only: heating_keys, heating_read, heating_t, plastic_heat_lanes
+  use sgmp_heating, only: heat_plastic_work, heating_keys, heating_read, heating_t
   use sgmp_keys, only: fault_make, fault_t, key, key_t, kind_real, values_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_history, only: history_t
@@ -92,6 +92,9 @@ contains
     else if (values%has('melt_slope') .and. .not. values%has('melt_temperature')) then
       call fault_make(fault, 'melt_slope', 'nothing says where it melts without pressure', &
                       'add melt_temperature')
+    else if (law%thermal_softening > 0.0_dp .and. .not. law%heating%warms) then
+      call fault_make(fault, 'thermal_softening', 'without specific_heat nothing '// &
+                      'warms, or softens', 'add specific_heat, or remove thermal_softening')
     else if (law%limit < law%yield) then
       call fault_make(fault, 'yield_limit', 'the greatest yield stress is below the first', &
                       'check both')
@@ -132,8 +135,16 @@ contains
     type(steinberg_guinan_t), intent(in) :: law  !! constants
     real(dp), intent(in) :: v                    !! volume over initial volume, > 0
     real(dp) :: temperature
-    temperature = law%heating%melt*exp(2.0_dp*law%melt_slope*(1.0_dp - v) - law%melt_power*log(v))
+    temperature = melting(law, v, log(v))
   end function steinberg_guinan_melting
+
+  !> (SG3), where the logarithm of v is known already.
+  pure function melting(law, v, log_v) result(temperature)
+    type(steinberg_guinan_t), intent(in) :: law
+    real(dp), intent(in) :: v, log_v
+    real(dp) :: temperature
+    temperature = law%heating%melt*exp(2.0_dp*law%melt_slope*(1.0_dp - v) - law%melt_power*log_v)
+  end function melting
 
   !> Lane kernel: G/G0 (SG1), 0 where matter is molten; empty lanes count as virgin.
   pure subroutine steinberg_guinan_stiffness(law, pressure, volume, temperature, stiffness)
@@ -148,7 +159,7 @@ contains
     do p = 1, lanes
       v = merge(volume(p), 1.0_dp, volume(p) > 0.0_dp)
       log_v = log(v)
-      melt = law%heating%melt*exp(2.0_dp*law%melt_slope*(1.0_dp - v) - law%melt_power*log_v)
+      melt = melting(law, v, log_v)
       stiffness(p) = 1.0_dp + law%pressure_stiffening*pressure(p)*exp(log_v*(1.0_dp/3.0_dp)) - &
                      law%thermal_softening*(temperature(p) - law%heating%room)
       stiffness(p) = merge(stiffness(p), 0.0_dp, temperature(p) < melt)
@@ -189,10 +200,7 @@ contains
     dep = max(dep, capped_dep)
     factor = solid*min(factor, capped_factor)
     ep = ep + dep
-    if (law%heating%warms) then
-      call plastic_heat_lanes(law%heating%taylor_quinney/law%heating%heat_capacity, trial, factor, &
-                              dep, temperature)
-    end if
+    call heat_plastic_work(law%heating, trial, factor, dep, temperature)
   end subroutine steinberg_guinan_return
 
 end module sgmp_material_steinberg_guinan

@@ -6,7 +6,7 @@
 !! a body-centred lattice have C2 = 0, those with a face-centred one C1 = C5 = 0. The return is
 !! implicit in the plastic strain and its rate, the temperature that of the beginning of the step.
 module sgmp_material_zerilli_armstrong
-  use sgmp_heating, only: heating_keys, heating_read, heating_t, plastic_heat_lanes
+  use sgmp_heating, only: heat_plastic_work, heating_keys, heating_read, heating_t
   use sgmp_keys, only: fault_make, fault_t, key, key_t, kind_real, values_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_history, only: history_t
@@ -121,10 +121,7 @@ contains
     end do
     call radial_return_activated(hardening, activated, solid*trial, ep, factor, dep)
     factor = solid*factor
-    if (law%heating%warms) then
-      call plastic_heat_lanes(law%heating%taylor_quinney/law%heating%heat_capacity, trial, factor, &
-                              dep, temperature)
-    end if
+    call heat_plastic_work(law%heating, trial, factor, dep, temperature)
   end subroutine zerilli_armstrong_return
 
 end module sgmp_material_zerilli_armstrong

@@ -215,7 +215,7 @@ METALS = (
     ("guinan", GUINAN, SHOCK, -1e5, False), ("guinan_out", {**GUINAN, "yield_limit": 200e6, "initial_strain": 0.01}, SHOCK, 1e5, False),
     ("guinan_melts", {**GUINAN, "melt_temperature": 500}, SHOCK, -1e5, True),
     ("guinan_under_pressure", {**GUINAN, "melt_temperature": 330, "melt_slope": 1.5, "melt_gamma": 2.02, "initial_strain": 0.5}, SHOCK, -1e5, True),
-    ("guinan_alone", {**GUINAN, "specific_heat": None, "hardening_factor": 0}, None, -1e4, False),
+    ("guinan_alone", {**GUINAN, "specific_heat": None, "thermal_softening": 0, "hardening_factor": 0}, None, -1e4, False),
     ("armstrong_fcc", {**COPPER, "law": "zerilli_armstrong", "yield": 65e6, "thermal_hardening": 890e6, "thermal_softening": 0.0028, "thermal_rate": 0.000115},
      SHOCK, -1e4, False),
     ("armstrong_bcc", {**COPPER, "law": "zerilli_armstrong", "yield": 65e6, "thermal_stress": 1033e6, "thermal_softening": 0.00698, "thermal_rate": 0.000415,
