@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rigid bodies that turn as prescribed, or are free: rotation, tumbling, bouncing, rolling, and the same bits for threads,
+"""Rigid bodies that turn as prescribed, or are free: rotation, tumbling, bouncing, an impact, rolling, and the same bits for threads,
 ranks and restarts.
 
 usage: rigid.py SGMP SOURCE_DIR SCRATCH_DIR
@@ -8,7 +8,7 @@ import math
 import os
 
 from _restarts import checkpoints, goes_on, mpirun, straight
-from _runs import SCRATCH, Report, run
+from _runs import SCRATCH, SOURCE, Report, run
 
 # Three different moments, 5, 10 and 13, turned about the one between.
 TUMBLING = """
@@ -204,6 +204,23 @@ def drop(report):
         report.check(abs(change/given - 1) < 5e-3, f"drop: {change} of momentum, contact gave {given}")
 
 
+def impact(report):
+    """A body that hits an elastic rod, held at its other end, has 2 exp(-1 - exp(-2/m)/2) of its speed back (Saint-Venant; m: mass over the
+    rod's, below 1.7), after (2 + m (1 + exp(-2/m)/2)) L/c."""
+    with open(os.path.join(SOURCE, "verification/rigid/rod.inp"), encoding="utf-8") as file:
+        deck = file.read()
+    for mass in (0.5, 1.0):
+        result = run(f"impact_{mass}", deck, mass=mass, cells=100)
+        if not report.finished(result, f"impact, {mass}"):
+            continue
+        rows = result.table("rigid.csv")
+        speed, back = rows[-1]["velocity_x"]/1e-3, 2*math.exp(-1 - 0.5*math.exp(-2/mass))
+        report.check(abs(speed/back - 1) < 0.01, f"impact, {mass}: {speed} of the speed, not {back}")
+        touched = [row["time"] for row in rows if row["force_x"] > 0]
+        until = 2 + mass*(1 + 0.5*math.exp(-2/mass))
+        report.check(abs((touched[-1] - touched[0])/until - 1) < 0.02, f"impact, {mass}: parts after {touched[-1] - touched[0]}, not {until}")
+
+
 def rolls(report):
     """A disk that rolls down a slope is as far as 2/3 g sin(angle) takes it, a box that slides as g (sin - mu cos)."""
     result = run("disk", DISK)
@@ -259,6 +276,7 @@ if __name__ == "__main__":
     tumbling(REPORT)
     tools(REPORT)
     drop(REPORT)
+    impact(REPORT)
     rolls(REPORT)
     face(REPORT)
     bits(REPORT)
