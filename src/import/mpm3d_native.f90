@@ -273,8 +273,8 @@ contains
         end select
         if (size(pieces) > 1) tail = tail//' overlap=allow'
         call native%add('body '//piece%name//' '//shape_text(piece, space, stem)//tail)
-        if (piece%hole) call native%add('subtract '//piece%name//' '//round_text(piece, space, &
-          piece%upper(3) - piece%lower(3)))
+        if (piece%hole .and. piece%shape /= piece_file) call native%add( &
+          'subtract '//piece%name//' '//round_text(piece, space, piece%upper(3) - piece%lower(3)))
         call write_velocity(piece, space, native)
       end associate
     end do

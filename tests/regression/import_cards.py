@@ -37,6 +37,7 @@ REFUSED = [
     ("100", "2*100", ":10:10: error: '2*100' is not a number"),
     ("100", "1e2/", ":10:10: error: '1e2/' is not a number"),
     ("100", "1e00002", ":10:10: error: '1e00002' is not a number"),
+    ("100", "1.2.3", ":10:10: error: '1.2.3' is not a number"),
     ("100", "1e61", ":10:10: error: '1e61' is not a number"),
     ("100", "inf", ":10:10: error: 'inf' is not a number"),
     ("100", "100." + 37*"0", ":10:10: error: '100." + 37*"0" + "' is not a number"),
@@ -130,7 +131,7 @@ BECOMES = {
     # Three corners of a square; particles of two masses; two at one place; one off the lattice along one axis: no blocks.
     "points": (["nbbo 1", "nbbo 4", "nbmp 8", "nbmp 18", "elas 1 ", "elas 1e-6 ", PART,
                 "part point 1 3\n1 1 1e-6 1 1 1\n2 1 1e-6 2 1 1\n3 1 1e-6 1 2 1\npart point 1 8\n"
-                + "".join(f"{n + 1} 1 {0.9 + 0.2*(n % 2)}e-6 {1 + n % 2} {1 + n//2 % 2} {1 + n//4}\n" for n in range(8))
+                + "".join(f"{n + 1} 1 {(1, 0.9, 1.1, 1)[n % 4]}e-6 {1 + n % 2} {1 + n//2 % 2} {1 + n//4}\n" for n in range(8))
                 + "part point 1 4\n1 1 1e-6 2 1 1\n2 1 1e-6 2 1 1\n3 1 1e-6 1 2 1\n4 1 1e-6 2 2 1\n"
                 + "part point 1 3\n1 1 1e-6 1 1 1\n2 1 1e-6 2.3 1 1\n3 1 1e-6 3 1 1\n"],
                [f'body body_{n} file file="points_body_{n}.txt" material=material_1 overlap=allow' for n in range(1, 5)], []),
@@ -170,15 +171,17 @@ BECOMES = {
     "groups_20": (["nbmp 8", "nbmp 20", PART, "part block 1 1 1.0 1 1 1 1 20 1 1\n", "endi", "load " + " ".join(f"part {n} {n}e-7 0 0" for n in range(1, 21)) + " endl endi"],
                   [f'bodyforce body_1_load_{n} x="{n/1e7:.12g}"'.replace("e-07", "e-7").replace("e-06", "e-6") for n in range(1, 21)], []),
     # The built-in wave is of body 1 alone.
-    "wave_2": (["nbbo 1", "nbbo 2", "nbmp 8", "nbmp 16", PART, PART + PART, "endi", "velo ksin 0.5 2 endv endi"], ["!velocity"], []),
+    "wave_2": (["nbbo 1", "nbbo 2", "nbmp 8", "nbmp 16", PART, PART + PART, "endi", "velo ksin 0.5 2 endv endi"],
+               [f"body body_{n} block lower=(1,1,1) upper=(3,3,3) material=material_1 spacing=spacing overlap=allow" for n in (1, 2)] + ["!velocity"], []),
     "corners": (["nbmp 8", "nbmp 4", PART, "part blod 1 1 1.0 0.5 1 1 1 6 6 1 2.5 2.5 0 3\n"],
                 ["body body_1 block lower=(1,1,1) upper=(4,4,1.5) material=material_1 spacing=spacing", "subtract body_1 cylinder centre=(2.5,2.5,1) radius=1.5 axis=(0,0,1) length=0.5"],
                 [":5:1: honoured: nbmp: 4 particles", "body 1 (blod, 4 particles): a block with a hole"]),
     # Eight by eight particles but the four about (0.002, 0.004), in layers from 0.001 on.
     "hole": (["grid 0 4 0 4 0 4", "grid 0 0.01 0 0.01 0 0.01", "dcell 1", "dcell 0.002", "nbmp 8", "nbmp 120", PART, "part blod 1 1 1.0 0.001 0 0 0.001 8 8 2 0.002 0.004 7 1\n"],
-             ["subtract body_1 cylinder centre=(0.002,0.004,0.001) radius=0.001 axis=(0,0,1) length=0.002"], [":5:1: honoured: nbmp: 120 particles"]),
+             ["body body_1 block lower=(0,0,0.001) upper=(0.008,0.008,0.003) material=material_1 spacing=spacing",
+              "subtract body_1 cylinder centre=(0.002,0.004,0.001) radius=0.001 axis=(0,0,1) length=0.002"], [":5:1: honoured: nbmp: 120 particles"]),
     # The first of two particles is on the edge of a hole of radius 1.
-    "edge": (["nbmp 8", "nbmp 2", PART, "part blod 1 1 1.0 1 2 3 1 2 1 1 1.5 3.5 1 1\n"], ['body body_1 file file="edge_body_1.txt" material=material_1'],
+    "edge": (["nbmp 8", "nbmp 2", PART, "part blod 1 1 1.0 1 2 3 1 2 1 1 1.5 3.5 1 1\n"], ['body body_1 file file="edge_body_1.txt" material=material_1', "!subtract"],
              ["or particles lie on the edge of the hole"], {"body_1": [(2.5, 3.5, 1.5, 1), (3.5, 3.5, 1.5, 1)]}),
     "ball": (["nbmp 8", "nbmp 8", PART, "part sphere 1 1 1.0 1 2 1 2 1\n"], ["body body_1 sphere centre=(2,1,2) radius=1 material=material_1 spacing=spacing"], [":5:1: honoured: nbmp: 8 particles"]),
     "one": (["nbmp 8", "nbmp 1", PART, "part block 1 1 1.0 1 1 1 1 1 1 1\n"], ["body body_1 block lower=(1,1,1) upper=(2,2,2) material=material_1 spacing=spacing"], [":5:1: honoured: nbmp: 1 particles"]),
@@ -313,6 +316,13 @@ def names(report):
     shutil.rmtree(os.path.join(SCRATCH, "hidden"), ignore_errors=True)
     code, printed = run_import(hidden, os.path.join(SCRATCH, "hidden"))
     report.check(code == 0 and os.path.exists(os.path.join(SCRATCH, "hidden", ".mpm.inp")), f"no name: {code} {printed}")
+    for name in (".mpm", "x.mp", "xmpm"):
+        with open(os.path.join(SCRATCH, name), "w", encoding="utf-8") as file:
+            file.write("dimension 1\n")
+        done = subprocess.run([SGMP, os.path.join(SCRATCH, name), "--check"], cwd=SCRATCH, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120,
+                              check=False, env=ENVIRONMENT)
+        imports = b"among the keywords of MPM3D" in done.stdout
+        report.check(done.returncode == 3 and imports == (name == ".mpm"), f"{name}: {done.stdout}")
     for end in ("_body_1.txt", ".import.txt", ".inp"):
         for part in (".part", ""):
             blocked = os.path.join(SCRATCH, f"out{end}{part}")
