@@ -168,6 +168,9 @@ BECOMES = {
     "groups": (["nbmp 8", "nbmp 5", PART, "part block 1 1 1.0 0.5 1 1 1 5 1 1\n", "endi", "load part 2 1e-9 0 0 part 4 1e-9 0 0 endl endi"],
                ['bodyforce body_1_load_2 x="8e-9"'], [], {"body_1_load_1": [(1.25, 1.25, 1.25, 0.125), (2.25, 1.25, 1.25, 0.125), (3.25, 1.25, 1.25, 0.125)],
                                                    "body_1_load_2": [(1.75, 1.25, 1.25, 0.125), (2.75, 1.25, 1.25, 0.125)]}),
+    # 0.3/0.1 is 3 but for round-off.
+    "groups_round": (["nbmp 8", "nbmp 3", PART, "part point 1 3\n1 1 0.1 1 1 1\n2 1 1 2 1 1\n3 1 1 3 1 1\n", "endi", "load part 1 0.3 0 0 part 2 3 0 0 endl endi"],
+                     ['bodyforce body_1_load_1 x="3"'], [], {"body_1_load_1": [(1, 1, 1, 0.1), (2, 1, 1, 1)], "body_1_load_2": [(3, 1, 1, 1)]}),
     "groups_20": (["nbmp 8", "nbmp 20", PART, "part block 1 1 1.0 1 1 1 1 20 1 1\n", "endi", "load " + " ".join(f"part {n} {n}e-7 0 0" for n in range(1, 21)) + " endl endi"],
                   [f'bodyforce body_1_load_{n} x="{n/1e7:.12g}"'.replace("e-07", "e-7").replace("e-06", "e-6") for n in range(1, 21)], []),
     # The built-in wave is of body 1 alone.

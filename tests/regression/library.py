@@ -221,6 +221,21 @@ def mistakes(report):
     result = run("same_units", deck.format("units m kg s\n", library), options=["--check"])
     report.check(result.code == 0, f"same units: {result.code}\n{result.text}")
 
+    # The first card of all is of a file that says its units behind it: 1 kg/m3 is 1e-6 g/mm3.
+    with open(other, "w", encoding="utf-8") as file:
+        file.write("material steel elastic density=7800 young=2e11 poisson=0.3\nunits m kg s scope=file\n")
+    result = run("units_behind", f'include "{other}"\nunits mm g ms\ndimension 1\ngrid cell=1\ntime dt=1e-6 steps=1\n'
+                 "body b block material=steel lower=0 upper=4 ppc=2\noutput csv at=end fields=density\n")
+    if report.finished(result, "units behind the cards of a file"):
+        densities = [row["density"] for row in result.table("particles_end.csv")]
+        report.check(all(abs(density/7.8e-3 - 1) < 1e-12 for density in densities), f"units behind the cards of a file: {densities}")
+    # Between 10 and 20000 J/(kg K) a specific heat is believed.
+    for heat, believed in ((9, False), (12, True), (19000, True), (21000, False)):
+        result = run("heat", f"units m kg s\ndimension 1\ngrid cell=1\ntime dt=1e-6 steps=1\nmaterial steel johnson_cook density=7800 young=2e11 poisson=0.3 &\n"
+                     f"yield=1e8 thermal=yes melt_temperature=1800 specific_heat={heat}\nbody b block material=steel lower=0 upper=4 ppc=2\n", options=["--check"])
+        warned = subprocess.run([SGMP, result.folder + ".inp", "--check", "--output", result.folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        report.check(result.code == 0 and (b"warning: specific_heat = " in warned.stdout) != believed, f"specific_heat={heat}: {result.text} {warned.stdout}")
+
 
 EXPLOSIVES = ("tnt", "c4", "pbx_9404", "petn", "anfo")
 
