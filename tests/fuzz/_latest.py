@@ -167,24 +167,26 @@ class Block:
         return math.prod(side for other, side in zip(axes, self.size) if other != axis)
 
 
-def force(luck, name, axes, block, faces, areas_stay, table):
-    """A card load, pressure or traction; and along which axes, by what factor of which function it pushes the scene, None where that is not known."""
-    kind = luck.choice(("load", "pressure", "traction") if faces else ("load",))
+def force(luck, name, axes, block, faces, areas_stay, alone, table):
+    """A card load, pressure or traction; and along which axes, by what factor of which function it pushes the scene, None where that is not known,
+    which it always is in scenes that are `alone`."""
     ramp, place = Ramp(luck, luck.choice((0.003, 0.03, -0.03, 0.3)), table), luck.choice(("", "", "", "0", " "))
-    middle = block.lower[-1] + block.size[-1]/2
-    where = luck.choice(("", "", f' where="{axes[-1]}>{middle:g}"'))
-    varies = {"": "", "0": f"*(1+0.1*{axes[0]}0)", " ": f"*cos({axes[-1]})"}[place]
+    varies = "" if alone else {"": "", "0": f"*(1+0.1*{axes[0]}0)", " ": f"*cos({axes[-1]})"}[place]
+    where = luck.choice(("", "", f' where="{axes[-1]}>{block.lower[-1] + block.size[-1]/2:g}"'))
+    axis, side = luck.choice(axes), luck.choice("-+")
+    known = areas_stay and block.filled and not math.isnan(block.area(axes, axis)) and not varies
+    kind = luck.choice(("load", "pressure", "traction") if faces and (known or not alone) else ("load",))
     if kind == "load":
         chosen = luck.sample(axes, luck.randint(1, len(axes)))
         words = [f'{axis}="{ramp.text()}{varies}"' for axis in chosen]
         return f"load {name} " + " ".join(words) + where, None if varies else [(axis, 1.0, ramp) for axis in chosen]
-    axis, side = luck.choice(axes), luck.choice("-+")
-    face = luck.choice((f" face={axis}{side}", f" face={axis}{side}", ""))
-    known = areas_stay and block.filled and face and not (varies or where) and not math.isnan(block.area(axes, axis))
+    face = "" if luck.random() < 0.3 and not alone else f" face={axis}{side}"
+    where = "" if alone else where
     if kind == "pressure":
         card, area = f'pressure {name} p="{ramp.text()}{varies}"', {"-": 1.0, "+": -1.0}[side]
         pushed = [axis]
     else:
         pushed, area = luck.sample(axes, luck.randint(1, len(axes))), 1.0
         card = f"traction {name} " + " ".join(f'{along}="{ramp.text()}{varies}"' for along in pushed)
+    known = known and face and not where
     return card + face + where, [(along, area*block.area(axes, axis), ramp) for along in pushed] if known else None

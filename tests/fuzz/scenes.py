@@ -68,6 +68,8 @@ class Scene:
         self.gravity, self.ramp, self.bodyforce = 0.0, 0.0, False
         self.damping, self.damped_until = 0.0, math.inf
         self.late = seed >= LATEST and self.stream("latest").random() < 0.8
+        self.alone = self.draws("alone", 0.3)  # nothing acts from outside but forces that are known
+        self.erodes = self.erodes and not self.alone
         self.table, self.files, self.fixed, self.moving = None, {}, [], False
         self.deforming, self.pushes, self.loaded = {}, [], False
         self.lines = ["dimension axisymmetric" + " swirl=yes"*self.swirl if self.axisymmetric else f"dimension {self.dimension}"]
@@ -115,7 +117,7 @@ class Scene:
         """A box, closed or open, and its walls."""
         words, walls = ["grid cell=1"], []
         for axis in self.axes:
-            closed = self.luck.random() < 0.5
+            closed = self.luck.random() < 0.5 and not self.alone
             size = 3*CELLS[self.dimension] + 6
             words.append(f"{axis}=0:{size}" if closed else f"{axis}=open")
             for side in "-+" if closed else "":
@@ -184,6 +186,8 @@ class Scene:
         luck = self.stream(f"matter {numbers['name']}")
         if kind == "explosive":
             return []
+        if self.alone and self.stream(f"linear {numbers['name']}").random() < 0.5:
+            return latest.linear(numbers)
         if self.draws(f"latest {numbers['name']}", 0.6):
             return latest.matter(self.stream(f"latest matter {numbers['name']}"), numbers)
         if self.flows and luck.random() < 0.7:
@@ -247,7 +251,7 @@ class Scene:
         if number > 1 and self.luck.random() < 0.7:
             friction = self.luck.choice((0, 0.3, 10))
             self.lines.append(f"contact all friction={0 if self.swirl else friction}")
-            if self.luck.random() < 0.3:
+            if self.luck.random() < 0.3 and not self.alone:
                 self.rigid = True
                 speed = self.luck.choice(('0', '0.1', '"0.2*sin(t)"'))
                 chosen = self.luck.choice(names)
@@ -293,7 +297,7 @@ class Scene:
         if self.luck.random() < 0.3:
             self.gravity = -0.02
             self.lines.append("gravity " + vector([0.0]*(self.dimension - 1) + [self.gravity]))
-        if self.luck.random() < 0.15:
+        if self.luck.random() < 0.15 and not self.alone:
             self.bodyforce = True
             self.lines.append(f'bodyforce all {self.axes[-1]}="0.01*sin({place}0)*cos(t)"')
         if self.has("ramp", 0.15):
@@ -314,7 +318,7 @@ class Scene:
             for _ in range(luck.choice((1, 2)) if self.draws(f"forces {name}", 0.5) else 0):
                 faces = block.lattice and not (self.split and self.update != "usf")
                 small = any(f" {name.replace('b', 'm', 1)} elastic" in f" {line[8:]}" and "strain=small" in line for line in self.lines)
-                card, pushes = latest.force(luck, name, self.axes, block, faces, self.dimension == 1 or small, self.table)
+                card, pushes = latest.force(luck, name, self.axes, block, faces, self.dimension == 1 or small, self.alone, self.table)
                 self.lines.append(card)
                 self.loaded = self.loaded or pushes is None or self.erodes
                 self.pushes += pushes or []
