@@ -116,7 +116,8 @@ contains
     type(scene_t), intent(in) :: scene
     type(error_t), allocatable, intent(out) :: error
     character(*), parameter :: free = &
-      'a restart may change: time end, cfl and steps; title, output, history, checkpoint, stop'
+      'a restart may change: time end, cfl and steps; title, output, history, checkpoint, '// &
+      'balance, stop'
     character(:), allocatable :: before
     integer :: i, last
     call file%get_text('/fixed', before)
