@@ -33,7 +33,7 @@ Each line of a file names the source of its constants. They were compared with o
 were found in no other print. What is called handbook are elastic moduli and densities as they stand in any. Explosives are checked by themselves: their constants give the published speed and pressure of detonation to 0.2 %.
 Every material is strained along a path in two systems of units and compared with its equations, worked out independently (tests/regression/library.py).
 
-`alumina_jh2` is the alumina of Johnson and Holmquist's cases for one element; its constants were found in one other print, rounded to two or three digits.
+`alumina_jh2`: its constants were found in one other print, rounded to two or three digits.
 
 `copper` and `copper_steinberg` are the same metal: the first is for rates and temperatures of impact, the second for pressures of 10 GPa and more.
 

@@ -76,7 +76,8 @@ contains
       'check the sign')
     if (count([mpm3d_given(deck, 'gimp'), mpm3d_given(deck, 'bimp'), &
                mpm3d_given(deck, 'sgmp')]) > 1) call words%errors%add( &
-      mpm3d_place(deck, 'sgmp'), 'more than one of gimp, bimp, sgmp', 'keep one')
+      mpm3d_place(deck, merge('sgmp', 'bimp', mpm3d_given(deck, 'sgmp'))), &
+      'more than one of gimp, bimp, sgmp', 'keep one')
   end subroutine refuse
 
   subroutine write_parameters(deck, pieces, native, notes)

@@ -306,7 +306,7 @@ def metals(report):
             report.check(hot and molten != ("melt_slope" in metal), f"{name}: von Mises stress {rows[-1]['von_mises']} at {rows[-1]['temperature']}")
 
 
-# Constants of the test cases for one element (Johnson and Holmquist 1994, Cronin et al. 2003), of alumina with and without bulking; and of
+# Constants like those of alumina (Johnson and Holmquist 1994), with and without bulking; and of
 # nothing, where all terms act. Greatest strain; tolerance: strength that falls almost as fast as elastic stress multiplies the lag of a step.
 ALUMINA = {"density": 3700, "shear_modulus": 90.16e9, "k1": 130.95e9, "hugoniot_limit": 2.79e9, "hugoniot_pressure": 1.46e9, "intact_strength": 0.93,
            "intact_exponent": 0.6, "fractured_strength": 0.31, "fractured_exponent": 0.6, "tension_limit": 0.2e9, "damage_strain": 0.005}
