@@ -35,7 +35,7 @@ body b block material=m lower=(1,0) upper=(6,4) spacing=0.5
 body c block material=m lower=(1,5) upper=(3,7) spacing=0.5
 velocity b x="300" y="-40"
 """
-# One particle between a wall and the open, which is torn into two, those into more.
+# One particle between a wall and the open, which after some dumps is torn into two, those into more.
 TORN = """
 dimension 1
 grid cell=1 x=0:open
@@ -51,7 +51,7 @@ SCENES = [
     ("leaving", LEAVING + BOTH.format(every=0.001, fields=EVERY_FIELD), {}, 13),
     ("block", deck("block.inp", BOTH.format(every=1e-4, fields="plastic_strain,temperature,stress")),
      {"cells": 3, "steps": 50, "material": "johnson_cook", "drift": 0.2}, 15),
-    ("torn", TORN + BOTH.format(every=0.5, fields=EVERY_FIELD + ",path"), {}, 7),
+    ("torn", TORN + BOTH.format(every=0.1, fields=EVERY_FIELD + ",path"), {}, 31),
     ("ends_only", deck("block.inp", "output vtkhdf\noutput vtu\n"), {"cells": 3, "steps": 7}, 2),
 ]
 
