@@ -12,7 +12,7 @@ import subprocess
 import time
 
 from _restarts import ENVIRONMENT, Going, clear, command, execute, mpirun
-from _runs import SANITIZED, SCRATCH, Report
+from _runs import SANITIZED, SCRATCH, SGMP, Report
 
 DECK = """dimension 2
 parameter steps = 20
@@ -152,6 +152,16 @@ def estimated(report):
             print(f"{title}: estimated {need/1e6:.0f} MB, measured {peak/1e6:.0f} MB")
 
 
+def named_after_the_deck(report):
+    """Without --output the folder is DECK.out where the run is started, wherever the deck is."""
+    below = os.path.join(SCRATCH, "decks", "of_mine")
+    os.makedirs(below, exist_ok=True)
+    with open(os.path.join(below, "plate.thin.inp"), "w", encoding="utf-8") as file:
+        file.write(DECK)
+    done = subprocess.run([SGMP, "decks/of_mine/plate.thin.inp", "--quiet", "--set", "steps=1"], cwd=SCRATCH, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, env=ENVIRONMENT)
+    report.check(done.returncode == 0 and os.path.exists(os.path.join(SCRATCH, "plate.thin.out", "summary.json")), f"named: {done.returncode} {done.stdout}")
+
+
 def masses(report):
     """A body thinner than its spacing has more mass than its shape: --check shows it, a run warns."""
     thin = DECK.replace("upper=(side,side)", "upper=(6,0.3)")
@@ -191,7 +201,7 @@ def main():
     os.makedirs(SCRATCH, exist_ok=True)
     report = Report()
     of_memory = () if SANITIZED else (too_large, estimated)
-    for check in (locked, orphans, interrupted, stale, *of_memory, masses, full_log, no_dumps):
+    for check in (locked, orphans, interrupted, stale, *of_memory, masses, named_after_the_deck, full_log, no_dumps):
         check(report)
     report.end()
 
