@@ -63,6 +63,7 @@ contains
     integer, intent(in) :: expected              !! dumps, as far as is known
     type(error_t), allocatable, intent(out) :: error
     real(dp), intent(in), optional :: keep_to_time
+    type(error_t), allocatable :: problem
     self%path = path
     self%capacity = max(1, expected)
     self%parts_capacity = 1
@@ -70,6 +71,10 @@ contains
     self%parts = 0
     self%made = .false.
     if (.not. present(keep_to_time)) return
+    ! Half of a larger file, of a run that was killed while it made room.
+    if (parallel_rank() == 0 .and. file_exists(path//'.part')) then
+      call file_remove(path//'.part', problem)
+    end if
     if (file_exists(path)) call continue_file(self, keep_to_time, error)
   end subroutine vtkhdf_open
 
