@@ -82,12 +82,16 @@ def requests(report, reference):
 
 
 def killed(report, reference):
-    """kill -9 at random moments, every other time while a checkpoint is being written."""
+    """kill -9 at random moments, every other time while a checkpoint is being written, until one has hit that."""
     name = "killed"
-    clear(name)
+    folder = clear(name)
     luck = random.Random(20240607)
     writing = 0
-    for round_ in range(20 if FULL else 4):
+    for round_ in range(100):
+        if writing and round_ >= (20 if FULL else 4):
+            break
+        if checkpoints(folder)[-1:] == [SETTINGS["steps"]]:
+            clear(name)
         going = Going(line(name, "--restart", "latest", threads=1 + round_ % 2), name)
         if round_ % 2:
             going.wait_for(going.writes_checkpoint, 10.0)
