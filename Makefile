@@ -73,7 +73,7 @@ hard: build ## Run the hard cases by four methods (minutes): build/hard/results.
 test: build-all ## Build and run all tests
 	ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
 
-test-full: build-all ## The same with all layouts, more kills and random scenes, sanitizers, a sample of small faults (an hour)
+test-full: build-all ## The same with all layouts, more kills and random scenes, sanitizers, a sample of small faults (half an hour)
 	SGMP_TEST_FULL=1 ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error -LE fuzz
 	$(MAKE) fuzz INPUTS=$(or $(INPUTS),8000) SCENES=$(or $(SCENES),120) SEED=$(or $(SEED),$(shell date +%s))
 	$(MAKE) sanitize
