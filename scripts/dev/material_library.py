@@ -35,7 +35,10 @@ Every material is strained along a path in two systems of units and compared wit
 
 `alumina_jh2`: its constants were found in one other print, rounded to two or three digits.
 
-`copper` and `copper_steinberg` are the same metal: the first is for rates and temperatures of impact, the second for pressures of 10 GPa and more.
+`copper_zerilli` and `iron_zerilli`: no other print of Zerilli and Armstrong's constants could be seen. What speaks for their digits is Johnson and Cook's law, which was fitted to the same metals: see the table of
+flow stresses in [materials, Metals](materials.md#metals).
+
+`copper`, `copper_zerilli` and `copper_steinberg` are the same metal: the first two are for rates and temperatures of impact, the third for pressures of 10 GPa and more.
 
 Johnson and Cook's damage is off in `copper`, `iron` and `steel_4340`; `--set copper_failure=yes` switches it on. There is no concrete: no law here describes it.
 
@@ -61,6 +64,7 @@ SOURCES = """
 * Treloar 1944: Stress-strain data for vulcanised rubber under various types of deformation, Trans. Faraday Soc. 40, 59-70.
 * US Standard Atmosphere 1976, NOAA-S/T 76-1562.
 * Wood and Martin 1964: Compressibility of natural rubber at pressures below 500 kg/cm2, J. Res. NBS 68A, 259-268.
+* Zerilli and Armstrong 1987: Dislocation-mechanics-based constitutive relations for material dynamics calculations, J. Appl. Phys. 61, 1816-1825.
 """
 
 

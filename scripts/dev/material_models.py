@@ -45,7 +45,7 @@ LAWS = {
     "zerilli_armstrong": ([f"zerilli_armstrong density=1 {SOLID} yield=0.1 thermal_stress=1 thermal_softening=7e-3 thermal_rate=4e-4 hardening_modulus=1 "
                            "hardening_exponent=0.3 specific_heat=10"],
                           "(ZA1), Zerilli and Armstrong 1987", "closed forms, both lattices (test_material_zerilli_armstrong); paths of a second implementation "
-                          "(tests/regression/laws.py, 0.1 %)"),
+                          "(tests/regression/laws.py, 0.1 %); paths of the library's metals (tests/regression/library.py)"),
     "johnson_holmquist": (["johnson_holmquist density=1 shear_modulus=90 k1=130 k2=10 k3=10 hugoniot_limit=2.8 hugoniot_pressure=1.4 intact_strength=0.9 intact_exponent=0.6 "
                            "fractured_strength=0.3 fractured_exponent=0.6 rate_coefficient=0.01 tension_limit=0.2 damage_strain=0.005"],
                           "(JH1)–(JH6), JH-2 of Johnson and Holmquist 1994", "states by hand (test_material_johnson_holmquist); one element squeezed, let go and drawn by a second "
