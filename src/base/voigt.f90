@@ -6,10 +6,10 @@
 !! of symmetry the hoop stress does, too. Everything is a constant, indexed by the space last, so
 !! that dimension-generic sources lose nothing.
 module sgmp_voigt
-  use sgmp_space, only: spaces
+  use sgmp_space, only: axes_in_output, spaces
   implicit none
   private
-  public :: voigt_names, voigt_axes, stress_components, flux_components
+  public :: voigt_name, voigt_names, voigt_axes, stress_components, flux_components
   public :: flux_stress, flux_between
 
   integer, parameter :: most = 6  !! components in three dimensions
@@ -31,5 +31,18 @@ module sgmp_voigt
                                                          1, 4, 6, 4, 2, 5, 6, 5, 3, &
                                                          1, 3, 0, 3, 2, 0, 0, 0, 0], &
                                                          [3, 3, spaces])
+
+contains
+
+  !> Name in decks and in output of a stored stress component, in a space (sgmp_space).
+  pure function voigt_name(component, space) result(name)
+    integer, intent(in) :: component, space
+    character(2) :: name
+    integer :: axes(2), c
+    axes = axes_in_output(voigt_axes(:, component), space)
+    do c = 1, size(voigt_names)
+      if (all(voigt_axes(:, c) == [minval(axes), maxval(axes)])) name = voigt_names(c)
+    end do
+  end function voigt_name
 
 end module sgmp_voigt

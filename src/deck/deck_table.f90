@@ -7,6 +7,7 @@ module sgmp_deck_table
   use sgmp_cards_contact, only: register_contact
   use sgmp_cards_general, only: register_general
   use sgmp_cards_grid, only: register_grid
+  use sgmp_cards_initial_stress, only: register_initial_stress
   use sgmp_cards_load, only: register_load
   use sgmp_cards_material, only: register_material
   use sgmp_cards_method, only: register_method
@@ -42,6 +43,7 @@ contains
     call register_body(table)
     table%group = 'Motion and loads'
     call register_load(table)
+    call register_initial_stress(table)
     call register_surface(table)
     table%group = 'Contact'
     call register_contact(table)

@@ -16,11 +16,13 @@ module sgmp_scene
   use sgmp_shapes, only: shape_t
   use sgmp_space, only: space_axisymmetric
   use sgmp_turn, only: turn_t
+  use sgmp_voigt, only: voigt_names
   implicit none
   private
   public :: balance_card_t, body_card_t, bodyforce_card_t, checkpoint_card_t, contact_card_t, &
-            damping_card_t, detonation_card_t, gauge_card_t, grid_card_t, load_card_t, &
-            material_card_t, method_card_t, output_card_t, statement_text_t, stop_card_t, &
+            damping_card_t, detonation_card_t, gauge_card_t, grid_card_t, &
+            initial_stress_card_t, load_card_t, material_card_t, method_card_t, output_card_t, &
+            statement_text_t, stop_card_t, &
             time_card_t
   public :: contact_lambda_default
   public :: dump_formats, dump_names, dump_tecplot, dump_vtkhdf, dump_vtu
@@ -90,6 +92,18 @@ module sgmp_scene
     type(constitutive_t) :: law
   end type material_card_t
 
+  !> Stress of a body at the start: component by component, or that of ground at rest.
+  type :: initial_stress_card_t
+    logical :: given = .false.
+    logical :: geostatic = .false.                !! the weight of what lies above
+    type(expression_t) :: value(size(voigt_names))  !! else: as stored, functions of the place
+    type(expression_t) :: surface                 !! height against gravity, a function of the place
+    real(dp) :: pressure = 0.0_dp                 !! on the surface (stress)
+    logical :: pressure_given = .false.           !! else, of a fluid, its own
+    real(dp) :: k0 = -1.0_dp                      !! horizontal over vertical; negative: not given
+    character(:), allocatable :: location         !! file:line:column of the card, for messages
+  end type initial_stress_card_t
+
   !> A body: geometry, particle layout, material, initial velocity.
   type :: body_card_t
     character(name_length) :: name = ''
@@ -109,6 +123,7 @@ module sgmp_scene
     type(expression_t) :: spin                    !! initial angular velocity of rings
     real(dp) :: temperature = -1.0_dp
       !! initial temperature; negative: the material's room temperature
+    type(initial_stress_card_t) :: stress         !! initial stress
     character(:), allocatable :: location         !! file:line:column of the card, for messages
     logical :: allow_overlap = .false.            !! may share space with other bodies at t = 0
     logical :: rings = .false.                    !! axisymmetric: particles are rings about r = 0
@@ -252,6 +267,11 @@ contains
   subroutine scene_free(scene)
     type(scene_t), intent(inout) :: scene
     integer :: i, k
+    if (allocated(scene%bodies)) then
+      do i = 1, size(scene%bodies)
+        call initial_stress_free(scene%bodies(i)%stress)
+      end do
+    end if
     do k = 1, 3
       if (allocated(scene%bodies)) then
         do i = 1, size(scene%bodies)
@@ -274,6 +294,16 @@ contains
       end if
     end do
   end subroutine scene_free
+
+  !> Releases the parsers of an initial stress.
+  subroutine initial_stress_free(stress)
+    type(initial_stress_card_t), intent(inout) :: stress
+    integer :: c
+    do c = 1, size(stress%value)
+      call expression_free(stress%value(c))
+    end do
+    call expression_free(stress%surface)
+  end subroutine initial_stress_free
 
   !> The space of a scene (sgmp_space).
   pure function scene_space(scene) result(space)

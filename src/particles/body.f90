@@ -26,6 +26,7 @@ module sgmp_body
     real(dp) :: half_size(3) = 0.25_dp         !! GIMP particle half-size (cells)
     logical :: sides_stretch = .false.         !! and it follows the particle's stretch (cpGIMP)
     real(dp) :: spacing = 0.0_dp               !! particle spacing (length)
+    logical :: stressed = .false.              !! at the start, as its card says
     logical :: forced = .false.                !! a body force or a load acts
     type(expression_t) :: force(3)             !! force per unit mass
     type(load_t), allocatable :: loads(:)      !! not allocated: none

@@ -4,8 +4,7 @@ module sgmp_particle_fields
   use sgmp_body, only: body_t
   use sgmp_kinds, only: dp
   use sgmp_motion, only: motion_mass
-  use sgmp_space, only: axes_in_output
-  use sgmp_voigt, only: voigt_axes, voigt_names
+  use sgmp_voigt, only: voigt_name, voigt_names
   implicit none
   private
   public :: particle_field_t, particle_place_t, particle_field_find, particle_field_names, &
@@ -93,7 +92,7 @@ contains
     integer :: c
     select case (field%kind)
     case (tensor)
-      names = [character(32) :: (trim(field%name)//'_'//output_name(c, space), &
+      names = [character(32) :: (trim(field%name)//'_'//voigt_name(c, space), &
                                  c=1, stresses)]
     case (vector)
       names = trim(field%name)//'_'//vector_ends
@@ -101,17 +100,6 @@ contains
       names = [character(32) :: field%name]
     end select
   end function particle_field_components
-
-  !> Name in output of a stored stress component.
-  pure function output_name(component, space) result(name)
-    integer, intent(in) :: component, space
-    character(2) :: name
-    integer :: axes(2), c
-    axes = axes_in_output(voigt_axes(:, component), space)
-    do c = 1, size(voigt_names)
-      if (all(voigt_axes(:, c) == [minval(axes), maxval(axes)])) name = voigt_names(c)
-    end do
-  end function output_name
 
   pure function initial_position(body, at) result(values)
     type(body_t), intent(in) :: body

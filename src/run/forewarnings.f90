@@ -5,6 +5,7 @@
 !! particles.
 module sgmp_forewarnings
   use sgmp_body, only: body_t
+  use sgmp_build_stress, only: stress_returned
   use sgmp_constitutive, only: law_gaseous
   use sgmp_kernels, only: kernel_folds, kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
@@ -48,6 +49,7 @@ contains
     call look_for_closed_gas(model, warnings)
     call look_at_walls(model, warnings)
     if (model%clock%step > 0) return  ! what follows is about places at the start
+    call look_at_stress(scene, model, warnings)
     call look_at_spacing(scene, model, warnings)
     call look_at_gauges(scene, model, warnings)
     call look_at_lighting(scene, model, warnings)
@@ -218,6 +220,24 @@ contains
       cells = cells + count(taken, kind=i8)
     end do
   end function cells_of
+
+  !> Initial stresses that matter does not bear.
+  subroutine look_at_stress(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    integer(i8) :: particles
+    integer :: b
+    do b = 1, size(model%bodies)
+      particles = parallel_sum(stress_returned(scene%bodies(b), scene%gravity, model%mesh, &
+                                               model%bodies(b)))
+      if (particles == 0_i8) cycle
+      call warn(warnings, 'the initial stress of '//integer_text(particles)// &
+                " particles of body '"//trim(model%bodies(b)%name)//"' is beyond yield: they "// &
+                'begin on the yield surface instead, out of equilibrium; ground that slides '// &
+                'at phi bears k0 between (1 - sin(phi))/(1 + sin(phi)) and its inverse')
+    end do
+  end subroutine look_at_stress
 
   !> Particles larger than the cells they lie in: too wide a lattice, or a particle file whose
   !! columns are not what was meant.

@@ -8,6 +8,7 @@ module sgmp_build_model
                                 contact_no_surface, contact_pairs
   use sgmp_build_loads, only: loads_add_columns, loads_declare, loads_fill
   use sgmp_build_rigid, only: rigid_begin, rigid_centre, rigid_declare
+  use sgmp_build_stress, only: stress_fill
   use sgmp_burn, only: burn_lighting_time, burn_source_t
   use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_set_length, &
                                law_slots, slots_t
@@ -20,6 +21,7 @@ module sgmp_build_model
                           stencil_shift
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_is_bound
+  use sgmp_material_weight, only: stress_energy
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
@@ -194,15 +196,31 @@ contains
                           bin_span(kernel, mesh%ndim))
       body%particles%path = body%law%slots%path
       call ranks_hold(model%ranks%partition, body%particles)
+      call fill_columns(scene, number, mesh, file_velocity, seeded, body, error)
+    end associate
+  end subroutine build_body
+
+  !> What particles have at the start besides their place, mass and history. All ranks must call it.
+  subroutine fill_columns(scene, number, mesh, file_velocity, seeded, body, error)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: number
+    type(mesh_t), intent(in) :: mesh
+    real(dp), allocatable, intent(in) :: file_velocity(:, :)
+    logical, intent(in) :: seeded
+    type(body_t), intent(inout) :: body
+    type(error_t), allocatable, intent(inout) :: error
+    associate (card => scene%bodies(number))
       call set_velocities(card, mesh, file_velocity, body)
       call set_swirl(card, mesh, body)
       if (seeded) call set_rotation(card, mesh, body)
       call set_strength(body)
+      if (seeded) call stress_fill(card, scene%gravity, mesh, body, error)
+      if (allocated(error)) return
       call fill_positions(scene, mesh, body)
       call contact_fill_slot(card, mesh, body)
       if (seeded) call loads_fill(scene, number, mesh, body, error)
     end associate
-  end subroutine build_body
+  end subroutine fill_columns
 
   !> Axes of stress and deformation: with swirl those of space.
   pure function tensor_axes(scene) result(n)
@@ -511,9 +529,28 @@ contains
           terms(7) = terms(7) + m*particles%state(l, swirl, c)
           terms(8) = terms(8) + 0.5_dp*m*(particles%state(l, swirl, c)/particles%motion(l, 1, c))**2
         end if
-        if (energy > 0) terms(9) = terms(9) + particles%state(l, energy, c)*particles%state(l, 1, c)
+        if (body%stressed) then
+          terms(9) = terms(9) + first_energy(body, m, particles%state(l, :, c))
+        else if (energy > 0) then
+          terms(9) = terms(9) + particles%state(l, energy, c)*particles%state(l, 1, c)
+        end if
       end do
     end associate
   end function chunk_terms
+
+  !> Internal energy of a particle that begins with a stress: what it keeps, or that of the stress.
+  pure function first_energy(body, mass, state) result(energy)
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: mass, state(:)
+    real(dp) :: energy
+    associate (slots => body%law%slots)
+      if (slots%energy > 0) then
+        energy = state(slots%energy)*mass/body%law%density
+      else
+        energy = state(slots%volume)* &
+                 stress_energy(body%law, state(slots%stress:slots%stress + slots%stresses - 1))
+      end if
+    end associate
+  end function first_energy
 
 end module sgmp_build_model
