@@ -26,6 +26,11 @@ module sgmp_material_johnson_holmquist
   public :: johnson_holmquist_keys, johnson_holmquist_read
   public :: johnson_holmquist_t, johnson_holmquist_strength, johnson_holmquist_return
 
+  ! Strains of round-off, which neither tear nor break: of a volume after many steps, and of a step.
+  ! Matter without a tension limit has no strength at rest, and in flight rounding alone would break
+  ! it.
+  real(dp), parameter :: volume_noise = 1.0e-12_dp, step_noise = 1.0e-14_dp
+
   !> Constants of (JH1) to (JH6).
   type :: johnson_holmquist_t
     real(dp) :: shear = 0.0_dp                 !! G (stress)
@@ -164,9 +169,10 @@ contains
     real(dp), intent(out) :: slope(lanes)      !! dp/dmu without bulking (stress)
     real(dp), intent(out) :: factor(lanes)     !! scales the trial deviator
     real(dp) :: mu, dense, pushed, least, strength, loss, dep, fatal, before, released
+    logical :: torn
     integer :: p
     !$omp simd simdlen(8) private(mu, dense, pushed, least, strength, loss, dep, fatal, before) &
-    !$omp& private(released)
+    !$omp& private(released, torn)
     do p = 1, lanes
       mu = 1.0_dp/merge(volume(p), 1.0_dp, volume(p) > 0.0_dp) - 1.0_dp
       dense = merge(mu, 0.0_dp, mu > 0.0_dp)
@@ -174,8 +180,9 @@ contains
       pressure(p) = pushed + dense*dense*(law%k(2) + law%k(3)*dense)
       slope(p) = law%k(1) + dense*(2.0_dp*law%k(2) + 3.0_dp*law%k(3)*dense)
       least = -law%tension*(1.0_dp - damage(p))
-      damage(p) = merge(1.0_dp, damage(p), pressure(p) < least)
-      least = merge(0.0_dp, least, pressure(p) < least)
+      torn = pressure(p) < least - volume_noise*law%k(1)
+      damage(p) = merge(1.0_dp, damage(p), torn)
+      least = merge(0.0_dp, least, torn)
       pressure(p) = merge(pressure(p), least, pressure(p) > least)
       call johnson_holmquist_strength(law, pressure(p), rate(p), damage(p), strength, loss)
       dep = merge(trial(p) - strength, 0.0_dp, trial(p) > strength)/(3.0_dp*law%shear)
@@ -187,7 +194,7 @@ contains
       before = damage(p)
       damage(p) = before + dep/merge(fatal, 1.0_dp, fatal > 0.0_dp)
       damage(p) = merge(damage(p), 1.0_dp, dep < fatal*(1.0_dp - before))
-      damage(p) = merge(damage(p), before, dep > 0.0_dp)
+      damage(p) = merge(damage(p), before, dep > step_noise)
       loss = (damage(p) - before)*loss
       released = loss*(2.0_dp*strength - loss)/(6.0_dp*law%shear)
       released = merge(2.0_dp*law%bulking*law%k(1)*released, 0.0_dp, pushed > 0.0_dp)

@@ -2,7 +2,8 @@
 """Random scenes by seed: all dimensions, axisymmetric ones with and without swirl, methods, updates, materials, contact, walls, rigid bodies. Three
 of five scenes have features beyond these: fluids, soils, failure, softening, scatter, erosion, turned shapes, rows and polygons, rigid bodies that
 turn or are free, initial rotation, damping, loads that rise, ends at rest. Four of five scenes of the seeds from 40000000 on draw what came last, too:
-the materials and loads of _latest.py, tables, walls that move, particle files. Each is run with one and two threads, on two ranks and from a
+the materials and loads of _latest.py, tables, walls that move, particle files; of those from 80000000 on four of five what is in _newest.py: ceramics,
+more shapes, gauges, and keys that no other scene has. Each is run with one and two threads, on two ranks and from a
 checkpoint; then
 
 * the same exit code, bits, histories and verdict in all of them;
@@ -25,6 +26,7 @@ import sys
 
 import _features as features
 import _latest as latest
+import _newest as newest
 from _driver import CRASH, Findings, arguments
 from _features import vector
 
@@ -32,6 +34,7 @@ FINISHED, WRONG_DECK, NUMERICAL = 0, 3, 4
 CELLS = {1: 8, 2: 4, 3: 3}            # of a body along an axis, at most
 STEPS = {1: 120, 2: 60, 3: 24}
 LATEST = 40000000                     # seeds below draw nothing of _latest.py
+NEWEST = 80000000                     # and below these nothing of _newest.py
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_WAIT_POLICY": "passive", "SGMP_THREADS": "exact"}
 
@@ -68,6 +71,7 @@ class Scene:
         self.gravity, self.ramp, self.bodyforce = 0.0, 0.0, False
         self.damping, self.damped_until = 0.0, math.inf
         self.late = seed >= LATEST and self.stream("latest").random() < 0.8
+        self.newer = seed >= NEWEST and self.stream("newest").random() < 0.8
         self.alone = self.draws("alone", 0.3)  # nothing acts from outside but forces that are known
         self.erodes = self.erodes and not self.alone
         self.table, self.files, self.fixed, self.moving = None, {}, [], False
@@ -80,7 +84,11 @@ class Scene:
         self.loads()
         self.ends()
         pores = ",distention"*any(" distention=" in line for line in self.lines)
-        self.lines += ["output csv at=end fields=mass,stress,density" + pores, "history steps=1", f"checkpoint every={self.steps//3} keep=9"]
+        broken = ",damage"*any(" johnson_holmquist " in line for line in self.lines)
+        self.lines += ["output csv at=end fields=mass,stress,density" + pores + broken, "history steps=1", f"checkpoint every={self.steps//3} keep=9"]
+        if self.newer:
+            self.lines = newest.keyed(self.stream("keys"), self.lines, self.axes)
+            self.lines += newest.further_cards(self.stream("cards"), self.lines, self.axes, [block.lower for block in self.deforming.values()])
 
     def stream(self, what):
         """Random numbers for one choice alone."""
@@ -93,6 +101,10 @@ class Scene:
     def draws(self, feature, share):
         """Whether a scene of a late seed has this feature of the latest ones."""
         return self.late and self.stream(feature).random() < share
+
+    def has_newest(self, feature, share):
+        """Whether a scene of one of the newest seeds has this feature."""
+        return self.newer and self.stream(feature).random() < share
 
     def text(self):
         """The deck."""
@@ -188,6 +200,8 @@ class Scene:
             return []
         if self.alone and self.stream(f"linear {numbers['name']}").random() < 0.5:
             return latest.linear(numbers)
+        if self.has_newest(f"ceramic {numbers['name']}", 0.4):
+            return newest.ceramic(self.stream(f"ceramic matter {numbers['name']}"), numbers)
         if self.draws(f"latest {numbers['name']}", 0.6):
             return latest.matter(self.stream(f"latest matter {numbers['name']}"), numbers)
         if self.flows and luck.random() < 0.7:
@@ -199,8 +213,9 @@ class Scene:
     def failing(self, lines, numbers):
         """The cards of a material, with its failure and its erosion."""
         luck = self.stream(f"failure {numbers['name']}")
-        kind, fails = lines[0].split()[2], False
-        plastic = kind in (*latest.METAL_NAMES, "drucker_prager", "mohr_coulomb")
+        kind = lines[0].split()[2]
+        fails = kind == "johnson_holmquist"
+        plastic = fails or kind in (*latest.METAL_NAMES, "drucker_prager", "mohr_coulomb")
         if self.fails and kind in latest.METAL_NAMES:
             damages = kind == "johnson_cook" and luck.random() < 0.4
             if damages:
@@ -240,6 +255,8 @@ class Scene:
                 shape = f"block lower={vector(lower)} upper={vector([low + s for low, s in zip(lower, size)])}"
             if self.has(f"shape {b}", 0.4):
                 shape, cards = features.shape(self.stream(f"shape of {b}"), self.dimension, self.axisymmetric, lower, size)
+            if self.has_newest(f"changed {b}", 0.3):
+                cards = [*cards, newest.changed(self.stream(f"change of {b}"), self.dimension, self.axisymmetric, lower, size)]
             if self.draws(f"file {b}", 0.2):
                 self.body_of_file(b, lower, size)
             else:
@@ -408,7 +425,7 @@ def layout_problems(first, other, title):
         if first.summary.get(key) != other.summary.get(key):
             yield f"{title}: {key} {other.summary.get(key)} instead of {first.summary.get(key)}"
             return
-    for name in ("history.csv", "contact.csv", "rigid.csv", "bodies.csv", "particles_end.csv"):
+    for name in ("history.csv", "contact.csv", "rigid.csv", "bodies.csv", "gauges.csv", "particles_end.csv"):
         if first.content(name) != other.content(name):
             yield f"{title}: {name} differs"
             return
@@ -499,7 +516,8 @@ def problems(chosen, scene, deck):
     first = run(chosen, deck, "first")
     # Small round bodies may have no particle, or none that a load finds, a rigid one alone may be at rest; all else that is drawn must be legal.
     if first.code == WRONG_DECK:
-        return first, [] if re.search("has no particles|nothing limits the time step|acts on no particle|there are no such faces|show opposite faces",
+        return first, [] if re.search("has no particles|nothing limits the time step|acts on no particle|there are no such faces|show opposite faces|"
+                                      "no particle is within the radius of gauge",
                                       first.printed) else ["a deck refused"]
     found = list(end_problems(first))
     if found:
@@ -523,7 +541,7 @@ def main():
     if "--show" in sys.argv:
         scene = Scene(int(sys.argv[sys.argv.index("--show") + 1]))
         sys.exit(print(scene.text() + "".join(f"# {name}:\n# " + "\n# ".join(text.splitlines()) + "\n" for name, text in scene.files.items())))
-    chosen = arguments(__doc__, 12, LATEST)
+    chosen = arguments(__doc__, 12, NEWEST)
     findings, codes = Findings(chosen.scratch), {}
     deck = os.path.join(chosen.scratch, "scene.inp")
     for seed in range(chosen.seed, chosen.seed + chosen.inputs):
