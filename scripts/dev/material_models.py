@@ -28,7 +28,7 @@ LAWS = {
     "j2": ([f"j2 density=1 {SOLID} yield=0.1 hardening=linear hardening_modulus=1"], "von Mises, radial return (R1)", "uniaxial strain in closed form (test_stress_update)"),
     "johnson_cook": ([f"johnson_cook density=1 {SOLID} yield=0.1 hardening_modulus=1 hardening_exponent=0.3 rate_coefficient=0.02 reference_rate=1e-3 "
                       "thermal=yes melt_temperature=1000 specific_heat=10 failure=yes d1=9"],
-                     "(J1)–(J3), Johnson and Cook 1983, 1985", "Taylor bar (taylor_bar), closed forms (test_material_jc), paths of the library's metals (tests/regression/library.py)"),
+                     "(J1)–(J3), Johnson and Cook 1983, 1985", "Taylor bars (taylor_bar; three metals beside finite elements, taylor_metals), closed forms (test_material_jc), paths of the library's metals (tests/regression/library.py)"),
     "explosive": (["explosive density=1 detonation_speed=7", "eos m jwl a=371 b=3.2 r1=4.15 r2=0.95 omega=0.3 energy0=7", "detonation time=-100 normal=(1,0,0)"],
                   "(W1), programmed burn", "Chapman-Jouguet state and Taylor wave (tnt_slab)"),
     "fluid": (["fluid density=1 viscosity=1e-3", "eos m tait c0=10 pressure0=1"], "2η dev D − p", "shock tube, shocks, hydrostatics, vortex (fluids), below"),
@@ -45,7 +45,7 @@ LAWS = {
     "zerilli_armstrong": ([f"zerilli_armstrong density=1 {SOLID} yield=0.1 thermal_stress=1 thermal_softening=7e-3 thermal_rate=4e-4 hardening_modulus=1 "
                            "hardening_exponent=0.3 specific_heat=10"],
                           "(ZA1), Zerilli and Armstrong 1987", "closed forms, both lattices (test_material_zerilli_armstrong); paths of a second implementation "
-                          "(tests/regression/laws.py, 0.1 %); paths of the library's metals (tests/regression/library.py)"),
+                          "(tests/regression/laws.py, 0.1 %); paths of the library's metals (tests/regression/library.py), Taylor bars (taylor_metals)"),
     "johnson_holmquist": (["johnson_holmquist density=1 shear_modulus=90 k1=130 k2=10 k3=10 hugoniot_limit=2.8 hugoniot_pressure=1.4 intact_strength=0.9 intact_exponent=0.6 "
                            "fractured_strength=0.3 fractured_exponent=0.6 rate_coefficient=0.01 tension_limit=0.2 damage_strain=0.005"],
                           "(JH1)–(JH6), JH-2 of Johnson and Holmquist 1994", "states by hand (test_material_johnson_holmquist); one element squeezed, let go and drawn by a second "
