@@ -90,6 +90,7 @@ contains
     call name_column(slots%surface, 'surface')
     call name_column(slots%compliance, 'compliance')
     call name_column(slots%strength, 'strength')
+    call name_column(slots%yield_factor, 'yield_factor')
     call name_column(slots%path, 'path')
     do q = 1, size(loads)
       call name_column(loads(q)%column, trim(merge('share', 'area ', &

@@ -43,6 +43,7 @@ module sgmp_constitutive
   use sgmp_porosity, only: porosity_keys, porosity_read, porosity_t, porosity_terms
   use sgmp_softening, only: softening_make, softening_t, softening_widest
   use sgmp_soil, only: soil_keys
+  use sgmp_strength, only: scatter_t, yield_scatter_keys, yield_scatter_read
   use sgmp_viscosity, only: viscosity_read, viscosity_t
   use sgmp_voigt, only: stress_components
   implicit none
@@ -105,6 +106,7 @@ module sgmp_constitutive
     integer :: surface = 0       !! distance to the body's surface, for contact
     integer :: compliance = 0    !! by which volume is exchanged, for kept volumes
     integer :: strength = 0      !! factor on the limits of failure, where they scatter
+    integer :: yield_factor = 0  !! factor on the yield stress, where it scatters
     integer :: path = 0          !! from the particle that it comes from, where particles are split:
                                  !! 1, and of the halves of b 2 b and 2 b + 1
     integer :: total = 1
@@ -144,6 +146,7 @@ module sgmp_constitutive
     logical :: softens = .false.               !! it fails little by little
     type(softening_t) :: softening
     type(erosion_t) :: erosion
+    type(scatter_t) :: scatter                 !! of the yield stress
     real(dp) :: density = 0.0_dp               !! initial density
     real(dp) :: detonation_speed = 0.0_dp, burn_cells = 0.0_dp
     logical :: viscous = .false.               !! bulk viscosity acts
@@ -165,9 +168,9 @@ contains
     case (material_neo_hookean)
       keys = moduli_keys()
     case (material_j2)
-      keys = [moduli_keys(), j2_keys()]
+      keys = [moduli_keys(), j2_keys(), yield_scatter_keys()]
     case (material_johnson_cook)
-      keys = [moduli_keys(), jc_keys()]
+      keys = [moduli_keys(), jc_keys(), yield_scatter_keys()]
     case (material_fluid)
       keys = fluid_keys()
     case (material_drucker_prager, material_mohr_coulomb)
@@ -175,9 +178,9 @@ contains
     case (material_mooney_rivlin)
       keys = mooney_rivlin_keys()
     case (material_steinberg_guinan)
-      keys = [moduli_keys(), steinberg_guinan_keys()]
+      keys = [moduli_keys(), steinberg_guinan_keys(), yield_scatter_keys()]
     case (material_zerilli_armstrong)
-      keys = [moduli_keys(), zerilli_armstrong_keys()]
+      keys = [moduli_keys(), zerilli_armstrong_keys(), yield_scatter_keys()]
     case (material_johnson_holmquist)
       keys = johnson_holmquist_keys()
     case default  ! material_explosive
@@ -209,6 +212,7 @@ contains
     type(fault_t), allocatable, intent(out) :: fault
     law%kind = kind
     law%density = values%number('density')
+    law%scatter = yield_scatter_read(values)
     select case (kind)
     case (material_elastic)
       call elastic_read(law%density, values, law%elastic, law%small_strain)

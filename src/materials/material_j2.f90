@@ -76,13 +76,14 @@ contains
   end function j2_yield_stress
 
   !> Lane kernel: radial return of the trial deviator; closed form unless the law is a power.
-  pure subroutine j2_return(law, shear3, trial, ep, factor, dep)
+  pure subroutine j2_return(law, shear3, trial, ep, factor, dep, scatter)
     type(j2_t), intent(in) :: law           !! hardening law
     real(dp), intent(in) :: shear3          !! three times the shear modulus (stress)
     real(dp), intent(in) :: trial(lanes)    !! von Mises norm of the trial deviator (stress)
     real(dp), intent(inout) :: ep(lanes)    !! equivalent plastic strain, updated
     real(dp), intent(out) :: factor(lanes)  !! scales the trial deviator
     real(dp), intent(out) :: dep(lanes)     !! plastic strain increment
+    real(dp), intent(in), optional :: scatter(lanes)  !! factor on the yield stress
     type(hardening_t) :: hardening
     real(dp) :: softening(lanes)
     hardening%shear3 = shear3
@@ -90,6 +91,7 @@ contains
     hardening%modulus = law%modulus
     hardening%exponent = law%exponent
     softening = 1.0_dp
+    if (present(scatter)) softening = scatter
     if (law%kind == j2_power) then
       call radial_return_power(hardening, softening, trial, ep, factor, dep)
     else

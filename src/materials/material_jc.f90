@@ -229,7 +229,8 @@ contains
   !!
   !! A lane fails when its damage reaches 1, where it then stays. What it carries from then on is
   !! the caller's affair (sgmp_failure), who gives it no deviator to return.
-  pure subroutine jc_return(law, shear3, dt, trial, mean, ep, temperature, damage, factor, dep)
+  pure subroutine jc_return(law, shear3, dt, trial, mean, ep, temperature, damage, factor, dep, &
+                            scatter)
     type(jc_t), intent(in) :: law                !! constants
     real(dp), intent(in) :: shear3               !! three times the shear modulus (stress)
     real(dp), intent(in) :: dt                   !! time step, > 0
@@ -240,9 +241,11 @@ contains
     real(dp), intent(inout) :: damage(lanes)     !! updated by (J3); 1: failed
     real(dp), intent(out) :: factor(lanes)       !! scales the trial deviator
     real(dp), intent(out) :: dep(lanes)          !! plastic strain increment
+    real(dp), intent(in), optional :: scatter(lanes)  !! factor on the yield stress
     real(dp) :: softening(lanes)
     softening = 1.0_dp
     if (law%thermal) call softening_lanes(law, temperature, softening)
+    if (present(scatter)) softening = scatter*softening
     call flow_lanes(law, shear3, dt, softening, trial, ep, factor, dep)
     if (law%failure) call damage_lanes(law, dt, trial, factor, mean, temperature, dep, damage)
     if (law%thermal) then
@@ -251,14 +254,16 @@ contains
   end subroutine jc_return
 
   !> Lane kernel, model without temperature and failure.
-  pure subroutine jc_return_simple(law, shear3, dt, trial, ep, factor, dep)
+  pure subroutine jc_return_simple(law, shear3, dt, trial, ep, factor, dep, scatter)
     type(jc_t), intent(in) :: law           !! constants
     real(dp), intent(in) :: shear3, dt      !! as in jc_return
     real(dp), intent(in) :: trial(lanes)    !! as in jc_return
     real(dp), intent(inout) :: ep(lanes)    !! as in jc_return
     real(dp), intent(out) :: factor(lanes), dep(lanes)  !! as in jc_return
+    real(dp), intent(in), optional :: scatter(lanes)    !! as in jc_return
     real(dp) :: softening(lanes)
     softening = 1.0_dp
+    if (present(scatter)) softening = scatter
     call flow_lanes(law, shear3, dt, softening, trial, ep, factor, dep)
   end subroutine jc_return_simple
 

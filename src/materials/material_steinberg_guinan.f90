@@ -169,7 +169,7 @@ contains
 
   !> Lane kernel: radial return; molten lanes lose their deviator, and count it not as plastic.
   pure subroutine steinberg_guinan_return(law, shear3, stiffness, trial, ep, temperature, factor, &
-                                          dep)
+                                          dep, scatter)
     type(steinberg_guinan_t), intent(in) :: law  !! constants
     real(dp), intent(in) :: shear3               !! three times G0 (stress)
     real(dp), intent(in) :: stiffness(lanes)     !! G/G0
@@ -178,24 +178,26 @@ contains
     real(dp), intent(inout) :: temperature(lanes)  !! updated by (T1) where the law warms
     real(dp), intent(out) :: factor(lanes)       !! scales the trial deviator
     real(dp), intent(out) :: dep(lanes)          !! plastic strain increment
-    real(dp), dimension(lanes) :: solid, virgin, hardened, capped_dep, capped_factor, ones
+    real(dp), intent(in), optional :: scatter(lanes)  !! factor on the yield stress
+    real(dp), dimension(lanes) :: solid, virgin, hardened, capped_dep, capped_factor, strength
     type(hardening_t) :: hardening
-    ones = 1.0_dp
+    strength = 1.0_dp
+    if (present(scatter)) strength = scatter
     solid = merge(1.0_dp, 0.0_dp, stiffness > 0.0_dp)
     virgin = solid*trial/merge(stiffness, 1.0_dp, stiffness > 0.0_dp)
     factor = solid
     dep = 0.0_dp
-    if (.not. any(virgin > min(law%yield, law%limit))) return
+    if (.not. any(virgin > strength*min(law%yield, law%limit))) return
     hardening%shear3 = shear3
     hardening%yield = law%limit
     hardened = ep
-    call radial_return_linear(hardening, ones, virgin, hardened, capped_factor, capped_dep)
+    call radial_return_linear(hardening, strength, virgin, hardened, capped_factor, capped_dep)
     if (law%modulus > 0.0_dp) then
       hardening%yield = 0.0_dp
       hardening%modulus = law%modulus
       hardening%exponent = law%exponent
       hardened = ep + law%before
-      call radial_return_power(hardening, ones, virgin, hardened, factor, dep)
+      call radial_return_power(hardening, strength, virgin, hardened, factor, dep)
     end if
     dep = max(dep, capped_dep)
     factor = solid*min(factor, capped_factor)

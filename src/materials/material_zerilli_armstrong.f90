@@ -91,7 +91,8 @@ contains
   end function zerilli_armstrong_yield_stress
 
   !> Lane kernel: radial return; molten lanes lose their deviator, and count it not as plastic.
-  pure subroutine zerilli_armstrong_return(law, shear3, dt, trial, ep, temperature, factor, dep)
+  pure subroutine zerilli_armstrong_return(law, shear3, dt, trial, ep, temperature, factor, dep, &
+                                           scatter)
     type(zerilli_armstrong_t), intent(in) :: law  !! constants
     real(dp), intent(in) :: shear3                !! three times the shear modulus (stress)
     real(dp), intent(in) :: dt                    !! time step
@@ -100,12 +101,15 @@ contains
     real(dp), intent(inout) :: temperature(lanes)  !! updated by (T1) where the law warms
     real(dp), intent(out) :: factor(lanes)        !! scales the trial deviator
     real(dp), intent(out) :: dep(lanes)           !! plastic strain increment
+    real(dp), intent(in), optional :: scatter(lanes)  !! factor on the yield stress
     real(dp), parameter :: tiny_number = 1.0e-30_dp
-    real(dp) :: softening
+    real(dp) :: softening, strength(lanes)
     type(hardening_t) :: hardening
     type(activated_t) :: activated
     real(dp) :: solid(lanes)
     integer :: p
+    strength = 1.0_dp
+    if (present(scatter)) strength = scatter
     hardening%shear3 = shear3
     hardening%yield = law%yield
     hardening%modulus = law%modulus
@@ -114,12 +118,12 @@ contains
     !$omp simd simdlen(8) private(softening)
     do p = 1, lanes
       softening = exp(-law%thermal_softening*temperature(p))
-      activated%stress(p) = law%thermal_stress*softening
-      activated%hardening(p) = law%thermal_hardening*softening
+      activated%stress(p) = strength(p)*law%thermal_stress*softening
+      activated%hardening(p) = strength(p)*law%thermal_hardening*softening
       activated%power(p) = law%thermal_rate*temperature(p)
       solid(p) = merge(1.0_dp, 0.0_dp, temperature(p) < law%heating%melt)
     end do
-    call radial_return_activated(hardening, activated, solid*trial, ep, factor, dep)
+    call radial_return_activated(hardening, strength, activated, solid*trial, ep, factor, dep)
     factor = solid*factor
     call heat_plastic_work(law%heating, trial, factor, dep, temperature)
   end subroutine zerilli_armstrong_return

@@ -168,14 +168,16 @@ contains
   end function rate_step
 
   !> Ratio by which one Halley step changes dep, with the activated part.
-  pure function activated_step(law, stress, root, power, over, hard, ep, dep) result(ratio)
+  pure function activated_step(law, softening, stress, root, power, over, hard, ep, dep) &
+    result(ratio)
     type(hardening_t), intent(in) :: law
+    real(dp), intent(in) :: softening
     real(dp), intent(in) :: stress, root, power  !! of activated_t, one lane
     real(dp), intent(in) :: over, hard, ep, dep
     real(dp) :: ratio
     real(dp) :: share, h, h1, elastic, rate, a, b, slope
     share = dep/(ep + dep)
-    h = law%modulus*exp(law%exponent*log(ep + dep))
+    h = softening*law%modulus*exp(law%exponent*log(ep + dep))
     h1 = law%exponent*h*share
     rate = exp(power*log(dep/law%dep_reference))
     a = stress*rate
@@ -288,28 +290,28 @@ contains
   end subroutine radial_return_rate
 
   !> Lane kernel for power hardening (C = 0) and a thermally activated part, implicit in dep.
-  pure subroutine radial_return_activated(law, activated, trial, ep, factor, dep)
+  pure subroutine radial_return_activated(law, softening, activated, trial, ep, factor, dep)
     type(hardening_t), intent(in) :: law                 !! hardening
+    real(dp), intent(in) :: softening(lanes)             !! factor of the other part
     type(activated_t), intent(in) :: activated           !! the activated part
     real(dp), intent(in) :: trial(lanes)                 !! as in radial_return_linear
     real(dp), intent(inout) :: ep(lanes)                 !! as in radial_return_linear
     real(dp), intent(out) :: factor(lanes), dep(lanes)   !! as in radial_return_linear
-    real(dp), dimension(lanes) :: hard, over, plastic, moving, ratio, least, ones
+    real(dp), dimension(lanes) :: hard, over, plastic, moving, ratio, least
     integer :: k, p
-    ones = 1.0_dp
-    if (all_elastic(law, ones, trial)) then
+    if (all_elastic(law, softening, trial)) then
       factor = 1.0_dp
       dep = 0.0_dp
       return
     end if
-    call prepare_activated(law, activated, trial, ep, hard, over, plastic, dep)
+    call prepare_activated(law, softening, activated, trial, ep, hard, over, plastic, dep)
     moving = plastic
     least = least_increment
     steps: do k = 1, most_activated_steps
       if (.not. any(moving > 0.0_dp)) exit steps
       !$omp simd simdlen(8)
       do p = 1, lanes
-        ratio(p) = activated_step(law, activated%stress(p), activated%hardening(p), &
+        ratio(p) = activated_step(law, softening(p), activated%stress(p), activated%hardening(p), &
                                   activated%power(p), over(p), hard(p), ep(p), dep(p))
       end do
       call advance(ratio, least, dep, moving)
@@ -319,18 +321,18 @@ contains
 
   !> Overstress to solve for, lanes that flow by more than the least increment, and the start: the
   !! lesser of the bounds that elasticity alone and the activated stress at ep alone set.
-  pure subroutine prepare_activated(law, activated, trial, ep, hard, over, plastic, dep)
+  pure subroutine prepare_activated(law, softening, activated, trial, ep, hard, over, plastic, dep)
     type(hardening_t), intent(in) :: law
     type(activated_t), intent(in) :: activated
-    real(dp), dimension(lanes), intent(in) :: trial, ep
+    real(dp), dimension(lanes), intent(in) :: softening, trial, ep
     real(dp), dimension(lanes), intent(out) :: hard, over, plastic, dep
     real(dp) :: slowest, now, q
     integer :: p
     slowest = log(least_increment/law%dep_reference)
     !$omp simd simdlen(8) private(now, q)
     do p = 1, lanes
-      hard(p) = law%modulus*hardening_power_term(ep(p), law%exponent)
-      over(p) = trial(p) - law%yield - hard(p)
+      hard(p) = softening(p)*law%modulus*hardening_power_term(ep(p), law%exponent)
+      over(p) = trial(p) - softening(p)*law%yield - hard(p)
       now = activated%stress(p) + activated%hardening(p)*sqrt(ep(p))
       plastic(p) = merge(1.0_dp, 0.0_dp, &
                          over(p) - now*exp(activated%power(p)*slowest) > threshold*law%shear3)

@@ -1,17 +1,41 @@
 !> Scatter of the strength of particles after Weibull (1951): the factor by which the limits of a
-!! particle are higher than those of the deck, which are the means.
+!! particle, or its yield stress, are higher than those of the deck, which are the means.
 !!
 !! A factor depends on the seed and on the number of the particle alone, so that the same particles
 !! are weak whatever threads and ranks do.
 module sgmp_strength
+  use sgmp_keys, only: key, key_t, kind_integer, kind_real, values_t
   use sgmp_kinds, only: dp, i4, i8
   implicit none
   private
-  public :: strength_factor
+  public :: strength_factor, scatter_t, yield_scatter_keys, yield_scatter_read
+
+  !> A scatter.
+  type :: scatter_t
+    real(dp) :: weibull = 0.0_dp  !! modulus; 0: none
+    integer :: seed = 0
+  end type scatter_t
 
   integer(i8), parameter :: word = 2_i8**32
 
 contains
+
+  !> Keys of a yield stress that scatters.
+  function yield_scatter_keys() result(keys)
+    type(key_t), allocatable :: keys(:)
+    keys = [key('yield_weibull', kind_real, 'Weibull modulus of a yield stress that scatters '// &
+                "from particle to particle; the law's is the mean", range='[0.5,inf)'), &
+            key('yield_seed', kind_integer, 'another number, another scatter of the yield stress', &
+                range='[0,inf)', default='0')]
+  end function yield_scatter_keys
+
+  !> Scatter from the values of those keys.
+  pure function yield_scatter_read(values) result(scatter)
+    class(values_t), intent(in) :: values
+    type(scatter_t) :: scatter
+    scatter%weibull = values%number('yield_weibull')
+    scatter%seed = nint(values%number('yield_seed'))
+  end function yield_scatter_read
 
   !> Factor of a particle: the quantile of a Weibull distribution of mean 1.
   pure function strength_factor(modulus, seed, id) result(factor)

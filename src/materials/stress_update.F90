@@ -664,42 +664,62 @@ contains
     end do
   end subroutine add_mean
 
-  !> Radial return of the law at hand.
+  !> Radial return of the law at hand, to the yield stress of each lane where it scatters.
   subroutine return_to_yield(law, shear, dt, norm, mean, nb, b, factor, increment)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: shear(lanes), dt, norm(lanes), mean(lanes)
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: factor(lanes), increment(lanes)
+    real(dp) :: scatter(lanes)
+    if (law%slots%yield_factor == 0) then
+      call return_to(law, shear, dt, norm, mean, nb, b, factor, increment)
+    else
+      scatter = b(:, law%slots%yield_factor)
+      call return_to(law, shear, dt, norm, mean, nb, b, factor, increment, scatter)
+    end if
+  end subroutine return_to_yield
+
+  !> Radial return to the yield stress, times a factor where one is given.
+  subroutine return_to(law, shear, dt, norm, mean, nb, b, factor, increment, scatter)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: shear(lanes), dt, norm(lanes), mean(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: factor(lanes), increment(lanes)
+    real(dp), intent(in), optional :: scatter(lanes)
     real(dp) :: damage(lanes), temperature(lanes), shear3
     shear3 = 3.0_dp*law%elastic%shear
     temperature = law%history%first_temperature
     if (law%slots%temperature > 0) temperature = b(:, law%slots%temperature)
     select case (law%kind)
     case (material_j2)
-      call j2_return(law%j2, shear3, norm, b(1, law%slots%plastic), factor, increment)
+      call j2_return(law%j2, shear3, norm, b(1, law%slots%plastic), factor, increment, scatter)
     case (material_steinberg_guinan)
       call steinberg_guinan_return(law%steinberg_guinan, shear3, shear/law%elastic%shear, norm, &
-                                   b(1, law%slots%plastic), temperature, factor, increment)
+                                   b(1, law%slots%plastic), temperature, factor, increment, &
+                                   scatter)
     case (material_zerilli_armstrong)
       call zerilli_armstrong_return(law%zerilli_armstrong, shear3, dt, norm, &
-                                    b(1, law%slots%plastic), temperature, factor, increment)
+                                    b(1, law%slots%plastic), temperature, factor, increment, &
+                                   scatter)
     case default  ! material_johnson_cook
       if (.not. (law%thermal .or. law%jc%failure)) then
-        call jc_return_simple(law%jc, shear3, dt, norm, b(1, law%slots%plastic), factor, increment)
+        call jc_return_simple(law%jc, shear3, dt, norm, b(1, law%slots%plastic), factor, &
+                              increment, scatter)
         return
       end if
       damage = 0.0_dp
       if (law%jc%failure .and. law%slots%strength == 0) damage = b(:, law%slots%damage)
       call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, damage, &
-                     factor, increment)
+                     factor, increment, scatter)
       if (law%jc%failure .and. law%slots%strength > 0) then
         damage = min(1.0_dp, b(:, law%slots%damage) + damage/b(:, law%slots%strength))
       end if
       if (law%jc%failure) b(:, law%slots%damage) = damage
     end select
     if (law%slots%temperature > 0) b(:, law%slots%temperature) = temperature
-  end subroutine return_to_yield
+  end subroutine return_to
 
   !> A fluid: pressure from the equation of state, and Newton's viscous stress where it has one.
   subroutine fluid(law, dt, mass, old_volume, strain, trace, nb, b, speed2, q, work)

@@ -59,6 +59,7 @@ contains
               particle_field_t('distention', scalar, .false., distention), &
               particle_field_t('bulking', scalar, .false., bulking), &
               particle_field_t('strength', scalar, .false., strength), &
+              particle_field_t('yield_factor', scalar, .false., yield_factor), &
               particle_field_t('path', scalar, .false., path)]
   end function field_table
 
@@ -224,6 +225,13 @@ contains
     real(dp) :: values(most_components)
     values = stored(body, at, body%law%slots%strength)
   end function strength
+
+  pure function yield_factor(body, at) result(values)
+    type(body_t), intent(in) :: body
+    type(particle_place_t), intent(in) :: at
+    real(dp) :: values(most_components)
+    values = stored(body, at, body%law%slots%yield_factor)
+  end function yield_factor
 
   pure function path(body, at) result(values)
     type(body_t), intent(in) :: body

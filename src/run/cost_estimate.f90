@@ -134,6 +134,7 @@ contains
     call put_slot(slots%swirl, 'velocity around the axis (dimension axisymmetric swirl=yes)')
     call put_slot(slots%compliance, 'compliance (volumes=kept, eos)')
     call put_slot(slots%strength, 'strength (failure weibull)')
+    call put_slot(slots%yield_factor, 'factor of the yield stress (material yield_weibull)')
     call put_slot(slots%path, 'path from the particle that was split (split)')
   end subroutine put_slots
 

@@ -27,7 +27,7 @@ module sgmp_build_model
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_agree, parallel_exact_sums, parallel_max, parallel_rank, &
                            parallel_ranks
-  use sgmp_particles, only: particles_fill
+  use sgmp_particles, only: particles_fill, particles_t
   use sgmp_partition, only: partition_make
   use sgmp_phases, only: phase_layout
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
@@ -229,14 +229,17 @@ contains
     n = merge(3, scene%dimension, scene%swirl)
   end function tensor_axes
 
-  !> Columns for swirl, for limits of failure that scatter, and for the compliance of matter whose
-  !! pressure follows its volume.
+  !> Columns for swirl, for limits of failure and yield stresses that scatter, and for the
+  !! compliance of matter whose pressure follows its volume.
   pure subroutine add_columns(scene, law)
     type(scene_t), intent(in) :: scene
     type(constitutive_t), intent(inout) :: law
     if (scene%swirl) call add_column(law%slots, law%slots%swirl)
     if (law%failure%weibull > 0.0_dp .and. .not. law%rigid) then
       call add_column(law%slots, law%slots%strength)
+    end if
+    if (law%scatter%weibull > 0.0_dp .and. .not. law%rigid) then
+      call add_column(law%slots, law%slots%yield_factor)
     end if
     if (.not. scene%method%volumes_kept .or. law%eos == eos_none .or. law%rigid) return
     call add_column(law%slots, law%slots%compliance)
@@ -302,6 +305,7 @@ contains
       if (slots%surface > 0) history(slots%surface) = contact_no_surface
       if (slots%path > 0) history(slots%path) = 1.0_dp
       if (slots%strength > 0) history(slots%strength) = 1.0_dp
+      if (slots%yield_factor > 0) history(slots%yield_factor) = 1.0_dp
       if (slots%temperature > 0 .and. card%temperature >= 0.0_dp) then
         history(slots%temperature) = card%temperature
       end if
@@ -398,21 +402,29 @@ contains
     end associate
   end subroutine set_swirl
 
-  !> Strength of each particle, where it scatters.
+  !> Limits of failure and yield stress of each particle, where they scatter.
   subroutine set_strength(body)
     type(body_t), intent(inout) :: body
-    integer :: c, l
-    if (body%law%slots%strength == 0) return
-    associate (particles => body%particles, failure => body%law%failure)
-      do c = 1, particles%chunks
-        do l = 1, lanes
-          if (particles%id(l, c) == 0) cycle
-          particles%state(l, body%law%slots%strength, c) = &
-            strength_factor(failure%weibull, failure%seed, particles%id(l, c))
-        end do
-      end do
+    associate (law => body%law)
+      call set_factor(law%failure%weibull, law%failure%seed, law%slots%strength, body%particles)
+      call set_factor(law%scatter%weibull, law%scatter%seed, law%slots%yield_factor, body%particles)
     end associate
   end subroutine set_strength
+
+  !> Factor of each particle on what scatters, if there is a column for it.
+  subroutine set_factor(weibull, seed, column, particles)
+    real(dp), intent(in) :: weibull
+    integer, intent(in) :: seed, column
+    type(particles_t), intent(inout) :: particles
+    integer :: c, l
+    if (column == 0) return
+    do c = 1, particles%chunks
+      do l = 1, lanes
+        if (particles%id(l, c) == 0) cycle
+        particles%state(l, column, c) = strength_factor(weibull, seed, particles%id(l, c))
+      end do
+    end do
+  end subroutine set_factor
 
   !> History that depends on the initial position: lighting times, and the position itself where a
   !! force uses it.

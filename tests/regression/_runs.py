@@ -140,9 +140,10 @@ history steps=10
 output csv at=end fields=stress,density,energy,damage,plastic_strain
 """
 
-# The same, one of them little by little, with limits that scatter.
+# The same, one of them little by little, with limits and yield stresses that scatter.
 SCATTERED = FAILING.replace("failure spalling pmin=-0.5", "failure spalling pmin=-0.5 weibull=3").replace("failure=yes d1=0.03", "failure=yes d1=0.03\nfailure torn weibull=2 seed=5").replace(
-    "plastic_strain=0.02 carries=nothing", "plastic_strain=0.02 fracture_energy=0.01 weibull=4 seed=3").replace("plastic_strain\n", "plastic_strain,strength\n")
+    "plastic_strain=0.02 carries=nothing", "plastic_strain=0.02 fracture_energy=0.01 weibull=4 seed=3").replace(
+    "poisson=0.3 yield=", "poisson=0.3 yield_weibull=5 yield_seed=2 yield=").replace("plastic_strain\n", "plastic_strain,strength,yield_factor\n")
 
 # The same without the heaps, and what has come to nothing goes.
 ERODING = SCATTERED.replace("body heap", "! body heap").replace("body slope", "! body slope").replace("stress,density,energy", "mass,energy").replace("failure brittle", """erode torn failed=yes
@@ -159,10 +160,10 @@ grid cell=1 x=open:open y=0:open
 wall y-=slip
 method $method update=$update
 time steps=80 cfl=0.4
-material stiff steinberg_guinan density=1 young=100 poisson=0.3 yield=0.5 yield_limit=1.2 hardening_factor=40 hardening_exponent=0.4 &
+material stiff steinberg_guinan yield_weibull=4 density=1 young=100 poisson=0.3 yield=0.5 yield_limit=1.2 hardening_factor=40 hardening_exponent=0.4 &
   pressure_stiffening=0.02 thermal_softening=5e-4 specific_heat=0.01 melt_temperature=420 melt_slope=1.5 melt_gamma=2
 eos stiff shock c0=9 s=1.5 gamma0=1.5
-material fcc zerilli_armstrong density=1.2 young=80 poisson=0.3 yield=0.1 thermal_hardening=3 thermal_softening=2e-3 thermal_rate=1e-4 specific_heat=0.003
+material fcc zerilli_armstrong yield_weibull=6 yield_seed=9 density=1.2 young=80 poisson=0.3 yield=0.1 thermal_hardening=3 thermal_softening=2e-3 thermal_rate=1e-4 specific_heat=0.003
 eos fcc gruneisen c0=8 s=1.4 gamma0=2
 material bcc zerilli_armstrong density=0.8 young=90 poisson=0.3 yield=0.1 thermal_stress=4 thermal_softening=7e-3 thermal_rate=4e-4 hardening_modulus=1 &
   hardening_exponent=0.3

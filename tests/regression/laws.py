@@ -2,7 +2,8 @@
 """One step of a given velocity gradient against second implementations of the laws, in the middle of small blocks that nothing
 has reached: Mohr and Coulomb's return by trying all sets of planes, in any order of the principal stresses; Mooney and Rivlin's stress
 from its energy by the stretches. Steinberg and Guinan's and Zerilli and Armstrong's metals along a path of uniaxial strain, as an
-ordinary differential equation in shorter steps; Johnson and Holmquist's ceramics squeezed, let go and drawn.
+ordinary differential equation in shorter steps; Johnson and Holmquist's ceramics squeezed, let go and drawn. Yield stresses that
+scatter: their distribution, and each metal on the yield stress of its own.
 
 usage: laws.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -344,8 +345,55 @@ def ceramics(report):
             report.check(off <= tolerance*largest, f"{name}: {column} off by {off}, where the largest is {largest}")
 
 
+SCATTERED = {  # constants, and the yield stress at a plastic strain, its rate and 293 degrees
+    "j2 yield=0.3 hardening=power hardening_modulus=2 hardening_exponent=0.5": lambda e, r: 0.3 + 2*math.sqrt(e),
+    "johnson_cook yield=0.3 hardening_modulus=1 hardening_exponent=0.4 rate_coefficient=0.05 reference_rate=0.01":
+        lambda e, r: (0.3 + e**0.4)*(1 + 0.05*math.log(max(1.0, r/0.01))),
+    "johnson_cook yield=0.3 rate_coefficient=0.05 reference_rate=0.01 thermal=yes melt_temperature=1000 specific_heat=1 failure=yes d1=9":
+        lambda e, r: 0.3*(1 + 0.05*math.log(max(1.0, r/0.01))),
+    "steinberg_guinan yield=0.2 yield_limit=0.6 hardening_factor=100 hardening_exponent=0.5": lambda e, r: min(0.2*math.sqrt(1 + 100*e), 0.6),
+    "zerilli_armstrong yield=0.1 thermal_stress=0.5 thermal_hardening=2 thermal_softening=2e-3 thermal_rate=1e-4 reference_rate=0.01 hardening_modulus=0.5 hardening_exponent=0.3":
+        lambda e, r: 0.1 + 0.5*e**0.3 + (0.5 + 2*math.sqrt(e))*math.exp(-2e-3*293)*(r/0.01)**(1e-4*293)}
+
+
+def scattered(report):
+    """One step of uniaxial strain of bars whose yield stress scatters: the factors have Weibull's mean and variance, and each particle
+    is on its own yield stress. The same factors with another law, others with another seed."""
+    cells, strain, modulus = 2500, 0.01, 3.0
+    seen = {}
+    for number, (constants, flow) in enumerate(SCATTERED.items()):
+        for seed in (4, 5)[:2 if number == 0 else 1]:
+            deck = (f"dimension 1\ngrid cell=1\nmethod mpm\ntime dt={DT} steps=1\nmaterial m {constants} density=1 young={YOUNG} poisson={POISSON} "
+                    f"yield_weibull={modulus} yield_seed={seed}\nbody b block material=m lower=0 upper={cells} ppc=4\n"
+                    f"velocity b x=\"-{strain/DT}*(x-{cells/2})\"\noutput csv at=end fields=von_mises,plastic_strain,yield_factor\n")
+            result = run(f"scattered_{number}_{seed}", deck)
+            if not report.finished(result, constants):
+                continue
+            rows = {row["id"]: row for row in result.table("particles_end.csv") if 8 < row["id"] < 4*cells - 8}
+            factors = [rows[i]["yield_factor"] for i in sorted(rows)]
+            seen[number, seed] = factors
+            variance = math.gamma(1 + 2/modulus)/math.gamma(1 + 1/modulus)**2 - 1
+            mean = sum(factors)/len(factors)
+            spread = sum((f - 1)**2 for f in factors)/len(factors)
+            report.check(abs(mean - 1) < 4*math.sqrt(variance/len(factors)), f"{constants}: mean {mean} of the factors")
+            report.check(abs(spread/variance - 1) < 8*math.sqrt(2/len(factors)), f"{constants}: variance {spread} of the factors, expected {variance}")
+            weak, worst = 0, (0.0, 0.0)
+            for row in rows.values():
+                ep, trial = row["plastic_strain"], 2*SHEAR*strain
+                weak += ep > 0
+                if ep > 0:
+                    off = max(abs(row["von_mises"] - row["yield_factor"]*flow(ep, ep/DT)), abs(row["von_mises"] + 3*SHEAR*ep - trial))
+                else:
+                    off = max(abs(row["von_mises"] - trial), trial - row["yield_factor"]*flow(0.0, 0.0 if "zerilli" in constants else 1e-30))
+                worst = max(worst, (off, row["id"]))
+            report.check(worst[0] < 2e-9*trial, f"{constants}: particle {worst[1]} is {worst[0]} off its own yield stress")
+            report.check(weak > 9000, f"{constants}: {weak} particles flow")
+    report.check(all(seen[key] == seen[0, 4] for key in seen if key[1] == 4) and seen[0, 5] != seen[0, 4], "the same seed, another scatter, or another seed the same")
+
+
 def main():
     report = Report()
+    scattered(report)
     metals(report)
     ceramics(report)
     met = soils(report, 3, 54) | soils(report, 2, 90)
