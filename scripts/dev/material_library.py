@@ -40,6 +40,8 @@ flow stresses in [materials, Metals](materials.md#metals).
 
 `copper`, `copper_zerilli` and `copper_steinberg` are the same metal: the first two are for rates and temperatures of impact, the third for pressures of 10 GPa and more.
 
+`weald_clay`: M, λ and the void ratio were found in one other print, which takes κ = 0.025 for the same clay.
+
 Johnson and Cook's damage is off in `copper`, `iron` and `steel_4340`; `--set copper_failure=yes` switches it on. There is no concrete: no law here describes it.
 
 """
@@ -59,6 +61,7 @@ SOURCES = """
 * Lube, Huppert, Sparks and Freundt 2005: Collapses of two-dimensional granular columns, Phys. Rev. E 72, 041301.
 * Marsh 1980: LASL Shock Hugoniot Data, University of California Press.
 * Petrovic 2003: Mechanical properties of ice and snow, J. Mater. Sci. 38, 1-6.
+* Schofield and Wroth 1968: Critical State Soil Mechanics, McGraw-Hill.
 * Steinberg 1996: Equation of state and strength properties of selected materials, UCRL-MA-106439 Change 1.
 * Stewart and Ahrens 2005: Shock properties of H2O ice, J. Geophys. Res. 110, E03005.
 * Treloar 1944: Stress-strain data for vulcanised rubber under various types of deformation, Trans. Faraday Soc. 40, 59-70.

@@ -81,6 +81,7 @@ contains
     call name_column(slots%energy, 'energy')
     call name_column(slots%distention, 'distention')
     call name_column(slots%bulking, 'bulking')
+    call name_column(slots%preconsolidation, 'preconsolidation')
     call name_column(slots%lighting, 'lighting_time')
     call name_column(slots%deformation, 'deformation')
     call name_column(slots%stretch, 'stretch')

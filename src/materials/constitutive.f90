@@ -25,6 +25,7 @@ module sgmp_constitutive
   use sgmp_heating, only: heating_t
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
   use sgmp_kinds, only: dp, lanes
+  use sgmp_material_cam_clay, only: cam_clay_keys, cam_clay_read, cam_clay_t
   use sgmp_material_drucker_prager, only: drucker_prager_read, drucker_prager_t
   use sgmp_material_elastic, only: elastic_keys, elastic_read, elastic_t, moduli_keys, &
                                    moduli_read, neo_hookean_read
@@ -52,7 +53,7 @@ module sgmp_constitutive
   public :: material_elastic, material_neo_hookean, material_j2, material_johnson_cook, &
             material_explosive, material_fluid, material_drucker_prager, material_mohr_coulomb, &
             material_mooney_rivlin, material_steinberg_guinan, material_zerilli_armstrong, &
-            material_johnson_holmquist, material_names
+            material_johnson_holmquist, material_cam_clay, material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_shock, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check, law_set_length, &
@@ -65,11 +66,12 @@ module sgmp_constitutive
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
                         material_drucker_prager = 7, material_mohr_coulomb = 8, &
                         material_mooney_rivlin = 9, material_steinberg_guinan = 10, &
-                        material_zerilli_armstrong = 11, material_johnson_holmquist = 12
+                        material_zerilli_armstrong = 11, material_johnson_holmquist = 12, &
+                        material_cam_clay = 13
   character(17), parameter :: material_names(*) = [character(17) :: &
     'elastic', 'neo_hookean', 'j2', 'johnson_cook', 'explosive', 'fluid', &
     'drucker_prager', 'mohr_coulomb', 'mooney_rivlin', 'steinberg_guinan', 'zerilli_armstrong', &
-    'johnson_holmquist']
+    'johnson_holmquist', 'cam_clay']
 
   integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2, eos_ideal_gas = 3, &
                         eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6, eos_shock = 7
@@ -97,6 +99,7 @@ module sgmp_constitutive
     integer :: energy = 0        !! internal energy per initial volume, for an equation of state
     integer :: distention = 0    !! of porous matter, behind the energy
     integer :: bulking = 0       !! pressure of broken ceramics
+    integer :: preconsolidation = 0  !! of clays
     integer :: lighting = 0      !! lighting time of an explosive
     integer :: deformation = 0   !! deformation gradient, row by row
     integer :: stretch = 0       !! its diagonal alone, for cpGIMP and to split particles
@@ -127,6 +130,7 @@ module sgmp_constitutive
     type(steinberg_guinan_t) :: steinberg_guinan
     type(zerilli_armstrong_t) :: zerilli_armstrong
     type(johnson_holmquist_t) :: johnson_holmquist
+    type(cam_clay_t) :: cam_clay
     type(heating_t) :: heating                 !! where compression warms, too
     type(jwl_t) :: jwl
     type(gruneisen_t) :: gruneisen
@@ -183,6 +187,8 @@ contains
       keys = [moduli_keys(), zerilli_armstrong_keys(), yield_scatter_keys()]
     case (material_johnson_holmquist)
       keys = johnson_holmquist_keys()
+    case (material_cam_clay)
+      keys = cam_clay_keys()
     case default  ! material_explosive
       keys = burn_keys()
     end select
@@ -193,7 +199,8 @@ contains
     integer, intent(in) :: kind  !! one of material_*
     select case (kind)
     case (material_elastic, material_neo_hookean, material_drucker_prager, &
-          material_mohr_coulomb, material_mooney_rivlin, material_johnson_holmquist)
+          material_mohr_coulomb, material_mooney_rivlin, material_johnson_holmquist, &
+          material_cam_clay)
       pressure = pressure_own
     case (material_explosive)
       pressure = pressure_products
@@ -246,6 +253,9 @@ contains
     case (material_johnson_holmquist)
       call johnson_holmquist_read(law%density, values, law%johnson_holmquist, law%elastic, &
                                   law%history, fault)
+      law%bulk_speed = sqrt(law%elastic%bulk/law%density)
+    case (material_cam_clay)
+      call cam_clay_read(law%density, values, law%cam_clay, law%elastic, law%history, fault)
       law%bulk_speed = sqrt(law%elastic%bulk/law%density)
     case (material_fluid)
       call fluid_read(values, law%fluid_viscosity, law%history)
@@ -578,6 +588,7 @@ contains
                              plastic=keeps%plastic, temperature=keeps%temperature, &
                              damage=keeps%damage, energy=keeps%energy, &
                              distention=keeps%distention, bulking=keeps%bulking, &
+                             preconsolidation=keeps%preconsolidation, &
                              lighting=keeps%lighting, &
                              deformation=merge(ndim**2, 0, keeps%deformation), &
                              stretch=stretch, initial=initial, spin=spin)
@@ -605,11 +616,12 @@ contains
 
   !> Assigns columns to the fields that are wanted, in a fixed order.
   pure function slots_make(stresses, plastic, temperature, damage, energy, lighting, deformation, &
-                           stretch, initial, spin, distention, bulking) result(slots)
+                           stretch, initial, spin, distention, bulking, preconsolidation) &
+    result(slots)
     integer, intent(in) :: stresses            !! stress components
     logical, intent(in) :: plastic, temperature, damage, energy, lighting
     integer, intent(in) :: deformation, stretch, initial, spin  !! components wanted
-    logical, intent(in), optional :: distention, bulking
+    logical, intent(in), optional :: distention, bulking, preconsolidation
     type(slots_t) :: slots
     slots%volume = 1
     slots%total = 1
@@ -621,6 +633,9 @@ contains
     call take(slots%total, merge(1, 0, energy), slots%energy)
     if (present(distention)) call take(slots%total, merge(1, 0, distention), slots%distention)
     if (present(bulking)) call take(slots%total, merge(1, 0, bulking), slots%bulking)
+    if (present(preconsolidation)) then
+      call take(slots%total, merge(1, 0, preconsolidation), slots%preconsolidation)
+    end if
     call take(slots%total, merge(1, 0, lighting), slots%lighting)
     call take(slots%total, deformation, slots%deformation)
     call take(slots%total, stretch, slots%stretch)

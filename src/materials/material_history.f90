@@ -14,6 +14,7 @@ module sgmp_material_history
     logical :: energy = .false.         !! internal energy per initial volume
     logical :: distention = .false.     !! of porous matter
     logical :: bulking = .false.        !! pressure of broken ceramics
+    logical :: preconsolidation = .false.  !! of clays
     logical :: lighting = .false.       !! lighting time of an explosive
     logical :: deformation = .false.    !! deformation gradient
     real(dp) :: first_temperature = 0.0_dp

@@ -10,14 +10,16 @@
 !!
 !! Longer than 500 lines: the stages are small lane loops that the compiler inlines into one update.
 module DIM(sgmp_stress_update)
-  use sgmp_constitutive, only: constitutive_t, eos_none, material_drucker_prager, &
-                               material_elastic, material_fluid, material_j2, &
+  use sgmp_constitutive, only: constitutive_t, eos_none, material_cam_clay, &
+                               material_drucker_prager, material_elastic, material_fluid, &
+                               material_j2, &
                                material_johnson_cook, material_johnson_holmquist, &
                                material_mohr_coulomb, &
                                material_mooney_rivlin, material_neo_hookean, &
                                material_steinberg_guinan, material_zerilli_armstrong
   use sgmp_failure, only: failure_judge
   use sgmp_kinds, only: dp, lanes
+  use sgmp_material_cam_clay, only: cam_clay_moduli, cam_clay_return, cam_clay_start
   use sgmp_material_drucker_prager, only: drucker_prager_return
   use sgmp_material_fluid, only: fluid_diffusion_speed
   use sgmp_material_j2, only: j2_return
@@ -93,6 +95,12 @@ contains
       call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
                    trace, jacobian, old_volume, work)
       call ceramic(law, dt, mass, strain, trace, nb, b, speed2, q, work)
+    case (material_cam_clay)
+      call von_mises(b(1, s), mean, norm)
+      call cam_clay_start(law%cam_clay, -mean, norm, b(:, law%slots%preconsolidation))
+      call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
+                   old_volume, work)
+      call clay(law, dt, mass, old_volume, strain, trace, mean, nb, b, speed2, q, work)
     case (material_neo_hookean, material_mooney_rivlin)
       call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
                    old_volume, work)
@@ -354,6 +362,39 @@ contains
     end do
   end subroutine rescale
 
+  !> Gives a clay the stress of a step, from that before it, turned.
+  pure subroutine clay(law, dt, mass, old_volume, strain, trace, mean, nb, b, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), strain(lanes, NFLUX), trace(lanes)
+    real(dp), intent(in) :: mean(lanes)          !! of the stress before
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: speed2(lanes), q(lanes)
+    real(dp), intent(inout) :: work(lanes)
+    real(dp), dimension(lanes) :: before, volume, bulk, shear, norm, pressure, factor, same
+    integer :: l, s
+    s = law%slots%stress
+    associate (initial => law%cam_clay%volume*law%density/mass)
+      before = initial*old_volume
+      volume = initial*b(:, 1)
+    end associate
+    call cam_clay_moduli(law%cam_clay, before, -mean, bulk)
+    shear = law%cam_clay%shear*bulk
+    call add_shear(shear, strain, trace, b(1, s))
+    call von_mises(b(1, s), same, norm)
+    pressure = -mean
+    call cam_clay_return(law%cam_clay, before, volume, shear, norm, pressure, &
+                         b(1, law%slots%plastic), b(1, law%slots%preconsolidation), factor)
+    call rescale(factor, same, -pressure, b(1, s))
+    call cam_clay_moduli(law%cam_clay, volume, pressure, bulk)
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      speed2(l) = bulk(l)*(1.0_dp + 4.0_dp/3.0_dp*law%cam_clay%shear)*b(l, 1)/mass(l)
+    end do
+    call add_half_work(b(1, s), strain, work)
+    call viscosity(law, dt, mass, b(1, 1), trace, speed2, q)
+  end subroutine clay
+
   !> Returns the trial stress of a ceramic to its strength, and gives it the pressure of its volume.
   pure subroutine ceramic(law, dt, mass, strain, trace, nb, b, speed2, q, work)
     type(constitutive_t), intent(in) :: law
@@ -566,8 +607,8 @@ contains
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: shear(lanes)
-    real(dp) :: pressure(lanes), v(lanes), temperature(lanes), third(lanes)
-    integer :: c, s
+    real(dp) :: pressure(lanes), v(lanes), temperature(lanes)
+    integer :: s
     s = law%slots%stress
     pressure = -(b(:, s) + b(:, s + 1) + b(:, s + 2))*(1.0_dp/3.0_dp)
     v = old_volume*law%density/mass
@@ -575,18 +616,27 @@ contains
     if (law%heating%warms) temperature = b(:, law%slots%temperature)
     call steinberg_guinan_stiffness(law%steinberg_guinan, pressure, v, temperature, shear)
     shear = law%elastic%shear*shear
+    call add_shear(shear, strain, trace, b(1, s))
+  end subroutine stiffen
+
+  !> Adds the deviator that a strain makes with the shear modulus of each lane.
+  pure subroutine add_shear(shear, strain, trace, stress)
+    real(dp), intent(in) :: shear(lanes), strain(lanes, NFLUX), trace(lanes)
+    real(dp), intent(inout) :: stress(lanes, NSTRESS)
+    real(dp) :: third(lanes)
+    integer :: c
     third = (2.0_dp/3.0_dp)*shear*trace
     do c = 1, 3
-      b(:, s + c - 1) = b(:, s + c - 1) - third
+      stress(:, c) = stress(:, c) - third
     end do
     do c = 1, NFLUX
       if (stress_of(c) <= 3) then
-        b(:, s + stress_of(c) - 1) = b(:, s + stress_of(c) - 1) + 2.0_dp*shear*strain(:, c)
+        stress(:, stress_of(c)) = stress(:, stress_of(c)) + 2.0_dp*shear*strain(:, c)
       else
-        b(:, s + stress_of(c) - 1) = b(:, s + stress_of(c) - 1) + shear*strain(:, c)
+        stress(:, stress_of(c)) = stress(:, stress_of(c)) + shear*strain(:, c)
       end if
     end do
-  end subroutine stiffen
+  end subroutine add_shear
 
   !> Which lanes have failed, by the stress and history at the beginning of the step.
   subroutine judge(law, nb, b, failed)

@@ -58,6 +58,7 @@ contains
               particle_field_t('energy', scalar, .false., energy), &
               particle_field_t('distention', scalar, .false., distention), &
               particle_field_t('bulking', scalar, .false., bulking), &
+              particle_field_t('preconsolidation', scalar, .false., preconsolidation), &
               particle_field_t('strength', scalar, .false., strength), &
               particle_field_t('yield_factor', scalar, .false., yield_factor), &
               particle_field_t('path', scalar, .false., path)]
@@ -218,6 +219,13 @@ contains
     real(dp) :: values(most_components)
     values = stored(body, at, body%law%slots%bulking)
   end function bulking
+
+  pure function preconsolidation(body, at) result(values)
+    type(body_t), intent(in) :: body
+    type(particle_place_t), intent(in) :: at
+    real(dp) :: values(most_components)
+    values = stored(body, at, body%law%slots%preconsolidation)
+  end function preconsolidation
 
   pure function strength(body, at) result(values)
     type(body_t), intent(in) :: body

@@ -127,6 +127,7 @@ contains
     call put_slot(slots%energy, 'internal energy (eos, erode)')
     call put_slot(slots%distention, 'distention (eos)')
     call put_slot(slots%bulking, 'bulking pressure (material)')
+    call put_slot(slots%preconsolidation, 'preconsolidation (material)')
     call put_slot(slots%lighting, 'lighting time (explosive, detonation)')
     call put_slot(slots%deformation, 'deformation gradient (neo-Hookean material)')
     call put_slot(slots%stretch, 'diagonal of the deformation gradient (method cpgimp, split)')

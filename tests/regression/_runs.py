@@ -112,7 +112,7 @@ history steps=10
 output csv at=end fields=stress,density,energy
 """
 
-# Plates that hit each other and fail, each by a criterion of its own, and two heaps of soil that they hit.
+# Plates that hit each other and fail, each by a criterion of its own, two heaps of soil and a bank of clay that they hit.
 FAILING = """
 parameter method = sgmp
 parameter update = musl
@@ -129,15 +129,17 @@ material clay mohr_coulomb density=0.5 young=20 poisson=0.3 friction=25 cohesion
 eos spalling gruneisen c0=9 s=1.5 gamma0=1.5
 failure spalling pmin=-0.5
 failure brittle principal_stress=0.8 plastic_strain=0.02 carries=nothing
+material mud cam_clay density=0.6 poisson=0.3 critical_ratio=1 compression_slope=0.2 swelling_slope=0.02 void_ratio=1 pressure0=0.05 overconsolidation=1.5
 body flyer block material=torn lower=(0,0) upper=(6,8) ppc=2 jitter=0.2
 body plate block material=spalling lower=(6,0) upper=(18,8) ppc=2
 body lid block material=brittle lower=(0,8) upper=(18,14) ppc=2
 body heap block material=soil lower=(18,0) upper=(22,9) ppc=2
 body slope block material=clay lower=(22,0) upper=(26,9) ppc=2
+body bank block material=mud lower=(26,0) upper=(30,9) ppc=2
 velocity flyer x=2
 velocity plate y="0.1*x"
 history steps=10
-output csv at=end fields=stress,density,energy,damage,plastic_strain
+output csv at=end fields=stress,density,energy,damage,preconsolidation,plastic_strain
 """
 
 # The same, one of them little by little, with limits and yield stresses that scatter.
@@ -146,7 +148,7 @@ SCATTERED = FAILING.replace("failure spalling pmin=-0.5", "failure spalling pmin
     "poisson=0.3 yield=", "poisson=0.3 yield_weibull=5 yield_seed=2 yield=").replace("plastic_strain\n", "plastic_strain,strength,yield_factor\n")
 
 # The same without the heaps, and what has come to nothing goes.
-ERODING = SCATTERED.replace("body heap", "! body heap").replace("body slope", "! body slope").replace("stress,density,energy", "mass,energy").replace("failure brittle", """erode torn failed=yes
+ERODING = SCATTERED.replace("body heap", "! body heap").replace("body slope", "! body slope").replace("body bank", "! body bank").replace("stress,density,energy", "mass,energy").replace("failure brittle", """erode torn failed=yes
 erode spalling plastic_strain=0.05
 erode brittle failed=yes time_step=0.02
 failure brittle""")

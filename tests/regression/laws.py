@@ -2,7 +2,8 @@
 """One step of a given velocity gradient against second implementations of the laws, in the middle of small blocks that nothing
 has reached: Mohr and Coulomb's return by trying all sets of planes, in any order of the principal stresses; Mooney and Rivlin's stress
 from its energy by the stretches. Steinberg and Guinan's and Zerilli and Armstrong's metals along a path of uniaxial strain, as an
-ordinary differential equation in shorter steps; Johnson and Holmquist's ceramics squeezed, let go and drawn. Yield stresses that
+ordinary differential equation in shorter steps; Johnson and Holmquist's ceramics and modified Cam-clays squeezed, let go and drawn; what
+binds volume, pressure and preconsolidation of a clay on any path. Yield stresses that
 scatter: their distribution, and each metal on the yield stress of its own.
 
 usage: laws.py SGMP SOURCE_DIR SCRATCH_DIR
@@ -12,6 +13,7 @@ import math
 import random
 
 from _ceramics import squeezed
+from _clays import consolidated
 from _runs import Report, run
 
 DT, YOUNG, POISSON = 0.01, 100.0, 0.3
@@ -391,9 +393,84 @@ def scattered(report):
     report.check(all(seen[key] == seen[0, 4] for key in seen if key[1] == 4) and seen[0, 5] != seen[0, 4], "the same seed, another scatter, or another seed the same")
 
 
+# Clays in first compression, and more and less overconsolidated. Greatest strain.
+CLAY = {"density": 1700, "poisson": 0.3, "critical_ratio": 0.9, "compression_slope": 0.16, "swelling_slope": 0.04, "void_ratio": 1.2, "pressure0": 1e5}
+CLAYS = (("clay", CLAY, 0.06), ("stiff_clay", {**CLAY, "overconsolidation": 4}, 0.06),
+         ("loam", {**CLAY, "compression_slope": 0.06, "swelling_slope": 0.01, "critical_ratio": 1.3, "preconsolidation": 1.5e5, "least_pressure": 2e3}, 0.03),
+         ("drawn_clay", {**CLAY, "overconsolidation": 2}, -0.03))
+
+
+def clays(report):
+    """Clays in uniaxial strain 1 - a sin(w t), for one period, in the middle that no wave reaches."""
+    for name, clay, size in CLAYS:
+        steps, every, w, cell = 20000, 100, 1.0, 1e4
+        words = " ".join(f"{key}={value}" for key, value in clay.items())
+        deck = ["dimension 1", f"grid cell={cell}", f"time dt={2*math.pi/w/steps!r} steps={steps}", f"material m cam_clay {words}",
+                f"body b block material=m lower={-6*cell} upper={6*cell} ppc=2", f'velocity b x="{-size*w!r}*x"',
+                f'bodyforce b x="{size*w**2!r}*sin({w!r}*t)/(1-{size}*sin({w!r}*t))*x"',
+                f"gauge middle point={cell/4} fields=plastic_strain,preconsolidation", f"history steps={every}"]
+        result = run(name, "\n".join(deck) + "\n")
+        if not report.finished(result, name):
+            continue
+        rows = result.table("gauges.csv")
+        report.check(len(rows) == steps//every + 1, f"{name}: {len(rows)} rows")
+        wanted = consolidated(clay, [row["time"] for row in rows], [clay["density"]/row["density"] for row in rows], 100)
+        report.check(abs(max(abs(clay["density"]/row["density"] - 1) for row in rows)/abs(size) - 1) < 0.1, f"{name}: not strained by {size}")
+        for i, column in enumerate(("pressure", "von_mises", "plastic_strain", "preconsolidation")):
+            largest = max(abs(values[i]) for values in wanted)
+            off = max(abs(row[column] - values[i]) for row, values in zip(rows, wanted))
+            report.check(off <= 0.001*largest, f"{name}: {column} off by {off}, where the largest is {largest}")
+
+
+def bound_clays(report):
+    """Whatever the path and the dimension: v + kappa ln p + (lambda - kappa) ln pc stays, and matter that yields is on its ellipse."""
+    words, rate = " ".join(f"{key}={value}" for key, value in CLAY.items()), 0.05
+    for space, axes, speeds in (("2", "xy", (0.6, -1.0)), ("3", "xyz", (0.5, 0.3, -1.0)), ("axisymmetric", "rz", (0.4, -1.0)), ("3", "xyz", (0.3, 0.3, 0.3))):
+        n = len(axes)
+        low = 0 if axes == "rz" else -60000
+        lower, upper = ",".join([str(low)] + ["-60000"]*(n - 1)), ",".join(["60000"]*n)
+        deck = [f"dimension {space}", "grid cell=1e4" + (" r=0:open" if axes == "rz" else ""), "time dt=0.002 steps=1000", f"material m cam_clay {words}",
+                f"body b block material=m lower=({lower}) upper=({upper}) ppc=2", "velocity b " + " ".join(f'{a}="{s*rate!r}*{a}"' for a, s in zip(axes, speeds)),
+                f"gauge middle point=({','.join(['2500']*n)}) fields=plastic_strain,preconsolidation", "history steps=50"]
+        name = f"bound_{space}_{speeds[-1]}"
+        result = run(name, "\n".join(deck) + "\n")
+        if not report.finished(result, name):
+            continue
+        rows = result.table("gauges.csv")
+        kept = [(1 + CLAY["void_ratio"])*CLAY["density"]/row["density"] + CLAY["swelling_slope"]*math.log(row["pressure"])
+                + (CLAY["compression_slope"] - CLAY["swelling_slope"])*math.log(row["preconsolidation"]) for row in rows]
+        report.check(max(kept) - min(kept) < 1e-9, f"{name}: v + kappa ln p + (lambda - kappa) ln pc from {min(kept)} to {max(kept)}")
+        grown = rows[-1]["plastic_strain"]
+        report.check((grown > 0.01) == (speeds[-1] < 0), f"{name}: plastic strain {grown}")
+        if speeds[-1] < 0:
+            off = max(abs((row["von_mises"]/CLAY["critical_ratio"])**2/row["pressure"] + row["pressure"] - row["preconsolidation"])/row["preconsolidation"] for row in rows)
+            report.check(off < 1e-9, f"{name}: off the ellipse by {off}")
+
+
+def ground(report):
+    """Clay that begins under its weight rests, and is overconsolidated everywhere by the same factor."""
+    clay = {**CLAY, "overconsolidation": 2.0, "pressure0": 5e3}
+    words = " ".join(f"{key}={value}" for key, value in clay.items())
+    deck = ["dimension 2", "grid cell=0.5 x=0:1 y=0:open", "wall x-=slip x+=slip y-=slip", "method sgmp", "time cfl=0.3 steps=300", "gravity (0,-10)",
+            f"material m cam_clay {words}", "body b block material=m lower=(0,0) upper=(1,8) ppc=2", "initial_stress b surface=8 k0=0.6",
+            "output csv at=end fields=initial_position,stress,preconsolidation,plastic_strain"]
+    result = run("clay_ground", "\n".join(deck) + "\n")
+    if not report.finished(result, "clay_ground"):
+        return
+    for row in result.table("particles_end.csv"):
+        vertical = 17000*(8 - row["y0"])
+        wanted = 2*(vertical*2.2/3 + (0.4*vertical/clay["critical_ratio"])**2/(vertical*2.2/3))
+        if row["y0"] < 7:  # above it the surface, which the grid resolves by a cell, trembles
+            report.check(abs(row["preconsolidation"]/wanted - 1) < 1e-9, f"clay_ground: preconsolidation {row['preconsolidation']}, expected {wanted}")
+            report.check(abs(row["stress_yy"]/vertical + 1) < 0.05 and row["plastic_strain"] == 0, f"clay_ground: {row}")
+
+
 def main():
     report = Report()
     scattered(report)
+    clays(report)
+    bound_clays(report)
+    ground(report)
     metals(report)
     ceramics(report)
     met = soils(report, 3, 54) | soils(report, 2, 90)
