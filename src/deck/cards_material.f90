@@ -2,8 +2,9 @@
 !! are called and which keys they have is said in src/materials.
 module sgmp_cards_material
   use sgmp_constitutive, only: eos_keys, eos_names, eos_none, eos_read, law_check, law_keys, &
-                               law_read, law_set_erosion, law_set_failure, law_set_viscosity, &
-                               law_widest_band, material_explosive, material_names
+                               law_read, law_set_erosion, law_set_failure, law_set_spall, &
+                               law_set_viscosity, law_widest_band, material_explosive, &
+                               material_names
   use sgmp_deck_card, only: deck_card_t
   use sgmp_erosion, only: erosion_keys
   use sgmp_failure, only: failure_keys
@@ -158,13 +159,14 @@ contains
     end associate
   end subroutine read_failure
 
-  !> Cells in which a crack would give back energy.
+  !> What spall knows of the other cards; cells in which a crack would give back energy.
   subroutine check_failure(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     integer :: i
     i = word_position(card%word('material'), draft%scene%materials%name)
     if (i == 0) return
+    call law_set_spall(draft%scene%materials(i)%law)
     associate (cell => draft%scene%grid%cell, &
                widest => law_widest_band(draft%scene%materials(i)%law) &
                /method_band(draft%scene%method%kind))

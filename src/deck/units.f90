@@ -74,6 +74,8 @@ contains
       factor = mass/(length*time)
     case ('stress length')
       factor = mass/time**2
+    case ('stress length^1/2')
+      factor = mass/(sqrt(length)*time**2)
     case ('speed')
       factor = length/time
     case ('acceleration')

@@ -21,7 +21,8 @@ module sgmp_constitutive
                                     stiffened_gas_read, stiffened_gas_t, stiffened_gas_terms
   use sgmp_eos_tait, only: tait_keys, tait_lanes, tait_read, tait_t, tait_terms
   use sgmp_erosion, only: erosion_read, erosion_t
-  use sgmp_failure, only: carries_everything, failure_none, failure_read, failure_softens, failure_t
+  use sgmp_failure, only: carries_everything, failure_none, failure_read, failure_set_spall, &
+                          failure_softens, failure_t
   use sgmp_heating, only: heating_t
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
   use sgmp_kinds, only: dp, lanes
@@ -59,7 +60,7 @@ module sgmp_constitutive
   public :: law_keys, law_read, law_slots, law_first_history, law_check, law_set_length, &
             law_widest_band
   public :: eos_keys, eos_lanes, eos_read, eos_terms, law_set_failure, law_set_viscosity, &
-            law_set_erosion
+            law_set_erosion, law_set_spall
   public :: law_gaseous, law_is_spherical
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
@@ -449,18 +450,12 @@ contains
     case (material_j2, material_johnson_cook, material_steinberg_guinan, material_zerilli_armstrong)
       law%history%damage = .true.
       law%softens = failure_softens(law%failure)
-      if (.not. (law%jc%failure .or. values%has('pmin') .or. values%has('principal_stress') .or. &
-                 values%has('plastic_strain'))) then
-        call fault_make(fault, '', "nothing says when '"//name//"' fails", &
-                        'give pmin, principal_stress or plastic_strain, or '// &
-                        'johnson_cook failure=yes')
-      else if (law%softens) then
-        call check_softening(law, name, fault)
-      end if
+      call check_criteria(values, name, law, fault)
     case (material_fluid)
-      if (.not. values%has('pmin') .or. values%has('principal_stress') .or. &
-          values%has('plastic_strain') .or. values%has('fracture_energy') .or. &
-          values%has('weibull')) then
+      if (.not. values%has('pmin') .or. any_given(values, &
+                                                  [character(16) :: 'principal_stress', &
+                                                   'plastic_strain', 'fracture_energy', &
+                                                   'spall_strain', 'toughness', 'weibull'])) then
         call fault_make(fault, '', "a fluid such as '"//name//"' fails by pmin alone", &
                         'give pmin, and no other criterion')
       end if
@@ -474,6 +469,64 @@ contains
                       'zerilli_armstrong or fluid')
     end select
   end subroutine law_set_failure
+
+  !> Whether a solid has criteria of failure that go together.
+  pure subroutine check_criteria(values, name, law, fault)
+    class(values_t), intent(in) :: values
+    character(*), intent(in) :: name  !! of the material
+    type(constitutive_t), intent(in) :: law
+    type(fault_t), allocatable, intent(out) :: fault
+    if (.not. (law%jc%failure .or. any_given(values, [character(16) :: &
+                                                      'pmin', 'principal_stress', &
+                                                      'plastic_strain', 'spall_strain', &
+                                                      'toughness']))) then
+      call fault_make(fault, '', "nothing says when '"//name//"' fails", &
+                      'give pmin, principal_stress or plastic_strain, or '// &
+                      'johnson_cook failure=yes')
+    end if
+    if (.not. allocated(fault)) call check_spall(values, name, fault)
+    if (law%softens .and. .not. allocated(fault)) call check_softening(law, name, fault)
+  end subroutine check_criteria
+
+  !> Whether any of some keys is given.
+  pure logical function any_given(values, names) result(yes)
+    class(values_t), intent(in) :: values
+    character(*), intent(in) :: names(:)
+    integer :: i
+    yes = .false.
+    do i = 1, size(names)
+      yes = yes .or. values%has(trim(names(i)))
+    end do
+  end function any_given
+
+  !> Whether a law's spall has one limit of tension, which softening can start from.
+  pure subroutine check_spall(values, name, fault)
+    class(values_t), intent(in) :: values
+    character(*), intent(in) :: name  !! of the material
+    type(fault_t), allocatable, intent(out) :: fault
+    if (values%has('spall_strain') .and. values%has('toughness')) then
+      call fault_make(fault, 'toughness', "'"//name//"' is ductile (spall_strain) and brittle "// &
+                      '(toughness)', 'keep one of them')
+    else if (values%has('spall_strain') .and. values%has('pmin')) then
+      call fault_make(fault, 'pmin', 'spall_strain says at what tension it spalls', &
+                      'keep one of them')
+    else if (values%has('toughness') .and. .not. values%has('pmin')) then
+      call fault_make(fault, 'toughness', "nothing says what tension '"//name//"' bears when "// &
+                      'it opens slowly', 'add pmin, a tension that is borne at any rate')
+    else if (values%has('toughness') .and. values%has('fracture_energy')) then
+      call fault_make(fault, 'fracture_energy', 'softening starts from a limit that stays, and '// &
+                      'that of toughness goes with the rate', 'remove one of them')
+    end if
+  end subroutine check_spall
+
+  !> Gives a law that spalls by Grady's energies what they need of the other cards of its material.
+  pure subroutine law_set_spall(law)
+    type(constitutive_t), intent(inout) :: law
+    real(dp) :: yield
+    yield = 0.0_dp
+    if (law%failure%spall_strain > 0.0_dp) yield = usual_yield_stress(law, 0.0_dp)
+    call failure_set_spall(law%failure, law%density, law%bulk_speed, yield)
+  end subroutine law_set_spall
 
   !> Gives a law criteria of erosion from the values of its keys. What goes takes its internal
   !! energy along, which particles without an equation of state keep for that alone.
@@ -522,29 +575,29 @@ contains
     law%h = h
     if (.not. law%softens) return
     yield = 0.0_dp
-    if (law%failure%plastic_strain < failure_none) yield = usual_yield_stress(law)
+    if (law%failure%plastic_strain < failure_none) then
+      yield = usual_yield_stress(law, law%failure%plastic_strain)
+    end if
     law%softening = softening_make(law%failure, law%density*law%bulk_speed**2, law%elastic%shear, &
                                    yield, band)
   end subroutine law_set_length
 
-  !> Yield stress at the plastic strain of failure, in the room and at the rate of reference.
-  pure function usual_yield_stress(law) result(yield)
+  !> Yield stress at a plastic strain, in the room and at the rate of reference.
+  pure function usual_yield_stress(law, strain) result(yield)
     type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: strain
     real(dp) :: yield
-    associate (strain => law%failure%plastic_strain)
-      select case (law%kind)
-      case (material_j2)
-        yield = j2_yield_stress(law%j2, strain)
-      case (material_steinberg_guinan)
-        yield = steinberg_guinan_yield_stress(law%steinberg_guinan, strain)
-      case (material_zerilli_armstrong)
-        yield = zerilli_armstrong_yield_stress(law%zerilli_armstrong, strain, &
-                                               law%zerilli_armstrong%reference_rate, &
-                                               law%heating%room)
-      case default  ! material_johnson_cook
-        yield = jc_yield_stress(law%jc, strain, law%jc%reference_rate, law%jc%room)
-      end select
-    end associate
+    select case (law%kind)
+    case (material_j2)
+      yield = j2_yield_stress(law%j2, strain)
+    case (material_steinberg_guinan)
+      yield = steinberg_guinan_yield_stress(law%steinberg_guinan, strain)
+    case (material_zerilli_armstrong)
+      yield = zerilli_armstrong_yield_stress(law%zerilli_armstrong, strain, &
+                                             law%zerilli_armstrong%reference_rate, law%heating%room)
+    case default  ! material_johnson_cook
+      yield = jc_yield_stress(law%jc, strain, law%jc%reference_rate, law%jc%room)
+    end select
   end function usual_yield_stress
 
   !> Width of the widest band in which a law can soften; huge where it does not.

@@ -7,6 +7,16 @@
 !!     largest principal stress > principal_stress (Rankine)
 !!     equivalent plastic strain >= plastic_strain
 !!
+!! -pmin is a number, or follows from energies (Grady 1988, J. Mech. Phys. Solids 36, 353): elastic
+!! energy breaks ductile matter when it is the plastic work up to a strain of some 0.15, and brittle
+!! matter when it and the kinetic energy of the opening make the surface of the fragments,
+!!
+!!     -pmin = sqrt(2 rho c^2 Y spall_strain)                                          (GR1)
+!!     -pmin = (3 rho c toughness^2 tr D)^(1/3)                                        (GR2)
+!!
+!! with density, speed of sound in the bulk and yield stress of the start; (GR2) grows with the rate
+!! at which the volume opens, and is not below a pmin of its own.
+!!
 !! Failed matter carries nothing, or pressure alone (it closes again when it is compressed to its
 !! initial density), or everything: then the damage is only a mark. A fluid tears without damage:
 !! its pressure does not fall below pmin. With a fracture energy matter does not fail at once
@@ -19,6 +29,7 @@ module sgmp_failure
   private
   public :: failure_keys, failure_read
   public :: failure_t, failure_judge, failure_bounds, failure_softens, largest_principal_stress
+  public :: failure_set_spall, failure_tension
   public :: carries_nothing, carries_pressure, carries_everything, failure_none
 
   integer, parameter :: carries_nothing = 1, carries_pressure = 2, carries_everything = 3
@@ -33,6 +44,9 @@ module sgmp_failure
     logical :: given = .false.                       !! by a card
     integer :: carries = carries_pressure            !! one of carries_*
     real(dp) :: tension = failure_none               !! -pmin (stress)
+    real(dp) :: spall_strain = 0.0_dp                !! of (GR1); 0: not asked for
+    real(dp) :: toughness = 0.0_dp                   !! of (GR2) (stress length^1/2); 0: no rate
+    real(dp) :: brittle = 0.0_dp                     !! 3 rho c toughness^2 (stress^3 time)
     real(dp) :: principal_stress = failure_none      !! (stress)
     real(dp) :: plastic_strain = failure_none
     real(dp) :: fracture_energy = 0.0_dp             !! per area of crack; 0: it fails at once
@@ -47,6 +61,12 @@ contains
     type(key_t), allocatable :: keys(:)
     keys = [key('pmin', kind_real, 'pressure (negative: tension) below which it spalls; a '// &
                 "fluid's pressure stays there", unit='stress', range='(-inf,0]'), &
+            key('spall_strain', kind_real, "in place of pmin, Grady's ductile spall: it fails "// &
+                'at a tension of (2 rho c^2 Y spall_strain)^(1/2), Y: its first yield stress; '// &
+                'he takes 0.15', range='(0,1]'), &
+            key('toughness', kind_real, "with pmin, Grady's brittle spall: it fails at a "// &
+                'tension of (3 rho c toughness^2 r)^(1/3), r: rate at which its volume opens, '// &
+                'and not before pmin', unit='stress length^1/2', range='(0,inf)'), &
             key('principal_stress', kind_real, 'largest principal stress above which it fails', &
                 unit='stress', range='(0,inf)'), &
             key('plastic_strain', kind_real, 'equivalent plastic strain at which it fails', &
@@ -70,6 +90,8 @@ contains
     law%given = .true.
     law%carries = word_position(values%word('carries'), carries_names)
     law%tension = -values%number('pmin', -failure_none)
+    law%spall_strain = values%number('spall_strain')
+    law%toughness = values%number('toughness')
     law%principal_stress = values%number('principal_stress', failure_none)
     law%plastic_strain = values%number('plastic_strain', failure_none)
     law%fracture_energy = values%number('fracture_energy')
@@ -83,16 +105,38 @@ contains
     yes = law%fracture_energy > 0.0_dp
   end function failure_softens
 
+  !> Gives the law what Grady's tensions need of the material.
+  pure subroutine failure_set_spall(law, density, speed, yield)
+    type(failure_t), intent(inout) :: law
+    real(dp), intent(in) :: density, speed       !! of the start; of sound in the bulk
+    real(dp), intent(in) :: yield                !! first yield stress (stress)
+    if (law%spall_strain > 0.0_dp) then
+      law%tension = speed*sqrt(2.0_dp*density*yield*law%spall_strain)
+    end if
+    law%brittle = 3.0_dp*density*speed*law%toughness**2
+  end subroutine failure_set_spall
+
+  !> Tension that is borne while the volume opens at a rate, (GR2) where that is asked for (stress).
+  pure elemental function failure_tension(law, rate) result(tension)
+    type(failure_t), intent(in) :: law
+    real(dp), intent(in) :: rate                 !! trace of the velocity gradient (1/time)
+    real(dp) :: tension
+    tension = max(law%tension, (law%brittle*max(rate, 0.0_dp))**(1.0_dp/3.0_dp))
+  end function failure_tension
+
   !> Lane kernel: damage 1 where a criterion is met; which lanes carry less than their law says.
-  pure subroutine failure_judge(law, stress, plastic_strain, damage, failed)
+  pure subroutine failure_judge(law, stress, plastic_strain, damage, failed, tension)
     type(failure_t), intent(in) :: law
     real(dp), intent(in) :: stress(lanes, components)  !! in Voigt's order
     real(dp), intent(in) :: plastic_strain(lanes)  !! equivalent
     real(dp), intent(inout) :: damage(lanes)
     real(dp), intent(out) :: failed(lanes)         !! 1 or 0
-    real(dp) :: mean, released
+    real(dp), intent(in), optional :: tension(lanes)  !! in place of the law's (stress)
+    real(dp) :: mean, released, most(lanes)
     integer :: p
     released = merge(0.0_dp, 1.0_dp, law%carries == carries_everything)
+    most = law%tension
+    if (present(tension)) most = tension
     if (law%principal_stress < failure_none) then
       do p = 1, lanes
         if (largest_principal_stress(stress(p, :)) > law%principal_stress) damage(p) = 1.0_dp
@@ -101,7 +145,7 @@ contains
     !$omp simd simdlen(8) private(mean)
     do p = 1, lanes
       mean = (stress(p, 1) + stress(p, 2) + stress(p, 3))*(1.0_dp/3.0_dp)
-      damage(p) = merge(1.0_dp, damage(p), mean > law%tension)
+      damage(p) = merge(1.0_dp, damage(p), mean > most(p))
       damage(p) = merge(1.0_dp, damage(p), plastic_strain(p) >= law%plastic_strain)
       failed(p) = merge(released, 0.0_dp, damage(p) >= 1.0_dp)
     end do

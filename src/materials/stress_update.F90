@@ -17,7 +17,7 @@ module DIM(sgmp_stress_update)
                                material_mohr_coulomb, &
                                material_mooney_rivlin, material_neo_hookean, &
                                material_steinberg_guinan, material_zerilli_armstrong
-  use sgmp_failure, only: failure_judge
+  use sgmp_failure, only: failure_judge, failure_tension
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_cam_clay, only: cam_clay_moduli, cam_clay_return, cam_clay_start
   use sgmp_material_drucker_prager, only: drucker_prager_return
@@ -175,13 +175,7 @@ contains
       shear = law%elastic%shear/(law%elastic%lambda + 2.0_dp*law%elastic%shear)
     end if
     lame = 1.0_dp - 2.0_dp*shear
-    trace = 0.0_dp
-    do a = 1, NDIM
-      trace = trace + grad(:, (a - 1)*NDIM + a)
-    end do
-#ifdef AXISYMMETRIC
-    trace = trace + grad(:, NGRAD)
-#endif
+    call volume_rate(grad, trace)
     do c = 1, NFLUX
       a = strain_pair(1, c)
       b = strain_pair(2, c)
@@ -551,7 +545,7 @@ contains
     s = law%slots%stress
     shear = law%elastic%shear
     bulk = law%elastic%bulk
-    if (law%fails) call judge(law, nb, b, failed)
+    if (law%fails) call judge(law, grad, nb, b, failed)
     if (law%softens) call softening_regain(NSTRESS, b(1, law%slots%damage), b(1, s), left)
     if (law%kind == material_steinberg_guinan) then
       call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
@@ -639,12 +633,13 @@ contains
   end subroutine add_shear
 
   !> Which lanes have failed, by the stress and history at the beginning of the step.
-  subroutine judge(law, nb, b, failed)
+  subroutine judge(law, grad, nb, b, failed)
     type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: grad(lanes, NGRAD)
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: failed(lanes)  !! 1 or 0
-    real(dp) :: stress(lanes, 6), plastic(lanes)
+    real(dp) :: stress(lanes, 6), plastic(lanes), rate(lanes)
     if (law%softens) then  ! damage grows with the stress at the end of a step
       failed = merge(1.0_dp, 0.0_dp, b(:, law%slots%damage) >= 1.0_dp)
       return
@@ -656,8 +651,28 @@ contains
       stress = stress/spread(b(:, law%slots%strength), 2, 6)
       plastic = plastic/b(:, law%slots%strength)
     end if
-    call failure_judge(law%failure, stress, plastic, b(1, law%slots%damage), failed)
+    if (law%failure%toughness > 0.0_dp) then
+      call volume_rate(grad, rate)
+      call failure_judge(law%failure, stress, plastic, b(1, law%slots%damage), failed, &
+                         failure_tension(law%failure, rate))
+    else
+      call failure_judge(law%failure, stress, plastic, b(1, law%slots%damage), failed)
+    end if
   end subroutine judge
+
+  !> Trace of a velocity gradient.
+  pure subroutine volume_rate(grad, rate)
+    real(dp), intent(in) :: grad(lanes, NGRAD)
+    real(dp), intent(out) :: rate(lanes)
+    integer :: a
+    rate = 0.0_dp
+    do a = 1, NDIM
+      rate = rate + grad(:, (a - 1)*NDIM + a)
+    end do
+#ifdef AXISYMMETRIC
+    rate = rate + grad(:, NGRAD)
+#endif
+  end subroutine volume_rate
 
   !> Mean of a stress and von Mises norm of its deviator.
   pure subroutine von_mises(stress, mean, norm)

@@ -4,7 +4,7 @@ has reached: Mohr and Coulomb's return by trying all sets of planes, in any orde
 from its energy by the stretches. Steinberg and Guinan's and Zerilli and Armstrong's metals along a path of uniaxial strain, as an
 ordinary differential equation in shorter steps; Johnson and Holmquist's ceramics and modified Cam-clays squeezed, let go and drawn; what
 binds volume, pressure and preconsolidation of a clay on any path. Yield stresses that
-scatter: their distribution, and each metal on the yield stress of its own.
+scatter: their distribution, and each metal on the yield stress of its own. Grady's tensions of spall.
 
 usage: laws.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -465,12 +465,49 @@ def ground(report):
             report.check(abs(row["stress_yy"]/vertical + 1) < 0.05 and row["plastic_strain"] == 0, f"clay_ground: {row}")
 
 
+SPALLING = (  # law of a bulk modulus of 100, its card failure, and the tension that it bears by Grady's energies while it opens at a rate
+    ("j2 density=2 young=120 poisson=0.3 yield=0.5", "pmin=-0.2 toughness=0.02", lambda r: (3*2*math.sqrt(50)*0.02**2*r)**(1/3)),
+    ("j2 density=2 young=120 poisson=0.3 yield=0.5", "pmin=-0.8 toughness=0.02", lambda r: max(0.8, (3*2*math.sqrt(50)*0.02**2*r)**(1/3))),
+    ("j2 density=2 young=120 poisson=0.3 yield=0.02 hardening=linear hardening_modulus=5", "spall_strain=0.15", lambda r: math.sqrt(2*100*0.02*0.15)),
+    ("johnson_cook density=2 young=120 poisson=0.3 yield=0.02 rate_coefficient=0.1 hardening_modulus=5", "spall_strain=0.1", lambda r: math.sqrt(2*100*0.02*0.1)),
+    ("steinberg_guinan density=2 young=120 poisson=0.3 yield=0.02 yield_limit=1 hardening_factor=50", "spall_strain=0.15", lambda r: math.sqrt(2*100*0.02*0.15)),
+    ("zerilli_armstrong density=2 young=120 poisson=0.3 yield=0.01 thermal_stress=0.1 thermal_softening=5e-3 thermal_rate=1e-5", "spall_strain=0.15",
+     lambda r: math.sqrt(2*100*(0.01 + 0.1*math.exp(-5e-3*293))*0.15)))
+
+
+def spalling(report):
+    """Blocks that are stretched at a rate, one axis and three alike: their middle bears Grady's tension and fails in the next step."""
+    for number, (law, criterion, limit) in enumerate(SPALLING):
+        for rate in (1.0, 8.0, 64.0):
+            for dimension in (1, 3)[:2 if rate == 8 and number == 0 else 1]:
+                steps, strain = 1000, 0.02
+                cells = 30 if dimension == 1 else 6
+                sides, box = "xyz"[:dimension], lambda value: "(" + ",".join([repr(value)]*dimension) + ")"
+                opens = rate/dimension
+                deck = (f"dimension {dimension}\ngrid cell=1000\nmethod mpm\ntime dt={strain/rate/steps!r} steps={steps}\nmaterial m {law}\nfailure m {criterion}\n"
+                        f"body b block material=m lower={box(-500.0*cells)} upper={box(500.0*cells)} ppc=2\nvelocity b {' '.join(f'{a}={opens!r}*{a}' for a in sides)}\n"
+                        f"gauge middle point={box(250.0)} fields=damage\nhistory steps=1\n")
+                result = run(f"spalling_{number}_{rate:.0f}_{dimension}", deck)
+                if not report.finished(result, f"{law}, {criterion}"):
+                    continue
+                rows = result.table("gauges.csv")
+                first = next((k for k, row in enumerate(rows) if row["damage"] > 0.5), None)
+                if not report.check(first is not None and first > 1, f"{law}, {criterion}, {rate}: never fails"):
+                    continue
+                tension, before = -rows[first - 1]["pressure"], -rows[first - 2]["pressure"]
+                wanted = limit(rate/(1 + opens*rows[first - 1]["time"]))
+                report.check(before <= wanted*(1 + 1e-6) and tension >= wanted*(1 - 1e-6) and tension - before < 0.02*wanted,
+                             f"{law}, {criterion}, rate {rate}, {dimension}D: fails at a tension of {tension} (before {before}), expected {wanted}")
+                report.check(abs(rows[first]["pressure"]) < 1e-9, f"{law}, {criterion}: bears {-rows[first]['pressure']} when it has failed")
+
+
 def main():
     report = Report()
     scattered(report)
     clays(report)
     bound_clays(report)
     ground(report)
+    spalling(report)
     metals(report)
     ceramics(report)
     met = soils(report, 3, 54) | soils(report, 2, 90)
