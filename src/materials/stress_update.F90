@@ -478,14 +478,11 @@ contains
       end do
     end do
     f = new
-    bij = 0.0_dp
     do c = 1, NSTRESS
       if (row(c) > NDIM .or. col(c) > NDIM) then
         bij(:, c) = merge(1.0_dp, 0.0_dp, row(c) == col(c))
       else
-        do a = 1, NDIM
-          bij(:, c) = bij(:, c) + f(:, a, row(c))*f(:, a, col(c))
-        end do
+        call row_product(f(1, 1, row(c)), f(1, 1, col(c)), bij(1, c))
       end if
     end do
     do l = 1, lanes
@@ -508,6 +505,22 @@ contains
     call add_half_work(stress, strain, work)
     call viscosity(law, dt, mass, volume, trace, speed2, q)
   end subroutine hyperelastic
+
+  !> Product of two rows of tensors.
+  pure subroutine row_product(x, y, product)
+    real(dp), intent(in) :: x(lanes, NDIM), y(lanes, NDIM)
+    real(dp), intent(out) :: product(lanes)
+    real(dp) :: total
+    integer :: l, a
+    !$omp simd simdlen(8) private(total, a)
+    do l = 1, lanes
+      total = 0.0_dp
+      do a = 1, NDIM
+        total = total + x(l, a)*y(l, a)
+      end do
+      product(l) = total
+    end do
+  end subroutine row_product
 
   !> Compressible neo-Hookean: sigma = (mu (b - I) + lambda ln J I)/J.
   pure subroutine neo_hookean(mu, lambda, mass, volume, bij, j, log_j, stress, speed2)

@@ -536,21 +536,35 @@ contains
     real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM))
     real(dp), intent(in) :: speed2(lanes), jacobian(lanes)
     type(workspace_t), intent(inout) :: work
-    real(dp) :: speed(lanes), square, worst
+    real(dp) :: speed(lanes), magnitude, worst
     logical :: fine
     integer :: l, d
     worst = 0.0_dp
-    !$omp simd simdlen(8) private(square, fine, d) reduction(max:worst)
+    !$omp simd simdlen(8) private(magnitude, fine, d) reduction(max:worst)
     do l = 1, lanes
-      square = 0.0_dp
+#if NDIM == 1
+      magnitude = abs(motion(l, before_v + 1))  ! the root of its square, to the bit
+#else
+      magnitude = 0.0_dp
       do d = 1, NDIM
-        square = square + motion(l, before_v + d)*motion(l, before_v + d)
+        magnitude = magnitude + motion(l, before_v + d)*motion(l, before_v + d)
       end do
-      speed(l) = live(l)*(sqrt(max(speed2(l), 0.0_dp)) + sqrt(square))
+      magnitude = sqrt(magnitude)
+#endif
+      speed(l) = live(l)*(sqrt(max(speed2(l), 0.0_dp)) + magnitude)
       fine = jacobian(l) > 0.0_dp .and. speed(l) < beyond .and. speed2(l) >= 0.0_dp
       worst = max(worst, merge(speed(l), beyond, fine))
     end do
-    if (worst > work%fastest) call note_worst(nl, id, speed, speed2, jacobian, work)
+    if (worst <= work%fastest) return
+    if (worst < beyond) then
+      do l = 1, lanes - 1
+        if (speed(l) >= worst) exit
+      end do
+      work%fastest = worst
+      work%fastest_id = id(l)
+    else
+      call note_worst(nl, id, speed, speed2, jacobian, work)
+    end if
   end subroutine check_chunk
 
   !> Notes the fastest particle of a chunk if none before was as fast, and the first whose state

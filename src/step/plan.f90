@@ -42,15 +42,17 @@ module sgmp_plan
 
   !> Buffers and findings of one slab of planes.
   type :: workspace_t
-    real(dp), allocatable :: records(:, :)       !! (components, points of a plane x stencil width)
+    real(dp), allocatable :: records(:)          !! (components, points of a plane, stencil width)
                                                  !! what particles read
     integer, allocatable :: record_plane(:)      !! plane held by each slot of `records`
-    real(dp), allocatable :: planes(:, :, :, :)  !! (layers, columns, points, slots) sums before the
-                                                 !! planes are joined
+    real(dp), allocatable :: planes(:, :, :, :)  !! (layers, columns, points, slots), in 1D (points,
+                                                 !! columns, 1, 1): sums before the planes are
+                                                 !! joined
     real(dp), allocatable :: lead(:, :, :)       !! GIMP: the first plane's sums, kept for the joint
                                                  !! with the slab below
     real(dp), allocatable :: stencil(:)  !! accumulators of a bin; every row leaves them empty
     integer :: cleared = 1                       !! next stored interval to zero in `planes`
+    integer :: filled = 0                        !! points of a plane's row that have sums
     real(dp) :: fastest = 0.0_dp                 !! largest c + |v|
     integer(i4) :: fastest_id = 0                !! its particle
     integer(i4) :: bad_id = 0                    !! first particle whose state makes no sense

@@ -6,6 +6,8 @@
 !! accumulator, from row to row and plane to plane in buffers - so that every grid value is one
 !! fixed expression of its particles, whatever the number of threads, and nothing is ever added to
 !! shared memory.
+!!
+!! Longer than 500 lines: the buffers of planes, their joints included, are nobody else's.
 module DIM(sgmp_sweep)
   use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
   use sgmp_bin_change, only: bin_close
@@ -55,14 +57,16 @@ contains
     do plane = plane1, plane2
       slot = mod(plane, task%layers) + 1
       work%cleared = field%plane_store(plane)
+      work%filled = 0
       do b = 1, size(bodies)
         if (bodies(b)%field /= number) cycle
         if (bodies(b)%particles%plane_row(plane) == bodies(b)%particles%plane_row(plane + 1)) cycle
         call fill_records(field, mesh, plan, task, plane, work)
         call sweep_plane(mesh, field, bodies(b), plan, task, plane, work%stencil, lane_sums, &
-                         work%planes(1, 1, 1, slot), sums(:, plane, b), movers(b), work)
+                         size(work%planes, 1), work%planes(1, 1, 1, slot), sums(:, plane, b), &
+                         movers(b), work)
       end do
-      call clear_rows(field, plane, task%layers*nq, huge(1), work%cleared, &
+      call clear_rest(field, task, plane, size(work%planes, 1), work%cleared, work%filled, &
                       work%planes(1, 1, 1, slot))
       call join_plane(field, plan%first_column, nq, task, plane, plane1, work)
     end do
@@ -90,23 +94,25 @@ contains
       if (size(work%stencil) < numbers) deallocate (work%stencil)
     end if
     if (.not. allocated(work%stencil)) allocate (work%stencil(numbers), source=0.0_dp)
+    numbers = task%stride*largest_plane*task%layers
     if (allocated(work%records)) then
-      if (size(work%records, 1) /= task%stride .or. &
-          size(work%records, 2) < largest_plane*task%layers) then
-        deallocate (work%records)
-      end if
+      if (size(work%records) < numbers) deallocate (work%records)
     end if
-    if (.not. allocated(work%records)) then
-      allocate (work%records(task%stride, largest_plane*task%layers), source=0.0_dp)
-    end if
+    if (.not. allocated(work%records)) allocate (work%records(numbers), source=0.0_dp)
     if (allocated(work%planes)) then
-      if (size(work%planes, 2) /= task%nq .or. size(work%planes, 3) < largest_plane) then
+      if (size(work%planes, 2) /= task%nq .or. &
+          size(work%planes, merge(1, 3, NDIM == 1)) < largest_plane) then
         deallocate (work%planes)
         if (allocated(work%lead)) deallocate (work%lead)
       end if
     end if
-    if (.not. allocated(work%planes)) allocate (work%planes(task%layers, task%nq, largest_plane, &
-                                                            task%layers))
+    if (.not. allocated(work%planes)) then
+#if NDIM == 1
+      allocate (work%planes(largest_plane, task%nq, task%layers, task%layers))
+#else
+      allocate (work%planes(task%layers, task%nq, largest_plane, task%layers))
+#endif
+    end if
   end subroutine fit_buffers
 
   !> Sees to it that the records of all planes under the stencils of `plane` are there.
@@ -117,34 +123,32 @@ contains
     type(task_t), intent(in) :: task
     integer, intent(in) :: plane
     type(workspace_t), intent(inout) :: work
-    integer :: p, slot
+    integer :: p, slot, first
     if (size(plan%vectors) == 0 .and. plan%gradient == 0) return
     do p = plane, plane + task%layers - 1
       slot = mod(p, task%layers) + 1
       if (work%record_plane(slot) == p) cycle
+      first = (slot - 1)*field%largest_plane*task%stride + 1
       call auxmesh_fill(field, mesh, p, plan%vectors, plan%gradient, &
-                        size(work%records, 1), work%records(1, (slot - 1)*field%largest_plane + 1))
+                        task%stride, work%records(first))
       if (plan%swirl) then
         call auxmesh_swirl(field, mesh, p, plan%kick, plan%gradient, task%swirl_read - 1, &
-                           size(work%records, 1), &
-                           work%records(1, (slot - 1)*field%largest_plane + 1))
+                           task%stride, work%records(first))
       end if
       if (plan%gradient > 0) then
         call auxmesh_mirror(field, mesh, p, plan%swirl, NDIM*size(plan%vectors), &
-                            size(work%records, 1), &
-                            work%records(1, (slot - 1)*field%largest_plane + 1))
+                            task%stride, work%records(first))
       end if
       if (plan%relax) then
-        call auxmesh_relax(field, p, NDIM*size(plan%vectors), size(work%records, 1), &
-                           work%records(1, (slot - 1)*field%largest_plane + 1))
+        call auxmesh_relax(field, p, NDIM*size(plan%vectors), task%stride, work%records(first))
       end if
       work%record_plane(slot) = p
     end do
   end subroutine fill_records
 
   !> All rows of one body in one plane.
-  subroutine sweep_plane(mesh, field, body, plan, task, plane, stencil, lane_sums, planes, sums, &
-                         movers, work)
+  subroutine sweep_plane(mesh, field, body, plan, task, plane, stencil, lane_sums, lead, planes, &
+                         sums, movers, work)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(in) :: field
     type(body_t), intent(inout) :: body
@@ -153,24 +157,28 @@ contains
     integer, intent(in) :: plane
     real(dp), intent(inout) :: stencil(task%points, task%nq, accumulators)
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
-    real(dp), intent(inout) :: planes(task%layers*task%nq, *)
+    integer, intent(in) :: lead                  !! first extent of the plane buffers
+    real(dp), intent(inout) :: planes(lead, task%nq, *)
     real(dp), intent(inout) :: sums(sweep_sums)
     type(movers_t), intent(inout) :: movers
     type(workspace_t), intent(inout) :: work
     integer :: s, i, bins, row(most_rows), place(WIDE_LINE)
     do s = body%particles%plane_row(plane), body%particles%plane_row(plane + 1) - 1
       bins = body%particles%bins%last(s) - body%particles%bins%first(s) + 1
-      call clear_rows(field, plane, task%layers*task%nq, key_j(body%particles%bins%key(s)) + &
-                      task%lines - 1, work%cleared, planes)
+      if (.not. fills(task)) call clear_rows(field, plane, lead, task%nq, work%cleared, &
+                                             key_j(body%particles%bins%key(s)) + task%lines - 1, &
+                                             planes)
       call place_row(field, body, task, plane, s, row, place)
       do i = 0, bins - 1
         call sweep_bin(mesh, body, plan, task, s, i, row, stencil, lane_sums, movers, work)
-        call carry(task, task%span, stencil, i*task%span, place, planes)
+        call carry(task, task%span, stencil, i*task%span, place, work%filled, lead, planes)
       end do
       do i = 0, bins_to(body, s, task%width - 1) - 1
-        call carry(task, 1, stencil, bins*task%span + i, place, planes)
+        call carry(task, 1, stencil, bins*task%span + i, place, work%filled, lead, planes)
       end do
     end do
+    ! What other bodies of the field give is added.
+    if (fills(task)) call clear_rest(field, task, plane, lead, work%cleared, work%filled, planes)
     do i = 1, sweep_sums
       sums(i) = sum(lane_sums(:, i))
       lane_sums(:, i) = 0.0_dp
@@ -216,34 +224,88 @@ contains
     end do
   end subroutine place_row
 
+  !> Whether the first sums of a plane are put into its buffers and not added to zeros: where it is
+  !! one row, whose points follow each other.
+  pure function fills(task) result(yes)
+    type(task_t), intent(in) :: task
+    logical :: yes
+    yes = NDIM < 3 .and. .not. task%wide
+  end function fills
+
+  !> Zeroes what is left of the plane buffers.
+  pure subroutine clear_rest(field, task, plane, lead, cleared, filled, planes)
+    type(field_t), intent(in) :: field
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: plane, lead
+    integer, intent(inout) :: cleared, filled
+    real(dp), intent(inout) :: planes(lead, task%nq, *)
+    integer :: points
+    if (fills(task)) then
+      points = field%plane_start(plane + 1) - field%plane_start(plane)
+      call clear_points(lead, task%nq, filled + 1, points, planes)
+      filled = points
+    else
+      call clear_rows(field, plane, lead, task%nq, cleared, huge(1), planes)
+    end if
+  end subroutine clear_rest
+
   !> Zeroes the plane buffers of all rows up to `line` that have not been yet, just before they are
   !! first added to.
-  pure subroutine clear_rows(field, plane, n, line, cleared, planes)
+  pure subroutine clear_rows(field, plane, lead, nq, cleared, line, planes)
     type(field_t), intent(in) :: field
-    integer, intent(in) :: plane, n, line
+    integer, intent(in) :: plane, lead, nq
     integer, intent(inout) :: cleared            !! next stored interval of the plane
-    real(dp), intent(inout) :: planes(*)         !! n values for each point
+    integer, intent(in) :: line
+    real(dp), intent(inout) :: planes(lead, nq, *)
     integer :: first, last
     do while (cleared < field%plane_store(plane + 1))
       if (key_j(field%store%key(cleared)) > line) exit
       first = field%base(cleared) + field%store%first(cleared) - field%plane_start(plane) + 1
       last = first + field%store%last(cleared) - field%store%first(cleared)
-      planes((first - 1)*n + 1:last*n) = 0.0_dp
+      call clear_points(lead, nq, first, last, planes)
       cleared = cleared + 1
     end do
   end subroutine clear_rows
 
+  !> Zeroes some points of the plane buffers.
+  pure subroutine clear_points(lead, nq, first, last, planes)
+    integer, intent(in) :: lead, nq, first, last
+#if NDIM == 1
+    real(dp), intent(inout) :: planes(lead, nq)
+#else
+    real(dp), intent(inout) :: planes(lead*nq*last)
+#endif
+    if (first > last) return
+#if NDIM == 1
+    planes(first:last, :) = 0.0_dp
+#else
+    planes(lead*nq*(first - 1) + 1:) = 0.0_dp
+#endif
+  end subroutine clear_points
+
   !> Moves the accumulators some cells along the row.
-  subroutine carry(task, cells, stencil, shift, place, planes)
+  subroutine carry(task, cells, stencil, shift, place, filled, lead, planes)
     type(task_t), intent(in) :: task
     integer, intent(in) :: cells, shift, place(WIDE_LINE)
     real(dp), intent(inout) :: stencil(task%points, task%nq, accumulators)
-    real(dp), intent(inout) :: planes(task%layers*task%nq, *)
+    integer, intent(inout) :: filled             !! points of the buffers, if `fills`
+    integer, intent(in) :: lead
+    real(dp), intent(inout) :: planes(lead, task%nq, *)
+    logical :: fresh
     if (task%wide) then
-      call product_carry(task%nq, stencil, shift, place, planes)
-    else
-      call linear_carry(task%nq, cells, stencil, shift, place, planes)
+      call product_carry(lead, task%nq, stencil, shift, place, planes)
+      return
     end if
+    fresh = fills(task) .and. place(1) + shift > filled
+    if (fresh) then
+      call clear_points(lead, task%nq, filled + 1, place(1) + shift - 1, planes)
+      filled = place(1) + shift + cells - 1
+    end if
+#if NDIM < 3
+    call linear_carry(lead, task%nq, cells, stencil, shift, place, fresh, planes)
+#else
+    call linear_carry(lead, task%nq, cells, stencil, shift, place, planes)
+#endif
   end subroutine carry
 
   !> All chunks of one bin.
@@ -274,7 +336,7 @@ contains
         if (next /= chunk + 1) call chunk_prefetch(body%particles, next, plan%stress)
       end if
       call chunk_advance(mesh, body, plan, task, s, origin, extent, min(left, lanes), row, &
-                         work%records(1, 1 + i*task%span), body%particles%state_columns, &
+                         work%records(1 + i*task%span*task%stride), body%particles%state_columns, &
                          body%particles%id(1, chunk), &
                          body%particles%motion(1, 1, chunk), body%particles%state(1, 1, chunk), &
                          stencil, lane_sums, movers, work)
@@ -337,7 +399,8 @@ contains
         return
       end if
     end if
-    call take_layer(field, first_column, nq, task%layers, plane, work%planes(1, 1, 1, slot))
+    call take_layer(field, first_column, nq, size(work%planes, 1), plane, &
+                    work%planes(1, 1, 1, slot))
     if (task%layers < 3) return
     if (plane == plane1) then
       work%lead = work%planes(:, :, :, slot)
@@ -379,17 +442,17 @@ contains
   end subroutine sweep_join
 
   !> moment = lowest layer of the plane's own sums.
-  pure subroutine take_layer(field, first_column, nq, layers, plane, planes)
+  pure subroutine take_layer(field, first_column, nq, lead, plane, planes)
     type(field_t), intent(inout) :: field
-    integer, intent(in) :: first_column, nq, layers, plane
-    real(dp), intent(in) :: planes(layers, nq, *)
+    integer, intent(in) :: first_column, nq, lead, plane
+    real(dp), intent(in) :: planes(lead, nq, *)
     integer :: s, i, q, here, to
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       to = field%neighbour(0, 0, s)
       here = to - field%plane_start(plane) + 1
       do q = 1, nq
         do i = field%work%first(s), field%work%last(s)
-          field%moment(to + i, first_column + q - 1) = planes(1, q, here + i)
+          field%moment(to + i, first_column + q - 1) = LOWEST(here + i, q)
         end do
       end do
     end do

@@ -335,31 +335,35 @@ contains
   !!
   !! Every grid point's sum is one fixed tree: lower layer of a cell, upper layer of the cell
   !! before, then rows and planes.
-  pure subroutine linear_carry(nq, cells, sums, shift, place, planes)
+  pure subroutine linear_carry(lead, nq, cells, sums, shift, place, fresh, planes)
+    integer, intent(in) :: lead                    !! first extent of the buffers
     integer, intent(in) :: nq, cells               !! all of a bin, or 1
     real(dp), intent(inout) :: sums(NROW, 0:span, nq, 0:1)
     integer, intent(in) :: shift                   !! first cell along the row
     integer, intent(in) :: place(NLINE)            !! record of cell 0 in each line
-    real(dp), intent(inout) :: planes(NROW, nq, *)
+    logical, intent(in) :: fresh                   !! nothing is in the buffers yet
+    real(dp), intent(inout) :: planes(lead, nq, *)  !! (layers, columns, points), in 1D (points,
+                                                    !! columns, 1)
     integer :: q
     associate (point => place(1) + shift)
       do q = 1, nq
         if (cells == 1) then
-          planes(:, q, point) = planes(:, q, point) + sums(:, 0, q, 1)
+          call put(1, nq, fresh, sums(1, 0, q, 1), LOWEST(point, q))
           sums(:, 0, q, 1) = 0.0_dp
         else
-          call flush(nq, sums(1, 0, q, 0), sums(1, 0, q, 1), planes(1, q, point))
+          call flush(nq, fresh, sums(1, 0, q, 0), sums(1, 0, q, 1), LOWEST(point, q))
         end if
       end do
     end associate
   end subroutine linear_carry
 
-  !> One column of a bin: sums of its points as long vectors, then point by point.
-  pure subroutine flush(nq, even, odd, planes)
+  !> One column of a bin: sums of its points as long vectors.
+  pure subroutine flush(nq, fresh, even, odd, planes)
     integer, intent(in) :: nq
-    real(dp), intent(inout) :: even(column_sums), odd(column_sums), planes(NROW, nq, 0:*)
+    logical, intent(in) :: fresh
+    real(dp), intent(inout) :: even(column_sums), odd(column_sums), planes(*)
     real(dp) :: both(NROW*span), carried(NROW)
-    integer :: c, e, n
+    integer :: n
     !$omp simd simdlen(8)
     do n = 1, NROW*span
       both(n) = even(n) + odd(n)
@@ -368,25 +372,49 @@ contains
     even = 0.0_dp
     odd = 0.0_dp
     odd(:NROW) = carried
-    do c = 0, span - 1
-      !$omp simd simdlen(NROW)
-      do e = 1, NROW
-        planes(e, 1, c) = planes(e, 1, c) + both(NROW*c + e)
-      end do
-    end do
+    call put(span, nq, fresh, both, planes)
   end subroutine flush
+
+  !> Puts the sums of some points into one column of the buffers, or adds them.
+  pure subroutine put(n, nq, fresh, sums, planes)
+    integer, intent(in) :: n, nq                   !! n: points
+    logical, intent(in) :: fresh
+    real(dp), intent(in) :: sums(NROW, n)
+#if NDIM == 1
+    real(dp), intent(inout) :: planes(NROW, *)
+#else
+    real(dp), intent(inout) :: planes(NROW*nq, *)
+#endif
+    integer :: c, e
+    if (fresh) then
+      do c = 1, n
+        !$omp simd simdlen(NROW)
+        do e = 1, NROW
+          planes(e, c) = sums(e, c)
+        end do
+      end do
+    else
+      do c = 1, n
+        !$omp simd simdlen(NROW)
+        do e = 1, NROW
+          planes(e, c) = planes(e, c) + sums(e, c)
+        end do
+      end do
+    end if
+  end subroutine put
 #else
   !> Flushes the accumulator's first x-layer to the plane buffers and moves the stencil one cell
   !! along the row.
   !!
   !! Line j of the buffers receives row j's lower part on top of row j-1's upper part: with the
   !! layers kept apart until the planes are joined, every grid point's sum is one fixed tree.
-  pure subroutine linear_carry(nq, cells, sums, shift, place, planes)
+  pure subroutine linear_carry(lead, nq, cells, sums, shift, place, planes)
+    integer, intent(in) :: lead                    !! first extent of the buffers: NLAYER
     integer, intent(in) :: nq, cells               !! 1 cell
     real(dp), intent(inout) :: sums(NCORNER, nq, cells)
     integer, intent(in) :: shift                   !! cell along the row
     integer, intent(in) :: place(NLINE)            !! record of cell 0 in each line
-    real(dp), intent(inout) :: planes(NLAYER, nq, *)
+    real(dp), intent(inout) :: planes(lead, nq, *)
     integer :: q, line, e
     do q = 1, nq
       do line = 1, NLINE

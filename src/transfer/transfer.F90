@@ -145,6 +145,9 @@ contains
     integer, intent(in) :: row(NROW)  !! record of the first cell's first point in each row
     real(dp), intent(out) :: values(lanes, *)      !! (lanes, n)
     integer :: l, q, grouped
+#if NDIM == 1
+    real(dp) :: low(lanes), high(lanes)
+#endif
     grouped = 0
 #if NDIM == 2
     grouped = n - mod(n, record_group)
@@ -153,10 +156,14 @@ contains
     end do
 #endif
     do q = grouped + 1, n
+#if NDIM == 1
+      low = of_cells(cell, stride, grid(q, row(1)))
+      high = of_cells(cell, stride, grid(q, row(1) + 1))
+#endif
       !$omp simd simdlen(8)
       do l = 1, lanes
 #if NDIM == 1
-        values(l, q) = w(l, 1)*grid(q, AT(1)) + w(l, 2)*grid(q, AT(1) + 1)
+        values(l, q) = w(l, 1)*low(l) + w(l, 2)*high(l)
 #elif NDIM == 2
         values(l, q) = w(l, 1)*grid(q, AT(1)) + w(l, 3)*grid(q, AT(1) + 1) &
                        + w(l, 2)*grid(q, AT(2)) + w(l, 4)*grid(q, AT(2) + 1)
@@ -170,6 +177,18 @@ contains
       end do
     end do
   end subroutine linear_gather
+
+#if NDIM == 1
+  !> One component of the records of all lanes, put together in a register: a loop over the lanes
+  !! works their places out as vectors, only to take them apart again.
+  pure function of_cells(cell, stride, grid) result(values)
+    integer, intent(in) :: cell(lanes), stride
+    real(dp), intent(in) :: grid(stride, 0:*)
+    real(dp) :: values(lanes)
+    values = [grid(1, cell(1)), grid(1, cell(2)), grid(1, cell(3)), grid(1, cell(4)), &
+              grid(1, cell(5)), grid(1, cell(6)), grid(1, cell(7)), grid(1, cell(8))]
+  end function of_cells
+#endif
 
 #if NDIM == 2
   !> Some components that follow each other, as vectors: one lane after the other, then components

@@ -291,15 +291,16 @@ contains
 
   !> Flushes the accumulator's first x-layer to the plane buffers and moves the stencil one bin
   !! along the row, as linear_carry does.
-  pure subroutine product_carry(nq, sums, shift, place, planes)
-    integer, intent(in) :: nq
+  pure subroutine product_carry(lead, nq, sums, shift, place, planes)
+    integer, intent(in) :: lead, nq                !! lead: first extent of the buffers
     real(dp), intent(inout) :: sums(4, NACROSS, nq)
     integer, intent(in) :: shift, place(WIDE_LINE)
-    real(dp), intent(inout) :: planes(WIDE_LAYER, nq, *)
+    real(dp), intent(inout) :: planes(lead, nq, *)  !! (layers, columns, points), in 1D (points,
+                                                    !! columns, 1)
     integer :: q, e
 #if NDIM == 1
     do q = 1, nq
-      planes(1, q, place(1) + shift) = planes(1, q, place(1) + shift) + sums(1, 1, q)
+      planes(place(1) + shift, q, 1) = planes(place(1) + shift, q, 1) + sums(1, 1, q)
       do e = 1, 3
         sums(e, 1, q) = sums(e + 1, 1, q)
       end do
