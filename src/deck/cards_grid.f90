@@ -1,10 +1,10 @@
-!> The cards `grid`, `wall`, `wallmotion` and `lost`: where material may be.
+!> The cards `grid`, `wall`, `wallfriction`, `wallmotion` and `lost`: where material may be.
 module sgmp_cards_grid
   use sgmp_deck_card, only: deck_card_t
   use sgmp_expression, only: expression_clone, expression_t
   use sgmp_keys, only: kind_expression, kind_interval, kind_real, kind_word
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: wall_fixed, wall_free, wall_names
+  use sgmp_mesh, only: wall_fixed, wall_free, wall_names, wall_slip
   use sgmp_registry, only: read_first, registry_t
   use sgmp_scene, only: lost_error, lost_names
   use sgmp_scene_draft, only: draft_t
@@ -49,6 +49,7 @@ contains
     call registry%key(axis_names(1, space_axisymmetric)//sides(2), kind_word, 'outer wall of '// &
                       'an axisymmetric scene, in the place of x+; the axis needs no card', &
                       choices=words_joined(wall_names))
+    call register_friction(registry)
     call register_motion(registry)
     call registry%card('lost', 'What happens to a particle that leaves through a closed face '// &
                        'without a wall.', 'lost remove', read_lost, once=.true.)
@@ -57,11 +58,22 @@ contains
                       default=trim(lost_names(lost_error)), slot=1)
   end subroutine register_grid
 
+  subroutine register_friction(registry)
+    type(registry_t), intent(inout) :: registry
+    call registry%card('wallfriction', 'A slip wall that rubs: what is pressed against it is '// &
+                       'held back along it by up to friction times the force that presses.', &
+                       'wallfriction y- friction=0.3', read_friction, check_friction)
+    call registry%key('face', kind_word, 'the face of the grid', choices='x- x+ y- y+ z- z+ r+', &
+                      slot=1, required=.true.)
+    call registry%key('friction', kind_real, "Coulomb's coefficient of friction", &
+                      range='[0,inf)', required=.true., source='doc/loads.md')
+  end subroutine register_friction
+
   subroutine register_motion(registry)
     type(registry_t), intent(inout) :: registry
     integer :: axis
-    call registry%card('wallmotion', 'A fixed wall that moves along itself and drags what '// &
-                       'touches it. What pushes is a rigid body.', &
+    call registry%card('wallmotion', 'A wall that moves along itself and drags what touches '// &
+                       'it: fixed, or with friction. What pushes is a rigid body.', &
                        'wallmotion y+ x="min(t/0.1,1)"', read_motion, check_motion)
     call registry%key('face', kind_word, 'the face of the grid', choices='x- x+ y- y+ z- z+ r+', &
                       slot=1, required=.true.)
@@ -173,16 +185,69 @@ contains
     end do
   end subroutine find_face
 
+  !> The same for a card that acts on this face; axis = 0 is an error of the deck.
+  subroutine find_wall(card, draft, side, axis)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer, intent(out) :: side, axis
+    call find_face(card, draft, side, axis)
+    if (axis > 0) return
+    call draft%errors%add(card%place('face'), 'there is no face '//card%word('face')//' '// &
+                          draft%in_space(), 'name one that has a card wall')
+  end subroutine find_wall
+
+  subroutine read_friction(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: side, axis
+    call find_wall(card, draft, side, axis)
+    if (axis == 0) return
+    associate (friction => draft%scene%grid%wall_friction(side, axis))
+      if (friction > 0.0_dp) then
+        call draft%errors%add(card%position, 'the wall on '//card%word('face')//' has two '// &
+                              'frictions', 'remove one of the cards')
+        return
+      end if
+      friction = card%number('friction')
+    end associate
+  end subroutine read_friction
+
+  !> What rubs is a slip wall, along which something can slide.
+  subroutine check_friction(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    character(:), allocatable :: face
+    integer :: side, axis
+    call find_face(card, draft, side, axis)
+    if (axis == 0) return
+    face = card%word('face')
+    associate (scene => draft%scene, errors => draft%errors)
+      if (scene%grid%wall(side, axis) /= wall_slip) then
+        call errors%add(card%place('face'), 'the wall on '//face//' does not slip', &
+                        'write wall '//face//'=slip; at a fixed wall everything sticks')
+      end if
+      if (scene%dimension == 1) then
+        call errors%add(card%position, 'friction at a wall in 1D', &
+                        'remove this card; nothing slides along a wall')
+      end if
+      if (scene%swirl) then
+        call errors%add(card%position, 'friction knows nothing of swirl: it would act along '// &
+                        'the half-plane only, and not against the whole slip', &
+                        'remove this card: the wall then slips')
+      end if
+      if (scene%method%rotation .or. scene%method%spin) then
+        call errors%add(card%position, 'friction at walls, and rotation=exact or spin=carried', &
+                        'let bodies roll on a rigid body, with a card contact')
+      end if
+    end associate
+  end subroutine check_friction
+
   subroutine read_motion(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     integer :: side, axis, a
-    call find_face(card, draft, side, axis)
-    if (axis == 0) then
-      call draft%errors%add(card%place('face'), 'there is no face '//card%word('face')//' '// &
-                            draft%in_space(), 'name one that has a card wall')
-      return
-    end if
+    call find_wall(card, draft, side, axis)
+    if (axis == 0) return
     associate (velocity => draft%scene%grid%wall_velocity)
       if (any([(allocated(velocity(a, side, axis)%text), a=1, 3)])) then
         call draft%errors%add(card%position, 'the wall on '//card%word('face')//' has two '// &
@@ -205,7 +270,7 @@ contains
     end associate
   end subroutine read_motion
 
-  !> What moves is a fixed wall, and it moves along itself.
+  !> What moves is a fixed wall or one with friction, and it moves along itself.
   subroutine check_motion(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
@@ -215,9 +280,11 @@ contains
     if (axis == 0) return
     face = card%word('face')
     associate (grid => draft%scene%grid, errors => draft%errors)
-      if (grid%wall(side, axis) /= wall_fixed) then
+      if (grid%wall(side, axis) /= wall_fixed .and. &
+          .not. grid%wall_friction(side, axis) > 0.0_dp) then
         call errors%add(card%place('face'), 'the wall on '//face//' is not fixed', &
-                        'write wall '//face//'=fixed; nothing else is dragged along')
+                        'write wall '//face//'=fixed, or a card wallfriction; nothing else is '// &
+                        'dragged along')
       end if
       if (.not. rests(grid%wall_velocity(axis:axis, side, axis))) then
         call errors%add(card%place(draft%axis_key(axis)), 'the wall on '//face// &

@@ -52,7 +52,8 @@ module sgmp_scene
     integer :: wall(2, 3) = wall_free
       !! (lower|upper, axis): wall_free, wall_slip, wall_fixed
     type(expression_t) :: wall_velocity(3, 2, 3)
-      !! (component, lower|upper, axis) of fixed walls, functions of t
+      !! (component, lower|upper, axis) of fixed walls and of those with friction, functions of t
+    real(dp) :: wall_friction(2, 3) = 0.0_dp  !! (lower|upper, axis): coefficient, of slip walls
     integer :: lost = lost_error
       !! what happens to a particle that leaves through a closed free face
   end type grid_card_t

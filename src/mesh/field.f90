@@ -72,7 +72,7 @@ contains
     field%hoop_correction = mesh%hoop
     field%columns = columns_make(mesh%space, kernel, body_force, with_volume, nspin, &
                                  rotation, relaxed, swirl, faced)
-    if (mesh%walls_move .and. kernel_folds(kernel)) then
+    if (mesh%walls_act .and. kernel_folds(kernel)) then
       call columns_keep_behind(field%columns, mesh%ndim, any(mesh%wall(:, :mesh%ndim) /= &
                                                              wall_free, dim=1))
     end if

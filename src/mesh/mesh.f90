@@ -33,9 +33,13 @@ module sgmp_mesh
     real(dp) :: origin(3) = 0.0_dp       !! position of node 0
     logical :: open(2, 3) = .true.       !! (lower|upper, axis): the grid follows the particles
     integer :: wall(2, 3) = wall_free    !! (lower|upper, axis)
-    logical :: walls_move = .false.      !! some wall moves along itself
+    real(dp) :: wall_friction(2, 3) = 0.0_dp  !! Coulomb's coefficient of slip walls
+    logical :: walls_move = .false.      !! some fixed wall moves along itself
+    logical :: walls_rub = .false.       !! some slip wall has friction
+    logical :: walls_act = .false.       !! either of the two
     real(dp) :: wall_motion(3, 2, 3, 2) = 0.0_dp
-      !! (component, lower|upper, axis, wall_kick|wall_speed), 0 where a wall is at rest
+      !! (component, lower|upper, axis, wall_kick|wall_speed), 0 where a wall is at rest; images
+      !! behind walls know of it where a component is odd, which it is at fixed walls
     integer :: cells(3) = 0              !! cells between the faces, where both are given
     integer :: lower(3) = -huge(1)/4     !! first node a particle's cell may have
     integer :: upper(3) = huge(1)/4      !! last node

@@ -1,8 +1,8 @@
-!> How walls move: each along itself, as prescribed.
+!> How walls move: each along itself, as prescribed. Those with friction may be at rest.
 module sgmp_wall_motion
   use sgmp_expression, only: expression_t
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t, wall_free, wall_kick, wall_speed
+  use sgmp_mesh, only: mesh_t, wall_fixed, wall_free, wall_kick, wall_speed
   implicit none
   private
   public :: wall_motion_t, wall_motion_choose, wall_motion_start, wall_motion_meets_walls
@@ -14,24 +14,30 @@ module sgmp_wall_motion
 
 contains
 
-  !> Walls before the start: at rest. Matter takes changes of a wall's velocity, and the first of
-  !! them is in the first kick.
+  !> Walls before the start: fixed ones are at rest. Matter takes changes of their velocity, and the
+  !! first of them is in the first kick. What rubs only has always moved.
   subroutine wall_motion_start(motion, mesh)
     type(wall_motion_t), intent(in) :: motion
     type(mesh_t), intent(inout) :: mesh
     integer :: a, side, axis
     mesh%wall_motion = 0.0_dp
     mesh%walls_move = .false.
+    mesh%walls_rub = any(mesh%wall_friction > 0.0_dp)
     do axis = 1, 3
       do side = 1, 2
         do a = 1, 3
-          mesh%walls_move = mesh%walls_move .or. moves(motion%velocity(a, side, axis))
+          if (mesh%wall(side, axis) == wall_fixed) then
+            mesh%walls_move = mesh%walls_move .or. moves(motion%velocity(a, side, axis))
+          else
+            mesh%wall_motion(a, side, axis, wall_speed) = at(motion%velocity(a, side, axis), 0.0_dp)
+          end if
         end do
       end do
     end do
+    mesh%walls_act = mesh%walls_move .or. mesh%walls_rub
   end subroutine wall_motion_start
 
-  !> Whether a wall moves towards one across its way, as the lid of a cavity does.
+  !> Whether a fixed wall moves towards one across its way, as the lid of a cavity does.
   pure logical function wall_motion_meets_walls(motion, mesh) result(meets)
     type(wall_motion_t), intent(in) :: motion
     type(mesh_t), intent(in) :: mesh
@@ -39,6 +45,7 @@ contains
     meets = .false.
     do axis = 1, mesh%ndim
       do side = 1, 2
+        if (mesh%wall(side, axis) /= wall_fixed) cycle
         do a = 1, mesh%ndim
           meets = meets .or. (moves(motion%velocity(a, side, axis)) .and. &
                               any(mesh%wall(:, a) /= wall_free))

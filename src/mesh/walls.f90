@@ -7,7 +7,8 @@
 !!
 !! A fixed wall may move along itself: velocities are odd as seen from the wall, and so is momentum,
 !! v -> 2 V - v and p -> 2 m V - p. What lay behind it is kept for the work of the wall
-!! (sgmp_wall_work).
+!! (sgmp_wall_work). Friction changes nothing of this: it is a force on the nodes of a slip wall
+!! (sgmp_wall_friction).
 module sgmp_walls
   use sgmp_columns, only: columns_t, node_swirl, relax_velocity
   use sgmp_field, only: field_base, field_t
@@ -190,7 +191,7 @@ contains
     integer :: a, q
     do a = 1, field%ndim
       q = field%columns%momentum + a - 1
-      if (q < q1 .or. q > q2) cycle
+      if (q < q1 .or. q > q2 .or. mesh%wall(side, axis) /= wall_fixed) cycle
       field%moment(image:image + n - 1, q) = field%moment(image:image + n - 1, q) + &
         2.0_dp*mesh%wall_motion(a, side, axis, wall_speed)* &
         field%moment(ghost:ghost + n - 1, field%columns%behind(axis))
@@ -291,7 +292,7 @@ contains
     real(dp), intent(out) :: ghost(n)
     integer :: i
     do i = 1, n
-      ghost(i) = 2.0_dp*wall + parity*image(i)
+      ghost(i) = (1.0_dp - parity)*wall + parity*image(i)
     end do
   end subroutine mirror
 

@@ -343,6 +343,10 @@ contains
     call summary%set('energy.supplied', model%ledger%supplied)
     call summary%set('energy.drift', ledger_drift(model%ledger))
     call summary%set('energy.viscous_dissipation', model%ledger%viscous_dissipation)
+    if (model%mesh%walls_rub) then
+      call summary%set('friction_walls.pressed_impulse', model%ledger%wall_impulses(1))
+      call summary%set('friction_walls.pulled_impulse', model%ledger%wall_impulses(2))
+    end if
     if (model%method%relaxed) then
       call summary%set('energy.filter_heat', model%ledger%filter_heat)
       call summary%set('energy.volume_correction', model%ledger%volume_correction)

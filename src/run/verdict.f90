@@ -43,6 +43,7 @@ module sgmp_verdict
   real(dp), parameter :: largest_turn = 0.05_dp        !! change of angular momentum over the first
   real(dp), parameter :: least_turn = 0.1_dp           !! that over what the motion could have
   real(dp), parameter :: largest_impulse = 1.0e-4_dp   !! lost, over the largest momentum
+  real(dp), parameter :: largest_pull = 0.05_dp        !! of walls with friction, over what presses
   real(dp), parameter :: least_thickness = 2.0_dp      !! cells across a body
 
   integer, parameter :: reason_length = 240
@@ -102,6 +103,7 @@ contains
     call judge_erosion(self, model)
     call judge_impulse(self, model)
     call judge_turning(self, scene, model)
+    call judge_rubbing(self, model)
     call judge_volumes(self, scene%method%volumes_kept)
     call judge_particles(self, scene, model%findings%lost)
     call judge_resolution(self, scene, thinnest)
@@ -110,6 +112,20 @@ contains
                        'dragged into the wall at rest (doc/loads.md); use method mpm')
     end if
   end subroutine verdict_reach
+
+  !> Walls with friction hold what would leave them: what pulls elsewhere presses here all the more,
+  !! and friction knows of that alone (doc/loads.md).
+  subroutine judge_rubbing(self, model)
+    type(verdict_t), intent(inout) :: self
+    type(model_t), intent(in) :: model
+    associate (pressed => model%ledger%wall_impulses(1), pulled => model%ledger%wall_impulses(2))
+      if (.not. pulled > largest_pull*pressed) return
+      call self%object('walls with friction have held back by '//real_text(pulled)// &
+                       ' what would leave them, and bear '//real_text(pressed)// &
+                       ' (impulses): they rub too much (doc/loads.md); take a rigid body and '// &
+                       'a card contact')
+    end associate
+  end subroutine judge_rubbing
 
   !> Bodies too thin for the grid, steps that have collapsed.
   subroutine judge_resolution(self, scene, thinnest)

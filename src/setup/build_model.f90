@@ -67,6 +67,7 @@ contains
                              grid%wall)
     end associate
     model%mesh%hoop = scene%method%hoop
+    model%mesh%wall_friction = scene%grid%wall_friction
     model%wall_motion%velocity = scene%grid%wall_velocity
     call wall_motion_start(model%wall_motion, model%mesh)
     model%method%update = scene%method%update

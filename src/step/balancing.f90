@@ -239,14 +239,14 @@ contains
 
   !> Columns of the moments that the next step reads: where it begins with a stress update, the
   !! stresses are those of the last one, for bins that particles have left. The first moments of the
-  !! mass, and what lies behind moving walls, are the last columns and bring the stresses along.
+  !! mass, and what lies behind walls that act, are the last columns and bring the stresses along.
   pure function columns_alive(model, f) result(columns)
     type(model_t), intent(in) :: model
     integer, intent(in) :: f
     integer :: columns(2)
     columns = [1, model%fields(f)%columns%total]
     if (any(model%method%update == [update_usf, update_usavg]) .and. &
-        .not. (model%method%rotation .or. model%mesh%walls_move)) then
+        .not. (model%method%rotation .or. model%mesh%walls_act)) then
       columns(2) = model%fields(f)%columns%force - 1
     end if
   end function columns_alive

@@ -37,6 +37,8 @@ module sgmp_energy
     real(dp) :: split = 0.0_dp       !! kinetic energy that the halves of split particles have more
                                      !! than what they were, after the kick
     real(dp) :: contact = 0.0_dp     !! kinetic energy that contact took (friction, impact)
+    real(dp) :: friction_power = 0.0_dp  !! that friction at walls takes at the mid-step velocity
+    real(dp) :: wall_forces(2) = 0.0_dp  !! that press on walls with friction, and that pull
     real(dp) :: rigid_work = 0.0_dp  !! work of rigid bodies on the others, and on free ones that of
                                      !! gravity and body forces
     real(dp) :: free_growth = 0.0_dp  !! of the kinetic energy of free rigid bodies
@@ -66,6 +68,7 @@ module sgmp_energy
     real(dp) :: moving_until = 0.0_dp        !! last time that was not at rest
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: lost_impulse = 0.0_dp        !! of forces on nodes below the mass cut-off
+    real(dp) :: wall_impulses(2) = 0.0_dp    !! that press on walls with friction, and that pull
   end type ledger_t
 
 contains
@@ -107,12 +110,13 @@ contains
     type(step_sums_t), intent(in) :: sums
     real(dp), intent(in) :: dt_kick
     logical, intent(in) :: exact
-    real(dp) :: explained
+    real(dp) :: explained, rubbed
+    rubbed = sums%contact + dt_kick*sums%friction_power
     explained = dt_kick*sums%power_before + 0.5_dp*dt_kick**2*sums%particles_aa + sums%free_growth
     if (exact) ledger%remainder = ledger%remainder + (sums%kinetic - ledger%kinetic) - explained
     ledger%external_work = ledger%external_work + dt_kick*sums%external_power + sums%rigid_work
-    ledger%contact_dissipation = ledger%contact_dissipation + sums%contact
-    ledger%predicted = ledger%predicted + explained + sums%internal + sums%contact &
+    ledger%contact_dissipation = ledger%contact_dissipation + rubbed
+    ledger%predicted = ledger%predicted + explained + sums%internal + rubbed &
                        - dt_kick*sums%external_power - sums%rigid_work
     ledger%interpolation_error = ledger%interpolation_error + &
                                  0.5_dp*dt_kick**2*(sums%nodes_aa - sums%particles_aa)
@@ -124,6 +128,7 @@ contains
     ledger%supplied = max(ledger%supplied, abs(ledger%external_work), &
                           ledger%initial_total - ledger%internal)
     ledger%lost_impulse = ledger%lost_impulse + dt_kick*sums%lost_force
+    ledger%wall_impulses = ledger%wall_impulses + dt_kick*sums%wall_forces
   end subroutine ledger_step
 
   !> Books the kinetic energy that is lost after the kick.

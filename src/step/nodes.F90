@@ -27,6 +27,7 @@ module DIM(sgmp_nodes)
   use sgmp_sums, only: nodes_external, nodes_lost, nodes_mass_aa, nodes_mass_av, &
                        nodes_sums
   use sgmp_voigt, only: flux_between
+  use sgmp_wall_friction, only: wall_nodes_rub, wall_nodes_stick
   use sgmp_wall_work, only: wall_nodes_book
   use sgmp_walls, only: walls_hold
   implicit none
@@ -57,6 +58,7 @@ contains
     integer :: s, first, n, idx
     logical :: driven
     driven = forced .or. any(abs(gravity) > 0.0_dp)
+    if (mesh%walls_rub) external = 0.0_dp
     lane_sums = 0.0_dp
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
@@ -83,6 +85,7 @@ contains
         if (field%columns%swirl > 0) call nodes_swirl_solve(field, mesh%inverse_h, s, first, n, m, &
                                                             dt)
         if (mesh%walls_move) call wall_nodes_book(field, mesh, s, first, n, m, dt, sums)
+        if (mesh%walls_rub) call wall_nodes_rub(field, mesh, s, first, n, m, external, dt, sums)
         call walls_hold(field, mesh, s, first, n, node_acceleration, wall_kick)
         call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
         call book_energies(n, first, driven, size(field%node, 1), m, f, external, dt, &
@@ -141,6 +144,7 @@ contains
         call divide_tile(n, size(field%node, 1), p, field%node(idx, 1))
         if (field%columns%swirl > 0) call nodes_swirl_remap(field, s, first, n)
         call walls_hold(field, mesh, s, first, n, node_remapped, wall_speed)
+        if (mesh%walls_rub) call wall_nodes_stick(field, mesh, s, first, n)
       end do
     end do
   end subroutine nodes_remap

@@ -82,11 +82,13 @@ contains
     real(dp) :: alpha(most_iterations), beta(most_iterations), square, largest
     integer :: j, n
     real(dp) :: wall_motion(3, 2, 3, 2)
-    logical :: smoothing
+    logical :: smoothing, walls_rub
     smoothing = model%method%update /= update_usl
     allocate (saved, source=model%fields)
     wall_motion = model%mesh%wall_motion
-    model%mesh%wall_motion = 0.0_dp  ! waves run as if walls were at rest
+    model%mesh%wall_motion = 0.0_dp  ! waves run as if walls were at rest, and smooth
+    walls_rub = model%mesh%walls_rub
+    model%mesh%walls_rub = .false.
     call phase_rotation(model%method, model%mesh, model%fields, model%bodies, model%team, &
                         model%ranks%partition)
     call start(model)
@@ -111,6 +113,7 @@ contains
     end do
     call move_alloc(saved, model%fields)
     model%mesh%wall_motion = wall_motion
+    model%mesh%walls_rub = walls_rub
     courant = 2.0_dp*stencil_reach(model%fields(1)%kernel)
     if (n == 0) return
     largest = largest_eigenvalue(alpha(:n), beta(2:n))

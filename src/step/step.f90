@@ -15,7 +15,8 @@ module sgmp_step
   use sgmp_mesh, only: wall_kick, wall_speed
   use sgmp_model, only: model_t
   use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_relax, phase_remap, &
-                         phase_rotation, phase_solve, phase_sweep, phase_velocity
+                         phase_rotation, phase_solve, phase_sweep, phase_velocity, &
+                         phase_velocity_rubbed
   use sgmp_plan, only: plan_t
   use sgmp_rebin_phases, only: phase_rebin_particles
   use sgmp_rigid_bodies, only: rigid_advance, rigid_choose_speed
@@ -145,7 +146,7 @@ contains
                partition => model%ranks%partition, clock => model%clock)
       call phase_normalise(method, mesh, fields, team, partition)
       call rigid_choose_speed(bodies, clock%time + 0.5_dp*clock%dt, clock%dt, mesh%ndim)
-      if (mesh%walls_move) call wall_motion_choose(model%wall_motion, &
+      if (mesh%walls_act) call wall_motion_choose(model%wall_motion, &
                                                    clock%time + 0.5_dp*clock%dt, dt_kick, mesh)
       if (free_any(bodies)) call free_open(bodies, mesh, method%gravity, clock%time, clock%dt, &
                                            dt_kick)
@@ -173,7 +174,12 @@ contains
     type(model_t), intent(inout) :: model
     associate (mesh => model%mesh, fields => model%fields, bodies => model%bodies, &
                team => model%team, velocity => node_velocity(model%mesh%ndim))
-      call phase_velocity(model%method, mesh, fields, bodies, team, model%ranks%partition)
+      if (mesh%walls_rub) then
+        call phase_velocity_rubbed(model%method, clock_kick_step(model%clock), mesh, fields, &
+                                   bodies, team, model%ranks%partition)
+      else
+        call phase_velocity(model%method, mesh, fields, bodies, team, model%ranks%partition)
+      end if
       call find_contact(model)
       call phase_contact_velocity(contact_step(model), .true., mesh, fields, bodies, &
                                   model%contact, team%threads, model%ranks, model%findings, &
@@ -230,11 +236,12 @@ contains
   end function strains_before
 
   !> Whether sweeps that end a step which begins with a stress update bring the stress none the
-  !! less: with it come the first moments of the mass, and all that lies behind moving walls.
+  !! less: with it come the first moments of the mass, and all that lies behind walls that move or
+  !! rub.
   pure function brings_stress(model) result(yes)
     type(model_t), intent(in) :: model
     logical :: yes
-    yes = model%method%rotation .or. model%mesh%walls_move
+    yes = model%method%rotation .or. model%mesh%walls_act
   end function brings_stress
 
   !> What contact must know of the step.

@@ -6,7 +6,8 @@ module sgmp_sums
             sum_moment, sum_angular, sum_filter, sum_swirl, sum_volume, sum_split
   public :: eroded_sums, eroded_count, eroded_mass, eroded_momentum, eroded_moment, &
             eroded_kinetic, eroded_internal
-  public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_lost
+  public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_friction, nodes_lost, &
+            nodes_pressed, nodes_pulled
 
   integer, parameter :: sweep_sums = 13    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
@@ -31,12 +32,15 @@ module sgmp_sums
   integer, parameter :: eroded_kinetic = 9
   integer, parameter :: eroded_internal = 10
 
-  integer, parameter :: nodes_sums = 4     !! entries of a plane's sums over nodes
+  integer, parameter :: nodes_sums = 7     !! entries of a plane's sums over nodes
   integer, parameter :: nodes_mass_aa = 1  !! sum m_I |a_I|^2
   integer, parameter :: nodes_mass_av = 2  !! sum m_I a_I . v_I at the velocity before the kick
   integer, parameter :: nodes_external = 3  !! power of gravity and body forces at the mid-step
                                            !! velocity
   !> Forces on nodes below the mass cut-off, which move nothing: sum |f_x| + |f_y| + |f_z|.
   integer, parameter :: nodes_lost = 4
+  integer, parameter :: nodes_friction = 5  !! power that friction at walls takes
+  integer, parameter :: nodes_pressed = 6  !! forces that press nodes against walls with friction
+  integer, parameter :: nodes_pulled = 7   !! those by which such walls hold others back
 
 end module sgmp_sums

@@ -11,8 +11,8 @@ module sgmp_totals
   use sgmp_parallel, only: parallel_agree, parallel_max_place
   use sgmp_partition, only: partition_t
   use sgmp_sums, only: eroded_count, eroded_internal, eroded_kinetic, eroded_mass, eroded_moment, &
-                       eroded_momentum, eroded_sums, nodes_external, nodes_lost, &
-                       nodes_mass_aa, nodes_mass_av, nodes_sums, &
+                       eroded_momentum, eroded_sums, nodes_external, nodes_friction, nodes_lost, &
+                       nodes_mass_aa, nodes_mass_av, nodes_pressed, nodes_pulled, nodes_sums, &
                        sum_filter, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, &
                        sum_momentum, sum_split, sum_viscous, sum_volume, sweep_sums
   use sgmp_tally, only: tally_reset, tally_total
@@ -155,6 +155,8 @@ contains
     all%power_before = all%power_before + sums(nodes_mass_av)
     all%external_power = all%external_power + sums(nodes_external)
     all%lost_force = all%lost_force + sums(nodes_lost)
+    all%friction_power = all%friction_power + sums(nodes_friction)
+    all%wall_forces = all%wall_forces + sums([nodes_pressed, nodes_pulled])
   end subroutine add_nodes
 
   !> Adds what contact did.

@@ -27,7 +27,7 @@ module sgmp_wall_work
   use sgmp_walls, only: ghost_intervals, ghost_point, ghost_records, vector_parity
   implicit none
   private
-  public :: phase_wall_work, wall_nodes_book
+  public :: holding_wall, phase_wall_work, wall_nodes_book
 
 contains
 
@@ -63,7 +63,8 @@ contains
     end do
   end subroutine wall_nodes_book
 
-  !> The wall that holds component a of a node, as walls_hold has it; axis = 0: none.
+  !> The wall that holds component `a` of the node at `point` (3), as walls_hold has it: its side
+  !! and axis; axis = 0: none.
   pure subroutine holding_wall(mesh, point, a, held_side, held_axis)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: point(3), a

@@ -230,6 +230,10 @@ history steps=3
 output csv at=end
 """
 
+# The same in a duct that rubs: nodes that stick and that slide, walls that are pulled along, images behind walls at the cuts.
+RUBBED = DRAGGED.replace("wall x-=fixed y-=fixed z-=fixed z+=fixed", "wall x-=slip y-=fixed z-=slip z+=slip\nwallfriction x- friction=0.2\nwallfriction z- friction=0.5\n"
+                         "wallfriction z+ friction=3").replace("velocity b", 'bodyforce b x=-0.01 z="0.02*sin(t)"\nvelocity b')
+
 # A rigid punch drives a cone into a seat of the same slope, with a hoop around it: bodies of revolution that touch along the
 # axis, across it and at an angle to it, near the axis and far from it, three at a corner.
 SEAT = """

@@ -12,7 +12,7 @@ import os
 import re
 import subprocess
 
-from _runs import (CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, METALS, SCRATCH, SCATTERED, SEAT, SGMP,
+from _runs import (CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, METALS, RUBBED, SCRATCH, SCATTERED, SEAT, SGMP,
                    SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run)
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
@@ -213,6 +213,8 @@ SCENES = [
     ("space_normalised", SPACE, {"stress": "normalised"}, FEW),
     ("dragged", DRAGGED + "balance every=4 gain=0\n", {}, LAYOUTS),
     ("dragged_usf", DRAGGED + "balance every=4 gain=0\n", {"method": "gimp", "update": "usf"}, FEW),
+    ("rubbed", RUBBED + "balance every=4 gain=0\n", {}, LAYOUTS),
+    ("rubbed_usf", RUBBED + "balance every=4 gain=0\n", {"method": "bspline", "update": "usf"}, FEW),
     ("climb", CLIMB, {}, LAYOUTS),
     ("climb_gimp", CLIMB, {"method": "gimp", "update": "usl"}, FEW),
     ("climb_bspline", CLIMB, {"method": "bspline", "update": "musl"}, FEW),

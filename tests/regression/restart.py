@@ -6,7 +6,7 @@ usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 import os
 
 from _restarts import FULL, checkpoints, command, deck, execute, goes_on, mpirun, same_files, straight
-from _runs import CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, SCATTERED, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report
+from _runs import CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, RUBBED, SCATTERED, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report
 
 EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
 # Particles leave the grid on two sides, where they are dropped or turned back.
@@ -104,6 +104,7 @@ SCENES = [
     ("seat", SEAT, {}, 60, 2),
     ("swirl", SWIRL, {}, 60, 2),
     ("dragged", DRAGGED, {}, 30, 2),
+    ("rubbed", RUBBED, {"update": "usavg"}, 30, 2),
     ("fluids", FLUIDS, {}, 40, 2),
     ("failing", FAILING, {}, 80, 2),
     ("metals", METALS, {}, 80, 2),

@@ -122,6 +122,20 @@ material water fluid density=1 viscosity=0.5
 eos water tait c0=10
 body water block material=water lower=(0,0) upper=(1,1) ppc=2
 """
+# A block that is pulled off a wall with friction at one end and pressed to it at the other.
+PULLED = """
+parameter pull = 0.2
+dimension 2
+grid cell=0.125 x=-1:3 y=0:1
+wall y-=slip
+wallfriction y- friction=0.3
+time end=0.5 cfl=0.4
+method sgmp
+material m elastic density=1 young=250 poisson=0.3
+body b block material=m lower=(0,0) upper=(2,0.5) ppc=2
+velocity b x=0.1
+bodyforce b y="(x0 < 1 ? pull : -1)*min(t/0.2,1)"
+"""
 # Soil without cohesion, whose particles fly apart along the cone as it shears: dilatancy as large as friction makes energy.
 DILATING = """
 parameter dilatancy = 30
@@ -233,6 +247,8 @@ def criteria(report):
         report.check("a wall moves towards one across its way" in result.text.split("verdict")[0], f"lid {method}: no warning at the start: {result.text}")
     sound(report, "lid_mpm", LID, method="mpm")
     sound(report, "plate", LID, sides="free")
+    doubts(report, "pulled", PULLED, "walls with friction have held back by")
+    sound(report, "pressed", PULLED, pull=-0.2)
     doubts(report, "dilating", DILATING, "energy that it never had")
     result = run("dilating_little", DILATING, dilatancy=0)
     report.check(not any("never had" in reason for reason in result["verdict_reasons"]), f"dilating: {result['verdict_reasons']}")
