@@ -28,7 +28,7 @@ LAWS = {
     "j2": ([f"j2 density=1 {SOLID} yield=0.1 hardening=linear hardening_modulus=1"], "von Mises, radial return (R1)", "uniaxial strain in closed form (test_stress_update)"),
     "johnson_cook": ([f"johnson_cook density=1 {SOLID} yield=0.1 hardening_modulus=1 hardening_exponent=0.3 rate_coefficient=0.02 reference_rate=1e-3 "
                       "thermal=yes melt_temperature=1000 specific_heat=10 failure=yes d1=9"],
-                     "(J1)–(J3), Johnson and Cook 1983, 1985", "Taylor bars (taylor_bar; three metals beside finite elements, taylor_metals), closed forms (test_material_jc), paths of the library's metals (tests/regression/library.py)"),
+                     "(J1)–(J3), Johnson and Cook 1983, 1985", "Taylor bars (taylor_bar; three metals beside finite elements, taylor_metals), a plate that is pierced (perforation), closed forms (test_material_jc), paths of the library's metals (tests/regression/library.py)"),
     "explosive": (["explosive density=1 detonation_speed=7", "eos m jwl a=371 b=3.2 r1=4.15 r2=0.95 omega=0.3 energy0=7", "detonation time=-100 normal=(1,0,0)"],
                   "(W1), programmed burn", "Chapman-Jouguet state and Taylor wave (tnt_slab)"),
     "fluid": (["fluid density=1 viscosity=1e-3", "eos m tait c0=10 pressure0=1"], "2η dev D − p", "shock tube, shocks, hydrostatics, vortex (fluids), below"),
