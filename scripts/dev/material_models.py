@@ -49,7 +49,7 @@ LAWS = {
     "johnson_holmquist": (["johnson_holmquist density=1 shear_modulus=90 k1=130 k2=10 k3=10 hugoniot_limit=2.8 hugoniot_pressure=1.4 intact_strength=0.9 intact_exponent=0.6 "
                            "fractured_strength=0.3 fractured_exponent=0.6 rate_coefficient=0.01 tension_limit=0.2 damage_strain=0.005"],
                           "(JH1)–(JH6), JH-2 of Johnson and Holmquist 1994", "states by hand (test_material_johnson_holmquist); one element squeezed, let go and drawn by a second "
-                          "implementation (tests/regression/laws.py, 0.1 to 0.5 %)"),
+                          "implementation (tests/regression/laws.py, 0.1 to 0.5 %); a tungsten rod, which misses (long_rod)"),
     "cam_clay": (["cam_clay density=1 poisson=0.3 critical_ratio=1 compression_slope=0.1 swelling_slope=0.02 void_ratio=1 pressure0=1"],
                  "(CC1)–(CC4), modified Cam-clay of Roscoe and Burland 1968", "lines of compression and swelling, undrained path, drained triaxial compression, critical state "
                  "in closed form (test_material_cam_clay); one element squeezed, let go and drawn by a second implementation (tests/regression/laws.py, 0.1 %)"),
