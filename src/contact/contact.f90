@@ -306,10 +306,8 @@ contains
       nd = shared%ndim
       column = merge(node_velocity(nd), node_remapped, before_kick)
       call contact_gather(shared, n, bodies, fields, column, velocity, inverse_mass, moving)
-      ! A rigid body moves at all nodes that are stored for it, those that it has left among them.
       do l = 1, size(links)
-        if (.not. (shared%meets(shared%link_start(n) + l - 1) .and. moving(links(l)%first) .and. &
-                   moving(links(l)%second))) call forget(links(l))
+        if (.not. (moving(links(l)%first) .and. moving(links(l)%second))) call forget(links(l))
       end do
       obeying = velocity
       call resolve_strain(links, inverse_mass, obeying)

@@ -81,10 +81,7 @@ contains
       if (mesh%ndim == 2) at(3) = at(2)
       if (mesh%ndim == 2) at(2) = 0
       row = field_base(field, at(2), at(3), at(1))
-      if (row == huge(1)) then  ! how far from the body nodes are stored, is a matter of ranks
-        if (in_grid(mesh, place(:mesh%ndim))) weights = weights + weight
-        cycle
-      end if
+      if (row == huge(1)) cycle
       place(1) = max(place(1), 0.25_dp)  ! a node on an axis stands for the half cell beside it
       weights = weights + weight
       part = part + weight*mesh_filled(mesh, place(:mesh%ndim), &
@@ -92,14 +89,6 @@ contains
     end do
     part = part/max(weights, tiny(1.0_dp))
   end function filled_around
-
-  !> Whether a place (cells) lies in the grid.
-  pure function in_grid(mesh, place) result(yes)
-    type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: place(:)
-    logical :: yes
-    yes = all(place >= mesh%lower(:size(place)) .and. place <= mesh%upper(:size(place)))
-  end function in_grid
 
   !> Whether a place lies behind a wall, where nothing is left after folding.
   pure function behind_wall(mesh, axis, place) result(yes)
