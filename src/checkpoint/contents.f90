@@ -1,7 +1,7 @@
 !> What a checkpoint says of itself to readers other than a restart: time, grid, bodies, and what
 !! the columns of their particles are, as JSON.
 module sgmp_contents
-  use sgmp_body, only: body_t
+  use sgmp_body, only: body_parts, body_t
   use sgmp_constitutive, only: slots_t
   use sgmp_load, only: load_force, load_t
   use sgmp_mesh, only: mesh_t
@@ -50,6 +50,9 @@ contains
     character(name_length), allocatable :: names(:)
     integer :: q
     names = column_names(body%law%slots, body%loads, mesh)
+    do q = 1, body_parts(body)
+      names(body%driven(q)%mark) = 'driven'//integer_text(q)
+    end do
     text = '{"name": "'//trim(body%name)//'", "first_id": '//integer_text(body%first_id)// &
            ', "columns": "position velocity mass'
     do q = 1, size(names)

@@ -3,14 +3,16 @@
 !! One procedure names it all, for writing and for reading.
 module sgmp_state
   use sgmp_archive, only: archive_t
-  use sgmp_body, only: body_t
+  use sgmp_body, only: body_parts, body_t
   use sgmp_contact, only: contact_t
   use sgmp_contact_memory, only: memory_share
   use sgmp_contact_pairs, only: contact_pair_t
+  use sgmp_driven_part, only: driven_part_t, driven_totals
   use sgmp_energy, only: eroded_t, ledger_t
   use sgmp_kinds, only: dp, i8
   use sgmp_mesh, only: mesh_t, wall_speed
   use sgmp_model, only: model_t
+  use sgmp_motion_rows, only: motion_rows_t
   use sgmp_outputs, only: outputs_t
   use sgmp_rigid_motion, only: rigid_motion_t
   use sgmp_time_step, only: clock_t
@@ -126,18 +128,41 @@ contains
     type(archive_t), intent(inout) :: archive
     type(body_t), intent(inout) :: body
     type(body_sums_t), intent(inout) :: sums
+    integer :: i
     call archive%pass(body%first_id)
     call archive%pass(body%speed)
     call archive%pass(body%speed_before)
     if (body%rigid_motion%free .or. body%rigid_motion%turns) then
       call pass_rigid(archive, body%rigid_motion)
     end if
+    do i = 1, body_parts(body)
+      call pass_driven(archive, body%driven(i))
+    end do
     call archive%pass(sums%mass)
     call archive%pass(sums%moment)
     call archive%pass(sums%momentum)
     call archive%pass(sums%kinetic)
     call archive%pass(sums%internal)
   end subroutine pass_body
+
+  !> Of a part of a body whose motion is prescribed.
+  subroutine pass_driven(archive, part)
+    type(archive_t), intent(inout) :: archive
+    type(driven_part_t), intent(inout) :: part
+    integer :: acts
+    acts = merge(1, 0, part%drive%acts)
+    call archive%pass(acts)
+    part%drive%acts = acts > 0
+    call archive%pass(part%drive%centre)
+    call archive%pass(part%drive%velocity)
+    call archive%pass(part%drive%gradient)
+    call archive%pass(part%drive%before)
+    call archive%pass(part%drive%gradient_before)
+    call archive%pass(part%motion%centre)
+    call archive%pass(part%motion%gradient_before)
+    call archive%pass(part%total)
+    if (archive%reading) part%drive%axes = part%axes
+  end subroutine pass_driven
 
   !> Of a rigid body that turns or is free.
   subroutine pass_rigid(archive, motion)
@@ -206,9 +231,25 @@ contains
       call archive%pass(outputs%rigid%time)
       call archive%pass(outputs%rigid%impulse)
     end if
+    if (any(bodies%is_driven)) call pass_motion(archive, outputs%motion, bodies)
     if (pairs == 0) return
     if (.not. allocated(outputs%contact%impulse)) allocate (outputs%contact%impulse(6, pairs))
     call archive%pass(outputs%contact%impulse)
   end subroutine pass_outputs
+
+  !> How far motion.csv had come.
+  subroutine pass_motion(archive, rows, bodies)
+    type(archive_t), intent(inout) :: archive
+    type(motion_rows_t), intent(inout) :: rows
+    type(body_t), intent(in) :: bodies(:)
+    integer :: b
+    if (.not. allocated(rows%before)) then
+      allocate (rows%before(driven_totals, sum([(body_parts(bodies(b)), b=1, size(bodies))])), &
+                source=0.0_dp)
+    end if
+    call archive%pass(rows%step)
+    call archive%pass(rows%time)
+    call archive%pass(rows%before)
+  end subroutine pass_motion
 
 end module sgmp_state

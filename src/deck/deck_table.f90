@@ -11,6 +11,7 @@ module sgmp_deck_table
   use sgmp_cards_load, only: register_load
   use sgmp_cards_material, only: register_material
   use sgmp_cards_method, only: register_method
+  use sgmp_cards_motion, only: register_motion
   use sgmp_cards_output, only: register_output
   use sgmp_cards_surface, only: register_surface
   use sgmp_registry, only: registry_t
@@ -45,6 +46,7 @@ contains
     call register_load(table)
     call register_initial_stress(table)
     call register_surface(table)
+    call register_motion(table)
     table%group = 'Contact'
     call register_contact(table)
     table%group = 'Output'

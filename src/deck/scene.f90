@@ -21,8 +21,8 @@ module sgmp_scene
   private
   public :: balance_card_t, body_card_t, bodyforce_card_t, checkpoint_card_t, contact_card_t, &
             damping_card_t, detonation_card_t, gauge_card_t, grid_card_t, &
-            initial_stress_card_t, load_card_t, material_card_t, method_card_t, output_card_t, &
-            statement_text_t, stop_card_t, &
+            initial_stress_card_t, load_card_t, material_card_t, method_card_t, motion_card_t, &
+            output_card_t, statement_text_t, stop_card_t, &
             time_card_t
   public :: contact_lambda_default
   public :: dump_formats, dump_names, dump_tecplot, dump_vtkhdf, dump_vtu
@@ -168,6 +168,19 @@ module sgmp_scene
     character(:), allocatable :: location         !! file:line:column of the card, for messages
   end type load_card_t
 
+  !> Prescribed motion of a part of a body.
+  type :: motion_card_t
+    integer :: body = 0
+    type(expression_t) :: where                   !! not 0 at its particles, a function of place
+    logical :: axes(3) = .false.                  !! components that are prescribed
+    type(expression_t) :: velocity(3), omega(3)   !! functions of t
+    logical :: turns = .false.                    !! an angular velocity is given
+    real(dp) :: about(3) = 0.0_dp                 !! the point that has the velocity at the start
+    logical :: about_given = .false.              !! else it is the centre of mass of the part
+    real(dp) :: until = huge(1.0_dp)              !! time from which on it is free
+    character(:), allocatable :: location         !! file:line:column of the card, for messages
+  end type motion_card_t
+
   !> A point from which explosives are lit.
   type :: detonation_card_t
     real(dp) :: point(3) = 0.0_dp
@@ -251,6 +264,7 @@ module sgmp_scene
     real(dp) :: gravity(3) = 0.0_dp
     type(bodyforce_card_t), allocatable :: bodyforces(:)
     type(load_card_t), allocatable :: loads(:)
+    type(motion_card_t), allocatable :: motions(:)
     type(contact_card_t), allocatable :: contacts(:)
     type(damping_card_t) :: damping
     type(detonation_card_t), allocatable :: detonations(:)
@@ -291,6 +305,13 @@ contains
         do i = 1, size(scene%loads)
           call expression_free(scene%loads(i)%value(k))
           call expression_free(scene%loads(i)%where)
+        end do
+      end if
+      if (allocated(scene%motions)) then
+        do i = 1, size(scene%motions)
+          call expression_free(scene%motions(i)%velocity(k))
+          call expression_free(scene%motions(i)%omega(k))
+          call expression_free(scene%motions(i)%where)
         end do
       end if
     end do

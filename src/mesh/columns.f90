@@ -16,6 +16,9 @@ module sgmp_columns
   type :: columns_t
     integer :: mass = 1
     integer :: radial = 0              !! mass times radius (cells), 0: there is no axis
+    integer :: drives = 0              !! mass of particles whose motion is prescribed, one column
+                                       !! for each prescription; 0: there is none
+    integer :: driven = 0              !! how many
     integer :: momentum = 2
     integer :: spin = 0                !! the spin that particles carry, times their mass
     integer :: spins = 0               !! components of it, 0: none is carried
@@ -68,7 +71,7 @@ contains
 
   !> Lays out the columns of the sums.
   pure function columns_make(space, kernel, external, volume, spins, offset, relaxed, swirl, &
-                             faced) result(columns)
+                             faced, driven) result(columns)
     integer, intent(in) :: space, kernel
     logical, intent(in) :: external    !! with an external force
     logical, intent(in) :: volume      !! with the volume
@@ -77,6 +80,7 @@ contains
     logical, intent(in), optional :: relaxed  !! with what particles relax by; needs the volume
     logical, intent(in), optional :: swirl  !! with the velocity around the axis
     logical, intent(in), optional :: faced  !! external forces act on faces of particles
+    integer, intent(in), optional :: driven  !! prescribed motions of parts of bodies
     type(columns_t) :: columns
     integer :: ndim
     logical :: with_relaxation, with_swirl
@@ -90,6 +94,9 @@ contains
       columns%radial = columns%momentum
       columns%momentum = columns%radial + 1
     end if
+    if (present(driven)) columns%driven = driven
+    columns%drives = merge(columns%momentum, 0, columns%driven > 0)
+    columns%momentum = columns%momentum + columns%driven
     columns%spin = columns%momentum + ndim
     columns%spins = spins
     columns%force = columns%spin + spins

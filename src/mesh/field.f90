@@ -7,6 +7,7 @@
 module sgmp_field
   use sgmp_axis, only: axis_hoop_weights
   use sgmp_columns, only: columns_keep_behind, columns_make, columns_t, relax_total
+  use sgmp_drive, only: drive_t
   use sgmp_kernels, only: kernel_centred, kernel_folds, kernel_sgmp, stencil_width
   use sgmp_kinds, only: dp, i8
   use sgmp_large_pages, only: large_pages_ask
@@ -43,13 +44,16 @@ module sgmp_field
                                          !! where there is an axis and values are at centres
     real(dp), allocatable :: relax(:, :)  !! (points, relax_total) what particles relax to, at the
                                           !! centres; not allocated: nothing relaxes
+    type(drive_t), allocatable :: drives(:)  !! prescribed motions; not allocated: none
+    integer :: drive_terms = 0           !! entries of a step's sums before those of the drives
+    real(dp), allocatable :: drive_sums(:, :, :)  !! (drive_sums, drives, planes) of the step
   end type field_t
 
 contains
 
   !> An empty field.
   pure subroutine field_init(field, mesh, kernel, body_force, volume, spins, rotation, relaxed, &
-                             swirl, faced)
+                             swirl, faced, driven)
     type(field_t), intent(out) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel        !! one of kernel_*
@@ -60,6 +64,7 @@ contains
     logical, intent(in), optional :: relaxed   !! columns for what particles relax by
     logical, intent(in), optional :: swirl     !! columns for the velocity around the axis
     logical, intent(in), optional :: faced     !! columns for the levers of external forces
+    integer, intent(in), optional :: driven    !! prescribed motions of parts of bodies
     logical :: with_volume
     integer :: nspin
     with_volume = .false.
@@ -71,7 +76,8 @@ contains
     field%space = mesh%space
     field%hoop_correction = mesh%hoop
     field%columns = columns_make(mesh%space, kernel, body_force, with_volume, nspin, &
-                                 rotation, relaxed, swirl, faced)
+                                 rotation, relaxed, swirl, faced, driven)
+    if (field%columns%driven > 0) allocate (field%drives(field%columns%driven))
     if (mesh%walls_act .and. kernel_folds(kernel)) then
       call columns_keep_behind(field%columns, mesh%ndim, any(mesh%wall(:, :mesh%ndim) /= &
                                                              wall_free, dim=1))

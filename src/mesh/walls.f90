@@ -45,6 +45,7 @@ contains
     real(dp) :: parity
     parity = 1.0_dp
     if (column == columns%mass .or. column == columns%square) return
+    if (column >= columns%drives .and. column < columns%drives + columns%driven) return
     if (swirls(column, columns)) then
       parity = swirl_parity(column, columns, normal, wall)
     else if (column == columns%radial .or. column == columns%external) then

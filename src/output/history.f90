@@ -15,7 +15,8 @@ module sgmp_history
   public :: history_t, history_columns, damped_columns, eroded_columns, kept_columns, &
             split_columns, swirl_columns
   public :: bodies_columns, bodies_integers, gauges_columns, &
-    gauges_integers, contact_columns, contact_integers, rigid_columns, rigid_integers, column_length
+    gauges_integers, contact_columns, contact_integers, motion_columns, motion_integers, &
+    rigid_columns, rigid_integers, column_length
 
   integer, parameter :: column_length = 32
 
@@ -66,6 +67,14 @@ module sgmp_history
     'velocity_x', 'velocity_y', 'velocity_z', 'omega_x', 'omega_y', 'omega_z', 'force_x', &
     'force_y', 'force_z', 'torque_x', 'torque_y', 'torque_z']
   character(column_length), parameter :: rigid_integers(1) = [character(column_length) :: 'body']
+
+  !> Columns of motion.csv after `step`: `motion` counts those of a body, work is since the start.
+  character(column_length), parameter :: motion_columns(*) = [character(column_length) :: &
+    'time', 'body', 'motion', 'x', 'y', 'z', 'velocity_x', 'velocity_y', 'velocity_z', &
+    'omega_x', 'omega_y', 'omega_z', 'force_x', 'force_y', 'force_z', 'torque_x', 'torque_y', &
+    'torque_z', 'work']
+  character(column_length), parameter :: motion_integers(2) = [character(column_length) :: &
+    'body', 'motion']
 
   !> One table being written.
   type :: history_t

@@ -12,6 +12,7 @@ module sgmp_outputs
                           split_columns, swirl_columns
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
+  use sgmp_motion_rows, only: motion_rows_open, motion_rows_t, motion_rows_write
   use sgmp_parallel, only: parallel_agree, parallel_rank
   use sgmp_particle_fields, only: particle_field_find, particle_field_t
   use sgmp_particle_table, only: particle_table_write
@@ -35,6 +36,7 @@ module sgmp_outputs
     type(gauges_t) :: gauges
     type(contact_rows_t) :: contact
     type(rigid_rows_t) :: rigid
+    type(motion_rows_t) :: motion
     type(vtu_series_t) :: vtu
     type(tecplot_t) :: tecplot
     type(vtkhdf_t) :: vtkhdf
@@ -140,6 +142,8 @@ contains
     call contact_rows_open(outputs%contact, model, folder//'/contact.csv', error, step)
     if (allocated(error)) return
     call rigid_rows_open(outputs%rigid, model, folder//'/rigid.csv', error, step)
+    if (allocated(error)) return
+    call motion_rows_open(outputs%motion, model, folder//'/motion.csv', error, step)
     if (allocated(error)) return
     call gauges_open(outputs%gauges, model, folder//'/gauges.csv', error, step)
   end subroutine open_tables
@@ -293,6 +297,8 @@ contains
     call contact_rows_write(outputs%contact, model, error)
     if (allocated(error)) return
     call rigid_rows_write(outputs%rigid, model, error)
+    if (allocated(error)) return
+    call motion_rows_write(outputs%motion, model, error)
   end subroutine write_sums
 
   !> A dump of the fields in each format that is due and has none of this step.
@@ -351,6 +357,7 @@ contains
     if (.not. allocated(error)) call outputs%bodies%flush(error, .true.)
     if (.not. allocated(error)) call outputs%contact%file%flush(error, .true.)
     if (.not. allocated(error)) call outputs%rigid%file%flush(error, .true.)
+    if (.not. allocated(error)) call outputs%motion%file%flush(error, .true.)
     if (.not. allocated(error)) call outputs%gauges%file%flush(error, .true.)
   end subroutine outputs_flush
 
@@ -384,6 +391,8 @@ contains
     if (outputs%contact%file%is_open()) call outputs%contact%file%close(error)
     if (allocated(error)) return
     if (outputs%rigid%file%is_open()) call outputs%rigid%file%close(error)
+    if (allocated(error)) return
+    if (outputs%motion%file%is_open()) call outputs%motion%file%close(error)
     if (allocated(error)) return
     if (outputs%gauges%file%is_open()) call outputs%gauges%file%close(error)
     if (allocated(error)) return

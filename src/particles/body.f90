@@ -1,6 +1,7 @@
 !> A body: its particles, what they are made of, and the field they move in.
 module sgmp_body
   use sgmp_constitutive, only: constitutive_t
+  use sgmp_driven_part, only: driven_part_t
   use sgmp_expression, only: expression_t
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: stencil_width
@@ -12,7 +13,8 @@ module sgmp_body
   use sgmp_text, only: integer_text
   implicit none
   private
-  public :: body_t, body_place, body_forced, body_given_id, body_number, body_particle
+  public :: body_t, body_place, body_forced, body_given_id, body_number, body_particle, &
+            body_parts
 
   !> One body of the model.
   type :: body_t
@@ -31,6 +33,8 @@ module sgmp_body
     type(expression_t) :: force(3)             !! force per unit mass
     type(load_t), allocatable :: loads(:)      !! not allocated: none
     logical :: faced = .false.                 !! some of them act on faces
+    logical :: is_driven = .false.             !! the motion of parts of it is prescribed
+    type(driven_part_t), allocatable :: driven(:)  !! these; not allocated: none
     logical :: rigid = .false.                 !! moves as prescribed, or as a whole
     logical :: at_rest = .false.               !! rigid and never moves
     type(expression_t) :: motion(3)            !! velocity of a rigid body, functions of t
@@ -52,6 +56,14 @@ contains
       if (bodies(b)%field == field .and. bodies(b)%forced) forced = .true.
     end do
   end function body_forced
+
+  !> How many parts of a body have a prescribed motion.
+  pure function body_parts(body) result(parts)
+    type(body_t), intent(in) :: body
+    integer :: parts
+    parts = 0
+    if (body%is_driven) parts = size(body%driven)
+  end function body_parts
 
   !> Number of the body that a particle belongs to.
   pure function body_number(bodies, id) result(number)

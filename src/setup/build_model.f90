@@ -6,6 +6,7 @@ module sgmp_build_model
   use sgmp_body, only: body_t
   use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
+  use sgmp_build_driven, only: driven_add_columns, driven_declare, driven_fill, driven_number
   use sgmp_build_loads, only: loads_add_columns, loads_declare, loads_fill
   use sgmp_build_rigid, only: rigid_begin, rigid_centre, rigid_declare
   use sgmp_build_stress, only: stress_fill
@@ -174,6 +175,7 @@ contains
       if (all(body%half_size <= 0.0_dp)) body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
       call attach_force(scene, number, body)
       call loads_declare(scene, number, body)
+      call driven_declare(scene, number, body)
       call rigid_declare(card, mesh, body)
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
@@ -186,6 +188,7 @@ contains
       call add_columns(scene, body%law)
       if (splits(scene, body)) call add_column(body%law%slots, body%law%slots%path)
       call loads_add_columns(mesh%ndim, body)
+      call driven_add_columns(body)
       do d = 1, mesh%ndim
         x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
       end do
@@ -219,9 +222,20 @@ contains
       if (allocated(error)) return
       call fill_positions(scene, mesh, body)
       call contact_fill_slot(card, mesh, body)
-      if (seeded) call loads_fill(scene, number, mesh, body, error)
+      if (seeded) call fill_loads(scene, number, mesh, body, error)
     end associate
   end subroutine fill_columns
+
+  !> Columns for loads and for prescribed motions of parts. All ranks must call it.
+  subroutine fill_loads(scene, number, mesh, body, error)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: number
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    type(error_t), allocatable, intent(out) :: error
+    call loads_fill(scene, number, mesh, body, error)
+    if (.not. allocated(error)) call driven_fill(scene, number, mesh, body, error)
+  end subroutine fill_loads
 
   !> Axes of stress and deformation: with swirl those of space.
   pure function tensor_axes(scene) result(n)
@@ -465,12 +479,15 @@ contains
     type(model_t), intent(inout) :: model
     integer, intent(in) :: kernel, threads
     integer :: f
+    integer, dimension(contact_fields(model)) :: parts, terms
     allocate (model%fields(contact_fields(model)))
+    call driven_number(model, parts, terms)
     allocate (model%turning(size(model%fields)))
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
                       model%method%normalised, model%method%spins, model%method%rotation, &
-                      model%method%relaxed, model%method%swirl, any(model%bodies%faced))
+                      model%method%relaxed, model%method%swirl, any(model%bodies%faced), parts(f))
+      model%fields(f)%drive_terms = terms(f)
     end do
     call team_make(model%team, threads, model%mesh%space, size(model%fields), size(model%bodies))
     allocate (model%ranks%below(size(model%fields)), model%ranks%above(size(model%fields)))

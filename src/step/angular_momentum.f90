@@ -50,7 +50,8 @@ contains
     yes = mesh%ndim > 1 .and. mesh%space /= space_axisymmetric .and. &
           all(mesh%wall(:, :mesh%ndim) == wall_free) .and. &
           .not. (method%damped .or. method%erodes) .and. &
-          .not. any((bodies%rigid .or. bodies%forced) .and. bodies%field == field)
+          .not. any((bodies%rigid .or. bodies%forced .or. bodies%is_driven) .and. &
+                     bodies%field == field)
     do p = 1, size(pairs)
       yes = yes .and. all(bodies(pairs(p)%body)%field /= field)
     end do

@@ -12,6 +12,8 @@ module DIM(sgmp_chunk)
   use sgmp_constitutive, only: constitutive_t
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
                                   departures_outside, departures_take_out
+  use sgmp_drive, only: most_drives
+  use CARTESIAN(sgmp_driven_particles), only: driven_masses, driven_read
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_force
@@ -44,7 +46,8 @@ module DIM(sgmp_chunk)
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 1 + NMASS + NDIM*(3 + NDIM) + NSPIN + NFLUX + 5
+  integer, parameter :: most_columns = 1 + NMASS + NDIM*(3 + NDIM) + NSPIN + NFLUX + 5 + &
+                                     most_drives
   integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
@@ -67,6 +70,7 @@ module DIM(sgmp_chunk)
     integer :: plain = 0                 !! of these, all but the last: the mass's first moments
     integer :: spin = 0                  !! columns before the spin; 0: none is carried
     integer :: momentum = 0              !! columns before the momentum
+    integer :: masses = NMASS            !! columns of mass, those of driven particles among them
     integer :: swirl = 0                 !! columns before the moments of swirl; 0: none
     integer :: square = 0                !! column of m |v|^2; 0: none
     integer :: behind = 0                !! columns behind the forces, from the volume on
@@ -106,9 +110,10 @@ contains
     task%span = bin_span(kernel, NDIM)
     task%nq = plan%last_column - plan%first_column + 1
     task%plain = task%nq - merge(NDIM, 0, plan%offset)
-    task%forces = merge(NMASS, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
+    task%masses = NMASS + plan%driven
+    task%forces = merge(task%masses, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
     if (plan%spins > 0 .and. plan%momentum) then
-      task%momentum = merge(NMASS, 0, plan%mass)
+      task%momentum = merge(task%masses, 0, plan%mass)
       task%spin = task%forces
       task%forces = task%forces + plan%spins
     end if
@@ -197,6 +202,9 @@ contains
       call scatter(task, plan%stress, xi, cell, axes, values, stencil)
       return
     end if
+    if (body%is_driven .and. (plan%kick .or. plan%drift)) then
+      call drive(mesh, body, plan, task, task%live(1, nl), nb, motion, state, got, work)
+    end if
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
                              got(1, task%velocity), motion, lane_sums)
 #ifdef AXISYMMETRIC
@@ -232,7 +240,11 @@ contains
 #ifdef AXISYMMETRIC
     if (plan%stress .and. .not. task%centred) call hoop_force(task, motion, values)
 #endif
-    call collect(plan%mass, plan%momentum, task%live(1, nl), motion, values)
+    call collect(plan%mass, plan%momentum, task%masses, task%live(1, nl), motion, values)
+    if (plan%driven > 0 .and. plan%mass) then
+      call driven_masses(body, task%live(1, nl), motion(1, mass_at), nb, state, plan%driven, &
+                         values(1, NMASS + 1))
+    end if
 #ifdef AXISYMMETRIC
     if (task%swirl > 0) call swirl_collect(task%live(1, nl), motion, motion(1, mass_at), &
                                            state(1, body%law%slots%swirl), &
@@ -272,6 +284,33 @@ contains
       call scatter_faces(mesh, body, plan, task, id, nb, motion, state, xi, cell, axes, stencil)
     end if
   end subroutine chunk_advance
+
+  !> Has driven particles read their own motion in the place of the grid's.
+  subroutine drive(mesh, body, plan, task, live, nb, motion, state, got, work)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(inout) :: got(lanes, most_gathered)
+    type(workspace_t), intent(inout) :: work
+    real(dp) :: acceleration(lanes, NDIM), velocity(lanes, NDIM), none(0, 0)
+    logical :: moves
+    moves = plan%drift .or. plan%flip < 1.0_dp
+    acceleration = got(:, :NDIM)
+    velocity = 0.0_dp
+    if (moves) velocity = got(:, task%velocity:task%velocity + NDIM - 1)
+    if (plan%kick) then
+      call driven_read(mesh, body, plan%dt_kick, .true., moves, live, nb, motion, state, &
+                       acceleration, velocity, work%drives(:, :, work%plane))
+      got(:, :NDIM) = acceleration
+    else
+      call driven_read(mesh, body, 0.0_dp, .false., moves, live, nb, motion, state, acceleration, &
+                       velocity, none)
+    end if
+    if (moves) got(:, task%velocity:task%velocity + NDIM - 1) = velocity
+  end subroutine drive
 
   !> Stress update where the sweep strains, and the flux that the grid wants.
   subroutine update_stress(law, plan, task, live, motion, got, nb, state, flux, speed2, jacobian, &
@@ -590,15 +629,16 @@ contains
   end subroutine note_worst
 
   !> Mass (about an axis, its moment, too) and momentum, the first columns that go to the grid.
-  pure subroutine collect(with_mass, with_momentum, live, motion, values)
+  pure subroutine collect(with_mass, with_momentum, masses, live, motion, values)
     logical, intent(in) :: with_mass, with_momentum
+    integer, intent(in) :: masses                !! columns of mass
     real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM))
     real(dp), intent(inout) :: values(lanes, *)
     real(dp) :: mass
     integer :: n, d, l
     n = 0
     if (with_mass) then
-      n = NMASS
+      n = masses
       !$omp simd simdlen(8)
       do l = 1, lanes
         values(l, 1) = live(l)*motion(l, mass_at)
@@ -739,7 +779,7 @@ contains
       call splitting_halve(body%law, task%h, side, axis, offset, gradient, nb, half_motion, &
                            half_state, share, lane_sums(1, sum_split))
       half = spread(share, 2, size(values, 2))*values
-      call collect(plan%mass, plan%momentum, live, half_motion, half)
+      call collect(plan%mass, plan%momentum, task%masses, live, half_motion, half)
       if (task%square > 0) call relaxation_square(live, half_motion, half(1, task%square))
       do l = 1, nl
         if (axis(l) == 0) cycle

@@ -6,6 +6,7 @@
 !! is joined to what the straight sweep would have made of it.
 module sgmp_field_sweep
   use sgmp_body, only: body_particle, body_t
+  use sgmp_drive, only: drive_sums
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_t
   use sgmp_findings, only: findings_t
@@ -76,8 +77,26 @@ contains
         call tally_add(findings%tally, 1 + (b - 1)*sweep_sums, sums(:, p, b))
       end do
     end do
+    if (own%driven > 0 .and. plan%kick) call add_drives(f, field, team, findings)
     if (plan%strain) call collect_findings(plan, f, bodies, team, findings)
   end subroutine field_sweep
+
+  !> Adds what driven particles took from whoever moves them to the sums of the step.
+  subroutine add_drives(f, field, team, findings)
+    integer, intent(in) :: f
+    type(field_t), intent(in) :: field
+    type(team_t), intent(in) :: team
+    type(findings_t), intent(inout) :: findings
+    integer :: s, p, k
+    do s = 1, team_slabs(team%threads)
+      do p = team%slabs(s, f), team%slabs(s + 1, f) - 1
+        do k = 1, field%columns%driven
+          call tally_add(findings%tally, 1 + field%drive_terms + (k - 1)*drive_sums, &
+                         team%workspaces(s, f)%drives(:, k, p))
+        end do
+      end do
+    end do
+  end subroutine add_drives
 
   !> Columns of the moments that a sweep fills.
   pure subroutine sweep_columns(plan, field)
@@ -91,6 +110,7 @@ contains
       plan%first_column = field%columns%force
     end if
     plan%spins = field%columns%spins
+    plan%driven = field%columns%driven
     plan%last_column = merge(field%columns%swept, field%columns%force - 1, plan%stress)
     if (plan%probe .and. plan%stress) then
       plan%last_column = field%columns%force + field%columns%forces - 1

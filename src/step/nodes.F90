@@ -15,6 +15,7 @@ module DIM(sgmp_nodes)
 #endif
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_remapped, &
                           node_swirl, node_total, node_velocity
+  use sgmp_driven_nodes, only: driven_nodes_solve, driven_nodes_velocity
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred, kernel_mpm
   use sgmp_kinds, only: dp, lanes
@@ -88,6 +89,8 @@ contains
         if (mesh%walls_rub) call wall_nodes_rub(field, mesh, s, first, n, m, external, dt, sums)
         call walls_hold(field, mesh, s, first, n, node_acceleration, wall_kick)
         call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
+        if (field%columns%driven > 0) call driven_nodes_solve(field, mesh, s, first, n, m, dt, &
+                                                              plane)
         call book_energies(n, first, driven, size(field%node, 1), m, f, external, dt, &
                            field%node(idx, 1), lane_sums)
         if (field%columns%swirl > 0) call nodes_swirl_book(field, s, first, n, m, dt, lane_sums)
@@ -121,6 +124,8 @@ contains
                                                             0.0_dp)
         call walls_hold(field, mesh, s, first, n, node_acceleration, wall_kick)
         call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
+        if (field%columns%driven > 0) call driven_nodes_velocity(field, mesh, s, first, n, &
+                                                                 node_velocity(NDIM), .true.)
       end do
     end do
   end subroutine nodes_velocity
@@ -145,6 +150,8 @@ contains
         if (field%columns%swirl > 0) call nodes_swirl_remap(field, s, first, n)
         call walls_hold(field, mesh, s, first, n, node_remapped, wall_speed)
         if (mesh%walls_rub) call wall_nodes_stick(field, mesh, s, first, n)
+        if (field%columns%driven > 0) call driven_nodes_velocity(field, mesh, s, first, n, &
+                                                                 node_remapped, .false.)
       end do
     end do
   end subroutine nodes_remap

@@ -4,6 +4,7 @@ module sgmp_phases
   use sgmp_body, only: body_forced, body_place, body_t
   use sgmp_columns, only: node_remapped, node_velocity
   use sgmp_contact, only: contact_layout, contact_t
+  use sgmp_drive, only: drive_sums
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_build, field_t
   use sgmp_field_nodes, only: field_normalise, field_relax, field_remap, field_solve, &
@@ -273,7 +274,7 @@ contains
     type(partition_t), intent(in) :: partition
     type(tally_t), intent(inout) :: tally
     real(dp), allocatable :: sums(:, :)
-    integer :: f, p, b, p1, p2
+    integer :: f, p, b, k, p1, p2
     do f = 1, size(fields)
       b = rigid_field(bodies, f)
       if (b > 0) then
@@ -281,15 +282,27 @@ contains
         cycle
       end if
       allocate (sums(nodes_sums, fields(f)%planes), source=0.0_dp)
+      if (fields(f)%columns%driven > 0) call clear_drives(fields(f))
       call field_solve(fields(f), mesh, dt, method%gravity, method%cutoff, &
                        body_forced(bodies, f), team, partition, sums)
       call halo_own_planes(fields(f), partition, p1, p2)
       do p = p1, p2
         call tally_add(tally, 1 + size(bodies)*sweep_sums, sums(:, p))
+        do k = 1, fields(f)%columns%driven
+          call tally_add(tally, 1 + fields(f)%drive_terms + (k - 1)*drive_sums, &
+                         fields(f)%drive_sums(:, k, p))
+        end do
       end do
       deallocate (sums)
     end do
   end subroutine phase_solve
+
+  !> Empties the sums of what driven nodes take.
+  pure subroutine clear_drives(field)
+    type(field_t), intent(inout) :: field
+    if (allocated(field%drive_sums)) deallocate (field%drive_sums)
+    allocate (field%drive_sums(drive_sums, field%columns%driven, field%planes), source=0.0_dp)
+  end subroutine clear_drives
 
   !> Nodal velocity before the stress update (USF).
   subroutine phase_velocity(method, mesh, fields, bodies, team, partition)

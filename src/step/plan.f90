@@ -25,6 +25,7 @@ module sgmp_plan
                                            !! none
     integer, allocatable :: vectors(:)     !! node columns gathered: acceleration and velocity as
                                            !! the sweep needs them
+    integer :: driven = 0                  !! with the mass, columns of the mass of driven particles
     integer :: spins = 0                   !! components of the spin that particles carry
     real(dp) :: spin_keep = 1.0_dp, spin_gain = 0.0_dp
       !! spin = keep spin + gain (rotation of the vector that `gradient` names)
@@ -51,6 +52,8 @@ module sgmp_plan
     real(dp), allocatable :: lead(:, :, :)       !! GIMP: the first plane's sums, kept for the joint
                                                  !! with the slab below
     real(dp), allocatable :: stencil(:)  !! accumulators of a bin; every row leaves them empty
+    real(dp), allocatable :: drives(:, :, :)  !! (drive_sums, drives, planes) of driven particles
+    integer :: plane = 0                         !! that is being swept
     integer :: cleared = 1                       !! next stored interval to zero in `planes`
     integer :: filled = 0                        !! points of a plane's row that have sums
     real(dp) :: fastest = 0.0_dp                 !! largest c + |v|

@@ -80,7 +80,7 @@ contains
     type(field_t), allocatable :: saved(:)
     type(vector_t), allocatable :: now(:), before(:)
     real(dp) :: alpha(most_iterations), beta(most_iterations), square, largest
-    integer :: j, n
+    integer :: f, j, n
     real(dp) :: wall_motion(3, 2, 3, 2)
     logical :: smoothing, walls_rub
     smoothing = model%method%update /= update_usl
@@ -89,6 +89,9 @@ contains
     model%mesh%wall_motion = 0.0_dp  ! waves run as if walls were at rest, and smooth
     walls_rub = model%mesh%walls_rub
     model%mesh%walls_rub = .false.
+    do f = 1, size(model%fields)  ! and of parts that are moved as if they were free
+      if (model%fields(f)%columns%driven > 0) model%fields(f)%drives%acts = .false.
+    end do
     call phase_rotation(model%method, model%mesh, model%fields, model%bodies, model%team, &
                         model%ranks%partition)
     call start(model)

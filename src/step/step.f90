@@ -8,6 +8,8 @@ module sgmp_step
   use sgmp_contact, only: contact_step_t
   use sgmp_contact_phases, only: phase_contact_force, phase_contact_velocity, phase_find_contact
   use sgmp_damping, only: damping_factor, damping_slow
+  use sgmp_driven_parts, only: driven_any, driven_book, driven_choose, driven_publish, &
+                               driven_terms
   use sgmp_energy, only: ledger_after_kick, ledger_erode, ledger_relax, &
                          ledger_split, ledger_step
   use sgmp_free_bodies, only: free_any, free_close, free_open, free_settle
@@ -61,6 +63,7 @@ contains
     dt_kick = clock_kick_step(model%clock)
     kinetic = model%ledger%kinetic
     call step_open(model)
+    if (driven_any(model%fields)) call driven_publish(model%bodies, model%fields)
     if (model%method%rotation) call prepare_rotation(model)
     select case (model%method%update)
     case (update_musl)
@@ -146,6 +149,8 @@ contains
                partition => model%ranks%partition, clock => model%clock)
       call phase_normalise(method, mesh, fields, team, partition)
       call rigid_choose_speed(bodies, clock%time + 0.5_dp*clock%dt, clock%dt, mesh%ndim)
+      if (driven_any(fields)) call driven_choose(bodies, fields, clock%time + 0.5_dp*clock%dt, &
+                                                 clock%dt)
       if (mesh%walls_act) call wall_motion_choose(model%wall_motion, &
                                                    clock%time + 0.5_dp*clock%dt, dt_kick, mesh)
       if (free_any(bodies)) call free_open(bodies, mesh, method%gravity, clock%time, clock%dt, &
@@ -284,7 +289,7 @@ contains
     type(model_t), intent(inout) :: model
     model%findings%fastest_before = model%findings%fastest
     call totals_open(model%totals, model%findings, model%contact, size(model%bodies), &
-                     model%method%erodes)
+                     model%method%erodes, driven_terms(model%fields))
   end subroutine step_open
 
   !> Puts together what the ranks have found.
@@ -310,6 +315,8 @@ contains
     end do
     call step_close(model, .true.)
     call rigid_advance(model%bodies, model%clock%dt)
+    if (driven_any(model%fields)) call driven_book(model%bodies, model%fields, model%clock%dt, &
+                                                   dt_kick, model%totals%drives)
     if (free_any(model%bodies)) call free_close(model%bodies, model%contact, model%mesh%space, &
                                                 model%clock%dt, impulses, model%totals)
     call ledger_step(model%ledger, model%totals%sums, dt_kick, &

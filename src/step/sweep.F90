@@ -13,6 +13,7 @@ module DIM(sgmp_sweep)
   use sgmp_bin_change, only: bin_close
   use sgmp_body, only: body_t
   use DIM(sgmp_chunk), only: chunk_advance, most_rows, task_make, task_t
+  use sgmp_drive, only: drive_sums
   use sgmp_field, only: field_t
   use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i8, lanes
@@ -48,6 +49,7 @@ contains
     nq = task%nq
     lane_sums = 0.0_dp
     call prepare(work, task)
+    if (plan%driven > 0 .and. plan%kick) call clear_drives(plan%driven, plane1, plane2, work)
     if (plane2 >= plane1) call fit_buffers(work, task, field%largest_plane)
     do b = 1, size(bodies)
       if (bodies(b)%field /= number .or. .not. plan%drift) cycle
@@ -56,6 +58,7 @@ contains
     end do
     do plane = plane1, plane2
       slot = mod(plane, task%layers) + 1
+      work%plane = plane
       work%cleared = field%plane_store(plane)
       work%filled = 0
       do b = 1, size(bodies)
@@ -82,6 +85,14 @@ contains
     work%fastest_id = 0
     work%bad_id = 0
   end subroutine prepare
+
+  !> Empties the sums over driven particles.
+  subroutine clear_drives(drives, plane1, plane2, work)
+    integer, intent(in) :: drives, plane1, plane2
+    type(workspace_t), intent(inout) :: work
+    if (allocated(work%drives)) deallocate (work%drives)
+    allocate (work%drives(drive_sums, drives, plane1:plane2), source=0.0_dp)
+  end subroutine clear_drives
 
   !> Makes the buffers as large as a sweep needs them.
   subroutine fit_buffers(work, task, largest_plane)

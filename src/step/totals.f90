@@ -3,6 +3,7 @@ module sgmp_totals
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_t
   use sgmp_contact_ledger, only: contact_sums_t, ledger_close
+  use sgmp_drive, only: drive_power, drive_sums, drive_work
   use sgmp_energy, only: eroded_t, step_sums_t
   use sgmp_field, only: field_t
   use sgmp_findings, only: findings_t
@@ -34,23 +35,28 @@ module sgmp_totals
     integer(i8) :: points = 0_i8                     !! stored grid points
     type(body_sums_t), allocatable :: bodies(:)      !! (bodies)
     type(step_sums_t) :: sums                        !! of the step at hand
+    real(dp), allocatable :: drives(:, :)            !! (drive_sums, prescribed motions) of the step
   end type totals_t
 
 contains
 
   !> Forgets the sums of the step before.
-  subroutine totals_open(totals, findings, contact, bodies, erodes)
+  subroutine totals_open(totals, findings, contact, bodies, erodes, drives)
     type(totals_t), intent(inout) :: totals
     type(findings_t), intent(inout) :: findings
     type(contact_t), intent(inout) :: contact
     integer, intent(in) :: bodies                !! how many
     logical, intent(in) :: erodes                !! particles may be removed
+    integer, intent(in), optional :: drives      !! prescribed motions of parts of bodies
+    integer :: driven
+    driven = 0
+    if (present(drives)) driven = drives
     totals%sums = step_sums_t()
     contact%terms%n = 0
     findings%strained = 0
     findings%failed_in = 0
     call tally_reset(findings%tally, bodies*sweep_sums + nodes_sums + &
-                     merge(bodies*eroded_sums, 0, erodes))
+                     merge(bodies*eroded_sums, 0, erodes) + driven*drive_sums)
   end subroutine totals_open
 
   !> Puts together what the ranks have found in a step: sums, particles, the fastest of them, and
@@ -65,7 +71,8 @@ contains
     logical, intent(in) :: whole
     logical, intent(in) :: erodes                !! as in totals_open
     real(dp) :: sums(size(bodies)*sweep_sums + nodes_sums + &
-                     merge(size(bodies)*eroded_sums, 0, erodes))
+                     merge(size(bodies)*eroded_sums, 0, erodes) + &
+                     sum(fields%columns%driven)*drive_sums)
     integer(i8) :: counts(size(bodies) + 4)
     integer :: b, n, e
     n = size(bodies)
@@ -91,8 +98,21 @@ contains
       e = n*sweep_sums + nodes_sums + (b - 1)*eroded_sums
       call take_eroded(sums(e + 1:e + eroded_sums), totals%bodies(b), totals%sums%eroded)
     end do
+    if (any(fields%columns%driven > 0)) call add_drives(fields, sums, totals)
     call add_contact(contact, counts(n + 4) > 0_i8, totals%sums)
   end subroutine totals_close
+
+  !> Adds what prescribed motions of parts of bodies did.
+  pure subroutine add_drives(fields, sums, totals)
+    type(field_t), intent(in) :: fields(:)
+    real(dp), intent(in) :: sums(:)
+    type(totals_t), intent(inout) :: totals
+    integer :: n
+    n = sum(fields%columns%driven)
+    totals%drives = reshape(sums(size(sums) - n*drive_sums + 1:), [drive_sums, n])
+    totals%sums%external_power = totals%sums%external_power + sum(totals%drives(drive_work, :))
+    totals%sums%power_before = totals%sums%power_before + sum(totals%drives(drive_power, :))
+  end subroutine add_drives
 
   !> Grid points stored in the planes of this rank.
   pure function own_points(fields, partition) result(points)
