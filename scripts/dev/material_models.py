@@ -53,6 +53,9 @@ LAWS = {
     "cam_clay": (["cam_clay density=1 poisson=0.3 critical_ratio=1 compression_slope=0.1 swelling_slope=0.02 void_ratio=1 pressure0=1"],
                  "(CC1)–(CC4), modified Cam-clay of Roscoe and Burland 1968", "lines of compression and swelling, undrained path, drained triaxial compression, critical state "
                  "in closed form (test_material_cam_clay); one element squeezed, let go and drawn by a second implementation (tests/regression/laws.py, 0.1 %)"),
+    "crushable_foam": ([f"crushable_foam density=1 {SOLID} plateau=1 linear_hardening=1 densification=1 densification_strain=1.5"],
+                       "(CF1)–(CF3), Deshpande and Fleck 2000; curve of Hanssen et al. 2002", "uniaxial crush, pressure and shear in closed form (test_material_crushable_foam); "
+                       "one element squeezed, let go and drawn by a second implementation (tests/regression/laws.py, 0.1 %)"),
 }
 SOLIDS = "metals, fluid"
 # name: constants, goes with, equation and source, compared with

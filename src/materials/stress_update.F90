@@ -11,8 +11,8 @@
 !! Longer than 500 lines: the stages are small lane loops that the compiler inlines into one update.
 module DIM(sgmp_stress_update)
   use sgmp_constitutive, only: constitutive_t, eos_none, material_cam_clay, &
-                               material_drucker_prager, material_elastic, material_fluid, &
-                               material_j2, &
+                               material_crushable_foam, material_drucker_prager, &
+                               material_elastic, material_fluid, material_j2, &
                                material_johnson_cook, material_johnson_holmquist, &
                                material_mohr_coulomb, &
                                material_mooney_rivlin, material_neo_hookean, &
@@ -20,6 +20,7 @@ module DIM(sgmp_stress_update)
   use sgmp_failure, only: failure_judge, failure_tension
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_cam_clay, only: cam_clay_moduli, cam_clay_return, cam_clay_start
+  use sgmp_material_crushable_foam, only: crushable_foam_return
   use sgmp_material_drucker_prager, only: drucker_prager_return
   use sgmp_material_fluid, only: fluid_diffusion_speed
   use sgmp_material_j2, only: j2_return
@@ -95,6 +96,11 @@ contains
       call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
                    trace, jacobian, old_volume, work)
       call ceramic(law, dt, mass, strain, trace, nb, b, speed2, q, work)
+    case (material_crushable_foam)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
+                   trace, jacobian, old_volume, work)
+      call foam(law, b(1, law%slots%plastic), b(1, s))
+      call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
     case (material_cam_clay)
       call von_mises(b(1, s), mean, norm)
       call cam_clay_start(law%cam_clay, -mean, norm, b(:, law%slots%preconsolidation))
@@ -355,6 +361,17 @@ contains
       end do
     end do
   end subroutine rescale
+
+  !> Returns the trial stress of a foam to its ellipsoid.
+  pure subroutine foam(law, strain, stress)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(inout) :: strain(lanes), stress(lanes, NSTRESS)
+    real(dp) :: mean(lanes), norm(lanes), returned(lanes), factor(lanes)
+    call von_mises(stress, mean, norm)
+    returned = mean
+    call crushable_foam_return(law%crushable_foam, law%elastic, norm, returned, strain, factor)
+    call rescale(factor, mean, returned, stress)
+  end subroutine foam
 
   !> Gives a clay the stress of a step, from that before it, turned.
   pure subroutine clay(law, dt, mass, old_volume, strain, trace, mean, nb, b, speed2, q, work)

@@ -2,7 +2,7 @@
 """One step of a given velocity gradient against second implementations of the laws, in the middle of small blocks that nothing
 has reached: Mohr and Coulomb's return by trying all sets of planes, in any order of the principal stresses; Mooney and Rivlin's stress
 from its energy by the stretches. Steinberg and Guinan's and Zerilli and Armstrong's metals along a path of uniaxial strain, as an
-ordinary differential equation in shorter steps; Johnson and Holmquist's ceramics and modified Cam-clays squeezed, let go and drawn; what
+ordinary differential equation in shorter steps; Johnson and Holmquist's ceramics and modified Cam-clays and foams squeezed, let go and drawn; what
 binds volume, pressure and preconsolidation of a clay on any path. Yield stresses that
 scatter: their distribution, and each metal on the yield stress of its own. Grady's tensions of spall.
 
@@ -14,6 +14,7 @@ import random
 
 from _ceramics import squeezed
 from _clays import consolidated
+from _foams import crushed
 from _runs import Report, run
 
 DT, YOUNG, POISSON = 0.01, 100.0, 0.3
@@ -422,6 +423,39 @@ def clays(report):
             report.check(off <= 0.001*largest, f"{name}: {column} off by {off}, where the largest is {largest}")
 
 
+FOAM = {"density": 300, "young": 1e9, "poisson": 0.2, "plateau": 4e6, "densification_strain": 1.5}
+# Greatest strain. The first neither bulges nor strains sideways: its stress is the curve itself.
+FOAMS = (("foam", {**FOAM, "poisson": 0.0, "linear_hardening": 3e6, "densification": 5e6, "densification_exponent": 4}, 0.3),
+         ("bulging_foam", {**FOAM, "plastic_poisson": 0.15, "linear_hardening": 2e6, "densification": 5e6, "densification_exponent": 2}, 0.3),
+         ("soft_foam", {**FOAM, "young": 3e8, "plastic_poisson": 0.4}, 0.3), ("drawn_foam", {**FOAM, "linear_hardening": 8e6}, -0.2))
+
+
+def foams(report):
+    """Foams in uniaxial strain 1 - a sin(w t), for one period, in the middle that no wave reaches."""
+    for name, foam, size in FOAMS:
+        steps, every, w, cell = 20000, 100, 1.0, 1e4
+        words = " ".join(f"{key}={value}" for key, value in foam.items())
+        deck = ["dimension 1", f"grid cell={cell}", f"time dt={2*math.pi/w/steps!r} steps={steps}", f"material m crushable_foam {words}",
+                f"body b block material=m lower={-6*cell} upper={6*cell} ppc=2", f'velocity b x="{-size*w!r}*x"',
+                f'bodyforce b x="{size*w**2!r}*sin({w!r}*t)/(1-{size}*sin({w!r}*t))*x"',
+                f"gauge middle point={cell/4} fields=stress,plastic_strain", f"history steps={every}"]
+        result = run(name, "\n".join(deck) + "\n")
+        if not report.finished(result, name):
+            continue
+        rows = result.table("gauges.csv")
+        wanted = crushed(foam, [foam["density"]/row["density"] for row in rows], 100)
+        report.check(abs(max(abs(foam["density"]/row["density"] - 1) for row in rows)/abs(size) - 1) < 0.1, f"{name}: not strained by {size}")
+        for i, column in enumerate(("pressure", "von_mises", "plastic_strain")):
+            largest = max(abs(values[i]) for values in wanted)
+            off = max(abs(row[column] - values[i]) for row, values in zip(rows, wanted))
+            report.check(off <= 0.001*largest, f"{name}: {column} off by {off}, where the largest is {largest}")
+        if name == "foam":
+            for row in rows[5:45]:
+                part = row["plastic_strain"]/foam["densification_strain"]
+                curve = foam["plateau"] + foam["linear_hardening"]*part - foam["densification"]*math.log(1 - part**foam["densification_exponent"])
+                report.check(abs(row["stress_xx"]/curve + 1) < 1e-9, f"{name}: {row['stress_xx']} at {row['plastic_strain']}, expected {-curve}")
+
+
 def bound_clays(report):
     """Whatever the path and the dimension: v + kappa ln p + (lambda - kappa) ln pc stays, and matter that yields is on its ellipse."""
     words, rate = " ".join(f"{key}={value}" for key, value in CLAY.items()), 0.05
@@ -505,6 +539,7 @@ def main():
     report = Report()
     scattered(report)
     clays(report)
+    foams(report)
     bound_clays(report)
     ground(report)
     spalling(report)
