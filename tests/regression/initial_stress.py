@@ -71,6 +71,22 @@ body soil block material=soil {corners} ppc=2
 initial_stress {stress}
 output csv at=end fields=stress
 """
+# Clay that hardens, under a load on its surface.
+CLAY = """
+parameter k0 = 0.6
+dimension 2
+grid cell=1/8 x=0:0.5 y=0:open
+wall x-=slip x+=slip y-=slip
+method gimp
+time end=1 cfl=0.5
+material clay cam_clay density=1 poisson=0.3 critical_ratio=1 compression_slope=0.02 swelling_slope=0.004 void_ratio=1 pressure0=0.5 overconsolidation=2
+body clay block material=clay lower=(0,0) upper=(0.5,1) ppc=2
+gravity (0,-1)
+initial_stress clay surface=1 pressure=0.2 k0=k0
+pressure clay face=y+ p=0.2
+history every=0.02
+output csv at=end fields=stress,preconsolidation
+"""
 # A slope of clay, a layer of metal that erodes and water, all of them pressed.
 LAYERS = """
 parameter method = sgmp
@@ -164,6 +180,20 @@ def first_stress(report):
         report.check(abs(result["energy.initial_total"]/energy - 1) < 1e-12, f"first_{space}: energy {result['energy.initial_total']}, not {energy}")
 
 
+def clay(report):
+    """Clay rests under its weight and a load; its ellipse passes through the stress at the start, twice as large as that: pc = 2 (p + q²/(M² p))."""
+    for k0 in (0.4, 0.6, 1.0):
+        result = run(f"clay_{k0}", CLAY, k0=k0)
+        if not report.finished(result, k0):
+            continue
+        report.check(max(row["kinetic_energy"] for row in result.table("history.csv")) < 1e-26, f"clay_{k0}: it moves")
+        for row in result.table("particles_end.csv"):
+            weight = 1.2 - row["y"]
+            p, q = weight*(1 + 2*k0)/3, weight*(1 - k0)
+            report.check(abs(row["stress_yy"] + weight) < 1e-12 and abs(row["stress_xx"] + k0*weight) < 1e-12, f"clay_{k0}: {row['stress_yy']}, {row['stress_xx']}")
+            report.check(abs(row["preconsolidation"]/(2*(p + q*q/p)) - 1) < 1e-12, f"clay_{k0}: pc = {row['preconsolidation']}, not {2*(p + q*q/p)}")
+
+
 def turned(report):
     """The stress of the ground follows gravity, in the plane and in space, with a load on its surface."""
     angle = math.pi/6
@@ -254,6 +284,7 @@ if __name__ == "__main__":
     REPORT = Report()
     at_rest(REPORT)
     first_stress(REPORT)
+    clay(REPORT)
     turned(REPORT)
     fluids(REPORT)
     components(REPORT)
