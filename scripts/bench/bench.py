@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Nanoseconds per particle and step of the solver on this machine, beside targets and ceilings.
 
-usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT | --options | --against OTHER] [--prefix COMMAND] [--output DIR]
+usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT] [--options | --against OTHER [--cpu]] [--set NAME=VALUE] [--prefix COMMAND] [--output DIR]
 
 In one sitting it measures the machine (multiply-adds from registers, a triad through memory, a plain scalar loop of the
 same method: the Fortran programs beside), then every case several times. The median of the solver's own solve_seconds counts (reading the
@@ -227,7 +227,7 @@ def measure_pairs(options, scratch):
                 couple = {}
                 for program in (options.sgmp, other) if turn % 2 else (other, options.sgmp):
                     summary = solve(program, case, options.cells, threads, prefix, scratch)
-                    couple[program] = summary["ns_per_particle_step"]
+                    couple[program] = summary["process_cpu_seconds" if options.cpu else "ns_per_particle_step"]
                     sums.add(summary["checksum"])
                 costs.append((couple[options.sgmp], couple[other]))
             ratios_of = sorted(this/that for this, that in costs)
@@ -235,7 +235,7 @@ def measure_pairs(options, scratch):
                    "other": statistics.median(cost[1] for cost in costs), "ratio": statistics.median(ratios_of),
                    "least": ratios_of[0], "most": ratios_of[-1], "same": len(sums) == 1}
             pairs.append(row)
-            print(f"{case.name:28s} {threads:2d} {row['this']:8.1f} {row['other']:8.1f} {row['ratio']:14.3f} {row['least']:5.2f}"
+            print(f"{case.name:28s} {threads:2d} {row['this']:8.2f} {row['other']:8.2f} {row['ratio']:14.3f} {row['least']:5.2f}"
                   f" {row['most']:4.2f}  {'same' if row['same'] else 'differ'}", flush=True)
     folder = pathlib.Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
@@ -313,12 +313,16 @@ def main():
     parser.add_argument("--cells", type=int, default=64, help="cells along the dense block's edge (default 64)")
     parser.add_argument("--options", action="store_true", help="measure what options cost, nothing else")
     parser.add_argument("--against", default="", help="another executable: runs take turns, nothing else is measured")
+    parser.add_argument("--cpu", action="store_true", help="with --against: CPU seconds of the process, for a machine with other work")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="parameter of the decks, such as steps=4000")
     parser.add_argument("--only", default="", help="only cases whose name contains this text")
     parser.add_argument("--prefix", default="", help="command to start every run with, such as `taskset -c 2,3`")
     parser.add_argument("--threads", type=int, nargs="*", default=[1, 2], help="numbers of threads (default 1 2)")
     parser.add_argument("--output", default=str(ROOT/"build"/"bench"), help="folder of results.json")
     options = parser.parse_args()
     options.sgmp = str(pathlib.Path(options.sgmp).resolve())
+    for case in CASES:
+        case.parameters.update(setting.split("=", 1) for setting in options.set)
     rows = []
     if options.against:
         with tempfile.TemporaryDirectory() as scratch:

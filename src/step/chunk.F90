@@ -36,6 +36,9 @@ module DIM(sgmp_chunk)
 #endif
   use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_weights, &
                                       record_group
+#if NDIM == 2
+  use CARTESIAN(sgmp_transfer), only: linear_gather_cells
+#endif
   use CARTESIAN(sgmp_transfer_product), only: product_gather, product_gather_gradient, &
                                               product_scatter, product_scatter_force, &
                                               product_spread, product_spread_t
@@ -65,6 +68,8 @@ module DIM(sgmp_chunk)
     integer :: width = 2, layers = 1, lines = 1, rows = 1  !! of the stencil
     integer :: points = 2                !! numbers of a column of an accumulator
     real(dp) :: shift = 0.5_dp           !! of the stencil against the grid (cells)
+    logical :: by_cell = .false.  !! a record holds one vector at all points of a cell: in the plane
+                                  !! they fill it
     integer :: span = 1                  !! cells of a bin
     integer :: nq = 0                    !! columns of the moments that are scattered
     integer :: plain = 0                 !! of these, all but the last: the mass's first moments
@@ -143,6 +148,8 @@ contains
       task%swirl_kick = task%swirl_read + merge(NDIM, 0, plan%gradient > 0)
       task%stride = task%swirl_kick - merge(0, 1, plan%kick)
     end if
+    task%by_cell = NDIM == 2 .and. .not. task%wide .and. task%vectors == NDIM &
+                   .and. task%stride == NDIM
     task%stride = record_group*((task%stride + record_group - 1)/record_group)
     task%inverse_h = mesh%inverse_h
     task%h = mesh%h
@@ -186,14 +193,14 @@ contains
     call locate(motion, origin, xi)
     call enter_cells(task%span, xi, cell)
     if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
-    call gather(task, plan%gradient > 0, xi, cell, axes, row, records, got)
+    call gather(task, plan%gradient > 0, task%live(1, nl), xi, cell, axes, row, records, got)
 #ifdef AXISYMMETRIC
     if (.not. task%centred .and. plan%gradient > 0) then
       call gather_hoop(task, xi, cell, axes, row, records, motion, &
                        got(1, task%gradient + NGRAD - 1))
     end if
 #endif
-    if (nl < lanes) call hold_pads(task%stride, task%live(1, nl), got)
+    if (nl < lanes .and. .not. task%by_cell) call hold_pads(task%stride, task%live(1, nl), got)
     if (plan%probe) then
       call probe(body%law, plan%stress, task, task%live(1, nl), motion(1, mass_at), got, values)
 #ifdef AXISYMMETRIC
@@ -447,9 +454,10 @@ contains
   end subroutine particle_axes
 
   !> Vectors and velocity gradient at the particles, from the records of the grid.
-  pure subroutine gather(task, gradient, xi, cell, axes, row, records, got)
+  pure subroutine gather(task, gradient, live, xi, cell, axes, row, records, got)
     type(task_t), intent(in) :: task
     logical, intent(in) :: gradient              !! of the velocity, too
+    real(dp), intent(in) :: live(lanes)
     real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
     integer, intent(in) :: cell(lanes), row(most_rows)
     real(dp), intent(in) :: records(task%stride, *)
@@ -466,6 +474,12 @@ contains
       return
     end if
     call linear_weights(xi, w)
+#if NDIM == 2
+    if (task%by_cell) then
+      call linear_gather_cells(w, cell, live, records, row, got)
+      return
+    end if
+#endif
     if (task%centred) then
       call linear_gather(task%stride, w, cell, task%stride, records, row, got)
       return

@@ -10,6 +10,9 @@
 !! Longer than 500 lines: the buffers of planes, their joints included, are nobody else's.
 module DIM(sgmp_sweep)
   use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
+#if NDIM == 2
+  use DIM(sgmp_auxmesh), only: auxmesh_fill_cells
+#endif
   use sgmp_bin_change, only: bin_close
   use sgmp_body, only: body_t
   use DIM(sgmp_chunk), only: chunk_advance, most_rows, task_make, task_t
@@ -135,11 +138,24 @@ contains
     integer, intent(in) :: plane
     type(workspace_t), intent(inout) :: work
     integer :: p, slot, first
+#if NDIM == 2
+    integer :: q
+#endif
     if (size(plan%vectors) == 0 .and. plan%gradient == 0) return
     do p = plane, plane + task%layers - 1
       slot = mod(p, task%layers) + 1
       if (work%record_plane(slot) == p) cycle
+      work%record_plane(slot) = p
       first = (slot - 1)*field%largest_plane*task%stride + 1
+#if NDIM == 2
+      if (task%by_cell) then
+        do q = plane, p  ! the cells below wait for their upper points
+          first = mod(q, task%layers)*field%largest_plane*task%stride + 1
+          call auxmesh_fill_cells(field, p, p - q, plan%vectors(1), work%records(first))
+        end do
+        cycle
+      end if
+#endif
       call auxmesh_fill(field, mesh, p, plan%vectors, plan%gradient, &
                         task%stride, work%records(first))
       if (plan%swirl) then
@@ -153,7 +169,6 @@ contains
       if (plan%relax) then
         call auxmesh_relax(field, p, NDIM*size(plan%vectors), task%stride, work%records(first))
       end if
-      work%record_plane(slot) = p
     end do
   end subroutine fill_records
 

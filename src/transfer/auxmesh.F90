@@ -15,6 +15,9 @@ module DIM(sgmp_auxmesh)
   private
   public :: auxmesh_fill, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
   public :: node_rows
+#if NDIM == 2
+  public :: auxmesh_fill_cells
+#endif
 
   integer, parameter :: tile = 128
 
@@ -63,6 +66,36 @@ contains
       end do
     end do
   end subroutine auxmesh_fill
+
+#if NDIM == 2
+  !> Records of cells that hold one vector at each of their points: what the points of one plane
+  !! give to the cells of this plane, whose lower points they are, or to those of the plane below.
+  pure subroutine auxmesh_fill_cells(field, plane, below, column, cells)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: plane                 !! plane of the field
+    integer, intent(in) :: below                 !! 1: fill the cells of the plane below, else 0
+    integer, intent(in) :: column                !! first node column of the vector
+    real(dp), intent(inout) :: cells(NDIM, 0:1, 0:1, *)  !! (component, row, x; points of the plane)
+    real(dp) :: vector(tile, NDIM)
+    integer :: s, first, n, a, i, at
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        do a = 1, NDIM
+          call fill_value(field, s, first, n, column + a - 1, 1, vector(1, a))
+        end do
+        at = field%neighbour(0, -below, s) + first - field%plane_start(plane - below)
+        do i = 1, n
+          cells(:, below, 0, at + i) = vector(i, :)
+        end do
+        ! No particle is in the cell before the first point.
+        do i = merge(2, 1, first == field%work%first(s)), n
+          cells(:, below, 1, at + i - 1) = vector(i, :)
+        end do
+      end do
+    end do
+  end subroutine auxmesh_fill_cells
+#endif
 
   !> Makes the gradients of one plane even at centres behind fixed walls, as the stress is when it
   !! is folded (theory 3), and the hoop strain behind an outer wall.

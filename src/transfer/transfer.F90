@@ -12,6 +12,9 @@ module DIM(sgmp_transfer)
   implicit none
   private
   public :: linear_weights, linear_gradients, linear_gather, linear_gather_gradient
+#if NDIM == 2
+  public :: linear_gather_cells
+#endif
   public :: flux_of, record_group
 
   !> Flux component that acts along one axis across another.
@@ -207,6 +210,14 @@ contains
                     + w(l, 2)*grid(q, AT(2)) + w(l, 4)*grid(q, AT(2) + 1)
       end do
     end do
+    call turn(own, values)
+  end subroutine gather_group
+
+  !> Components become lanes.
+  pure subroutine turn(own, values)
+    real(dp), intent(in) :: own(record_group, lanes)
+    real(dp), intent(out) :: values(lanes, record_group)
+    integer :: l
     !$omp simd simdlen(8)
     do l = 1, lanes
       values(l, 1) = own(1, l)
@@ -218,7 +229,35 @@ contains
       values(l, 7) = own(7, l)
       values(l, 8) = own(8, l)
     end do
-  end subroutine gather_group
+  end subroutine turn
+
+  !> A vector at the particles, from records that hold it at all points of a cell: one load per
+  !! lane, to the bit what `linear_gather` makes of four. Pads get zeros.
+  pure subroutine linear_gather_cells(w, cell, live, grid, row, values)
+    real(dp), intent(in) :: w(lanes, NCORNER)      !! weights
+    integer, intent(in) :: cell(lanes)             !! of the bin, from 0
+    real(dp), intent(in) :: live(lanes)            !! 1 for particles, 0 for pads
+    real(dp), intent(in) :: grid(record_group, *)  !! (component, point; cells)
+    integer, intent(in) :: row(NROW)               !! the first: record of the first cell
+    real(dp), intent(out) :: values(lanes, NDIM)
+    real(dp) :: own(record_group, lanes), at(lanes, NDIM, NCORNER)
+    integer :: l, q, d
+    do l = 1, lanes
+      ! A product, as a mere copy would be stored in halves on some processors, and loaded whole.
+      !$omp simd simdlen(8)
+      do q = 1, record_group
+        own(q, l) = live(l)*grid(q, AT(1))
+      end do
+    end do
+    call turn(own, at)
+    do d = 1, NDIM
+      !$omp simd simdlen(8)
+      do l = 1, lanes
+        values(l, d) = w(l, 1)*at(l, d, 1) + w(l, 3)*at(l, d, 3) &
+                       + w(l, 2)*at(l, d, 2) + w(l, 4)*at(l, d, 4)
+      end do
+    end do
+  end subroutine linear_gather_cells
 #endif
 
   !> Velocity gradient at the particles, row by row: derivatives of the trilinear interpolant.
