@@ -16,6 +16,7 @@ from shells import AMBIENT, blast  # noqa: E402
 from sgmp_view.files import dumps_of  # noqa: E402
 
 SPHERE, RADIUS = "verification/blast/sphere.inp", 52.72
+METHODS = {"bspline": VARIANTS["bspline"], "sgmp": {**VARIANTS["sgmp"], "volumes": "kept"}}
 STATIONS, END = (300, 450, 600), 0.24  # mm, ms
 PRESSURE = (-0.214362789151, 1.35034249993), (2.611368669, -1.69012801396, 0.00804973591951, 0.336743114941, -0.00516226351334, -0.0809228619888,
                                               -0.00478507266747, 0.00793030472242, 0.0007684469735)
@@ -64,20 +65,20 @@ def front(radii, pressures):
     return radii[outer] + part * (radii[1] - radii[0]), pressures[top]
 
 
-def measure(run, h):
+def measure(run, h, stations=STATIONS):
     """Peak, arrival and impulse at the stations. The peak is that of a power of the radius fitted to the fronts within a tenth of the station: the peaks of
     neighbouring dumps differ by how the shock lies in its cells."""
     fronts, times, rows = [], [], []
     for dump in dumps_of(run.folder):
         radii, pressures = shells_of(dump.read(), h)
         times.append(dump.time)
-        rows.append(np.interp(STATIONS, radii, pressures))
+        rows.append(np.interp(stations, radii, pressures))
         if dump.time > 0.03:
             fronts.append((dump.time, *front(radii, pressures)))
         dump.path.unlink()
     when, where, peak = np.array(fronts).T
     found = []
-    for at, row in zip(STATIONS, np.array(rows).T):
+    for at, row in zip(stations, np.array(rows).T):
         close = np.abs(where / at - 1) < 0.1
         fit = np.polyfit(np.log(where[close] / at), np.log(peak[close]), 1)
         found.append((float(np.exp(fit[1])), float(np.interp(at, where, when)), impulse(np.array(times), row, END)))
@@ -94,7 +95,8 @@ def reference(cells, stations, end):
 def check(book, full):
     book.section("Sphere of TNT in air")
     book.say("No part of the paper. Detonation products that expand into a thousand times their volume (split), a shock in air; the same equations of state in one dimension by a "
-             "second implementation, Lagrangian, and the curves of Kingery and Bulmash for free air.")
+             "second implementation, Lagrangian, and the curves of Kingery and Bulmash for free air. SGMP keeps the volumes of its particles (volumes=kept): without that those behind the shock "
+             "drift from the space that they fill, by 7 % within three cells, and the overpressure near the charge is a quarter too large.")
     exact, coarser = reference(40, STATIONS, END), reference(20, STATIONS, END)
     for k, at in enumerate(STATIONS):
         book.at_most("blast", f"overpressure at {at} mm of the second implementation, 20 shells of the charge against 40", abs(coarser[k][0] / exact[k][0] - 1), 0.05)
@@ -107,7 +109,7 @@ def check(book, full):
     axis.plot(STATIONS, [row[0] for row in exact], "x", color="0.4", label="one dimension")
     rows = []
     for name in ("bspline", "sgmp") if full else ("bspline",):
-        runs = solve([Case(SPHERE, keep_dumps=True, n=n, **VARIANTS[name]) for n in sizes])
+        runs = solve([Case(SPHERE, keep_dumps=True, n=n, **METHODS[name]) for n in sizes])
         found = [measure(run, RADIUS / n) for n, run in zip(sizes, runs)]
         judge(book, name, sizes[-1], found, exact, rows)
         for n, run in zip(sizes, runs):
@@ -121,7 +123,7 @@ def check(book, full):
     book.figure("blast", figure, "Overpressure of a kilogram of TNT in free air.")
     book.table("blast", ["", "distance (mm)", "", *(f"{n} cells" for n in sizes), "one dimension", "Kingery and Bulmash"], rows,
                "A kilogram of TNT in free air, impulses to 0.24 ms. The products do not burn with the air: their impulse is below the measured one, in one dimension, too.")
-    book.command(Case(SPHERE, n=sizes[-1], **VARIANTS["bspline"]))
+    book.command(Case(SPHERE, n=sizes[-1], **METHODS["bspline"]), Case(SPHERE, n=sizes[-1], **METHODS["sgmp"]))
 
 
 def judge(book, name, n, found, exact, rows):
@@ -132,15 +134,12 @@ def judge(book, name, n, found, exact, rows):
                 continue  # it has only begun
             values, want, kingery = [row[k][column] for row in found], exact[k][column], published(curve, at) * factor
             rows.append([NAMES[name], f"{at}", what, *(f"{value:.4g}" for value in values), f"{want:.4g}", f"{kingery:.4g}"])
-            near = name == "sgmp" and at == STATIONS[0] and column == 0
-            note, known = ("the shock is eight cells from the products, and its pressure depends on how it lies in its cells: 11.4, 11.7, 9.8 MPa with 8, 10, 12 cells", 11.68) if near else ("", None)
-            book.within("blast", f"{what} at {at} mm, {NAMES[name]}, {n} cells to the charge, against the second implementation", values[-1], want, limit, note, known)
+            book.within("blast", f"{what} at {at} mm, {NAMES[name]}, {n} cells to the charge, against the second implementation", values[-1], want, limit)
             if column < 2:
-                book.within("blast", f"{what} at {at} mm, {NAMES[name]}, {n} cells to the charge, against Kingery and Bulmash", values[-1], kingery, 0.15, note, known)
+                book.within("blast", f"{what} at {at} mm, {NAMES[name]}, {n} cells to the charge, against Kingery and Bulmash", values[-1], kingery, 0.15)
     for what, column, order in (("overpressure", 0, 0.4), ("arrival", 1, 0.8)):
         errors = [np.mean([abs(row[k][column] / exact[k][column] - 1) for k in range(len(STATIONS))]) for row in found]
-        if name == "bspline":
-            book.at_least("blast", f"order of the mean error of the {what}, {NAMES[name]}, 5 to 10 cells to the charge", float(np.log2(errors[0] / errors[1])), order)
+        book.at_least("blast", f"order of the mean error of the {what}, {NAMES[name]}, 5 to 10 cells to the charge", float(np.log2(errors[0] / errors[1])), order)
 
 
 if __name__ == "__main__":
