@@ -83,6 +83,7 @@ contains
     call name_column(slots%damage, 'damage')
     call name_column(slots%energy, 'energy')
     call name_column(slots%distention, 'distention')
+    call name_column(slots%pore_shift, 'pore_shift')
     call name_column(slots%bulking, 'bulking')
     call name_column(slots%preconsolidation, 'preconsolidation')
     call name_column(slots%lighting, 'lighting_time')

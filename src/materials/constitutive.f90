@@ -43,7 +43,8 @@ module sgmp_constitutive
                                             steinberg_guinan_t, steinberg_guinan_yield_stress
   use sgmp_material_zerilli_armstrong, only: zerilli_armstrong_keys, zerilli_armstrong_read, &
                                              zerilli_armstrong_t, zerilli_armstrong_yield_stress
-  use sgmp_porosity, only: porosity_keys, porosity_read, porosity_t, porosity_terms
+  use sgmp_porosity, only: porosity_keys, porosity_read, porosity_speed_ratio, porosity_t, &
+                           porosity_terms
   use sgmp_softening, only: softening_make, softening_t, softening_widest
   use sgmp_soil, only: soil_keys
   use sgmp_strength, only: scatter_t, yield_scatter_keys, yield_scatter_read
@@ -101,6 +102,7 @@ module sgmp_constitutive
     integer :: damage = 0
     integer :: energy = 0        !! internal energy per initial volume, for an equation of state
     integer :: distention = 0    !! of porous matter, behind the energy
+    integer :: pore_shift = 0    !! of the curve of elastic pores, behind the distention
     integer :: bulking = 0       !! pressure of broken ceramics
     integer :: preconsolidation = 0  !! of clays
     integer :: lighting = 0      !! lighting time of an explosive
@@ -143,8 +145,8 @@ module sgmp_constitutive
     type(tait_t) :: tait
     type(shock_t) :: shock
     type(porosity_t) :: porosity
-    integer :: kept = 1                        !! columns of an equation of state: energy, and the
-                                               !! distention of porous matter
+    integer :: kept = 1                        !! columns of an equation of state: energy,
+                                               !! distention of porous matter, shift of pores
     real(dp) :: fluid_viscosity = 0.0_dp       !! Newton's, of a fluid (stress times time)
     logical :: small_strain = .false.          !! the linear theory: constant volume, no spin
     logical :: rigid = .false.                 !! prescribed motion: no stress
@@ -309,8 +311,9 @@ contains
     class(values_t), intent(in) :: values
     type(constitutive_t), intent(inout) :: law
     type(fault_t), allocatable, intent(out) :: fault
-    call porosity_read(values, law%porosity, law%history, fault)
+    call porosity_read(law%density, values, law%porosity, law%history, fault)
     if (law%porosity%porous) law%kept = 2
+    if (law%porosity%elastic) law%kept = 3
     call eos_set(eos, values, law%density*law%porosity%distention, law)
     law%history%energy = .true.
     law%history%first_energy = values%number('energy0')
@@ -413,7 +416,8 @@ contains
     pressure = a0 + b0*law%history%first_energy
     law%history%first_mean_stress = 0.0_dp - pressure  ! no negative zero
     speed_squared = eos_sound_speed_squared(law%density, 1.0_dp, pressure, &
-                                            law%history%first_energy, da, db, b0, 1.0_dp)
+                                            law%history%first_energy, da, db, b0, 1.0_dp) &
+                    *porosity_speed_ratio(law%porosity, law%porosity%distention)**2
     if (speed_squared > 0.0_dp) then
       law%bulk_speed = sqrt(speed_squared)
       law%slowest = slowest_part*law%bulk_speed
@@ -648,7 +652,8 @@ contains
       law%slots = slots_make(stresses=merge(1, stress_components(ndim), keeps%mean_stress), &
                              plastic=keeps%plastic, temperature=keeps%temperature, &
                              damage=keeps%damage, energy=keeps%energy, &
-                             distention=keeps%distention, bulking=keeps%bulking, &
+                             distention=keeps%distention, pore_shift=keeps%pore_shift, &
+                             bulking=keeps%bulking, &
                              preconsolidation=keeps%preconsolidation, &
                              lighting=keeps%lighting, &
                              deformation=merge(ndim**2, 0, keeps%deformation), &
@@ -677,12 +682,13 @@ contains
 
   !> Assigns columns to the fields that are wanted, in a fixed order.
   pure function slots_make(stresses, plastic, temperature, damage, energy, lighting, deformation, &
-                           stretch, initial, spin, distention, bulking, preconsolidation) &
+                           stretch, initial, spin, distention, pore_shift, bulking, &
+                           preconsolidation) &
     result(slots)
     integer, intent(in) :: stresses            !! stress components
     logical, intent(in) :: plastic, temperature, damage, energy, lighting
     integer, intent(in) :: deformation, stretch, initial, spin  !! components wanted
-    logical, intent(in), optional :: distention, bulking, preconsolidation
+    logical, intent(in), optional :: distention, pore_shift, bulking, preconsolidation
     type(slots_t) :: slots
     slots%volume = 1
     slots%total = 1
@@ -693,6 +699,7 @@ contains
     call take(slots%total, merge(1, 0, damage), slots%damage)
     call take(slots%total, merge(1, 0, energy), slots%energy)
     if (present(distention)) call take(slots%total, merge(1, 0, distention), slots%distention)
+    if (present(pore_shift)) call take(slots%total, merge(1, 0, pore_shift), slots%pore_shift)
     if (present(bulking)) call take(slots%total, merge(1, 0, bulking), slots%bulking)
     if (present(preconsolidation)) then
       call take(slots%total, merge(1, 0, preconsolidation), slots%preconsolidation)

@@ -13,6 +13,7 @@ module sgmp_material_history
     logical :: damage = .false.
     logical :: energy = .false.         !! internal energy per initial volume
     logical :: distention = .false.     !! of porous matter
+    logical :: pore_shift = .false.     !! of elastic pores
     logical :: bulking = .false.        !! pressure of broken ceramics
     logical :: preconsolidation = .false.  !! of clays
     logical :: lighting = .false.       !! lighting time of an explosive

@@ -8,7 +8,8 @@ module sgmp_pressure
   use sgmp_failure, only: carries_nothing, failure_bounds, failure_none
   use sgmp_heating, only: compression_heat_lanes
   use sgmp_kinds, only: dp, lanes
-  use sgmp_porosity, only: porosity_bound_lanes, porosity_terms_lanes
+  use sgmp_pores, only: narrow, pores_slow, porous_lanes, squeeze_pores
+  use sgmp_porosity, only: porosity_bound_lanes
   use sgmp_softening, only: softening_damage
   use sgmp_viscosity, only: viscosity_lanes
   implicit none
@@ -149,7 +150,7 @@ contains
     real(dp), intent(in) :: deviatoric_work(lanes)      !! per current (old) volume
     real(dp), intent(in) :: stiffness(lanes)  !! 4/3 G, of the shear part of the sound speed
     real(dp), intent(in) :: burnt(lanes)                !! factor on the pressure
-    real(dp), intent(inout) :: kept(lanes, law%kept)    !! energy, distention of porous matter
+    real(dp), intent(inout) :: kept(lanes, law%kept)    !! energy, distention, shift of pores
     real(dp), intent(inout) :: mean(lanes)
     real(dp), intent(out) :: speed2(lanes), q(lanes)
     real(dp), intent(out) :: work(lanes)                !! pressure work per old volume
@@ -174,6 +175,7 @@ contains
     p = burnt*(a0 + b0*kept(:, 1))
     ones = 1.0_dp
     call eos_sound_speed_lanes(law%density, v, p, kept(1, 1), da, db, b0, ones, bulk)
+    if (law%porosity%elastic) call pores_slow(law, kept(1, 2), bulk)
     !$omp simd simdlen(8)
     do l = 1, lanes
       speed2(l) = merge(bulk(l), law%slowest**2, bulk(l) > law%slowest**2)
@@ -187,7 +189,11 @@ contains
       other(l) = v_old(l)*(deviatoric_work(l) - q(l)*trace(l))
     end do
     p = p_old
-    if (law%porosity%porous) call close_pores(law, v_old, v, p_old, other, kept, a0, b0)
+    if (law%porosity%elastic) then
+      call squeeze_pores(law, v_old, v, p_old, other, kept, a0, b0)
+    else if (law%porosity%porous) then
+      call close_pores(law, v_old, v, p_old, other, kept, a0, b0)
+    end if
     call eos_energy_pressure(v_old, v, other, burnt, a0, b0, kept(1, 1), p)
     !$omp simd simdlen(8)
     do l = 1, lanes
@@ -198,15 +204,6 @@ contains
       speed2(l) = merge(bulk(l), speed2(l), bulk(l) < 0.0_dp)
     end do
   end subroutine equation_of_state
-
-  !> Terms of the equation of state of porous matter whose pores stay.
-  pure subroutine porous_lanes(law, v, distention, a0, b0, da, db)
-    type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: v(lanes), distention(lanes)
-    real(dp), intent(out) :: a0(lanes), b0(lanes), da(lanes), db(lanes)
-    call eos_lanes(law, v*law%porosity%distention/distention, a0, b0, da, db)
-    call porosity_terms_lanes(law%porosity, distention, a0, b0, da, db)
-  end subroutine porous_lanes
 
   !> Distention after the step, and the terms with it: the pressure that it leaves is the one that
   !! closes the pores so far.
@@ -231,7 +228,7 @@ contains
       if (.not. any(moving > 0.0_dp)) exit trials
       middle = merge((low*above - high*below)/(above - below), high, moving > 0.0_dp)
       call excess_distention(law, v_old, v, p_old, other, kept, middle, excess, a0, b0)
-      call narrow(middle, excess, low, high, below, above, side, moving)
+      call narrow(settled, middle, excess, low, high, below, above, side, moving)
     end do trials
     kept(:, 2) = high
     call excess_distention(law, v_old, v, p_old, other, kept, high, excess, a0, b0)
@@ -253,33 +250,6 @@ contains
     call porosity_bound_lanes(law%porosity, pressure, bound)
     excess = distention - bound
   end subroutine excess_distention
-
-  !> One step of the Illinois method; an end that stays twice loses half of its weight.
-  pure subroutine narrow(middle, excess, low, high, below, above, side, moving)
-    real(dp), dimension(lanes), intent(in) :: middle, excess
-    real(dp), dimension(lanes), intent(inout) :: low, high, below, above
-    real(dp), intent(inout) :: side(lanes)              !! of the last step: 1 high, -1 low
-    real(dp), intent(inout) :: moving(lanes)            !! 1, 0 where it has settled, in `high`
-    integer :: l
-    do l = 1, lanes
-      if (moving(l) < 0.5_dp) cycle
-      if (excess(l) > 0.0_dp) then
-        high(l) = middle(l)
-        above(l) = excess(l)
-        if (side(l) > 0.0_dp) below(l) = 0.5_dp*below(l)
-        side(l) = 1.0_dp
-      else
-        low(l) = middle(l)
-        below(l) = excess(l)
-        if (side(l) < 0.0_dp) above(l) = 0.5_dp*above(l)
-        side(l) = -1.0_dp
-      end if
-      if (abs(excess(l)) <= settled .or. high(l) - low(l) <= settled) then
-        high(l) = middle(l)
-        moving(l) = 0.0_dp
-      end if
-    end do
-  end subroutine narrow
 
   !> Temperature of matter that is compressed, and heated by bulk viscosity.
   subroutine warm(law, mass, old_volume, volume, trace, q, temperature)

@@ -126,6 +126,7 @@ contains
     call put_slot(slots%damage, 'damage (failure, material)')
     call put_slot(slots%energy, 'internal energy (eos, erode)')
     call put_slot(slots%distention, 'distention (eos)')
+    call put_slot(slots%pore_shift, 'shift of the curve of elastic pores (eos pore_speed)')
     call put_slot(slots%bulking, 'bulking pressure (material)')
     call put_slot(slots%preconsolidation, 'preconsolidation (material)')
     call put_slot(slots%lighting, 'lighting time (explosive, detonation)')

@@ -172,6 +172,8 @@ material bcc zerilli_armstrong density=0.8 young=90 poisson=0.3 yield=0.1 therma
 failure bcc plastic_strain=0.2
 material foam j2 density=0.7 young=40 poisson=0.3 yield=0.2
 eos foam gruneisen c0=8 s=1.4 gamma0=2 distention=1.4 crush_start=0.3 crush_end=6
+material sponge j2 density=0.7 young=40 poisson=0.3 yield=0.2
+eos sponge shock c0=8 s=1.4 gamma0=2 distention=1.4 crush_start=0.3 crush_end=6 pore_speed=4
 material tile johnson_holmquist density=0.9 shear_modulus=40 k1=60 k2=20 k3=30 hugoniot_limit=3 hugoniot_pressure=1.2 intact_strength=0.9 intact_exponent=0.6 &
   fractured_strength=0.4 fractured_exponent=0.7 rate_coefficient=0.02 reference_rate=1e-3 tension_limit=1 damage_strain=0.1
 material pad crushable_foam density=0.5 young=30 poisson=0.2 plateau=0.2 plastic_poisson=0.1 linear_hardening=0.2 densification=0.3 densification_strain=1 densification_exponent=3
@@ -181,7 +183,8 @@ body tile block material=tile lower=(-6,0) upper=(0,8) ppc=2
 body flyer block material=stiff lower=(0,0) upper=(6,8) ppc=2 jitter=0.2
 body plate block material=fcc lower=(6,0) upper=(14,8) ppc=2
 body lid block material=bcc lower=(6,8) upper=(14,14) ppc=2
-body backing block material=foam lower=(14,0) upper=(20,8) ppc=2
+body backing block material=foam lower=(14,0) upper=(20,4) ppc=2
+body cushion block material=sponge lower=(14,4) upper=(20,8) ppc=2
 body pad block material=pad lower=(0,8) upper=(6,12) ppc=2
 velocity tile x=6
 velocity flyer x=3 y=0.5
