@@ -1,5 +1,5 @@
-"""What random scenes of the newest seeds have: ceramics, shapes that are added and cut out, and the keys of a deck that no other scene has. As in
-_features.py each is drawn from a stream that its caller gives."""
+"""What random scenes of the newest seeds have: ceramics, clay, stress at the start, shapes that are added and cut out, and the keys of a deck that no other
+scene has. As in _features.py each is drawn from a stream that its caller gives."""
 from _features import vector
 
 # Strength in the scene's Young's modulus. What is broken from the start breaks by its first plastic strain.
@@ -14,7 +14,9 @@ KEYS = (("method", "", " flip=0.9"), ("method", "", " flip=0"), ("method", "", "
         ("material explosive", "", " burn_cells=3"), ("eos polynomial", "", " a3=1 b2=0.2"), ("eos tait", "", " exponent=3"),
         ("eos shock", "", " s2=0.2 s3=-0.1"), ("detonation", "", " time=0.05"), ("detonation", "", " normal=axis"),
         ("contact", "", " lambda=0.6"), ("contact", "", " depth=1.5"), ("contact", "", " normal=average"), ("contact", "", " normal=stiffer"),
-        ("stop", "", " energy_growth=5"), ("checkpoint", "", " minutes=600"))
+        ("stop", "", " energy_growth=5"), ("checkpoint", "", " minutes=600"),
+        *((f"material {kind}", "", " yield_weibull=4 yield_seed=2") for kind in ("j2", "johnson_cook", "steinberg_guinan", "zerilli_armstrong")))
+HOLDS = ("elastic", "j2", "johnson_cook", "steinberg_guinan", "zerilli_armstrong", "drucker_prager", "mohr_coulomb")  # may begin with a stress
 
 
 def ceramic(luck, numbers):
@@ -88,3 +90,26 @@ def changed(luck, dimension, rings, lower, size):
     return luck.choice((f"subtract {{name}} {solid(luck, dimension, lower, size)}",
                         f"subtract {{name}} halfspace centre={tip} axis={vector([1.0]*dimension + [0.0]*(3 - dimension))}",
                         f"intersect {{name}} block lower={vector(lower)} upper={tip} rotation=20 pivot={middle}"))
+
+
+def cam_clay(luck, numbers):
+    """Roscoe and Burland's clay, under a pressure that nothing holds."""
+    young, slope = numbers["young"], luck.choice((0.03, 0.1, 0.25))
+    ratio = luck.choice(("", " overconsolidation=1.5", " overconsolidation=8", f" preconsolidation={young*0.05:g}"))
+    return [f"material {numbers['name']} cam_clay density={numbers['density']} poisson={numbers['poisson']} critical_ratio={luck.choice((0.8, 1.2))} compression_slope={slope} "
+            f"swelling_slope={slope/luck.choice((1.2, 5))} void_ratio={luck.choice((0.4, 1, 2))} pressure0={young*luck.choice((0.001, 0.02)):g}" + ratio]
+
+
+def initial_stress(luck, lines, name, axes, gravity):
+    """The stress of a body at the start, if its matter may have one: of ground, or any that is smooth."""
+    matter = next(line.split("material=")[1].split()[0] for line in lines if line.startswith(f"body {name} "))
+    card = next(line for line in lines if line.startswith(f"material {matter} "))
+    others = [line.split()[0] for line in lines if line.split()[1:2] == [matter]]
+    if card.split()[2] not in HOLDS or "eos" in others or any(line.startswith(f"failure {matter} ") and "fracture_energy" in line for line in lines):
+        return []
+    young = float(card.split("young=")[1].split()[0])
+    if gravity and luck.random() < 0.5:
+        return [f"initial_stress {name} surface=50 k0={luck.choice((0.3, 1))} pressure={young*luck.choice((0, 0.01)):g}"]
+    parts = ["xx", "yy", "zz"] + ["xy"]*(axes[:2] == "xy") + ["xz"]*(axes == "rz") + ["yz", "xz"]*(axes == "xyz")
+    chosen = luck.sample(parts, luck.choice((1, 2, len(parts))))
+    return [f"initial_stress {name} " + " ".join(f'{part}="{young*luck.choice((0.01, -0.01, -0.1)):g}*{luck.choice(("1", f"cos({axes[0]})"))}"' for part in chosen)]

@@ -87,6 +87,9 @@ class Scene:
         broken = ",damage"*any(" johnson_holmquist " in line for line in self.lines)
         self.lines += ["output csv at=end fields=mass,stress,density" + pores + broken, "history steps=1", f"checkpoint every={self.steps//3} keep=9"]
         if self.newer:
+            for name in self.deforming:
+                if self.has_newest(f"stress of {name}", 0.3):
+                    self.lines += newest.initial_stress(self.stream(f"stress at the start of {name}"), self.lines, name, self.axes, self.gravity)
             self.lines = newest.keyed(self.stream("keys"), self.lines, self.axes)
             self.lines += newest.further_cards(self.stream("cards"), self.lines, self.axes, [block.lower for block in self.deforming.values()])
 
@@ -202,6 +205,8 @@ class Scene:
             return latest.linear(numbers)
         if self.has_newest(f"ceramic {numbers['name']}", 0.4):
             return newest.ceramic(self.stream(f"ceramic matter {numbers['name']}"), numbers)
+        if self.has_newest(f"clay {numbers['name']}", 0.15):
+            return newest.cam_clay(self.stream(f"clay of {numbers['name']}"), numbers)
         if self.draws(f"latest {numbers['name']}", 0.6):
             return latest.matter(self.stream(f"latest matter {numbers['name']}"), numbers)
         if self.flows and luck.random() < 0.7:
@@ -215,7 +220,7 @@ class Scene:
         luck = self.stream(f"failure {numbers['name']}")
         kind = lines[0].split()[2]
         fails = kind == "johnson_holmquist"
-        plastic = fails or kind in (*latest.METAL_NAMES, "drucker_prager", "mohr_coulomb")
+        plastic = fails or kind in (*latest.METAL_NAMES, "drucker_prager", "mohr_coulomb", "cam_clay")
         if self.fails and kind in latest.METAL_NAMES:
             damages = kind == "johnson_cook" and luck.random() < 0.4
             if damages:
