@@ -30,9 +30,8 @@ module sgmp_rotation_points
                                             !! gives the curl around a node from its angular
                                             !! velocity
     real(dp), allocatable :: moment(:, :)   !! (points, 1 or 3) nodes: moment of the force
-    real(dp), allocatable :: centre(:, :)   !! (points, 2 or 9) centres: that tensor, later the
-                                            !! couples, or the curls of two velocities, times the
-                                            !! mass
+    real(dp), allocatable :: centre(:, :)   !! (points, 1 or 9) centres: that tensor, later the
+                                            !! couples, or the curl of a velocity, times the mass
     logical, allocatable :: at(:, :)        !! (points, 3): see at_node
   end type rotation_points_t
 
@@ -47,7 +46,7 @@ contains
     components = merge(1, 3, ndim == 2)
     rotation%least_offset = least_offset
     allocate (rotation%offset(points, ndim), rotation%inverse(points, components**2))
-    allocate (rotation%moment(points, components), rotation%centre(points, max(2, components**2)))
+    allocate (rotation%moment(points, components), rotation%centre(points, components**2))
     allocate (rotation%at(points, 3))
   end subroutine rotation_points_make
 

@@ -45,6 +45,7 @@ module sgmp_verdict
   real(dp), parameter :: largest_impulse = 1.0e-4_dp   !! lost, over the largest momentum
   real(dp), parameter :: largest_pull = 0.05_dp        !! of walls with friction, over what presses
   real(dp), parameter :: least_thickness = 2.0_dp      !! cells across a body
+  real(dp), parameter :: largest_unfelt = 3.0_dp       !! work of forces that particles do not feel
 
   integer, parameter :: reason_length = 240
 
@@ -56,6 +57,7 @@ module sgmp_verdict
     character(reason_length), allocatable :: reasons(:)
     real(dp) :: thickness = huge(1.0_dp)   !! of the thinnest body, in cells
     real(dp) :: drift = 0.0_dp, contact = 0.0_dp, viscous = 0.0_dp  !! parts of the energy supplied
+    real(dp) :: projection = 0.0_dp        !! energy that projection loses, over the same
     real(dp) :: turn = -1.0_dp             !! largest change of angular momentum; -1: none is judged
     real(dp) :: impulse = 0.0_dp           !! of forces on nodes without mass
     real(dp) :: steps(2) = 0.0_dp          !! shortest and longest
@@ -82,6 +84,7 @@ contains
     self%drift = ledger_drift(model%ledger)
     self%contact = model%ledger%contact_dissipation/supplied
     self%viscous = model%ledger%viscous_dissipation/supplied
+    self%projection = model%ledger%interpolation_error/supplied
     self%steps = [model%clock%shortest, model%clock%longest]
     self%limited_by = limit_names(model%clock%limited_by)
     thinnest = 0
@@ -100,6 +103,7 @@ contains
     end if
     call end_state_take(scene, model, self%state)
     call judge_energy(self, model)
+    call judge_noise(self, model)
     call judge_erosion(self, model)
     call judge_impulse(self, model)
     call judge_turning(self, scene, model)
@@ -142,6 +146,20 @@ contains
                        real_text(self%steps(1))//': look at the fastest particles')
     end if
   end subroutine judge_resolution
+
+  !> Where a body is damped to rest, forces that nodes receive and no particle feels: noise of the
+  !! stress, by which the body becomes too soft (doc/hard-cases.md). Bodies that move have such
+  !! forces, too, without harm.
+  subroutine judge_noise(self, model)
+    type(verdict_t), intent(inout) :: self
+    type(model_t), intent(in) :: model
+    if (.not. model%method%damped .or. model%method%flip < 1.0_dp) return
+    if (self%projection <= largest_unfelt) return
+    call self%object('nodes push with forces that no particle feels: projection has lost '// &
+                     real_text(self%projection)//' times the energy that the scene was given, '// &
+                     'so stress is noise in part and bodies are too soft: use method bspline, '// &
+                     'half the cfl or more particles per cell')
+  end subroutine judge_noise
 
   !> Energy from nowhere, or gone.
   subroutine judge_energy(self, model)
@@ -337,6 +355,7 @@ contains
     call summary%set('verdict_reasons', self%reasons)
     call summary%set('end_state.contact_share', self%contact)
     call summary%set('end_state.viscous_share', self%viscous)
+    call summary%set('end_state.projection_share', self%projection)
     call summary%set('end_state.shortest_step', self%steps(1))
     call summary%set('end_state.longest_step', self%steps(2))
     call summary%set('end_state.limited_by', trim(self%limited_by))

@@ -48,33 +48,34 @@ contains
     call run(stage_couples, [-1, 0], field, mesh, 0.0_dp, no_columns, team, partition)
   end subroutine field_rotation_forces
 
-  !> Takes nodal velocities to the places of the nodes.
-  subroutine field_rotation_place(field, mesh, columns, team, partition)
+  !> Takes nodal velocities to the places of the nodes, by the curl of the first of them.
+  subroutine field_rotation_place(field, mesh, columns, kick, team, partition)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: columns(:)            !! first column of each velocity, at most two
+    integer, intent(in) :: columns(:)            !! first column of each velocity
+    real(dp), intent(in) :: kick                 !! times the acceleration is left out of the curl
     type(team_t), intent(in) :: team
     type(partition_t), intent(in) :: partition
-    call run(stage_curls, [-1, 0], field, mesh, 0.0_dp, columns, team, partition)
+    call run(stage_curls, [-1, 0], field, mesh, kick, columns, team, partition)
     call run(stage_place, [0, 0], field, mesh, 0.0_dp, columns, team, partition)
   end subroutine field_rotation_place
 
   !> One stage on all planes that it concerns.
-  subroutine run(stage, reach, field, mesh, cutoff, columns, team, partition)
+  subroutine run(stage, reach, field, mesh, number, columns, team, partition)
     integer, intent(in) :: stage
     integer, intent(in) :: reach(2)              !! planes below and above those that particles read
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: cutoff
+    real(dp), intent(in) :: number               !! see sgmp_nodes_rotation
     integer, intent(in) :: columns(:)
     type(team_t), intent(in) :: team
     type(partition_t), intent(in) :: partition
     integer :: p, p1, p2
     call halo_planes(field, partition%own + [0, partition%nodes] + reach, p1, p2)
     !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
-    !$omp& default(none) shared(stage, field, mesh, cutoff, columns, team, p1, p2) private(p)
+    !$omp& default(none) shared(stage, field, mesh, number, columns, team, p1, p2) private(p)
     do p = p1, p2
-      call team%passes%rotation(field, mesh, p, stage, cutoff, columns)
+      call team%passes%rotation(field, mesh, p, stage, number, columns)
     end do
     !$omp end parallel do
   end subroutine run

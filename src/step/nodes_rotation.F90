@@ -19,15 +19,16 @@ module DIM(sgmp_nodes_rotation)
 contains
 
   !> One stage of one plane.
-  pure subroutine nodes_rotation(field, mesh, plane, stage, cutoff, columns)
+  pure subroutine nodes_rotation(field, mesh, plane, stage, number, columns)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane, stage
-    real(dp), intent(in) :: cutoff           !! nodes lighter than this are ignored
-    integer, intent(in) :: columns(:)        !! first columns of velocities
+    !> Of the offsets: nodes lighter than this are ignored. Of the curls: see rotation_curls.
+    real(dp), intent(in) :: number
+    integer, intent(in) :: columns(:)        !! first columns of velocities; the curl of the first
     select case (stage)
     case (stage_offsets)
-      call rotation_offsets(field, mesh, plane, cutoff)
+      call rotation_offsets(field, mesh, plane, number)
     case (stage_inertia)
       call rotation_inertia(field, plane)
     case (stage_inverses)
@@ -37,7 +38,7 @@ contains
     case (stage_couples)
       call rotation_couples(field, plane)
     case (stage_curls)
-      call rotation_curls(field, plane, columns)
+      call rotation_curls(field, plane, columns(1), number)
     case default  ! stage_place
       call rotation_place(field, plane, columns)
     end select

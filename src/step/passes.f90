@@ -132,13 +132,13 @@ module sgmp_passes
     end subroutine nodes_remap
 
     !> See sgmp_nodes_rotation: one stage of exact rotation of one plane.
-    pure subroutine nodes_rotation(field, mesh, plane, stage, cutoff, columns)
+    pure subroutine nodes_rotation(field, mesh, plane, stage, number, columns)
       import :: dp, field_t, mesh_t
       implicit none
       type(field_t), intent(inout) :: field
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: plane, stage
-      real(dp), intent(in) :: cutoff
+      real(dp), intent(in) :: number
       integer, intent(in) :: columns(:)
     end subroutine nodes_rotation
   end interface

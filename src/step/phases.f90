@@ -2,7 +2,7 @@
 !! together. What a phase may change is in its arguments.
 module sgmp_phases
   use sgmp_body, only: body_forced, body_place, body_t
-  use sgmp_columns, only: node_remapped, node_velocity
+  use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_layout, contact_t
   use sgmp_drive, only: drive_sums
   use sgmp_errors, only: error_make, exit_numerical
@@ -179,25 +179,27 @@ contains
   end subroutine phase_rotation
 
   !> Takes nodal velocities to the places of the nodes, where rotation is exact.
-  subroutine phase_place(step, method, mesh, fields, bodies, columns, team, ranks, findings, timers)
+  subroutine phase_place(step, method, mesh, fields, bodies, columns, kick, team, ranks, &
+                         findings, timers)
     integer, intent(in) :: step                  !! its number
     type(method_t), intent(in) :: method
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
-    integer, intent(in) :: columns(:)            !! first column of each, ascending
+    integer, intent(in) :: columns(:)            !! first column of each; the curl of the first
+    real(dp), intent(in) :: kick                 !! times the acceleration is left out of the curl
     type(team_t), intent(in) :: team
     type(ranks_t), intent(inout) :: ranks
     type(findings_t), intent(inout) :: findings
     type(timers_t), intent(inout) :: timers
-    integer :: f
+    integer :: f, swapped(2)
     if (.not. method%rotation) return
-    call phase_swap_nodes(step, [minval(columns), maxval(columns) + mesh%ndim - 1], 1, fields, &
-                          bodies, &
-                    ranks, findings, timers)
+    swapped = [columns(1), columns(1) + mesh%ndim - 1]
+    if (abs(kick) > 0.0_dp) swapped(1) = node_acceleration
+    call phase_swap_nodes(step, swapped, 1, fields, bodies, ranks, findings, timers)
     do f = 1, size(fields)
       if (rigid_field(bodies, f) > 0) cycle
-      call field_rotation_place(fields(f), mesh, columns, team, ranks%partition)
+      call field_rotation_place(fields(f), mesh, columns, kick, team, ranks%partition)
     end do
   end subroutine phase_place
 

@@ -219,7 +219,8 @@ contains
     own%step = model%clock%step
     if (plan%stress) then
       call phase_place(own%step, model%method, model%mesh, model%fields, model%bodies, &
-                       [node_acceleration], model%team, model%ranks, model%findings, model%timers)
+                       [node_acceleration], 0.0_dp, model%team, model%ranks, model%findings, &
+                       model%timers)
     end if
     call phase_mirror(model%mesh, model%fields, model%bodies, [node_acceleration], [wall_kick], &
                       model%team%threads)

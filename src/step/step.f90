@@ -164,7 +164,8 @@ contains
                                model%ranks, model%findings, model%timers)
       ! Where a sweep of its own moves the particles the velocity waits for it: see remap.
       if (any(method%update == [update_usf, update_usl])) then
-        call place(model, [node_velocity(mesh%ndim)])
+        call place(model, [node_velocity(mesh%ndim)], &
+                   merge(dt_kick, 0.0_dp, method%update == update_usf))
       end if
       call phase_mirror(mesh, fields, bodies, [node_acceleration, node_velocity(mesh%ndim)], &
                         [wall_kick, wall_speed], team%threads)
@@ -189,7 +190,7 @@ contains
       call phase_contact_velocity(contact_step(model), .true., mesh, fields, bodies, &
                                   model%contact, team%threads, model%ranks, model%findings, &
                                   model%timers)
-      call place(model, [velocity])
+      call place(model, [velocity], 0.0_dp)
       call phase_mirror(mesh, fields, bodies, [velocity], [wall_speed], team%threads)
     end associate
     call timers_stop(model%timers, phase_grid)
@@ -205,7 +206,7 @@ contains
                                   model%contact, team%threads, model%ranks, model%findings, &
                                   model%timers)
       if (model%method%rotation) then
-        call place(model, [node_remapped, node_velocity(mesh%ndim)])
+        call place(model, [node_remapped, node_velocity(mesh%ndim)], 0.0_dp)
         call phase_mirror(mesh, fields, bodies, [node_velocity(mesh%ndim)], [wall_speed], &
                           team%threads)
       end if
@@ -224,12 +225,14 @@ contains
     call timers_stop(model%timers, phase_grid)
   end subroutine prepare_rotation
 
-  !> Nodal velocities, each from a column on, as they are at the places of the nodes.
-  subroutine place(model, columns)
+  !> Nodal velocities, each from a column on, as they are at the places of the nodes: by the curl of
+  !! the first, the one that strains, without the acceleration of the step where it strains before.
+  subroutine place(model, columns, kick)
     type(model_t), intent(inout) :: model
     integer, intent(in) :: columns(:)
+    real(dp), intent(in) :: kick
     call phase_place(model%clock%step + 1, model%method, model%mesh, model%fields, model%bodies, &
-                     columns, model%team, model%ranks, model%findings, model%timers)
+                     columns, kick, model%team, model%ranks, model%findings, model%timers)
   end subroutine place
 
   !> Whether the step strains with the velocity before the kick, so that contact is found there.

@@ -11,9 +11,13 @@
 !! forces have no moment about the centres of mass, which is what particles receive.
 !!
 !! w_I is the angular velocity that a rigid motion would need for the curl found around the node
-!! (sgmp_rotation_offsets). Lengths are in cells.
+!! (sgmp_rotation_offsets). It is that of the velocity by which particles are strained: the nodes of
+!! a body at rest may have accelerations that no particle feels, which are gone in the next step.
+!! Taken to other places they would move particles on and on, without a strain that held them back.
+!! Lengths are in cells.
 module DIM(sgmp_rotation)
   use DIM(sgmp_auxmesh), only: node_rows
+  use sgmp_columns, only: node_acceleration
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_rotation_points, only: at_centre, at_force, at_node
@@ -110,37 +114,46 @@ contains
     end do
   end subroutine rotation_force
 
-  !> Mass times the curl of the velocities that start at the given node columns, at the centres of
-  !! one plane.
-  pure subroutine rotation_curls(field, plane, columns)
+  !> Mass times the curl of a nodal velocity, less the kick times the acceleration, at the centres
+  !! of one plane.
+  pure subroutine rotation_curls(field, plane, column, kick)
     type(field_t), intent(inout) :: field
-    integer, intent(in) :: plane, columns(:)
+    integer, intent(in) :: plane, column         !! first column of the velocity
+    real(dp), intent(in) :: kick
     real(dp) :: curl(tile)
-    integer :: s, first, last, n, v, q, b(NROW), at
+    integer :: s, first, last, n, q, at
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       last = field%work%first(s) - 1
       do
         call next_run(field, s, at_centre, first, last)
         if (last < first) exit
         n = last - first + 1
-        b = node_rows(field, s, first)
         at = field%neighbour(0, 0, s) + first
-        do v = 1, size(columns)
-          do q = 1, NSPIN
-            curl(:n) = 0.0_dp
-            call add_differences(n, slope, axes(1, q), field%node(1, columns(v) + axes(2, q) - 1), &
-                                 b, curl)
-            call add_differences(n, -slope, axes(2, q), &
-                                 field%node(1, columns(v) + axes(1, q) - 1), b, curl)
-            field%rotation%centre(at:at + n - 1, (v - 1)*NSPIN + q) = &
-              field%moment(at:at + n - 1, field%columns%mass)*curl(:n)
-          end do
+        do q = 1, NSPIN
+          curl(:n) = 0.0_dp
+          call add_curl(field, node_rows(field, s, first), n, q, column, slope, curl)
+          if (abs(kick) > 0.0_dp) call add_curl(field, node_rows(field, s, first), n, q, &
+                                                node_acceleration, -kick*slope, curl)
+          field%rotation%centre(at:at + n - 1, q) = &
+            field%moment(at:at + n - 1, field%columns%mass)*curl(:n)
         end do
       end do
     end do
   end subroutine rotation_curls
 
-  !> Takes those velocities to the places of the nodes of one plane, v = v - w x D.
+  !> Adds a component of the curl of what the nodes hold from a column on, times a factor.
+  pure subroutine add_curl(field, rows, n, component, column, factor, curl)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: rows(NROW), n, component, column
+    real(dp), intent(in) :: factor
+    real(dp), intent(inout) :: curl(tile)
+    associate (a => axes(1, component), b => axes(2, component))
+      call add_differences(n, factor, a, field%node(1, column + b - 1), rows, curl)
+      call add_differences(n, -factor, b, field%node(1, column + a - 1), rows, curl)
+    end associate
+  end subroutine add_curl
+
+  !> Takes velocities to the places of the nodes of one plane, v = v - w x D, w from the curl above.
   pure subroutine rotation_place(field, plane, columns)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: plane, columns(:)
@@ -151,24 +164,24 @@ contains
         call next_run(field, s, at_node, first, last)
         if (last < first) exit
         do v = 1, size(columns)
-          call place_run(field, s, first, last - first + 1, NSPIN*(v - 1), columns(v) - 1)
+          call place_run(field, s, first, last - first + 1, columns(v) - 1)
         end do
       end do
     end do
   end subroutine rotation_place
 
   !> The same of one velocity at a run of nodes.
-  pure subroutine place_run(field, s, first, n, before_curl, before)
+  pure subroutine place_run(field, s, first, n, before)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: s, first, n
-    integer, intent(in) :: before_curl, before   !! columns before the curl's and the velocity's
+    integer, intent(in) :: before                !! columns before the velocity's
     real(dp) :: curl(tile, NSPIN), w(tile)
     integer :: q, r, from, to, rows(NROW)
     rows = centre_rows(field, s, first)
     from = field%neighbour(0, 0, s) + first
     to = from + n - 1
     do q = 1, NSPIN
-      call sums_row(n, field%rotation%centre(1, before_curl + q), rows, curl(1, q))
+      call sums_row(n, field%rotation%centre(1, q), rows, curl(1, q))
     end do
     associate (rotation => field%rotation, v => field%node)
       do q = 1, NSPIN

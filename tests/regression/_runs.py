@@ -29,6 +29,25 @@ viscosity air quadratic=1.5 linear=0.06
 body gas block material=air lower=(0,0,0) upper=({upper}) ppc=2
 history steps=5
 """
+# A strip two cells thick at 8 degrees to the grid, pulled by a force at each end and damped to rest.
+INCLINED = """
+parameter method = sgmp
+parameter update = musl
+parameter rotation = plain
+parameter span = 2
+parameter u = cos(8*pi/180)
+parameter w = sin(8*pi/180)
+dimension 2
+grid cell=0.5
+method $method update=$update rotation=$rotation
+time end=400*span cfl=0.5
+damping rate=0.1
+material rubber neo_hookean density=1 young=1 poisson=0.3
+body strip block material=rubber lower=(0,0.125) upper=(16,1.125) ppc=2 rotation=8
+load strip x="0.004*u*min(t/400,1)" y="0.004*w*min(t/400,1)" where="x*u+y*w>15.75"
+load strip x="-0.004*u*min(t/400,1)" y="-0.004*w*min(t/400,1)" where="x*u+y*w<0.25"
+output csv at=end
+"""
 KEPT_PLANE = KEPT.format(dimension=2, grid="x=0:6 y=0:20", walls="x-=slip x+=fixed y-=slip y+=slip", upper="6,10,0")
 KEPT_SPACE = KEPT.format(dimension=3, grid="x=0:3 y=0:3 z=0:18", walls="x-=slip x+=slip y-=slip y+=fixed z-=slip z+=slip", upper="3,3,9")
 KEPT_RINGS = KEPT.format(dimension="axisymmetric", grid="r=0:4 z=0:18", walls="r+=slip z-=slip z+=slip", upper="4,9").replace("(0,0,0)", "(0,0)")

@@ -9,7 +9,7 @@ import math
 import os
 
 from _restarts import checkpoints, goes_on, mpirun, straight
-from _runs import KEPT_PLANE, SCRATCH, SPLIT, SWIRL, Report, run
+from _runs import INCLINED, KEPT_PLANE, SCRATCH, SPLIT, SWIRL, Report, run
 
 RATE = 0.5
 BAR = f"""
@@ -162,6 +162,19 @@ def equilibrium(report):
         report.check(stops and max(kinetic[stops[0]:]) < 1e-3*kinetic[0], f"tumbling: {stops[:1]}, then {max(kinetic[stops[0]:])/kinetic[0] if stops else None}")
 
 
+def rest(report):
+    """What is at rest under a load stays where it is, whatever updates the stress: an inclined strip with rotation=exact, its places at two times."""
+    for update in ("musl", "usf", "usavg"):
+        places = []
+        for span in (2, 3):
+            result = run(f"rest_{update}_{span}", INCLINED, rotation="exact", update=update, span=span)
+            if report.finished(result, f"rest {update}"):
+                places.append([(row["x"], row["y"]) for row in result.table("particles_end.csv")])
+        if len(places) == 2:
+            way = max(math.dist(a, b) for a, b in zip(*places))
+            report.check(way < 0.01, f"rest {update}: a particle has moved by {way}")
+
+
 def bits(report):
     """The same for threads, ranks and restarts, where velocities have companions: kept volumes, swirl, carried spin, halves."""
     scenes = {"kept": KEPT_PLANE + "velocity gas x=0.3*y\ndamping rate=0.05\n", "swirl": SWIRL + "damping rate=0.2 kinetic=yes\n",
@@ -181,5 +194,6 @@ if __name__ == "__main__":
     modes(REPORT)
     flight(REPORT)
     equilibrium(REPORT)
+    rest(REPORT)
     bits(REPORT)
     REPORT.end()

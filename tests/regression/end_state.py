@@ -85,7 +85,7 @@ def still(report):
     result = run("still", STILL)
     if report.finished(result, "still"):
         near(report, "still", result, {
-            "contact_share": 0, "viscous_share": 0, "shortest_step": 1e-6, "longest_step": 1e-6, "limited_by": "fixed", "thinnest_body_cells": 8,
+            "contact_share": 0, "viscous_share": 0, "projection_share": 0, "shortest_step": 1e-6, "longest_step": 1e-6, "limited_by": "fixed", "thinnest_body_cells": 8,
             "lost_impulse": 0, "least_particles_per_cell": 4, "gaps": 0, "particles_larger_than_a_cell": 0, "particles_out_of_reach": 0,
             "particles_inside_other_bodies": 0, "volume_over_box": 1, "box_reached": 1, "largest_compression": 1, "largest_expansion": 1,
             "volume_without_room": 0, "least_pressure": 0.4*1, "largest_pressure": 0.4*2})

@@ -9,7 +9,7 @@ walls fills the box once; a block under its weight has the density that its modu
 import os
 import subprocess
 
-from _runs import ENVIRONMENT, SCRATCH, SGMP, Report, Run, run
+from _runs import ENVIRONMENT, INCLINED, SCRATCH, SGMP, Report, Run, run
 
 # Stretches to 1 + strain times its length, nearly without force.
 STRETCH = """
@@ -253,6 +253,8 @@ def criteria(report):
     result = run("dilating_little", DILATING, dilatancy=0)
     report.check(not any("never had" in reason for reason in result["verdict_reasons"]), f"dilating: {result['verdict_reasons']}")
     faces(report)
+    doubts(report, "inclined_sgmp", INCLINED, "forces that no particle feels", method="sgmp")
+    sound(report, "inclined_bspline", INCLINED, method="bspline")
     gone = doubts(report, "gone", GONE, "no particle is left")
     report.check(gone["particles_lost"] == 16, f"gone: {gone.text}")
     doubts(report, "ringing_usl", RINGING, "is gone", update="usl")
