@@ -129,7 +129,7 @@ def names(sgmp, card):
 
 def measure(sgmp):
     """Time of a particle-step over that of the elastic law: the least of several runs of each, in turns, for others use the machine, too."""
-    size, few, many, rounds = 24, 2, 22, 4
+    size, few, many, rounds = 24, 2, 42, 9
     all_cards = {f"law {name}": cards_of("law", name) for name in LAWS} | {f"eos {name}": cards_of("eos", name) for name in EQUATIONS}
     least = {key: [float("inf")]*2 for key in all_cards}
     for _ in range(rounds):
