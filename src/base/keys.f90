@@ -23,7 +23,7 @@ module sgmp_keys
   integer, parameter :: kind_points = 11    !! (a,b),(c,d),...: points of a plane
   character(22), parameter :: kind_names(*) = [character(22) :: &
     'number', 'whole number', 'yes or no', 'word', 'name', 'text', 'vector (a,b,c)', &
-    'formula of x y z', 'interval lower:upper', 'words, comma-separated', 'points (a,b),(c,d),...']
+    'formula', 'interval lower:upper', 'words, comma-separated', 'points (a,b),(c,d),...']
 
   !> One named value.
   type :: key_t

@@ -35,7 +35,9 @@ contains
                        read_body, check_body, selector='shape', needed='add a body', &
                        turn=read_second)
     call registry%key('name', kind_name_word, 'name used by other cards', slot=1, required=.true.)
-    call registry%key('shape', kind_word, 'first shape; file: particles from a file', slot=2, &
+    call registry%key('shape', kind_word, 'first shape (a halfspace, which has no '// &
+                      'end, only adds, subtracts or intersects); file: particles from a '// &
+                      'file', slot=2, &
                       choices=words_joined(pack(shape_names, shape_names /= &
                                                 shape_names(shape_halfspace)))//' '//from_file, &
                       required=.true.)

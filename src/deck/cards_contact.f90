@@ -29,10 +29,12 @@ contains
     call registry%key('second', kind_name_word, 'another body; default: all others', &
                       default='all', slot=2)
     call registry%key('friction', kind_real, "Coulomb's coefficient of friction", &
-                      range='[0,inf)', default='0', source='Eqs. 81 to 84')
+                      range='[0,inf)', default='0', &
+                      source='Kan, Liang and Zhang 2021, Eqs. 81 to 84')
     call registry%key('lambda', kind_real, 'bodies touch where their particles are closer than '// &
                       'this many cells along the normal; default: the mean of their spacings', &
-                      range='(0,inf)', source='Eq. 86')
+                      range='(0,inf)', &
+                      source='Kan, Liang and Zhang 2021, Eq. 86')
     call registry%key('depth', kind_real, 'contact acts at nodes no further than this many '// &
                       'cells from where the surfaces touch; default: at all shared nodes', &
                       range='[0.5,inf)', source='doc/contact.md')
@@ -40,7 +42,8 @@ contains
                       "bodies' particles around a node, or from the gradient of volume of "// &
                       'both bodies, of one, or of the stiffer', &
                       choices=words_joined(normal_names), &
-                      default=trim(normal_names(normal_separating)), source='Eqs. 87 and 88')
+                      default=trim(normal_names(normal_separating)), &
+                      source='Kan, Liang and Zhang 2021, Eqs. 87 and 88')
     call register_rigid(registry)
   end subroutine register_contact
 
@@ -52,14 +55,14 @@ contains
                        'rigid punch y="-v0*sin(pi*t)"', read_rigid, check_rigid)
     call registry%key('body', kind_name_word, 'the body', slot=1, required=.true.)
     do axis = 1, 3
-      call registry%key(axis_names(axis, 3), kind_expression, 'velocity, a function of t', &
+      call registry%key(axis_names(axis, 3), kind_expression, 'velocity, a function of t alone', &
                         unit='speed', default='0')
     end do
     call registry%key(axis_names(1, space_axisymmetric), kind_expression, 'velocity along r of '// &
-                      'an axisymmetric scene', unit='speed')
+                      'an axisymmetric scene, a function of t alone', unit='speed')
     do axis = 1, 3
       call registry%key(omega_names(axis), kind_expression, 'angular velocity about an axis in '// &
-                        'radians per time, a function of t', unit='1/time', default='0')
+                        'radians per time, a function of t alone', unit='1/time', default='0')
     end do
     call registry%key('about', kind_vector, 'the point that has the velocity, at the start; '// &
                       'default: the centre of mass', unit='length')

@@ -78,7 +78,7 @@ contains
     call registry%key('face', kind_word, 'the face of the grid', choices='x- x+ y- y+ z- z+ r+', &
                       slot=1, required=.true.)
     do axis = 1, 3
-      call registry%key(axis_names(axis, 3), kind_expression, 'velocity, a function of t', &
+      call registry%key(axis_names(axis, 3), kind_expression, 'velocity, a function of t alone', &
                         unit='speed', default='0', source='doc/loads.md')
     end do
   end subroutine register_motion

@@ -5,7 +5,7 @@ module sgmp_cards_initial_stress
   use sgmp_expression, only: expression_clone, expression_free
   use sgmp_keys, only: kind_expression, kind_name_word, kind_real
   use sgmp_kinds, only: dp
-  use sgmp_material_weight, only: law_bears_stress
+  use sgmp_material_weight, only: law_bears_stress, laws_that_bear_stress
   use sgmp_registry, only: registry_t
   use sgmp_scene, only: initial_stress_card_t, scene_space
   use sgmp_scene_draft, only: draft_t
@@ -147,8 +147,8 @@ contains
         call draft%errors%add(card%place('body'), 'the stress of '//name//' ('// &
                               trim(material_names(law(body%material)%law%kind))//') follows '// &
                               'from its volume or its deformation, so none can be given', &
-                              'use elastic, j2, johnson_cook, drucker_prager or mohr_coulomb '// &
-                              'without eos and softening, or a fluid without pores')
+                              'use '//laws_that_bear_stress()//' without eos and softening, '// &
+                              'or a fluid without viscosity and pores')
       else if (law_is_spherical(law(body%material)%law)) then
         if (.not. card%has('surface')) then
           call draft%errors%add(card%position, name//' is a fluid: its stress is a pressure', &

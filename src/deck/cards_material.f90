@@ -43,7 +43,9 @@ contains
                        'eos copper gruneisen c0=3940 s=1.49 gamma0=1.96', read_eos, &
                        selector='kind')
     call registry%key('material', kind_name_word, 'the material', slot=1, required=.true.)
-    call registry%key('kind', kind_word, 'equation', choices=words_joined(eos_names), slot=2, &
+    call registry%key('kind', kind_word, 'equation; shock: on the measured Hugoniot itself; '// &
+                      'gruneisen: its series to mu^3, without s2 and s3 (doc/materials.md)', &
+                      choices=words_joined(eos_names), slot=2, &
                       required=.true.)
     do i = 1, size(eos_names)
       call registry%keys(eos_keys(i), trim(eos_names(i)))

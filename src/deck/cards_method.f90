@@ -23,11 +23,14 @@ contains
                        'method sgmp update=musl', read_method, check_method, once=.true.)
     call registry%key('kind', kind_word, 'discretisation', choices=words_joined(method_names), &
                       default=trim(method_names(method_sgmp)), slot=1, &
-                      source='sections 2 to 4 of the paper')
-    call registry%key('update', kind_word, 'when the stress is updated: first, modified last, '// &
-                      'last', choices=words_joined(update_names), &
+                      source='Kan, Liang and Zhang 2021, sections 2 to 4')
+    call registry%key('update', kind_word, 'when the stress is updated: usf, first; usl, last; '// &
+                      'musl (modified), last, with velocities that particles have given to '// &
+                      'the nodes anew; usavg, half first and half last', &
+                      choices=words_joined(update_names), &
                       default=trim(update_names(update_musl)), &
-                      source="MUSL is the paper's recommendation; usavg: half first, half last")
+                      source='Kan, Liang and Zhang 2021, which recommends musl; '// &
+                      'doc/theory.md, 2 and 6')
     call registry%key('flip', kind_real, 'part of the velocity taken from increments; 0 is '// &
                       'pure PIC', range='[0,1]', default='1')
     call registry%key('mass_cutoff', kind_real, &
@@ -72,7 +75,8 @@ contains
     call registry%key('end', kind_real, 'end time', unit='time', range='(0,inf)', free=.true.)
     call registry%key('cfl', kind_real, 'Courant number: dt = cfl*h/(c+|v|); auto: the largest '// &
                       'that is safe for the scheme on this scene', range='(0,inf)', &
-                      choices='auto', default='0.5', source='Eq. 69; doc/time-step.md', free=.true.)
+                      choices='auto', default='0.5', free=.true., &
+                      source='Kan, Liang and Zhang 2021, Eq. 69; doc/time-step.md')
     call registry%key('dt', kind_real, 'fixed time step instead of the Courant number', &
                       unit='time', range='(0,inf)')
     call registry%key('dt_min', kind_real, 'the run aborts below this step; default: 1e-6 of '// &

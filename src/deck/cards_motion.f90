@@ -29,14 +29,14 @@ contains
                       'place at the start this function is not 0, e.g. "x<0.01 && y>0"', &
                       default='1', source='doc/loads.md')
     do axis = 1, 3
-      call registry%key(axis_names(axis, 3), kind_expression, 'velocity, a function of t; '// &
-                        'default: free, or 0 where the part turns', unit='speed')
+      call registry%key(axis_names(axis, 3), kind_expression, 'velocity, a function of t '// &
+                        'alone; default: free, or 0 where the part turns', unit='speed')
     end do
     call registry%key(axis_names(1, space_axisymmetric), kind_expression, 'velocity along r of '// &
-                      'an axisymmetric scene', unit='speed')
+                      'an axisymmetric scene, a function of t alone', unit='speed')
     do axis = 1, 3
       call registry%key(omega_names(axis), kind_expression, 'angular velocity about an axis in '// &
-                        'radians per time, a function of t', unit='1/time')
+                        'radians per time, a function of t alone', unit='1/time')
     end do
     call registry%key('about', kind_vector, 'the point that has the velocity, at the start; '// &
                       'default: the centre of mass of the part', unit='length')

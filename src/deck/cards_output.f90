@@ -29,8 +29,8 @@ contains
     call registry%key('kind', kind_word, 'format', choices=words_joined(dump_names)//' csv', &
                       slot=1, required=.true.)
     call registry%key('at', kind_word, 'when', choices='end', default='end', when='csv')
-    call registry%key('every', kind_real, 'interval; default: start and end only', unit='time', &
-                      range='(0,inf)', when=words_joined(dump_names))
+    call registry%key('every', kind_real, 'interval of time; default: start and end only', &
+                      unit='time', range='(0,inf)', when=words_joined(dump_names))
     call registry%key('fields', kind_list, 'fields besides id, body, position and velocity, '// &
                       'which are always written', &
                       choices=particle_field_names()//' '//always_written)
@@ -64,7 +64,8 @@ contains
                        'limit or the stop file ends the run; with it one more at the end.', &
                        'checkpoint every=1000 minutes=30', read_checkpoint, once=.true., &
                        free=.true.)
-    call registry%key('every', kind_integer, 'after every so many steps', range='[1,inf)')
+    call registry%key('every', kind_integer, 'after every so many steps (of output it is a '// &
+                      'time)', range='[1,inf)')
     call registry%key('minutes', kind_real, 'after so many minutes of wall time', range='(0,inf)')
     call registry%key('keep', kind_integer, 'how many are kept', range='[1,inf)', default='2')
     call registry%card('balance', 'How work is divided anew among the ranks of a parallel run, '// &

@@ -3,7 +3,7 @@ module sgmp_registry_help
   use sgmp_deck_table, only: deck_table
   use sgmp_errors, only: error_make, error_t, exit_usage
   use sgmp_expression, only: expression_functions, expression_variables
-  use sgmp_keys, only: key_t, kind_name
+  use sgmp_keys, only: key_t, kind_integer, kind_list, kind_name, kind_real
   use sgmp_registry, only: card_definition_t, registry_t
   use sgmp_spelling, only: suggestion, word_lower
   use sgmp_text, only: text_with_backslashes
@@ -61,8 +61,7 @@ contains
   function facts(key) result(text)
     type(key_t), intent(in) :: key
     character(:), allocatable :: text
-    text = kind_name(key%kind)
-    if (key%choices /= '') text = text//': '//key%choices
+    text = value_cell(key)
     if (key%unit /= '') text = text//', '//key%unit
     if (key%range /= '') text = text//' in '//key%range
     if (key%default /= '') text = text//'; default '//key%default
@@ -105,7 +104,12 @@ contains
       '  contains x, y, z or t is kept as text when its value is in quotes, for use as `$name`.', &
       '* A vector is `(a,b,c)`, `a,b,c`, or shorter: missing components are 0. One number '// &
       'alone, if it is not 0, is for scenes in 1D.', &
-      '* Formulas of fields may use the variables and constants', &
+      '* Units are those of the deck: length, mass, time and what follows from them. '// &
+      'Temperatures are in kelvin.', &
+      '* Kan, Liang and Zhang 2021 is the paper that describes the method: '// &
+      '[README](../README.md#citation).', &
+      '* The value *formula* is a formula that is evaluated while the program runs; the key '// &
+      'says of what it is a function. It may use the variables and constants', &
       '  `'//expression_variables//'` and the functions', &
       '  `'//expression_functions//'`.'
   end subroutine write_preface
@@ -155,11 +159,21 @@ contains
     if (key%slot > 0) text = ' (word '//achar(iachar('0') + key%slot)//')'
   end function slot_mark
 
+  !> What a value may be: of the kind of the key, a word, or either.
   function value_cell(key) result(text)
     type(key_t), intent(in) :: key
     character(:), allocatable :: text
     text = kind_name(key%kind)
-    if (key%choices /= '') text = key%choices
+    if (key%choices == '') return
+    select case (key%kind)
+    case (kind_real, kind_integer)
+      text = text//' or '//key%choices
+    case (kind_list)
+      text = text//': '//key%choices
+    case default
+      text = 'one of '//key%choices
+      if (index(key%choices, ' ') == 0) text = key%choices
+    end select
   end function value_cell
 
   function default_cell(key) result(text)

@@ -27,13 +27,16 @@ contains
   function polynomial_keys() result(keys)
     type(key_t), allocatable :: keys(:)
     integer :: i
-    allocate (keys(0))
-    do i = 0, 3
-      keys = [keys, key(names(i), kind_real, 'coefficient of mu^'//names(i)(2:), unit='stress', &
+    keys = [key(names(0), kind_real, 'A0 of p = A0 + A1 mu + A2 mu^2 + A3 mu^3 + (B0 + B1 mu + '// &
+                'B2 mu^2) E, mu: density over the initial one - 1, positive in compression, '// &
+                'E: energy per initial volume; A2 and B2 act where mu > 0', unit='stress', &
+                default='0')]
+    do i = 1, 3
+      keys = [keys, key(names(i), kind_real, 'A'//names(i)(2:), unit='stress', &
                         default='0')]
     end do
     do i = 4, last
-      keys = [keys, key(names(i), kind_real, 'coefficient of mu^'//names(i)(2:)//' E', &
+      keys = [keys, key(names(i), kind_real, 'B'//names(i)(2:), &
                         default='0')]
     end do
   end function polynomial_keys

@@ -75,10 +75,13 @@ contains
                 'a mark', choices=words_joined(carries_names), &
                 default=trim(carries_names(carries_pressure))), &
             key('fracture_energy', kind_real, 'energy per area that a crack takes while '// &
-                'strength falls from the limit to nothing; without it all is lost at once', &
+                'strength falls from the limit that was met (pmin, spall_strain, '// &
+                'principal_stress, or the yield stress at plastic_strain) to nothing; without '// &
+                'it all is lost at once', &
                 unit='stress length', range='(0,inf)'), &
-            key('weibull', kind_real, 'Weibull modulus of limits that scatter from particle to '// &
-                'particle; the given ones are the means', range='[0.5,inf)'), &
+            key('weibull', kind_real, 'Weibull modulus of all limits of this card, and of the '// &
+                'failure strain of d1 to d5, which scatter from particle to particle; the '// &
+                'given ones are the means', range='[0.5,inf)'), &
             key('seed', kind_integer, 'another number, another scatter', range='[0,inf)', &
                 default='0')]
   end function failure_keys

@@ -59,15 +59,17 @@ contains
     keys = [hardening_keys(), &
             key('rate_coefficient', kind_real, 'Johnson-Cook C: yield stress (yield + '// &
                 'hardening_modulus e^hardening_exponent) (1 + rate_coefficient ln r) '// &
-                '(1 - T*^thermal_exponent), e: plastic strain', range='[0,inf)', default='0'), &
+                '(1 - T*^thermal_exponent), e: plastic strain; johnson_holmquist: C of '// &
+                'intact_strength and fractured_strength', range='[0,inf)', default='0'), &
             key('reference_rate', kind_real, 'strain rate at which the rate factor is 1; r: '// &
                 'rate of plastic strain (johnson_holmquist: of the deviator of strain) over '// &
-                'it, in both at least 1', &
+                'it; johnson_cook and johnson_holmquist take r as at least 1', &
                 unit='1/time', range='(0,inf)', default='1'), &
             key('thermal', kind_logical, 'carry the temperature and soften the yield stress', &
                 default='no'), &
-            key('thermal_exponent', kind_real, 'Johnson-Cook m; T*: (temperature - room) over '// &
-                '(melting - room), 0 to 1', range='(0,inf)', default='1'), &
+            key('thermal_exponent', kind_real, 'Johnson-Cook m; T* of johnson_cook: '// &
+                '(temperature - room) over (melting - room), 0 to 1', &
+                range='(0,inf)', default='1'), &
             heating_keys(), &
             key('failure', kind_logical, 'Johnson-Cook damage and failure: at a plastic strain '// &
                 'of (d1 + d2 exp(d3 s)) (1 + d4 ln r) (1 + d5 T*)', default='no'), &

@@ -68,7 +68,8 @@ contains
                 range='(0,inf)', required=.true.), &
             key('intact_strength', kind_real, 'Johnson-Holmquist A: intact strength A (p* + '// &
                 'T*)^intact_exponent (1 + rate_coefficient ln r), p* and T*: pressure and '// &
-                'tension_limit over hugoniot_pressure', range='(0,inf)', required=.true.), &
+                'tension_limit over hugoniot_pressure (not the T* of johnson_cook)', &
+                range='(0,inf)', required=.true.), &
             key('intact_exponent', kind_real, 'Johnson-Holmquist N', range='[0,10]', &
                 required=.true.), &
             key('fractured_strength', kind_real, 'Johnson-Holmquist B: fractured strength '// &
@@ -76,8 +77,9 @@ contains
                 'one', range='[0,inf)', required=.true.), &
             key('fractured_exponent', kind_real, 'Johnson-Holmquist M', range='[0,10]', &
                 default='1'), &
-            key('fractured_limit', kind_real, 'greatest fractured strength, in units of 3/2 '// &
-                '(HEL - PHEL) as the other two; default: none', range='[0,inf)'), &
+            key('fractured_limit', kind_real, 'greatest fractured strength; default: none. '// &
+                'This and the two other strengths are stresses over 3/2 (HEL - PHEL)', &
+                range='[0,inf)'), &
             key('rate_coefficient', kind_real, 'C', range='[0,inf)', default='0'), &
             key('reference_rate', kind_real, 'rate', unit='1/time', range='(0,inf)', &
                 default='1'), &

@@ -6,13 +6,17 @@
 !! of fourth order, first at the surface from v = 1 to the pressure there, then down.
 module sgmp_material_weight
   use sgmp_constitutive, only: constitutive_t, eos_none, eos_terms, law_is_spherical, &
-                               material_explosive, material_johnson_holmquist, &
-                               material_mooney_rivlin, material_neo_hookean
+                               material_explosive, material_fluid, &
+                               material_johnson_holmquist, material_mooney_rivlin, &
+                               material_names, material_neo_hookean
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: fluid_below, law_bears_stress, stress_energy
+  public :: fluid_below, law_bears_stress, laws_that_bear_stress, stress_energy
 
+  !> Laws whose stress follows from the volume or the deformation.
+  integer, parameter :: stressless(*) = [material_explosive, material_neo_hookean, &
+                                         material_mooney_rivlin, material_johnson_holmquist]
   integer, parameter :: parts = 32           !! of each of the two ways
   real(dp), parameter :: reached = 1.0e-6_dp  !! of the pressure, relative: else there is no state
 
@@ -23,15 +27,22 @@ contains
   pure function law_bears_stress(law) result(yes)
     type(constitutive_t), intent(in) :: law
     logical :: yes
-    select case (law%kind)
-    case (material_explosive, material_neo_hookean, material_mooney_rivlin, &
-          material_johnson_holmquist)
-      yes = .false.
-    case default
-      yes = (law%eos == eos_none .neqv. law_is_spherical(law)) .and. &
-            .not. (law%softens .or. law%porosity%porous)
-    end select
+    yes = all(law%kind /= stressless) .and. &
+          (law%eos == eos_none .neqv. law_is_spherical(law)) .and. &
+          .not. (law%softens .or. law%porosity%porous)
   end function law_bears_stress
+
+  !> Names of the solids whose particles can, for messages.
+  pure function laws_that_bear_stress() result(text)
+    character(:), allocatable :: text
+    integer :: kind
+    text = ''
+    do kind = 1, size(material_names)
+      if (any(kind == stressless) .or. kind == material_fluid) cycle
+      if (text /= '') text = text//', '
+      text = text//trim(material_names(kind))
+    end do
+  end function laws_that_bear_stress
 
   !> Volume over initial volume, energy per initial volume and pressure of a fluid at a depth.
   pure subroutine fluid_below(law, surface, gravity, depth, v, energy, pressure, ok)

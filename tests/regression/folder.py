@@ -30,7 +30,10 @@ output tecplot every=0.1
 output csv at=end
 gauge g point=(1,1)
 body other block material=m lower=(5,0) upper=(7,2) spacing=0.5
-contact all
+body wheel block material=m lower=(9,0) upper=(11,2) spacing=0.5
+rigid wheel omega_z=1
+motion plate where="x<1" x=0
+contact other wheel
 checkpoint every=10
 """
 STOPPED, WRONG_DECK, WRONG_FILE = 6, 3, 5
@@ -100,7 +103,7 @@ def stale(report):
     folder = clear(name)
     report.finished(execute(command(name, DECK + EVERYTHING), name), name)
     before = set(os.listdir(folder))
-    for needed in ("contact.csv", "gauges.csv", "particles.pvd", "particles.vtkhdf", "particles.dat", "particles_end.csv",
+    for needed in ("contact.csv", "motion.csv", "rigid.csv", "gauges.csv", "particles.pvd", "particles.vtkhdf", "particles.dat", "particles_end.csv",
                    "particles_0000000.vtu"):
         report.check(needed in before, f"{name}: no {needed} to be removed")
     with open(os.path.join(folder, "notes.txt"), "w", encoding="ascii") as file:
