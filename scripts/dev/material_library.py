@@ -28,8 +28,10 @@ Materials of `input/materials`, one to a file, in SI units; a deck includes them
 The numbers are converted to the units of the deck, because the file says that its units are its own (`units m kg s scope=file`). A file of your own may do the same, in the units of the paper
 that the constants come from (`units cm g us scope=file` has stresses in Mbar); it holds cards `material`, `eos`, `failure`, `viscosity` and parameters. `sgmp DECK --verbose` prints the
 cards as they are after conversion. To change a constant, copy the file. Bulk viscosity is not in the files: shocks need a card `viscosity`.
+Stresses of the table are in Pa, temperatures in K, angles in degrees: `pmin=-100` of water is a tension of 100 Pa, next to none.
 
-Each line of a file names the source of its constants. They were compared with other prints of them (libraries of other codes, reports that quote them), not with the originals; those marked *
+Each line of a file says where its constants come from, or that it is not known: the strength of `steel_304` is in general use, but its primary source was not found; what is called representative
+(density and moduli of `sand`, density and Poisson's ratio of `weald_clay`) was chosen, not measured. Those with a source were compared with other prints of them (libraries of other codes, reports that quote them), not with the originals; those marked *
 were found in no other print. What is called handbook are elastic moduli and densities as they stand in any. Explosives are checked by themselves: their constants give the published speed and pressure of detonation to 0.2 %.
 Every material is strained along a path in two systems of units and compared with its equations, worked out independently (tests/regression/library.py).
 
@@ -42,7 +44,7 @@ flow stresses in [materials, Metals](materials.md#metals).
 
 `weald_clay`: M, λ and the void ratio were found in one other print, which takes κ = 0.025 for the same clay.
 
-Johnson and Cook's damage is off in `copper`, `iron` and `steel_4340`; `--set copper_failure=yes` switches it on. There is no concrete: no law here describes it.
+Johnson and Cook's damage is off in `copper`, `iron` and `steel_4340`; `--set copper_failure=yes`, `iron_failure=yes` or `steel_4340_failure=yes` switches that of the metal on. There is no concrete: no law here describes it.
 
 """
 
