@@ -72,13 +72,13 @@ def requests(report, reference):
     stops(report, reference, "ranks", lambda going: going.end(signal.SIGTERM), mpirun(2))
     stops(report, reference, "file", by_file)
     report.check(not os.path.exists(os.path.join(SCRATCH, "stop_file", "stop")), "the stop file is still there")
-    name = "time_limit"
-    clear(name)
-    started = time.monotonic()
-    result = execute(line(name, "--time-limit", "0:00:03", settings=ENDLESS), name)
-    report.check(result.code == STOPPED and "time limit" in result.text, f"{name}: exit code {result.code}\n{result.text}")
-    report.check(result.summary.get("wall_seconds", 9) < 3 or time.monotonic() - started > 8,  # or held up from outside
-                 f"{name}: stopped after {result.summary.get('wall_seconds')} s")
+    name, seconds = "time_limit", []
+    while len(seconds) < 3 and min(seconds, default=3) >= 3:  # a machine with other work may hold one up; without its reserve none stops before
+        clear(name)
+        result = execute(line(name, "--time-limit", "0:00:03", settings=ENDLESS), name)
+        report.check(result.code == STOPPED and "time limit" in result.text, f"{name}: exit code {result.code}\n{result.text}")
+        seconds.append(result.summary.get("wall_seconds", 9))
+    report.check(min(seconds) < 3, f"{name}: stopped after {seconds} s")
 
 
 def killed(report, reference):
