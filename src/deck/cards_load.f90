@@ -181,6 +181,7 @@ contains
     integer :: axis
     new%body = draft%body_of(card, 'body')
     if (new%body < 0) return
+    new%location = card%position%text()
     do axis = 1, 3
       new%force(axis) = expression_clone(card%values(card%at(draft%axis_key(axis)))%expression)
     end do

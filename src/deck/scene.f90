@@ -156,6 +156,7 @@ module sgmp_scene
   type :: bodyforce_card_t
     integer :: body = 0                           !! 0: all bodies
     type(expression_t) :: force(3)
+    character(:), allocatable :: location         !! file:line:column of the card, for messages
   end type bodyforce_card_t
 
   !> Force on particles of a body, or pressure or traction on faces of them.

@@ -11,6 +11,7 @@ module sgmp_simulation
   use sgmp_energy, only: ledger_drift, ledger_total
   use sgmp_errors, only: error_make, error_t, exit_io, exit_numerical, exit_stopped
   use sgmp_forewarnings, only: forewarnings_find
+  use sgmp_formula_faults, only: formula_faults_name
   use sgmp_kinds, only: dp, i8
   use sgmp_memory_need, only: memory_need_here, memory_refuse
   use sgmp_model, only: model_t
@@ -209,6 +210,7 @@ contains
       call note_motion(scene, model)
       if (allocated(model%findings%failure)) then
         call move_alloc(model%findings%failure, error)
+        call formula_faults_name(scene, model%clock%time, error)
         return
       end if
       call timers_stop(model%timers, phase_grid)

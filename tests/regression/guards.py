@@ -141,6 +141,16 @@ def nowhere(report):
             failed(report, f"nowhere {policy}", run(f"nowhere_{policy}_{len(more)}", deck, policy=policy), [r"not a number", r"step \d+"])
 
 
+def named(report):
+    """A formula of t that stops being a number: the error stands at its card, a formula that keeps its value is not blamed."""
+    kept = 'load runner y="0*sqrt(t)"\n'
+    for more in ('load runner x="sqrt(0.01-t)"', 'bodyforce runner x="sqrt(0.01-t)"', 'motion runner x="sqrt(0.01-t)"',
+                 'pressure runner p="1/max(0,0.01-t)"'):
+        deck = flying(2, "x=0:8 y=0:1", 20) + kept + more + "\n"
+        line = deck.rstrip("\n").count("\n") + 1
+        failed(report, f"named {more}", run(f"named_{more.split()[0]}", deck), [rf"\.inp:{line}:1: error: a formula of this card has no value at time", r"step \d+"])
+
+
 def leaving(report):
     """All three policies, in all dimensions and methods."""
     for dimension, extent in ((1, "x=0:2"), (2, "x=0:2 y=0:2"), (3, "x=0:2 y=0:2 z=0:2")):
@@ -182,6 +192,7 @@ def main():
     returning_work(report)
     released_pressure(report)
     nowhere(report)
+    named(report)
     leaving(report)
     report.end()
 
