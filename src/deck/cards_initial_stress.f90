@@ -26,7 +26,8 @@ contains
     call registry%card('initial_stress', 'Stress of a body at the start: that of ground at '// &
                        'rest under gravity (surface, pressure, k0), or any (xx … xz).', &
                        'initial_stress soil surface=10 k0=0.5', read_stress, check_stress)
-    call registry%key('body', kind_name_word, 'the body; default: all that are not rigid', &
+    call registry%key('body', kind_name_word, 'the body; default: all that are not rigid '// &
+                      'and have no card of their own', &
                       default='all', slot=1)
     call registry%key('surface', kind_expression, 'height of the surface, against gravity and '// &
                       'from the origin, a function of the place; the stress is the weight '// &
@@ -63,10 +64,30 @@ contains
       return
     end if
     call refuse_time(card, draft)
+    call refuse_second(card, named, draft)
     do b = 1, draft%bodies
-      if (named == 0 .or. named == b) call take(card, draft, draft%scene%bodies(b)%stress)
+      associate (stress => draft%scene%bodies(b)%stress)
+        if (named == b .or. (named == 0 .and. .not. stress%named)) call take(card, draft, stress)
+        stress%named = stress%named .or. named == b
+      end associate
     end do
   end subroutine read_stress
+
+  !> A body has one card of its own, which comes before the one for all.
+  subroutine refuse_second(card, named, draft)
+    type(deck_card_t), intent(in) :: card
+    integer, intent(in) :: named                 !! the body; 0: all
+    type(draft_t), intent(inout) :: draft
+    logical :: second
+    if (named > 0) then
+      second = draft%scene%bodies(named)%stress%named
+    else
+      second = any(draft%scene%bodies(:draft%bodies)%stress%given .and. &
+                   .not. draft%scene%bodies(:draft%bodies)%stress%named)
+    end if
+    if (second) call draft%errors%add(card%position, "'"//card%word('body')//"' has two "// &
+                                      'initial stresses', 'remove one of the cards')
+  end subroutine refuse_second
 
   !> What a card says, for one body.
   subroutine take(card, draft, stress)

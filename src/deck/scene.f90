@@ -96,6 +96,7 @@ module sgmp_scene
   !> Stress of a body at the start: component by component, or that of ground at rest.
   type :: initial_stress_card_t
     logical :: given = .false.
+    logical :: named = .false.                    !! by a card for this body alone
     logical :: geostatic = .false.                !! the weight of what lies above
     type(expression_t) :: value(size(voigt_names))  !! else: as stored, functions of the place
     type(expression_t) :: surface                 !! height against gravity, a function of the place

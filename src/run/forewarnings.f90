@@ -227,15 +227,23 @@ contains
     type(model_t), intent(in) :: model
     type(string_t), allocatable, intent(inout) :: warnings(:)
     integer(i8) :: particles
+    character(31) :: limit
+    character(:), allocatable :: advice
     integer :: b
     do b = 1, size(model%bodies)
       particles = parallel_sum(stress_returned(scene%bodies(b), scene%gravity, model%mesh, &
                                                model%bodies(b)))
       if (particles == 0_i8) cycle
+      limit = merge(' or a limit of the card failure', '                               ', &
+                    model%bodies(b)%law%failure%given)
+      advice = ''
+      if (scene%bodies(b)%stress%geostatic) then
+        advice = '; ground that slides at phi bears k0 between (1 - sin(phi))/(1 + sin(phi)) '// &
+                 'and its inverse'
+      end if
       call warn(warnings, 'the initial stress of '//integer_text(particles)// &
-                " particles of body '"//trim(model%bodies(b)%name)//"' is beyond yield: they "// &
-                'begin on the yield surface instead, out of equilibrium; ground that slides '// &
-                'at phi bears k0 between (1 - sin(phi))/(1 + sin(phi)) and its inverse')
+                " particles of body '"//trim(model%bodies(b)%name)//"' is beyond yield"// &
+                trim(limit)//': they begin with what they bear instead, out of equilibrium'//advice)
     end do
   end subroutine look_at_stress
 

@@ -306,8 +306,9 @@ contains
                           trim(merge(' has an imaginary sound speed   ', &
                                      ' is inside out or not a number  ', work%no_sound))// &
                           ' after step '//integer_text(plan%step), &
-                          'reduce cfl, add bulk viscosity, or use a finer grid; see the last '// &
-                          'dump for where it is')
+                          'reduce cfl, add bulk viscosity, or use a finer grid; look at '// &
+                          'formulas of time, which must stay numbers; see the last dump for '// &
+                          'where it is')
         end if
       end associate
     end do

@@ -1,10 +1,10 @@
 !> What a thread does with the movers of its slab right after the sweep: those that leave the grid,
 !! and the bins of the others.
 module sgmp_lost_particles
-  use sgmp_body, only: body_t
+  use sgmp_body, only: body_parts, body_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
-  use sgmp_motion, only: motion_velocity
+  use sgmp_motion, only: motion_total, motion_velocity
   use sgmp_movers, only: movers_t
   use sgmp_particles, only: particles_t
   use sgmp_plan, only: plan_t
@@ -34,7 +34,7 @@ contains
                (plan%lost_policy == lost_reflect .and. bodies(b)%rigid)
       call note_nowhere(mesh%ndim, movers(b))
       if (.not. remove .and. movers(b)%escaped(1) == 0) then
-        call guard_grid(mesh, plan, bodies(b)%particles, reflect, movers(b))
+        call guard_grid(mesh, plan, bodies(b), reflect, movers(b))
       end if
       call lost_particles_find_bins(mesh, bodies(b)%particles, movers(b))
     end do
@@ -59,10 +59,10 @@ contains
   !!
   !! A particle is outside once its bin is: half a cell beyond the face with SGMP and GIMP, at the
   !! face with MPM.
-  pure subroutine guard_grid(mesh, plan, particles, reflect, movers)
+  pure subroutine guard_grid(mesh, plan, body, reflect, movers)
     type(mesh_t), intent(in) :: mesh
     type(plan_t), intent(in) :: plan
-    type(particles_t), intent(in) :: particles
+    type(body_t), intent(in) :: body
     logical, intent(in) :: reflect
     type(movers_t), intent(inout) :: movers
     integer :: m, d
@@ -72,9 +72,10 @@ contains
         associate (x => movers%particle(d, m))
           if (x >= mesh%lower(d) .and. x <= mesh%upper(d)) cycle
           if (reflect) then
+            if (driven(body, d, movers%particle(motion_total(mesh%ndim) + 1:, m))) cycle
             call turn_back(mesh, plan, d, movers%particle(:, m), movers%values(:, m))
-          else if (x < mesh%lower(d) - particles%shift .or. &
-                   x > mesh%upper(d) + particles%shift) then
+          else if (x < mesh%lower(d) - body%particles%shift .or. &
+                   x > mesh%upper(d) + body%particles%shift) then
             movers%escaped = [m, d]
             return
           end if
@@ -82,6 +83,21 @@ contains
       end do
     end do
   end subroutine guard_grid
+
+  !> Whether a particle belongs to a part whose motion along an axis is prescribed now: it goes on
+  !! through the face as a rigid body does, for to turn it back is no motion of the part.
+  pure logical function driven(body, d, state) result(yes)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: d                     !! axis
+    real(dp), intent(in) :: state(:)             !! its second stream
+    integer :: i
+    yes = .false.
+    do i = 1, body_parts(body)
+      associate (part => body%driven(i))
+        if (part%drive%acts .and. part%axes(d)) yes = yes .or. state(part%mark) > 0.0_dp
+      end associate
+    end do
+  end function driven
 
   !> Mirrors a mover at the face that it has passed, with what it gives to the grid: its momentum,
   !! and about an axis the moments of its mass.
@@ -93,7 +109,7 @@ contains
     integer :: before, v
     logical :: around
     around = mesh%space == space_axisymmetric
-    before = merge(merge(2, 1, around), 0, plan%mass)
+    before = merge(merge(2, 1, around) + plan%driven, 0, plan%mass)
     v = motion_velocity(mesh%ndim) + d - 1
     particle(d) = 2*merge(mesh%lower(d), mesh%upper(d), particle(d) < mesh%lower(d)) - particle(d)
     particle(v) = -particle(v)

@@ -267,6 +267,21 @@ def components(report):
     text = ANY.format(space="2", corners=CORNERS["2"], axes="", law="elastic", constants="", stress="all surface=0.9\ngravity (0,-1)")
     result = run("above", text)
     report.check(result.code == 3 and "lie above the surface" in result.text, f"above: {result.code}")
+    one, rest = "initial_stress soil xx=-3", "initial_stress all xx=-1"
+    for name, cards in (("own_first", f"{one}\n{rest}"), ("own_last", f"{rest}\n{one}")):
+        text = ANY.format(space="2", corners=CORNERS["2"], axes="", law="elastic", constants="", stress="X").replace("initial_stress X", cards)
+        text = text.replace(cards, f"body stone block material=soil lower=(9,0) upper=(10,1) ppc=2\n{cards}")
+        result = run(name, text)
+        if report.finished(result, name):
+            for row in result.table("particles_end.csv"):
+                report.check(abs(row["stress_xx"] - (-1 if row["x"] > 8 else -3)) < 1e-9, f"{name}: {row['stress_xx']} at {row['x']}")
+    for name, cards in (("twice", f"{one}\n{one}"), ("all_twice", f"{rest}\n{rest}")):
+        result = run(name, text.replace(f"{rest}\n{one}", cards))
+        report.check(result.code == 3 and "has two initial stresses" in result.text, f"{name}: {result.code} {result.text}")
+    limits = "failure soil principal_stress=1\noutput"
+    text = ANY.format(space="2", corners=CORNERS["2"], axes="", law="j2", constants="yield=5", stress="all xx=1.9 yy=1.9 zz=1.9").replace("output", limits)
+    result = run("limit", text)
+    report.check("or a limit of the card failure" in result.text and "phi" not in result.text, f"limit: {result.text}")
 
 
 def bits(report):

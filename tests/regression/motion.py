@@ -307,6 +307,23 @@ def free(report):
         report.check(abs(drives[-1]["work"]/(0.5*mass*(speed_x**2 - 0.3**2)) - 1) < 1e-9, f"{name}: work {drives[-1]['work']}")
 
 
+def faces(report):
+    """At closed faces what is free is turned back, with its momentum on the grid; what is moved goes on, is removed and counted."""
+    for space, extent, walls, corners in (("plane", "x=-2:4.5 y=-2:2", "", "lower=(-1,-1) upper=(3,1)"), ("rings", "r=0:3 z=-2:4.5", "", "lower=(0,-1) upper=(1,3)")):
+        along = "x" if space == "plane" else "z"
+        for method in ("sgmp", "mpm"):
+            name = f"faces_{space}_{method}"
+            text = TURNED.replace("grid cell=0.5", f"grid cell=0.5 {extent}\nlost reflect").replace("lower=(-1,-1) upper=(3,1)", corners)
+            text = text.replace("dimension 2", "dimension 2" if space == "plane" else "dimension axisymmetric").replace("output csv", f"velocity bar {along}=2\noutput csv")
+            moved = 'motion bar omega_z="cos(t)" x=0.3 about=(0,0)'
+            for part, until, lost in (("<0", " until=0.3", False), (">2", "", True)):
+                result = run(f"{name}_{lost}", text.replace(moved, f'motion bar where="{along}{part}" {along}=2{until}'), method=method, update="musl")
+                if report.finished(result, name):
+                    ledger(report, f"{name}_{lost}", result)
+                    many = {"plane": 4*8, "rings": 4*4}[space]
+                    report.check(result["particles_lost"] == (many if lost else 0), f"{name}: {result['particles_lost']} particles lost")
+
+
 def mistakes(report):
     """What a deck must not say, and what it is told."""
     cases = (("nothing prescribed", 'x=-1', '', "the motion prescribes nothing"),
@@ -359,6 +376,7 @@ if __name__ == "__main__":
     pull(REPORT)
     turn(REPORT)
     free(REPORT)
+    faces(REPORT)
     mistakes(REPORT)
     bits(REPORT)
     REPORT.end()
