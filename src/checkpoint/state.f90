@@ -160,6 +160,7 @@ contains
     call archive%pass(part%drive%gradient_before)
     call archive%pass(part%motion%centre)
     call archive%pass(part%motion%gradient_before)
+    if (part%motion%turns) call archive%pass(part%motion%spin)  ! rows of what was let go show it
     call archive%pass(part%total)
     if (archive%reading) part%drive%axes = part%axes
   end subroutine pass_driven

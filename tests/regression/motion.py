@@ -363,6 +363,8 @@ def bits(report):
                 report.check(other[key] == reference[key], f"{title}: {key} {other[key]}, not {reference[key]}")
             report.check(other.table("motion.csv") == reference.table("motion.csv"), f"{title}: motion.csv differs")
         goes_on(report, reference, f"{name}_again", deck, checkpoints(os.path.join(SCRATCH, name))[0], method=method, update=update)
+    deck = MOVING.replace('x="0.6+0.1*sin(t)"', 'x="0.6+0.1*sin(t)" until=1') + "checkpoint every=15 keep=9\n"
+    goes_on(report, straight(report, "let_go", deck), "let_go_again", deck, 15)
 
 
 if __name__ == "__main__":
