@@ -154,6 +154,7 @@ contains
     type(verdict_t), intent(inout) :: self
     type(model_t), intent(in) :: model
     if (.not. model%method%damped .or. model%method%flip < 1.0_dp) return
+    if (model%clock%time > model%method%damped_until) return
     if (self%projection <= largest_unfelt) return
     call self%object('nodes push with forces that no particle feels: projection has lost '// &
                      real_text(self%projection)//' times the energy that the scene was given, '// &

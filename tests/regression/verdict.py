@@ -255,6 +255,7 @@ def criteria(report):
     faces(report)
     doubts(report, "inclined_sgmp", INCLINED, "forces that no particle feels", method="sgmp")
     sound(report, "inclined_bspline", INCLINED, method="bspline")
+    sound(report, "inclined_let_go", INCLINED.replace("rate=0.1", "rate=0.1 until=700"), method="sgmp")
     gone = doubts(report, "gone", GONE, "no particle is left")
     report.check(gone["particles_lost"] == 16, f"gone: {gone.text}")
     doubts(report, "ringing_usl", RINGING, "is gone", update="usl")
