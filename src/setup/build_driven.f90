@@ -1,7 +1,7 @@
 !> Parts of bodies whose motion is prescribed: which particles they are, and how they start.
 module sgmp_build_driven
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use sgmp_body, only: body_parts, body_t
+  use sgmp_build_loads, only: chosen
   use sgmp_drive, only: drive_sums, drive_velocity
   use sgmp_driven_part, only: driven_part_start, driven_part_t
   use sgmp_errors, only: error_make, error_t, exit_deck
@@ -117,7 +117,7 @@ contains
         do l = 1, lanes
           if (particles%id(l, c) == 0) cycle
           x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
-          if (.not. chosen(card, x, terms(unclear, c))) cycle
+          if (.not. chosen(card%where, x, terms(unclear, c))) cycle
           particles%state(l, body%driven(own)%mark, c) = 1.0_dp
           m = particles%motion(l, motion_mass(n), c)
           terms(mass, c) = terms(mass, c) + m
@@ -134,18 +134,6 @@ contains
     end associate
     call parallel_exact_sums(terms, total)
   end subroutine mark
-
-  !> Whether a card means a place; counts those of which it does not say.
-  function chosen(card, x, unknown) result(yes)
-    type(motion_card_t), intent(in) :: card
-    real(dp), intent(in) :: x(3)
-    real(dp), intent(inout) :: unknown
-    logical :: yes
-    real(dp) :: weight
-    weight = card%where%evaluate(x, x, 0.0_dp)
-    yes = abs(weight) > 0.0_dp
-    if (ieee_is_nan(weight)) unknown = unknown + 1.0_dp
-  end function chosen
 
   !> Gives the particles of a part the velocity that it has at the start.
   subroutine set_velocities(mesh, part, body)

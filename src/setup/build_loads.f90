@@ -3,6 +3,7 @@ module sgmp_build_loads
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use sgmp_body, only: body_t
   use sgmp_errors, only: error_make, error_t, exit_deck
+  use sgmp_expression, only: expression_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_lattice, only: lattice_tolerance
   use sgmp_load, only: load_force, load_t
@@ -14,7 +15,7 @@ module sgmp_build_loads
   use sgmp_turn, only: turn_back, turn_forth
   implicit none
   private
-  public :: loads_add_columns, loads_declare, loads_fill
+  public :: chosen, loads_add_columns, loads_declare, loads_fill
 
   ! What is summed over particles: mass or area that bears a load, particles whose faces are
   ! opposite, places of which where=… does not say.
@@ -115,7 +116,7 @@ contains
             call faces_of(card, owner, mesh, body%spacing, x, particles%state(l, 1, c), faces, &
                           terms(:, c))
             particles%state(l, column:column + n - 1, c) = faces(:n)
-          else if (chosen(card, x, terms(unclear, c))) then
+          else if (chosen(card%where, x, terms(unclear, c))) then
             particles%state(l, column, c) = 1.0_dp
             terms(borne, c) = terms(borne, c) + particles%motion(l, motion_mass(n), c)
           end if
@@ -163,7 +164,7 @@ contains
         call turn_forth(owner%turn, next)
         face = 0.5_dp*(x + next)
         if (borne_by_wall(mesh, spacing, face)) cycle
-        if (.not. chosen(card, face, counts(unclear))) cycle
+        if (.not. chosen(card%where, face, counts(unclear))) cycle
         size_of = volume/spacing
         if (owner%rings) size_of = size_of*face(1)/x(1)
         area = area + size_of/spacing*(next - x)
@@ -190,14 +191,14 @@ contains
     end do
   end function borne_by_wall
 
-  !> Whether a card means a place; counts those of which it does not say.
-  function chosen(card, x, unknown) result(yes)
-    type(load_card_t), intent(in) :: card
+  !> Whether a card means a place, by its `where`; counts those of which that does not say.
+  function chosen(where, x, unknown) result(yes)
+    type(expression_t), intent(in) :: where
     real(dp), intent(in) :: x(3)
     real(dp), intent(inout) :: unknown
     logical :: yes
     real(dp) :: weight
-    weight = card%where%evaluate(x, x, 0.0_dp)
+    weight = where%evaluate(x, x, 0.0_dp)
     yes = abs(weight) > 0.0_dp
     if (ieee_is_nan(weight)) unknown = unknown + 1.0_dp
   end function chosen
