@@ -12,8 +12,8 @@ import pathlib
 import re
 import sys
 
-LAYERS = ("base", "parallel", "mesh", "geometry", "materials", "transfer", "particles", "contact", "deck", "step", "setup",
-          "files", "import", "output", "checkpoint", "run")
+LAYERS = ("base", "parallel", "mesh", "geometry", "materials", "transfer", "particles", "account", "features", "deck", "kernels",
+          "exchange", "step", "setup", "files", "import", "output", "checkpoint", "judge", "run")
 # Modules from elsewhere and the folders that may use them; None: all (cmake/write_version.cmake writes sgmp_version).
 LIBRARIES = {"mpi_f08": ("parallel", "files"), "hdf5": ("files",), "omp_lib": ("run",), "sgmp_version": None}
 # Arrows that stand against the order until they are cut (file, file); one that is gone must go from here, too.
