@@ -1,14 +1,17 @@
-!> The cards `load`, `pressure` and `traction`: forces on particles of a body and on its surface.
+!> The cards `load`, `pressure`, `traction` and `blast`: forces on particles of a body and on its
+!! surface.
 module sgmp_cards_surface
+  use sgmp_air_blast, only: burst_names
   use sgmp_deck_card, only: deck_card_t
   use sgmp_expression, only: expression_clone
-  use sgmp_keys, only: kind_expression, kind_name_word, kind_word
+  use sgmp_keys, only: kind_expression, kind_name_word, kind_real, kind_vector, kind_word
   use sgmp_kinds, only: dp
-  use sgmp_load, only: load_force, load_pressure, load_traction
+  use sgmp_load, only: load_blast, load_force, load_pressure, load_traction
   use sgmp_registry, only: registry_t
   use sgmp_scene, only: body_card_t, layout_lattice, load_card_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_space, only: axis_names, space_axisymmetric
+  use sgmp_spelling, only: words_joined
   implicit none
   private
   public :: register_surface
@@ -42,7 +45,24 @@ contains
     call registry%key('body', kind_name_word, 'the body', slot=1, required=.true.)
     call register_components(registry, 'stress', 'component of the traction, '//functions)
     call register_faces(registry)
+    call register_blast(registry)
   end subroutine register_surface
+
+  subroutine register_blast(registry)
+    type(registry_t), intent(inout) :: registry
+    call registry%card('blast', 'Pressure of a charge of TNT in air on the surface of a body, '// &
+                       'from the fits of Kingery and Bulmash (1984); the air itself is not '// &
+                       'computed. The deck must have the card units.', &
+                       'blast plate charge=1 point=(0,0,0.5)', read_blast, check_blast)
+    call registry%key('body', kind_name_word, 'the body', slot=1, required=.true.)
+    call registry%key('charge', kind_real, 'mass of TNT', unit='mass', range='(0,inf)', &
+                      required=.true., source='doc/loads.md')
+    call registry%key('point', kind_vector, 'centre of the charge', unit='length', required=.true.)
+    call registry%key('burst', kind_word, 'a sphere in free air, or a hemisphere on the ground', &
+                      choices=words_joined(burst_names), default='free_air')
+    call registry%key('time', kind_real, 'when it is lit', unit='time', default='0')
+    call register_faces(registry)
+  end subroutine register_blast
 
   !> Keys x, y, z, or r and z.
   subroutine register_components(registry, unit, help)
@@ -84,6 +104,12 @@ contains
     call read_load(card, load_pressure, draft)
   end subroutine read_pressure
 
+  subroutine read_blast(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    call read_load(card, load_blast, draft)
+  end subroutine read_blast
+
   subroutine read_traction(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
@@ -102,13 +128,19 @@ contains
     if (new%body == 0) call draft%errors%add(card%place('body'), 'a load acts on one body', &
                                              'name it; write a card for each')
     if (new%body <= 0) return
-    if (kind == load_pressure) then
+    select case (kind)
+    case (load_blast)
+      new%charge = card%number('charge')
+      new%point = card%vector('point')
+      new%burst = card%pick('burst', burst_names)
+      new%time = card%number('time')
+    case (load_pressure)
       new%value(1) = expression_clone(card%values(card%at('p'))%expression)
-    else
+    case default  ! load_force, load_traction
       do axis = 1, 3
         new%value(axis) = expression_clone(card%values(card%at(draft%axis_key(axis)))%expression)
       end do
-    end if
+    end select
     associate (where => card%values(card%at('where')))
       if (where%expression%uses_time) then
         call draft%errors%add(where%position, "'where' cannot depend on t: it chooses at the "// &
@@ -170,5 +202,32 @@ contains
                             'remove split from the card method, or this card')
     end if
   end subroutine check_faces
+
+  !> What a blast needs besides faces: units, and a space in which its wave is a sphere.
+  subroutine check_blast(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    call check_faces(card, draft)
+    if (any(draft%scene%units == '')) then
+      call draft%errors%add(card%position, 'a blast must know what the numbers of the deck '// &
+                            'mean: it is measured in metres, kilograms and seconds', &
+                            'add the card units, e.g. units m kg s')
+    end if
+    if (draft%scene%dimension == 2 .and. .not. draft%scene%axisymmetric) then
+      call draft%errors%add(card%position, 'the blast of a charge is a sphere, not a cylinder', &
+                            'write dimension axisymmetric or dimension 3')
+    else if (draft%scene%axisymmetric .and. abs(axis_distance(card)) > 0.0_dp) then
+      call draft%errors%add(card%place('point'), 'the charge is not on the axis', &
+                            'its first number is r: write 0, or dimension 3')
+    end if
+  end subroutine check_blast
+
+  !> First number of the place of a charge.
+  function axis_distance(card) result(r)
+    type(deck_card_t), intent(in) :: card
+    real(dp) :: r, point(3)
+    point = card%vector('point')
+    r = point(1)
+  end function axis_distance
 
 end module sgmp_cards_surface

@@ -4,6 +4,7 @@
 !! The deck reader fills a `scene_t`; set-up builds a model from it. All numbers are in the deck's
 !! own consistent units. Vectors always have three components; those beyond the dimension are zero.
 module sgmp_scene
+  use sgmp_air_blast, only: burst_free_air
   use sgmp_axis, only: axis_correction
   use sgmp_constitutive, only: constitutive_t
   use sgmp_contact_pairs, only: normal_separating
@@ -165,6 +166,10 @@ module sgmp_scene
     integer :: body = 0
     integer :: kind = load_force                  !! one of load_*
     type(expression_t) :: value(3)                !! force, traction; pressure: the first
+    real(dp) :: charge = 0.0_dp                   !! mass of TNT of an air blast
+    integer :: burst = burst_free_air             !! one of burst_*
+    real(dp) :: point(3) = 0.0_dp                 !! where the charge is
+    real(dp) :: time = 0.0_dp                     !! when it is lit
     type(expression_t) :: where                   !! not 0 where the load acts, a function of place
     integer :: axis = 0, side = 0                 !! of the faces: lower 1, upper 2; 0: all
     character(:), allocatable :: location         !! file:line:column of the card, for messages

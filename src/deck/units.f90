@@ -9,7 +9,7 @@ module sgmp_units
   use sgmp_text, only: real_text_about, real_text_plain
   implicit none
   private
-  public :: length_units, mass_units, time_units, units_check, units_in_si
+  public :: length_units, mass_units, time_units, units_check, units_in_si, units_sizes
 
   !> A unit and its size in SI units (m kg s).
   character(2), parameter :: length_units(*) = [character(2) :: 'm', 'mm', 'cm', 'um', 'km']
@@ -43,6 +43,15 @@ contains
     end do
   end subroutine units_check
 
+  !> Metres, kilograms and seconds of the units of a deck.
+  pure function units_sizes(units) result(sizes)
+    character(*), intent(in) :: units(3)   !! length, mass, time
+    real(dp) :: sizes(3)
+    sizes = [metres(word_position(units(1), length_units)), &
+             kilograms(word_position(units(2), mass_units)), &
+             seconds(word_position(units(3), time_units))]
+  end function units_sizes
+
   !> How many SI units (m kg s) one unit of a key has where length, mass and time are counted in
   !! these; 1 for what does not depend on them.
   subroutine units_in_si(unit, units, factor, known)
@@ -50,10 +59,11 @@ contains
     character(*), intent(in) :: units(3)   !! length, mass, time
     real(dp), intent(out) :: factor
     logical, intent(out) :: known          !! the unit of the key is one of those below
-    real(dp) :: length, mass, time
-    length = metres(word_position(units(1), length_units))
-    mass = kilograms(word_position(units(2), mass_units))
-    time = seconds(word_position(units(3), time_units))
+    real(dp) :: length, mass, time, sizes(3)
+    sizes = units_sizes(units)
+    length = sizes(1)
+    mass = sizes(2)
+    time = sizes(3)
     known = .true.
     select case (unit)
     case ('length')

@@ -1,18 +1,21 @@
 !> Loads on the particles of a body: who bears them, and how much of them.
 module sgmp_build_loads
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use sgmp_air_blast, only: air_blast_make, air_blast_nearest, air_blast_t
   use sgmp_body, only: body_t
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_expression, only: expression_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_lattice, only: lattice_tolerance
-  use sgmp_load, only: load_force, load_t
+  use sgmp_load, only: load_blast, load_force, load_t
   use sgmp_mesh, only: mesh_position, mesh_t, wall_free
   use sgmp_motion, only: motion_mass
-  use sgmp_parallel, only: parallel_exact_sums
+  use sgmp_parallel, only: parallel_exact_sums, parallel_min
   use sgmp_scene, only: body_card_t, load_card_t, scene_t
   use sgmp_shapes, only: shapes_inside
+  use sgmp_text, only: real_text_about
   use sgmp_turn, only: turn_back, turn_forth
+  use sgmp_units, only: units_sizes
   implicit none
   private
   public :: chosen, loads_add_columns, loads_declare, loads_fill
@@ -36,11 +39,20 @@ contains
       if (scene%loads(i)%body /= number) cycle
       new%kind = scene%loads(i)%kind
       new%value = scene%loads(i)%value
+      if (new%kind == load_blast) new%blast = charge_of(scene%loads(i), scene%units)
       body%loads = [body%loads, new]
     end do
     body%forced = body%forced .or. size(body%loads) > 0
     body%faced = any(body%loads%kind /= load_force)
   end subroutine loads_declare
+
+  !> The charge of an air blast.
+  pure function charge_of(card, units) result(blast)
+    type(load_card_t), intent(in) :: card
+    character(*), intent(in) :: units(3)         !! length, mass, time of the deck
+    type(air_blast_t) :: blast
+    call air_blast_make(card%charge, card%burst, card%point, card%time, units_sizes(units), blast)
+  end function charge_of
 
   !> Columns of the particles for shares and area vectors.
   pure subroutine loads_add_columns(ndim, body)
@@ -86,6 +98,9 @@ contains
                           'look at where=… and face=…; particles are at the centres of their '// &
                           'cubes', card%location)
         end if
+        if (card%kind == load_blast .and. .not. allocated(error)) then
+          call check_distance(card, body, body%loads(own)%blast, column, mesh, error)
+        end if
         if (allocated(error)) return
         if (card%kind == load_force) call share(body, column, total(borne))
       end associate
@@ -125,6 +140,36 @@ contains
     end associate
     call parallel_exact_sums(terms, total)
   end subroutine fill_columns
+
+  !> An error where a face is nearer to the charge than the fits of its blast hold. All ranks must
+  !! call it.
+  subroutine check_distance(card, body, blast, column, mesh, error)
+    type(load_card_t), intent(in) :: card
+    type(body_t), intent(in) :: body
+    type(air_blast_t), intent(in) :: blast
+    integer, intent(in) :: column
+    type(mesh_t), intent(in) :: mesh
+    type(error_t), allocatable, intent(out) :: error
+    real(dp) :: x(3), least
+    integer :: c, l, n
+    n = mesh%ndim
+    x = 0.0_dp
+    least = huge(1.0_dp)
+    do c = 1, body%particles%chunks
+      do l = 1, lanes
+        if (all(abs(body%particles%state(l, column:column + n - 1, c)) <= 0.0_dp)) cycle
+        x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%motion(l, :n, c))
+        least = min(least, norm2(x - blast%point)*blast%scale)
+      end do
+    end do
+    least = parallel_min(least)
+    if (least >= air_blast_nearest(blast%burst)) return
+    call error_make(error, exit_deck, "body '"//trim(body%name)//"' is "//real_text_about(least)// &
+                    ' m/kg^(1/3) from the charge; the fits of its blast begin at '// &
+                    real_text_about(air_blast_nearest(blast%burst)), &
+                    'so near compute the charge and the air: material explosive, doc/loads.md', &
+                    card%location)
+  end subroutine check_distance
 
   !> Shares of particles in a force, per mass: one over the mass of all that bear it.
   pure subroutine share(body, column, mass)

@@ -13,10 +13,11 @@
 !! the centres per force: the lever. With it a pressure on a face and a uniform stress behind it are
 !! in equilibrium.
 module DIM(sgmp_loads)
+  use sgmp_air_blast, only: air_blast_pressure
   use sgmp_body, only: body_t
   use sgmp_expression, only: expression_places, expression_t, expression_time
   use sgmp_kinds, only: dp, lanes
-  use sgmp_load, only: load_force, load_pressure, load_t
+  use sgmp_load, only: load_blast, load_force, load_pressure, load_t
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_total
   implicit none
@@ -50,8 +51,8 @@ contains
     end do
   end subroutine loads_on_mass
 
-  !> Pressure or traction on the faces of a chunk: force, and the way from the centres to where it
-  !! acts; zero where there are no faces.
+  !> Pressure, traction or air blast on the faces of a chunk: force, and the way from the centres to
+  !! where it acts; zero where there are no faces.
   subroutine loads_on_faces(mesh, body, load, time, live, nb, motion, state, force, way, some)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
@@ -74,16 +75,38 @@ contains
     way = spread(merge(weight, 0.0_dp, square > 0.0_dp), 2, NDIM)*area
     call take_places(mesh, body, time, nb, motion, state, places)
     places(:, :NDIM) = places(:, :NDIM) + mesh%h*way
-    if (load%kind == load_pressure) then
+    select case (load%kind)
+    case (load_blast)
+      call add_blast(load, time, places, spread(live, 2, NDIM)*area, force)
+    case (load_pressure)
       do d = 1, NDIM
         call add_force(load%value(1), places, -live*area(:, d), force(:, d))
       end do
-    else
+    case default  ! load_traction
       do d = 1, NDIM
         call add_force(load%value(d), places, sqrt(square), force(:, d))
       end do
-    end if
+    end select
   end subroutine loads_on_faces
+
+  !> Adds the force of an air blast on the faces of a chunk.
+  pure subroutine add_blast(load, time, places, area, force)
+    type(load_t), intent(in) :: load
+    real(dp), intent(in) :: time
+    real(dp), intent(in) :: places(lanes, expression_places)
+    real(dp), intent(in) :: area(lanes, NDIM)      !! zero where there is no face
+    real(dp), intent(inout) :: force(lanes, NDIM)
+    real(dp) :: normal(3), place(3)
+    integer :: l
+    normal = 0.0_dp
+    place = 0.0_dp
+    do l = 1, lanes
+      if (all(abs(area(l, :)) <= 0.0_dp)) cycle
+      normal(:NDIM) = area(l, :)
+      place(:NDIM) = places(l, :NDIM)
+      force(l, :) = force(l, :) - air_blast_pressure(load%blast, place, normal, time)*area(l, :)
+    end do
+  end subroutine add_blast
 
   !> Levers of forces on faces along each axis (length), the gradients of the centres' weights per
   !! cell left out.
