@@ -1,23 +1,16 @@
 !> Programmed burn of explosives: lighting times from detonation points, burn fraction as a ramp
 !! (theory 4).
 module sgmp_burn
+  use sgmp_front_paths, only: front_source_t, front_straight
   use sgmp_keys, only: key, key_t, kind_real, values_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_history, only: history_t
   implicit none
   private
-  public :: burn_source_t, burn_lighting_time, burn_fraction, burn_fraction_lanes, burn_never
+  public :: burn_lighting_time, burn_fraction, burn_fraction_lanes, burn_never
   public :: burn_keys, burn_read
 
   real(dp), parameter :: burn_never = huge(1.0_dp)  !! lighting time of what no source reaches
-
-  !> A point, or a plane through a point, from which a detonation starts.
-  type :: burn_source_t
-    real(dp) :: point(3) = 0.0_dp                     !! (length)
-    real(dp) :: time = 0.0_dp                         !! when it is lit
-    logical :: plane = .false.                        !! distance along `normal`, not from the point
-    real(dp) :: normal(3) = [1.0_dp, 0.0_dp, 0.0_dp]  !! unit normal of the plane
-  end type burn_source_t
 
 contains
 
@@ -42,24 +35,17 @@ contains
     history%lighting = .true.
   end subroutine burn_read
 
-  !> Time at which the detonation front of the first source to do so arrives: min(time +
-  !! distance/speed).
+  !> Time at which the detonation front of the first source to do so arrives along a straight line:
+  !! min(time + distance/speed).
   pure function burn_lighting_time(sources, position, speed) result(time)
-    type(burn_source_t), intent(in) :: sources(:)  !! (n) sources; none: burn_never
+    type(front_source_t), intent(in) :: sources(:)  !! (n) sources; none: burn_never
     real(dp), intent(in) :: position(3)           !! initial position, unused components 0
     real(dp), intent(in) :: speed                 !! detonation speed D, > 0
     real(dp) :: time
-    real(dp) :: arrival, distance
     integer :: k
     time = burn_never
     do k = 1, size(sources)
-      if (sources(k)%plane) then
-        distance = abs(dot_product(position - sources(k)%point, sources(k)%normal))
-      else
-        distance = norm2(position - sources(k)%point)
-      end if
-      arrival = sources(k)%time + distance/speed
-      if (arrival < time) time = arrival
+      time = min(time, front_straight(sources(k), position, speed))
     end do
   end function burn_lighting_time
 

@@ -59,6 +59,7 @@ contains
               particle_field_t('distention', scalar, .false., distention), &
               particle_field_t('bulking', scalar, .false., bulking), &
               particle_field_t('preconsolidation', scalar, .false., preconsolidation), &
+              particle_field_t('lighting_time', scalar, .false., lighting_time), &
               particle_field_t('strength', scalar, .false., strength), &
               particle_field_t('yield_factor', scalar, .false., yield_factor), &
               particle_field_t('path', scalar, .false., path)]
@@ -219,6 +220,14 @@ contains
     real(dp) :: values(most_components)
     values = stored(body, at, body%law%slots%bulking)
   end function bulking
+
+  !> When the detonation arrives.
+  pure function lighting_time(body, at) result(values)
+    type(body_t), intent(in) :: body
+    type(particle_place_t), intent(in) :: at
+    real(dp) :: values(most_components)
+    values = stored(body, at, body%law%slots%lighting)
+  end function lighting_time
 
   pure function preconsolidation(body, at) result(values)
     type(body_t), intent(in) :: body

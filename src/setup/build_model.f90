@@ -4,13 +4,13 @@
 module sgmp_build_model
   use sgmp_angular_momentum, only: angular_momentum_note
   use sgmp_body, only: body_t
+  use sgmp_build_burn, only: burn_light
   use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
   use sgmp_build_driven, only: driven_add_columns, driven_declare, driven_fill, driven_number
   use sgmp_build_loads, only: loads_add_columns, loads_declare, loads_fill
   use sgmp_build_rigid, only: rigid_begin, rigid_centre, rigid_declare
   use sgmp_build_stress, only: stress_fill
-  use sgmp_burn, only: burn_lighting_time, burn_source_t
   use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_set_length, &
                                law_slots, slots_t
   use sgmp_energy, only: ledger_open
@@ -116,6 +116,7 @@ contains
                                         mask=particles%id(:, :particles%chunks) > 0))
       end associate
     end do
+    if (seeded) call burn_light(scene, model%mesh, model%bodies)
     model%method%cutoff = scene%method%mass_cutoff*parallel_max(heaviest)
     call contact_pairs(scene, model)
     call build_fields(model, kernel, merge(1, threads, scene%dimension == 1))
@@ -220,7 +221,7 @@ contains
       call set_strength(body)
       if (seeded) call stress_fill(card, scene%gravity, mesh, body, error)
       if (allocated(error)) return
-      call fill_positions(scene, mesh, body)
+      call fill_positions(mesh, body)
       call contact_fill_slot(card, mesh, body)
       if (seeded) call fill_loads(scene, number, mesh, body, error)
     end associate
@@ -441,35 +442,19 @@ contains
     end do
   end subroutine set_factor
 
-  !> History that depends on the initial position: lighting times, and the position itself where a
-  !! force uses it.
-  subroutine fill_positions(scene, mesh, body)
-    type(scene_t), intent(in) :: scene
+  !> The initial position, where a force uses it.
+  subroutine fill_positions(mesh, body)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
-    type(burn_source_t), allocatable :: sources(:)
-    integer :: c, l, d
-    real(dp) :: x(3)
-    if (body%law%slots%lighting == 0 .and. body%law%slots%initial == 0) return
-    allocate (sources(size(scene%detonations)))
-    do d = 1, size(sources)
-      sources(d) = burn_source_t(point=scene%detonations(d)%point, time=scene%detonations(d)%time, &
-                                 plane=scene%detonations(d)%plane, &
-                                 normal=scene%detonations(d)%normal)
-    end do
+    integer :: c, l
+    if (body%law%slots%initial == 0) return
     do c = 1, body%particles%chunks
       do l = 1, lanes
         if (body%particles%id(l, c) == 0) cycle
-        x = 0.0_dp
-        x(:mesh%ndim) = mesh_position(mesh%origin(:mesh%ndim), mesh%h, &
-                                      body%particles%motion(l, :mesh%ndim, c))
-        if (body%law%slots%lighting > 0) body%particles%state(l, body%law%slots%lighting, c) = &
-          burn_lighting_time(sources, x, body%law%detonation_speed)
-        if (body%law%slots%initial > 0) then
-          body%particles%state(l, body%law%slots%initial: &
-                               body%law%slots%initial + mesh%ndim - 1, c) = &
-              x(:mesh%ndim)
-        end if
+        body%particles%state(l, body%law%slots%initial: &
+                             body%law%slots%initial + mesh%ndim - 1, c) = &
+            mesh_position(mesh%origin(:mesh%ndim), mesh%h, &
+                          body%particles%motion(l, :mesh%ndim, c))
       end do
     end do
   end subroutine fill_positions
