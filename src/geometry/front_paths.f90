@@ -10,7 +10,8 @@
 !! straight line. Behind an obstacle times are late by less than two steps of the lattice;
 !! differences of times on it (fast marching of second order) were off by three to four.
 !!
-!! Points of equal time are settled in the order of their numbers: the result is the same everywhere.
+!! Points of equal time are settled in the order of their numbers, so the result is the same on all
+!! machines.
 module sgmp_front_paths
   use sgmp_kinds, only: dp
   implicit none
