@@ -136,14 +136,15 @@ contains
   subroutine look_for_strangers(model, warnings)
     type(model_t), intent(in) :: model
     type(string_t), allocatable, intent(inout) :: warnings(:)
-    integer :: a, b, p, first(2), found
+    integer :: a, b, p, first(2), fields(2), found
     found = 0
     do a = 1, size(model%bodies)
       do b = a + 1, size(model%bodies)
         if (model%bodies(a)%field == model%bodies(b)%field) cycle
         if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
-        if (any([(all(model%contact%pairs(p)%body == [a, b]) .or. &
-                  all(model%contact%pairs(p)%body == [b, a]), &
+        fields = model%bodies([a, b])%field
+        if (any([(all(model%contact%pairs(p)%field == fields) .or. &
+                  all(model%contact%pairs(p)%field == fields([2, 1])), &
                   p=1, size(model%contact%pairs))])) cycle
         found = found + 1
         if (found == 1) first = [a, b]

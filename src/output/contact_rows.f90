@@ -3,6 +3,7 @@
 !! The force is that on the pair's first body; on the second it is the opposite. It is the mean over
 !! the time since the row before, so that no impulse is lost between rows.
 module sgmp_contact_rows
+  use sgmp_body, only: body_group
   use sgmp_errors, only: error_t
   use sgmp_history, only: contact_columns, contact_integers, history_t
   use sgmp_kinds, only: dp
@@ -54,8 +55,8 @@ contains
                                  [model%clock%time, real(p, dp), &
                                   (impulse - rows%impulse(:, p))/span, real(pair%shared, dp), &
                                   real(pair%touching, dp), pair%dissipation], error, &
-                                 trim(model%bodies(pair%body(1))%name)//' '// &
-                                 trim(model%bodies(pair%body(2))%name))
+                                 body_group(model%bodies, pair%body(1))//' '// &
+                                 body_group(model%bodies, pair%body(2)))
         rows%impulse(:, p) = impulse
       end associate
       if (allocated(error)) return

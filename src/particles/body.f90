@@ -13,8 +13,8 @@ module sgmp_body
   use sgmp_text, only: integer_text
   implicit none
   private
-  public :: body_t, body_place, body_forced, body_given_id, body_number, body_particle, &
-            body_parts
+  public :: body_t, body_place, body_forced, body_given_id, body_group, body_number, &
+            body_particle, body_parts
 
   !> One body of the model.
   type :: body_t
@@ -56,6 +56,19 @@ contains
       if (bodies(b)%field == field .and. bodies(b)%forced) forced = .true.
     end do
   end function body_forced
+
+  !> Names of the bodies that share the velocity field of one of them, its own first: a+b+c.
+  pure function body_group(bodies, first) result(names)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: first
+    character(:), allocatable :: names
+    integer :: b
+    names = trim(bodies(first)%name)
+    do b = 1, size(bodies)
+      if (b == first .or. bodies(b)%field /= bodies(first)%field) cycle
+      names = names//'+'//trim(bodies(b)%name)
+    end do
+  end function body_group
 
   !> How many parts of a body have a prescribed motion.
   pure function body_parts(body) result(parts)

@@ -2,7 +2,7 @@
 !! will cost.
 module sgmp_cost_estimate
   use, intrinsic :: iso_fortran_env, only: output_unit
-  use sgmp_body, only: body_particle, body_t
+  use sgmp_body, only: body_group, body_particle, body_t
   use sgmp_constitutive, only: material_names, slots_t
   use sgmp_field, only: field_bytes
   use sgmp_forewarnings, only: shape_mass
@@ -50,6 +50,7 @@ contains
       bytes = bytes + particles_bytes(model%bodies(b)%particles)
       particles = particles + int(model%bodies(b)%particles%count, i8)
     end do
+    call put_contact(model)
     call put('memory      '//bytes_text(bytes)//' for '//integer_text(particles)//' particles: '// &
              real_text(real(bytes, dp)/real(max(particles, 1_i8), dp))// &
              ' bytes per particle, grid included')
@@ -67,6 +68,23 @@ contains
     call put('memory      about '//bytes_text(nint(need, i8))//' needed, '// &
              bytes_text(nint(min(available, 1.0e18_dp), i8))//' available: '//verdict)
   end subroutine cost_estimate_write_need
+
+  !> Groups of bodies that move in one velocity field, and which of them touch.
+  subroutine put_contact(model)
+    type(model_t), intent(in) :: model
+    integer :: f, b, p
+    if (size(model%contact%pairs) == 0) return
+    do f = 1, size(model%fields)
+      b = findloc(model%bodies%field, f, 1)
+      if (b > 0) call put('field       '//integer_text(f)//': '//body_group(model%bodies, b))
+    end do
+    do p = 1, size(model%contact%pairs)
+      associate (pair => model%contact%pairs(p))
+        call put('contact     '//body_group(model%bodies, pair%body(1))//' and '// &
+                 body_group(model%bodies, pair%body(2))//', friction '//real_text(pair%friction))
+      end associate
+    end do
+  end subroutine put_contact
 
   subroutine put_body(scene, model, b)
     type(scene_t), intent(in) :: scene

@@ -1,7 +1,7 @@
 !> From the cards `contact` and `rigid` to pairs of bodies and the fields that they need.
 module sgmp_build_contact
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: slots_t
+  use sgmp_constitutive, only: material_explosive, material_fluid, slots_t
   use sgmp_contact_pairs, only: contact_pair_t, normal_first, normal_second, normal_stiffer
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_position, mesh_t
@@ -21,40 +21,102 @@ module sgmp_build_contact
 
 contains
 
-  !> Lists the pairs of bodies that a card speaks of, and gives each of those bodies a field of its
-  !! own.
+  !> Lists the pairs of groups that may touch, and gives each group a velocity field of its own.
   subroutine contact_pairs(scene, model)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(inout) :: model
     type(contact_pair_t) :: pair
-    integer :: a, b, card, fields, p
-    logical :: own(size(model%bodies))
+    integer :: a, b, card(size(model%bodies), size(model%bodies))
+    card = cards_between(scene, model)
+    call group_bodies(card, model%bodies)
     allocate (model%contact%pairs(0))
     do a = 1, size(model%bodies)
       do b = a + 1, size(model%bodies)
-        if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
-        card = best_card(scene%contacts, a, b)
-        if (card == 0) cycle
-        pair = make_pair(scene%contacts(card), a, b, model)
+        if (card(a, b) == 0) cycle
+        pair = make_pair(scene%contacts(best_card(scene%contacts, a, b)), a, b, model)
+        pair%field = model%bodies(pair%body)%field
+        if (is_listed(model%contact%pairs, pair%field)) cycle
         model%contact%pairs = [model%contact%pairs, pair]
       end do
     end do
     model%contact%at_surface = model%method%rotation .and. size(model%contact%pairs) > 0
-    own = model%bodies%rigid
-    do p = 1, size(model%contact%pairs)
-      own(model%contact%pairs(p)%body) = .true.
-    end do
-    fields = merge(0, 1, all(own))
-    do b = 1, size(model%bodies)
-      model%bodies(b)%field = 1
-      if (.not. own(b)) cycle
-      fields = fields + 1
-      model%bodies(b)%field = fields
-    end do
-    do p = 1, size(model%contact%pairs)
-      model%contact%pairs(p)%field = model%bodies(model%contact%pairs(p)%body)%field
-    end do
   end subroutine contact_pairs
+
+  !> The card that says how two bodies touch, for all of them; 0: they do not. Fluids and explosives
+  !! mix unless a card names both.
+  pure function cards_between(scene, model) result(card)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer :: card(size(model%bodies), size(model%bodies))
+    integer :: a, b
+    logical :: flows(size(model%bodies))
+    do a = 1, size(model%bodies)
+      flows(a) = any(model%bodies(a)%law%kind == [material_explosive, material_fluid])
+    end do
+    card = 0
+    do a = 1, size(model%bodies)
+      do b = a + 1, size(model%bodies)
+        if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
+        card(a, b) = best_card(scene%contacts, a, b)
+        if (card(a, b) > 0 .and. flows(a) .and. flows(b)) then
+          if (any(scene%contacts(card(a, b))%body == 0)) card(a, b) = 0
+        end if
+        if (card(a, b) > 0) card(a, b) = first_alike(scene%contacts, card(a, b))
+        card(b, a) = card(a, b)
+      end do
+    end do
+  end function cards_between
+
+  !> The first card that says the same as another, whatever bodies they name.
+  pure function first_alike(cards, c) result(first)
+    type(contact_card_t), intent(in) :: cards(:)
+    integer, intent(in) :: c
+    integer :: first
+    do first = 1, c - 1
+      if (cards(first)%normal == cards(c)%normal .and. &
+          abs(cards(first)%friction - cards(c)%friction) <= 0.0_dp .and. &
+          abs(cards(first)%lambda - cards(c)%lambda) <= 0.0_dp .and. &
+          abs(cards(first)%depth - cards(c)%depth) <= 0.0_dp) return
+    end do
+  end function first_alike
+
+  !> Gives every body a velocity field. Bodies that do not touch each other, but the same others in
+  !! the same way, are a group and share one: they stick together, or if they flow they mix.
+  !! Those that no card names have the first field; rigid ones each their own.
+  pure subroutine group_bodies(card, bodies)
+    integer, intent(in) :: card(:, :)            !! between bodies
+    type(body_t), intent(inout) :: bodies(:)
+    integer :: a, b, fields
+    logical :: own(size(bodies))
+    own = bodies%rigid .or. any(card > 0, dim=1)
+    fields = merge(0, 1, all(own))
+    do b = 1, size(bodies)
+      bodies(b)%field = 1
+      if (.not. own(b)) cycle
+      do a = 1, b - 1
+        if (.not. own(a) .or. bodies(a)%rigid .or. bodies(b)%rigid) cycle
+        if (card(a, b) == 0 .and. all(card(:, a) == card(:, b))) exit
+      end do
+      if (a < b) then
+        bodies(b)%field = bodies(a)%field
+      else
+        fields = fields + 1
+        bodies(b)%field = fields
+      end if
+    end do
+  end subroutine group_bodies
+
+  !> Whether two fields are a pair already.
+  pure function is_listed(pairs, field) result(yes)
+    type(contact_pair_t), intent(in) :: pairs(:)
+    integer, intent(in) :: field(2)
+    logical :: yes
+    integer :: p
+    yes = .false.
+    do p = 1, size(pairs)
+      yes = yes .or. all(pairs(p)%field == field) .or. all(pairs(p)%field == field([2, 1]))
+    end do
+  end function is_listed
 
   !> Adds the column of the surface offset to a body that a contact card speaks of.
   pure subroutine contact_add_slot(scene, number, slots)

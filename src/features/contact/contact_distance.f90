@@ -9,7 +9,9 @@ module sgmp_contact_distance
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_separation, only: separation
-  use sgmp_shared_nodes, only: most_rows, shared_members, shared_nodes_t
+  use sgmp_shared_nodes, only: most_rows, shared_body, shared_members, shared_nodes_t, &
+                               shared_parts
+  use sgmp_surface_particles, only: surface_t
   implicit none
   private
   public :: clouds_t, distance_detect
@@ -82,7 +84,7 @@ contains
       else
         do side = 1, 2
           gradient(:, side) = volume_gradient(mesh, fields(shared%field(at(side))), shared, &
-            at(side), bodies(shared%body(at(side))), shared%point(:, n))
+            at(side), bodies, shared%point(:, n))
           where (shared%held(:, n)) gradient(:, side) = 0.0_dp  ! the mirror image cancels it
         end do
         normal = contact_normal(pair%normal, gradient(:, 1), gradient(:, 2))
@@ -189,32 +191,26 @@ contains
     integer, intent(out) :: balls                !! 0 or a multiple of `lanes`
     real(dp), allocatable, intent(inout) :: x(:, :)
     real(dp) :: node(4), support
-    integer :: r, d, p, last, last_row
-    associate (surface => shared%surface(shared%body(m)), bins => shared%bins(:, :, m))
-      balls = 0
-      last_row = 0
-      do r = 1, most_rows
-        p = surface%start(bins(2, r) + 1) - surface%start(bins(1, r))
-        if (p > 0) last_row = r
-        balls = balls + p
-      end do
-      if (balls == 0) return
-      call make_room(balls + 2*lanes, x)
-      node = 0.0_dp
-      node(1) = real(shared%point(1, n), dp)
-      if (shared%ndim == 2) node(2) = real(shared%point(3, n), dp)
-      if (shared%ndim == 3) node(2:3) = real(shared%point(2:3, n), dp)
-      support = 0.5_dp*(stencil_reach(shared%kernel) + 1) - edge
-      balls = 0
-      do r = 1, last_row
-        last = surface%start(bins(2, r) + 1) - 1
-        ! Whole groups; what is too much is overwritten.
-        do p = surface%start(bins(1, r)), last, lanes
-          call copy_group(size(surface%x, 1), surface%x, p - 1, node, support, size(x, 1), x, balls)
-          balls = balls + min(lanes, last - p + 1)
-        end do
-      end do
-    end associate
+    integer :: part, d
+    balls = 0
+    do part = 1, shared_parts(shared, m)
+      associate (surface => shared%surface(shared_body(shared, m, part)), &
+                 bins => shared%bins(:, :, shared%bins_start(m) + part - 1))
+        balls = balls + sum(surface%start(bins(2, :) + 1) - surface%start(bins(1, :)))
+      end associate
+    end do
+    if (balls == 0) return
+    call make_room(balls + 2*lanes, x)
+    node = 0.0_dp
+    node(1) = real(shared%point(1, n), dp)
+    if (shared%ndim == 2) node(2) = real(shared%point(3, n), dp)
+    if (shared%ndim == 3) node(2:3) = real(shared%point(2:3, n), dp)
+    support = 0.5_dp*(stencil_reach(shared%kernel) + 1) - edge
+    balls = 0
+    do part = 1, shared_parts(shared, m)
+      call add_balls(shared%surface(shared_body(shared, m, part)), &
+                     shared%bins(:, :, shared%bins_start(m) + part - 1), node, support, balls, x)
+    end do
     if (all(x(:balls, 4) <= nowhere)) then
       balls = 0
       return
@@ -226,6 +222,24 @@ contains
     x(balls + 1:balls + lanes, 4) = nowhere
     balls = lanes*((balls + lanes - 1)/lanes)
   end subroutine cloud_around
+
+  !> Adds the surface particles of a body in some bins.
+  pure subroutine add_balls(surface, bins, node, support, balls, x)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: bins(2, most_rows)
+    real(dp), intent(in) :: node(4), support
+    integer, intent(inout) :: balls
+    real(dp), intent(inout) :: x(:, :)
+    integer :: r, p, last
+    do r = 1, most_rows
+      last = surface%start(bins(2, r) + 1) - 1
+      ! Whole groups; what is too much is overwritten.
+      do p = surface%start(bins(1, r)), last, lanes
+        call copy_group(size(surface%x, 1), surface%x, p - 1, node, support, size(x, 1), x, balls)
+        balls = balls + min(lanes, last - p + 1)
+      end do
+    end do
+  end subroutine add_balls
 
   !> A group of balls, its positions relative to a node. A particle on the edge of the node's
   !! support gives nothing to it, and into which bin it has fallen is a matter of its last bits: it

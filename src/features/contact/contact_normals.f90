@@ -9,7 +9,7 @@ module sgmp_contact_normals
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass
-  use sgmp_shared_nodes, only: row_axis, shared_nodes_t
+  use sgmp_shared_nodes, only: row_axis, shared_body, shared_nodes_t, shared_parts
   use sgmp_space, only: space_axisymmetric
   use sgmp_surface_particles, only: surface_t
   implicit none
@@ -46,23 +46,30 @@ contains
     end if
   end function contact_normal
 
-  !> Outward direction of a body at a node: sum of V grad N over centres (SGMP, Eq. 88) or particles
-  !! (Eq. 87).
-  pure function volume_gradient(mesh, field, shared, m, body, point) result(gradient)
+  !> Outward direction of a member at a node: sum of V grad N over centres (SGMP, Eq. 88) or
+  !! particles (Eq. 87). Centres do not know which body of the field their mass belongs to: all of
+  !! it counts with the density of the first.
+  pure function volume_gradient(mesh, field, shared, m, bodies, point) result(gradient)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(in) :: field
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: m
-    type(body_t), intent(in) :: body
+    type(body_t), intent(in) :: bodies(:)
     integer, intent(in) :: point(3)
     real(dp) :: gradient(3)
+    integer :: part, b
     if (kernel_centred(field%kernel)) then
-      gradient = centre_gradient(field, shared%interval(m), point(1))
-    else
-      gradient = particle_gradient(mesh, field%kernel, body, &
-                                   shared%surface(shared%body(m)), shared%bins(:, :, m), point)
+      gradient = centre_gradient(field, shared%interval(m), point(1))/ &
+                 bodies(shared%body(m))%law%density
+      return
     end if
-    gradient = gradient/body%law%density
+    gradient = 0.0_dp
+    do part = 1, shared_parts(shared, m)
+      b = shared_body(shared, m, part)
+      gradient = gradient + particle_gradient(mesh, field%kernel, bodies(b), shared%surface(b), &
+                                              shared%bins(:, :, shared%bins_start(m) + part - 1), &
+                                              point)/bodies(b)%law%density
+    end do
   end function volume_gradient
 
   !> Sum of m_c grad N_Ic (Eq. 88), in units of mass per cell.

@@ -17,8 +17,8 @@ module sgmp_shared_nodes
   use sgmp_surface_particles, only: surface_bins, surface_list, surface_t
   implicit none
   private
-  public :: node_terms_t, shared_nodes_t, shared_build, shared_mark, shared_meet, shared_members, &
-            shared_place, most_rows, row_axis
+  public :: node_terms_t, shared_nodes_t, shared_body, shared_build, shared_mark, shared_meet, &
+            shared_members, shared_parts, shared_place, most_rows, row_axis
 
   integer, parameter :: most_rows = 9          !! rows of bins whose particles give to a node
 
@@ -39,12 +39,16 @@ module sgmp_shared_nodes
     logical, allocatable :: held(:, :)
       !! (3, nodes) velocity components that a wall holds at zero
     integer, allocatable :: member_start(:)     !! (nodes + 1)
-    integer, allocatable :: body(:)             !! (members)
+    integer, allocatable :: body(:)             !! (members) the first of the field
     integer, allocatable :: field(:)            !! (members)
     integer, allocatable :: record(:)           !! (members) the node in the field
     integer, allocatable :: interval(:)         !! (members) of the field's work rows
+    integer, allocatable :: body_start(:)       !! (fields + 1)
+    integer, allocatable :: bodies(:)           !! of each field, in their order
+    integer, allocatable :: bins_start(:)       !! (members + 1)
     integer, allocatable :: bins(:, :, :)
-      !! (2, most_rows, members) first and last bin, in the surface's list, of each row around
+      !! (2, most_rows, bodies of members) first and last bin, in the surface's list, of each row
+      !! around, for each body of the member's field
     type(surface_t), allocatable :: surface(:)  !! (bodies) surface particles around shared nodes
     integer, allocatable :: link_start(:)       !! (nodes + 1)
     integer, allocatable :: pair(:)             !! (links)
@@ -99,6 +103,7 @@ contains
     allocate (shared%gap(shared%links), shared%middle(shared%links), source=0.0_dp)
     allocate (shared%terms(n))
     call list_members(shared, fields, pairs, .true.)
+    call list_bodies(shared, size(fields), bodies)
     call list_bins(shared, mesh, all, bodies)
   end subroutine shared_build
 
@@ -202,6 +207,47 @@ contains
     shared%links = l
   end subroutine list_members
 
+  !> Lists the bodies of each field.
+  pure subroutine list_bodies(shared, fields, bodies)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: fields
+    type(body_t), intent(in) :: bodies(:)
+    integer :: f, b, m
+    allocate (shared%body_start(fields + 1), shared%bodies(size(bodies)))
+    allocate (shared%bins_start(shared%members + 1))
+    m = 0
+    do f = 1, fields
+      shared%body_start(f) = m + 1
+      do b = 1, size(bodies)
+        if (bodies(b)%field /= f) cycle
+        m = m + 1
+        shared%bodies(m) = b
+      end do
+    end do
+    shared%body_start(fields + 1) = m + 1
+    shared%bins_start(1) = 1
+    do m = 1, shared%members
+      shared%bins_start(m + 1) = shared%bins_start(m) + shared%body_start(shared%field(m) + 1) &
+                                 - shared%body_start(shared%field(m))
+    end do
+  end subroutine list_bodies
+
+  !> Body number `part` of a member's field.
+  pure function shared_body(shared, m, part) result(b)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: m, part               !! member; from 1
+    integer :: b
+    b = shared%bodies(shared%body_start(shared%field(m)) + part - 1)
+  end function shared_body
+
+  !> How many bodies the field of a member has.
+  pure function shared_parts(shared, m) result(parts)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: m
+    integer :: parts
+    parts = shared%bins_start(m + 1) - shared%bins_start(m)
+  end function shared_parts
+
   !> Lists the bins around shared nodes, and which of them are around each node.
   pure subroutine list_bins(shared, mesh, nodes, bodies)
     type(shared_nodes_t), intent(inout) :: shared
@@ -210,10 +256,11 @@ contains
     type(body_t), intent(in) :: bodies(:)
     type(rows_t) :: around
     integer, allocatable :: place(:, :)          !! (most_rows, bodies) see surface_bins
-    integer :: b, n, m, r, j, k, low(3)
-    allocate (shared%surface(size(bodies)), shared%bins(2, most_rows, shared%members))
+    integer :: b, n, m, part, low(3)
+    allocate (shared%surface(size(bodies)))
+    allocate (shared%bins(2, most_rows, shared%bins_start(shared%members + 1) - 1))
     do b = 1, size(bodies)
-      if (.not. any(shared%body == b)) cycle
+      if (.not. any(shared%field == bodies(b)%field)) cycle
       call rows_dilate(nodes, lowest_bin(shared%kernel, mesh%ndim, [0, 0, 0]), [0, 0, 0], around)
       call surface_list(shared%surface(b), bodies(b)%particles, around)
     end do
@@ -225,21 +272,33 @@ contains
         place = 0
       end if
       do m = shared%member_start(n), shared%member_start(n + 1) - 1
-        b = shared%body(m)
         low = lowest_bin(shared%kernel, mesh%ndim, shared%point(:, n))
-        r = 0
-        do k = low(3), shared%point(3, n)
-          do j = low(2), shared%point(2, n)
-            r = r + 1
-            call surface_bins(shared%surface(b), row_key(j, k), low(1), shared%point(1, n), &
-                              place(r, b), shared%bins(:, r, m))
-          end do
+        do part = 1, shared_parts(shared, m)
+          b = shared_body(shared, m, part)
+          call bins_around(shared%surface(b), low, shared%point(:, n), place(:, b), &
+                           shared%bins(:, :, shared%bins_start(m) + part - 1))
         end do
-        shared%bins(1, r + 1:, m) = 1
-        shared%bins(2, r + 1:, m) = 0
       end do
     end do
   end subroutine list_bins
+
+  !> Bins of a body in the rows from a corner to a node.
+  pure subroutine bins_around(surface, low, point, place, bins)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: low(3), point(3)
+    integer, intent(inout) :: place(most_rows)   !! see surface_bins
+    integer, intent(out) :: bins(2, most_rows)
+    integer :: r, j, k
+    r = 0
+    do k = low(3), point(3)
+      do j = low(2), point(2)
+        r = r + 1
+        call surface_bins(surface, row_key(j, k), low(1), point(1), place(r), bins(:, r))
+      end do
+    end do
+    bins(1, r + 1:) = 1
+    bins(2, r + 1:) = 0
+  end subroutine bins_around
 
   !> Range of bins whose particles give to a node: lower corner, the upper one is the node itself.
   pure function lowest_bin(kernel, ndim, point) result(bin)
@@ -315,14 +374,16 @@ contains
   pure subroutine mark_around(shared, at)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: at(2)                 !! members
-    integer :: side, r
+    integer :: side, part, r
     do side = 1, 2
-      associate (bins => shared%bins(:, :, at(side)), &
-                 surface => shared%surface(shared%body(at(side))))
-        do r = 1, most_rows
-          surface%marked(bins(1, r):bins(2, r)) = .true.
-        end do
-      end associate
+      do part = 1, shared_parts(shared, at(side))
+        associate (bins => shared%bins(:, :, shared%bins_start(at(side)) + part - 1), &
+                   surface => shared%surface(shared_body(shared, at(side), part)))
+          do r = 1, most_rows
+            surface%marked(bins(1, r):bins(2, r)) = .true.
+          end do
+        end associate
+      end do
     end do
   end subroutine mark_around
 

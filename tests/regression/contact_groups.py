@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+"""Groups of bodies in contact (doc/contact.md): two halves of a plate and of a gas behave as one body, in all methods and spaces; names, warnings, the same bits.
+
+usage: contact_groups.py SGMP SOURCE_DIR SCRATCH_DIR
+
+Known from outside: what is cut in two without a reason moves as the whole does.
+"""
+from _restarts import mpirun, straight
+from _runs import Report, run
+
+# A ball of gas-like matter between a plate and a punch; {plate} and {gas} are one body each or two halves.
+SCENE = """
+parameter method = {method}
+dimension {dimension}
+grid cell=0.25 {grid}
+wall {walls}
+method $method update={update}
+time end=1.2 cfl=0.3
+material steel j2 density=4 young=200 poisson=0.3 yield=2
+material air fluid density=1
+eos air ideal_gas gamma=1.4 pressure0=0.5
+viscosity all
+{plate}
+{gas}
+body punch block material=steel {punch} spacing=0.125
+velocity punch {axis}=-1
+contact {contact} friction=0.1
+history every=0.1
+output csv at=end
+"""
+SPACES = {
+    "2": ("x=0:2 y=0:open", "x-=slip x+=slip y-=slip", "lower=(0,{}) upper=(2,{})", "lower=({},{}) upper=({},{})", "y"),
+    "axisymmetric": ("r=0:2 z=0:open", "r+=slip z-=slip", "lower=(0,{}) upper=(2,{})", "lower=({},{}) upper=({},{})", "z"),
+}
+
+
+def deck(dimension, method, update, halves, contact):
+    grid, walls, whole, part, axis = SPACES[dimension]
+
+    def bodies(name, material, low, high):
+        if not halves:
+            return f"body {name} block material={material} {whole.format(low, high)} spacing=0.125"
+        return "\n".join(f"body {name}{i} block material={material} {part.format(left, low, right, high)} spacing=0.125"
+                         for i, (left, right) in enumerate(((0, 0.75), (0.75, 2)), 1))
+    return SCENE.format(dimension=dimension, method=method, update=update, grid=grid, walls=walls, axis=axis, contact=contact, plate=bodies("plate", "steel", 0, 0.75),
+                        gas=bodies("gas", "air", 0.75, 1.5), punch=whole.format(1.5, 2.25))
+
+
+def same_as_whole(report):
+    for dimension, method, update in (("2", "sgmp", "musl"), ("2", "mpm", "usavg"), ("2", "gimp", "musl"), ("axisymmetric", "sgmp", "usf"), ("2", "bspline", "usl")):
+        name = f"{dimension}_{method}_{update}"
+        whole = straight(report, f"whole_{name}", deck(dimension, method, update, False, "all"))
+        # Between the halves of the plate there is no card, nor between those of the gas.
+        cards = " friction=0.1\ncontact ".join(["punch", "gas1 plate1", "gas1 plate2", "gas2 plate1", "gas2 plate2"])
+        halves = straight(report, f"halves_{name}", deck(dimension, method, update, True, cards))
+        for key in ("energy.kinetic", "energy.internal", "energy.contact_dissipation"):
+            a, b = whole[key], halves[key]
+            report.check(abs(a - b) < 1e-7*abs(whole["energy.initial_total"]), f"{name}: {key} of one body {a}, of two halves {b}")
+
+
+def names(report):
+    result = straight(report, "names", deck("2", "sgmp", "musl", True, "all"))
+    with open(result.folder + "/contact.csv", encoding="utf-8") as file:
+        text = file.read()
+    report.check("gas1+gas2" in text, "contact.csv names the bodies of a group")
+    report.check("plate1 plate2" in text, "halves of a plate touch where `contact all` says so")
+
+
+def warnings(report):
+    text = deck("2", "sgmp", "musl", True, "plate1 punch")
+    result = run("strangers", text, options=("--check",))
+    report.check("pass through each other" in result.text, f"bodies in other fields without a card are named\n{result.text}")
+
+
+def bits(report):
+    text = deck("2", "sgmp", "musl", True, "all")
+    reference = straight(report, "bits", text)
+    for title, threads, launcher in (("bits_threads", 3, ()), ("bits_ranks", 1, mpirun(3))):
+        other = straight(report, title, text, threads=threads, launcher=launcher)
+        report.check(other["checksum"] == reference["checksum"], f"{title}: checksum {other['checksum']}, not {reference['checksum']}")
+
+
+if __name__ == "__main__":
+    REPORT = Report()
+    same_as_whole(REPORT)
+    names(REPORT)
+    warnings(REPORT)
+    bits(REPORT)
+    REPORT.end()
