@@ -8,6 +8,7 @@ module sgmp_verdict
   use sgmp_constitutive, only: eos_none
   use sgmp_end_state, only: end_state_t, end_state_take
   use sgmp_energy, only: ledger_drift
+  use sgmp_energy_terms, only: terms_value
   use sgmp_errors, only: error_t, exit_stopped
   use sgmp_forewarnings, only: lid_leaks
   use sgmp_kinds, only: dp
@@ -21,6 +22,7 @@ module sgmp_verdict
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: limit_names
   use sgmp_turn, only: infinite_length
+  use sgmp_wall_account, only: wall_pressed, wall_pulled
   implicit none
   private
   public :: verdict_t, body_thickness
@@ -122,7 +124,8 @@ contains
   subroutine judge_rubbing(self, model)
     type(verdict_t), intent(inout) :: self
     type(model_t), intent(in) :: model
-    associate (pressed => model%ledger%wall_impulses(1), pulled => model%ledger%wall_impulses(2))
+    associate (pressed => terms_value(model%ledger%terms, wall_pressed), &
+               pulled => terms_value(model%ledger%terms, wall_pulled))
       if (.not. pulled > largest_pull*pressed) return
       call self%object('walls with friction have held back by '//real_text(pulled)// &
                        ' what would leave them, and bear '//real_text(pressed)// &
@@ -190,7 +193,7 @@ contains
     type(verdict_t), intent(inout) :: self
     type(model_t), intent(in) :: model
     real(dp) :: all
-    associate (eroded => model%ledger%eroded%mass)
+    associate (eroded => terms_value(model%ledger%terms, 'eroded.mass'))
       all = eroded + sum(model%totals%bodies%mass, mask=.not. model%bodies%rigid)
       if (eroded > largest_eroded*all) then
         call self%object(percent(eroded/all)//' of the mass was eroded: what it would have '// &
