@@ -188,18 +188,34 @@ contains
     end do
   end subroutine judge_energy
 
-  !> Mass that erosion has taken away from what would have been hit or held by it.
+  !> Mass and energy that erosion has taken away from what would have been hit or held by them, and
+  !! bodies of which it has left nothing.
   subroutine judge_erosion(self, model)
     type(verdict_t), intent(inout) :: self
     type(model_t), intent(in) :: model
-    real(dp) :: all
-    associate (eroded => terms_value(model%ledger%terms, 'eroded.mass'))
-      all = eroded + sum(model%totals%bodies%mass, mask=.not. model%bodies%rigid)
-      if (eroded > largest_eroded*all) then
-        call self%object(percent(eroded/all)//' of the mass was eroded: what it would have '// &
-                         'pushed or stopped is not in the result; raise the limits of erode')
+    real(dp) :: all, mass, energy
+    integer :: b
+    associate (terms => model%ledger%terms)
+      if (terms_value(terms, 'eroded.particles') <= 0.0_dp) return
+      mass = terms_value(terms, 'eroded.mass')
+      energy = (terms_value(terms, 'eroded.kinetic_energy') + &
+                terms_value(terms, 'eroded.internal_energy'))/ &
+               max(model%ledger%supplied, tiny(1.0_dp))
+      all = mass + sum(model%totals%bodies%mass, mask=.not. model%bodies%rigid)
+      if (mass > largest_eroded*all) then
+        call self%object(percent(mass/all)//' of the mass was eroded: what it would '// &
+                         'have pushed or stopped is not in the result; raise the limits of erode')
+      else if (energy > largest_eroded) then
+        call self%object(percent(energy)//' of the energy that the scene was given was '// &
+                         'eroded: what it would have done is not in the result; raise the '// &
+                         'limits of erode')
       end if
     end associate
+    do b = 1, size(model%bodies)
+      if (model%totals%particles(b) > 0 .or. model%bodies(b)%rigid) cycle
+      call self%object("erosion has left nothing of body '"//trim(model%bodies(b)%name)// &
+                       "': what it would have hit was not hit; raise the limits of erode")
+    end do
   end subroutine judge_erosion
 
   !> Forces that moved nothing, for they acted on nodes without mass: momentum is not kept.
