@@ -25,7 +25,7 @@ module sgmp_simulation
   use sgmp_restart, only: restart_find, restart_read
   use sgmp_run_folder, only: run_folder_clear, run_folder_open
   use sgmp_run_log, only: log_t
-  use sgmp_scene, only: scene_t, update_usf
+  use sgmp_scene, only: scene_t
   use sgmp_spelling, only: string_t
   use sgmp_stability, only: stability_choose
   use sgmp_step, only: step_take
@@ -35,6 +35,7 @@ module sgmp_simulation
   use sgmp_time_step, only: clock_advance, clock_choose, clock_t
   use sgmp_timers, only: phase_end, phase_grid, phase_output, phase_probe, phase_start, &
                          timers_stop, timers_t, wall_time
+  use sgmp_update, only: update_usf
   use sgmp_verdict, only: verdict_t
   implicit none
   private
