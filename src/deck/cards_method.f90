@@ -91,7 +91,8 @@ contains
     call registry%key('energy_growth', kind_real, &
                       'abort when there is this many times the energy that the scene was '// &
                       'given, at the start or by external work; default: 1.1, and 10 in the '// &
-                      'first twentieth of the run and with update=usf', range='(1,inf)')
+                      'first twentieth of the run, its first 200 steps and with '// &
+                      'update=usf', range='(1,inf)')
     call registry%key('kinetic_below', kind_real, &
                       'finish when the kinetic energy falls below this fraction of its maximum', &
                       range='[0,1)', default='0')

@@ -43,6 +43,7 @@ module sgmp_simulation
 
   ! Energy over what was given at which a run ends, where the deck does not say.
   real(dp), parameter :: beginning = 0.05_dp     !! part of the run
+  integer, parameter :: first_steps = 200        !! that belong to the beginning of any
   real(dp), parameter :: growth_at_first = 10.0_dp, growth_later = 1.1_dp
 
 contains
@@ -354,7 +355,7 @@ contains
     logical :: begins
     begins = .true.
     if (scene%time%end > 0.0_dp) begins = clock%time < beginning*scene%time%end
-    begins = begins .and. clock%step < beginning*scene%time%steps
+    begins = (begins .and. clock%step < beginning*scene%time%steps) .or. clock%step < first_steps
     growth = merge(growth_at_first, growth_later, begins .or. scene%method%update == update_usf)
     if (scene%stop%energy_growth > 0.0_dp) growth = scene%stop%energy_growth
   end function most_growth
