@@ -15,7 +15,7 @@ module sgmp_combinations
             combinations_refusals, feature_label, feature_of_card
 
   !> How the value of a key shows that a card asks for the feature.
-  integer, parameter :: ask_card = 0     !! the card itself
+  integer, parameter :: ask_card = 0     !! the card itself, of which there is none by default
   integer, parameter :: ask_given = 1    !! the key is written
   integer, parameter :: ask_word = 2     !! it is the word
   integer, parameter :: ask_number = 3   !! it is the number
@@ -72,7 +72,8 @@ module sgmp_combinations
     feature_t('wallfriction', '', 'wallfriction', 'friction', ask_above, '', 0), &
     feature_t('wallmotion', '', 'wallmotion', '', ask_card, '', 0), &
     feature_t('motion', '', 'motion', '', ask_card, '', 0), &
-    feature_t('damping', '', 'damping', '', ask_card, '', 0), &
+    feature_t('damping', 'damping rate=…', 'damping', 'rate', ask_above, '', 0), &
+    feature_t('damping-kinetic', 'damping kinetic=yes', 'damping', 'kinetic', ask_yes, '', 0), &
     feature_t('erode', '', 'erode', '', ask_card, '', 0), &
     feature_t('erode-step', 'erode time_step=…', 'erode', 'time_step', ask_given, '', 0), &
     feature_t('faces', 'a load on faces', 'pressure traction blast', '', ask_card, '', 0), &
@@ -166,7 +167,7 @@ module sgmp_combinations
     refusal_t('wallmotion', 'spin', '', &
               'not worked out: spin beside a wall that drags', &
               'remove one of them'), &
-    refusal_t('wallmotion', 'damping', '', &
+    refusal_t('wallmotion', 'damping damping-kinetic', '', &
               'damping slows everything down to rest', &
               'remove one of them'), &
     refusal_t('motion', 'rotation', '1D', &

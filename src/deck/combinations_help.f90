@@ -51,7 +51,7 @@ contains
     type(refusal_t), allocatable :: refusals(:)
     integer :: r
     refusals = combinations_refusals()
-    write (unit, '(a)') '## What goes with what', '', &
+    write (unit, '(a)') '### What goes with what', '', &
       'These exclude each other; whatever is not named here goes together. `sgmp help '// &
       'combinations` prints the list, `sgmp help --json` writes it for programs.', '', &
       '| this | not with | because | instead |', '|---|---|---|---|'

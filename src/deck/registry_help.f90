@@ -88,10 +88,10 @@ contains
     registry = deck_table()
     call write_preface(unit)
     call write_contents(unit, registry)
+    call combinations_write_markdown(unit)
     do i = 1, size(registry%cards)
       call write_section(unit, registry%cards(i))
     end do
-    call combinations_write_markdown(unit)
   end subroutine registry_write_markdown
 
   subroutine write_preface(unit)
@@ -138,8 +138,7 @@ contains
         write (unit, '(a)', advance='no') ' ['//card%name//'](#'//card%name//')'
       end associate
     end do
-    write (unit, '(a)') '', '', &
-      'What excludes each other: [what goes with what](#what-goes-with-what).', ''
+    write (unit, '(a)') '', ''
   end subroutine write_contents
 
   subroutine write_section(unit, card)
