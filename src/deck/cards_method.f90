@@ -6,10 +6,11 @@ module sgmp_cards_method
   use sgmp_keys, only: kind_integer, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
-  use sgmp_scene, only: scene_t, update_musl, update_names
+  use sgmp_scene, only: scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: words_joined
   use sgmp_text, only: real_text
+  use sgmp_update, only: update_musl, update_names
   implicit none
   private
   public :: register_method
