@@ -90,8 +90,8 @@ contains
                        read_stop, once=.true., free=.true.)
     call registry%key('energy_growth', kind_real, &
                       'abort when there is this many times the energy that the scene was '// &
-                      'given, at the start or by external work', &
-                      range='(1,inf)', default='10')
+                      'given, at the start or by external work; default: 1.1, and 10 in the '// &
+                      'first twentieth of the run and with update=usf', range='(1,inf)')
     call registry%key('kinetic_below', kind_real, &
                       'finish when the kinetic energy falls below this fraction of its maximum', &
                       range='[0,1)', default='0')
@@ -189,7 +189,7 @@ contains
   subroutine read_stop(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
-    draft%scene%stop%energy_growth = card%number('energy_growth')
+    draft%scene%stop%energy_growth = card%number('energy_growth', absent=0.0_dp)
     draft%scene%stop%kinetic_below = card%number('kinetic_below')
     draft%scene%stop%at_rest = card%number('at_rest')
     draft%scene%stop%hold = card%number('hold')

@@ -240,7 +240,7 @@ module sgmp_scene
 
   !> Conditions that end a run early.
   type :: stop_card_t
-    real(dp) :: energy_growth = 10.0_dp
+    real(dp) :: energy_growth = 0.0_dp            !! 0: not given
       !! abort (exit 4) at this many times the energy that the scene was given
     real(dp) :: kinetic_below = 0.0_dp
       !! finish when kinetic energy falls below this fraction of its maximum

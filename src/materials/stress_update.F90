@@ -17,7 +17,8 @@ module DIM(sgmp_stress_update)
                                material_mohr_coulomb, &
                                material_mooney_rivlin, material_neo_hookean, &
                                material_steinberg_guinan, material_zerilli_armstrong
-  use sgmp_failure, only: failure_judge, failure_tension
+  use sgmp_debris, only: debris_begin, debris_lanes, debris_t, tear_lanes
+  use sgmp_failure, only: carries_everything, failure_judge, failure_tension
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_cam_clay, only: cam_clay_moduli, cam_clay_return, cam_clay_start
   use sgmp_material_crushable_foam, only: crushable_foam_return
@@ -571,6 +572,7 @@ contains
     real(dp) :: strain(lanes, NFLUX), mean(lanes), norm(lanes), factor(lanes), increment(lanes)
     real(dp) :: ones(lanes), pressure_work(lanes), failed(lanes), left(lanes), late(lanes)
     real(dp) :: shear(lanes), bulk
+    type(debris_t) :: before
     integer :: l, s
     s = law%slots%stress
     shear = law%elastic%shear
@@ -595,6 +597,7 @@ contains
       late = work - late
       work = left*work
     end if
+    call debris_begin(law, old_volume, mean, nb, b, work, before)
     if (law%eos == eos_none) then
       !$omp simd simdlen(8)
       do l = 1, lanes
@@ -616,13 +619,56 @@ contains
         call warm(law, mass, old_volume, b(1, 1), trace, q, b(1, law%slots%temperature))
       end if
     end if
-    if (law%softens) then
-      call soften(law, left, mass, old_volume, trace, late, nb, b, mean, speed2, work)
-    else if (law%fails) then
-      call release(law, failed, mass, old_volume, trace, nb, b, mean, speed2, work)
+    if (law%fails) then
+      call come_apart(law, dt, mass, trace, left, late, before, nb, b, failed, mean, speed2, q, &
+                      work)
+    else if (any(speed2 < 0.0_dp) .and. .not. law%porosity%porous) then
+      call tear_lanes(law, mass, before, trace, nb, b, mean, speed2, q, work)
     end if
     call add_mean(mean, b(1, s))
   end subroutine plastic
+
+  !> What failing and softening leave of a chunk's pressure, and of its deviator.
+  subroutine come_apart(law, dt, mass, trace, left, late, before, nb, b, failed, mean, speed2, q, &
+                        work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), trace(lanes)
+    real(dp), intent(in) :: left(lanes), late(lanes)    !! for those that soften
+    type(debris_t), intent(in) :: before
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb), failed(lanes), mean(lanes), speed2(lanes), q(lanes)
+    real(dp), intent(inout) :: work(lanes)
+    logical :: lets_go
+    lets_go = law%failure%carries /= carries_everything
+    if (lets_go .and. any(speed2 < 0.0_dp)) call tear(law, mass, nb, b, speed2, failed)
+    if (law%softens) then
+      call soften(law, left, mass, before%volume, trace, late, nb, b, mean, speed2, work)
+    end if
+    if (law%porosity%porous) then
+      if (.not. law%softens) call release(law, failed, mass, before%volume, trace, nb, b, mean, &
+                                          speed2, work)
+    else if (lets_go) then
+      if (any(failed > 0.5_dp)) call debris_lanes(law, dt, failed, mass, trace, before, nb, b, &
+                                                  mean, speed2, q, work)
+    else if (any(speed2 < 0.0_dp)) then
+      call tear_lanes(law, mass, before, trace, nb, b, mean, speed2, q, work)
+    end if
+  end subroutine come_apart
+
+  !> Matter with a card `failure` whose equation of state has no waves left in expansion fails.
+  pure subroutine tear(law, mass, nb, b, speed2, failed)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: mass(lanes), speed2(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb), failed(lanes)
+    integer :: l
+    do l = 1, lanes
+      if (speed2(l) >= 0.0_dp .or. b(l, 1)*law%density <= mass(l)) cycle
+      b(l, law%slots%damage) = 1.0_dp
+      failed(l) = 1.0_dp
+      b(l, law%slots%stress:law%slots%stress + NSTRESS - 1) = 0.0_dp
+    end do
+  end subroutine tear
 
   !> Shear modulus of each lane, and the stress that its shear strain adds with it.
   pure subroutine stiffen(law, mass, old_volume, strain, trace, nb, b, shear)

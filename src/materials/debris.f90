@@ -1,0 +1,211 @@
+!> Matter that has failed, and matter whose equation of state has no waves left in expansion (theory
+!! 4): what is done to the particles of a chunk in the place of the update of whole matter.
+!!
+!! **Failed.** A particle stands for fragments and the room between them. It carries no deviator,
+!! and a pressure between 0 and what the law allows. In a step that strains it by dv, in initial
+!! volumes, its energy per initial volume obeys
+!!
+!!     E' = E + w - p dv/2 - p' dv'/2                                                 (DB1)
+!!
+!! with the pressure p' that it then has, bounds included. dv' is dv where it opens, whatever volume
+!! it is then taken to have; where it closes, as far as its volume does. So what its stress gives to
+!! the grid is what its internal energy loses, in every step and to round-off. Further
+!!
+!! * in open matter (v > 1) heat presses as that of a gas: b0 E is b0 E/v, and is spent when
+!!   fragments are far apart;
+!! * a particle is not larger than `largest` times its initial volume, which is as much room as a
+!!   cell can tell, and below its initial volume it closes by no more than a part in a step; what
+!!   carries nothing does not become denser than it was;
+!! * bulk viscosity acts where matter carried pressure before the step, and takes in a step no more
+!!   than a lone particle's closing: q <= rho h^2 |tr D|/(6 dt).
+!!
+!! **Torn.** Mie-Grueneisen's pressure falls with the volume to its largest tension, where the speed
+!! of sound is 0, and would rise beyond. Matter that has a card `failure` fails there. Without one
+!! the tension falls from its largest value with further opening,
+!!
+!!     p = p_c exp(-(v - v_c)/opening)                                                (DB2)
+!!
+!! where v_c, p_c belong to a vanishing speed of sound at the particle's energy.
+module sgmp_debris
+  use sgmp_constitutive, only: constitutive_t, eos_none, eos_terms
+  use sgmp_eos, only: eos_sound_speed_squared
+  use sgmp_failure, only: carries_nothing, failure_none
+  use sgmp_kinds, only: dp, lanes
+  implicit none
+  private
+  public :: debris_begin, debris_lanes, debris_t, debris_torn, tear_lanes
+
+  real(dp), parameter :: largest = 8.0_dp     !! volume of fragments and their room over the first
+  real(dp), parameter :: closing = 0.95_dp    !! least part of a dense volume after a step
+  real(dp), parameter :: closed = 1.0e-9_dp   !! pressure over bulk modulus of what carries some
+  real(dp), parameter :: lone = 1.0_dp/6.0_dp  !! of the closing of a lone particle, in a step
+  real(dp), parameter :: least_whole = 0.5_dp  !! as in eos_energy
+  real(dp), parameter :: opening = 0.3_dp     !! of (DB2)
+  integer, parameter :: halvings = 40
+
+  !> State of a chunk before the step.
+  type :: debris_t
+    real(dp) :: volume(lanes) = 0.0_dp
+    real(dp) :: pressure(lanes) = 0.0_dp
+    real(dp) :: energy(lanes) = 0.0_dp        !! per initial volume
+    real(dp) :: heat(lanes) = 0.0_dp          !! work of deviators per old volume
+  end type debris_t
+
+contains
+
+  !> Notes the state before the step.
+  pure subroutine debris_begin(law, old_volume, mean, nb, b, heat, before)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: old_volume(lanes), mean(lanes), heat(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: b(lanes, nb)
+    type(debris_t), intent(out) :: before
+    before%volume = old_volume
+    before%pressure = -mean
+    before%heat = heat
+    if (law%slots%energy > 0) before%energy = b(:, law%slots%energy)
+  end subroutine debris_begin
+
+  !> Failed lanes: volume, energy, mean stress, speed, viscosity and work after the step.
+  pure subroutine debris_lanes(law, dt, failed, mass, trace, before, nb, b, mean, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt
+    real(dp), intent(in) :: failed(lanes)        !! 1 or 0
+    real(dp), intent(in) :: mass(lanes), trace(lanes)
+    type(debris_t), intent(in) :: before
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb), mean(lanes), speed2(lanes), q(lanes), work(lanes)
+    real(dp) :: scale, v_old, v, dv, p, most, gone, other, rate
+    integer :: l
+    most = merge(0.0_dp, failure_none, law%failure%carries == carries_nothing)
+    do l = 1, lanes
+      if (failed(l) < 0.5_dp) cycle
+      scale = law%density/mass(l)
+      v_old = before%volume(l)*scale
+      dv = b(l, 1)*scale - v_old
+      v = debris_volume(law%failure%carries == carries_nothing, v_old, v_old + dv)
+      b(l, 1) = v/scale
+      if (before%pressure(l) <= closed*law%density*law%bulk_speed**2) q(l) = 0.0_dp
+      if (dt > 0.0_dp) then
+        rate = abs(trace(l))/dt
+        q(l) = min(q(l), lone*law%density/v*law%h**2*rate/dt)
+      end if
+      other = v_old*(before%heat(l) - q(l)*trace(l))
+      call debris_pressure(law, v, dv, before%pressure(l), before%energy(l) + other, most, p, &
+                           speed2(l))
+      gone = 0.5_dp*(before%pressure(l)*dv + p*merge(dv, v - v_old, dv > 0.0_dp))
+      if (law%eos /= eos_none) b(l, law%slots%energy) = before%energy(l) + other - gone
+      work(l) = before%heat(l) - gone/v_old
+      mean(l) = -p
+    end do
+  end subroutine debris_lanes
+
+  !> Volume of failed matter after a step that would make it v.
+  pure function debris_volume(empty, v_old, v) result(volume)
+    logical, intent(in) :: empty                 !! it carries nothing
+    real(dp), intent(in) :: v_old, v
+    real(dp) :: volume, least
+    least = closing*min(v_old, 1.0_dp)
+    if (empty) least = min(v_old, 1.0_dp)
+    volume = min(max(v, least), max(largest, min(v, v_old)))
+  end function debris_volume
+
+  !> Pressure of failed matter after a step, and the square of its speed of sound.
+  pure subroutine debris_pressure(law, v, dv, p_old, energy_before, most, p, speed2)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: v, dv, p_old         !! volume, and by how much it was strained
+    real(dp), intent(in) :: energy_before        !! with heat, but without work of pressure
+    real(dp), intent(in) :: most                 !! largest pressure that it carries
+    real(dp), intent(out) :: p, speed2
+    real(dp) :: a0, b0, da, db, whole, energy
+    speed2 = law%bulk_speed**2
+    if (law%eos == eos_none) then
+      p = min(max(-law%elastic%bulk*log(v), 0.0_dp), most)
+      return
+    end if
+    call open_terms(law, v, a0, b0, da, db)
+    whole = 1.0_dp + 0.5_dp*dv*b0
+    energy = energy_before - 0.5_dp*dv*(p_old + a0)
+    if (whole > least_whole) then
+      energy = energy/whole
+    else
+      energy = energy_before - dv*p_old
+    end if
+    p = min(max(a0 + b0*energy, 0.0_dp), most)
+    if (p <= 0.0_dp) return
+    speed2 = max(speed2, eos_sound_speed_squared(law%density, v, p, energy, da, db, b0, 1.0_dp))
+  end subroutine debris_pressure
+
+  !> Terms of the equation of state, those of a gas where matter is open.
+  pure subroutine open_terms(law, v, a0, b0, da, db)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: v
+    real(dp), intent(out) :: a0, b0, da, db
+    call eos_terms(law, v, a0, b0, da, db)
+    if (v <= 1.0_dp) return
+    db = (db - b0/v)/v
+    b0 = b0/v
+  end subroutine open_terms
+
+  !> Whether the equation of state of whole matter has no waves left in expansion.
+  pure function debris_torn(law, v, pressure, energy) result(yes)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: v, pressure, energy
+    logical :: yes
+    real(dp) :: a0, b0, da, db
+    yes = .false.
+    if (v <= 1.0_dp) return
+    call eos_terms(law, v, a0, b0, da, db)
+    yes = eos_sound_speed_squared(law%density, v, pressure, energy, da, db, b0, 1.0_dp) < 0.0_dp
+  end function debris_torn
+
+  !> Lanes of whole matter without a card `failure` that are torn: tension and energy after the
+  !! step.
+  pure subroutine tear_lanes(law, mass, before, trace, nb, b, mean, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: mass(lanes), trace(lanes)
+    type(debris_t), intent(in) :: before
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb), mean(lanes), speed2(lanes), work(lanes)
+    real(dp), intent(in) :: q(lanes)
+    real(dp) :: scale, v_old, v, p, energy
+    integer :: l
+    do l = 1, lanes
+      if (speed2(l) >= 0.0_dp) cycle
+      scale = law%density/mass(l)
+      v_old = before%volume(l)*scale
+      v = b(l, 1)*scale
+      if (v <= 1.0_dp) cycle                     ! lost in compression: for the caller to see
+      energy = before%energy(l) + v_old*(before%heat(l) - q(l)*trace(l))
+      p = torn_pressure(law, v, energy)
+      b(l, law%slots%energy) = energy - 0.5_dp*(before%pressure(l) + p)*(v - v_old)
+      work(l) = before%heat(l) - 0.5_dp*(before%pressure(l) + p)*(v - v_old)/v_old
+      mean(l) = -p
+      speed2(l) = law%bulk_speed**2
+    end do
+  end subroutine tear_lanes
+
+  !> (DB2)
+  pure function torn_pressure(law, v, energy) result(pressure)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: v, energy
+    real(dp) :: pressure
+    real(dp) :: low, high, middle, a0, b0, da, db
+    integer :: i
+    low = 1.0_dp
+    high = v
+    do i = 1, halvings
+      middle = 0.5_dp*(low + high)
+      call eos_terms(law, middle, a0, b0, da, db)
+      if (eos_sound_speed_squared(law%density, middle, a0 + b0*energy, energy, da, db, b0, &
+                                  1.0_dp) < 0.0_dp) then
+        high = middle
+      else
+        low = middle
+      end if
+    end do
+    call eos_terms(law, low, a0, b0, da, db)
+    pressure = (a0 + b0*energy)*exp(-(v - low)/opening)
+  end function torn_pressure
+
+end module sgmp_debris
