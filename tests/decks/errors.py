@@ -17,6 +17,7 @@ FIRST_ENDS = os.environ.get("SGMP_TEST_FIRST_ENDS", "") not in ("", "0")
 # deck without .inp: what must be found in the output, {d} stands for its path; (options, …) may come first
 EXPECTED = {
     "after_continuation": [r"{d}:7:10: error: text after the continuation"],
+    "assignment": [r"{d}:7:19: error: 'y=8': a formula assigns nothing: write == to compare", r"^1 error"],
     "axisymmetric": [r"{d}:3:18: error: there is no axis 'x' in an axisymmetric scene", r"{d}:3:24: error: the grid begins at r = 1",
                      r"{d}:4:17: error: a wall on y- in an axisymmetric scene", r"{d}:5:18: error: spin=carried does not go with dimension axisymmetric",
                      r"{d}:7:9: error: 'vector' has a component along y", r"{d}:7:9: error: gravity along r",
