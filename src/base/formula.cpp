@@ -191,6 +191,11 @@ int sgmp_formula_compile(void *handle, const char *text, double *value, char *me
     *value = values[0];
     const mu::ParserByteCode &code = formula.parser.GetByteCode();
     formula.stack.resize(lanes*(code.GetMaxStackSize() + 1));
+    if (std::any_of(code.GetBase(), code.GetBase() + code.GetSize(), [](const Token &part) { return part.Cmd == mu::cmASSIGN; })) {
+      put_text("a formula assigns nothing: write == to compare", message, message_length);
+      put_text("=", token, token_length);
+      return 0;
+    }
     formula.known = std::all_of(code.GetBase(), code.GetBase() + code.GetSize(), knows);
     return count;
   } catch (const mu::ParserError &error) {

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static volatile sig_atomic_t received = 0;
@@ -57,6 +58,20 @@ int64_t sgmp_program_path(char *path, int64_t n)
   const ssize_t length = readlink("/proc/self/exe", path, (size_t)n - 1);
   if (length >= 0) path[length] = '\0';
   return length;
+}
+
+/* Whether a path is a file, or a link to one: no pipe, device or folder, which may never end. */
+int sgmp_file_regular(const char *path)
+{
+  struct stat found;
+  return stat(path, &found) == 0 && S_ISREG(found.st_mode);
+}
+
+/* Removes a path if it is a symbolic link to a file, which what is written there would overwrite; devices stay. */
+void sgmp_link_remove(const char *path)
+{
+  struct stat found;
+  if (lstat(path, &found) == 0 && S_ISLNK(found.st_mode) && sgmp_file_regular(path)) unlink(path);
 }
 
 /* Waits until a file, or the entries of a folder, are on the disk; 0, or -1 with errno. */

@@ -5,8 +5,8 @@ module sgmp_posix
   use sgmp_kinds, only: i8
   implicit none
   private
-  public :: environment_default, file_number, file_reserve, file_sync, folder_lock, signal_name, &
-            program_path, signals_watch
+  public :: environment_default, file_number, file_regular, file_reserve, file_sync, &
+            folder_lock, signal_name, program_path, signals_watch
   public :: lock_taken, lock_unknown, lock_impossible
 
   character(8), parameter :: names(4) = [character(8) :: 'SIGTERM', 'SIGUSR1', 'SIGXCPU', 'SIGINT']
@@ -36,6 +36,12 @@ module sgmp_posix
       character(kind=c_char), intent(in) :: path(*)
       integer(c_int) :: status
     end function c_file_sync
+    function c_file_regular(path) result(yes) bind(c, name='sgmp_file_regular')
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int) :: yes
+    end function c_file_regular
     function c_file_reserve(path, bytes) result(status) bind(c, name='sgmp_file_reserve')
       import :: c_char, c_int, c_int64_t
       implicit none
@@ -100,6 +106,13 @@ contains
       call get_command_argument(0, path)
     end if
   end function program_path
+
+  !> Whether a path is a file or a link to one: no pipe or device, which may never end.
+  function file_regular(path) result(yes)
+    character(*), intent(in) :: path
+    logical :: yes
+    yes = c_file_regular(c_text(path)) /= 0
+  end function file_regular
 
   !> Waits until a file, or the entries of a folder, are on the disk.
   function file_sync(path) result(ok)

@@ -1,7 +1,6 @@
 !> The cards `title`, `units`, `dimension` and `table`.
 module sgmp_cards_general
   use sgmp_deck_card, only: deck_card_t
-  use sgmp_kernels, only: method_sgmp
   use sgmp_keys, only: kind_integer, kind_logical, kind_name_word, kind_points, kind_text, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: read_first, registry_t
@@ -39,7 +38,7 @@ contains
                        'with axes r and z in the place of x, y and z, vectors (r,z), and '// &
                        'particles that are whole rings; stands before all cards but title '// &
                        'and units.', &
-                       'dimension axisymmetric', read_dimension, check_dimension, once=.true., &
+                       'dimension axisymmetric', read_dimension, once=.true., &
                        turn=read_first)
     call registry%key('value', kind_integer, 'number of dimensions', default='3', range='[1,3]', &
                       choices='axisymmetric', slot=1, source='doc/theory.md, 7')
@@ -81,38 +80,5 @@ contains
     draft%scene%dimension = merge(2, card%whole('value'), draft%scene%axisymmetric)
     draft%scene%swirl = card%flag('swirl')
   end subroutine read_dimension
-
-  !> Where there is a velocity around the axis.
-  subroutine check_dimension(card, draft)
-    type(deck_card_t), intent(in) :: card
-    type(draft_t), intent(inout) :: draft
-    associate (scene => draft%scene, errors => draft%errors)
-      if (.not. scene%swirl) return
-      if (.not. scene%axisymmetric) then
-        call errors%add(card%place('swirl'), 'swirl is the motion around the axis of an '// &
-                        'axisymmetric scene', 'remove swirl, or write dimension axisymmetric')
-      end if
-      if (scene%method%kind /= method_sgmp) then
-        call errors%add(card%place('swirl'), 'swirl exists for method sgmp only', &
-                        'use method sgmp, or remove swirl')
-      end if
-      if (scene%method%volumes_kept) then
-        call errors%add(card%place('swirl'), 'volumes=kept knows nothing of swirl', &
-                        'remove the one or the other')
-      end if
-      if (scene%method%flip < 1.0_dp) then
-        call errors%add(card%place('swirl'), 'swirl needs flip=1', 'remove flip or swirl')
-      end if
-      if (scene%method%split > 0.0_dp) then
-        call errors%add(card%place('swirl'), 'particles are not split where there is swirl: '// &
-                        'their halves would turn at other rates', 'remove split or swirl')
-      end if
-      if (any(scene%contacts%friction > 0.0_dp)) then
-        call errors%add(card%place('swirl'), 'friction knows nothing of swirl: it would act '// &
-                        'along the half-plane only, and not against the whole slip', &
-                        'remove friction: bodies then slip past each other around the axis')
-      end if
-    end associate
-  end subroutine check_dimension
 
 end module sgmp_cards_general

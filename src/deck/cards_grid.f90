@@ -226,19 +226,6 @@ contains
         call errors%add(card%place('face'), 'the wall on '//face//' does not slip', &
                         'write wall '//face//'=slip; at a fixed wall everything sticks')
       end if
-      if (scene%dimension == 1) then
-        call errors%add(card%position, 'friction at a wall in 1D', &
-                        'remove this card; nothing slides along a wall')
-      end if
-      if (scene%swirl) then
-        call errors%add(card%position, 'friction knows nothing of swirl: it would act along '// &
-                        'the half-plane only, and not against the whole slip', &
-                        'remove this card: the wall then slips')
-      end if
-      if (scene%method%rotation .or. scene%method%spin) then
-        call errors%add(card%position, 'friction at walls, and rotation=exact or spin=carried', &
-                        'let bodies roll on a rigid body, with a card contact')
-      end if
     end associate
   end subroutine check_friction
 
@@ -294,16 +281,6 @@ contains
       if (rests(grid%wall_velocity(:, side, axis))) then
         call errors%add(card%position, 'the wall on '//face//' does not move', &
                         'give a velocity along it, or remove this card')
-      end if
-      if (draft%scene%method%volumes_kept) then
-        call errors%add(card%position, 'walls that move and volumes=kept', 'remove one of them')
-      end if
-      if (draft%scene%method%spin) then
-        call errors%add(card%position, 'walls that move and spin=carried', 'remove one of them')
-      end if
-      if (draft%scene%damping%rate > 0.0_dp .or. draft%scene%damping%kinetic) then
-        call errors%add(card%position, 'walls that move and a damping', &
-                        'remove one of them; damping slows everything down to rest')
       end if
     end associate
   end subroutine check_motion

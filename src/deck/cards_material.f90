@@ -16,7 +16,6 @@ module sgmp_cards_material
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: word_position, words_joined
   use sgmp_text, only: real_text
-  use sgmp_update, only: update_usf
   use sgmp_viscosity, only: viscosity_keys
   implicit none
   private
@@ -206,20 +205,8 @@ contains
     if (i == 0 .or. card%failed) return
     call law_set_erosion(card, card%word('material'), draft%scene%materials(i)%law, fault)
     call complain(card, fault, draft)
-    if (draft%scene%swirl) then
-      call draft%errors%add(card%position, 'erode knows nothing of swirl', 'remove one of the two')
-    end if
     if (.not. card%has('time_step')) return
     associate (time => draft%scene%time, erosion => draft%scene%materials(i)%law%erosion)
-      if (time%cfl_auto .or. time%dt > 0.0_dp) then
-        call draft%errors%add(card%place('time_step'), &
-                              'time_step needs steps that follow a Courant number', &
-                              'write time … cfl=0.3')
-      else if (draft%scene%method%update == update_usf) then
-        call draft%errors%add(card%place('time_step'), 'particles go in the sweep that moves '// &
-                              'and strains them, which update=usf has not', &
-                              'remove time_step or use update=musl, usl or usavg')
-      end if
       erosion%speed = time%cfl*draft%scene%grid%cell/erosion%time_step
     end associate
   end subroutine check_erode

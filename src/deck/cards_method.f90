@@ -6,11 +6,11 @@ module sgmp_cards_method
   use sgmp_keys, only: kind_integer, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
-  use sgmp_scene, only: method_card_t, scene_t
+  use sgmp_scene, only: scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: words_joined
   use sgmp_text, only: real_text
-  use sgmp_update, only: update_musl, update_names, update_usf
+  use sgmp_update, only: update_musl, update_names
   implicit none
   private
   public :: register_method
@@ -129,86 +129,26 @@ contains
     end associate
   end subroutine read_method
 
-  !> Options that exist for some methods only.
+  !> Numbers that depend on other cards; what goes with what is in `sgmp_combinations`.
   subroutine check_method(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     associate (method => draft%scene%method, errors => draft%errors)
-      if (method%normalised .and. .not. method%volumes_kept .and. method%kind /= method_sgmp) then
-        call errors%add(card%position, 'normalised stress exists for method sgmp only', &
-                        'remove stress=normalised or use method sgmp')
-      end if
-      call check_volumes(card, method, errors)
       if (method%split > 0.0_dp) call check_split(card, draft%scene, errors)
       if (card%has('split_most') .and. .not. method%split > 0.0_dp) then
         call errors%add(card%place('split_most'), 'split_most bounds what split makes of the '// &
                         'particles, and none is split', 'add split=0.75 or remove split_most')
       end if
-      call check_rotation(card, method, errors)
-      call check_axisymmetric(card, draft%scene%axisymmetric, method, errors)
-      if (.not. method%spin) return
-      if (method%kind /= method_sgmp .or. method%update /= update_musl) then
-        call errors%add(card%position, 'spin=carried exists for method sgmp update=musl only', &
-                        'remove spin=carried or use method sgmp update=musl')
-      end if
-      if (draft%scene%dimension == 1) then
-        call errors%add(card%position, 'spin=carried needs two dimensions', 'remove spin=carried')
-      end if
-      if (method%flip < 1.0_dp) then
-        call errors%add(card%position, 'spin=carried needs flip=1', 'remove flip or spin=carried')
-      end if
     end associate
   end subroutine check_method
 
-  !> What axisymmetric scenes alone have, and what they do not have.
-  subroutine check_axisymmetric(card, axisymmetric, method, errors)
-    type(deck_card_t), intent(in) :: card
-    logical, intent(in) :: axisymmetric
-    type(method_card_t), intent(in) :: method
-    type(deck_errors_t), intent(inout) :: errors
-    if (card%has('hoop') .and. .not. (axisymmetric .and. method%kind == method_sgmp)) then
-      call errors%add(card%place('hoop'), 'the hoop strain is corrected in axisymmetric scenes '// &
-                      'with method sgmp only', 'remove hoop')
-    end if
-    if (.not. axisymmetric) return
-    if (method%spin) call errors%add(card%place('spin'), 'spin=carried does not exist in '// &
-                                     'axisymmetric scenes: a ring turns about no point', &
-                                     'remove spin=carried')
-    if (method%rotation) call errors%add(card%place('rotation'), 'rotation=exact does not '// &
-                                         'exist in axisymmetric scenes: no body of revolution '// &
-                                         'turns as a whole in its half-plane', &
-                                         'remove rotation=exact')
-  end subroutine check_axisymmetric
-
-  !> Where volumes are kept.
-  subroutine check_volumes(card, method, errors)
-    type(deck_card_t), intent(in) :: card
-    type(method_card_t), intent(in) :: method
-    type(deck_errors_t), intent(inout) :: errors
-    if (.not. method%volumes_kept) return
-    if (method%kind /= method_sgmp .or. method%update /= update_musl) then
-      call errors%add(card%place('volumes'), 'volumes=kept exists for method sgmp update=musl '// &
-                      'only: particles relax to cell centres, between the two sweeps of musl', &
-                      'remove volumes=kept or use method sgmp update=musl')
-    end if
-    if (method%spin .or. method%rotation) then
-      call errors%add(card%place('volumes'), 'volumes=kept knows nothing of spin=carried and '// &
-                      'rotation=exact', 'remove the one or the other')
-    end if
-  end subroutine check_volumes
-
-  !> Where particles can be split.
+  !> Particles that would be split at once.
   subroutine check_split(card, scene, errors)
     type(deck_card_t), intent(in) :: card
     type(scene_t), intent(in) :: scene
     type(deck_errors_t), intent(inout) :: errors
     real(dp) :: spacing
     integer :: b
-    if (scene%method%update == update_usf) then
-      call errors%add(card%place('split'), 'particles are split in the sweep that moves and '// &
-                      'strains them, which update=usf has not', &
-                      'remove split or use update=musl, usl or usavg')
-    end if
     do b = 1, size(scene%bodies)
       if (scene%bodies(b)%rigid) cycle
       spacing = scene%bodies(b)%spacing/scene%grid%cell
@@ -219,25 +159,6 @@ contains
                       'use more of them, or a larger split')
     end do
   end subroutine check_split
-
-  !> Where exact rotation exists.
-  subroutine check_rotation(card, method, errors)
-    type(deck_card_t), intent(in) :: card
-    type(method_card_t), intent(in) :: method
-    type(deck_errors_t), intent(inout) :: errors
-    if (.not. method%rotation) return
-    if (method%kind /= method_sgmp) then
-      call errors%add(card%position, 'rotation=exact exists for method sgmp only', &
-                      'remove rotation=exact or use method sgmp')
-    end if
-    if (method%spin) then
-      call errors%add(card%position, 'rotation=exact and spin=carried exclude each other', &
-                      'remove spin=carried: rotation=exact needs no help')
-    end if
-    if (method%flip < 1.0_dp) then
-      call errors%add(card%position, 'rotation=exact needs flip=1', 'remove flip or rotation=exact')
-    end if
-  end subroutine check_rotation
 
   subroutine read_time(card, draft)
     type(deck_card_t), intent(in) :: card

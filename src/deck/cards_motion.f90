@@ -143,33 +143,7 @@ contains
                         'body that touches the rest, or leave this body out of the cards contact')
         exit
       end do
-      if (scene%method%rotation .and. scene%dimension > 1) then
-        call errors%add(card%position, 'the motion of a part and rotation=exact', &
-                        'remove one of them')
-      end if
-      if (scene%method%spin) then
-        call errors%add(card%position, 'the motion of a part and spin=carried', &
-                        'remove one of them')
-      end if
-      if (scene%method%volumes_kept) then
-        call errors%add(card%position, 'the motion of a part and volumes=kept', &
-                        'remove one of them')
-      end if
-      if (scene%swirl) then
-        call errors%add(card%position, 'the motion of a part and swirl=yes', 'remove one of them')
-      end if
-      if (walls_move(scene%grid%wall_velocity) .or. any(scene%grid%wall_friction > 0.0_dp)) then
-        call errors%add(card%position, 'the motion of a part and walls that move or rub', &
-                        'remove one of them')
-      end if
     end associate
   end subroutine check_motion
-
-  !> Whether any wall moves.
-  pure function walls_move(velocity) result(yes)
-    type(expression_t), intent(in) :: velocity(:, :, :)
-    logical :: yes
-    yes = .not. all(velocity%is_constant .and. abs(velocity%value) <= 0.0_dp)
-  end function walls_move
 
 end module sgmp_cards_motion

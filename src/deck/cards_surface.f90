@@ -197,10 +197,6 @@ contains
                               'faces are those of a lattice: layout=uniform, no jitter, no file')
       end if
     end associate
-    if (draft%scene%method%split > 0.0_dp) then
-      call draft%errors%add(card%position, 'faces of particles are not split', &
-                            'remove split from the card method, or this card')
-    end if
   end subroutine check_faces
 
   !> What a blast needs besides faces: units, and a space in which its wave is a sphere.
@@ -213,10 +209,7 @@ contains
                             'mean: it is measured in metres, kilograms and seconds', &
                             'add the card units, e.g. units m kg s')
     end if
-    if (draft%scene%dimension == 2 .and. .not. draft%scene%axisymmetric) then
-      call draft%errors%add(card%position, 'the blast of a charge is a sphere, not a cylinder', &
-                            'write dimension axisymmetric or dimension 3')
-    else if (draft%scene%axisymmetric .and. abs(axis_distance(card)) > 0.0_dp) then
+    if (draft%scene%axisymmetric .and. abs(axis_distance(card)) > 0.0_dp) then
       call draft%errors%add(card%place('point'), 'the charge is not on the axis', &
                             'its first number is r: write 0, or dimension 3')
     end if

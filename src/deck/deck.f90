@@ -1,6 +1,7 @@
 !> Reads a deck: text -> statements -> cards -> scene, with every error of the deck found in one go.
 module sgmp_deck
   use sgmp_card_parse, only: card_default, card_parse
+  use sgmp_combinations, only: combinations_check
   use sgmp_deck_card, only: card_free, deck_card_t, value_t
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
@@ -68,6 +69,7 @@ contains
     if (complete) call check_needed(registry, cards, deck, draft%errors)
     call add_default_cards(registry, deck, parameters, cards, draft%errors)
     call read_cards(registry, cards, draft)
+    call combinations_check(cards, draft%errors)
     call check_cards(registry, cards, draft)
     call drop_overridden(cards)
     if (draft%errors%count() == 0) then

@@ -3,6 +3,7 @@
 module sgmp_lexer
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_kinds, only: i8
+  use sgmp_posix, only: file_regular
   use sgmp_spelling, only: string_t, word_lower
   use sgmp_text, only: integer_text
   implicit none
@@ -128,6 +129,10 @@ contains
     inquire (file=path, exist=exists)
     if (.not. exists) then
       call errors%add(asked_at, "there is no file '"//path//"'", 'check the spelling of the path')
+      return
+    end if
+    if (.not. file_regular(path)) then
+      call errors%add(asked_at, "'"//path//"' is a pipe or a device", 'give the path of a file')
       return
     end if
     open (newunit=unit, file=path, access='stream', form='unformatted', status='old', &

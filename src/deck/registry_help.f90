@@ -1,5 +1,6 @@
 !> `sgmp help` and the reference of all cards, both written from the table.
 module sgmp_registry_help
+  use sgmp_combinations_help, only: combinations_write_markdown, combinations_write_text
   use sgmp_deck_table, only: deck_table
   use sgmp_errors, only: error_make, error_t, exit_usage
   use sgmp_expression, only: expression_functions, expression_variables
@@ -10,6 +11,8 @@ module sgmp_registry_help
   implicit none
   private
   public :: registry_write_help, registry_write_markdown
+
+  character(*), parameter :: topic_combinations = 'combinations'  !! sgmp help combinations
 
 contains
 
@@ -34,6 +37,10 @@ contains
         'sgmp --help lists the options.'
       return
     end if
+    if (word_lower(keyword) == topic_combinations) then
+      call combinations_write_text(unit, '')
+      return
+    end if
     i = registry%find_card(word_lower(keyword))
     if (i == 0) then
       call error_make(error, exit_usage, "there is no card '"//keyword//"'", &
@@ -55,6 +62,7 @@ contains
     end do
     if (card%once) write (unit, '(/, a)') 'At most one such card.'
     if (card%free) write (unit, '(/, a)') 'May be changed when a run is restarted.'
+    call combinations_write_text(unit, card%name)
   end subroutine write_card
 
   !> Kind, unit, default and limits of a key in one line.
@@ -80,6 +88,7 @@ contains
     registry = deck_table()
     call write_preface(unit)
     call write_contents(unit, registry)
+    call combinations_write_markdown(unit)
     do i = 1, size(registry%cards)
       call write_section(unit, registry%cards(i))
     end do

@@ -77,6 +77,12 @@ module sgmp_file_tools
       character(kind=c_char), intent(in) :: path(*)
       integer(c_int) :: status
     end function c_remove
+    !> Removes a symbolic link to a file, and nothing else.
+    subroutine c_link_remove(path) bind(c, name='sgmp_link_remove')
+      import :: c_char
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+    end subroutine c_link_remove
     function c_mkdir(path, mode) result(status) bind(c, name='mkdir')
       import :: c_char, c_int, c_int32_t
       implicit none
@@ -129,6 +135,7 @@ contains
     self%target = trim(path)
     self%path = self%target
     if (how == 'replace') self%path = self%target//'.part'
+    if (how /= 'append') call c_link_remove(c_text(self%path))
     self%stream = c_fopen(c_text(self%path), c_text(merge('a', 'w', how == 'append')//'b'))
     if (.not. c_associated(self%stream)) call io_error(self%failure, 'open', self%path)
     if (present(error)) call move_alloc(self%failure, error)

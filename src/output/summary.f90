@@ -194,14 +194,20 @@ contains
     end if
   end function real_json
 
-  !> A JSON string; bytes above 127 (UTF-8) pass through.
+  !> A JSON string; letters in UTF-8 pass through, other bytes above 127 become U+FFFD.
   pure function quoted(text) result(json)
     character(*), intent(in) :: text
     character(:), allocatable :: json
     character(6) :: code
-    integer :: i
+    integer :: i, skip
     json = '"'
+    skip = 0
     do i = 1, len(text)
+      if (skip > 0) then  ! within a letter
+        skip = skip - 1
+        json = json//text(i:i)
+        cycle
+      end if
       select case (iachar(text(i:i)))
       case (8)
         json = json//'\b'
@@ -218,11 +224,38 @@ contains
       case (0:7, 11:12, 14:31)
         write (code, '("\u", z4.4)') iachar(text(i:i))
         json = json//code
+      case (128:)
+        skip = letter_bytes(text(i:)) - 1
+        if (skip < 0) json = json//'\ufffd'
+        if (skip >= 0) json = json//text(i:i)
+        skip = max(0, skip)
       case default
         json = json//text(i:i)
       end select
     end do
     json = json//'"'
   end function quoted
+
+  !> Bytes of the letter beyond ASCII that a text begins with, 0 where that is no UTF-8 (RFC 3629:
+  !! no longer form than needed, no surrogates, nothing above U+10FFFF).
+  pure integer function letter_bytes(text) result(n)
+    character(*), intent(in) :: text
+    integer :: first, i, lowest, highest
+    first = iachar(text(1:1))
+    n = 2 + merge(1, 0, first >= 224) + merge(1, 0, first >= 240)
+    if (first < 194 .or. first > 244 .or. len(text) < n) n = 0
+    lowest = 128
+    highest = 191
+    if (first == 224) lowest = 160
+    if (first == 237) highest = 159
+    if (first == 240) lowest = 144
+    if (first == 244) highest = 143
+    do i = 2, n
+      if (iachar(text(i:i)) < lowest .or. iachar(text(i:i)) > highest) exit
+      lowest = 128
+      highest = 191
+    end do
+    if (i <= n) n = 0
+  end function letter_bytes
 
 end module sgmp_summary

@@ -7,7 +7,8 @@ module sgmp_command_line
   private
   public :: command_line_t, command_line_read, command_line_parse
   public :: action_run, action_help, action_markdown, action_version, action_usage, &
-            action_usage_markdown, action_completion, action_import, action_new, action_man
+            action_usage_markdown, action_completion, action_import, action_new, action_man, &
+            action_json
 
   integer, parameter :: action_run = 1      !! run or check a deck
   integer, parameter :: action_help = 2     !! show cards, or the keys of one
@@ -20,6 +21,7 @@ module sgmp_command_line
 
   integer, parameter :: action_new = 9             !! copy a deck of the gallery, or list them
   integer, parameter :: action_man = 10            !! write the manual page
+  integer, parameter :: action_json = 11           !! write what goes with what
 
   !> What the user asked for.
   type :: command_line_t
@@ -236,15 +238,16 @@ contains
     end do
   end function seconds_of
 
-  !> `help [CARD|options] [--markdown|--man]`.
+  !> `help [CARD|options|combinations] [--markdown|--man|--json]`.
   subroutine parse_help(arguments, chosen, error)
     type(string_t), intent(in) :: arguments(:)
     type(command_line_t), intent(inout) :: chosen
     type(error_t), allocatable, intent(out) :: error
-    logical :: markdown, man
+    logical :: markdown, man, json
     integer :: i
     markdown = .false.
     man = .false.
+    json = .false.
     do i = 2, size(arguments)
       if (arguments(i)%text == '--markdown') then
         markdown = .true.
@@ -252,6 +255,10 @@ contains
       end if
       if (arguments(i)%text == '--man') then
         man = .true.
+        cycle
+      end if
+      if (arguments(i)%text == '--json') then
+        json = .true.
         cycle
       end if
       if (index(arguments(i)%text, '-') == 1) then
@@ -265,10 +272,14 @@ contains
       end if
       chosen%keyword = arguments(i)%text
     end do
-    if (man .and. (markdown .or. chosen%keyword /= '')) then
-      call error_make(error, exit_usage, '--man writes the manual page', 'leave out the rest')
+    if (count([man, json, markdown .or. chosen%keyword /= '']) > 1) then
+      call error_make(error, exit_usage, merge('--man writes the manual page     ', &
+                                               '--json writes what goes with what', man), &
+                      'leave out the rest')
     else if (man) then
       chosen%action = action_man
+    else if (json) then
+      chosen%action = action_json
     else if (chosen%keyword == topic_options) then
       chosen%action = merge(action_usage_markdown, action_usage, markdown)
     else if (markdown .and. chosen%keyword /= '') then

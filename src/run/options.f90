@@ -46,6 +46,8 @@ module sgmp_options
     '  sgmp import X.mpm         make a deck of a deck of MPM3D, and a report of it', &
     '  sgmp help [CARD]          cards of a deck, or the keys of one', &
     '  sgmp help --markdown      the complete deck reference', &
+    '  sgmp help combinations    what does not go together', &
+    '  sgmp help --json          the same for programs', &
     '  sgmp help --man           the manual page', &
     '  sgmp completion bash      what makes the shell complete options and cards']
 

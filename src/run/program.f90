@@ -2,8 +2,9 @@
 module sgmp_program
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use omp_lib, only: omp_get_max_threads
-  use sgmp_command_line, only: action_completion, action_help, action_import, action_man, &
-                               action_markdown, action_new, action_usage, &
+  use sgmp_combinations_help, only: combinations_write_json
+  use sgmp_command_line, only: action_completion, action_help, action_import, action_json, &
+                               action_man, action_markdown, action_new, action_usage, &
                                action_usage_markdown, action_version, command_line_t
   use sgmp_deck, only: deck_read
   use sgmp_deck_errors, only: deck_errors_t
@@ -47,6 +48,8 @@ contains
       if (speaks) call options_markdown(output_unit)
     case (action_completion)
       if (speaks) call options_completion(output_unit)
+    case (action_json)
+      if (speaks) call combinations_write_json(output_unit)
     case (action_man)
       if (speaks) call options_man(output_unit)
     case (action_new)

@@ -4,6 +4,7 @@
 usage: folder.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import fcntl
+import json
 import os
 import re
 import resource
@@ -199,12 +200,58 @@ def no_dumps(report):
                  f"{name}: exit code {result.code}\n{result.text}")
 
 
+def linked_log(report):
+    """A link in the place of run.log is replaced; what it points to stays as it is."""
+    name = "linked_log"
+    folder = clear(name)
+    os.makedirs(folder)
+    kept = os.path.join(SCRATCH, "kept.txt")
+    with open(kept, "w", encoding="ascii") as file:
+        file.write("kept")
+    os.symlink(kept, os.path.join(folder, "run.log"))
+    result = execute(command(name, DECK), name)
+    with open(kept, encoding="ascii") as file:
+        report.check(result.code == 0 and file.read() == "kept", f"{name}: exit code {result.code}, or the file that the link points to has changed")
+    report.check(not os.path.islink(os.path.join(folder, "run.log")) and os.path.getsize(os.path.join(folder, "run.log")) > 0, f"{name}: no run.log")
+
+
+def pipe(report):
+    """A pipe that a deck includes is refused; nothing waits for it."""
+    name, path = "pipe", os.path.join(SCRATCH, "pipe.fifo")
+    if not os.path.exists(path):
+        os.mkfifo(path)
+    try:
+        result = execute(command(name, DECK + 'include "pipe.fifo"\n'), name, timeout=20)
+    except subprocess.TimeoutExpired:
+        report.check(False, f"{name}: waits for ever")
+        return
+    report.check(result.code == WRONG_DECK and "is a pipe or a device" in result.text, f"{name}: exit code {result.code}\n{result.text}")
+
+
+def title(report):
+    """Bytes of a title that are no UTF-8 are marked in summary.json; letters beyond ASCII stay."""
+    name = "title"
+    words = command(name, DECK)
+    with open(words[1], "rb") as file:
+        deck = file.read()
+    with open(words[1], "wb") as file:
+        file.write(b'title "caf\xe9 \xc3\xa9"\n' + deck)
+    result = execute(words, name)
+    with open(os.path.join(SCRATCH, name, "summary.json"), "rb") as file:
+        text = file.read()
+    try:
+        found = json.loads(text.decode("utf-8"))["title"]
+    except UnicodeDecodeError:
+        found = "no UTF-8"
+    report.check(result.code == 0 and found == "caf\ufffd \u00e9", f"{name}: exit code {result.code}, title {found!r}")
+
+
 def main():
     """All checks; the exit code is that of the report."""
     os.makedirs(SCRATCH, exist_ok=True)
     report = Report()
     of_memory = () if SANITIZED else (too_large, estimated)
-    for check in (locked, orphans, interrupted, stale, *of_memory, masses, named_after_the_deck, full_log, no_dumps):
+    for check in (locked, orphans, interrupted, stale, *of_memory, masses, named_after_the_deck, full_log, no_dumps, linked_log, pipe, title):
         check(report)
     report.end()
 

@@ -341,7 +341,7 @@ def mistakes(report):
              ("exact rotation", "update=$update", "update=$update rotation=exact", "rotation=exact"),
              ("carried spin", "update=$update", "update=$update spin=carried", "spin=carried"),
              ("kept volumes", "update=$update", "update=$update volumes=kept", "volumes=kept"),
-             ("walls that move", "method $method", "wall y-=fixed\nwallmotion y- x=1\nmethod $method", "walls that move"),
+             ("walls that move", "method $method", "wall y-=fixed\nwallmotion y- x=1\nmethod $method", "motion does not go with wallmotion"),
              ("too many", "load ball", "".join(f'motion ball where="y>-3+0.5*{k} && y<-3+0.5*{k + 1}" x={k}\n' for k in range(8)) + "load ball", "more than 8 cards motion"))
     for title, before, after, message in cases:
         text = MOVING.replace("grid cell=1\n", "grid cell=1 y=-20:30\n")

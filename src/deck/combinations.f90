@@ -1,0 +1,328 @@
+!> The table of what goes with what.
+!!
+!! A feature is something that a deck asks for by a word of a card. A refusal says that a deck which
+!! asks for one feature cannot ask for another, why, and what to do instead. Errors of the deck,
+!! `sgmp help` and the deck reference come from these two lists; what they do not name goes together.
+module sgmp_combinations
+  use sgmp_deck_card, only: deck_card_t
+  use sgmp_deck_errors, only: deck_errors_t, position_t
+  use sgmp_kinds, only: dp
+  use sgmp_spelling, only: string_t, word_in_list, word_items
+  implicit none
+  private
+  public :: feature_t, refusal_t, combinations_check, combinations_features, &
+            combinations_refusals, feature_label, feature_of_card
+
+  !> How the value of a key shows that a card asks for the feature.
+  integer, parameter :: ask_card = 0     !! the card itself, of which there is none by default
+  integer, parameter :: ask_given = 1    !! the key is written
+  integer, parameter :: ask_word = 2     !! it is the word
+  integer, parameter :: ask_number = 3   !! it is the number
+  integer, parameter :: ask_above = 4    !! it is above the number
+  integer, parameter :: ask_below = 5    !! it is below the number
+  integer, parameter :: ask_yes = 6      !! it is yes
+
+  !> Something that a deck asks for.
+  type :: feature_t
+    character(16) :: name = ''        !! in lists of this table, without blanks
+    character(24) :: label = ''       !! in messages; '': the name
+    character(24) :: cards = ''       !! that ask for it
+    character(12) :: key = ''
+    integer :: ask = ask_card         !! one of ask_*
+    character(12) :: word = ''
+    integer :: number = 0
+  end type feature_t
+
+  !> Why a feature and others exclude each other.
+  type :: refusal_t
+    character(16) :: feature = ''     !! errors stand at its word
+    character(32) :: with = ''        !! names of the others
+    character(12) :: unless = ''      !! a feature with which they go together; '': none
+    character(128) :: reason = ''
+    character(96) :: remedy = ''
+  end type refusal_t
+
+  type(feature_t), parameter :: features(*) = [ &
+    feature_t('1D', 'dimension 1', 'dimension', 'value', ask_number, '', 1), &
+    feature_t('2D', 'dimension 2', 'dimension', 'value', ask_number, '', 2), &
+    feature_t('3D', 'dimension 3', 'dimension', 'value', ask_number, '', 3), &
+    feature_t('axisymmetric', 'dimension axisymmetric', 'dimension', 'value', ask_word, &
+              'axisymmetric', 0), &
+    feature_t('swirl', 'swirl=yes', 'dimension', 'swirl', ask_yes, '', 0), &
+    feature_t('mpm', 'method mpm', 'method', 'kind', ask_word, 'mpm', 0), &
+    feature_t('gimp', 'method gimp', 'method', 'kind', ask_word, 'gimp', 0), &
+    feature_t('cpgimp', 'method cpgimp', 'method', 'kind', ask_word, 'cpgimp', 0), &
+    feature_t('sgmp', 'method sgmp', 'method', 'kind', ask_word, 'sgmp', 0), &
+    feature_t('bspline', 'method bspline', 'method', 'kind', ask_word, 'bspline', 0), &
+    feature_t('usf', 'update=usf', 'method', 'update', ask_word, 'usf', 0), &
+    feature_t('musl', 'update=musl', 'method', 'update', ask_word, 'musl', 0), &
+    feature_t('usl', 'update=usl', 'method', 'update', ask_word, 'usl', 0), &
+    feature_t('usavg', 'update=usavg', 'method', 'update', ask_word, 'usavg', 0), &
+    feature_t('flip<1', '', 'method', 'flip', ask_below, '', 1), &
+    feature_t('normalised', 'stress=normalised', 'method', 'stress', ask_word, 'normalised', 0), &
+    feature_t('kept', 'volumes=kept', 'method', 'volumes', ask_word, 'kept', 0), &
+    feature_t('rotation', 'rotation=exact', 'method', 'rotation', ask_word, 'exact', 0), &
+    feature_t('spin', 'spin=carried', 'method', 'spin', ask_word, 'carried', 0), &
+    feature_t('split', 'split=…', 'method', 'split', ask_above, '', 0), &
+    feature_t('hoop', 'hoop=…', 'method', 'hoop', ask_given, '', 0), &
+    feature_t('cfl=auto', '', 'time', 'cfl', ask_word, 'auto', 0), &
+    feature_t('dt', 'dt=…', 'time', 'dt', ask_given, '', 0), &
+    feature_t('friction', 'contact with friction', 'contact', 'friction', ask_above, '', 0), &
+    feature_t('wallfriction', '', 'wallfriction', 'friction', ask_above, '', 0), &
+    feature_t('wallmotion', '', 'wallmotion', '', ask_card, '', 0), &
+    feature_t('motion', '', 'motion', '', ask_card, '', 0), &
+    feature_t('damping', 'damping rate=…', 'damping', 'rate', ask_above, '', 0), &
+    feature_t('damping-kinetic', 'damping kinetic=yes', 'damping', 'kinetic', ask_yes, '', 0), &
+    feature_t('erode', '', 'erode', '', ask_card, '', 0), &
+    feature_t('erode-step', 'erode time_step=…', 'erode', 'time_step', ask_given, '', 0), &
+    feature_t('faces', 'a load on faces', 'pressure traction blast', '', ask_card, '', 0), &
+    feature_t('blast', '', 'blast', '', ask_card, '', 0)]
+
+  type(refusal_t), parameter :: refusals(*) = [ &
+    refusal_t('swirl', '1D 2D 3D', '', &
+              'it is the motion around the axis of a body of revolution', &
+              'remove swirl, or write dimension axisymmetric'), &
+    refusal_t('swirl', 'mpm gimp cpgimp bspline', '', &
+              'only sgmp has the terms of the motion around the axis', &
+              'use method sgmp, or remove swirl'), &
+    refusal_t('swirl', 'kept', '', &
+              'particles do not exchange angular momentum where they relax', &
+              'remove the one or the other'), &
+    refusal_t('swirl', 'flip<1', '', &
+              'its velocity knows increments only, no velocity of the grid', &
+              'remove flip or swirl'), &
+    refusal_t('swirl', 'split', '', &
+              'the halves of a particle would turn at other rates', &
+              'remove split or swirl'), &
+    refusal_t('swirl', 'friction', '', &
+              'it would act along the half-plane only, and not against the whole slip', &
+              'remove friction: bodies then slip past each other around the axis'), &
+    refusal_t('wallfriction', 'swirl', '', &
+              'it would act along the half-plane only, and not against the whole slip', &
+              'remove this card: the wall then slips'), &
+    refusal_t('motion', 'swirl', '', &
+              'the motion of a part prescribes none around the axis', &
+              'remove one of them'), &
+    refusal_t('erode', 'swirl', '', &
+              'the balance does not count the swirl of what is eroded', &
+              'remove one of them'), &
+    refusal_t('normalised', 'mpm gimp cpgimp bspline', '', &
+              'it divides by what fills the cells of the auxiliary grid, which only sgmp has', &
+              'remove stress=normalised or use method sgmp'), &
+    refusal_t('kept', 'mpm gimp cpgimp bspline', '', &
+              'particles relax to the centres of the auxiliary grid, which only sgmp has', &
+              'remove volumes=kept or use method sgmp'), &
+    refusal_t('kept', 'usf usl usavg', '', &
+              'particles relax to cell centres between the two sweeps of musl', &
+              'remove volumes=kept or use update=musl'), &
+    refusal_t('kept', 'rotation spin', '', &
+              'relaxing velocities are means over cells, which turn with neither', &
+              'remove the one or the other'), &
+    refusal_t('rotation', 'mpm gimp cpgimp bspline', '', &
+              'it corrects the strain of the auxiliary grid, which only sgmp has', &
+              'remove rotation=exact or use method sgmp'), &
+    refusal_t('rotation', 'spin', '', &
+              'both restore the rotation of what turns', &
+              'remove spin=carried: rotation=exact needs no help'), &
+    refusal_t('rotation', 'flip<1', '', &
+              'velocities of the grid, which PIC takes, lose rotation', &
+              'remove flip or rotation=exact'), &
+    refusal_t('rotation', 'axisymmetric', '', &
+              'no body of revolution turns as a whole in its half-plane', &
+              'remove rotation=exact'), &
+    refusal_t('spin', 'mpm gimp cpgimp bspline', '', &
+              'only sgmp projects the spin of particles', &
+              'remove spin=carried or use method sgmp'), &
+    refusal_t('spin', 'usf usl usavg', '', &
+              'particles take the spin of the grid in the sweeps of musl', &
+              'remove spin=carried or use update=musl'), &
+    refusal_t('spin', '1D', '', &
+              'nothing turns on a line', &
+              'remove spin=carried'), &
+    refusal_t('spin', 'axisymmetric', '', &
+              'a ring turns about no point', &
+              'remove spin=carried'), &
+    refusal_t('spin', 'flip<1', '', &
+              'velocities of the grid, which PIC takes, lose rotation', &
+              'remove flip or spin=carried'), &
+    refusal_t('split', 'usf', '', &
+              'they are split in the sweep that moves and strains them, which usf has not', &
+              'remove split or use update=musl, usl or usavg'), &
+    refusal_t('hoop', '1D 2D 3D', '', &
+              'hoop strains are those of axisymmetric scenes', &
+              'remove hoop'), &
+    refusal_t('hoop', 'mpm gimp cpgimp bspline', '', &
+              'only sgmp corrects the hoop strain', &
+              'remove hoop'), &
+    refusal_t('wallfriction', '1D', '', &
+              'nothing slides along a wall', &
+              'remove this card'), &
+    refusal_t('wallfriction', 'rotation spin', '', &
+              'not worked out: what the force of the wall does to rotation', &
+              'let bodies roll on a rigid body, with a card contact'), &
+    refusal_t('wallmotion', 'kept', '', &
+              'not worked out: relaxation beside a wall that drags', &
+              'remove one of them'), &
+    refusal_t('wallmotion', 'spin', '', &
+              'not worked out: spin beside a wall that drags', &
+              'remove one of them'), &
+    refusal_t('wallmotion', 'damping damping-kinetic', '', &
+              'damping slows everything down to rest', &
+              'remove one of them'), &
+    refusal_t('motion', 'rotation', '1D', &
+              'not worked out: rotation where a part is moved', &
+              'remove one of them'), &
+    refusal_t('motion', 'spin', '', &
+              'not worked out: rotation where a part is moved', &
+              'remove one of them'), &
+    refusal_t('motion', 'kept', '', &
+              'not worked out: relaxation where a part is moved', &
+              'remove one of them'), &
+    refusal_t('motion', 'wallmotion wallfriction', '', &
+              'not worked out: nodes that a wall and a part move', &
+              'remove one of them'), &
+    refusal_t('erode-step', 'usf', '', &
+              'particles go in the sweep that moves and strains them, which usf has not', &
+              'remove time_step or use update=musl, usl or usavg'), &
+    refusal_t('erode-step', 'cfl=auto dt', '', &
+              'it needs steps that follow a Courant number', &
+              'write time … cfl=0.3'), &
+    refusal_t('faces', 'split', '', &
+              'faces of particles are not split', &
+              'remove split from the card method, or this card'), &
+    refusal_t('blast', '2D', '', &
+              'the blast of a charge is a sphere, not a cylinder', &
+              'write dimension axisymmetric or dimension 3')]
+
+contains
+
+  !> All features.
+  function combinations_features() result(list)
+    type(feature_t), allocatable :: list(:)
+    list = features
+  end function combinations_features
+
+  !> All refusals.
+  function combinations_refusals() result(list)
+    type(refusal_t), allocatable :: list(:)
+    list = refusals
+  end function combinations_refusals
+
+  !> Reports what a deck asks for that does not go together, each refusal once.
+  subroutine combinations_check(cards, errors)
+    type(deck_card_t), intent(in) :: cards(:)      !! of the deck, defaults among them
+    type(deck_errors_t), intent(inout) :: errors
+    integer :: asker(size(features)), r
+    asker = askers(cards)
+    do r = 1, size(refusals)
+      call check_refusal(refusals(r), asker, cards, errors)
+    end do
+  end subroutine combinations_check
+
+  !> Reports the others of a refusal that the deck asks for.
+  subroutine check_refusal(refusal, asker, cards, errors)
+    type(refusal_t), intent(in) :: refusal
+    integer, intent(in) :: asker(:)                !! of each feature, 0: none
+    type(deck_card_t), intent(in) :: cards(:)
+    type(deck_errors_t), intent(inout) :: errors
+    type(string_t), allocatable :: others(:)
+    integer :: f, i
+    f = feature_number(trim(refusal%feature))
+    if (asker(f) == 0) return
+    if (refusal%unless /= '') then
+      if (asker(feature_number(trim(refusal%unless))) > 0) return
+    end if
+    others = word_items(trim(refusal%with))
+    do i = 1, size(others)
+      if (asker(feature_number(others(i)%text)) == 0) cycle
+      call errors%add(place(cards(asker(f)), features(f)), feature_label(trim(refusal%feature))// &
+                      ' does not go with '//feature_label(others(i)%text)//': '// &
+                      trim(refusal%reason), trim(refusal%remedy))
+    end do
+  end subroutine check_refusal
+
+  !> The first card that asks for each feature; 0 where none does.
+  pure function askers(cards) result(asker)
+    type(deck_card_t), intent(in) :: cards(:)
+    integer :: asker(size(features))
+    integer :: c, f
+    asker = 0
+    do c = 1, size(cards)
+      do f = 1, size(features)
+        if (asker(f) > 0) cycle
+        if (asks(cards(c), features(f))) asker(f) = c
+      end do
+    end do
+  end function askers
+
+  !> Number of the feature of a name.
+  pure integer function feature_number(name) result(number)
+    character(*), intent(in) :: name
+    do number = 1, size(features) - 1
+      if (features(number)%name == name) return
+    end do
+  end function feature_number
+
+  !> Whether a card asks for a feature; one that is wrong asks for none.
+  pure function asks(card, feature) result(yes)
+    type(deck_card_t), intent(in) :: card
+    type(feature_t), intent(in) :: feature
+    logical :: yes
+    integer :: k
+    yes = .not. card%failed .and. word_in_list(card%name, trim(feature%cards)) > 0
+    if (.not. yes .or. feature%ask == ask_card) return
+    k = card%at(trim(feature%key))
+    yes = card%values(k)%present
+    if (.not. yes) return
+    associate (value => card%values(k))
+      select case (feature%ask)
+      case (ask_given)
+        yes = value%given
+      case (ask_word)
+        yes = value%text == trim(feature%word)
+      case (ask_number)
+        yes = .not. value%named .and. nint(value%number) == feature%number
+      case (ask_above)
+        yes = .not. value%named .and. value%number > real(feature%number, dp)
+      case (ask_below)
+        yes = value%number < real(feature%number, dp)
+      case default  ! ask_yes
+        yes = value%flag
+      end select
+    end associate
+  end function asks
+
+  !> The word that asks for a feature.
+  pure function place(card, feature) result(position)
+    type(deck_card_t), intent(in) :: card
+    type(feature_t), intent(in) :: feature
+    type(position_t) :: position
+    position = card%position
+    if (feature%ask == ask_card) return
+    position = card%place(trim(feature%key))
+  end function place
+
+  !> How messages call the feature of a name.
+  pure function feature_label(name) result(label)
+    character(*), intent(in) :: name
+    character(:), allocatable :: label
+    integer :: f
+    label = name
+    do f = 1, size(features)
+      if (features(f)%name /= name .or. features(f)%label == '') cycle
+      label = trim(features(f)%label)
+    end do
+  end function feature_label
+
+  !> Whether the feature of a name is asked for by cards of a kind.
+  pure function feature_of_card(name, card) result(yes)
+    character(*), intent(in) :: name, card
+    logical :: yes
+    integer :: f
+    yes = .false.
+    do f = 1, size(features)
+      if (features(f)%name == name) yes = word_in_list(card, trim(features(f)%cards)) > 0
+    end do
+  end function feature_of_card
+
+end module sgmp_combinations
