@@ -2,7 +2,8 @@
 !!
 !! A feature is something that a deck asks for by a word of a card. A refusal says that a deck which
 !! asks for one feature cannot ask for another, why, and what to do instead. Errors of the deck,
-!! `sgmp help` and the deck reference come from these two lists; what they do not name goes together.
+!! `sgmp help` and the deck reference come from these two lists; what they do not name goes
+!! together.
 module sgmp_combinations
   use sgmp_deck_card, only: deck_card_t
   use sgmp_deck_errors, only: deck_errors_t, position_t
