@@ -18,7 +18,7 @@ HERE = Path(__file__).resolve().parent
 RUBBER = 1.01e-3  # g/mm^3, lengths in mm, times in ms, stresses in MPa
 # shape, outer and inner radius, Young's modulus, Poisson's ratio, speed, end, elements through the thickness (disks: half the radius)
 CASES = {
-    "rings": ("ring", 40.0, 30.0, 73.0, 0.4, 30.0, 5.0, (8, 12)),
+    "rings": ("ring", 40.0, 30.0, 73.0, 0.4, 30.0, 5.0, (8, 16)),
     "rings_thin": ("ring", 40.0, 34.0, 73.0, 0.3, 15.0, 7.0, (4, 6)),
     "rings_thick": ("ring", 40.0, 24.0, 73.0, 0.2, 40.0, 4.0, (8, 12)),
     "disks": ("disk", 40.0, 0.0, 73.0, 0.3, 30.0, 3.0, (8, 12)),
