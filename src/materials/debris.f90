@@ -26,7 +26,7 @@
 !!
 !! where v_c, p_c belong to a vanishing speed of sound at the particle's energy.
 module sgmp_debris
-  use sgmp_constitutive, only: constitutive_t, eos_none, eos_terms
+  use sgmp_constitutive, only: constitutive_t, eos_linear, eos_none, eos_terms
   use sgmp_eos, only: eos_sound_speed_squared
   use sgmp_failure, only: carries_nothing, failure_none
   use sgmp_kinds, only: dp, lanes
@@ -121,7 +121,7 @@ contains
       p = min(max(-law%elastic%bulk*log(v), 0.0_dp), most)
       return
     end if
-    call open_terms(law, v, a0, b0, da, db)
+    call open_terms(law, v, energy_before, a0, b0, da, db)
     whole = 1.0_dp + 0.5_dp*(v - v_old)*b0
     energy = energy_before - 0.5_dp*(v - v_old)*(p_old + a0)
     if (whole > least_whole) then
@@ -135,12 +135,12 @@ contains
   end subroutine debris_pressure
 
   !> Terms of the equation of state, those of a gas where matter is open.
-  pure subroutine open_terms(law, v, a0, b0, da, db)
+  pure subroutine open_terms(law, v, energy, a0, b0, da, db)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: v
+    real(dp), intent(in) :: v, energy
     real(dp), intent(out) :: a0, b0, da, db
-    call eos_terms(law, v, a0, b0, da, db)
-    if (v <= 1.0_dp) return
+    call eos_terms(law, v, energy, a0, b0, da, db)
+    if (v <= 1.0_dp .or. .not. eos_linear(law)) return
     db = (db - b0/v)/v
     b0 = b0/v
   end subroutine open_terms
@@ -153,7 +153,7 @@ contains
     real(dp) :: a0, b0, da, db
     yes = .false.
     if (v <= 1.0_dp) return
-    call eos_terms(law, v, a0, b0, da, db)
+    call eos_terms(law, v, energy, a0, b0, da, db)
     yes = eos_sound_speed_squared(law%density, v, pressure, energy, da, db, b0, 1.0_dp) < 0.0_dp
   end function debris_torn
 
@@ -194,7 +194,7 @@ contains
     high = v
     do i = 1, halvings
       middle = 0.5_dp*(low + high)
-      call eos_terms(law, middle, a0, b0, da, db)
+      call eos_terms(law, middle, energy, a0, b0, da, db)
       if (eos_sound_speed_squared(law%density, middle, a0 + b0*energy, energy, da, db, b0, &
                                   1.0_dp) < 0.0_dp) then
         high = middle
@@ -202,7 +202,7 @@ contains
         low = middle
       end if
     end do
-    call eos_terms(law, low, a0, b0, da, db)
+    call eos_terms(law, low, energy, a0, b0, da, db)
     pressure = (a0 + b0*energy)*exp(-(v - low)/opening)
   end function torn_pressure
 
