@@ -7,12 +7,12 @@ module sgmp_state
   use sgmp_contact, only: contact_t
   use sgmp_contact_memory, only: memory_share
   use sgmp_contact_pairs, only: contact_pair_t
+  use sgmp_driven_output, only: motion_rows_t
   use sgmp_driven_part, only: driven_part_t, driven_totals
   use sgmp_energy, only: eroded_t, ledger_t
   use sgmp_kinds, only: dp, i8
   use sgmp_mesh, only: mesh_t, wall_speed
   use sgmp_model, only: model_t
-  use sgmp_motion_rows, only: motion_rows_t
   use sgmp_outputs, only: outputs_t
   use sgmp_rigid_motion, only: rigid_motion_t
   use sgmp_time_step, only: clock_t

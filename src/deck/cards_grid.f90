@@ -4,9 +4,9 @@ module sgmp_cards_grid
   use sgmp_expression, only: expression_clone, expression_t
   use sgmp_keys, only: kind_expression, kind_interval, kind_real, kind_word
   use sgmp_kinds, only: dp
+  use sgmp_lost_policy, only: lost_error, lost_names
   use sgmp_mesh, only: wall_fixed, wall_free, wall_names, wall_slip
   use sgmp_registry, only: read_first, registry_t
-  use sgmp_scene, only: lost_error, lost_names
   use sgmp_scene_draft, only: draft_t
   use sgmp_space, only: axis_names, space_axisymmetric
   use sgmp_spelling, only: words_joined

@@ -12,10 +12,11 @@ module sgmp_cards_material
   use sgmp_keys, only: fault_t, kind_name_word, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: read_first, registry_t
-  use sgmp_scene, only: material_card_t, update_usf
+  use sgmp_scene, only: material_card_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: word_position, words_joined
   use sgmp_text, only: real_text
+  use sgmp_update, only: update_usf
   use sgmp_viscosity, only: viscosity_keys
   implicit none
   private

@@ -6,10 +6,11 @@ module sgmp_cards_method
   use sgmp_keys, only: kind_integer, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
-  use sgmp_scene, only: method_card_t, scene_t, update_musl, update_names, update_usf
+  use sgmp_scene, only: method_card_t, scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: words_joined
   use sgmp_text, only: real_text
+  use sgmp_update, only: update_musl, update_names, update_usf
   implicit none
   private
   public :: register_method
@@ -89,8 +90,8 @@ contains
                        read_stop, once=.true., free=.true.)
     call registry%key('energy_growth', kind_real, &
                       'abort when there is this many times the energy that the scene was '// &
-                      'given, at the start or by external work', &
-                      range='(1,inf)', default='10')
+                      'given, at the start or by external work; default: 1.1, and 10 in the '// &
+                      'first twentieth of the run and with update=usf', range='(1,inf)')
     call registry%key('kinetic_below', kind_real, &
                       'finish when the kinetic energy falls below this fraction of its maximum', &
                       range='[0,1)', default='0')
@@ -267,7 +268,7 @@ contains
   subroutine read_stop(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
-    draft%scene%stop%energy_growth = card%number('energy_growth')
+    draft%scene%stop%energy_growth = card%number('energy_growth', absent=0.0_dp)
     draft%scene%stop%kinetic_below = card%number('kinetic_below')
     draft%scene%stop%at_rest = card%number('at_rest')
     draft%scene%stop%hold = card%number('hold')

@@ -12,11 +12,13 @@ module sgmp_scene
   use sgmp_kernels, only: method_sgmp
   use sgmp_kinds, only: dp
   use sgmp_load, only: load_force
+  use sgmp_lost_policy, only: lost_error
   use sgmp_mesh, only: wall_free
   use sgmp_particle_file, only: material_choice_t
   use sgmp_shapes, only: shape_t
   use sgmp_space, only: space_axisymmetric
   use sgmp_turn, only: turn_t
+  use sgmp_update, only: update_musl
   use sgmp_voigt, only: voigt_names
   implicit none
   private
@@ -28,22 +30,17 @@ module sgmp_scene
   public :: contact_lambda_default
   public :: dump_formats, dump_names, dump_tecplot, dump_vtkhdf, dump_vtu
   public :: scene_at_rest, scene_free, scene_space, scene_t
-  public :: update_usf, update_musl, update_usl, update_usavg, update_names
   public :: layout_lattice, layout_gauss, layout_file, layout_names
-  public :: lost_error, lost_remove, lost_reflect, lost_names, name_length
+  public :: name_length
 
   integer, parameter :: name_length = 32
 
-  integer, parameter :: update_usf = 1, update_musl = 2, update_usl = 3, update_usavg = 4
-  character(8), parameter :: update_names(4) = [character(8) :: 'usf', 'musl', 'usl', 'usavg']
   integer, parameter :: layout_lattice = 1, layout_gauss = 2, layout_file = 3
   character(7), parameter :: layout_names(2) = [character(7) :: 'uniform', 'gauss']
     !! what the card body may ask for
   real(dp), parameter :: contact_lambda_default = -1.0_dp  !! from the particle spacings
   integer, parameter :: dump_vtkhdf = 1, dump_vtu = 2, dump_tecplot = 3, dump_formats = 3
   character(7), parameter :: dump_names(dump_formats) = [character(7) :: 'vtkhdf', 'vtu', 'tecplot']
-  integer, parameter :: lost_error = 1, lost_remove = 2, lost_reflect = 3
-  character(7), parameter :: lost_names(*) = [character(7) :: 'error', 'remove', 'reflect']
 
   !> Background grid: cubic cells of side `cell`; an open face follows the particles.
   type :: grid_card_t
@@ -243,7 +240,7 @@ module sgmp_scene
 
   !> Conditions that end a run early.
   type :: stop_card_t
-    real(dp) :: energy_growth = 10.0_dp
+    real(dp) :: energy_growth = 0.0_dp            !! 0: not given
       !! abort (exit 4) at this many times the energy that the scene was given
     real(dp) :: kinetic_below = 0.0_dp
       !! finish when kinetic energy falls below this fraction of its maximum

@@ -3,13 +3,13 @@
 module sgmp_lost_particles
   use sgmp_body, only: body_parts, body_t
   use sgmp_kinds, only: dp
+  use sgmp_lost_policy, only: lost_reflect, lost_remove
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_total, motion_velocity
   use sgmp_movers, only: movers_t
   use sgmp_particles, only: particles_t
   use sgmp_plan, only: plan_t
   use sgmp_rebinning, only: particles_find_bins
-  use sgmp_scene, only: lost_reflect, lost_remove
   use sgmp_space, only: space_axisymmetric
   implicit none
   private

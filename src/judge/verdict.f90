@@ -185,18 +185,31 @@ contains
     end do
   end subroutine judge_energy
 
-  !> Mass that erosion has taken away from what would have been hit or held by it.
+  !> Mass and energy that erosion has taken away from what would have been hit or held by them, and
+  !! bodies of which it has left nothing.
   subroutine judge_erosion(self, model)
     type(verdict_t), intent(inout) :: self
     type(model_t), intent(in) :: model
-    real(dp) :: all
-    associate (eroded => model%ledger%eroded%mass)
-      all = eroded + sum(model%totals%bodies%mass, mask=.not. model%bodies%rigid)
-      if (eroded > largest_eroded*all) then
-        call self%object(percent(eroded/all)//' of the mass was eroded: what it would have '// &
-                         'pushed or stopped is not in the result; raise the limits of erode')
+    real(dp) :: all, energy
+    integer :: b
+    if (model%ledger%eroded%particles <= 0.0_dp) return
+    associate (eroded => model%ledger%eroded)
+      all = eroded%mass + sum(model%totals%bodies%mass, mask=.not. model%bodies%rigid)
+      energy = (eroded%kinetic + eroded%internal)/max(model%ledger%supplied, tiny(1.0_dp))
+      if (eroded%mass > largest_eroded*all) then
+        call self%object(percent(eroded%mass/all)//' of the mass was eroded: what it would '// &
+                         'have pushed or stopped is not in the result; raise the limits of erode')
+      else if (energy > largest_eroded) then
+        call self%object(percent(energy)//' of the energy that the scene was given was '// &
+                         'eroded: what it would have done is not in the result; raise the '// &
+                         'limits of erode')
       end if
     end associate
+    do b = 1, size(model%bodies)
+      if (model%totals%particles(b) > 0 .or. model%bodies(b)%rigid) cycle
+      call self%object("erosion has left nothing of body '"//trim(model%bodies(b)%name)// &
+                       "': what it would have hit was not hit; raise the limits of erode")
+    end do
   end subroutine judge_erosion
 
   !> Forces that moved nothing, for they acted on nodes without mass: momentum is not kept.

@@ -2,13 +2,14 @@
 !! 4): what is done to the particles of a chunk in the place of the update of whole matter.
 !!
 !! **Failed.** A particle stands for fragments and the room between them. It carries no deviator,
-!! and a pressure between 0 and what the law allows. In a step from volume ratio v to v' its energy
-!! per initial volume obeys
+!! and a pressure between 0 and what the law allows. In a step that strains it by dv, in initial
+!! volumes, its energy per initial volume obeys
 !!
-!!     E' = E + w - (p + p') (v' - v)/2                                               (DB1)
+!!     E' = E + w - p dv/2 - p' dv'/2                                                 (DB1)
 !!
-!! with the pressure p' that it then has, bounds included, so what its stress gives to the grid is
-!! what its internal energy loses, in every step and to round-off. Further
+!! with the pressure p' that it then has, bounds included. dv' is dv where it opens, whatever volume
+!! it is then taken to have; where it closes, as far as its volume does. So what its stress gives to
+!! the grid is what its internal energy loses, in every step and to round-off. Further
 !!
 !! * in open matter (v > 1) heat presses as that of a gas: b0 E is b0 E/v, and is spent when
 !!   fragments are far apart;
@@ -37,10 +38,11 @@ module sgmp_debris
   real(dp), parameter :: largest = 8.0_dp     !! volume of fragments and their room over the first
   real(dp), parameter :: closing = 0.95_dp    !! least part of a dense volume after a step
   real(dp), parameter :: closed = 1.0e-9_dp   !! pressure over bulk modulus of what carries some
-  real(dp), parameter :: lone = 1.0_dp/6.0_dp !! of the closing of a lone particle, in a step
-  real(dp), parameter :: least_whole = 0.5_dp !! as in eos_energy
+  real(dp), parameter :: lone = 1.0_dp/6.0_dp  !! of the closing of a lone particle, in a step
+  real(dp), parameter :: least_whole = 0.5_dp  !! as in eos_energy
   real(dp), parameter :: opening = 0.3_dp     !! of (DB2)
   integer, parameter :: halvings = 40
+  integer, parameter :: tangents = 8          !! where the pressure is not linear in the energy
 
   !> State of a chunk before the step.
   type :: debris_t
@@ -74,14 +76,15 @@ contains
     type(debris_t), intent(in) :: before
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb), mean(lanes), speed2(lanes), q(lanes), work(lanes)
-    real(dp) :: scale, v_old, v, p, most, energy, other, rate
+    real(dp) :: scale, v_old, v, dv, p, most, gone, other, rate
     integer :: l
     most = merge(0.0_dp, failure_none, law%failure%carries == carries_nothing)
     do l = 1, lanes
       if (failed(l) < 0.5_dp) cycle
       scale = law%density/mass(l)
       v_old = before%volume(l)*scale
-      v = debris_volume(law%failure%carries == carries_nothing, v_old, b(l, 1)*scale)
+      dv = b(l, 1)*scale - v_old
+      v = debris_volume(law%failure%carries == carries_nothing, v_old, v_old + dv)
       b(l, 1) = v/scale
       if (before%pressure(l) <= closed*law%density*law%bulk_speed**2) q(l) = 0.0_dp
       if (dt > 0.0_dp) then
@@ -89,11 +92,11 @@ contains
         q(l) = min(q(l), lone*law%density/v*law%h**2*rate/dt)
       end if
       other = v_old*(before%heat(l) - q(l)*trace(l))
-      call debris_pressure(law, v_old, v, before%pressure(l), before%energy(l) + other, most, p, &
+      call debris_pressure(law, v, dv, before%pressure(l), before%energy(l) + other, most, p, &
                            speed2(l))
-      energy = before%energy(l) + other - 0.5_dp*(before%pressure(l) + p)*(v - v_old)
-      if (law%eos /= eos_none) b(l, law%slots%energy) = energy
-      work(l) = before%heat(l) - 0.5_dp*(before%pressure(l) + p)*(v - v_old)/v_old
+      gone = 0.5_dp*(before%pressure(l)*dv + p*merge(dv, v - v_old, dv > 0.0_dp))
+      if (law%eos /= eos_none) b(l, law%slots%energy) = before%energy(l) + other - gone
+      work(l) = before%heat(l) - gone/v_old
       mean(l) = -p
     end do
   end subroutine debris_lanes
@@ -109,26 +112,30 @@ contains
   end function debris_volume
 
   !> Pressure of failed matter after a step, and the square of its speed of sound.
-  pure subroutine debris_pressure(law, v_old, v, p_old, energy_before, most, p, speed2)
+  pure subroutine debris_pressure(law, v, dv, p_old, energy_before, most, p, speed2)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: v_old, v, p_old
+    real(dp), intent(in) :: v, dv, p_old         !! volume, and by how much it was strained
     real(dp), intent(in) :: energy_before        !! with heat, but without work of pressure
     real(dp), intent(in) :: most                 !! largest pressure that it carries
     real(dp), intent(out) :: p, speed2
     real(dp) :: a0, b0, da, db, whole, energy
+    integer :: k
     speed2 = law%bulk_speed**2
     if (law%eos == eos_none) then
       p = min(max(-law%elastic%bulk*log(v), 0.0_dp), most)
       return
     end if
-    call open_terms(law, v, energy_before, a0, b0, da, db)
-    whole = 1.0_dp + 0.5_dp*(v - v_old)*b0
-    energy = energy_before - 0.5_dp*(v - v_old)*(p_old + a0)
-    if (whole > least_whole) then
-      energy = energy/whole
-    else
-      energy = energy_before - (v - v_old)*p_old
-    end if
+    energy = energy_before
+    do k = 1, merge(1, tangents, eos_linear(law))
+      call open_terms(law, v, energy, a0, b0, da, db)
+      whole = 1.0_dp + 0.5_dp*dv*b0
+      energy = energy_before - 0.5_dp*dv*(p_old + a0)
+      if (whole > least_whole) then
+        energy = energy/whole
+      else
+        energy = energy_before - dv*p_old
+      end if
+    end do
     p = min(max(a0 + b0*energy, 0.0_dp), most)
     if (p <= 0.0_dp) return
     speed2 = max(speed2, eos_sound_speed_squared(law%density, v, p, energy, da, db, b0, 1.0_dp))

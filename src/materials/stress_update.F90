@@ -573,12 +573,10 @@ contains
     real(dp) :: ones(lanes), pressure_work(lanes), failed(lanes), left(lanes), late(lanes)
     real(dp) :: shear(lanes), bulk
     type(debris_t) :: before
-    logical :: lets_go
     integer :: l, s
     s = law%slots%stress
     shear = law%elastic%shear
     bulk = law%elastic%bulk
-    lets_go = law%fails .and. law%failure%carries /= carries_everything
     if (law%fails) call judge(law, grad, nb, b, failed)
     if (law%softens) call softening_regain(NSTRESS, b(1, law%slots%damage), b(1, s), left)
     if (law%kind == material_steinberg_guinan) then
@@ -622,21 +620,41 @@ contains
                   b(1, law%slots%temperature))
       end if
     end if
+    if (law%fails) then
+      call come_apart(law, dt, mass, trace, left, late, before, nb, b, failed, mean, speed2, q, &
+                      work)
+    else if (any(speed2 < 0.0_dp) .and. .not. law%porosity%porous) then
+      call tear_lanes(law, mass, before, trace, nb, b, mean, speed2, q, work)
+    end if
+    call add_mean(mean, b(1, s))
+  end subroutine plastic
+
+  !> What failing and softening leave of a chunk's pressure, and of its deviator.
+  subroutine come_apart(law, dt, mass, trace, left, late, before, nb, b, failed, mean, speed2, q, &
+                        work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), trace(lanes)
+    real(dp), intent(in) :: left(lanes), late(lanes)    !! for those that soften
+    type(debris_t), intent(in) :: before
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb), failed(lanes), mean(lanes), speed2(lanes), q(lanes)
+    real(dp), intent(inout) :: work(lanes)
+    logical :: lets_go
+    lets_go = law%failure%carries /= carries_everything
     if (lets_go .and. any(speed2 < 0.0_dp)) call tear(law, mass, nb, b, speed2, failed)
     if (law%softens) then
-      call soften(law, left, mass, old_volume, trace, late, nb, b, mean, speed2, work)
+      call soften(law, left, mass, before%volume, trace, late, nb, b, mean, speed2, work)
     end if
     if (law%porosity%porous) then
-      if (law%fails .and. .not. law%softens) call release(law, failed, mass, old_volume, trace, nb, &
-                                                          b, mean, speed2, work)
+      if (.not. law%softens) call release(law, failed, mass, before%volume, trace, nb, b, mean, &
+                                          speed2, work)
     else if (lets_go) then
       if (any(failed > 0.5_dp)) call debris_lanes(law, dt, failed, mass, trace, before, nb, b, &
                                                   mean, speed2, q, work)
     else if (any(speed2 < 0.0_dp)) then
       call tear_lanes(law, mass, before, trace, nb, b, mean, speed2, q, work)
     end if
-    call add_mean(mean, b(1, s))
-  end subroutine plastic
+  end subroutine come_apart
 
   !> Matter with a card `failure` whose equation of state has no waves left in expansion fails.
   pure subroutine tear(law, mass, nb, b, speed2, failed)

@@ -1,7 +1,8 @@
 !> All files of a run: which rows and dumps are due, and the writers behind them.
 module sgmp_outputs
   use sgmp_body_rows, only: body_rows_write, momentum_in_output
-  use sgmp_contact_rows, only: contact_rows_open, contact_rows_t, contact_rows_write
+  use sgmp_contact_output, only: contact_rows_open, contact_rows_t, contact_rows_write
+  use sgmp_driven_output, only: motion_rows_open, motion_rows_t, motion_rows_write
   use sgmp_energy, only: ledger_total
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: directory_make
@@ -12,11 +13,10 @@ module sgmp_outputs
                           split_columns, swirl_columns
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
-  use sgmp_motion_rows, only: motion_rows_open, motion_rows_t, motion_rows_write
   use sgmp_parallel, only: parallel_agree, parallel_rank
   use sgmp_particle_fields, only: particle_field_find, particle_field_t
   use sgmp_particle_table, only: particle_table_write
-  use sgmp_rigid_rows, only: rigid_rows_open, rigid_rows_t, rigid_rows_write
+  use sgmp_rigid_output, only: rigid_rows_open, rigid_rows_t, rigid_rows_write
   use sgmp_scene, only: dump_formats, dump_tecplot, dump_vtkhdf, dump_vtu, name_length, scene_t
   use sgmp_snapshot, only: snapshot_t
   use sgmp_snapshot_make, only: snapshot_give_ids, snapshot_initial_positions, &

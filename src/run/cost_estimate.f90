@@ -13,9 +13,10 @@ module sgmp_cost_estimate
   use sgmp_particles, only: particles_bytes
   use sgmp_rigid_motion, only: rigid_motion_t
   use sgmp_rows, only: rows_points
-  use sgmp_scene, only: scene_t, update_names
+  use sgmp_scene, only: scene_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: clock_choose, clock_t, limit_names
+  use sgmp_update, only: update_names
   implicit none
   private
   public :: cost_estimate_write, cost_estimate_write_need

@@ -12,13 +12,14 @@ module sgmp_report
   use sgmp_parallel, only: parallel_agree, parallel_collect, parallel_ranks, parallel_sum
   use sgmp_process, only: peak_memory_bytes
   use sgmp_run_log, only: level_normal, level_quiet, level_verbose, log_row_t, log_t
-  use sgmp_scene, only: scene_t, update_names
+  use sgmp_scene, only: scene_t
   use sgmp_spelling, only: string_t
   use sgmp_summary, only: summary_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_thread_choice, only: thread_choice_t
   use sgmp_time_step, only: limit_courant, limit_names
   use sgmp_timers, only: phase_balance, phase_count, phase_halo, phase_names
+  use sgmp_update, only: update_names
   use sgmp_verdict, only: verdict_t
   use sgmp_version, only: commit_hash, compiler_string, version_string
   implicit none

@@ -5,14 +5,12 @@ module sgmp_build_model
   use sgmp_angular_momentum, only: angular_momentum_note
   use sgmp_body, only: body_t
   use sgmp_build_burn, only: burn_light
-  use sgmp_build_contact, only: contact_add_slot, contact_fields, contact_fill_slot, &
-                                contact_no_surface, contact_pairs
-  use sgmp_build_driven, only: driven_add_columns, driven_declare, driven_fill, driven_number
-  use sgmp_build_loads, only: loads_add_columns, loads_declare, loads_fill
-  use sgmp_build_rigid, only: rigid_begin, rigid_centre, rigid_declare
   use sgmp_build_stress, only: stress_fill
   use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_set_length, &
                                law_slots, slots_t
+  use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
+                                contact_no_surface, contact_pairs
+  use sgmp_driven_build, only: driven_add_columns, driven_declare, driven_fill, driven_number
   use sgmp_energy, only: ledger_open
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_expression, only: expression_places
@@ -22,6 +20,7 @@ module sgmp_build_model
                           stencil_shift
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_is_bound
+  use sgmp_loads_build, only: loads_add_columns, loads_declare, loads_fill
   use sgmp_material_weight, only: stress_energy
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_model, only: model_t
@@ -32,6 +31,7 @@ module sgmp_build_model
   use sgmp_partition, only: partition_make
   use sgmp_phases, only: phase_layout
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
+  use sgmp_rigid_build, only: rigid_begin, rigid_centre, rigid_declare
   use sgmp_rigid_motion, only: motion_energy
   use sgmp_scene, only: body_card_t, scene_space, scene_t, time_card_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t

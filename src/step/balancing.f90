@@ -19,10 +19,12 @@ module sgmp_balancing
   use sgmp_rebinning, only: arrivals_t, particles_rebin
   use sgmp_rigid_bodies, only: rigid_field
   use sgmp_rows, only: key_k
-  use sgmp_scene, only: balance_card_t, update_usavg, update_usf
+  use sgmp_scene, only: balance_card_t
   use sgmp_slabs, only: far_plane
+  use sgmp_stages, only: stage_brings_stress
   use sgmp_timers, only: phase_balance, phase_contact, phase_drift, phase_grid, phase_kick, &
                          timers_stop
+  use sgmp_update, only: update_usavg, update_usf
   implicit none
   private
   public :: balancing_look
@@ -246,7 +248,7 @@ contains
     integer :: columns(2)
     columns = [1, model%fields(f)%columns%total]
     if (any(model%method%update == [update_usf, update_usavg]) .and. &
-        .not. (model%method%rotation .or. model%mesh%walls_act)) then
+        .not. stage_brings_stress(model)) then
       columns(2) = model%fields(f)%columns%force - 1
     end if
   end function columns_alive

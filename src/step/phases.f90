@@ -23,7 +23,7 @@ module sgmp_phases
   use sgmp_rigid_bodies, only: rigid_field, rigid_solve, rigid_velocity
   use sgmp_rows, only: rows_t, rows_union
   use sgmp_sums, only: nodes_sums, sweep_sums
-  use sgmp_tally, only: tally_add, tally_reset, tally_t
+  use sgmp_tally, only: tally_add, tally_t
   use sgmp_team, only: team_divide, team_t
   use sgmp_text, only: integer_text
   use sgmp_timers, only: phase_halo, timers_move, timers_t, wall_time
@@ -32,7 +32,7 @@ module sgmp_phases
   private
   public :: phase_fold, phase_layout, phase_mirror, phase_normalise, phase_place, phase_relax, &
             phase_remap, phase_rotation, phase_solve, phase_swap_nodes, phase_sweep, &
-            phase_velocity, phase_velocity_rubbed
+            phase_velocity
 
 contains
 
@@ -324,33 +324,6 @@ contains
       end if
     end do
   end subroutine phase_velocity
-
-  !> The same beside walls with friction: nodes that would stick to them in a step with the stresses
-  !! as they are have their velocity.
-  subroutine phase_velocity_rubbed(method, dt, mesh, fields, bodies, team, partition)
-    type(method_t), intent(in) :: method
-    real(dp), intent(in) :: dt                   !! velocity step
-    type(mesh_t), intent(in) :: mesh
-    type(field_t), intent(inout) :: fields(:)
-    type(body_t), intent(in) :: bodies(:)
-    type(team_t), intent(in) :: team
-    type(partition_t), intent(in) :: partition
-    type(tally_t) :: unused
-    integer :: f, a, b
-    call tally_reset(unused, size(bodies)*sweep_sums + nodes_sums)
-    call phase_solve(method, dt, mesh, fields, bodies, team, partition, unused)
-    call phase_remap(mesh, fields, bodies, team, partition)
-    do f = 1, size(fields)
-      b = rigid_field(bodies, f)
-      if (b > 0) then
-        call rigid_velocity(bodies(b), mesh, .true., node_velocity(mesh%ndim), fields(f))
-        cycle
-      end if
-      do a = 0, mesh%ndim - 1
-        fields(f)%node(:, node_velocity(mesh%ndim) + a) = fields(f)%node(:, node_remapped + a)
-      end do
-    end do
-  end subroutine phase_velocity_rubbed
 
   !> Nodal velocity re-mapped from the updated particles (MUSL).
   subroutine phase_remap(mesh, fields, bodies, team, partition)

@@ -29,8 +29,8 @@ module sgmp_stability
   use sgmp_rebin_phases, only: phase_rebin_particles
   use sgmp_rigid_bodies, only: rigid_field
   use sgmp_rows, only: key_j, key_k
-  use sgmp_scene, only: update_usl
   use sgmp_sums, only: nodes_sums
+  use sgmp_update, only: update_usl
   implicit none
   private
   public :: stability_choose, stability_limit, largest_eigenvalue

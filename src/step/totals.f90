@@ -11,6 +11,7 @@ module sgmp_totals
   use sgmp_kinds, only: dp, i8
   use sgmp_parallel, only: parallel_agree, parallel_max_place
   use sgmp_partition, only: partition_t
+  use sgmp_rigid_motion, only: freedoms
   use sgmp_sums, only: eroded_count, eroded_internal, eroded_kinetic, eroded_mass, eroded_moment, &
                        eroded_momentum, eroded_sums, nodes_external, nodes_friction, nodes_lost, &
                        nodes_mass_aa, nodes_mass_av, nodes_pressed, nodes_pulled, nodes_sums, &
@@ -36,27 +37,26 @@ module sgmp_totals
     type(body_sums_t), allocatable :: bodies(:)      !! (bodies)
     type(step_sums_t) :: sums                        !! of the step at hand
     real(dp), allocatable :: drives(:, :)            !! (drive_sums, prescribed motions) of the step
+    real(dp), allocatable :: impulses(:, :)          !! (freedoms, pairs) of contact before the step
   end type totals_t
 
 contains
 
   !> Forgets the sums of the step before.
-  subroutine totals_open(totals, findings, contact, bodies, erodes, drives)
+  subroutine totals_open(totals, findings, contact, fields, bodies, erodes)
     type(totals_t), intent(inout) :: totals
     type(findings_t), intent(inout) :: findings
     type(contact_t), intent(inout) :: contact
+    type(field_t), intent(in) :: fields(:)
     integer, intent(in) :: bodies                !! how many
     logical, intent(in) :: erodes                !! particles may be removed
-    integer, intent(in), optional :: drives      !! prescribed motions of parts of bodies
-    integer :: driven
-    driven = 0
-    if (present(drives)) driven = drives
     totals%sums = step_sums_t()
     contact%terms%n = 0
     findings%strained = 0
     findings%failed_in = 0
     call tally_reset(findings%tally, bodies*sweep_sums + nodes_sums + &
-                     merge(bodies*eroded_sums, 0, erodes) + driven*drive_sums)
+                     merge(bodies*eroded_sums, 0, erodes) + &
+                     sum(fields%columns%driven)*drive_sums)
   end subroutine totals_open
 
   !> Puts together what the ranks have found in a step: sums, particles, the fastest of them, and
@@ -89,6 +89,7 @@ contains
     findings%lost = findings%lost + int(counts(n + 1))
     findings%lost_here = 0
     if (.not. whole) return
+    totals%impulses = contact_impulses(contact)
     do b = 1, n
       call add_body(bodies(b), sums((b - 1)*sweep_sums + 1:b*sweep_sums), totals%bodies(b), &
                     totals%sums)
@@ -113,6 +114,16 @@ contains
     totals%sums%external_power = totals%sums%external_power + sum(totals%drives(drive_work, :))
     totals%sums%power_before = totals%sums%power_before + sum(totals%drives(drive_power, :))
   end subroutine add_drives
+
+  !> What the first body of each pair has received so far: impulse, and its moment about the origin.
+  pure function contact_impulses(contact) result(impulses)
+    type(contact_t), intent(in) :: contact
+    real(dp) :: impulses(freedoms, size(contact%pairs))
+    integer :: p
+    do p = 1, size(contact%pairs)
+      impulses(:, p) = [contact%pairs(p)%impulse, contact%pairs(p)%angular_impulse]
+    end do
+  end function contact_impulses
 
   !> Grid points stored in the planes of this rank.
   pure function own_points(fields, partition) result(points)

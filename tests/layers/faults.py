@@ -11,11 +11,18 @@ import tempfile
 import layers
 
 KINDS, ERRORS, MAIN = "base/kinds.f90", "base/errors.f90", "run/main.f90"
+STAGES = "features/rigid/rigid_stages.f90"
 # what is done: file of src/, text that is added, what must be said
 FAULTS = {
     "an arrow upwards": (KINDS, "  USE, non_intrinsic :: sgmp_mesh, only: mesh_t\n", "base may not use mesh"),
     "an arrow upwards to a generic module": (KINDS, "  use sgmp_auxmesh_3d\n", "base may not use"),
     "an arrow upwards by inclusion": (KINDS, "#include \"above.inc\"\n", "base may not use run (src/run/above.inc)"),
+    "a kernel that uses a feature's stages": ("kernels/nodes.F90", "  use sgmp_wall_stages\n", "kernels may not use step"),
+    "a feature's point procedures that use the step": ("features/swirl/swirl.f90", "  use sgmp_model\n", "features may not use step"),
+    "a feature's stages that use the setup": (STAGES, "  use sgmp_build_model\n", "step may not use setup"),
+    "a feature's card that uses the step": ("features/swirl/new_card.f90", "  use sgmp_model\n", "deck may not use step"),
+    "the step that uses a feature's construction": ("step/step.f90", "  use sgmp_rigid_build\n", "step may not use setup"),
+    "a file beside the features": ("features/alone.f90", "module sgmp_alone\n", "a feature is a folder of src/features"),
     "a circle of files": (ERRORS, "  use sgmp_circle_test, only: a\n", "a circle of files: src/base/"),
     "a file in an unknown folder": ("driver/model.f90", "module sgmp_unknown\n", "src/driver/model.f90: in no folder"),
     "a file in no folder": ("alone.f90", "module sgmp_alone\n", "src/alone.f90: in no folder"),

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The order of the house: each folder of src/ uses only itself and those before it in LAYERS.
+"""The order of the house: each folder of src/ uses only itself and those before it in LAYERS; what a feature does in the step, in
+the deck … ranks with these (PARTS).
 
 usage: layers.py SOURCE_DIR
 
@@ -14,6 +15,8 @@ import sys
 
 LAYERS = ("base", "parallel", "mesh", "geometry", "materials", "transfer", "particles", "account", "features", "deck", "kernels",
           "exchange", "step", "setup", "files", "import", "output", "checkpoint", "judge", "run")
+# What of a feature (src/features/NAME/) ranks with a later folder, by how its file's name ends (before .f90); the rest ranks with features.
+PARTS = {"_card": "deck", "_stages": "step", "_build": "setup", "_output": "output", "_state": "checkpoint", "_doubts": "judge"}
 # Modules from elsewhere and the folders that may use them; None: all (cmake/write_version.cmake writes sgmp_version).
 LIBRARIES = {"mpi_f08": ("parallel", "files"), "hdf5": ("files",), "omp_lib": ("run",), "sgmp_version": None}
 # Arrows that stand against the order until they are cut (file, file); one that is gone must go from here, too.
@@ -37,10 +40,13 @@ class Source:
     """A file of src/: the modules it offers, and what it uses with the line of each."""
 
     def __init__(self, path, root):
-        self.path = path
+        self.path, self.root = path, root
         self.name = path.relative_to(root.parent).as_posix()
         parts = path.relative_to(root).parts
         self.folder = parts[0] if len(parts) > 1 else ""
+        self.rank = self.folder
+        if self.folder == "features":
+            self.rank = next((folder for end, folder in PARTS.items() if path.stem.endswith(end)), self.folder)
         self.modules, self.uses, self.includes = set(), [], []
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
             self.read(number, line)
@@ -92,11 +98,13 @@ def against_the_order(sources, found):
         if source.folder not in rank:
             yield f"{source.name}: in no folder of the house ({' '.join(LAYERS)})"
             continue
+        if source.folder == "features" and len(source.path.relative_to(source.root).parts) != 3:
+            yield f"{source.name}: a feature is a folder of src/features"
         for number, other in found[source.name]:
             if (source.name, other.name) in UNCUT:
                 uncut.discard((source.name, other.name))
-            elif rank.get(other.folder, -1) > rank[source.folder]:
-                yield f"{source.name}:{number}: {source.folder} may not use {other.folder} ({other.name})"
+            elif rank.get(other.rank, -1) > rank[source.rank]:
+                yield f"{source.name}:{number}: {source.rank} may not use {other.rank} ({other.name})"
     for user, used in sorted(uncut):
         yield f"{user} no longer uses {used}: take it out of UNCUT in tests/layers/layers.py"
 

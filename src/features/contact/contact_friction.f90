@@ -3,7 +3,7 @@
 !! Friction at a node changes the slip at others. Impulses begin with the force of the step before,
 !! and each node corrects its own once, in the order of its colours: nodes of one colour are three
 !! apart along every axis and have no node around in common, so that any thread may take any of
-!! them. Ranks swap nodes after each colour of planes (sgmp_contact_phases).
+!! them. Ranks swap nodes after each colour of planes (sgmp_contact_stages).
 module sgmp_contact_friction
   use sgmp_body, only: body_t
   use sgmp_columns, only: node_acceleration, node_velocity

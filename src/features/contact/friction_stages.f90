@@ -4,7 +4,7 @@
 !! In a trial: levers (once in a step), before, the trial along the normals, first, next (each
 !! colour of planes), after. For another velocity that strains: before, along the normals, strain
 !! (each colour of planes), after. Between stages nodes have to come from other ranks
-!! (sgmp_contact_phases).
+!! (sgmp_contact_stages).
 module sgmp_friction_stages
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_step_t, contact_t, contact_trial_strain

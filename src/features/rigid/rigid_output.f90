@@ -3,7 +3,7 @@
 !!
 !! Force and torque, about the body's centre, are means over the time since the row before, so that
 !! no impulse is lost between rows.
-module sgmp_rigid_rows
+module sgmp_rigid_output
   use sgmp_errors, only: error_t
   use sgmp_history, only: history_t, rigid_columns, rigid_integers
   use sgmp_kinds, only: dp
@@ -90,4 +90,4 @@ contains
     end associate
   end function row_of
 
-end module sgmp_rigid_rows
+end module sgmp_rigid_output

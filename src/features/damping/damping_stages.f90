@@ -4,7 +4,7 @@
 !! to the grid, so that steps without damping know nothing of it. With the factor f on the
 !! velocities the energy taken is (1 - f^2) of the kinetic energy, exactly. Leapfrog with
 !! f = exp(-rate dt) after each kick lets a mode decay with rate/2, exactly (doc/damping.md).
-module sgmp_damping
+module sgmp_damping_stages
   use sgmp_body, only: body_t
   use sgmp_energy, only: ledger_damp, ledger_t
   use sgmp_field, only: field_t
@@ -103,4 +103,4 @@ contains
 
   end subroutine slow_field
 
-end module sgmp_damping
+end module sgmp_damping_stages

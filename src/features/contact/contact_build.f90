@@ -1,5 +1,5 @@
 !> From the cards `contact` and `rigid` to pairs of bodies and the fields that they need.
-module sgmp_build_contact
+module sgmp_contact_build
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: material_explosive, material_fluid, slots_t
   use sgmp_contact_pairs, only: contact_pair_t, normal_first, normal_second, normal_stiffer
@@ -221,4 +221,4 @@ contains
     end associate
   end function stiffness
 
-end module sgmp_build_contact
+end module sgmp_contact_build

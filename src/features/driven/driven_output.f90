@@ -3,7 +3,7 @@
 !!
 !! Force and torque, about that centre, are what moves the part, means over the time since the row
 !! before, so that no impulse is lost between rows; work is counted from the start.
-module sgmp_motion_rows
+module sgmp_driven_output
   use sgmp_body, only: body_parts
   use sgmp_drive, only: drive_force, drive_torque, drive_work
   use sgmp_driven_part, only: driven_part_t, driven_totals
@@ -85,4 +85,4 @@ contains
            mean(drive_torque:drive_torque + 2), part%total(drive_work)]
   end function row_of
 
-end module sgmp_motion_rows
+end module sgmp_driven_output

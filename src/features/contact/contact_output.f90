@@ -2,7 +2,7 @@
 !!
 !! The force is that on the pair's first body; on the second it is the opposite. It is the mean over
 !! the time since the row before, so that no impulse is lost between rows.
-module sgmp_contact_rows
+module sgmp_contact_output
   use sgmp_body, only: body_group
   use sgmp_errors, only: error_t
   use sgmp_history, only: contact_columns, contact_integers, history_t
@@ -65,4 +65,4 @@ contains
     rows%time = model%clock%time
   end subroutine contact_rows_write
 
-end module sgmp_contact_rows
+end module sgmp_contact_output

@@ -6,7 +6,7 @@
 !! impulses of the trial, by Newton's method in six unknowns. What particles then receive is exact
 !! to round-off and the body receives the opposite; what Newton's method leaves over only moves the
 !! body a little differently in this step.
-module sgmp_free_bodies
+module sgmp_rigid_stages
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_step_t, contact_t
   use sgmp_contact_reaction, only: reaction_find, reaction_t
@@ -159,19 +159,18 @@ contains
   end function solution
 
   !> Ends a step: bodies receive what contact has taken from the others, and the sums know of it.
-  subroutine free_close(bodies, contact, space, dt, before, totals)
+  subroutine free_close(bodies, contact, space, dt, totals)
     type(body_t), intent(inout) :: bodies(:)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: space
     real(dp), intent(in) :: dt                   !! position step
-    real(dp), intent(in) :: before(:, :)         !! (freedoms, pairs) their impulses before the step
     type(totals_t), intent(inout) :: totals
     real(dp) :: given(freedoms), kinetic
     integer :: b
     do b = 1, size(bodies)
       associate (motion => bodies(b)%rigid_motion, own => totals%bodies(b))
         if (.not. motion%free) cycle
-        given = merge(received(b, motion%centre, contact, space, before), 0.0_dp, &
+        given = merge(received(b, motion%centre, contact, space, totals%impulses), 0.0_dp, &
                       motion_axes(space))
         totals%sums%rigid_work = totals%sums%rigid_work + &
           dot_product(motion%push(:3), motion%momentum(:3) + &
@@ -211,4 +210,4 @@ contains
     given(4:) = given(4:) - cross(centre, given(:3))
   end function received
 
-end module sgmp_free_bodies
+end module sgmp_rigid_stages

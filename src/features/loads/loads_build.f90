@@ -1,5 +1,5 @@
 !> Loads on the particles of a body: who bears them, and how much of them.
-module sgmp_build_loads
+module sgmp_loads_build
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use sgmp_air_blast, only: air_blast_make, air_blast_nearest, air_blast_t
   use sgmp_body, only: body_t
@@ -248,4 +248,4 @@ contains
     if (ieee_is_nan(weight)) unknown = unknown + 1.0_dp
   end function chosen
 
-end module sgmp_build_loads
+end module sgmp_loads_build

@@ -1,5 +1,5 @@
 !> The phases of a step that belong to contact, and what ranks tell each other in them.
-module sgmp_contact_phases
+module sgmp_contact_stages
   use sgmp_body, only: body_t
   use sgmp_columns, only: node_inverse_mass, node_remapped, node_velocity
   use sgmp_contact, only: contact_detect, contact_meet, contact_step_t, contact_t, contact_trial, &
@@ -169,4 +169,4 @@ contains
     call ledger_add_up(contact%shared, mesh, partition%own, size(contact%pairs), contact%terms)
   end subroutine add_up
 
-end module sgmp_contact_phases
+end module sgmp_contact_stages

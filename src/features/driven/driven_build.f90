@@ -1,11 +1,11 @@
 !> Parts of bodies whose motion is prescribed: which particles they are, and how they start.
-module sgmp_build_driven
+module sgmp_driven_build
   use sgmp_body, only: body_parts, body_t
-  use sgmp_build_loads, only: chosen
   use sgmp_drive, only: drive_sums, drive_velocity
   use sgmp_driven_part, only: driven_part_start, driven_part_t
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_kinds, only: dp, lanes
+  use sgmp_loads_build, only: chosen
   use sgmp_mesh, only: mesh_position, mesh_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
@@ -178,4 +178,4 @@ contains
     end do
   end subroutine driven_number
 
-end module sgmp_build_driven
+end module sgmp_driven_build

@@ -1,5 +1,5 @@
 !> Mass, inertia and first motion of rigid bodies that turn or are free, from their particles.
-module sgmp_build_rigid
+module sgmp_rigid_build
   use sgmp_body, only: body_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_position, mesh_t
@@ -167,4 +167,4 @@ contains
     end associate
   end subroutine set_velocities
 
-end module sgmp_build_rigid
+end module sgmp_rigid_build

@@ -1,0 +1,48 @@
+!> What walls with friction do in a step that strains before the kick.
+module sgmp_wall_stages
+  use sgmp_body, only: body_t
+  use sgmp_columns, only: node_remapped, node_velocity
+  use sgmp_field, only: field_t
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t
+  use sgmp_method, only: method_t
+  use sgmp_partition, only: partition_t
+  use sgmp_phases, only: phase_remap, phase_solve
+  use sgmp_rigid_bodies, only: rigid_field, rigid_velocity
+  use sgmp_sums, only: nodes_sums, sweep_sums
+  use sgmp_tally, only: tally_reset, tally_t
+  use sgmp_team, only: team_t
+  implicit none
+  private
+  public :: wall_velocity_rubbed
+
+contains
+
+  !> Velocity of the nodes before the stress update (USF): nodes that would stick to a wall in a
+  !! step with the stresses as they are have its velocity.
+  subroutine wall_velocity_rubbed(method, dt, mesh, fields, bodies, team, partition)
+    type(method_t), intent(in) :: method
+    real(dp), intent(in) :: dt                   !! velocity step
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(team_t), intent(in) :: team
+    type(partition_t), intent(in) :: partition
+    type(tally_t) :: unused
+    integer :: f, a, b
+    call tally_reset(unused, size(bodies)*sweep_sums + nodes_sums)
+    call phase_solve(method, dt, mesh, fields, bodies, team, partition, unused)
+    call phase_remap(mesh, fields, bodies, team, partition)
+    do f = 1, size(fields)
+      b = rigid_field(bodies, f)
+      if (b > 0) then
+        call rigid_velocity(bodies(b), mesh, .true., node_velocity(mesh%ndim), fields(f))
+        cycle
+      end if
+      do a = 0, mesh%ndim - 1
+        fields(f)%node(:, node_velocity(mesh%ndim) + a) = fields(f)%node(:, node_remapped + a)
+      end do
+    end do
+  end subroutine wall_velocity_rubbed
+
+end module sgmp_wall_stages

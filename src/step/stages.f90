@@ -1,0 +1,249 @@
+!> The stages of a step: what features do, and when (doc/developer-guide.md).
+!!
+!! The step (sgmp_step) calls these in the order below, each at the point that its comment names; a
+!! stage calls the features that the scene asks for, in a fixed order, and hands them those parts of
+!! the model that they read or change. A feature that the scene does not ask for is not called.
+!!
+!!   step              stage               features
+!!   start             open                driven parts, rotation
+!!   stress first      project             walls that rub
+!!                     meet                contact
+!!                     strain_velocity     contact
+!!                     place               rotation
+!!   momentum          before_solve        normalised stress, rigid bodies, driven parts, walls
+!!                     meet                contact
+!!                     forces              free rigid bodies, contact
+!!                     place               rotation
+!!                     after_solve         walls that move
+!!   re-map            strain_velocity     contact
+!!                     place               rotation
+!!                     after_remap         rotation, kept volumes
+!!   sweeps            plan                spin, kept volumes, splitting
+!!   sums known        close               rigid bodies, driven parts
+!!                     book                kept volumes, splitting, swirl, erosion
+!!   books closed      finish              damping
+module sgmp_stages
+  use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
+  use sgmp_contact, only: contact_step_t
+  use sgmp_contact_stages, only: phase_contact_force, phase_contact_velocity, phase_find_contact
+  use sgmp_damping_stages, only: damping_factor, damping_slow
+  use sgmp_driven_parts, only: driven_any, driven_book, driven_choose, driven_publish
+  use sgmp_energy, only: ledger_after_kick, ledger_erode, ledger_relax, ledger_split
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: wall_speed
+  use sgmp_model, only: model_t
+  use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_relax, phase_rotation, &
+                         phase_velocity
+  use sgmp_plan, only: plan_t
+  use sgmp_rigid_bodies, only: rigid_advance, rigid_choose_speed
+  use sgmp_rigid_stages, only: free_any, free_close, free_open, free_settle
+  use sgmp_time_step, only: clock_kick_step
+  use sgmp_timers, only: phase_grid, phase_kick, timers_stop
+  use sgmp_update, only: update_strains_before, update_usavg, update_usl
+  use sgmp_wall_motion, only: wall_motion_choose
+  use sgmp_wall_stages, only: wall_velocity_rubbed
+  use sgmp_wall_work, only: phase_wall_work
+  implicit none
+  private
+  public :: stage_after_remap, stage_after_solve, stage_before_solve, stage_book, &
+            stage_brings_stress, stage_close, stage_finish, stage_forces, stage_meet, stage_open, &
+            stage_place, stage_plan, stage_project, stage_strain_velocity
+
+  !> Part of the carried spin that each step replaces by the rotation of the grid, so that errors
+  !! are forgotten (doc/rotation.md). The first step takes all of it from there.
+  real(dp), parameter :: spin_relaxation = 0.02_dp
+
+contains
+
+  !> Start of a step: the grid holds what the particles gave it at the end of the step before, the
+  !! sums are empty, nothing of this step is known but its length.
+  subroutine stage_open(model)
+    type(model_t), intent(inout) :: model
+    if (driven_any(model%fields)) call driven_publish(model%bodies, model%fields)
+    if (model%method%rotation) then
+      call phase_rotation(model%method, model%mesh, model%fields, model%bodies, model%team, &
+                          model%ranks%partition)
+      call timers_stop(model%timers, phase_grid)
+    end if
+  end subroutine stage_open
+
+  !> Velocity of the nodes before a stress update that comes first: that of the particles' momentum,
+  !! or the one that features want in its place.
+  subroutine stage_project(model)
+    type(model_t), intent(inout) :: model
+    associate (mesh => model%mesh, fields => model%fields, bodies => model%bodies, &
+               team => model%team)
+      if (mesh%walls_rub) then
+        call wall_velocity_rubbed(model%method, clock_kick_step(model%clock), mesh, fields, &
+                                  bodies, team, model%ranks%partition)
+      else
+        call phase_velocity(model%method, mesh, fields, bodies, team, model%ranks%partition)
+      end if
+    end associate
+  end subroutine stage_project
+
+  !> Before the momentum equation: the nodes hold mass, momentum and stress. What is prescribed for
+  !! the middle of the step is evaluated here.
+  subroutine stage_before_solve(model, dt_kick)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt_kick              !! velocity step
+    real(dp) :: middle
+    associate (mesh => model%mesh, method => model%method, fields => model%fields, &
+               bodies => model%bodies, clock => model%clock)
+      middle = clock%time + 0.5_dp*clock%dt
+      call phase_normalise(method, mesh, fields, model%team, model%ranks%partition)
+      call rigid_choose_speed(bodies, middle, clock%dt, mesh%ndim)
+      if (driven_any(fields)) call driven_choose(bodies, fields, middle, clock%dt)
+      if (mesh%walls_act) call wall_motion_choose(model%wall_motion, middle, dt_kick, mesh)
+      if (free_any(bodies)) call free_open(bodies, mesh, method%gravity, clock%time, clock%dt, &
+                                           dt_kick)
+    end associate
+  end subroutine stage_before_solve
+
+  !> Where bodies meet: once a step, before the first velocity that has to obey it.
+  subroutine stage_meet(model)
+    type(model_t), intent(inout) :: model
+    call phase_find_contact(model%clock%step + 1, model%method%cutoff, model%mesh, model%fields, &
+                            model%bodies, model%contact, model%team%threads, model%ranks, &
+                            model%findings, model%timers)
+  end subroutine stage_meet
+
+  !> Forces between bodies: the nodes hold acceleration and trial velocity as if every field were
+  !! alone; where bodies meet is known.
+  subroutine stage_forces(model)
+    type(model_t), intent(inout) :: model
+    associate (mesh => model%mesh, fields => model%fields, bodies => model%bodies, &
+               contact => model%contact, threads => model%team%threads)
+      if (free_any(bodies)) call free_settle(contact_step(model), model%clock%dt, mesh, fields, &
+                                             bodies, contact, threads, model%ranks)
+      call phase_contact_force(contact_step(model), mesh, fields, bodies, contact, threads, &
+                               model%ranks, model%findings, model%timers)
+    end associate
+  end subroutine stage_forces
+
+  !> Nodal velocities, each from a column on, as they are at the places of the nodes: by the curl of
+  !! the first, the one that strains, without the acceleration of the step where it strains before.
+  subroutine stage_place(model, columns, kick)
+    type(model_t), intent(inout) :: model
+    integer, intent(in) :: columns(:)
+    real(dp), intent(in) :: kick
+    call phase_place(model%clock%step + 1, model%method, model%mesh, model%fields, model%bodies, &
+                     columns, kick, model%team, model%ranks, model%findings, model%timers)
+  end subroutine stage_place
+
+  !> After the momentum equation: the nodes hold the acceleration and the velocity of the step,
+  !! those behind walls their mirror images.
+  subroutine stage_after_solve(model, dt_kick)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt_kick              !! velocity step
+    if (model%mesh%walls_move) then
+      call phase_wall_work(model%mesh, model%fields, model%bodies, model%ranks%partition%own, &
+                           dt_kick, model%findings%tally)
+    end if
+  end subroutine stage_after_solve
+
+  !> The velocity that strains the particles, of the nodes before the kick or re-mapped after it.
+  subroutine stage_strain_velocity(model, before_kick)
+    type(model_t), intent(inout) :: model
+    logical, intent(in) :: before_kick
+    call phase_contact_velocity(contact_step(model), before_kick, model%mesh, model%fields, &
+                                model%bodies, model%contact, model%team%threads, model%ranks, &
+                                model%findings, model%timers)
+  end subroutine stage_strain_velocity
+
+  !> After the re-map: the nodes hold the re-mapped velocity, which obeys contact and has its mirror
+  !! images. What else the sweep to come will read, at nodes and centres.
+  subroutine stage_after_remap(model)
+    type(model_t), intent(inout) :: model
+    associate (mesh => model%mesh, fields => model%fields, bodies => model%bodies, &
+               team => model%team)
+      if (model%method%rotation) call phase_mirror(mesh, fields, bodies, &
+                                                   [node_velocity(mesh%ndim)], [wall_speed], &
+                                                   team%threads)
+      call phase_relax(model%method, model%clock%dt, mesh, fields, bodies, team, &
+                       model%ranks%partition)
+    end associate
+  end subroutine stage_after_remap
+
+  !> Whether sweeps that end a step which begins with a stress update bring the stress none the
+  !! less: with it come the first moments of the mass, and all that lies behind walls that move or
+  !! rub.
+  pure function stage_brings_stress(model) result(yes)
+    type(model_t), intent(in) :: model
+    logical :: yes
+    yes = model%method%rotation .or. model%mesh%walls_act
+  end function stage_brings_stress
+
+  !> A sweep is planned: what features want of it beside what the method wants.
+  subroutine stage_plan(model, plan)
+    type(model_t), intent(in) :: model
+    type(plan_t), intent(inout) :: plan
+    logical :: remapped
+    remapped = plan%gradient == node_remapped
+    if (plan%drift .and. plan%strain) plan%split = model%method%split
+    if (remapped) plan%relax = model%method%relaxed
+    if (model%method%spins == 0) return
+    if (remapped) then
+      plan%spin_gain = merge(1.0_dp, spin_relaxation, model%clock%step == 0)
+      plan%spin_keep = 1.0_dp - plan%spin_gain
+    else if (plan%kick .and. .not. plan%drift) then
+      plan%spin_gain = plan%dt_kick
+      plan%gradient = node_acceleration
+    end if
+  end subroutine stage_plan
+
+  !> The sums of the step are known, its energy is not booked yet: what moves as a whole goes on to
+  !! the end of the step and adds what it did to the sums.
+  subroutine stage_close(model, dt_kick)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt_kick              !! velocity step
+    call rigid_advance(model%bodies, model%clock%dt)
+    if (driven_any(model%fields)) call driven_book(model%bodies, model%fields, model%clock%dt, &
+                                                   dt_kick, model%totals%drives)
+    if (free_any(model%bodies)) call free_close(model%bodies, model%contact, model%mesh%space, &
+                                                model%clock%dt, model%totals)
+  end subroutine stage_close
+
+  !> The momentum equation and the stress update are booked: what else has changed the energy.
+  pure subroutine stage_book(model)
+    type(model_t), intent(inout) :: model
+    associate (ledger => model%ledger, sums => model%totals%sums)
+      if (model%method%relaxed) call ledger_relax(ledger, sums)
+      if (model%method%split > 0.0_dp) call ledger_split(ledger, sums)
+      if (model%method%swirl) call ledger_after_kick(ledger, sums)
+      if (model%method%erodes) call ledger_erode(ledger, sums%eroded)
+    end associate
+  end subroutine stage_book
+
+  !> The step is over and booked; what changes velocities now books that itself.
+  subroutine stage_finish(model, dt_kick, kinetic_before)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt_kick              !! velocity step
+    real(dp), intent(in) :: kinetic_before       !! energy before the step
+    real(dp) :: factor
+    if (.not. model%method%damped) return
+    factor = damping_factor(model%method, model%clock%time, dt_kick, kinetic_before, &
+                            model%ledger%kinetic)
+    if (factor < 1.0_dp) call damping_slow(factor, model%team%threads, model%fields, &
+                                           model%bodies, model%totals%bodies, model%ledger)
+    call timers_stop(model%timers, phase_kick)
+  end subroutine stage_finish
+
+  !> What contact must know of the step.
+  pure function contact_step(model) result(step)
+    type(model_t), intent(in) :: model
+    type(contact_step_t) :: step
+    logical :: strains_before
+    strains_before = update_strains_before(model%method%update, model%clock%step)
+    step%number = model%clock%step + 1
+    step%dt_kick = clock_kick_step(model%clock)
+    if (size(model%contact%pairs) > 0) step%gap_speed = model%mesh%h/model%clock%dt
+    step%pic = 1.0_dp - model%method%flip
+    step%gravity = model%method%gravity
+    step%strains_with_trial = model%method%update == update_usl
+    if (step%strains_with_trial .or. strains_before) step%before = 1.0_dp
+    if (model%method%update == update_usavg .and. strains_before) step%before = 0.5_dp
+    step%after = 1.0_dp - step%before
+  end function contact_step
+
+end module sgmp_stages

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""Debris of hypervelocity impacts (doc/materials.md): energy that does not grow, in all methods and updates; a Whipple shield that is computed to its end; torn
+matter without a card; the same bits.
+
+usage: hypervelocity.py SGMP SOURCE_DIR SCRATCH_DIR
+
+Known from outside: energy is conserved, and no fragment is much faster than what it comes from.
+"""
+import math
+
+from _restarts import checkpoints, goes_on, mpirun, straight
+from _runs import SCRATCH, Report, run
+
+# A ball whose rear opens and whose front hits a wall: it fails everywhere, at once.
+CLOUD = """
+parameter cfl = 0.25
+parameter carries = nothing
+parameter method = sgmp
+parameter update = musl
+parameter t_end = 0.016
+units mm g ms
+dimension axisymmetric
+grid cell=0.25 r=0:open z=-40:open
+wall z-=slip
+method $method update=$update
+time end=t_end cfl=cfl
+material al j2 density=2.7e-3 young=70e3 poisson=0.33 yield=300
+eos al gruneisen c0=5240 s=1.4 gamma0=1.97
+failure al pmin=-1500 carries=$carries
+viscosity al quadratic=1.5
+body a sphere material=al centre=(0,0) radius=2
+velocity a r=2500*r/2 z=2500*z/2-5000
+history every=0.001
+output csv at=end
+checkpoint every=100
+"""
+# Bumper and rear wall at a fourth of the usual distance, coarse.
+SHIELD = """
+units mm g ms
+dimension axisymmetric
+grid cell=0.5 r=0:open
+method sgmp
+time end=0.014 cfl=0.4
+material al johnson_cook density=2.7e-3 young=70e3 poisson=0.33 yield=265 hardening_modulus=426 hardening_exponent=0.34
+eos al gruneisen c0=5240 s=1.4 gamma0=1.97
+failure al pmin=-1500 plastic_strain=1.5
+viscosity all
+body ball sphere material=al centre=(0,2.6) radius=2.5 spacing=0.25
+body bumper cylinder material=al centre=(0,-2) axis=(0,1) radius=15 length=2 spacing=0.25
+body rear cylinder material=al centre=(0,-27) axis=(0,1) radius=20 length=5 spacing=0.25
+velocity ball z=-6000
+{contact}
+history every=0.001
+output csv at=end
+"""
+# Lead that is torn without a card `failure`.
+LEAD = """
+units mm g ms
+dimension axisymmetric
+grid cell=1 r=0:open
+method {method}
+time end=0.02 cfl=0.4
+material lead j2 density=11.34e-3 young=16e3 poisson=0.42 yield=14
+eos lead gruneisen c0=2060 s=1.5 gamma0=2.7
+viscosity all
+body ball sphere material=lead centre=(0,7.6) radius=7.5 spacing=0.5
+body plate cylinder material=lead centre=(0,-6) axis=(0,1) radius=40 length=6 spacing=0.5
+velocity ball z=-6580
+history every=0.001
+output csv at=end
+"""
+
+
+def fastest(result):
+    return max(math.sqrt(sum(row[f"velocity_{axis}"]**2 for axis in "xyz")) for row in result.table("particles_end.csv"))
+
+
+def energies(report, name, result, drift, speed):
+    if report.finished(result, name):
+        report.check(abs(result["energy.drift"]) < drift, f"{name}: drift {result['energy.drift']}")
+        report.check(fastest(result) < speed, f"{name}: a fragment at {fastest(result)} m/s")
+
+
+def cloud(report):
+    # What carries nothing flies on: none is faster than the fastest of the start, 7500 m/s.
+    for settings in ({"cfl": 0.1}, {"cfl": 0.8}, {"method": "mpm"}, {"method": "gimp"}, {"method": "bspline"}, {"update": "usf"}, {"update": "usl"}, {"update": "usavg"}):
+        name = "_".join(["cloud", *map(str, settings.values())])
+        energies(report, name, run(name, CLOUD, **settings), 0.001, 7600)
+    for settings in ({"cfl": 0.25}, {"cfl": 0.8}, {"update": "usavg"}):
+        name = "_".join(["pressure", *map(str, settings.values())])
+        energies(report, name, run(name, CLOUD, carries="pressure", **settings), 0.03, 30000)
+
+
+def shields(report):
+    for name, contact, drift in (("shield", "", 0.03), ("shield_contact", "contact all", 0.1)):
+        energies(report, name, run(name, SHIELD.format(contact=contact)), drift, 2*6000)
+
+
+def torn(report):
+    for method in ("sgmp", "mpm"):
+        energies(report, f"lead {method}", run(f"lead_{method}", LEAD.format(method=method)), 0.05, 1.5*6580)
+
+
+def bits(report):
+    settings = {"carries": "pressure", "t_end": 0.004}
+    reference = straight(report, "bits", CLOUD, **settings)
+    for title, threads, launcher in (("bits_threads", 2, ()), ("bits_ranks", 1, mpirun(3))):
+        other = straight(report, title, CLOUD, threads=threads, launcher=launcher, **settings)
+        report.check(other["checksum"] == reference["checksum"], f"{title}: checksum {other['checksum']}, not {reference['checksum']}")
+    goes_on(report, reference, "bits_again", CLOUD, checkpoints(f"{SCRATCH}/bits")[0], **settings)
+
+
+if __name__ == "__main__":
+    REPORT = Report()
+    cloud(REPORT)
+    shields(REPORT)
+    torn(REPORT)
+    bits(REPORT)
+    REPORT.end()
