@@ -90,7 +90,7 @@ contains
       factor = length/time
     case ('acceleration')
       factor = length/time**2
-    case ('specific heat')
+    case ('speed^2', 'specific heat')
       factor = (length/time)**2
     case ('', 'temperature', '1/temperature', 'degrees')
       factor = 1.0_dp

@@ -5,7 +5,8 @@
 !! how they come from the values of the keys, history, kernel. Here it has a number, a name, a
 !! component of `constitutive_t`, and a case in law_keys, law_pressure and law_read; its kernel is
 !! called in stress_update.F90. An equation of state has a number, a name, a component, and a case
-!! in eos_keys, eos_set, eos_terms and eos_lanes. Nothing else knows of them.
+!! in eos_keys, eos_set, eos_terms and eos_lanes (and in eos_linear, where the pressure is not
+!! linear in the energy). Nothing else knows of them.
 !!
 !! Longer than 500 lines: one table, with a case for each law and each equation of state.
 module sgmp_constitutive
@@ -20,6 +21,8 @@ module sgmp_constitutive
   use sgmp_eos_stiffened_gas, only: ideal_gas_keys, stiffened_gas_keys, stiffened_gas_lanes, &
                                     stiffened_gas_read, stiffened_gas_t, stiffened_gas_terms
   use sgmp_eos_tait, only: tait_keys, tait_lanes, tait_read, tait_t, tait_terms
+  use sgmp_eos_tillotson, only: tillotson_check, tillotson_keys, tillotson_lanes, &
+                                tillotson_read, tillotson_t, tillotson_terms
   use sgmp_erosion, only: erosion_read, erosion_t
   use sgmp_failure, only: carries_everything, failure_none, failure_read, failure_set_spall, &
                           failure_softens, failure_t
@@ -59,11 +62,11 @@ module sgmp_constitutive
             material_johnson_holmquist, material_cam_clay, material_crushable_foam, &
             material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
-            eos_tait, eos_shock, eos_names
+            eos_tait, eos_shock, eos_tillotson, eos_names
   public :: law_keys, law_read, law_slots, law_first_history, law_check, law_set_length, &
             law_widest_band
-  public :: eos_keys, eos_lanes, eos_read, eos_terms, law_set_failure, law_set_viscosity, &
-            law_set_erosion, law_set_spall
+  public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
+  public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
   public :: law_gaseous, law_is_spherical
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
@@ -78,10 +81,11 @@ module sgmp_constitutive
     'johnson_holmquist', 'cam_clay', 'crushable_foam']
 
   integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2, eos_ideal_gas = 3, &
-                        eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6, eos_shock = 7
+                        eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6, eos_shock = 7, &
+                        eos_tillotson = 8
   character(16), parameter :: eos_names(*) = [character(16) :: &
     'jwl', 'gruneisen', 'ideal_gas', 'stiffened_gas', 'polynomial', 'tait', &
-    'shock']
+    'shock', 'tillotson']
 
   !> Where the pressure of a law comes from.
   integer, parameter :: pressure_own = 1       !! the law itself: it takes no equation of state
@@ -91,6 +95,8 @@ module sgmp_constitutive
 
   !> Of the speed of sound or detonation at the start: the least that an equation of state returns.
   real(dp), parameter :: slowest_part = 1.0e-3_dp
+
+  integer, parameter :: most_tangents = 30     !! to a first energy
 
   !> Columns of the particles' second stream; 0: not stored, because nothing of the scene uses it.
   type :: slots_t
@@ -144,6 +150,7 @@ module sgmp_constitutive
     type(polynomial_t) :: polynomial
     type(tait_t) :: tait
     type(shock_t) :: shock
+    type(tillotson_t) :: tillotson
     type(porosity_t) :: porosity
     integer :: kept = 1                        !! columns of an equation of state: energy,
                                                !! distention of porous matter, shift of pores
@@ -300,6 +307,8 @@ contains
       keys = tait_keys()
     case (eos_shock)
       keys = [shock_keys(), porosity_keys()]
+    case (eos_tillotson)
+      keys = tillotson_keys()
     case default  ! eos_gruneisen
       keys = [gruneisen_keys(), porosity_keys()]
     end select
@@ -315,6 +324,7 @@ contains
     if (law%porosity%porous) law%kept = 2
     if (law%porosity%elastic) law%kept = 3
     call eos_set(eos, values, law%density*law%porosity%distention, law)
+    if (eos == eos_tillotson) call tillotson_check(law%tillotson, fault)
     law%history%energy = .true.
     law%history%first_energy = values%number('energy0')
     if (eos == eos_jwl) then
@@ -346,15 +356,39 @@ contains
       law%tait = tait_read(density, values)
     case (eos_shock)
       law%shock = shock_read(density, values)
+    case (eos_tillotson)
+      law%tillotson = tillotson_read(density, values)
     case default  ! eos_gruneisen
       law%gruneisen = gruneisen_read(density, values)
     end select
   end subroutine eos_set
 
-  !> Terms of p = a0(v) + b0(v) E of a law's equation of state, and their derivatives.
-  pure subroutine eos_terms(law, v, a0, b0, da, db)
+  !> Pressure and the square of the speed of sound of a law's equation of state.
+  pure subroutine eos_state(law, v, energy, pressure, speed_squared)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: v                  !! volume over initial volume
+    real(dp), intent(in) :: energy             !! per initial volume
+    real(dp), intent(out) :: pressure          !! (stress)
+    real(dp), intent(out) :: speed_squared     !! negative where there are no waves
+    real(dp) :: a0, b0, da, db
+    call eos_terms(law, v, energy, a0, b0, da, db)
+    pressure = a0 + b0*energy
+    speed_squared = eos_sound_speed_squared(law%density, v, pressure, energy, da, db, b0, 1.0_dp)
+  end subroutine eos_state
+
+  !> Whether the pressure is linear in the energy, so that the terms do not depend on it.
+  pure logical function eos_linear(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = law%eos /= eos_tillotson
+  end function eos_linear
+
+  !> Terms of p = a0 + b0 E of a law's equation of state at a volume and an energy, and their
+  !! derivatives with respect to the volume. Where the pressure is not linear in E that is its
+  !! tangent: a0 + b0 E and da + db E are p and dp/dv at this E.
+  pure subroutine eos_terms(law, v, energy, a0, b0, da, db)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: v                  !! volume over initial volume
+    real(dp), intent(in) :: energy             !! per initial volume
     real(dp), intent(out) :: a0, b0, da, db    !! (stress), 1, d/dv of both
     select case (law%eos)
     case (eos_jwl)
@@ -367,15 +401,17 @@ contains
       call tait_terms(law%tait, v, a0, b0, da, db)
     case (eos_shock)
       call shock_terms(law%shock, v, a0, b0, da, db)
+    case (eos_tillotson)
+      call tillotson_terms(law%tillotson, v, energy, a0, b0, da, db)
     case default  ! eos_gruneisen
       call gruneisen_terms(law%gruneisen, v, a0, b0, da, db)
     end select
   end subroutine eos_terms
 
   !> Lane kernel of eos_terms: one choice for all lanes.
-  pure subroutine eos_lanes(law, v, a0, b0, da, db)
+  pure subroutine eos_lanes(law, v, energy, a0, b0, da, db)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: v(lanes)
+    real(dp), intent(in) :: v(lanes), energy(lanes)
     real(dp), intent(out) :: a0(lanes), b0(lanes), da(lanes), db(lanes)
     select case (law%eos)
     case (eos_jwl)
@@ -388,6 +424,8 @@ contains
       call tait_lanes(law%tait, v, a0, b0, da, db)
     case (eos_shock)
       call shock_lanes(law%shock, v, a0, b0, da, db)
+    case (eos_tillotson)
+      call tillotson_lanes(law%tillotson, v, energy, a0, b0, da, db)
     case default  ! eos_gruneisen
       call gruneisen_lanes(law%gruneisen, v, a0, b0, da, db)
     end select
@@ -400,19 +438,21 @@ contains
     type(constitutive_t), intent(inout) :: law
     type(fault_t), allocatable, intent(out) :: fault
     real(dp) :: a0, b0, da, db, pressure, speed_squared
-    call eos_terms(law, 1.0_dp, a0, b0, da, db)
+    call eos_terms(law, 1.0_dp, law%history%first_energy, a0, b0, da, db)
     call porosity_terms(law%porosity, law%porosity%distention, a0, b0, da, db)
     if (values%has('pressure0')) then
       if (abs(law%history%first_energy) > 0.0_dp) then
         call fault_make(fault, 'energy0', 'energy0 and pressure0 are both given', &
                         'keep one of them')
       else if (b0 > 0.0_dp) then
-        law%history%first_energy = (values%number('pressure0') - a0)/b0
+        call energy_of_pressure(law, values%number('pressure0'), a0, b0)
       else if (abs(values%number('pressure0') - a0) > 0.0_dp) then
         call fault_make(fault, 'pressure0', 'the pressure does not depend on the energy', &
                         "give the pressure by the equation's constants")
       end if
     end if
+    call eos_terms(law, 1.0_dp, law%history%first_energy, a0, b0, da, db)
+    call porosity_terms(law%porosity, law%porosity%distention, a0, b0, da, db)
     pressure = a0 + b0*law%history%first_energy
     law%history%first_mean_stress = 0.0_dp - pressure  ! no negative zero
     speed_squared = eos_sound_speed_squared(law%density, 1.0_dp, pressure, &
@@ -426,6 +466,21 @@ contains
                       'check the constants, and energy0 or pressure0')
     end if
   end subroutine start_state
+
+  !> First energy by Newton's method, which a pressure linear in the energy needs one step of.
+  pure subroutine energy_of_pressure(law, pressure, a0, b0)
+    type(constitutive_t), intent(inout) :: law
+    real(dp), intent(in) :: pressure           !! (stress)
+    real(dp), intent(inout) :: a0, b0          !! terms, at the energy
+    real(dp) :: da, db
+    integer :: k
+    law%history%first_energy = (pressure - a0)/b0
+    if (eos_linear(law)) return
+    do k = 1, most_tangents
+      call eos_terms(law, 1.0_dp, law%history%first_energy, a0, b0, da, db)
+      law%history%first_energy = (pressure - a0)/b0
+    end do
+  end subroutine energy_of_pressure
 
   !> Whether a law has the equation of state that it needs, and none that it does not know.
   pure subroutine law_check(law, name, fault)

@@ -27,7 +27,7 @@
 !!
 !! where v_c, p_c belong to a vanishing speed of sound at the particle's energy.
 module sgmp_debris
-  use sgmp_constitutive, only: constitutive_t, eos_none, eos_terms
+  use sgmp_constitutive, only: constitutive_t, eos_linear, eos_none, eos_terms
   use sgmp_eos, only: eos_sound_speed_squared
   use sgmp_failure, only: carries_nothing, failure_none
   use sgmp_kinds, only: dp, lanes
@@ -42,6 +42,7 @@ module sgmp_debris
   real(dp), parameter :: least_whole = 0.5_dp  !! as in eos_energy
   real(dp), parameter :: opening = 0.3_dp     !! of (DB2)
   integer, parameter :: halvings = 40
+  integer, parameter :: tangents = 8          !! where the pressure is not linear in the energy
 
   !> State of a chunk before the step.
   type :: debris_t
@@ -118,31 +119,35 @@ contains
     real(dp), intent(in) :: most                 !! largest pressure that it carries
     real(dp), intent(out) :: p, speed2
     real(dp) :: a0, b0, da, db, whole, energy
+    integer :: k
     speed2 = law%bulk_speed**2
     if (law%eos == eos_none) then
       p = min(max(-law%elastic%bulk*log(v), 0.0_dp), most)
       return
     end if
-    call open_terms(law, v, a0, b0, da, db)
-    whole = 1.0_dp + 0.5_dp*dv*b0
-    energy = energy_before - 0.5_dp*dv*(p_old + a0)
-    if (whole > least_whole) then
-      energy = energy/whole
-    else
-      energy = energy_before - dv*p_old
-    end if
+    energy = energy_before
+    do k = 1, merge(1, tangents, eos_linear(law))
+      call open_terms(law, v, energy, a0, b0, da, db)
+      whole = 1.0_dp + 0.5_dp*dv*b0
+      energy = energy_before - 0.5_dp*dv*(p_old + a0)
+      if (whole > least_whole) then
+        energy = energy/whole
+      else
+        energy = energy_before - dv*p_old
+      end if
+    end do
     p = min(max(a0 + b0*energy, 0.0_dp), most)
     if (p <= 0.0_dp) return
     speed2 = max(speed2, eos_sound_speed_squared(law%density, v, p, energy, da, db, b0, 1.0_dp))
   end subroutine debris_pressure
 
   !> Terms of the equation of state, those of a gas where matter is open.
-  pure subroutine open_terms(law, v, a0, b0, da, db)
+  pure subroutine open_terms(law, v, energy, a0, b0, da, db)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: v
+    real(dp), intent(in) :: v, energy
     real(dp), intent(out) :: a0, b0, da, db
-    call eos_terms(law, v, a0, b0, da, db)
-    if (v <= 1.0_dp) return
+    call eos_terms(law, v, energy, a0, b0, da, db)
+    if (v <= 1.0_dp .or. .not. eos_linear(law)) return
     db = (db - b0/v)/v
     b0 = b0/v
   end subroutine open_terms
@@ -155,7 +160,7 @@ contains
     real(dp) :: a0, b0, da, db
     yes = .false.
     if (v <= 1.0_dp) return
-    call eos_terms(law, v, a0, b0, da, db)
+    call eos_terms(law, v, energy, a0, b0, da, db)
     yes = eos_sound_speed_squared(law%density, v, pressure, energy, da, db, b0, 1.0_dp) < 0.0_dp
   end function debris_torn
 
@@ -196,7 +201,7 @@ contains
     high = v
     do i = 1, halvings
       middle = 0.5_dp*(low + high)
-      call eos_terms(law, middle, a0, b0, da, db)
+      call eos_terms(law, middle, energy, a0, b0, da, db)
       if (eos_sound_speed_squared(law%density, middle, a0 + b0*energy, energy, da, db, b0, &
                                   1.0_dp) < 0.0_dp) then
         high = middle
@@ -204,7 +209,7 @@ contains
         low = middle
       end if
     end do
-    call eos_terms(law, low, a0, b0, da, db)
+    call eos_terms(law, low, energy, a0, b0, da, db)
     pressure = (a0 + b0*energy)*exp(-(v - low)/opening)
   end function torn_pressure
 

@@ -1,11 +1,13 @@
-!> What all equations of state of the form p = f (a0(v) + b0(v) E) share (theory 4).
+!> What all equations of state share (theory 4): p = f (a0 + b0 E), with terms of the volume alone,
+!! or those of the tangent at an energy where the pressure is not linear in it.
 !!
 !! v = V/V0, E is the energy per initial volume, f the burn fraction (1 for an inert material).
 module sgmp_eos
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
-  public :: eos_energy, eos_sound_speed_squared, eos_energy_pressure, eos_sound_speed_lanes
+  public :: eos_energy, eos_sound_speed_squared, eos_energy_lanes, eos_energy_pressure, &
+            eos_sound_speed_lanes
 
   real(dp), parameter :: least_whole = 0.5_dp  !! of 1 + f b0 (v_new - v_old)/2 in eos_energy
 
@@ -60,6 +62,19 @@ contains
       pressure(p) = fraction(p)*(a0(p) + b0(p)*energy(p))
     end do
   end subroutine eos_energy_pressure
+
+  !> Lane kernel of eos_energy alone.
+  pure subroutine eos_energy_lanes(v_old, v_new, work, pressure, fraction, a0, b0, energy)
+    real(dp), intent(in) :: v_old(lanes), v_new(lanes)      !! v before and after the step
+    real(dp), intent(in) :: work(lanes), pressure(lanes), fraction(lanes)  !! as in eos_energy
+    real(dp), intent(in) :: a0(lanes), b0(lanes)            !! terms at v_new
+    real(dp), intent(inout) :: energy(lanes)                !! E, updated
+    integer :: p
+    do p = 1, lanes
+      energy(p) = eos_energy(energy(p), pressure(p), work(p), v_new(p) - v_old(p), fraction(p), &
+                             a0(p), b0(p))
+    end do
+  end subroutine eos_energy_lanes
 
   !> Lane kernel of eos_sound_speed_squared.
   pure subroutine eos_sound_speed_lanes(density0, v, pressure, energy, da, db, b0, fraction, &

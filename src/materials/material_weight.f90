@@ -98,7 +98,7 @@ contains
       ok = .false.
       return
     end if
-    call eos_terms(law, state(1), a0, b0, da, db)
+    call eos_terms(law, state(1), state(2), a0, b0, da, db)
     p = a0 + b0*state(2)
     stiffness = -(da + db*state(2) - b0*p)
     ok = stiffness > 0.0_dp
@@ -112,7 +112,7 @@ contains
     real(dp), intent(in) :: state(2)
     real(dp), intent(out) :: pressure
     real(dp) :: a0, b0, da, db
-    call eos_terms(law, state(1), a0, b0, da, db)
+    call eos_terms(law, state(1), state(2), a0, b0, da, db)
     pressure = a0 + b0*state(2)
   end subroutine pressure_of
 

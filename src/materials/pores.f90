@@ -17,11 +17,11 @@ module sgmp_pores
 contains
 
   !> Terms of the equation of state of porous matter whose pores stay.
-  pure subroutine porous_lanes(law, v, distention, a0, b0, da, db)
+  pure subroutine porous_lanes(law, v, distention, energy, a0, b0, da, db)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: v(lanes), distention(lanes)
+    real(dp), intent(in) :: v(lanes), distention(lanes), energy(lanes)
     real(dp), intent(out) :: a0(lanes), b0(lanes), da(lanes), db(lanes)
-    call eos_lanes(law, v*law%porosity%distention/distention, a0, b0, da, db)
+    call eos_lanes(law, v*law%porosity%distention/distention, energy, a0, b0, da, db)
     call porosity_terms_lanes(law%porosity, distention, a0, b0, da, db)
   end subroutine porous_lanes
 
@@ -105,7 +105,7 @@ contains
     ones = 1.0_dp
     energy = kept(:, 1)
     pressure = p_old
-    call porous_lanes(law, v, distention, a0, b0, da, db)
+    call porous_lanes(law, v, distention, energy, a0, b0, da, db)
     call eos_energy_pressure(v_old, v, other, ones, a0, b0, energy, pressure)
     excess = porosity_excess(law%porosity, distention, pressure, kept(:, 3))
   end subroutine excess_pressure

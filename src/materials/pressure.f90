@@ -3,8 +3,8 @@
 !! space.
 module sgmp_pressure
   use sgmp_burn, only: burn_fraction_lanes
-  use sgmp_constitutive, only: constitutive_t, eos_lanes, eos_none
-  use sgmp_eos, only: eos_energy_pressure, eos_sound_speed_lanes
+  use sgmp_constitutive, only: constitutive_t, eos_lanes, eos_linear, eos_none
+  use sgmp_eos, only: eos_energy_lanes, eos_energy_pressure, eos_sound_speed_lanes
   use sgmp_failure, only: carries_nothing, failure_bounds, failure_none
   use sgmp_heating, only: compression_heat_lanes
   use sgmp_kinds, only: dp, lanes
@@ -18,7 +18,8 @@ module sgmp_pressure
 
   integer, parameter :: components = 6  !! of a stress in space
   integer, parameter :: most_trials = 60           !! of a distention
-  real(dp), parameter :: settled = 1.0e-13_dp      !! of a distention
+  integer, parameter :: most_tangents = 30         !! of an equation of state
+  real(dp), parameter :: settled = 1.0e-13_dp      !! also of an energy over bulk modulus
 
 contains
 
@@ -142,7 +143,7 @@ contains
     end do
   end subroutine bound_pressure
 
-  !> Pressure and energy by an equation of state linear in the energy; `mean` is the mean stress -p.
+  !> Pressure and energy by an equation of state; `mean` is the mean stress -p.
   subroutine equation_of_state(law, dt, mass, old_volume, volume, trace, deviatoric_work, &
                                stiffness, burnt, kept, mean, speed2, q, work)
     type(constitutive_t), intent(in) :: law
@@ -168,9 +169,9 @@ contains
       p_old(l) = -mean(l)
     end do
     if (law%porosity%porous) then
-      call porous_lanes(law, v, kept(1, 2), a0, b0, da, db)
+      call porous_lanes(law, v, kept(1, 2), kept(1, 1), a0, b0, da, db)
     else
-      call eos_lanes(law, v, a0, b0, da, db)
+      call eos_lanes(law, v, kept(1, 1), a0, b0, da, db)
     end if
     p = burnt*(a0 + b0*kept(:, 1))
     ones = 1.0_dp
@@ -193,6 +194,8 @@ contains
       call squeeze_pores(law, v_old, v, p_old, other, kept, a0, b0)
     else if (law%porosity%porous) then
       call close_pores(law, v_old, v, p_old, other, kept, a0, b0)
+    else if (.not. eos_linear(law)) then
+      call settle_terms(law, v_old, v, p_old, other, burnt, kept(1, 1), a0, b0)
     end if
     call eos_energy_pressure(v_old, v, other, burnt, a0, b0, kept(1, 1), p)
     !$omp simd simdlen(8)
@@ -204,6 +207,25 @@ contains
       speed2(l) = merge(bulk(l), speed2(l), bulk(l) < 0.0_dp)
     end do
   end subroutine equation_of_state
+
+  !> Terms of an equation of state that is not linear in the energy: those of its tangent at the
+  !! energy after the step (Newton's method; energy and work agree to round-off whatever is left).
+  pure subroutine settle_terms(law, v_old, v, p_old, other, burnt, energy, a0, b0)
+    type(constitutive_t), intent(in) :: law
+    real(dp), dimension(lanes), intent(in) :: v_old, v, p_old, other  !! as in eos_energy_pressure
+    real(dp), intent(in) :: burnt(lanes), energy(lanes)  !! factor; energy before the step
+    real(dp), dimension(lanes), intent(inout) :: a0, b0  !! in: at the energy before the step
+    real(dp), dimension(lanes) :: da, db, next, last
+    integer :: k
+    last = energy
+    trials: do k = 1, most_tangents
+      next = energy
+      call eos_energy_lanes(v_old, v, other, p_old, burnt, a0, b0, next)
+      if (all(abs(next - last) <= settled*law%density*law%bulk_speed**2)) exit trials
+      call eos_lanes(law, v, next, a0, b0, da, db)
+      last = next
+    end do trials
+  end subroutine settle_terms
 
   !> Distention after the step, and the terms with it: the pressure that it leaves is the one that
   !! closes the pores so far.
@@ -245,16 +267,17 @@ contains
     ones = 1.0_dp
     energy = kept(:, 1)
     pressure = p_old
-    call porous_lanes(law, v, distention, a0, b0, da, db)
+    call porous_lanes(law, v, distention, energy, a0, b0, da, db)
     call eos_energy_pressure(v_old, v, other, ones, a0, b0, energy, pressure)
     call porosity_bound_lanes(law%porosity, pressure, bound)
     excess = distention - bound
   end subroutine excess_distention
 
   !> Temperature of matter that is compressed, and heated by bulk viscosity.
-  subroutine warm(law, mass, old_volume, volume, trace, q, temperature)
+  subroutine warm(law, mass, old_volume, volume, trace, energy, q, temperature)
     type(constitutive_t), intent(in) :: law
     real(dp), dimension(lanes), intent(in) :: mass, old_volume, volume, trace
+    real(dp), intent(in) :: energy(lanes)               !! per initial volume, after the step
     real(dp), intent(in) :: q(lanes)                    !! viscous pressure
     real(dp), intent(inout) :: temperature(lanes)
     real(dp), dimension(lanes) :: scale, v_old, v, viscous, a0, b0, da, db
@@ -262,7 +285,7 @@ contains
     v_old = old_volume*scale
     v = volume*scale
     viscous = -v_old*q*trace
-    call eos_lanes(law, v, a0, b0, da, db)
+    call eos_lanes(law, v, energy, a0, b0, da, db)
     call compression_heat_lanes(law%heating%heat_capacity, b0, v_old, v, viscous, temperature)
   end subroutine warm
 

@@ -616,7 +616,8 @@ contains
         work(l) = work(l) + pressure_work(l)
       end do
       if (law%heating%warms) then
-        call warm(law, mass, old_volume, b(1, 1), trace, q, b(1, law%slots%temperature))
+        call warm(law, mass, old_volume, b(1, 1), trace, b(1, law%slots%energy), q, &
+                  b(1, law%slots%temperature))
       end if
     end if
     if (law%fails) then
