@@ -7,22 +7,16 @@
 !! for USF, USL and MUSL alike, which holds to round-off if what particles give to the grid and what
 !! they get are transposes of each other. MUSL knows S at the re-mapped velocity v*,
 !! S(v*) = S(v-) + dt sum_p m_p |a_p|^2.
+!!
+!! What features change beyond that stands in a table of named terms (sgmp_energy_terms).
 module sgmp_energy
+  use sgmp_energy_terms, only: energy_terms_t, terms_book, terms_explained
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: ledger_t, ledger_open, ledger_step, ledger_relax, ledger_after_kick, ledger_split, &
-            ledger_damp, ledger_erode, eroded_t
-  public :: ledger_total, ledger_drift, step_sums_t
+  public :: ledger_t, ledger_open, ledger_step, ledger_book, ledger_total, ledger_drift, step_sums_t
 
-  !> What particles that were removed have taken along.
-  type :: eroded_t
-    real(dp) :: particles = 0.0_dp, mass = 0.0_dp
-    real(dp) :: momentum(3) = 0.0_dp
-    real(dp) :: kinetic = 0.0_dp, internal = 0.0_dp
-  end type eroded_t
-
-  !> Sums of one step.
+  !> Sums of one step, of the scheme itself; those of features are in their terms.
   type :: step_sums_t
     real(dp) :: kinetic = 0.0_dp            !! of the particles after the kick
     real(dp) :: particles_aa = 0.0_dp       !! sum m_p |a_p|^2
@@ -31,20 +25,13 @@ module sgmp_energy
     real(dp) :: external_power = 0.0_dp     !! of gravity and body forces at the mid-step velocity
     real(dp) :: internal = 0.0_dp           !! growth of internal energy
     real(dp) :: viscous = 0.0_dp  !! bulk-viscous dissipation (part of the internal energy)
-    real(dp) :: after_kick = 0.0_dp  !! kinetic energy lost after the kick: to heat by the velocity
-                                     !! filter, or by swirl as rings widen
-    real(dp) :: volume_correction = 0.0_dp  !! sum |dV| p of volumes that were put right
-    real(dp) :: split = 0.0_dp       !! kinetic energy that the halves of split particles have more
-                                     !! than what they were, after the kick
     real(dp) :: contact = 0.0_dp     !! kinetic energy that contact took (friction, impact)
     real(dp) :: friction_power = 0.0_dp  !! that friction at walls takes at the mid-step velocity
-    real(dp) :: wall_forces(2) = 0.0_dp  !! that press on walls with friction, and that pull
     real(dp) :: rigid_work = 0.0_dp  !! work of rigid bodies on the others, and on free ones that of
                                      !! gravity and body forces
     real(dp) :: free_growth = 0.0_dp  !! of the kinetic energy of free rigid bodies
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: lost_force = 0.0_dp  !! on nodes below the mass cut-off, which move nothing
-    type(eroded_t) :: eroded
   end type step_sums_t
 
   !> Energies and their history.
@@ -54,10 +41,6 @@ module sgmp_energy
     real(dp) :: external_work = 0.0_dp
     real(dp) :: contact_dissipation = 0.0_dp
     real(dp) :: viscous_dissipation = 0.0_dp
-    real(dp) :: damping_dissipation = 0.0_dp
-    real(dp) :: filter_heat = 0.0_dp, volume_correction = 0.0_dp  !! for kept volumes
-    type(eroded_t) :: eroded
-    real(dp) :: split_energy = 0.0_dp        !! kinetic energy that splitting particles has added
     real(dp) :: interpolation_error = 0.0_dp  !! sum of dt^2/2 (sum_I m|a|^2 - sum_p m|a|^2), Eq. 43
     real(dp) :: remainder = 0.0_dp           !! kinetic energy that the identity does not explain
     real(dp) :: predicted = 0.0_dp           !! sum of the energy errors that the identities predict
@@ -68,7 +51,7 @@ module sgmp_energy
     real(dp) :: moving_until = 0.0_dp        !! last time that was not at rest
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: lost_impulse = 0.0_dp        !! of forces on nodes below the mass cut-off
-    real(dp) :: wall_impulses(2) = 0.0_dp    !! that press on walls with friction, and that pull
+    type(energy_terms_t) :: terms            !! of features
   end type ledger_t
 
 contains
@@ -87,15 +70,15 @@ contains
   pure function ledger_drift(ledger) result(drift)
     type(ledger_t), intent(in) :: ledger
     real(dp) :: drift
-    drift = (ledger_total(ledger) + ledger%contact_dissipation + ledger%damping_dissipation + &
-             (ledger%eroded%kinetic + ledger%eroded%internal) - &
+    drift = (ledger_total(ledger) + ledger%contact_dissipation + terms_explained(ledger%terms) - &
              ledger%initial_total - ledger%external_work)/max(ledger%supplied, tiny(1.0_dp))
   end function ledger_drift
 
-  !> Starts a ledger from the initial state.
+  !> Starts a ledger from the initial state; its terms are those it has.
   pure subroutine ledger_open(ledger, kinetic, internal, momentum)
-    type(ledger_t), intent(out) :: ledger
+    type(ledger_t), intent(inout) :: ledger
     real(dp), intent(in) :: kinetic, internal, momentum(3)
+    ledger = ledger_t(terms=ledger%terms)
     ledger%kinetic = kinetic
     ledger%internal = internal
     ledger%initial_total = kinetic + internal
@@ -128,59 +111,14 @@ contains
     ledger%supplied = max(ledger%supplied, abs(ledger%external_work), &
                           ledger%initial_total - ledger%internal)
     ledger%lost_impulse = ledger%lost_impulse + dt_kick*sums%lost_force
-    ledger%wall_impulses = ledger%wall_impulses + dt_kick*sums%wall_forces
   end subroutine ledger_step
 
-  !> Books the kinetic energy that is lost after the kick.
-  pure subroutine ledger_after_kick(ledger, sums)
+  !> Books what the terms of features have changed after the kick, in the order of their table.
+  pure subroutine ledger_book(ledger, dt_kick)
     type(ledger_t), intent(inout) :: ledger
-    type(step_sums_t), intent(in) :: sums
-    ledger%kinetic = ledger%kinetic - sums%after_kick
-    ledger%predicted = ledger%predicted - sums%after_kick
-  end subroutine ledger_after_kick
-
-  !> Books what kept volumes take from the kinetic energy after the kick, as `internal` has it, and
-  !! how much volume was put right.
-  pure subroutine ledger_relax(ledger, sums)
-    type(ledger_t), intent(inout) :: ledger
-    type(step_sums_t), intent(in) :: sums
-    call ledger_after_kick(ledger, sums)
-    ledger%filter_heat = ledger%filter_heat + sums%after_kick
-    ledger%volume_correction = ledger%volume_correction + sums%volume_correction
-  end subroutine ledger_relax
-
-  !> Books the kinetic energy that the halves of split particles got after the kick: of the velocity
-  !! gradient inside the particle, which one velocity cannot hold.
-  pure subroutine ledger_split(ledger, sums)
-    type(ledger_t), intent(inout) :: ledger
-    type(step_sums_t), intent(in) :: sums
-    ledger%kinetic = ledger%kinetic + sums%split
-    ledger%predicted = ledger%predicted + sums%split
-    ledger%split_energy = ledger%split_energy + sums%split
-  end subroutine ledger_split
-
-  !> Books what particles take along that are removed after the kick.
-  pure subroutine ledger_erode(ledger, eroded)
-    type(ledger_t), intent(inout) :: ledger
-    type(eroded_t), intent(in) :: eroded
-    ledger%kinetic = ledger%kinetic - eroded%kinetic
-    ledger%internal = ledger%internal - eroded%internal
-    ledger%momentum = ledger%momentum - eroded%momentum
-    ledger%predicted = ledger%predicted - (eroded%kinetic + eroded%internal)
-    associate (all => ledger%eroded)
-      all = eroded_t(all%particles + eroded%particles, all%mass + eroded%mass, &
-                     all%momentum + eroded%momentum, all%kinetic + eroded%kinetic, &
-                     all%internal + eroded%internal)
-    end associate
-  end subroutine ledger_erode
-
-  !> Books the kinetic energy that is lost where all velocities are multiplied by a factor.
-  pure subroutine ledger_damp(ledger, factor)
-    type(ledger_t), intent(inout) :: ledger
-    real(dp), intent(in) :: factor
-    ledger%damping_dissipation = ledger%damping_dissipation + (1.0_dp - factor**2)*ledger%kinetic
-    ledger%kinetic = factor**2*ledger%kinetic
-    ledger%momentum = factor*ledger%momentum
-  end subroutine ledger_damp
+    real(dp), intent(in) :: dt_kick
+    call terms_book(ledger%terms, dt_kick, ledger%kinetic, ledger%internal, ledger%momentum, &
+                    ledger%predicted)
+  end subroutine ledger_book
 
 end module sgmp_energy

@@ -7,7 +7,7 @@ module sgmp_forewarnings
   use sgmp_body, only: body_t
   use sgmp_build_stress, only: stress_returned
   use sgmp_constitutive, only: law_gaseous
-  use sgmp_kernels, only: kernel_folds, kernel_sgmp
+  use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_coordinate, mesh_occupied, wall_free
   use sgmp_model, only: model_t
@@ -19,10 +19,10 @@ module sgmp_forewarnings
   use sgmp_spelling, only: string_t
   use sgmp_text, only: integer_text, real_text_about, real_text_plain
   use sgmp_time_step, only: clock_choose, clock_t
-  use sgmp_wall_motion, only: wall_motion_meets_walls
+  use sgmp_wall_doubts, only: wall_warnings
   implicit none
   private
-  public :: forewarnings_find, gas_enclosed, lid_leaks, shape_mass
+  public :: forewarnings_find, gas_enclosed, shape_mass
 
   integer(i8), parameter :: unit = 2_i8**24  !! of volume, in a cell: whole numbers have one sum
 
@@ -47,7 +47,7 @@ contains
     call look_at_masses(scene, model, warnings)
     call look_for_strangers(model, warnings)
     call look_for_closed_gas(model, warnings)
-    call look_at_walls(model, warnings)
+    call look_at_features(model, warnings)
     if (model%clock%step > 0) return  ! what follows is about places at the start
     call look_at_stress(scene, model, warnings)
     call look_at_spacing(scene, model, warnings)
@@ -156,29 +156,17 @@ contains
               ' such in all): they pass through each other; `contact all` makes every pair touch')
   end subroutine look_for_strangers
 
-  !> Walls that move into edges, or that start suddenly beside matter that moves.
-  subroutine look_at_walls(model, warnings)
+  !> What features find doubtful, each in its own file (src/features/<name>/<name>_doubts.f90).
+  subroutine look_at_features(model, warnings)
     type(model_t), intent(in) :: model
     type(string_t), allocatable, intent(inout) :: warnings(:)
-    if (.not. model%mesh%walls_move) return
-    if (lid_leaks(model)) then
-      call warn(warnings, 'a wall moves towards one across its way, as a lid does: within a '// &
-                'cell of the edge matter is dragged into the wall at rest, and may pass it '// &
-                '(doc/loads.md); use method mpm, or leave the face open')
-    end if
-    if (model%clock%step == 0 .and. model%ledger%kinetic > 0.0_dp) then
-      call warn(warnings, 'walls are at rest before t = 0: matter that moves with them from '// &
-                'the start is kicked by a velocity that is not 0 then; let both begin at rest')
-    end if
-  end subroutine look_at_walls
-
-  !> Whether walls that move drag matter through others: functions that reach behind a wall read its
-  !! motion there right up to the edge (doc/loads.md).
-  pure logical function lid_leaks(model) result(leaks)
-    type(model_t), intent(in) :: model
-    leaks = kernel_folds(model%fields(1)%kernel) .and. &
-            wall_motion_meets_walls(model%wall_motion, model%mesh)
-  end function lid_leaks
+    type(string_t), allocatable :: found(:)
+    integer :: w
+    call wall_warnings(model, found)
+    do w = 1, size(found)
+      call warn(warnings, found(w)%text)
+    end do
+  end subroutine look_at_features
 
   !> Gas between walls with methods where the volumes of its particles drift.
   subroutine look_for_closed_gas(model, warnings)

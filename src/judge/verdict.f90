@@ -8,8 +8,8 @@ module sgmp_verdict
   use sgmp_constitutive, only: eos_none
   use sgmp_end_state, only: end_state_t, end_state_take
   use sgmp_energy, only: ledger_drift
+  use sgmp_energy_terms, only: terms_value
   use sgmp_errors, only: error_t, exit_stopped
-  use sgmp_forewarnings, only: lid_leaks
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_free
   use sgmp_model, only: model_t
@@ -17,10 +17,12 @@ module sgmp_verdict
   use sgmp_run_log, only: log_t
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: combine_union, shape_block, shape_cylinder, shape_ring, shape_t
+  use sgmp_spelling, only: string_t
   use sgmp_summary, only: summary_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: limit_names
   use sgmp_turn, only: infinite_length
+  use sgmp_wall_doubts, only: wall_objections
   implicit none
   private
   public :: verdict_t, body_thickness
@@ -43,7 +45,6 @@ module sgmp_verdict
   real(dp), parameter :: largest_turn = 0.05_dp        !! change of angular momentum over the first
   real(dp), parameter :: least_turn = 0.1_dp           !! that over what the motion could have
   real(dp), parameter :: largest_impulse = 1.0e-4_dp   !! lost, over the largest momentum
-  real(dp), parameter :: largest_pull = 0.05_dp        !! of walls with friction, over what presses
   real(dp), parameter :: least_thickness = 2.0_dp      !! cells across a body
   real(dp), parameter :: largest_unfelt = 3.0_dp       !! work of forces that particles do not feel
 
@@ -107,29 +108,23 @@ contains
     call judge_erosion(self, model)
     call judge_impulse(self, model)
     call judge_turning(self, scene, model)
-    call judge_rubbing(self, model)
+    call judge_features(self, model)
     call judge_volumes(self, scene%method%volumes_kept)
     call judge_particles(self, scene, model%findings%lost)
     call judge_resolution(self, scene, thinnest)
-    if (lid_leaks(model)) then
-      call self%object('a wall moves towards one across its way: beside their edge matter is '// &
-                       'dragged into the wall at rest (doc/loads.md); use method mpm')
-    end if
   end subroutine verdict_reach
 
-  !> Walls with friction hold what would leave them: what pulls elsewhere presses here all the more,
-  !! and friction knows of that alone (doc/loads.md).
-  subroutine judge_rubbing(self, model)
+  !> What features find doubtful, each in its own file (src/features/<name>/<name>_doubts.f90).
+  subroutine judge_features(self, model)
     type(verdict_t), intent(inout) :: self
     type(model_t), intent(in) :: model
-    associate (pressed => model%ledger%wall_impulses(1), pulled => model%ledger%wall_impulses(2))
-      if (.not. pulled > largest_pull*pressed) return
-      call self%object('walls with friction have held back by '//real_text(pulled)// &
-                       ' what would leave them, and bear '//real_text(pressed)// &
-                       ' (impulses): they rub too much (doc/loads.md); take a rigid body and '// &
-                       'a card contact')
-    end associate
-  end subroutine judge_rubbing
+    type(string_t), allocatable :: reasons(:)
+    integer :: r
+    call wall_objections(model, reasons)
+    do r = 1, size(reasons)
+      call self%object(reasons(r)%text)
+    end do
+  end subroutine judge_features
 
   !> Bodies too thin for the grid, steps that have collapsed.
   subroutine judge_resolution(self, scene, thinnest)
@@ -190,14 +185,17 @@ contains
   subroutine judge_erosion(self, model)
     type(verdict_t), intent(inout) :: self
     type(model_t), intent(in) :: model
-    real(dp) :: all, energy
+    real(dp) :: all, mass, energy
     integer :: b
-    if (model%ledger%eroded%particles <= 0.0_dp) return
-    associate (eroded => model%ledger%eroded)
-      all = eroded%mass + sum(model%totals%bodies%mass, mask=.not. model%bodies%rigid)
-      energy = (eroded%kinetic + eroded%internal)/max(model%ledger%supplied, tiny(1.0_dp))
-      if (eroded%mass > largest_eroded*all) then
-        call self%object(percent(eroded%mass/all)//' of the mass was eroded: what it would '// &
+    associate (terms => model%ledger%terms)
+      if (terms_value(terms, 'eroded.particles') <= 0.0_dp) return
+      mass = terms_value(terms, 'eroded.mass')
+      energy = (terms_value(terms, 'eroded.kinetic_energy') + &
+                terms_value(terms, 'eroded.internal_energy'))/ &
+               max(model%ledger%supplied, tiny(1.0_dp))
+      all = mass + sum(model%totals%bodies%mass, mask=.not. model%bodies%rigid)
+      if (mass > largest_eroded*all) then
+        call self%object(percent(mass/all)//' of the mass was eroded: what it would '// &
                          'have pushed or stopped is not in the result; raise the limits of erode')
       else if (energy > largest_eroded) then
         call self%object(percent(energy)//' of the energy that the scene was given was '// &

@@ -12,8 +12,7 @@ module sgmp_history
   use sgmp_text, only: integer_text, row_text
   implicit none
   private
-  public :: history_t, history_columns, damped_columns, eroded_columns, kept_columns, &
-            split_columns, swirl_columns
+  public :: history_t, history_columns, swirl_columns
   public :: bodies_columns, bodies_integers, gauges_columns, &
     gauges_integers, contact_columns, contact_integers, motion_columns, motion_integers, &
     rigid_columns, rigid_integers, column_length
@@ -25,20 +24,7 @@ module sgmp_history
     'time', 'dt', 'kinetic_energy', 'internal_energy', 'total_energy', 'external_work', &
     'contact_dissipation', 'viscous_dissipation', 'interpolation_error', 'energy_remainder', &
     'momentum_x', 'momentum_y', 'momentum_z']
-  !> And behind them, where volumes are kept.
-  character(column_length), parameter :: kept_columns(*) = [character(column_length) :: &
-    'filter_heat', 'volume_correction']
-  !> And behind them, where particles are split.
-  character(column_length), parameter :: split_columns(*) = [character(column_length) :: &
-    'split_energy']
-  !> Or with damping.
-  character(column_length), parameter :: damped_columns(*) = [character(column_length) :: &
-    'damping_dissipation']
-  !> Or where particles are removed.
-  character(column_length), parameter :: eroded_columns(*) = [character(column_length) :: &
-    'eroded_particles', 'eroded_mass', 'eroded_momentum_x', 'eroded_momentum_y', &
-    'eroded_momentum_z', 'eroded_kinetic_energy', 'eroded_internal_energy']
-  !> Or with swirl.
+  !> Behind them those of the terms of the energy balance (sgmp_energy_terms), and with swirl.
   character(column_length), parameter :: swirl_columns(*) = [character(column_length) :: &
     'angular_momentum']
   !> Columns of bodies.csv after `step`: sums and the centroid of each body.

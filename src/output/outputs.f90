@@ -4,13 +4,13 @@ module sgmp_outputs
   use sgmp_contact_output, only: contact_rows_open, contact_rows_t, contact_rows_write
   use sgmp_driven_output, only: motion_rows_open, motion_rows_t, motion_rows_write
   use sgmp_energy, only: ledger_total
+  use sgmp_energy_terms, only: energy_terms_t
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: directory_make
   use sgmp_gauges, only: gauges_find, gauges_from_start, gauges_open, gauges_start, gauges_t, &
                          gauges_write
-  use sgmp_history, only: bodies_columns, bodies_integers, column_length, damped_columns, &
-                          eroded_columns, history_columns, history_t, kept_columns, &
-                          split_columns, swirl_columns
+  use sgmp_history, only: bodies_columns, bodies_integers, column_length, history_columns, &
+                          history_t, swirl_columns
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_agree, parallel_rank
@@ -129,10 +129,7 @@ contains
     integer, allocatable :: step  !! not allocated in a new run: an absent argument below
     if (restarted) step = outputs%last_row_step
     columns = history_columns
-    if (model%method%relaxed) columns = [columns, kept_columns]
-    if (model%method%split > 0.0_dp) columns = [columns, split_columns]
-    if (model%method%damped) columns = [columns, damped_columns]
-    if (model%method%erodes) columns = [columns, eroded_columns]
+    columns = [columns, term_columns(model%ledger%terms)]
     if (model%method%swirl) columns = [columns, swirl_columns]
     call outputs%history%open(folder//'/history.csv', columns, error, keep_to_step=step)
     if (allocated(error)) return
@@ -271,23 +268,46 @@ contains
     call gauges_write(outputs%gauges, model, outputs%initial, error)
   end subroutine write_rows
 
+  !> Columns of history.csv of the terms of the energy balance that have any.
+  pure function term_columns(terms) result(columns)
+    type(energy_terms_t), intent(in) :: terms
+    character(column_length), allocatable :: columns(:)
+    character(2), parameter :: ends(3) = ['_x', '_y', '_z']
+    integer :: t, d
+    allocate (columns(0))
+    do t = 1, terms%n
+      associate (term => terms%term(t))
+        if (term%column == '') cycle
+        if (term%components == 1) then
+          columns = [columns, term%column]
+        else
+          columns = [columns, [(term%column(:len_trim(term%column))//ends(d), d=1, 3)]]
+        end if
+      end associate
+    end do
+  end function term_columns
+
   !> Rows of what all ranks know.
   subroutine write_sums(outputs, model, error)
     type(outputs_t), intent(inout) :: outputs
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: values(:)
+    integer :: t
     associate (l => model%ledger)
       values = [model%clock%time, model%clock%dt, l%kinetic, l%internal, ledger_total(l), &
                 l%external_work, l%contact_dissipation, l%viscous_dissipation, &
                 l%interpolation_error, l%remainder, momentum_in_output(model, l%momentum)]
-      if (model%method%relaxed) values = [values, l%filter_heat, l%volume_correction]
-      if (model%method%split > 0.0_dp) values = [values, l%split_energy]
-      if (model%method%damped) values = [values, l%damping_dissipation]
-      if (model%method%erodes) then
-        values = [values, l%eroded%particles, l%eroded%mass, &
-                  momentum_in_output(model, l%eroded%momentum), l%eroded%kinetic, l%eroded%internal]
-      end if
+      do t = 1, l%terms%n
+        associate (term => l%terms%term(t))
+          if (term%column == '') cycle
+          if (term%components == 1) then
+            values = [values, term%value(1)]
+          else
+            values = [values, momentum_in_output(model, term%value)]
+          end if
+        end associate
+      end do
       if (model%method%swirl) values = [values, model%mesh%h*l%momentum(3)]
     end associate
     call outputs%history%write_row(model%clock%step, values, error)

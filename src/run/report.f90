@@ -4,6 +4,7 @@ module sgmp_report
   use sgmp_checksum, only: checksum_text
   use sgmp_command_line, only: command_line_t
   use sgmp_energy, only: ledger_drift, ledger_total
+  use sgmp_energy_terms, only: energy_term_t, terms_value
   use sgmp_errors, only: error_t, exit_ok, exit_stopped
   use sgmp_forewarnings, only: forewarnings_find, gas_enclosed
   use sgmp_kernels, only: kernel_sgmp, method_names
@@ -216,9 +217,13 @@ contains
                        ' particles left the grid and were removed')
     end if
     if (model%method%erodes) then
-      call log%line(integer_text(nint(model%ledger%eroded%particles, i8))//' particles were '// &
-                    'eroded, of mass '//real_text(model%ledger%eroded%mass)//' and energy '// &
-                    real_text(model%ledger%eroded%kinetic + model%ledger%eroded%internal))
+      associate (terms => model%ledger%terms)
+        call log%line(integer_text(nint(terms_value(terms, 'eroded.particles'), i8))// &
+                      ' particles were eroded, of mass '// &
+                      real_text(terms_value(terms, 'eroded.mass'))//' and energy '// &
+                      real_text(terms_value(terms, 'eroded.kinetic_energy') + &
+                                terms_value(terms, 'eroded.internal_energy')))
+      end associate
     end if
     call verdict%report(log)
     if (.not. allocated(error)) return
@@ -335,6 +340,7 @@ contains
   subroutine summarise_energy(summary, model)
     type(summary_t), intent(inout) :: summary
     type(model_t), intent(in) :: model
+    integer :: t
     call summary%set('energy.kinetic', model%ledger%kinetic)
     call summary%set('energy.internal', model%ledger%internal)
     call summary%set('energy.total', ledger_total(model%ledger))
@@ -344,32 +350,26 @@ contains
     call summary%set('energy.supplied', model%ledger%supplied)
     call summary%set('energy.drift', ledger_drift(model%ledger))
     call summary%set('energy.viscous_dissipation', model%ledger%viscous_dissipation)
-    if (model%mesh%walls_rub) then
-      call summary%set('friction_walls.pressed_impulse', model%ledger%wall_impulses(1))
-      call summary%set('friction_walls.pulled_impulse', model%ledger%wall_impulses(2))
-    end if
-    if (model%method%relaxed) then
-      call summary%set('energy.filter_heat', model%ledger%filter_heat)
-      call summary%set('energy.volume_correction', model%ledger%volume_correction)
-    end if
-    if (model%method%split > 0.0_dp) then
-      call summary%set('energy.split_energy', model%ledger%split_energy)
-    end if
-    if (model%method%damped) then
-      call summary%set('energy.damping_dissipation', model%ledger%damping_dissipation)
-    end if
-    if (model%method%erodes) then
-      associate (eroded => model%ledger%eroded)
-        call summary%set('eroded.particles', nint(eroded%particles, i8))
-        call summary%set('eroded.mass', eroded%mass)
-        call summary%set('eroded.momentum', eroded%momentum)
-        call summary%set('eroded.kinetic_energy', eroded%kinetic)
-        call summary%set('eroded.internal_energy', eroded%internal)
-      end associate
-    end if
+    do t = 1, model%ledger%terms%n
+      call summarise_term(summary, model%ledger%terms%term(t))
+    end do
     call summary%set('energy.interpolation_error', model%ledger%interpolation_error)
     call summary%set('energy.predicted_error', model%ledger%predicted)
     call summary%set('energy.remainder', model%ledger%remainder)
   end subroutine summarise_energy
+
+  !> A term of the energy balance, under its name if it has one.
+  subroutine summarise_term(summary, term)
+    type(summary_t), intent(inout) :: summary
+    type(energy_term_t), intent(in) :: term
+    if (term%name == '') return
+    if (term%whole) then
+      call summary%set(trim(term%name), nint(term%value(1), i8))
+    else if (term%components == 1) then
+      call summary%set(trim(term%name), term%value(1))
+    else
+      call summary%set(trim(term%name), term%value)
+    end if
+  end subroutine summarise_term
 
 end module sgmp_report

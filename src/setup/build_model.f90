@@ -35,6 +35,7 @@ module sgmp_build_model
   use sgmp_rigid_motion, only: motion_energy
   use sgmp_scene, only: body_card_t, scene_space, scene_t, time_card_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
+  use sgmp_stages, only: stage_terms
   use sgmp_step, only: step_start
   use sgmp_strength, only: strength_factor
   use sgmp_team, only: team_make
@@ -121,6 +122,7 @@ contains
     call contact_pairs(scene, model)
     call build_fields(model, kernel, merge(1, threads, scene%dimension == 1))
     call build_clock(scene, model)
+    call stage_terms(model)
     if (.not. seeded) return
     call step_start(model)
     call open_ledger(model)

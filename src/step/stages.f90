@@ -5,6 +5,7 @@
 !! the model that they read or change. A feature that the scene does not ask for is not called.
 !!
 !!   step              stage               features
+!!   before the run    terms               all that change the energy after the kick
 !!   start             open                driven parts, rotation
 !!   stress first      project             walls that rub
 !!                     meet                contact
@@ -20,15 +21,15 @@
 !!                     after_remap         rotation, kept volumes
 !!   sweeps            plan                spin, kept volumes, splitting
 !!   sums known        close               rigid bodies, driven parts
-!!                     book                kept volumes, splitting, swirl, erosion
 !!   books closed      finish              damping
 module sgmp_stages
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_step_t
   use sgmp_contact_stages, only: phase_contact_force, phase_contact_velocity, phase_find_contact
+  use sgmp_damping_account, only: damping_account
   use sgmp_damping_stages, only: damping_factor, damping_slow
   use sgmp_driven_parts, only: driven_any, driven_book, driven_choose, driven_publish
-  use sgmp_energy, only: ledger_after_kick, ledger_erode, ledger_relax, ledger_split
+  use sgmp_erosion_account, only: erosion_account
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_speed
   use sgmp_model, only: model_t
@@ -37,23 +38,41 @@ module sgmp_stages
   use sgmp_plan, only: plan_t
   use sgmp_rigid_bodies, only: rigid_advance, rigid_choose_speed
   use sgmp_rigid_stages, only: free_any, free_close, free_open, free_settle
+  use sgmp_splitting_account, only: splitting_account
+  use sgmp_swirl_account, only: swirl_account
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_grid, phase_kick, timers_stop
   use sgmp_update, only: update_strains_before, update_usavg, update_usl
+  use sgmp_volumes_account, only: volumes_account
+  use sgmp_wall_account, only: wall_account
   use sgmp_wall_motion, only: wall_motion_choose
   use sgmp_wall_stages, only: wall_velocity_rubbed
   use sgmp_wall_work, only: phase_wall_work
   implicit none
   private
-  public :: stage_after_remap, stage_after_solve, stage_before_solve, stage_book, &
+  public :: stage_after_remap, stage_after_solve, stage_before_solve, &
             stage_brings_stress, stage_close, stage_finish, stage_forces, stage_meet, stage_open, &
-            stage_place, stage_plan, stage_project, stage_strain_velocity
+            stage_place, stage_plan, stage_project, stage_strain_velocity, stage_terms
 
   !> Part of the carried spin that each step replaces by the rotation of the grid, so that errors
   !! are forgotten (doc/rotation.md). The first step takes all of it from there.
   real(dp), parameter :: spin_relaxation = 0.02_dp
 
 contains
+
+  !> Before the run: terms of the energy balance beside those of the scheme, in the order in which a
+  !! step books them and history.csv shows them.
+  pure subroutine stage_terms(model)
+    type(model_t), intent(inout) :: model
+    associate (method => model%method, terms => model%ledger%terms)
+      if (method%relaxed) call volumes_account(terms)
+      if (method%split > 0.0_dp) call splitting_account(terms)
+      if (method%swirl) call swirl_account(terms)
+      if (method%damped) call damping_account(terms)
+      if (method%erodes) call erosion_account(terms)
+      if (model%mesh%walls_rub) call wall_account(terms)
+    end associate
+  end subroutine stage_terms
 
   !> Start of a step: the grid holds what the particles gave it at the end of the step before, the
   !! sums are empty, nothing of this step is known but its length.
@@ -203,17 +222,6 @@ contains
     if (free_any(model%bodies)) call free_close(model%bodies, model%contact, model%mesh%space, &
                                                 model%clock%dt, model%totals)
   end subroutine stage_close
-
-  !> The momentum equation and the stress update are booked: what else has changed the energy.
-  pure subroutine stage_book(model)
-    type(model_t), intent(inout) :: model
-    associate (ledger => model%ledger, sums => model%totals%sums)
-      if (model%method%relaxed) call ledger_relax(ledger, sums)
-      if (model%method%split > 0.0_dp) call ledger_split(ledger, sums)
-      if (model%method%swirl) call ledger_after_kick(ledger, sums)
-      if (model%method%erodes) call ledger_erode(ledger, sums%eroded)
-    end associate
-  end subroutine stage_book
 
   !> The step is over and booked; what changes velocities now books that itself.
   subroutine stage_finish(model, dt_kick, kinetic_before)

@@ -5,7 +5,7 @@
 !! when step k ends. What goes beyond the paper has its place in the stages (sgmp_stages).
 module sgmp_step
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
-  use sgmp_energy, only: ledger_step
+  use sgmp_energy, only: ledger_book, ledger_step
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_kick, wall_speed
   use sgmp_model, only: model_t
@@ -14,7 +14,7 @@ module sgmp_step
   use sgmp_plans, only: plan_all, plan_drift_strain, plan_kick, plan_kick_drift, plan_start, &
                         plan_strain
   use sgmp_rebin_phases, only: phase_rebin_particles
-  use sgmp_stages, only: stage_after_remap, stage_after_solve, stage_before_solve, stage_book, &
+  use sgmp_stages, only: stage_after_remap, stage_after_solve, stage_before_solve, &
                          stage_brings_stress, stage_close, stage_finish, stage_forces, &
                          stage_meet, stage_open, stage_place, stage_project, stage_strain_velocity
   use sgmp_time_step, only: clock_kick_step
@@ -180,8 +180,8 @@ contains
   subroutine step_open(model)
     type(model_t), intent(inout) :: model
     model%findings%fastest_before = model%findings%fastest
-    call totals_open(model%totals, model%findings, model%contact, model%fields, &
-                     size(model%bodies), model%method%erodes)
+    call totals_open(model%totals, model%ledger%terms, model%findings, model%contact, &
+                     model%fields, size(model%bodies), model%method%erodes)
   end subroutine step_open
 
   !> Puts together what the ranks have found.
@@ -190,8 +190,9 @@ contains
     logical, intent(in) :: whole                 !! of a whole step
     real(dp) :: since
     since = wall_time()
-    call totals_close(model%totals, model%findings, model%contact, model%fields, model%bodies, &
-                      model%ranks%partition, whole, model%method%erodes)
+    call totals_close(model%totals, model%ledger%terms, model%findings, model%contact, &
+                      model%fields, model%bodies, model%ranks%partition, whole, &
+                      model%method%erodes)
     if (model%ranks%partition%ranks > 1) call timers_move(model%timers, phase_halo, since)
   end subroutine step_close
 
@@ -205,7 +206,7 @@ contains
     call stage_close(model, dt_kick)
     call ledger_step(model%ledger, model%totals%sums, dt_kick, &
                      exact=model%method%flip >= 1.0_dp .and. lost == model%findings%lost_before)
-    call stage_book(model)
+    call ledger_book(model%ledger, dt_kick)
     model%findings%lost_before = lost
   end subroutine book_step
 

@@ -4,7 +4,9 @@ module sgmp_totals
   use sgmp_contact, only: contact_t
   use sgmp_contact_ledger, only: contact_sums_t, ledger_close
   use sgmp_drive, only: drive_power, drive_sums, drive_work
-  use sgmp_energy, only: eroded_t, step_sums_t
+  use sgmp_energy, only: step_sums_t
+  use sgmp_energy_terms, only: energy_terms_t, from_nodes, from_particles, from_removed, &
+                               terms_gain, terms_open, terms_take
   use sgmp_field, only: field_t
   use sgmp_findings, only: findings_t
   use sgmp_halo, only: halo_own_planes
@@ -12,11 +14,10 @@ module sgmp_totals
   use sgmp_parallel, only: parallel_agree, parallel_max_place
   use sgmp_partition, only: partition_t
   use sgmp_rigid_motion, only: freedoms
-  use sgmp_sums, only: eroded_count, eroded_internal, eroded_kinetic, eroded_mass, eroded_moment, &
+  use sgmp_sums, only: eroded_internal, eroded_kinetic, eroded_mass, eroded_moment, &
                        eroded_momentum, eroded_sums, nodes_external, nodes_friction, nodes_lost, &
-                       nodes_mass_aa, nodes_mass_av, nodes_pressed, nodes_pulled, nodes_sums, &
-                       sum_filter, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, &
-                       sum_momentum, sum_split, sum_viscous, sum_volume, sweep_sums
+                       nodes_mass_aa, nodes_mass_av, nodes_sums, sum_internal, sum_kinetic, &
+                       sum_mass_aa, sum_moment, sum_momentum, sum_viscous, sweep_sums
   use sgmp_tally, only: tally_reset, tally_total
   implicit none
   private
@@ -43,14 +44,16 @@ module sgmp_totals
 contains
 
   !> Forgets the sums of the step before.
-  subroutine totals_open(totals, findings, contact, fields, bodies, erodes)
+  subroutine totals_open(totals, terms, findings, contact, fields, bodies, erodes)
     type(totals_t), intent(inout) :: totals
+    type(energy_terms_t), intent(inout) :: terms
     type(findings_t), intent(inout) :: findings
     type(contact_t), intent(inout) :: contact
     type(field_t), intent(in) :: fields(:)
     integer, intent(in) :: bodies                !! how many
     logical, intent(in) :: erodes                !! particles may be removed
     totals%sums = step_sums_t()
+    call terms_open(terms)
     contact%terms%n = 0
     findings%strained = 0
     findings%failed_in = 0
@@ -61,8 +64,10 @@ contains
 
   !> Puts together what the ranks have found in a step: sums, particles, the fastest of them, and
   !! whether anything failed; with `whole` the sums are those of a whole step.
-  subroutine totals_close(totals, findings, contact, fields, bodies, partition, whole, erodes)
+  subroutine totals_close(totals, terms, findings, contact, fields, bodies, partition, whole, &
+                          erodes)
     type(totals_t), intent(inout) :: totals
+    type(energy_terms_t), intent(inout) :: terms  !! of features
     type(findings_t), intent(inout) :: findings
     type(contact_t), intent(inout) :: contact
     type(field_t), intent(in) :: fields(:)
@@ -91,13 +96,15 @@ contains
     if (.not. whole) return
     totals%impulses = contact_impulses(contact)
     do b = 1, n
-      call add_body(bodies(b), sums((b - 1)*sweep_sums + 1:b*sweep_sums), totals%bodies(b), &
-                    totals%sums)
+      call add_body(bodies(b), sums((b - 1)*sweep_sums + 1:b*sweep_sums), terms, &
+                    totals%bodies(b), totals%sums)
     end do
     call add_nodes(sums(n*sweep_sums + 1:n*sweep_sums + nodes_sums), totals%sums)
+    call terms_take(terms, from_nodes, sums(n*sweep_sums + 1:n*sweep_sums + nodes_sums))
     do b = 1, merge(n, 0, erodes)
       e = n*sweep_sums + nodes_sums + (b - 1)*eroded_sums
-      call take_eroded(sums(e + 1:e + eroded_sums), totals%bodies(b), totals%sums%eroded)
+      call take_eroded(sums(e + 1:e + eroded_sums), totals%bodies(b))
+      call terms_take(terms, from_removed, sums(e + 1:e + eroded_sums))
     end do
     if (any(fields%columns%driven > 0)) call add_drives(fields, sums, totals)
     call add_contact(contact, counts(n + 4) > 0_i8, totals%sums)
@@ -139,16 +146,17 @@ contains
   end function own_points
 
   !> Adds a body's sums to those of the step.
-  pure subroutine add_body(body, sums, own, all)
+  pure subroutine add_body(body, sums, terms, own, all)
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: sums(sweep_sums)
+    type(energy_terms_t), intent(inout) :: terms
     type(body_sums_t), intent(inout) :: own      !! of the body
     type(step_sums_t), intent(inout) :: all      !! of the step
     if (body%at_rest) return
     own%moment = sums(sum_moment:sum_moment + 2)
     if (body%rigid_motion%free) return  ! the rest belongs to the body as a whole
     own%momentum = sums(sum_momentum:sum_momentum + 2)
-    own%kinetic = sums(sum_kinetic) - sums(sum_filter) + sums(sum_split)
+    own%kinetic = terms_gain(terms, sums(sum_kinetic), sums)
     if (body%rigid) return  ! its energy and momentum belong to whoever moves it
     own%internal = own%internal + sums(sum_internal)
     all%kinetic = all%kinetic + sums(sum_kinetic)
@@ -156,26 +164,18 @@ contains
     all%momentum = all%momentum + sums(sum_momentum:sum_momentum + 2)
     all%internal = all%internal + sums(sum_internal)
     all%viscous = all%viscous + sums(sum_viscous)
-    all%after_kick = all%after_kick + sums(sum_filter)
-    all%volume_correction = all%volume_correction + sums(sum_volume)
-    all%split = all%split + sums(sum_split)
+    call terms_take(terms, from_particles, sums)
   end subroutine add_body
 
   !> Takes from a body what its particles that were removed have taken along.
-  pure subroutine take_eroded(sums, own, all)
+  pure subroutine take_eroded(sums, own)
     real(dp), intent(in) :: sums(eroded_sums)
     type(body_sums_t), intent(inout) :: own      !! of the body
-    type(eroded_t), intent(inout) :: all         !! of the step
     own%mass = own%mass - sums(eroded_mass)
     own%moment = own%moment - sums(eroded_moment:eroded_moment + 2)
     own%momentum = own%momentum - sums(eroded_momentum:eroded_momentum + 2)
     own%kinetic = own%kinetic - sums(eroded_kinetic)
     own%internal = own%internal - sums(eroded_internal)
-    all%particles = all%particles + sums(eroded_count)
-    all%mass = all%mass + sums(eroded_mass)
-    all%momentum = all%momentum + sums(eroded_momentum:eroded_momentum + 2)
-    all%kinetic = all%kinetic + sums(eroded_kinetic)
-    all%internal = all%internal + sums(eroded_internal)
   end subroutine take_eroded
 
   !> Adds the nodes' sums.
@@ -187,7 +187,6 @@ contains
     all%external_power = all%external_power + sums(nodes_external)
     all%lost_force = all%lost_force + sums(nodes_lost)
     all%friction_power = all%friction_power + sums(nodes_friction)
-    all%wall_forces = all%wall_forces + sums([nodes_pressed, nodes_pulled])
   end subroutine add_nodes
 
   !> Adds what contact did.

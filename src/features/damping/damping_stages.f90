@@ -6,7 +6,8 @@
 !! f = exp(-rate dt) after each kick lets a mode decay with rate/2, exactly (doc/damping.md).
 module sgmp_damping_stages
   use sgmp_body, only: body_t
-  use sgmp_energy, only: ledger_damp, ledger_t
+  use sgmp_damping_account, only: damping_book
+  use sgmp_energy, only: ledger_t
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_method, only: method_t
@@ -58,7 +59,7 @@ contains
     do f = 1, size(fields)
       if (rigid_field(bodies, f) == 0) call slow_field(factor, fields(f))
     end do
-    call ledger_damp(ledger, factor)
+    call damping_book(ledger, factor)
   end subroutine damping_slow
 
   !> All that is a velocity in the particles of a body.
