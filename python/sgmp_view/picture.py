@@ -63,9 +63,9 @@ def initial_points(particles, source):
 class Canvas:
     """Pixels over a rectangle of the view plane."""
 
-    def __init__(self, lower, upper, spacing, pixels_per_spacing):
+    def __init__(self, lower, upper, spacing, pixels_per_spacing, most=2200):
         longest = max(upper - lower)
-        self.size = max(spacing / pixels_per_spacing, longest / 2200)  # side of a pixel
+        self.size = max(spacing / pixels_per_spacing, longest / most)  # side of a pixel
         self.lower = lower
         self.shape = tuple(int(n) + 1 for n in np.ceil((upper - lower) / self.size))[::-1]
         self.extent = (lower[0], lower[0] + self.shape[1] * self.size, lower[1], lower[1] + self.shape[0] * self.size)
@@ -153,7 +153,7 @@ def choose_norm(values, limits=None):
     return Normalize(low, high), SEQUENTIAL
 
 
-def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=None, limits=None, cmap=None):
+def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=None, limits=None, cmap=None, most=2200):
     """Draw a 2D or 3D cloud on `axis` in data units; returns a mappable for the colour bar."""
     flat = dimension_of(points) == 2
     across, up, along, sign = VIEWS[normal_of(points, view)]
@@ -167,7 +167,7 @@ def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=N
     keep = np.ones(len(points), bool)
     if cut and not flat:
         keep = depth <= 0.5 * (depth.min() + depth.max())
-    canvas = Canvas(lower, upper, spacing, 12 if len(points) < 200000 else 6)
+    canvas = Canvas(lower, upper, spacing, 12 if len(points) < 200000 else 6, most)
     if flat:
         _, colour = canvas.splat(plane, np.zeros(len(plane)), values, 0.55 * spacing, square=True)
         solid = close_gaps(np.isfinite(colour), int(0.6 * spacing / canvas.size))  # closer than about a cell of two particles
@@ -233,7 +233,7 @@ def draw_cloud(points, values, name, units, spacing, outline, options, axes="xyz
     extent = np.ptp(shown[:, [across, up]], axis=0) + 3 * spacing
     size = extent * min(7.5 / extent[0], 6.5 / extent[1])
     figure, axis = plt.subplots(figsize=(size[0] + 1.9, max(size[1], 1.8) + 0.9), layout="constrained")
-    mappable = draw_particles(axis, points, values, spacing, view, options.cut, outline, options.limits, options.cmap)
+    mappable = draw_particles(axis, points, values, spacing, view, options.cut, outline, options.limits, options.cmap, getattr(options, "most_pixels", 2200))
     bar = figure.colorbar(mappable, ax=axis, shrink=0.9, pad=0.03, aspect=28)
     bar.set_label(field_label(name, units))
     bar.outline.set_visible(False)

@@ -1,4 +1,4 @@
-"""One self-contained HTML page about a run: verdict, energies, pictures, gauges, cost, deck.
+"""One self-contained HTML page about a run: verdict, bodies at start and end, pictures, energies, gauges, cost, deck.
 
     sgmp-view report taylor_bar.out                  # taylor_bar.out/report.html
 
@@ -14,17 +14,17 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from . import gauges, history, picture, status
+from . import answer, gauges, history, picture, status
 from .compare import flat, text_of
 from .files import SgmpFileError, dumps_of, field_label, folder_of, label, plot_style, read_dump, read_summary_if_any, read_units, run_name
 from .movie import common_limits
 
 STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:62em;margin:2em auto;padding:0 1em;color:#222}
 h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em;border-bottom:1px solid #ccc}
-table{border-collapse:collapse}td{padding:.1em 1.2em .1em 0;vertical-align:top}td+td{font-variant-numeric:tabular-nums}
+table{border-collapse:collapse;margin-bottom:1em;max-width:100%}th{text-align:left;padding-right:1.2em}td{padding:.1em 1.2em .1em 0;vertical-align:top}td+td{font-variant-numeric:tabular-nums}
 img{max-width:100%}pre{background:#f6f6f6;padding:1em;overflow:auto;font-size:13px}
 .sound{color:#13641c}.doubtful{color:#a33c00}.failed,.not{color:#a30000}
-.frames{display:flex;flex-wrap:wrap}.frames img{width:49%}"""
+.frames{display:flex;flex-wrap:wrap}.frames img{width:49%}@media(max-width:600px){.frames img{width:100%}td{overflow-wrap:anywhere;padding-right:.5em}}"""
 
 ROWS = (
     ("Scene", (("dimension", "dimension"), ("method", "method"), ("update", "update scheme"), ("h", "cell"), ("spacing", "spacing of particles"),
@@ -71,6 +71,23 @@ def tables(values):
         yield "</table>"
 
 
+def answers(folder, units):
+    """What came out: the projectile's loss, and a table of each body at start and end."""
+    if not (folder / "bodies.csv").exists():
+        return
+    yield "<h2>Bodies</h2>"
+    projectile = answer.projectile_of(answer.Run(folder).bodies.values())
+    if projectile is not None:
+        before, after, share = answer.loss_of(projectile)
+        yield (f"<p><b>{html.escape(projectile.name)}</b>: {before:.5g} {units['velocity']} at the start, <b>{after:.5g} {units['velocity']}</b> along "
+               f"that direction at the end; {100 * share:.3g} % lost.</p>")
+    for name, rows in answer.bodies_table(folder, units):
+        yield f"<table><tr><th>{html.escape(name)}</th><th>start</th><th>end</th><th></th></tr>"
+        for words, then, now, unit in rows:
+            yield f"<tr><td>{words}</td><td>{text_of(then)}</td><td>{text_of(now)}</td><td>{unit}</td></tr>"
+        yield "</table>"
+
+
 def common_window(clouds):
     """Corners of the box that holds all of the first cloud and nearly all of the others: what flies away would make the rest small."""
     ends = [np.percentile(cloud.points, [0.5, 99.5], axis=0) for cloud in clouds]
@@ -81,7 +98,7 @@ def common_window(clouds):
 def frames(folder, options):
     """Pictures of some dumps, or of the final particles."""
     drawing = argparse.Namespace(field=options.field, axis=options.axis, cut=options.cut, limits=None, cmap=None, title=" ",
-                                 no_outline=False)
+                                 no_outline=False, most_pixels=900)
     try:
         dumps = dumps_of(folder)
         chosen = [dumps[k] for k in sorted({round(k) for k in np.linspace(0, len(dumps) - 1, min(options.frames, len(dumps)))})]
@@ -122,6 +139,7 @@ def page(folder, options):
     yield "<ul>" + "".join(f"<li>{html.escape(str(reason))}</li>" for reason in reasons) + "</ul>" if reasons else ""
     if any(units.values()):
         yield f"<p>Units: {units['length']}, {units['mass']}, {units['time']}; stress in {units['stress']}.</p>"
+    yield from answers(folder, units)
     with plt.rc_context(plot_style()):
         yield "<h2>State</h2><div class=frames>" + "".join(frames(folder, options)) + "</div>"
         try:

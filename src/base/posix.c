@@ -4,6 +4,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -123,6 +124,24 @@ int64_t sgmp_file_number(const char *folder, const char *prefix, const char *suf
   }
   closedir(entries);
   return largest;
+}
+
+/* The name of a file in a folder that ends with `suffix` and comes next after `after`; its length, 0: none. */
+int64_t sgmp_file_next(const char *folder, const char *suffix, const char *after, char *name, int64_t n)
+{
+  char next[NAME_MAX + 1] = "";
+  DIR *entries = opendir(folder);
+  if (entries == NULL) return 0;
+  for (struct dirent *entry = readdir(entries); entry != NULL; entry = readdir(entries)) {
+    const char *found = entry->d_name;
+    const size_t length = strlen(found), end = strlen(suffix);
+    if (length <= end || length > (size_t)n || strcmp(found + length - end, suffix) != 0) continue;
+    if (strcmp(found, after) <= 0 || (next[0] != 0 && strcmp(found, next) >= 0)) continue;
+    strcpy(next, found);
+  }
+  closedir(entries);
+  memcpy(name, next, strlen(next));
+  return (int64_t)strlen(next);
 }
 
 /* Gives an environment variable a value unless it has one. */

@@ -3,9 +3,10 @@
 module sgmp_posix
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_null_char
   use sgmp_kinds, only: i8
+  use sgmp_spelling, only: string_t
   implicit none
   private
-  public :: environment_default, file_number, file_regular, file_reserve, file_sync, &
+  public :: environment_default, file_names, file_number, file_regular, file_reserve, file_sync, &
             folder_lock, signal_name, program_path, signals_watch
   public :: lock_taken, lock_unknown, lock_impossible
 
@@ -57,6 +58,15 @@ module sgmp_posix
       integer(c_int64_t), value :: below
       integer(c_int64_t) :: number
     end function c_file_number
+    function c_file_next(folder, suffix, after, name, n) result(length) &
+        bind(c, name='sgmp_file_next')
+      import :: c_char, c_int64_t
+      implicit none
+      character(kind=c_char), intent(in) :: folder(*), suffix(*), after(*)
+      character(kind=c_char), intent(inout) :: name(*)
+      integer(c_int64_t), value :: n
+      integer(c_int64_t) :: length
+    end function c_file_next
     function c_folder_lock(path, rank) result(holder) bind(c, name='sgmp_folder_lock')
       import :: c_char, c_int64_t
       implicit none
@@ -138,6 +148,31 @@ contains
     number = int(c_file_number(c_text(folder), c_text(prefix), c_text(suffix), &
                                int(below, c_int64_t)), i8)
   end function file_number
+
+  !> Names of the files of a folder that end with a suffix, without it, sorted; none where there is
+  !! no such folder.
+  subroutine file_names(folder, suffix, names)
+    character(*), intent(in) :: folder, suffix
+    type(string_t), allocatable, intent(out) :: names(:)
+    integer, parameter :: most = 255
+    character(kind=c_char) :: letters(most)
+    type(string_t) :: next
+    character(most) :: whole
+    integer :: length, i
+    allocate (names(0))
+    whole = ''
+    do
+      length = int(c_file_next(c_text(folder), c_text(suffix), c_text(whole), letters, &
+                               int(most, c_int64_t)))
+      if (length == 0) return
+      whole = ''
+      do i = 1, length
+        whole(i:i) = letters(i)
+      end do
+      next%text = whole(:length - len(suffix))
+      names = [names, next]
+    end do
+  end subroutine file_names
 
   !> Takes a rank's part of a lock file until the process ends, however it ends; the first rank,
   !! who comes first, gets it only where no process of another run has any part.

@@ -3,6 +3,7 @@
 module sgmp_lexer
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_kinds, only: i8
+  use sgmp_library_folder, only: library_file, library_places
   use sgmp_posix, only: file_regular
   use sgmp_spelling, only: string_t, word_lower
   use sgmp_text, only: integer_text
@@ -104,10 +105,23 @@ contains
         return
       end if
       name = tokens(2)%text
-      if (index(name, '/') /= 1) name = path(:index(path, '/', back=.true.))//name
+      if (index(name, '/') /= 1) name = included_path(path, name)
       call read_file(name, tokens(2)%position, deeper, statements, complete, errors)
     end associate
   end subroutine include_file
+
+  !> Path of a file that another includes: beside it, else in the library, where that has it.
+  function included_path(path, name) result(found)
+    character(*), intent(in) :: path  !! of the file that includes
+    character(*), intent(in) :: name  !! as the card has it, relative
+    character(:), allocatable :: found, of_library
+    logical :: exists
+    found = path(:index(path, '/', back=.true.))//name
+    inquire (file=found, exist=exists)
+    if (exists) return
+    of_library = library_file(name)
+    if (of_library /= '') found = of_library
+  end function included_path
 
   !> Reads a text file as lines; refuses directories, missing, empty, huge and binary files.
   subroutine read_lines(path, asked_at, lines, failed, errors)
@@ -128,7 +142,7 @@ contains
     end if
     inquire (file=path, exist=exists)
     if (.not. exists) then
-      call errors%add(asked_at, "there is no file '"//path//"'", 'check the spelling of the path')
+      call errors%add(asked_at, "there is no file '"//path//"'", missing_remedy(asked_at))
       return
     end if
     if (.not. file_regular(path)) then
@@ -155,6 +169,15 @@ contains
     if (failed) return
     call cut_lines(path, text, lines, failed, errors)
   end subroutine read_lines
+
+  !> What to do about a missing file: of one that is included, where it was looked for.
+  function missing_remedy(asked_at) result(text)
+    type(position_t), intent(in) :: asked_at
+    character(:), allocatable :: text
+    text = 'check the spelling of the path'
+    if (asked_at%line > 0) text = text//'; looked for beside the file that includes it and in '// &
+                                  library_places()//' (sgmp materials lists the library)'
+  end function missing_remedy
 
   !> Cuts a text at newlines; control characters mean that it is not a deck.
   subroutine cut_lines(path, text, lines, failed, errors)

@@ -103,7 +103,10 @@ contains
       'line', &
       '  continues it. Text with blanks goes into quotes.', &
       '* `include "file"` inserts another file; its path is relative to the file that includes '// &
-      'it.', &
+      'it,', &
+      '  else to the folders of SGMP_PATH (separated by colons), else to the library of the '// &
+      'program:', &
+      '  `include "materials/copper.inp"` works from any folder. `sgmp materials` lists those.', &
       '* `parameter name = value` defines a number, or a word. `--set name=value` replaces it.', &
       '* A number may be a formula of numbers and parameters: `cell=h/2`, or in quotes with '// &
       'blanks.', &

@@ -330,10 +330,12 @@ contains
     if (c_remove(c_text(path)) /= 0) call io_error(error, 'remove', path)
   end subroutine file_remove
 
-  !> Whether standard output is a terminal.
+  !> Whether standard output is a terminal that somebody looks at: mpirun gives the processes that
+  !! it starts terminals of their own, but passes on what they write there, to a file maybe; errors
+  !! go through a pipe then.
   function is_terminal() result(yes)
     logical :: yes
-    yes = c_isatty(1_c_int) /= 0
+    yes = c_isatty(1_c_int) /= 0 .and. c_isatty(2_c_int) /= 0
   end function is_terminal
 
   !> Builds "cannot <action> 'path': reason"; the reason defaults to the system's for the last C

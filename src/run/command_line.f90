@@ -8,7 +8,7 @@ module sgmp_command_line
   public :: command_line_t, command_line_read, command_line_parse
   public :: action_run, action_help, action_markdown, action_version, action_usage, &
             action_usage_markdown, action_completion, action_import, action_new, action_man, &
-            action_json
+            action_json, action_materials
 
   integer, parameter :: action_run = 1      !! run or check a deck
   integer, parameter :: action_help = 2     !! show cards, or the keys of one
@@ -22,11 +22,12 @@ module sgmp_command_line
   integer, parameter :: action_new = 9             !! copy a deck of the gallery, or list them
   integer, parameter :: action_man = 10            !! write the manual page
   integer, parameter :: action_json = 11           !! write what goes with what
+  integer, parameter :: action_materials = 12      !! list the library of materials, or show one
 
   !> What the user asked for.
   type :: command_line_t
     integer :: action = action_run
-    character(:), allocatable :: deck         !! path; with action_new a name, '' for a list
+    character(:), allocatable :: deck         !! path; a name with action_new and action_materials
     character(:), allocatable :: keyword      !! of help; '' for the overview
     character(:), allocatable :: settings(:)  !! `NAME=VALUE`
     character(:), allocatable :: output       !! directory; '' for the default
@@ -85,6 +86,9 @@ contains
     case ('new')
       chosen%action = action_new
       i = 2
+    case ('materials')
+      chosen%action = action_materials
+      i = 2
     case default  ! a deck or an option
       i = 1
     end select
@@ -107,6 +111,11 @@ contains
   subroutine check_combination(chosen, error)
     type(command_line_t), intent(in) :: chosen
     type(error_t), allocatable, intent(out) :: error
+    if (chosen%action == action_materials .and. (runs_something(chosen) .or. chosen%keep_3d .or. &
+                                                 chosen%output /= '')) then
+      call error_make(error, exit_usage, 'materials takes no options', &
+                      'sgmp materials lists them, sgmp materials NAME shows one')
+    end if
     if (.not. any(chosen%action == [action_run, action_import, action_new])) return
     if (chosen%action == action_new .and. (runs_something(chosen) .or. chosen%keep_3d)) then
       call error_make(error, exit_usage, 'new takes --output only', &

@@ -2,7 +2,7 @@
 module sgmp_gallery
   use sgmp_errors, only: error_make, error_t, exit_io, exit_usage
   use sgmp_file_tools, only: directory_make, file_exists, file_lines, line_t, output_file_t
-  use sgmp_posix, only: program_path
+  use sgmp_library_folder, only: library_file, library_places
   use sgmp_spelling, only: suggestion, word_items, word_position, words_joined
   implicit none
   private
@@ -81,8 +81,13 @@ contains
                       'move it away, or choose a folder with --output')
     end if
     if (allocated(error)) return
-    call find_input(trim(decks(number)%file), source, error)
-    if (allocated(error)) return
+    source = library_file(trim(decks(number)%file))
+    if (source == '') then
+      call error_make(error, exit_io, 'the decks that come with the program are not in '// &
+                      library_places(), 'install it whole (make install PREFIX=…), or copy '// &
+                      'input/'//trim(decks(number)%file)//' from the sources')
+      return
+    end if
     call file_lines(source, lines, error)
     if (allocated(error)) return
     if (folder /= '') call directory_make(folder, error)
@@ -94,23 +99,5 @@ contains
     end do
     call copy%close(error)
   end subroutine gallery_copy
-
-  !> Path of a deck that came with the program: beside an installed one, or one in its build folder.
-  subroutine find_input(file, path, error)
-    character(*), intent(in) :: file              !! in the folder input
-    character(:), allocatable, intent(out) :: path
-    type(error_t), allocatable, intent(out) :: error
-    character(*), parameter :: places(2) = [character(18) :: '/../share/sgmp', '/../..']
-    character(:), allocatable :: program
-    integer :: i
-    program = program_path()
-    do i = 1, size(places)
-      path = program(:index(program, '/', back=.true.) - 1)//trim(places(i))//'/input/'//file
-      if (file_exists(path)) return
-    end do
-    call error_make(error, exit_io, "the decks that come with the program are not beside '"// &
-                    program//"'", 'install it whole (make install PREFIX=…), or copy '// &
-                    'input/'//file//' from the sources')
-  end subroutine find_input
 
 end module sgmp_gallery

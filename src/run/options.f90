@@ -43,6 +43,7 @@ module sgmp_options
   character(*), parameter :: uses(*) = [character(80) :: &
     '  sgmp DECK [options]       run a deck, or a deck of MPM3D (X.mpm)', &
     '  sgmp new [NAME]           copy a deck to begin with, or list them', &
+    '  sgmp materials [NAME]     list the library of materials, or show one with its sources', &
     '  sgmp import X.mpm         make a deck of a deck of MPM3D, and a report of it', &
     '  sgmp help [CARD]          cards of a deck, or the keys of one', &
     '  sgmp help --markdown      the complete deck reference', &
@@ -118,7 +119,9 @@ contains
     end do
     write (unit, '(a)') '.SH ENVIRONMENT', '.TP', '.B OMP_NUM_THREADS', &
       'largest number of threads, where \-\-threads does not say', '.TP', '.B SGMP_THREADS', &
-      'exact: as many threads as are allowed, in small scenes, too', '.SH EXAMPLES', '.nf', &
+      'exact: as many threads as are allowed, in small scenes, too', '.TP', '.B SGMP_PATH', &
+      'folders in which included files are looked for, separated by colons', &
+      '.SH EXAMPLES', '.nf', &
       'sgmp new penetration', 'sgmp penetration.inp \-\-check', &
       'sgmp penetration.inp \-\-set speed=700', '.fi'
   end subroutine options_man
@@ -153,12 +156,15 @@ contains
     write (unit, '(a)') '" ;;', &
       '    completion) choices=bash ;;', &
       '    new) choices="'//gallery_names()//'" ;;', &
+      '    materials) choices=$(sgmp materials 2>/dev/null | '// &
+      'sed -n "/^  /s/^  \([^ ]*\) .*/\1/p") ;;', &
       '    import) COMPREPLY=($(compgen -f -X "!*.mpm" -- "$word") $(compgen -d -- "$word")) ;;', &
       '    *) case $word in', &
       '         -*) choices="'//words_joined(options%name)//'" ;;', &
       '         *) COMPREPLY=($(compgen -f -X "!*.inp" -- "$word") $(compgen -d -- "$word"))', &
       '            COMPREPLY+=($(compgen -f -X "!*.mpm" -- "$word"))', &
-      '            if ((COMP_CWORD == 1)); then choices="help import new completion"; fi ;;', &
+      '            if ((COMP_CWORD == 1)); then '// &
+      'choices="help import new materials completion"; fi ;;', &
       '       esac ;;', &
       '  esac', &
       '  COMPREPLY+=($(compgen -W "$choices" -- "$word"))', &

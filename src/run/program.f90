@@ -4,8 +4,8 @@ module sgmp_program
   use omp_lib, only: omp_get_max_threads
   use sgmp_combinations_help, only: combinations_write_json
   use sgmp_command_line, only: action_completion, action_help, action_import, action_json, &
-                               action_man, action_markdown, action_new, action_usage, &
-                               action_usage_markdown, action_version, command_line_t
+                               action_man, action_markdown, action_materials, action_new, &
+                               action_usage, action_usage_markdown, action_version, command_line_t
   use sgmp_deck, only: deck_read
   use sgmp_deck_errors, only: deck_errors_t
   use sgmp_errors, only: error_t, exit_deck, exit_ok, exit_stopped
@@ -13,6 +13,7 @@ module sgmp_program
   use sgmp_import_mpm3d, only: import_is_mpm3d, import_path, import_read, import_summary, &
                                import_write, imported_t
   use sgmp_kinds, only: dp
+  use sgmp_material_library, only: material_list, material_show
   use sgmp_options, only: options_completion, options_man, options_markdown, options_usage
   use sgmp_parallel, only: parallel_agree, parallel_rank
   use sgmp_posix, only: signals_watch
@@ -54,6 +55,8 @@ contains
       if (speaks) call options_man(output_unit)
     case (action_new)
       if (speaks) call new_deck(options, error)
+    case (action_materials)
+      if (speaks) call show_materials(options%deck, error)
     case (action_version)
       if (speaks) write (output_unit, '(a)') 'sgmp '//version_string//' ('//commit_hash//') '// &
         compiler_string
@@ -78,6 +81,17 @@ contains
     write (output_unit, '(a)') path//': run it with sgmp '//path// &
       '; --check first says what it will cost'
   end subroutine new_deck
+
+  !> Lists the library of materials, or shows an entry.
+  subroutine show_materials(name, error)
+    character(*), intent(in) :: name  !! '' for the list
+    type(error_t), allocatable, intent(out) :: error
+    if (name == '') then
+      call material_list(output_unit, error)
+    else
+      call material_show(name, output_unit, error)
+    end if
+  end subroutine show_materials
 
   !> Makes a native deck of an MPM3D deck, in a folder.
   subroutine import_deck(options, folder, replace, native, error, status)

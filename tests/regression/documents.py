@@ -89,7 +89,7 @@ def call(words, folder):
 
 def checked(words):
     """A command of sgmp that runs nothing; None where there is no such deck."""
-    if words[0] in ("new", "help", "completion"):
+    if words[0] in ("new", "help", "completion", "materials"):
         return words
     deck = words[0]
     if deck.startswith("-"):

@@ -7,7 +7,7 @@ import os
 import shutil
 import subprocess
 
-from _runs import ENVIRONMENT, SCRATCH, SGMP, Report
+from _runs import ENVIRONMENT, INPUT, SCRATCH, SGMP, Report
 
 PREFIX = os.path.join(SCRATCH, "prefix")
 PROJECT = """
@@ -50,13 +50,62 @@ def decks(report, program):
     code, text = call(lonely, "new", names[0], folder=folder + "/there/..")
     report.check(code == 5, f"overwritten by {text}")
     code, text = call(lonely, "new", names[0], folder=os.path.dirname(lonely))
-    report.check(code == 5 and "not beside" in text, f"without decks: {code} {text}")
+    report.check(code == 5 and "are not in" in text, f"without decks: {code} {text}")
+
+
+LIBRARY_DECK = """
+units mm g ms
+dimension 1
+grid cell=1 x=open
+time steps=1
+include "{file}"
+body bar block material={name} lower=0 upper=4 ppc=2
+"""
+
+
+def written(folder, file, text):
+    os.makedirs(os.path.dirname(os.path.join(folder, file)), exist_ok=True)
+    with open(os.path.join(folder, file), "w", encoding="utf-8") as out:
+        out.write(text)
+
+
+def materials(report, program):
+    """The library from a folder far from it: listed, shown, included; what stands beside the deck goes first, then SGMP_PATH."""
+    folder = fresh("far/away")
+    code, text = call(program, "materials", folder=folder)
+    names = [line.split()[0] for line in text.split("materials:")[-1].splitlines() if line.strip()]
+    there = sorted(name[:-4] for name in os.listdir(os.path.join(INPUT, "materials")) if name.endswith(".inp"))
+    report.check(code == 0 and names == there, f"sgmp materials: {code} {text}")
+    code, text = call(program, "materials", "copper", folder=folder)
+    with open(os.path.join(INPUT, "materials", "copper.inp"), encoding="utf-8") as file:
+        report.check(code == 0 and text.split("\n", 1)[1] == file.read(), f"sgmp materials copper: {code} {text}")
+    written(folder, "library.inp", LIBRARY_DECK.format(file="materials/copper.inp", name="copper"))
+    code, text = call(program, "library.inp", "--check", folder=folder)
+    report.check(code == 0, f"the library's copper: {code} {text}")
+    for words, part in ((("materials", "coper"), "did you mean 'copper'"), (("materials", "--check"), "takes no options")):
+        code, text = call(program, *words, folder=folder)
+        report.check(code == 2 and part in text, f"{words}: {code} {text}")
+    written(folder, "mine/materials/copper.inp", "material mine elastic density=1e-3 young=1 poisson=0\n")
+    written(folder, "own.inp", LIBRARY_DECK.format(file="materials/copper.inp", name="mine"))
+    code, text = call(program, "own.inp", "--check", folder=folder)
+    report.check(code == 3 and "mine" in text, f"material mine without SGMP_PATH: {code} {text}")
+    ENVIRONMENT["SGMP_PATH"] = "/nowhere:" + os.path.join(folder, "mine")
+    code, text = call(program, "own.inp", "--check", folder=folder)
+    report.check(code == 0, f"material mine by SGMP_PATH: {code} {text}")
+    del ENVIRONMENT["SGMP_PATH"]
+    shutil.copytree(os.path.join(folder, "mine", "materials"), os.path.join(folder, "materials"))
+    code, text = call(program, "own.inp", "--check", folder=folder)
+    report.check(code == 0, f"material mine beside the deck: {code} {text}")
+    written(folder, "missing.inp", LIBRARY_DECK.format(file="materials/coper.inp", name="copper"))
+    code, text = call(program, "missing.inp", "--check", folder=folder)
+    report.check(code == 3 and "looked for beside" in text and "share/sgmp/input" in text, f"missing include: {code} {text}")
 
 
 def main():
     report = Report()
     build = os.path.dirname(SGMP)
     decks(report, SGMP)
+    materials(report, SGMP)
     if not (os.path.exists(os.path.join(build, "generated", "sgmp.1")) and shutil.which("cmake")):
         return report.end()
     shutil.rmtree(PREFIX, ignore_errors=True)
@@ -64,6 +113,7 @@ def main():
     report.check(code == 0, f"cmake --install: {text}")
     program = os.path.join(PREFIX, "bin", "sgmp")
     decks(report, program)
+    materials(report, program)
     with open(os.path.join(PREFIX, "share", "man", "man1", "sgmp.1"), encoding="utf-8") as page:
         manual = page.read()
     for word in call(program, "help", "options")[1].split():

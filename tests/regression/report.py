@@ -7,6 +7,7 @@ usage: report.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import math
 import os
+import pty
 import re
 import subprocess
 
@@ -130,6 +131,38 @@ def levels(report):
     report.check("growth" in shown["--verbose"] and "poisson" in shown["--verbose"], f"--verbose: {shown['--verbose']}")
 
 
+def shown_by(words, errors_too):
+    """What a program writes to a terminal; its errors go there, too, or through a pipe as under mpirun."""
+    leader, follower = pty.openpty()
+    with subprocess.Popen(words, stdout=follower, stderr=follower if errors_too else subprocess.PIPE, env=ENVIRONMENT) as process:
+        os.close(follower)
+        text = b""
+        while True:
+            try:
+                piece = os.read(leader, 65536)
+            except OSError:  # the other end is closed
+                break
+            if not piece:
+                break
+            text += piece
+        process.communicate(timeout=60)
+    os.close(leader)
+    return process.returncode, text.decode()
+
+
+def terminal(report):
+    """One line that is rewritten on a terminal; nothing of it in a pipe, nor where mpirun passes on what its terminals show."""
+    words = [word for word in command_line("terminal", DECK.format(steps=200)) if word != "--quiet"]
+    code, text = shown_by(words, True)
+    report.check(code == 0 and "\r[" in text and "\033[K" in text and "ETA" in text, f"terminal: {code} {text!r}")
+    code, text = shown_by(words, False)
+    report.check(code == 0 and "200 steps" in text and "\033" not in text, f"terminal of mpirun: {code} {text!r}")
+    for launcher in ([], mpirun(2)):
+        done = subprocess.run(launcher + words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=ENVIRONMENT, check=False, timeout=60)
+        text = done.stdout.decode()
+        report.check(done.returncode == 0 and "200 steps" in text and "\033" not in text, f"pipe {launcher}: {done.returncode} {text!r}")
+
+
 def warnings(report):
     """Gas between walls all round, with methods whose volumes drift; not with an open side, with sgmp, or where nothing is gas."""
     box = DECK.format(steps=2).replace("x=0:open y=0:open", "x=0:10 y=0:10").replace("wall y-=slip", "wall x-=slip x+=slip y-=slip y+=slip")
@@ -167,7 +200,7 @@ def threads_chosen(report):
 def main():
     """All of it."""
     report = Report()
-    for part in (scene, costs, ranks, levels, warnings, threads_chosen):
+    for part in (scene, costs, ranks, levels, terminal, warnings, threads_chosen):
         part(report)
     report.end()
 

@@ -1,0 +1,89 @@
+"""What a run has answered: each body at its start and end, and what the projectile has lost."""
+
+import numpy as np
+
+from .files import SgmpFileError, dumps_of, read_summary_if_any
+from .runs import Run
+
+AXES = "xyz"
+
+
+def state_of(at, units, axes, round_axis):
+    """Numbers of a body at its start or end: label, value and unit."""
+    straight = [(axis, at[f"velocity_{axis}"]) for axis in axes if not (round_axis and axis == "x")]
+    yield "mass", at["mass"], units["mass"]
+    for axis, value in straight:
+        yield f"mean velocity, {axis}", value, units["velocity"]
+    yield "kinetic energy", at["kinetic_energy"], units["energy"]
+    yield "internal energy", at["internal_energy"], units["energy"]
+    for axis, value in straight:
+        yield f"momentum, {axis}", at["mass"] * value, units["momentum"]
+    yield "particles", at["particles"], ""
+
+
+def cloud_of(cloud, of_body, axes, units, round_axis):
+    """What a dump says of the particles of a body: extents, share that has failed, temperature."""
+    if not np.any(of_body):
+        return
+    for axis in axes:
+        along = cloud.points[of_body, AXES.index(axis)]
+        name = "r" if round_axis and axis == "x" else axis
+        yield f"extent, {name}", f"{along.min():.5g} … {along.max():.5g}", units["length"]
+    if "damage" in cloud.fields:
+        yield "failed, share of its particles", float(np.mean(cloud.fields["damage"][of_body] >= 1)), ""
+    if "temperature" in cloud.fields:
+        yield "largest temperature", float(cloud.fields["temperature"][of_body].max()), "K"
+
+
+def moving_axes(bodies):
+    """The axes along which bodies lie or move; those of thin directions are left out."""
+    def used(axis):
+        return any(np.any(body.series[column] != 0) for body in bodies for column in (axis, f"velocity_{axis}"))
+    return [axis for axis in AXES if used(axis)] or ["x"]
+
+
+def projectile_of(bodies):
+    """The body that is fastest at its start, where others are at rest or slower; None where all move alike."""
+    def speed(body):
+        return np.linalg.norm([body.start[f"velocity_{axis}"] for axis in AXES])
+    ordered = sorted(bodies, key=speed)
+    if not ordered or speed(ordered[-1]) == 0 or (len(ordered) > 1 and speed(ordered[-2]) > 0.999 * speed(ordered[-1])):
+        return None
+    return ordered[-1]
+
+
+def loss_of(body):
+    """Velocity along its first direction at start and end, and the share of it that is lost."""
+    before = np.array([body.start[f"velocity_{axis}"] for axis in AXES])
+    after = np.array([body.end[f"velocity_{axis}"] for axis in AXES])
+    speed = np.linalg.norm(before)
+    along = float(after @ before / speed)
+    return float(speed), along, 1 - along / speed
+
+
+def bodies_table(folder, units):
+    """Per body: rows of label, value at the start, value at the end, unit. Dumps are read where there are two or more."""
+    bodies = Run(folder).bodies
+    round_axis = read_summary_if_any(folder).get("dimension") == "axisymmetric"  # the mean of radial velocities says nothing
+    axes = moving_axes(bodies.values())
+    clouds = ends_of(folder)
+    for number, (name, body) in enumerate(bodies.items(), 1):
+        sides = [list(state_of(at, units, axes, round_axis)) for at in (body.start, body.end)]
+        for side, cloud in zip(sides, clouds):
+            side += cloud_of(cloud, cloud.fields["body"] == number, axes, units, round_axis)
+        then, now = ({label: value for label, value, _ in side} for side in sides)
+        unit_of = {label: unit for side in sides for label, _, unit in side}
+        rows = [(label, then.get(label, ""), now.get(label, ""), unit) for label, unit in unit_of.items()]
+        if body.start["mass"] > 0 and body.end["mass"] != body.start["mass"]:
+            rows.append(("mass that is gone (eroded or lost), share", 0.0, 1 - body.end["mass"] / body.start["mass"], ""))
+        yield name, rows
+
+
+def ends_of(folder):
+    """First and last dump of a run, none where there are fewer than two or they name no bodies."""
+    try:
+        dumps = dumps_of(folder)
+        clouds = [dumps[0].read(), dumps[-1].read()] if len(dumps) > 1 else []
+    except SgmpFileError:
+        return []
+    return clouds if all("body" in cloud.fields for cloud in clouds) else []
