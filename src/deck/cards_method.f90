@@ -62,6 +62,9 @@ contains
       'exact: rigid rotation strains nothing and internal '// &
                       'forces have no moment, at free surfaces as well (sgmp only)', &
                       choices='plain exact', default='plain', source='doc/rotation.md')
+    call registry%key('surfaces', kind_word, 'corrected: strains are right at free surfaces '// &
+                      'that lie at an angle to the grid (sgmp only)', choices='plain corrected', &
+                      default='plain', source='doc/surfaces.md')
     call registry%key('spin', kind_word, 'whether particles carry the rotation of what is '// &
                       'around them to the grid, so that what turns keeps turning (sgmp, musl)', &
                       choices='none carried', default='none', source='doc/rotation.md')
@@ -125,6 +128,7 @@ contains
       method%split_most = card%whole('split_most', absent=10000000)
       method%hoop = card%number('hoop', absent=method%hoop)
       method%rotation = card%word('rotation') == 'exact'
+      method%surfaces = card%word('surfaces') == 'corrected'
       method%spin = card%word('spin') == 'carried'
     end associate
   end subroutine read_method

@@ -68,6 +68,7 @@ module sgmp_scene
     real(dp) :: split = 0.0_dp        !! longest side (cells) of a particle that stays whole; 0: all
     integer :: split_most = 0         !! particles that splitting may lead to
     logical :: rotation = .false.     !! rigid rotation strains nothing (sgmp only)
+    logical :: surfaces = .false.     !! strains are corrected at surfaces (sgmp only)
     logical :: spin = .false.         !! particles carry their spin (sgmp only)
     real(dp) :: hoop = axis_correction  !! correction of the hoop strain (axisymmetric)
     real(dp) :: interior = 0.25_dp    !! filling beyond which a cell counts as interior

@@ -3,6 +3,7 @@
 module sgmp_field_nodes
   use sgmp_field, only: field_t
   use sgmp_field_rotation, only: field_rotation_forces
+  use sgmp_field_surfaces, only: field_surfaces_forces
   use sgmp_halo, only: halo_planes
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
@@ -32,7 +33,7 @@ contains
     type(team_t), intent(in) :: team
     type(partition_t), intent(in) :: partition
     integer :: p, p1, p2, more
-    more = merge(1, 0, method%rotation)
+    more = merge(1, 0, method%rotation) + merge(1, 0, method%surfaces)
     call halo_planes(field, partition%own + [-1 - more, partition%nodes + more], p1, p2)
     !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
     !$omp& default(none) shared(field, mesh, method, team, p1, p2) private(p)
@@ -70,6 +71,7 @@ contains
     type(partition_t), intent(in) :: partition
     real(dp), intent(inout) :: sums(:, :)        !! (nodes_sums, planes), added to
     integer :: p, p1, p2
+    if (field%columns%pairs > 0) call field_surfaces_forces(field, mesh, team, partition)
     if (field%columns%offset > 0) call field_rotation_forces(field, mesh, team, partition)
     call field_node_planes(field, partition, p1, p2)
     !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &

@@ -102,8 +102,10 @@ contains
   pure subroutine sweep_columns(plan, field)
     type(plan_t), intent(inout) :: plan
     type(field_t), intent(in) :: field
+    plan%pairs = 0
     if (plan%mass) then
-      plan%first_column = field%columns%mass
+      plan%first_column = min(field%columns%mass, max(1, field%columns%pairs))
+      plan%pairs = field%columns%mass - plan%first_column
     else if (plan%momentum) then
       plan%first_column = field%columns%momentum
     else

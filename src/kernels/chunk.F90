@@ -8,7 +8,7 @@
 module DIM(sgmp_chunk)
   use CARTESIAN(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t
-  use sgmp_columns, only: relax_stiffness, relax_total
+  use sgmp_columns, only: pair_sums, relax_stiffness, relax_total
   use sgmp_constitutive, only: constitutive_t
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
                                   departures_outside, departures_take_out
@@ -24,7 +24,7 @@ module DIM(sgmp_chunk)
   use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_scatter), only: column_sums, linear_scatter, linear_scatter_force, &
-                                     linear_scatter_moment
+                                     linear_scatter_moment, linear_scatter_pairs
   use CARTESIAN(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
   use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
@@ -49,8 +49,8 @@ module DIM(sgmp_chunk)
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 1 + NMASS + NDIM*(3 + NDIM) + NSPIN + NFLUX + 5 + &
-                                     most_drives
+  integer, parameter :: most_columns = 2 + NMASS + NDIM*(3 + NDIM) + NSPIN + NFLUX + 5 + &
+                                     most_drives + pair_sums(NDIM)
   integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
@@ -72,10 +72,13 @@ module DIM(sgmp_chunk)
                                   !! they fill it
     integer :: span = 1                  !! cells of a bin
     integer :: nq = 0                    !! columns of the moments that are scattered
-    integer :: plain = 0                 !! of these, all but the last: the mass's first moments
+    integer :: pairs = 0                 !! of these, the first: volume moments of pairs of centres
+    integer :: plain = 0                 !! of these, all but the first and the last, which are the
+                                         !! mass's first moments
     integer :: spin = 0                  !! columns before the spin; 0: none is carried
     integer :: momentum = 0              !! columns before the momentum
-    integer :: masses = NMASS            !! columns of mass, those of driven particles among them
+    integer :: masses = NMASS            !! columns of mass, those of driven particles among them,
+                                         !! and at last of the volume, if there are pairs
     integer :: swirl = 0                 !! columns before the moments of swirl; 0: none
     integer :: square = 0                !! column of m |v|^2; 0: none
     integer :: behind = 0                !! columns behind the forces, from the volume on
@@ -114,8 +117,9 @@ contains
     task%shift = stencil_shift(kernel)
     task%span = bin_span(kernel, NDIM)
     task%nq = plan%last_column - plan%first_column + 1
-    task%plain = task%nq - merge(NDIM, 0, plan%offset)
-    task%masses = NMASS + plan%driven
+    task%pairs = plan%pairs
+    task%plain = task%nq - merge(NDIM, 0, plan%offset) - task%pairs
+    task%masses = NMASS + plan%driven + merge(1, 0, task%pairs > 0)
     task%forces = merge(task%masses, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
     if (plan%spins > 0 .and. plan%momentum) then
       task%momentum = merge(task%masses, 0, plan%mass)
@@ -252,6 +256,7 @@ contains
       call driven_masses(body, task%live(1, nl), motion(1, mass_at), nb, state, plan%driven, &
                          values(1, NMASS + 1))
     end if
+    if (task%pairs > 0) values(:, task%masses) = task%live(:, nl)*state(:, 1)
 #ifdef AXISYMMETRIC
     if (task%swirl > 0) call swirl_collect(task%live(1, nl), motion, motion(1, mass_at), &
                                            state(1, body%law%slots%swirl), &
@@ -815,16 +820,21 @@ contains
     real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     type(product_spread_t) :: spread
-    integer :: plain, rest
+    integer :: plain, rest, momentum
     if (task%centred) then
+      momentum = task%pairs + task%momentum
       if (task%spin > 0) then
         call spin_to_origin(task%h, xi, values(1, task%spin + 1), values(1, task%momentum + 1))
         call spin_to_corners(task%h, xi, cell, values(1, task%spin + 1), task%span, task%nq, &
-                             stencil(1, task%momentum + 1, 1))
+                             stencil(1, momentum + 1, 1))
       end if
-      call linear_scatter(task%plain, xi, cell, values, task%nq, stencil)
-      if (task%nq > task%plain) call linear_scatter_moment(xi, cell, values, task%nq, &
-                                                           stencil(1, task%plain + 1, 1))
+      if (task%pairs > 0) call linear_scatter_pairs(xi, cell, values(1, task%masses), task%nq, &
+                                                    stencil)
+      call linear_scatter(task%plain, xi, cell, values, task%nq, stencil(1, task%pairs + 1, 1))
+      if (task%nq > task%pairs + task%plain) then
+        call linear_scatter_moment(xi, cell, values, task%nq, &
+                                   stencil(1, task%pairs + task%plain + 1, 1))
+      end if
       return
     end if
     plain = task%forces

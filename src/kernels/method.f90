@@ -16,6 +16,7 @@ module sgmp_method
     real(dp) :: split = 0.0_dp              !! longest side (cells) of a particle that is not split;
                                             !! 0: none is
     logical :: rotation = .false.           !! rigid rotation strains nothing
+    logical :: surfaces = .false.           !! strains are corrected at surfaces
     logical :: swirl = .false.              !! axisymmetric: with a velocity around the axis
     integer :: spins = 0                    !! components of the spin that particles carry
     real(dp) :: cutoff = 0.0_dp             !! node mass below which a node is ignored

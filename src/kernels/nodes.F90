@@ -25,6 +25,9 @@ module DIM(sgmp_nodes)
 #if NDIM > 1
   use CARTESIAN(sgmp_rotation), only: rotation_force
 #endif
+#if NDIM > 1
+  use DIM(sgmp_surfaces), only: surfaces_push
+#endif
   use sgmp_sums, only: nodes_external, nodes_lost, nodes_mass_aa, nodes_mass_av, &
                        nodes_sums
   use sgmp_voigt, only: flux_between
@@ -375,6 +378,9 @@ contains
 #ifdef AXISYMMETRIC
       call add_hoop_force(n, mesh%inverse_h, field%hoop(first - 1, 1), field%hoop(first - 1, 2), &
                           field%moment(1, before + NFLUX), centre_rows(field, s, first), f(1, 1))
+#endif
+#if NDIM > 1
+      if (field%columns%pairs > 0) call surfaces_push(field, centre_rows(field, s, first), n, f)
 #endif
     else
       i = field%neighbour(0, 0, s) + first

@@ -27,6 +27,9 @@ module sgmp_passes
   use sgmp_plan, only: plan_t, workspace_t
   use sgmp_rebinning, only: arrivals_t
   use sgmp_sums, only: nodes_sums
+  use sgmp_surfaces_2d, only: surfaces_pass_2d => surfaces_pass
+  use sgmp_surfaces_3d, only: surfaces_pass_3d => surfaces_pass
+  use sgmp_surfaces_rz, only: surfaces_pass_rz => surfaces_pass
   use sgmp_sweep_1d, only: sweep_join_1d => sweep_join, sweep_slab_1d => sweep_slab
   use sgmp_sweep_2d, only: sweep_join_2d => sweep_join, sweep_slab_2d => sweep_slab
   use sgmp_sweep_3d, only: sweep_join_3d => sweep_join, sweep_slab_3d => sweep_slab
@@ -141,6 +144,15 @@ module sgmp_passes
       real(dp), intent(in) :: number
       integer, intent(in) :: columns(:)
     end subroutine nodes_rotation
+
+    !> See sgmp_surfaces: one stage of the correction at surfaces of one plane.
+    pure subroutine surfaces_pass(field, mesh, plane, stage, column)
+      import :: field_t, mesh_t
+      implicit none
+      type(field_t), intent(inout) :: field
+      type(mesh_t), intent(in) :: mesh
+      integer, intent(in) :: plane, stage, column
+    end subroutine surfaces_pass
   end interface
 
   !> The passes of one space.
@@ -154,6 +166,7 @@ module sgmp_passes
     procedure(nodes_velocity), pointer, nopass :: velocity => null()
     procedure(nodes_remap), pointer, nopass :: remap => null()
     procedure(nodes_rotation), pointer, nopass :: rotation => null()  !! none in 1D, about an axis
+    procedure(surfaces_pass), pointer, nopass :: surfaces => null()  !! none in 1D
   end type passes_t
 
 contains
@@ -169,14 +182,15 @@ contains
     case (2)
       passes = passes_t(sweep_slab_2d, sweep_join_2d, sweep_add_movers_2d, nodes_normalise_2d, &
                         centres_relax_2d, nodes_solve_2d, nodes_velocity_2d, nodes_remap_2d, &
-                        nodes_rotation_2d)
+                        nodes_rotation_2d, surfaces_pass_2d)
     case (3)
       passes = passes_t(sweep_slab_3d, sweep_join_3d, sweep_add_movers_3d, nodes_normalise_3d, &
                         centres_relax_3d, nodes_solve_3d, nodes_velocity_3d, nodes_remap_3d, &
-                        nodes_rotation_3d)
+                        nodes_rotation_3d, surfaces_pass_3d)
     case default  ! space_axisymmetric
       passes = passes_t(sweep_slab_rz, sweep_join_rz, sweep_add_movers_rz, nodes_normalise_rz, &
-                        centres_relax_rz, nodes_solve_rz, nodes_velocity_rz, nodes_remap_rz)
+                        centres_relax_rz, nodes_solve_rz, nodes_velocity_rz, nodes_remap_rz, &
+                        surfaces=surfaces_pass_rz)
     end select
   end function passes_of
 

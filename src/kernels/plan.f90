@@ -25,6 +25,7 @@ module sgmp_plan
                                            !! none
     integer, allocatable :: vectors(:)     !! node columns gathered: acceleration and velocity as
                                            !! the sweep needs them
+    integer :: pairs = 0                   !! with the mass, columns of pairs of centres before it
     integer :: driven = 0                  !! with the mass, columns of the mass of driven particles
     integer :: spins = 0                   !! components of the spin that particles carry
     real(dp) :: spin_keep = 1.0_dp, spin_gain = 0.0_dp

@@ -26,6 +26,9 @@ module DIM(sgmp_sweep)
   use sgmp_plan, only: plan_t, workspace_t
   use sgmp_rows, only: key_j, key_k
   use CARTESIAN(sgmp_scatter), only: accumulators, linear_carry
+#if NDIM > 1
+  use DIM(sgmp_surfaces), only: surfaces_add_gains
+#endif
   use sgmp_sums, only: sweep_sums
   use CARTESIAN(sgmp_transfer_product), only: product_carry
   implicit none
@@ -162,6 +165,11 @@ contains
         call auxmesh_swirl(field, mesh, p, plan%kick, plan%gradient, task%swirl_read - 1, &
                            task%stride, work%records(first))
       end if
+#if NDIM > 1
+      if (field%columns%pairs > 0 .and. plan%gradient > 0 .and. (plan%strain .or. plan%probe)) then
+        call surfaces_add_gains(field, p, NDIM*size(plan%vectors), task%stride, work%records(first))
+      end if
+#endif
       if (plan%gradient > 0) then
         call auxmesh_mirror(field, mesh, p, plan%swirl, NDIM*size(plan%vectors), &
                             task%stride, work%records(first))

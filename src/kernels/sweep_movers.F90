@@ -15,7 +15,7 @@ module DIM(sgmp_sweep_movers)
   use sgmp_movers, only: movers_t
   use sgmp_plan, only: plan_t
   use sgmp_rebinning, only: arrivals_t
-  use CARTESIAN(sgmp_scatter), only: stride_of
+  use CARTESIAN(sgmp_scatter), only: pair_spans, stride_of
   use CARTESIAN(sgmp_spin), only: spin_lever
   use CARTESIAN(sgmp_transfer), only: flux_of, linear_gradients, linear_weights
   use CARTESIAN(sgmp_transfer_product), only: product_gradients, product_weights
@@ -87,7 +87,9 @@ contains
           pile%sums(:, :task%nq) = 0.0_dp
         end if
         call add_mover(task, forces, l, w, g, movers%values(1, at(l)), pile%sums)
-        if (task%nq > task%plain) call add_mover_moment(task, xi(l, :), w(l, :), &
+        if (task%pairs > 0) call add_mover_pairs(task, xi(l, :), w(l, :), &
+                                                 movers%values(1, at(l)), pile%sums)
+        if (task%nq > task%pairs + task%plain) call add_mover_moment(task, xi(l, :), w(l, :), &
                                                         movers%values(1, at(l)), pile%sums)
         if (task%spin > 0) call add_mover_spin(task, xi(l, :), w(l, :), movers%values(1, at(l)), &
                                                pile%sums)
@@ -202,14 +204,35 @@ contains
     type(task_t), intent(in) :: task
     real(dp), intent(in) :: xi(NDIM), w(largest_stencil), mass
     real(dp), intent(inout) :: sums(largest_stencil, most_columns)
-    integer :: e, d
+    integer :: e, d, q
+    q = task%pairs + task%plain
     do d = 1, NDIM
       do e = 1, NCORNER
-        sums(e, task%plain + d) = sums(e, task%plain + d) + mass*w(e)* &
+        sums(e, q + d) = sums(e, q + d) + mass*w(e)* &
             (xi(d) - real(mod((e - 1)/stride_of(d), 2), dp))
       end do
     end do
   end subroutine add_mover_moment
+
+  !> Volume moments of the pairs and quads of the stencil's points (sgmp_scatter).
+  pure subroutine add_mover_pairs(task, xi, w, values, sums)
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: xi(NDIM), w(largest_stencil)
+    real(dp), intent(in) :: values(task%values)
+    real(dp), intent(inout) :: sums(largest_stencil, most_columns)
+    real(dp) :: part
+    integer :: e, d, q
+    do q = 1, task%pairs
+      do e = 1, NCORNER
+        part = values(task%masses)*w(e)
+        do d = 1, NDIM
+          if (.not. pair_spans(q, d)) cycle
+          part = part*xi(d)*(1 - mod((e - 1)/stride_of(d), 2))
+        end do
+        sums(e, q) = sums(e, q) + part
+      end do
+    end do
+  end subroutine add_mover_pairs
 
   !> What the spin of one particle adds to the momentum of its stencil's points: m h spin x (way
   !! from the particle to the point).
@@ -219,11 +242,12 @@ contains
     real(dp), intent(in) :: values(task%values)
     real(dp), intent(inout) :: sums(largest_stencil, most_columns)
     real(dp) :: here
-    integer :: e, d
+    integer :: e, d, q
+    q = task%pairs + task%momentum
     do d = 1, NDIM
       here = -own_lever(values(task%spin + 1:), xi, d)
       do e = 1, NCORNER
-        sums(e, task%momentum + d) = sums(e, task%momentum + d) + &
+        sums(e, q + d) = sums(e, q + d) + &
             w(e)*(task%h*(here + spin_lever(values(task%spin + 1:), e, d)))
       end do
     end do
@@ -266,7 +290,7 @@ contains
         if (a == 1) call add_product(points, values(task%flux + NFLUX), own, sums(1, q))
 #endif
       else
-        call add_product(points, values(q), own, sums(1, q))
+        call add_product(points, values(q), own, sums(1, task%pairs + q))
       end if
     end do
   end subroutine add_mover

@@ -6,7 +6,7 @@ module sgmp_columns
   use sgmp_voigt, only: flux_components
   implicit none
   private
-  public :: columns_t, columns_keep_behind, columns_make
+  public :: columns_t, columns_keep_behind, columns_make, pair_sums
   public :: node_acceleration, node_gyration, node_inertia, node_inverse_mass, node_remapped, &
             node_swirl, node_total, node_velocity
   public :: relax_dilation, relax_exchange, relax_filling, relax_filter, relax_stiffness, &
@@ -14,11 +14,14 @@ module sgmp_columns
 
   !> Columns of the sums; vectors and tensors by their first column.
   type :: columns_t
+    integer :: pairs = 0               !! volume moments of pairs and quads of centres, the first;
+                                       !! 0: surfaces are not corrected (doc/surfaces.md)
     integer :: mass = 1
     integer :: radial = 0              !! mass times radius (cells), 0: there is no axis
     integer :: drives = 0              !! mass of particles whose motion is prescribed, one column
                                        !! for each prescription; 0: there is none
     integer :: driven = 0              !! how many
+    integer :: room = 0                !! volume, swept with the mass; 0: as for pairs
     integer :: momentum = 2
     integer :: spin = 0                !! the spin that particles carry, times their mass
     integer :: spins = 0               !! components of it, 0: none is carried
@@ -43,6 +46,9 @@ module sgmp_columns
     integer :: total = 0
     integer :: nodes = 0               !! columns of the nodes' values
   end type columns_t
+
+  !> Columns of pairs and quads, by dimension: one for each axis, and for each pair of axes in space.
+  integer, parameter :: pair_sums(3) = [0, 2, 6]
 
   ! Columns of the nodes' values, by dimension; MUSL puts the re-mapped velocity in the place of the
   ! acceleration, which it no longer needs then. The inverse mass is 0 where there is none, negative
@@ -71,7 +77,7 @@ contains
 
   !> Lays out the columns of the sums.
   pure function columns_make(space, kernel, external, volume, spins, offset, relaxed, swirl, &
-                             faced, driven) result(columns)
+                             faced, driven, paired) result(columns)
     integer, intent(in) :: space, kernel
     logical, intent(in) :: external    !! with an external force
     logical, intent(in) :: volume      !! with the volume
@@ -81,15 +87,23 @@ contains
     logical, intent(in), optional :: swirl  !! with the velocity around the axis
     logical, intent(in), optional :: faced  !! external forces act on faces of particles
     integer, intent(in), optional :: driven  !! prescribed motions of parts of bodies
+    logical, intent(in), optional :: paired  !! with volume moments of pairs of centres
     type(columns_t) :: columns
     integer :: ndim
-    logical :: with_relaxation, with_swirl
+    logical :: with_relaxation, with_swirl, with_pairs
+    with_pairs = .false.
+    if (present(paired)) with_pairs = paired .and. space /= 1
     with_relaxation = .false.
     if (present(relaxed)) with_relaxation = relaxed
     with_swirl = .false.
     if (present(swirl)) with_swirl = swirl
     columns%nodes = merge(node_gyration, node_total(space), with_swirl)
     ndim = space_dimensions(space)
+    if (with_pairs) then
+      columns%pairs = 1
+      columns%mass = columns%pairs + pair_sums(ndim)
+      columns%momentum = columns%mass + 1
+    end if
     if (space == space_axisymmetric) then
       columns%radial = columns%momentum
       columns%momentum = columns%radial + 1
@@ -97,6 +111,10 @@ contains
     if (present(driven)) columns%driven = driven
     columns%drives = merge(columns%momentum, 0, columns%driven > 0)
     columns%momentum = columns%momentum + columns%driven
+    if (with_pairs) then
+      columns%room = columns%momentum
+      columns%momentum = columns%room + 1
+    end if
     columns%spin = columns%momentum + ndim
     columns%spins = spins
     columns%force = columns%spin + spins

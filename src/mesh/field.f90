@@ -12,6 +12,7 @@ module sgmp_field
   use sgmp_kinds, only: dp, i8
   use sgmp_large_pages, only: large_pages_ask
   use sgmp_mesh, only: mesh_t, wall_free
+  use sgmp_pair_points, only: pair_points_clear, pair_points_make, pair_points_move, pair_points_t
   use sgmp_rotation_points, only: rotation_points_clear, rotation_points_make, &
                                   rotation_points_move, rotation_points_t
   use sgmp_rows, only: key_k, row_key, rows_contains, rows_dilate, rows_locate, rows_t
@@ -38,6 +39,7 @@ module sgmp_field
     integer :: largest_plane = 0                    !! records of the largest plane
     real(dp), allocatable :: moment(:, :)           !! (points, columns%total) sums over particles
     type(rotation_points_t) :: rotation             !! for columns%offset > 0
+    type(pair_points_t) :: pairs                    !! for columns%pairs > 0
     real(dp), allocatable :: node(:, :)             !! (points, columns%nodes) values at the nodes
     real(dp) :: hoop_correction = 0.0_dp            !! of the hoop strain (sgmp_axis)
     real(dp), allocatable :: hoop(:, :)  !! (x of a centre; inner, outer) weights of the hoop strain
@@ -53,7 +55,7 @@ contains
 
   !> An empty field.
   pure subroutine field_init(field, mesh, kernel, body_force, volume, spins, rotation, relaxed, &
-                             swirl, faced, driven)
+                             swirl, faced, driven, paired)
     type(field_t), intent(out) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel        !! one of kernel_*
@@ -65,6 +67,7 @@ contains
     logical, intent(in), optional :: swirl     !! columns for the velocity around the axis
     logical, intent(in), optional :: faced     !! columns for the levers of external forces
     integer, intent(in), optional :: driven    !! prescribed motions of parts of bodies
+    logical, intent(in), optional :: paired    !! strains are corrected at surfaces
     logical :: with_volume
     integer :: nspin
     with_volume = .false.
@@ -76,7 +79,7 @@ contains
     field%space = mesh%space
     field%hoop_correction = mesh%hoop
     field%columns = columns_make(mesh%space, kernel, body_force, with_volume, nspin, &
-                                 rotation, relaxed, swirl, faced, driven)
+                                 rotation, relaxed, swirl, faced, driven, paired)
     if (field%columns%driven > 0) allocate (field%drives(field%columns%driven))
     if (mesh%walls_act .and. kernel_folds(kernel)) then
       call columns_keep_behind(field%columns, mesh%ndim, any(mesh%wall(:, :mesh%ndim) /= &
@@ -124,6 +127,7 @@ contains
     if (new%columns%offset > 0) then
       call rotation_points_make(new%ndim, new%points, field%rotation%least_offset, new%rotation)
     end if
+    if (new%columns%pairs > 0) call pair_points_make(new%space, new%points, new%pairs)
     call field_clear(new)
     call field_move(field, new)
     call field_replace(new, field)
@@ -153,6 +157,7 @@ contains
       field%moment(first:last, :) = 0.0_dp
       field%node(first:last, :) = 0.0_dp
       if (field%columns%offset > 0) call rotation_points_clear(first, last, field%rotation)
+      if (field%columns%pairs > 0) call pair_points_clear(first, last, field%pairs)
     end do
     !$omp end parallel do
   end subroutine field_clear
@@ -183,6 +188,10 @@ contains
             4_i8*size(field%neighbour, kind=i8) + &
             16_i8*(size(field%work%key, kind=i8) + size(field%store%key, kind=i8))
     if (allocated(field%relax)) bytes = bytes + 8_i8*size(field%relax, kind=i8)
+    if (field%columns%pairs > 0) then
+      bytes = bytes + 8_i8*(size(field%pairs%weight, kind=i8) + &
+                            size(field%pairs%centre, kind=i8) + size(field%pairs%gain, kind=i8))
+    end if
   end function field_bytes
 
   !> Numbers the stored points, plane by plane.
@@ -291,6 +300,7 @@ contains
     if (allocated(new%relax)) call move_alloc(new%relax, field%relax)
     if (allocated(new%hoop)) call move_alloc(new%hoop, field%hoop)
     call rotation_points_move(new%rotation, field%rotation)
+    call pair_points_move(new%pairs, field%pairs)
   end subroutine field_replace
 
 end module sgmp_field

@@ -32,7 +32,7 @@ contains
 
   !> The widths that a method needs, and where walls allow cuts; all planes go to the first rank.
   pure subroutine partition_make(partition, mesh, kernel, normalised, divisible, rank, ranks, &
-    rotation)
+    rotation, paired)
     type(partition_t), intent(out) :: partition
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel            !! one of kernel_*
@@ -40,6 +40,7 @@ contains
     logical, intent(in) :: divisible         !! planes may go to other ranks than the first
     integer, intent(in) :: rank, ranks
     logical, intent(in), optional :: rotation  !! velocities and forces are corrected by neighbours'
+    logical, intent(in), optional :: paired    !! strains and forces at centres, by neighbours'
     integer :: more, r
     partition%rank = rank
     partition%ranks = ranks
@@ -52,6 +53,10 @@ contains
       ! The force at a node takes the moments of nodes next to it, and these the masses of centres
       ! up to two cells from there.
       if (rotation) partition%moments = [3, partition%nodes + 2]
+    end if
+    if (present(paired)) then
+      ! The force at a node takes stresses up to two cells from the centres around it.
+      if (paired) partition%moments = partition%moments + 1
     end if
     partition%bins = partition%moments + [stencil_width(kernel) - 1, 0]
     partition%least = max(partition%bins(1), partition%bins(2)) + 1

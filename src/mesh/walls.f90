@@ -45,6 +45,7 @@ contains
     real(dp) :: parity
     parity = 1.0_dp
     if (column == columns%mass .or. column == columns%square) return
+    if (column < columns%mass .or. column == columns%room) return
     if (column >= columns%drives .and. column < columns%drives + columns%driven) return
     if (swirls(column, columns)) then
       parity = swirl_parity(column, columns, normal, wall)
@@ -64,6 +65,19 @@ contains
       parity = lever_parity(column, columns, normal, wall)
     end if
   end function moment_parity
+
+  !> Whether a column holds pairs or quads that reach across walls of an axis: those stay where they
+  !! are, stored at the centre behind a lower wall and at the last one before an upper wall.
+  pure function crosses(column, columns, axis, ndim) result(yes)
+    integer, intent(in) :: column, axis, ndim
+    type(columns_t), intent(in) :: columns
+    logical :: yes
+    integer :: pair
+    yes = .false.
+    if (columns%pairs == 0 .or. column >= columns%mass) return
+    pair = 1 + column - columns%pairs
+    yes = merge(pair == axis, pair - ndim /= axis, pair <= ndim)
+  end function crosses
 
   !> The same for levers: of the mass, and of external forces, component by component. A mirror
   !! turns the lever across it round, whatever the wall does to velocities.
@@ -162,6 +176,7 @@ contains
           call drag(field, mesh, axis, side, q1, q2, from, to, n)
         end if
         do q = q1, q2
+          if (crosses(q, field%columns, axis, field%ndim)) cycle
           call fold(n, parity(q), field%moment(from, q), field%moment(to, q))
         end do
       end do

@@ -80,6 +80,7 @@ contains
     model%method%relaxed = scene%method%volumes_kept
     model%method%split = scene%method%split
     model%method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
+    model%method%surfaces = scene%method%surfaces .and. scene%dimension > 1
     model%method%spins = spin_components(scene)
     model%method%swirl = scene%swirl
     model%method%erodes = any([(scene%materials(b)%law%erosion%given, b=1, size(scene%materials))])
@@ -92,7 +93,7 @@ contains
     allocate (model%bodies(size(scene%bodies)), model%totals%bodies(size(scene%bodies)))
     call partition_make(model%ranks%partition, model%mesh, kernel, model%method%normalised, &
                         model%mesh%ndim > 1, parallel_rank(), parallel_ranks(), &
-                        model%method%rotation)
+                        model%method%rotation, model%method%surfaces)
     if (seeded) then
       call partition_first(scene, model, kernel, surveys, error)
       if (allocated(error)) return
@@ -473,7 +474,8 @@ contains
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
                       model%method%normalised, model%method%spins, model%method%rotation, &
-                      model%method%relaxed, model%method%swirl, any(model%bodies%faced), parts(f))
+                      model%method%relaxed, model%method%swirl, any(model%bodies%faced), parts(f), &
+                      model%method%surfaces)
       model%fields(f)%drive_terms = terms(f)
     end do
     call team_make(model%team, threads, model%mesh%space, size(model%fields), size(model%bodies))

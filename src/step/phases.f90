@@ -10,6 +10,7 @@ module sgmp_phases
   use sgmp_field_nodes, only: field_normalise, field_relax, field_remap, field_solve, &
                               field_velocity
   use sgmp_field_rotation, only: field_rotation_place, field_rotation_prepare, field_rotation_swap
+  use sgmp_field_surfaces, only: field_surfaces_strain, field_surfaces_weigh
   use sgmp_field_sweep, only: field_sweep, sweep_columns
   use sgmp_findings, only: findings_t
   use sgmp_halo, only: halo_own_planes
@@ -31,8 +32,8 @@ module sgmp_phases
   implicit none
   private
   public :: phase_fold, phase_layout, phase_mirror, phase_normalise, phase_place, phase_relax, &
-            phase_remap, phase_rotation, phase_solve, phase_swap_nodes, phase_sweep, &
-            phase_velocity
+            phase_remap, phase_rotation, phase_solve, phase_surfaces_strain, phase_surfaces_weigh, &
+            phase_swap_nodes, phase_sweep, phase_velocity
 
 contains
 
@@ -177,6 +178,46 @@ contains
       call field_rotation_prepare(fields(f), mesh, method%cutoff, team, partition)
     end do
   end subroutine phase_rotation
+
+  !> Weights of the correction at surfaces, for the volumes as they lie.
+  subroutine phase_surfaces_weigh(method, mesh, fields, bodies, team, partition)
+    type(method_t), intent(in) :: method
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(team_t), intent(in) :: team
+    type(partition_t), intent(in) :: partition
+    integer :: f
+    if (.not. method%surfaces) return
+    do f = 1, size(fields)
+      if (rigid_field(bodies, f) > 0) cycle
+      call field_surfaces_weigh(fields(f), mesh, team, partition)
+    end do
+  end subroutine phase_surfaces_weigh
+
+  !> What the correction at surfaces adds to the gradient of a nodal velocity, before particles read
+  !! it.
+  subroutine phase_surfaces_strain(step, method, mesh, fields, bodies, column, team, ranks, &
+                                   findings, timers)
+    integer, intent(in) :: step                  !! its number
+    type(method_t), intent(in) :: method
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: column                !! first column of the velocity
+    type(team_t), intent(in) :: team
+    type(ranks_t), intent(inout) :: ranks
+    type(findings_t), intent(inout) :: findings
+    type(timers_t), intent(inout) :: timers
+    integer :: f
+    if (.not. method%surfaces) return
+    call phase_swap_nodes(step, [column, column + mesh%ndim - 1], 1, fields, bodies, ranks, &
+                          findings, timers)
+    do f = 1, size(fields)
+      if (rigid_field(bodies, f) > 0) cycle
+      call field_surfaces_strain(fields(f), mesh, column, team, ranks%partition)
+    end do
+  end subroutine phase_surfaces_strain
 
   !> Takes nodal velocities to the places of the nodes, where rotation is exact.
   subroutine phase_place(step, method, mesh, fields, bodies, columns, kick, team, ranks, &

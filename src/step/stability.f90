@@ -24,7 +24,8 @@ module sgmp_stability
   use sgmp_mesh, only: wall_kick
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_exact_sums
-  use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_rotation, phase_sweep
+  use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_rotation, &
+                         phase_surfaces_strain, phase_surfaces_weigh, phase_sweep
   use sgmp_plan, only: plan_t
   use sgmp_rebin_phases, only: phase_rebin_particles
   use sgmp_rigid_bodies, only: rigid_field
@@ -94,6 +95,8 @@ contains
     end do
     call phase_rotation(model%method, model%mesh, model%fields, model%bodies, model%team, &
                         model%ranks%partition)
+    call phase_surfaces_weigh(model%method, model%mesh, model%fields, model%bodies, model%team, &
+                              model%ranks%partition)
     call start(model)
     call vector_get(model, before)
     call accelerate(model)
@@ -224,6 +227,11 @@ contains
     end if
     call phase_mirror(model%mesh, model%fields, model%bodies, [node_acceleration], [wall_kick], &
                       model%team%threads)
+    if (plan%stress) then
+      call phase_surfaces_strain(own%step, model%method, model%mesh, model%fields, model%bodies, &
+                                 plan%gradient, model%team, model%ranks, model%findings, &
+                                 model%timers)
+    end if
     call phase_sweep(own, model%mesh, model%fields, model%bodies, model%team, model%ranks, &
                      model%findings, model%timers)
     call phase_rebin_particles(own, model%mesh, model%fields, model%bodies, model%contact, &

@@ -6,7 +6,7 @@
 !!
 !!   step              stage               features
 !!   before the run    terms               all that change the energy after the kick
-!!   start             open                driven parts, rotation
+!!   start             open                driven parts, rotation, surfaces
 !!   stress first      project             walls that rub
 !!                     meet                contact
 !!                     strain_velocity     contact
@@ -20,6 +20,7 @@
 !!                     place               rotation
 !!                     after_remap         rotation, kept volumes
 !!   sweeps            plan                spin, kept volumes, splitting
+!!                     sweep               surfaces
 !!   sums known        close               rigid bodies, driven parts
 !!   books closed      finish              damping
 module sgmp_stages
@@ -34,7 +35,7 @@ module sgmp_stages
   use sgmp_mesh, only: wall_speed
   use sgmp_model, only: model_t
   use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_relax, phase_rotation, &
-                         phase_velocity
+                         phase_surfaces_strain, phase_surfaces_weigh, phase_velocity
   use sgmp_plan, only: plan_t
   use sgmp_rigid_bodies, only: rigid_advance, rigid_choose_speed
   use sgmp_rigid_stages, only: free_any, free_close, free_open, free_settle
@@ -52,7 +53,7 @@ module sgmp_stages
   private
   public :: stage_after_remap, stage_after_solve, stage_before_solve, &
             stage_brings_stress, stage_close, stage_finish, stage_forces, stage_meet, stage_open, &
-            stage_place, stage_plan, stage_project, stage_strain_velocity, stage_terms
+            stage_place, stage_plan, stage_project, stage_strain_velocity, stage_sweep, stage_terms
 
   !> Part of the carried spin that each step replaces by the rotation of the grid, so that errors
   !! are forgotten (doc/rotation.md). The first step takes all of it from there.
@@ -84,6 +85,8 @@ contains
                           model%ranks%partition)
       call timers_stop(model%timers, phase_grid)
     end if
+    call phase_surfaces_weigh(model%method, model%mesh, model%fields, model%bodies, model%team, &
+                              model%ranks%partition)
   end subroutine stage_open
 
   !> Velocity of the nodes before a stress update that comes first: that of the particles' momentum,
@@ -210,6 +213,16 @@ contains
       plan%gradient = node_acceleration
     end if
   end subroutine stage_plan
+
+  !> Before a sweep: what particles will read is at the nodes, those behind walls included.
+  subroutine stage_sweep(model, plan)
+    type(model_t), intent(inout) :: model
+    type(plan_t), intent(in) :: plan
+    if (plan%gradient == 0 .or. .not. plan%strain) return
+    call phase_surfaces_strain(model%clock%step + 1, model%method, model%mesh, model%fields, &
+                               model%bodies, plan%gradient, model%team, model%ranks, &
+                               model%findings, model%timers)
+  end subroutine stage_sweep
 
   !> The sums of the step are known, its energy is not booked yet: what moves as a whole goes on to
   !! the end of the step and adds what it did to the sums.

@@ -19,7 +19,8 @@ module DIM(sgmp_scatter)
   use DIM(sgmp_transfer), only: flux_of
   implicit none
   private
-  public :: linear_scatter, linear_scatter_force, linear_scatter_moment, linear_carry
+  public :: linear_scatter, linear_scatter_force, linear_scatter_moment, linear_scatter_pairs
+  public :: linear_carry, pair_spans
   public :: accumulators, column_sums, stride_of
 
   !> Accumulators of a bin, and numbers of a column of each.
@@ -287,6 +288,71 @@ contains
 #endif
     end do
   end subroutine linear_scatter_moment
+
+  !> Adds the volume moments of the pairs of the stencil's points, V N_perp x (1 - x) of every axis,
+  !! to the lower point of each, and in space those of its quads, with one such factor for each of
+  !! two axes, to the lowest (doc/surfaces.md); pads must bring zeros.
+  pure subroutine linear_scatter_pairs(xi, cell, volume, columns, sums)
+    real(dp), intent(in) :: xi(lanes, NDIM), volume(lanes)
+    integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
+    integer, intent(in) :: columns                 !! of an accumulator
+    real(dp), intent(inout) :: sums(column_sums, columns, 0:*)  !! the first columns
+#if NDIM > 1
+    real(dp) :: part(lanes, NDIM), w(NCORNER/2, lanes)
+    integer :: a, e, l
+#if NDIM == 3
+    real(dp) :: face(lanes), t(NCORNER/2), near, far
+#endif
+    part = xi*(1.0_dp - xi)
+    do a = 1, NDIM
+      call other_weights(xi, a, w)
+#if NDIM < 3
+      do l = 1, lanes
+        if (cell(l) < 0) exit
+        do e = 1, NCORNER/2
+          associate (sum => sums(NROW*cell(l) + lower_point(e, a), a, iand(cell(l), 1)))
+            sum = sum + w(e, l)*(volume(l)*part(l, a))
+          end associate
+        end do
+      end do
+#else
+      face = volume*part(:, a)
+      !$omp simd private(l)
+      do e = 1, NCORNER/2
+        t(e) = 0.0_dp
+        do l = 1, lanes
+          t(e) = t(e) + w(e, l)*face(l)
+        end do
+      end do
+      do e = 1, NCORNER/2
+        sums(lower_point(e, a), a, cell(1)) = sums(lower_point(e, a), a, cell(1)) + t(e)
+      end do
+      face = volume*part(:, mod(a, 3) + 1)*part(:, mod(a + 1, 3) + 1)
+      near = 0.0_dp
+      far = 0.0_dp
+      do l = 1, lanes
+        near = near + (1.0_dp - xi(l, a))*face(l)
+        far = far + xi(l, a)*face(l)
+      end do
+      associate (upper => 1 + stride_of(a))
+        sums(1, NDIM + a, cell(1)) = sums(1, NDIM + a, cell(1)) + near
+        sums(upper, NDIM + a, cell(1)) = sums(upper, NDIM + a, cell(1)) + far
+      end associate
+#endif
+    end do
+#endif
+  end subroutine linear_scatter_pairs
+
+  !> Whether a pair reaches along an axis, or a quad, of which there is one across each axis.
+  pure function pair_spans(pair, axis) result(yes)
+    integer, intent(in) :: pair, axis
+    logical :: yes
+    if (pair <= NDIM) then
+      yes = pair == axis
+    else
+      yes = pair - NDIM /= axis
+    end if
+  end function pair_spans
 
   !> Adds values to the lower points along an axis, and their opposite to the upper ones.
   pure subroutine add_both(axis, values, sums)
