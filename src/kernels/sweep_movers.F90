@@ -15,7 +15,7 @@ module DIM(sgmp_sweep_movers)
   use sgmp_movers, only: movers_t
   use sgmp_plan, only: plan_t
   use sgmp_rebinning, only: arrivals_t
-  use CARTESIAN(sgmp_scatter), only: pair_spans, stride_of
+  use CARTESIAN(sgmp_scatter), only: pair_spans, pair_starts, stride_of
   use CARTESIAN(sgmp_spin), only: spin_lever
   use CARTESIAN(sgmp_transfer), only: flux_of, linear_gradients, linear_weights
   use CARTESIAN(sgmp_transfer_product), only: product_gradients, product_weights
@@ -221,16 +221,13 @@ contains
     real(dp), intent(in) :: values(task%values)
     real(dp), intent(inout) :: sums(largest_stencil, most_columns)
     real(dp) :: part
-    integer :: e, d, q
+    integer :: d, q
     do q = 1, task%pairs
-      do e = 1, NCORNER
-        part = values(task%masses)*w(e)
-        do d = 1, NDIM
-          if (.not. pair_spans(q, d)) cycle
-          part = part*xi(d)*(1 - mod((e - 1)/stride_of(d), 2))
-        end do
-        sums(e, q) = sums(e, q) + part
+      part = values(task%masses)
+      do d = 1, NDIM
+        if (pair_spans(q, d)) part = part*xi(d)
       end do
+      sums(:NCORNER, q) = sums(:NCORNER, q) + pair_starts(:, q)*(w(:NCORNER)*part)
     end do
   end subroutine add_mover_pairs
 

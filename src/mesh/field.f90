@@ -21,6 +21,9 @@ module sgmp_field
   private
   public :: field_t, field_init, field_build, field_base, field_bytes
 
+  !> Points behind the last that loops over whole vectors may read (sgmp_surfaces).
+  integer, parameter :: beyond = 8
+
   !> Layout and grid values of a velocity field.
   type :: field_t
     integer :: kernel = kernel_sgmp                 !! one of kernel_*
@@ -98,7 +101,7 @@ contains
     type(rows_t), intent(in) :: cells    !! where particles of the field's bodies may be
     type(field_t) :: new
     type(rows_t) :: stencil
-    integer :: reach(3), one(3), w
+    integer :: reach(3), one(3), w, more
     w = stencil_width(field%kernel)
     one = merge([1, 1, 1], [0, 0, 0], active_axes(field%ndim))
     reach = (w - 1)*one
@@ -117,8 +120,11 @@ contains
     call field_number(new)
     call field_link(new)
     call weigh_hoops(new, field%hoop_correction)
-    allocate (new%moment(new%points, new%columns%total))
-    allocate (new%node(new%points, new%columns%nodes))
+    more = merge(beyond, 0, new%columns%pairs > 0)
+    allocate (new%moment(new%points + more, new%columns%total))
+    allocate (new%node(new%points + more, new%columns%nodes))
+    new%moment(new%points + 1:, :) = 0.0_dp
+    new%node(new%points + 1:, :) = 0.0_dp
     if (new%columns%square > 0) then
       allocate (new%relax(new%points, relax_total(new%ndim)), source=0.0_dp)
     end if
@@ -127,7 +133,7 @@ contains
     if (new%columns%offset > 0) then
       call rotation_points_make(new%ndim, new%points, field%rotation%least_offset, new%rotation)
     end if
-    if (new%columns%pairs > 0) call pair_points_make(new%space, new%points, new%pairs)
+    if (new%columns%pairs > 0) call pair_points_make(new%space, new%points, more, new%pairs)
     call field_clear(new)
     call field_move(field, new)
     call field_replace(new, field)

@@ -8,39 +8,40 @@ module sgmp_pair_points
   implicit none
   private
   public :: pair_points_t, pair_points_make, pair_points_clear, pair_points_move
-  public :: pair_gains, pair_twist
   public :: stage_weights, stage_twists, stage_gains, stage_forces
 
   !> Stages, one pass over the planes each: weights of the pairs, of the volumes as they lie;
   !! second differences of a velocity; what they add to its gradient; the transpose for the forces.
   integer, parameter :: stage_weights = 1, stage_twists = 2, stage_gains = 3, stage_forces = 4
 
-  !> Second differences by the two axes of them (xy, xz, yz), and the third difference, of which
-  !! there is one more in space; components of a velocity gradient; by dimension.
-  integer, parameter :: pair_twist(3, 3) = reshape([0, 1, 2, 1, 0, 3, 2, 3, 0], [3, 3])
-  integer, parameter :: twists(3) = [0, 1, 4], pair_gains(3) = [1, 4, 9]
+  !> Second differences (xy, in space xz and yz and the third difference), and components of a
+  !! velocity gradient; by dimension.
+  integer, parameter :: twists(3) = [0, 1, 4], gains(3) = [1, 4, 9]
 
   type :: pair_points_t
     real(dp), allocatable :: weight(:, :)  !! (points, pair_sums) weights of pairs, then of quads
     !> (points, components of the vector times twists) second and third differences of a velocity,
     !! or the forces on them; about an axis behind them the two slopes of the radial component
     real(dp), allocatable :: centre(:, :)
-    real(dp), allocatable :: gain(:, :)    !! (points, pair_gains) added to a velocity gradient;
+    real(dp), allocatable :: gain(:, :)    !! (points, gains) added to a velocity gradient;
                                            !! about an axis behind it that of the hoop strain
   end type pair_points_t
 
 contains
 
   !> Room for some points.
-  pure subroutine pair_points_make(space, points, pairs)
+  pure subroutine pair_points_make(space, points, beyond, pairs)
     integer, intent(in) :: space, points
+    integer, intent(in) :: beyond    !! points behind them, of which nothing is used
     type(pair_points_t), intent(out) :: pairs
-    integer :: ndim, more
+    integer :: ndim, more, n
     ndim = space_dimensions(space)
+    n = points + beyond
     more = merge(1, 0, space == space_axisymmetric)
-    allocate (pairs%weight(points, pair_sums(ndim)))
-    allocate (pairs%centre(points, ndim*twists(ndim) + 2*more))
-    allocate (pairs%gain(points, pair_gains(ndim) + more))
+    allocate (pairs%weight(n, pair_sums(ndim)))
+    allocate (pairs%centre(n, ndim*twists(ndim) + 2*more))
+    allocate (pairs%gain(n, gains(ndim) + more))
+    call pair_points_clear(points + 1, n, pairs)
   end subroutine pair_points_make
 
   !> Clears the points of a range.

@@ -20,7 +20,7 @@ module DIM(sgmp_scatter)
   implicit none
   private
   public :: linear_scatter, linear_scatter_force, linear_scatter_moment, linear_scatter_pairs
-  public :: linear_carry, pair_spans
+  public :: linear_carry, pair_spans, pair_starts
   public :: accumulators, column_sums, stride_of
 
   !> Accumulators of a bin, and numbers of a column of each.
@@ -36,13 +36,19 @@ module DIM(sgmp_scatter)
 #if NDIM == 1
   integer, parameter :: stride_of(1) = 1, lower_point(1, 1) = 1
   real(dp), parameter :: lower(2, 1) = reshape([1, 0], [2, 1])
+  real(dp), parameter :: pair_starts(2, 1) = 0.0_dp
 #elif NDIM == 2
   integer, parameter :: stride_of(2) = [2, 1]
   integer, parameter :: lower_point(2, 2) = reshape([1, 2, 1, 3], [2, 2])
   real(dp), parameter :: lower(4, 2) = reshape([1, 1, 0, 0, 1, 0, 1, 0], [4, 2])
+  real(dp), parameter :: pair_starts(4, 2) = lower  !! 1 at the points where a pair begins
 #else
   integer, parameter :: stride_of(3) = [4, 2, 1]
   integer, parameter :: lower_point(4, 3) = reshape([1, 2, 3, 4, 1, 2, 5, 6, 1, 3, 5, 7], [4, 3])
+  !> 1 at the points where a pair, or a quad, begins.
+  real(dp), parameter :: pair_starts(8, 6) = reshape([ &
+    1, 1, 1, 1, 0, 0, 0, 0,   1, 1, 0, 0, 1, 1, 0, 0,   1, 0, 1, 0, 1, 0, 1, 0, &
+    1, 0, 0, 0, 1, 0, 0, 0,   1, 0, 1, 0, 0, 0, 0, 0,   1, 1, 0, 0, 0, 0, 0, 0], [8, 6])
 #endif
 #if NDIM < 3
   !> Weight of a point along an axis at 0, and its slope.
@@ -297,48 +303,41 @@ contains
     integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
     integer, intent(in) :: columns                 !! of an accumulator
     real(dp), intent(inout) :: sums(column_sums, columns, 0:*)  !! the first columns
-#if NDIM > 1
-    real(dp) :: part(lanes, NDIM), w(NCORNER/2, lanes)
-    integer :: a, e, l
-#if NDIM == 3
-    real(dp) :: face(lanes), t(NCORNER/2), near, far
-#endif
-    part = xi*(1.0_dp - xi)
-    do a = 1, NDIM
-      call other_weights(xi, a, w)
-#if NDIM < 3
-      do l = 1, lanes
-        if (cell(l) < 0) exit
-        do e = 1, NCORNER/2
-          associate (sum => sums(NROW*cell(l) + lower_point(e, a), a, iand(cell(l), 1)))
-            sum = sum + w(e, l)*(volume(l)*part(l, a))
-          end associate
+    ! The weight of a lower point is N_perp (1 - x); the other points get nothing.
+#if NDIM == 2
+    real(dp) :: w(NCORNER)
+    integer :: a, e, l, first, odd
+    do l = 1, lanes
+      if (cell(l) < 0) exit
+      first = NROW*cell(l)
+      odd = iand(cell(l), 1)
+      !$omp simd
+      do e = 1, NCORNER
+        w(e) = volume(l)*corner_weight(xi(l, :), e, 0)
+      end do
+      do a = 1, NDIM
+        !$omp simd simdlen(NCORNER)
+        do e = 1, NCORNER
+          sums(first + e, a, odd) = sums(first + e, a, odd) + pair_starts(e, a)*(w(e)*xi(l, a))
         end do
       end do
-#else
-      face = volume*part(:, a)
-      !$omp simd private(l)
-      do e = 1, NCORNER/2
-        t(e) = 0.0_dp
-        do l = 1, lanes
-          t(e) = t(e) + w(e, l)*face(l)
-        end do
+    end do
+#elif NDIM == 3
+    real(dp) :: w(NCORNER, lanes), part(lanes)
+    integer :: e, q
+    call point_weights(xi, w)
+    do q = 1, 2*NDIM
+      if (q <= NDIM) then
+        part = volume*xi(:, q)
+      else
+        part = volume*xi(:, mod(q, 3) + 1)*xi(:, mod(q + 1, 3) + 1)
+      end if
+      !$omp simd
+      do e = 1, NCORNER
+        sums(e, q, cell(1)) = sums(e, q, cell(1)) + pair_starts(e, q)*( &
+            w(e, 1)*part(1) + w(e, 2)*part(2) + w(e, 3)*part(3) + w(e, 4)*part(4) + &
+            w(e, 5)*part(5) + w(e, 6)*part(6) + w(e, 7)*part(7) + w(e, 8)*part(8))
       end do
-      do e = 1, NCORNER/2
-        sums(lower_point(e, a), a, cell(1)) = sums(lower_point(e, a), a, cell(1)) + t(e)
-      end do
-      face = volume*part(:, mod(a, 3) + 1)*part(:, mod(a + 1, 3) + 1)
-      near = 0.0_dp
-      far = 0.0_dp
-      do l = 1, lanes
-        near = near + (1.0_dp - xi(l, a))*face(l)
-        far = far + xi(l, a)*face(l)
-      end do
-      associate (upper => 1 + stride_of(a))
-        sums(1, NDIM + a, cell(1)) = sums(1, NDIM + a, cell(1)) + near
-        sums(upper, NDIM + a, cell(1)) = sums(upper, NDIM + a, cell(1)) + far
-      end associate
-#endif
     end do
 #endif
   end subroutine linear_scatter_pairs

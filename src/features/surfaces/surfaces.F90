@@ -1,6 +1,13 @@
 ! dimension-generic, axisymmetric
 #include "dimension.inc"
 #if NDIM > 1
+#if NDIM == 2
+#define ROWS 3
+#define MIDDLE 2
+#else
+#define ROWS 9
+#define MIDDLE 5
+#endif
 !> Strains that are right at surfaces which lie askew to the grid (doc/surfaces.md).
 !!
 !! The gradient that particles read is along one axis the slope of a quadratic B-spline, and across
@@ -25,9 +32,9 @@ module DIM(sgmp_surfaces)
   use DIM(sgmp_auxmesh), only: node_rows
   use sgmp_columns, only: pair_sums
   use sgmp_field, only: field_t
-  use sgmp_kinds, only: dp
+  use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed
-  use sgmp_pair_points, only: pair_twist, stage_gains, stage_twists, stage_weights
+  use sgmp_pair_points, only: stage_gains, stage_twists, stage_weights
   use sgmp_rows, only: key_j, key_k
   use CARTESIAN(sgmp_scatter), only: pair_spans
   use sgmp_voigt, only: flux_between
@@ -36,10 +43,10 @@ module DIM(sgmp_surfaces)
   public :: surfaces_add_gains, surfaces_pass, surfaces_push
 
   integer, parameter :: flux_of(NDIM, NDIM) = flux_between(:NDIM, :NDIM, NDIM)
-  integer, parameter :: pair_corners = 2**(NDIM - 1)  !! most centres of a pair or quad
   real(dp), parameter :: half = 0.5_dp**(NDIM - 2)  !! mean along the third axis
-  !> Columns before those of the third difference; about an axis, before the slopes.
-  integer, parameter :: before_third = 3*NDIM, before_slope = NDIM
+  integer, parameter :: tile = 128                  !! points of a row that are handled at a time
+  !> About an axis, columns of the slopes of the radial velocity.
+  integer, parameter :: slope_x = NDIM + 1, slope_y = NDIM + 2
 
 contains
 
@@ -50,65 +57,80 @@ contains
     integer, intent(in) :: plane
     integer, intent(in) :: stage                 !! one of stage_*
     integer, intent(in) :: column                !! first node column of the velocity (twists)
-    integer :: s
+    integer :: s, first, n
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
-      select case (stage)
-      case (stage_weights)
-        call weigh_row(field, s)
-        call part_at_walls(field, mesh, s)
-      case (stage_twists)
-        call twist_row(field, s, column)
-      case (stage_gains)
-        call gain_row(field, mesh%inverse_h, s)
-      case default  ! stage_forces
-        call force_row(field, mesh%inverse_h, s)
-      end select
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        select case (stage)
+        case (stage_weights)
+          call weigh_row(field, s, first, n)
+        case (stage_twists)
+          call twist_row(field, s, first, n, column)
+        case (stage_gains)
+          call gain_row(field, mesh%inverse_h, s, first, n)
+        case default  ! stage_forces
+          call force_row(field, mesh%inverse_h, s, first, n)
+        end select
+      end do
+      if (stage == stage_weights) call part_at_walls(field, mesh, s)
     end do
   end subroutine surfaces_pass
 
   !> Weights of the pairs and quads of a row (PR1).
-  pure subroutine weigh_row(field, s)
+  pure subroutine weigh_row(field, s, first, n)
     type(field_t), intent(inout) :: field
-    integer, intent(in) :: s
-    real(dp) :: volume(field%work%last(s) - field%work%first(s) + 1)
-    real(dp) :: part
-    integer :: q, i, at, to(pair_corners)
-    at = first_record(field, s)
-    do q = 1, pair_sums(NDIM)
-      to = corners(field, s, q)
-      volume = 0.0_dp
-      do i = 1, merge(2, 4, q <= NDIM)
-        volume = volume + field%moment(to(i):to(i) + size(volume) - 1, field%columns%room)
-      end do
-      part = merge(0.5_dp, 0.25_dp, q <= NDIM)
-      associate (m => field%moment(:, field%columns%pairs + q - 1), k => field%pairs%weight(:, q))
-        !$omp simd
-        do i = 1, size(volume)
-          k(at + i - 1) = part*m(at + i - 1)/merge(volume(i), 1.0_dp, volume(i) > 0.0_dp)
-        end do
-      end associate
-    end do
+    integer, intent(in) :: s, first, n           !! interval, first centre, centres
+    call weigh(n, rows_around(field, s, first), size(field%moment, 1), field%moment(1, field%columns%room), &
+               field%moment(1, field%columns%pairs), field%pairs%weight)
   end subroutine weigh_row
 
-  !> Records of the centres of the pair, or quad, that begins at the first centre of a row: the
-  !! lowest first, then along one axis after the other.
-  pure function corners(field, s, pair) result(to)
-    type(field_t), intent(in) :: field
-    integer, intent(in) :: s, pair
-    integer :: to(pair_corners)
-    integer :: a, n
-    integer :: way(3, pair_corners)
-    way = 0
-    n = 1
-    do a = 1, NDIM
-      if (.not. pair_spans(pair, a)) cycle
-      way(:, n + 1:2*n) = way(:, :n) + spread(step_along(a), 2, n)
-      n = 2*n
+  !> The same of some centres.
+  pure subroutine weigh(n, r, points, v, m, k)
+    integer, intent(in) :: n, r(ROWS), points    !! r: rows_around
+    real(dp), intent(in) :: v(points), m(points, pair_sums(NDIM))  !! volumes, moments
+    real(dp), intent(inout) :: k(points, pair_sums(NDIM))
+    real(dp) :: t(0:tile - 1, pair_sums(NDIM))
+    integer :: i, c, y
+#if NDIM == 3
+    integer :: z, yz
+#endif
+    !$omp simd private(c, y)
+    do i = 0, whole(n) - 1
+      c = r(MIDDLE) + i
+      y = r(MIDDLE + 1) + i
+      t(i, 1) = 0.5_dp*m(c, 1)*inverse(v(c) + v(c + 1))
+      t(i, 2) = 0.5_dp*m(c, 2)*inverse(v(c) + v(y))
     end do
-    do a = 1, pair_corners
-      to(a) = record_at(field, s, way(:, a))
+#if NDIM == 3
+    !$omp simd private(c, y, z, yz)
+    do i = 0, whole(n) - 1
+      c = r(MIDDLE) + i
+      y = r(MIDDLE + 1) + i
+      z = r(MIDDLE + 3) + i
+      yz = r(MIDDLE + 4) + i
+      t(i, 3) = 0.5_dp*m(c, 3)*inverse(v(c) + v(z))
+      t(i, 4) = 0.25_dp*m(c, 4)*inverse((v(c) + v(y)) + (v(z) + v(yz)))
+      t(i, 5) = 0.25_dp*m(c, 5)*inverse((v(c) + v(c + 1)) + (v(z) + v(z + 1)))
+      t(i, 6) = 0.25_dp*m(c, 6)*inverse((v(c) + v(c + 1)) + (v(y) + v(y + 1)))
     end do
-  end function corners
+#endif
+    k(r(MIDDLE):r(MIDDLE) + n - 1, :) = t(:n - 1, :)
+  end subroutine weigh
+
+  !> Points of a row in whole vectors: what lies behind its end is read and worked out, but not kept.
+  !! Rows are short, and the rest of one would take as long as all its vectors.
+  pure function whole(n)
+    integer, intent(in) :: n
+    integer :: whole
+    whole = lanes*((n + lanes - 1)/lanes)
+  end function whole
+
+  !> 1/volume; where there is none, no pair has a moment.
+  elemental function inverse(volume)
+    real(dp), intent(in) :: volume
+    real(dp) :: inverse
+    inverse = 1.0_dp/merge(volume, 1.0_dp, volume > 0.0_dp)
+  end function inverse
 
   !> Across fixed walls there is no pair: what lies behind them is no mirrored body.
   pure subroutine part_at_walls(field, mesh, s)
@@ -138,20 +160,19 @@ contains
   end subroutine part_at_walls
 
   !> Second differences of a nodal velocity at the centres of a row, in space the third ones, too.
-  pure subroutine twist_row(field, s, column)
+  pure subroutine twist_row(field, s, first, n, column)
     type(field_t), intent(inout) :: field
-    integer, intent(in) :: s, column
-    integer :: a, n, at, b(NROW)
-    n = field%work%last(s) - field%work%first(s) + 1
-    at = first_record(field, s)
-    b = node_rows(field, s, field%work%first(s))
+    integer, intent(in) :: s, first, n, column
+    integer :: a, at, b(NROW)
+    at = field%neighbour(0, 0, s) + first
+    b = node_rows(field, s, first)
     do a = 1, NDIM
       call twist(n, b, field%node(1, column + a - 1), size(field%pairs%centre, 1), &
                  field%pairs%centre(at, a))
     end do
 #ifdef AXISYMMETRIC
     call slopes(n, b, field%node(1, column), size(field%pairs%centre, 1), &
-                field%pairs%centre(at, before_slope + 1))
+                field%pairs%centre(at, slope_x))
 #endif
   end subroutine twist_row
 
@@ -159,17 +180,19 @@ contains
   pure subroutine twist(n, b, v, points, centre)
     integer, intent(in) :: n, b(NROW), points
     real(dp), intent(in) :: v(*)
-    real(dp), intent(inout) :: centre(points, *)
+    real(dp), intent(inout) :: centre(points, NDIM, *)
+    real(dp) :: t(tile, 1 + 3*(NDIM - 2))
     integer :: i
     !$omp simd
-    do i = 1, n
-      centre(i, 1) = half*(corner_slope_2(v, b, i) - corner_slope_2(v, b, i - 1))
+    do i = 1, whole(n)
+      t(i, 1) = half*(corner_slope_2(v, b, i) - corner_slope_2(v, b, i - 1))
 #if NDIM == 3
-      centre(i, 1 + NDIM) = half*(corner_slope_3(v, b, i) - corner_slope_3(v, b, i - 1))
-      centre(i, 1 + 2*NDIM) = half*(corner_twist(v, b, i) + corner_twist(v, b, i - 1))
-      centre(i, 1 + before_third) = corner_twist(v, b, i) - corner_twist(v, b, i - 1)
+      t(i, 2) = half*(corner_slope_3(v, b, i) - corner_slope_3(v, b, i - 1))
+      t(i, 3) = half*(corner_twist(v, b, i) + corner_twist(v, b, i - 1))
+      t(i, 4) = corner_twist(v, b, i) - corner_twist(v, b, i - 1)
 #endif
     end do
+    centre(:n, 1, :size(t, 2)) = t(:n, :)
   end subroutine twist
 
 #ifdef AXISYMMETRIC
@@ -188,163 +211,235 @@ contains
 #endif
 
   !> What pairs and quads add to the velocity gradient at the centres of a row (PR2, PR3).
-  pure subroutine gain_row(field, inverse_h, s)
+  pure subroutine gain_row(field, inverse_h, s, first, n)
     type(field_t), intent(inout) :: field
     real(dp), intent(in) :: inverse_h
-    integer, intent(in) :: s
-    real(dp) :: gain(field%work%last(s) - field%work%first(s) + 1)
-    integer :: i, a, b, n, at, way
-    n = size(gain)
-    at = first_record(field, s)
-    do i = 1, NDIM
-      do a = 1, NDIM
-        gain = 0.0_dp
-        do b = 1, NDIM
-          if (b == a) cycle
-          way = record_at(field, s, step_along(b))
-          call add_pair_gain(n, at, way, record_at(field, s, -step_along(b)), &
-                             field%pairs%weight(1, b), &
-                             field%pairs%centre(1, i + NDIM*(pair_twist(a, b) - 1)), gain)
-        end do
-#if NDIM == 3
-        call add_quad_gain(n, quads_around(field, s, a), field%pairs%weight(1, NDIM + a), &
-                           field%pairs%centre(1, before_third + i), gain)
-#endif
-        field%pairs%gain(at:at + n - 1, NDIM*(i - 1) + a) = inverse_h*gain
-      end do
+    integer, intent(in) :: s, first, n
+    integer :: a
+    do a = 1, NDIM
+      call gain(n, rows_around(field, s, first), inverse_h, size(field%moment, 1), field%pairs%weight, &
+                field%pairs%centre(1, a), field%pairs%gain(1, NDIM*(a - 1) + 1))
     end do
 #ifdef AXISYMMETRIC
-    call gain_hoop(field, inverse_h, s, n, at)
+    call gain_hoop(field, inverse_h, s, first, n)
 #endif
   end subroutine gain_row
 
-  !> Adds what the two pairs of each centre along an axis give.
-  pure subroutine add_pair_gain(n, at, up, down, k, h, gain)
-    integer, intent(in) :: n, at, up, down       !! records of the first centre and its neighbours
-    real(dp), intent(in) :: k(*), h(*)           !! weights; second differences
-    real(dp), intent(inout) :: gain(n)
-    integer :: i
-    !$omp simd
-    do i = 0, n - 1
-      gain(i + 1) = gain(i + 1) + (k(at + i)*(h(at + i) - h(up + i)) + &
-                                   k(down + i)*(h(down + i) - h(at + i)))
+  !> The same of one component of the velocity at some centres.
+  pure subroutine gain(n, r, scale, points, k, h, g)
+    integer, intent(in) :: n, r(ROWS), points
+    real(dp), intent(in) :: scale
+    real(dp), intent(in) :: k(points, pair_sums(NDIM))
+    real(dp), intent(in) :: h(points, NDIM, *)   !! differences xy, xz, yz, xyz of the component
+    real(dp), intent(inout) :: g(points, NDIM)
+    real(dp) :: t(0:tile - 1, NDIM)
+    integer :: i, c, y, yb
+#if NDIM == 3
+    integer :: z, zb, yz, ybz, yzb, ybzb
+    real(dp) :: x1, x2, x3
+#endif
+    !$omp simd private(c, y, yb)
+    do i = 0, whole(n) - 1
+      c = r(MIDDLE) + i
+      y = r(MIDDLE + 1) + i
+      yb = r(MIDDLE - 1) + i
+      t(i, 1) = (k(c, 2)*(h(c, 1, 1) - h(y, 1, 1)) + k(yb, 2)*(h(yb, 1, 1) - h(c, 1, 1)))
+      t(i, 2) = (k(c, 1)*(h(c, 1, 1) - h(c + 1, 1, 1)) + &
+                       k(c - 1, 1)*(h(c - 1, 1, 1) - h(c, 1, 1)))
     end do
-  end subroutine add_pair_gain
+#if NDIM == 3
+    !$omp simd private(c, y, yb, z, zb)
+    do i = 0, whole(n) - 1
+      c = r(MIDDLE) + i
+      y = r(MIDDLE + 1) + i
+      yb = r(MIDDLE - 1) + i
+      z = r(MIDDLE + 3) + i
+      zb = r(MIDDLE - 3) + i
+      t(i, 1) = t(i, 1) + (k(c, 3)*(h(c, 1, 2) - h(z, 1, 2)) + &
+                                 k(zb, 3)*(h(zb, 1, 2) - h(c, 1, 2)))
+      t(i, 2) = t(i, 2) + (k(c, 3)*(h(c, 1, 3) - h(z, 1, 3)) + &
+                                 k(zb, 3)*(h(zb, 1, 3) - h(c, 1, 3)))
+      t(i, 3) = ((k(c, 1)*(h(c, 1, 2) - h(c + 1, 1, 2)) + &
+                        k(c - 1, 1)*(h(c - 1, 1, 2) - h(c, 1, 2))) + &
+                       (k(c, 2)*(h(c, 1, 3) - h(y, 1, 3)) + &
+                        k(yb, 2)*(h(yb, 1, 3) - h(c, 1, 3))))
+    end do
+    !$omp simd private(c, y, yb, z, zb, yz, ybz, yzb, ybzb, x1, x2, x3)
+    do i = 0, whole(n) - 1
+      c = r(MIDDLE) + i
+      y = r(MIDDLE + 1) + i
+      yb = r(MIDDLE - 1) + i
+      z = r(MIDDLE + 3) + i
+      zb = r(MIDDLE - 3) + i
+      yz = r(MIDDLE + 4) + i
+      ybz = r(MIDDLE + 2) + i
+      yzb = r(MIDDLE - 2) + i
+      ybzb = r(MIDDLE - 4) + i
+      x1 = (k(c, 4)*((h(c, 1, 4) - h(y, 1, 4)) - (h(z, 1, 4) - h(yz, 1, 4))) + &
+            k(yb, 4)*((h(yb, 1, 4) - h(c, 1, 4)) - (h(ybz, 1, 4) - h(z, 1, 4)))) + &
+           (k(zb, 4)*((h(zb, 1, 4) - h(yzb, 1, 4)) - (h(c, 1, 4) - h(y, 1, 4))) + &
+            k(ybzb, 4)*((h(ybzb, 1, 4) - h(zb, 1, 4)) - (h(yb, 1, 4) - h(c, 1, 4))))
+      x2 = (k(c, 5)*((h(c, 1, 4) - h(c + 1, 1, 4)) - (h(z, 1, 4) - h(z + 1, 1, 4))) + &
+            k(c - 1, 5)*((h(c - 1, 1, 4) - h(c, 1, 4)) - (h(z - 1, 1, 4) - h(z, 1, 4)))) + &
+           (k(zb, 5)*((h(zb, 1, 4) - h(zb + 1, 1, 4)) - (h(c, 1, 4) - h(c + 1, 1, 4))) + &
+            k(zb - 1, 5)*((h(zb - 1, 1, 4) - h(zb, 1, 4)) - (h(c - 1, 1, 4) - h(c, 1, 4))))
+      x3 = (k(c, 6)*((h(c, 1, 4) - h(c + 1, 1, 4)) - (h(y, 1, 4) - h(y + 1, 1, 4))) + &
+            k(c - 1, 6)*((h(c - 1, 1, 4) - h(c, 1, 4)) - (h(y - 1, 1, 4) - h(y, 1, 4)))) + &
+           (k(yb, 6)*((h(yb, 1, 4) - h(yb + 1, 1, 4)) - (h(c, 1, 4) - h(c + 1, 1, 4))) + &
+            k(yb - 1, 6)*((h(yb - 1, 1, 4) - h(yb, 1, 4)) - (h(c - 1, 1, 4) - h(c, 1, 4))))
+      t(i, 1) = t(i, 1) + x1
+      t(i, 2) = t(i, 2) + x2
+      t(i, 3) = t(i, 3) + x3
+    end do
+#endif
+    g(r(MIDDLE):r(MIDDLE) + n - 1, :) = scale*t(:n - 1, :)
+  end subroutine gain
 
 #ifdef AXISYMMETRIC
   !> The hoop strain (PR5); next to the axis radii are those of no particle, and the pair of the
   !! first two centres along r is left out.
-  pure subroutine gain_hoop(field, inverse_h, s, n, at)
+  pure subroutine gain_hoop(field, inverse_h, s, first, n)
     type(field_t), intent(inout) :: field
     real(dp), intent(in) :: inverse_h
-    integer, intent(in) :: s, n, at
-    real(dp) :: gain(n)
-    integer :: i, b
-    gain = 0.0_dp
-    do b = 1, NDIM
-      associate (k => field%pairs%weight(:, b), d => field%pairs%centre(:, before_slope + b), &
-                 up => record_at(field, s, step_along(b)), &
-                 down => record_at(field, s, -step_along(b)), first => field%work%first(s))
-        do i = 0, n - 1
-          gain(i + 1) = gain(i + 1) + (counted(b, first + i, k(at + i))*(d(at + i) - d(up + i)) + &
-                                       counted(b, first + i - step(b), k(down + i))* &
-                                       (d(down + i) - d(at + i)))
-        end do
-      end associate
-    end do
-    do i = 0, n - 1
-      field%pairs%gain(at + i, NGRAD) = inverse_h*gain(i + 1)/axis_radius(field%work%first(s) + i)
-    end do
+    integer, intent(in) :: s, first, n
+    real(dp) :: gain
+    integer :: i, c, y, yb, r(ROWS)
+    r = rows_around(field, s, first)
+    associate (k => field%pairs%weight, d => field%pairs%centre)
+      do i = 0, n - 1
+        c = r(MIDDLE) + i
+        y = r(MIDDLE + 1) + i
+        yb = r(MIDDLE - 1) + i
+        gain = radial(first + i, k(c, 1))*(d(c, slope_x) - d(c + 1, slope_x)) + &
+               radial(first + i - 1, k(c - 1, 1))*(d(c - 1, slope_x) - d(c, slope_x)) + &
+               k(c, 2)*(d(c, slope_y) - d(y, slope_y)) + k(yb, 2)*(d(yb, slope_y) - d(c, slope_y))
+        field%pairs%gain(c, NGRAD) = inverse_h*gain/axis_radius(first + i)
+      end do
+    end associate
   end subroutine gain_hoop
 
-  !> The weight of a pair that begins at a centre along x, for the hoop strain.
-  pure function counted(axis, centre, weight) result(k)
-    integer, intent(in) :: axis, centre
+  !> The weight of a pair along r that begins at a centre, for the hoop strain.
+  elemental function radial(centre, weight) result(k)
+    integer, intent(in) :: centre
     real(dp), intent(in) :: weight
     real(dp) :: k
-    k = merge(0.0_dp, weight, axis == 1 .and. centre < 1)
-  end function counted
-
-  !> How far a step along an axis goes along x.
-  pure function step(axis) result(cells)
-    integer, intent(in) :: axis
-    integer :: cells
-    cells = merge(1, 0, axis == 1)
-  end function step
+    k = merge(0.0_dp, weight, centre < 1)
+  end function radial
 #endif
 
   !> Forces on second and third differences at the centres of a row, of the stress times volume
   !! there (PR4).
-  pure subroutine force_row(field, inverse_h, s)
+  pure subroutine force_row(field, inverse_h, s, first, n)
     type(field_t), intent(inout) :: field
     real(dp), intent(in) :: inverse_h
-    integer, intent(in) :: s
-    real(dp) :: force(field%work%last(s) - field%work%first(s) + 1)
-    integer :: i, a, b, n, at, before
-    n = size(force)
-    at = first_record(field, s)
+    integer, intent(in) :: s, first, n
+    integer :: a, before
     before = field%columns%force - 1
-    do i = 1, NDIM
-      do b = 2, NDIM
-        do a = 1, b - 1
-          force = 0.0_dp
-          call add_pair_force(n, at, record_at(field, s, step_along(b)), &
-                              record_at(field, s, -step_along(b)), field%pairs%weight(1, b), &
-                              field%moment(1, before + flux_of(i, a)), force)
-          call add_pair_force(n, at, record_at(field, s, step_along(a)), &
-                              record_at(field, s, -step_along(a)), field%pairs%weight(1, a), &
-                              field%moment(1, before + flux_of(i, b)), force)
-          field%pairs%centre(at:at + n - 1, i + NDIM*(pair_twist(a, b) - 1)) = inverse_h*force
-        end do
-      end do
+    do a = 1, NDIM
+      call twist_force(n, rows_around(field, s, first), inverse_h, size(field%moment, 1), &
+                       field%pairs%weight, field%moment(1, before + flux_of(a, 1)), &
+                       field%moment(1, before + flux_of(a, 2)), &
 #if NDIM == 3
-      force = 0.0_dp
-      do a = 1, NDIM
-        call add_quad_force(n, quads_around(field, s, a), field%pairs%weight(1, NDIM + a), &
-                            field%moment(1, before + flux_of(i, a)), force)
-      end do
-      field%pairs%centre(at:at + n - 1, before_third + i) = inverse_h*force
+                       field%moment(1, before + flux_of(a, 3)), &
 #endif
+                       field%pairs%centre(1, a))
     end do
 #ifdef AXISYMMETRIC
-    call force_hoop(field, inverse_h, s, n, at)
+    call force_hoop(field, inverse_h, s, first, n)
 #endif
   end subroutine force_row
 
-  !> Adds the forces of the two pairs of each centre along an axis.
-  pure subroutine add_pair_force(n, at, up, down, k, stress, force)
-    integer, intent(in) :: n, at, up, down       !! as for add_pair_gain
-    real(dp), intent(in) :: k(*), stress(*)
-    real(dp), intent(inout) :: force(n)
-    integer :: i
-    !$omp simd
-    do i = 0, n - 1
-      force(i + 1) = force(i + 1) + (k(at + i)*(stress(at + i) + stress(up + i)) - &
-                                     k(down + i)*(stress(down + i) + stress(at + i)))
+  !> The same of one component at some centres.
+#if NDIM == 2
+  pure subroutine twist_force(n, r, scale, points, k, sx, sy, f)
+#else
+  pure subroutine twist_force(n, r, scale, points, k, sx, sy, sz, f)
+    real(dp), intent(in) :: sz(*)
+#endif
+    integer, intent(in) :: n, r(ROWS), points
+    real(dp), intent(in) :: scale
+    real(dp), intent(in) :: k(points, pair_sums(NDIM))
+    real(dp), intent(in) :: sx(*), sy(*)         !! stresses of the component along the axes
+    real(dp), intent(inout) :: f(points, NDIM, *)  !! on differences xy, xz, yz, xyz
+    real(dp) :: t(0:tile - 1, 1 + 3*(NDIM - 2))
+    integer :: i, c, y, yb
+#if NDIM == 3
+    integer :: z, zb, yz, ybz, yzb, ybzb
+    real(dp) :: x1, x2, x3
+#endif
+    !$omp simd private(c, y, yb)
+    do i = 0, whole(n) - 1
+      c = r(MIDDLE) + i
+      y = r(MIDDLE + 1) + i
+      yb = r(MIDDLE - 1) + i
+      t(i, 1) = ((k(c, 2)*(sx(c) + sx(y)) - k(yb, 2)*(sx(yb) + sx(c))) + &
+                          (k(c, 1)*(sy(c) + sy(c + 1)) - k(c - 1, 1)*(sy(c - 1) + sy(c))))
     end do
-  end subroutine add_pair_force
+#if NDIM == 3
+    !$omp simd private(c, y, yb, z, zb)
+    do i = 0, whole(n) - 1
+      c = r(MIDDLE) + i
+      y = r(MIDDLE + 1) + i
+      yb = r(MIDDLE - 1) + i
+      z = r(MIDDLE + 3) + i
+      zb = r(MIDDLE - 3) + i
+      t(i, 2) = ((k(c, 3)*(sx(c) + sx(z)) - k(zb, 3)*(sx(zb) + sx(c))) + &
+                          (k(c, 1)*(sz(c) + sz(c + 1)) - k(c - 1, 1)*(sz(c - 1) + sz(c))))
+      t(i, 3) = ((k(c, 3)*(sy(c) + sy(z)) - k(zb, 3)*(sy(zb) + sy(c))) + &
+                          (k(c, 2)*(sz(c) + sz(y)) - k(yb, 2)*(sz(yb) + sz(c))))
+    end do
+    !$omp simd private(c, y, yb, z, zb, yz, ybz, yzb, ybzb, x1, x2, x3)
+    do i = 0, whole(n) - 1
+      c = r(MIDDLE) + i
+      y = r(MIDDLE + 1) + i
+      yb = r(MIDDLE - 1) + i
+      z = r(MIDDLE + 3) + i
+      zb = r(MIDDLE - 3) + i
+      yz = r(MIDDLE + 4) + i
+      ybz = r(MIDDLE + 2) + i
+      yzb = r(MIDDLE - 2) + i
+      ybzb = r(MIDDLE - 4) + i
+      x1 = (k(c, 4)*((sx(c) + sx(y)) + (sx(z) + sx(yz))) - &
+            k(yb, 4)*((sx(yb) + sx(c)) + (sx(ybz) + sx(z)))) - &
+           (k(zb, 4)*((sx(zb) + sx(yzb)) + (sx(c) + sx(y))) - &
+            k(ybzb, 4)*((sx(ybzb) + sx(zb)) + (sx(yb) + sx(c))))
+      x2 = (k(c, 5)*((sy(c) + sy(c + 1)) + (sy(z) + sy(z + 1))) - &
+            k(c - 1, 5)*((sy(c - 1) + sy(c)) + (sy(z - 1) + sy(z)))) - &
+           (k(zb, 5)*((sy(zb) + sy(zb + 1)) + (sy(c) + sy(c + 1))) - &
+            k(zb - 1, 5)*((sy(zb - 1) + sy(zb)) + (sy(c - 1) + sy(c))))
+      x3 = (k(c, 6)*((sz(c) + sz(c + 1)) + (sz(y) + sz(y + 1))) - &
+            k(c - 1, 6)*((sz(c - 1) + sz(c)) + (sz(y - 1) + sz(y)))) - &
+           (k(yb, 6)*((sz(yb) + sz(yb + 1)) + (sz(c) + sz(c + 1))) - &
+            k(yb - 1, 6)*((sz(yb - 1) + sz(yb)) + (sz(c - 1) + sz(c))))
+      t(i, 4) = ((x1 + x2) + x3)
+    end do
+#endif
+    f(r(MIDDLE):r(MIDDLE) + n - 1, 1, :size(t, 2)) = scale*t(:n - 1, :)
+  end subroutine twist_force
 
 #ifdef AXISYMMETRIC
   !> The forces of the hoop stress on the slopes of the radial velocity.
-  pure subroutine force_hoop(field, inverse_h, s, n, at)
+  pure subroutine force_hoop(field, inverse_h, s, first, n)
     type(field_t), intent(inout) :: field
     real(dp), intent(in) :: inverse_h
-    integer, intent(in) :: s, n, at
-    integer :: i, b
-    real(dp) :: above, below
-    do b = 1, NDIM
-      associate (k => field%pairs%weight(:, b), d => step(b), &
-                 stress => field%moment(:, field%columns%force - 1 + NFLUX), &
-                 up => record_at(field, s, step_along(b)), &
-                 down => record_at(field, s, -step_along(b)), first => field%work%first(s))
-        do i = 0, n - 1
-          above = stress(at + i)/axis_radius(first + i) + stress(up + i)/axis_radius(first + i + d)
-          below = stress(down + i)/axis_radius(first + i - d) + stress(at + i)/axis_radius(first + i)
-          field%pairs%centre(at + i, before_slope + b) = inverse_h* &
-            (counted(b, first + i, k(at + i))*above - counted(b, first + i - d, k(down + i))*below)
-        end do
-      end associate
-    end do
+    integer, intent(in) :: s, first, n
+    real(dp) :: here, left, right
+    integer :: i, c, y, yb, r(ROWS)
+    r = rows_around(field, s, first)
+    associate (k => field%pairs%weight, stress => field%moment(:, field%columns%force - 1 + NFLUX))
+      do i = 0, n - 1
+        c = r(MIDDLE) + i
+        y = r(MIDDLE + 1) + i
+        yb = r(MIDDLE - 1) + i
+        here = stress(c)/axis_radius(first + i)
+        left = stress(c - 1)/axis_radius(first + i - 1)
+        right = stress(c + 1)/axis_radius(first + i + 1)
+        field%pairs%centre(c, slope_x) = inverse_h*(radial(first + i, k(c, 1))*(here + right) - &
+                                                    radial(first + i - 1, k(c - 1, 1))*(left + here))
+        field%pairs%centre(c, slope_y) = inverse_h/axis_radius(first + i)* &
+          (k(c, 2)*(stress(c) + stress(y)) - k(yb, 2)*(stress(yb) + stress(c)))
+      end do
+    end associate
   end subroutine force_hoop
 #endif
 
@@ -353,14 +448,14 @@ contains
     type(field_t), intent(in) :: field
     integer, intent(in) :: b(NROW)               !! rows of centres around the nodes
     integer, intent(in) :: n
-    real(dp), intent(inout) :: f(:, :)           !! (n or more, ndim)
+    real(dp), intent(inout) :: f(:, :)           !! (n in whole vectors or more, ndim)
     integer :: a
     do a = 1, NDIM
-      call push(n, b, size(field%pairs%centre, 1), field%pairs%centre(1, a), f(:, a))
+      call push(whole(n), b, size(field%pairs%centre, 1), field%pairs%centre(1, a), f(:, a))
     end do
 #ifdef AXISYMMETRIC
-    call push_slopes(n, b, field%pairs%centre(:, before_slope + 1), &
-                     field%pairs%centre(:, before_slope + 2), f(:, 1))
+    call push_slopes(n, b, field%pairs%centre(:, slope_x), &
+                     field%pairs%centre(:, slope_y), f(:, 1))
 #endif
   end subroutine surfaces_push
 
@@ -378,8 +473,8 @@ contains
                            corner_slope_3(centre(1, 1 + NDIM), b, i - 1)) + &
                           (corner_twist(centre(1, 1 + 2*NDIM), b, i) + &
                            corner_twist(centre(1, 1 + 2*NDIM), b, i - 1)))
-      f(i) = f(i) + (corner_twist(centre(1, 1 + before_third), b, i) - &
-                     corner_twist(centre(1, 1 + before_third), b, i - 1))
+      f(i) = f(i) + (corner_twist(centre(1, 1 + 3*NDIM), b, i) - &
+                     corner_twist(centre(1, 1 + 3*NDIM), b, i - 1))
 #endif
     end do
   end subroutine push
@@ -419,56 +514,6 @@ contains
   end subroutine surfaces_add_gains
 
 #if NDIM == 3
-  !> Adds to each centre what the four quads across an axis give of which it is a corner.
-  pure subroutine add_quad_gain(n, quads, k, h, gain)
-    integer, intent(in) :: n, quads(4, 4)        !! see quads_around
-    real(dp), intent(in) :: k(*), h(*)           !! weights; third differences
-    real(dp), intent(inout) :: gain(n)
-    integer :: i, q
-    do q = 1, 4
-      associate (a => quads(1, q), b => quads(2, q), c => quads(3, q), d => quads(4, q))
-        !$omp simd
-        do i = 0, n - 1
-          gain(i + 1) = gain(i + 1) + k(a + i)*((h(a + i) - h(b + i)) - (h(c + i) - h(d + i)))
-        end do
-      end associate
-    end do
-  end subroutine add_quad_gain
-
-  !> Adds the forces of the four quads across an axis of which each centre is a corner.
-  pure subroutine add_quad_force(n, quads, k, stress, force)
-    integer, intent(in) :: n, quads(4, 4)        !! see quads_around
-    real(dp), intent(in) :: k(*), stress(*)
-    real(dp), intent(inout) :: force(n)
-    real(dp), parameter :: signs(4) = [1, -1, -1, 1]
-    integer :: i, q
-    do q = 1, 4
-      associate (a => quads(1, q), b => quads(2, q), c => quads(3, q), d => quads(4, q))
-        !$omp simd
-        do i = 0, n - 1
-          force(i + 1) = force(i + 1) + signs(q)*k(a + i)*((stress(a + i) + stress(b + i)) + &
-                                                          (stress(c + i) + stress(d + i)))
-        end do
-      end associate
-    end do
-  end subroutine add_quad_force
-
-  !> Records of the corners (lowest, next along either axis, highest) of the quads across an axis
-  !! around the first centre of a row: it is the lowest of the first, the highest of the last.
-  pure function quads_around(field, s, across) result(quads)
-    type(field_t), intent(in) :: field
-    integer, intent(in) :: s, across
-    integer :: quads(4, 4)
-    integer :: b(3), g(3), q, start(3)
-    b = step_along(mod(across, 3) + 1)
-    g = step_along(mod(across + 1, 3) + 1)
-    do q = 1, 4
-      start = -b*mod(q - 1, 2) - g*((q - 1)/2)
-      quads(:, q) = [record_at(field, s, start), record_at(field, s, start + b), &
-                     record_at(field, s, start + g), record_at(field, s, start + b + g)]
-    end do
-  end function quads_around
-
   !> Difference of the four rows around one of points, along their two axes.
   pure function corner_twist(column, b, i) result(t)
     real(dp), intent(in) :: column(*)
@@ -478,33 +523,20 @@ contains
   end function corner_twist
 #endif
 
-  !> Record of the first centre of a row.
-  pure function first_record(field, s) result(at)
+  !> Records of a centre of a row in the rows around it, y first: its own is MIDDLE.
+  pure function rows_around(field, s, first) result(r)
     type(field_t), intent(in) :: field
-    integer, intent(in) :: s
-    integer :: at
-    at = field%neighbour(0, 0, s) + field%work%first(s)
-  end function first_record
-
-  !> Record of a neighbour of the first centre of a row.
-  pure function record_at(field, s, way) result(at)
-    type(field_t), intent(in) :: field
-    integer, intent(in) :: s, way(3)             !! way: cells along each axis
-    integer :: at
+    integer, intent(in) :: s, first
+    integer :: r(ROWS)
+    integer :: q
+    do q = 1, ROWS
 #if NDIM == 2
-    at = field%neighbour(0, way(2), s) + field%work%first(s) + way(1)
+      r(q) = field%neighbour(0, q - 2, s) + first
 #else
-    at = field%neighbour(way(2), way(3), s) + field%work%first(s) + way(1)
+      r(q) = field%neighbour(mod(q - 1, 3) - 1, (q - 1)/3 - 1, s) + first
 #endif
-  end function record_at
-
-  !> A cell along an axis.
-  pure function step_along(axis) result(way)
-    integer, intent(in) :: axis
-    integer :: way(3)
-    way = 0
-    way(axis) = 1
-  end function step_along
+    end do
+  end function rows_around
 
 #include "corner_sums.inc"
 
