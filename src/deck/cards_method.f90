@@ -39,8 +39,9 @@ contains
                       'default: 1e-12, for gimp, cpgimp, bspline 1e-20 (weights end as a square)', &
                       range='[0,1)')
     call registry%key('stress', kind_word, 'quadrature of the stress: as in the paper, or '// &
-                      'normalised by the volume that particles fill (sgmp only)', &
-                      choices='plain normalised', default='plain', &
+                      'normalised by the volume that particles fill (sgmp only); auto: normalised '// &
+                      'where the rest of the deck allows it', &
+                      choices='auto plain normalised', default='auto', &
                       source='doc/normalised-stress.md')
     call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
                       'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
@@ -60,11 +61,12 @@ contains
                       source='doc/theory.md, 7')
     call registry%key('rotation', kind_word, &
       'exact: rigid rotation strains nothing and internal '// &
-                      'forces have no moment, at free surfaces as well (sgmp only)', &
-                      choices='plain exact', default='plain', source='doc/rotation.md')
+                      'forces have no moment, at free surfaces as well (sgmp only); auto: '// &
+                      'exact where the rest of the deck allows it', &
+                      choices='auto plain exact', default='auto', source='doc/rotation.md')
     call registry%key('surfaces', kind_word, 'corrected: strains are right at free surfaces '// &
-                      'that lie at an angle to the grid (sgmp only)', choices='plain corrected', &
-                      default='plain', source='doc/surfaces.md')
+                      'that lie at an angle to the grid (sgmp only); auto: with sgmp', &
+                      choices='auto plain corrected', default='auto', source='doc/surfaces.md')
     call registry%key('spin', kind_word, 'whether particles carry the rotation of what is '// &
                       'around them to the grid, so that what turns keeps turning (sgmp, musl)', &
                       choices='none carried', default='none', source='doc/rotation.md')
@@ -121,9 +123,13 @@ contains
       if (kernel_sized(method_kernel(method%kind))) method%mass_cutoff = 1.0e-20_dp
       method%mass_cutoff = card%number('mass_cutoff', absent=method%mass_cutoff)
       method%normalised = card%word('stress') == 'normalised'
+      method%normalised_auto = card%word('stress') == 'auto'
+      method%rotation_auto = card%word('rotation') == 'auto'
+      method%surfaces_auto = card%word('surfaces') == 'auto'
       method%interior = card%number('interior')
       method%volumes_kept = card%word('volumes') == 'kept'
       if (method%volumes_kept) method%normalised = .true.
+      if (method%volumes_kept) method%normalised_auto = .false.
       if (card%word('split') /= 'none') method%split = card%number('split')
       method%split_most = card%whole('split_most', absent=10000000)
       method%hoop = card%number('hoop', absent=method%hoop)

@@ -11,7 +11,7 @@ module sgmp_combinations
   use sgmp_spelling, only: string_t, word_in_list, word_items
   implicit none
   private
-  public :: feature_t, refusal_t, combinations_check, combinations_features, &
+  public :: feature_t, refusal_t, combinations_allow, combinations_check, combinations_features, &
             combinations_refusals, feature_label, feature_of_card
 
   !> How the value of a key shows that a card asks for the feature.
@@ -63,6 +63,7 @@ module sgmp_combinations
     feature_t('normalised', 'stress=normalised', 'method', 'stress', ask_word, 'normalised', 0), &
     feature_t('kept', 'volumes=kept', 'method', 'volumes', ask_word, 'kept', 0), &
     feature_t('rotation', 'rotation=exact', 'method', 'rotation', ask_word, 'exact', 0), &
+    feature_t('surfaces', 'surfaces=corrected', 'method', 'surfaces', ask_word, 'corrected', 0), &
     feature_t('spin', 'spin=carried', 'method', 'spin', ask_word, 'carried', 0), &
     feature_t('split', 'split=…', 'method', 'split', ask_above, '', 0), &
     feature_t('hoop', 'hoop=…', 'method', 'hoop', ask_given, '', 0), &
@@ -131,6 +132,9 @@ module sgmp_combinations
     refusal_t('rotation', 'axisymmetric', '', &
               'no body of revolution turns as a whole in its half-plane', &
               'remove rotation=exact'), &
+    refusal_t('surfaces', 'mpm gimp cpgimp bspline', '', &
+              'it corrects the strain of the auxiliary grid, which only sgmp has', &
+              'remove surfaces=corrected or use method sgmp'), &
     refusal_t('spin', 'mpm gimp cpgimp bspline', '', &
               'only sgmp projects the spin of particles', &
               'remove spin=carried or use method sgmp'), &
@@ -219,6 +223,30 @@ contains
       call check_refusal(refusals(r), asker, cards, errors)
     end do
   end subroutine combinations_check
+
+  !> Whether a feature goes with all that a deck asks for, of whatever the program may choose.
+  function combinations_allow(cards, name) result(yes)
+    type(deck_card_t), intent(in) :: cards(:)      !! of the deck, defaults among them
+    character(*), intent(in) :: name               !! of the feature
+    logical :: yes
+    type(string_t), allocatable :: others(:)
+    logical :: asked(size(features))
+    integer :: r, i
+    asked = askers(cards) > 0
+    asked(feature_number(name)) = .true.
+    yes = .true.
+    do r = 1, size(refusals)
+      if (.not. asked(feature_number(trim(refusals(r)%feature)))) cycle
+      if (refusals(r)%unless /= '') then
+        if (asked(feature_number(trim(refusals(r)%unless)))) cycle
+      end if
+      others = word_items(trim(refusals(r)%with))
+      do i = 1, size(others)
+        if (refusals(r)%feature /= name .and. others(i)%text /= name) cycle
+        yes = yes .and. .not. asked(feature_number(others(i)%text))
+      end do
+    end do
+  end function combinations_allow
 
   !> Reports the others of a refusal that the deck asks for.
   subroutine check_refusal(refusal, asker, cards, errors)

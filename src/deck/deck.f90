@@ -1,7 +1,7 @@
 !> Reads a deck: text -> statements -> cards -> scene, with every error of the deck found in one go.
 module sgmp_deck
   use sgmp_card_parse, only: card_default, card_parse
-  use sgmp_combinations, only: combinations_check
+  use sgmp_combinations, only: combinations_allow, combinations_check
   use sgmp_deck_card, only: card_free, deck_card_t, value_t
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
@@ -13,7 +13,7 @@ module sgmp_deck
   use sgmp_mesh, only: wall_free, wall_names
   use sgmp_parameters, only: parameters_t
   use sgmp_registry, only: read_first, read_last, read_second, registry_t
-  use sgmp_scene, only: scene_t
+  use sgmp_scene, only: method_card_t, scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
   use sgmp_tables, only: table_define
@@ -70,6 +70,7 @@ contains
     call add_default_cards(registry, deck, parameters, cards, draft%errors)
     call read_cards(registry, cards, draft)
     call combinations_check(cards, draft%errors)
+    call settle_method(cards, draft%scene%method)
     call check_cards(registry, cards, draft)
     call drop_overridden(cards)
     if (draft%errors%count() == 0) then
@@ -103,6 +104,16 @@ contains
       errors = only
     end associate
   end function foreign
+
+  !> What the method leaves to the program: the best there is, where it goes with the rest of the
+  !! deck (doc/surfaces.md, 1).
+  subroutine settle_method(cards, method)
+    type(deck_card_t), intent(in) :: cards(:)
+    type(method_card_t), intent(inout) :: method
+    if (method%surfaces_auto) method%surfaces = combinations_allow(cards, 'surfaces')
+    if (method%rotation_auto) method%rotation = combinations_allow(cards, 'rotation')
+    if (method%normalised_auto) method%normalised = combinations_allow(cards, 'normalised')
+  end subroutine settle_method
 
   !> Cards that may appear once only.
   subroutine check_repeated(registry, cards, errors)

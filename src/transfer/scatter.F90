@@ -31,20 +31,17 @@ module DIM(sgmp_scatter)
   integer, parameter :: accumulators = 1, column_sums = NCORNER
 #endif
 
-  !> Way between a stencil's points along an axis, and the points that are the lower ones along it;
-  !! 1 for them, 0 for the others.
+  !> Way between a stencil's points along an axis; 1 for the lower points along it, 0 for the others.
 #if NDIM == 1
-  integer, parameter :: stride_of(1) = 1, lower_point(1, 1) = 1
+  integer, parameter :: stride_of(1) = 1
   real(dp), parameter :: lower(2, 1) = reshape([1, 0], [2, 1])
   real(dp), parameter :: pair_starts(2, 1) = 0.0_dp
 #elif NDIM == 2
   integer, parameter :: stride_of(2) = [2, 1]
-  integer, parameter :: lower_point(2, 2) = reshape([1, 2, 1, 3], [2, 2])
   real(dp), parameter :: lower(4, 2) = reshape([1, 1, 0, 0, 1, 0, 1, 0], [4, 2])
   real(dp), parameter :: pair_starts(4, 2) = lower  !! 1 at the points where a pair begins
 #else
   integer, parameter :: stride_of(3) = [4, 2, 1]
-  integer, parameter :: lower_point(4, 3) = reshape([1, 2, 3, 4, 1, 2, 5, 6, 1, 3, 5, 7], [4, 3])
   !> 1 at the points where a pair, or a quad, begins.
   real(dp), parameter :: pair_starts(8, 6) = reshape([ &
     1, 1, 1, 1, 0, 0, 0, 0,   1, 1, 0, 0, 1, 1, 0, 0,   1, 0, 1, 0, 1, 0, 1, 0, &
@@ -264,35 +261,49 @@ contains
 
   !> Adds the first moments of the particles' masses about the points of their stencil, N m (x_p -
   !! x_c) in cells; pads must bring zeros.
-  !!
-  !! Along one axis both points get the same but for the sign, as the lever of one is the weight of
-  !! the other.
   pure subroutine linear_scatter_moment(xi, cell, mass, columns, sums)
     real(dp), intent(in) :: xi(lanes, NDIM), mass(lanes)
     integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
     integer, intent(in) :: columns                 !! of an accumulator
     real(dp), intent(inout) :: sums(column_sums, columns, 0:*)  !! the first NDIM columns
-    real(dp) :: part(lanes), w(NCORNER/2, lanes), t(NCORNER/2)
-    integer :: a, e, l
-    do a = 1, NDIM
-      part = mass*xi(:, a)*(1.0_dp - xi(:, a))
-      call other_weights(xi, a, w)
+    integer :: a, e
 #if NDIM < 3
-      do l = 1, lanes
-        if (cell(l) < 0) exit
-        call add_both(a, w(:, l)*part(l), sums(NROW*cell(l) + 1, a, iand(cell(l), 1)))
+    real(dp) :: w(NCORNER)
+    integer :: l, first, odd
+    do l = 1, lanes
+      if (cell(l) < 0) exit
+      first = NROW*cell(l)
+      odd = iand(cell(l), 1)
+      !$omp simd
+      do e = 1, NCORNER
+        w(e) = mass(l)*corner_weight(xi(l, :), e, 0)
       end do
-#else
-      !$omp simd private(l)
-      do e = 1, NCORNER/2
-        t(e) = 0.0_dp
-        do l = 1, lanes
-          t(e) = t(e) + w(e, l)*part(l)
+      do a = 1, NDIM
+        !$omp simd simdlen(NCORNER)
+        do e = 1, NCORNER
+          sums(first + e, a, odd) = sums(first + e, a, odd) + w(e)*(xi(l, a) - (1.0_dp - lower(e, a)))
         end do
       end do
-      call add_both(a, t, sums(1, a, cell(1)))
-#endif
     end do
+#else
+    real(dp) :: w(NCORNER, lanes), part(lanes), m(NCORNER)
+    call point_weights(xi, w)
+    !$omp simd
+    do e = 1, NCORNER
+      m(e) = w(e, 1)*mass(1) + w(e, 2)*mass(2) + w(e, 3)*mass(3) + w(e, 4)*mass(4) + &
+             w(e, 5)*mass(5) + w(e, 6)*mass(6) + w(e, 7)*mass(7) + w(e, 8)*mass(8)
+    end do
+    do a = 1, NDIM
+      part = mass*xi(:, a)
+      !$omp simd
+      do e = 1, NCORNER
+        sums(e, a, cell(1)) = sums(e, a, cell(1)) + ( &
+            w(e, 1)*part(1) + w(e, 2)*part(2) + w(e, 3)*part(3) + w(e, 4)*part(4) + &
+            w(e, 5)*part(5) + w(e, 6)*part(6) + w(e, 7)*part(7) + w(e, 8)*part(8) - &
+            (1.0_dp - pair_starts(e, a))*m(e))
+      end do
+    end do
+#endif
   end subroutine linear_scatter_moment
 
   !> Adds the volume moments of the pairs of the stencil's points, V N_perp x (1 - x) of every axis,
@@ -352,46 +363,6 @@ contains
       yes = pair - NDIM /= axis
     end if
   end function pair_spans
-
-  !> Adds values to the lower points along an axis, and their opposite to the upper ones.
-  pure subroutine add_both(axis, values, sums)
-    integer, intent(in) :: axis
-    real(dp), intent(in) :: values(NCORNER/2)
-    real(dp), intent(inout) :: sums(NCORNER)
-    integer :: e
-    do e = 1, NCORNER/2
-      associate (low => lower_point(e, axis))
-        sums(low) = sums(low) + values(e)
-        sums(low + stride_of(axis)) = sums(low + stride_of(axis)) - values(e)
-      end associate
-    end do
-  end subroutine add_both
-
-  !> Products of the linear weights of all axes but one.
-  pure subroutine other_weights(xi, axis, w)
-    real(dp), intent(in) :: xi(lanes, NDIM)
-    integer, intent(in) :: axis
-    real(dp), intent(out) :: w(NCORNER/2, lanes)
-    integer :: l
-#if NDIM == 3
-    integer :: p, q
-#endif
-    do l = 1, lanes
-#if NDIM == 1
-      w(1, l) = merge(1.0_dp, xi(l, 1), axis == 1)
-#elif NDIM == 2
-      w(2, l) = xi(l, 3 - axis)
-      w(1, l) = 1.0_dp - w(2, l)
-#else
-      p = merge(2, 1, axis == 1)
-      q = merge(2, 3, axis == 3)
-      w(4, l) = xi(l, p)*xi(l, q)
-      w(3, l) = xi(l, p) - w(4, l)
-      w(2, l) = xi(l, q) - w(4, l)
-      w(1, l) = (1.0_dp - xi(l, p)) - w(2, l)
-#endif
-    end do
-  end subroutine other_weights
 
 #if NDIM < 3
   !> Flushes the accumulators of a bin to the plane buffers and empties them, but for the upper
