@@ -11,8 +11,8 @@ module sgmp_combinations
   use sgmp_spelling, only: string_t, word_in_list, word_items
   implicit none
   private
-  public :: feature_t, refusal_t, combinations_allow, combinations_check, combinations_features, &
-            combinations_refusals, feature_label, feature_of_card
+  public :: feature_t, refusal_t, combinations_allow, combinations_ask, combinations_check, &
+            combinations_features, combinations_refusals, feature_label, feature_of_card
 
   !> How the value of a key shows that a card asks for the feature.
   integer, parameter :: ask_card = 0     !! the card itself, of which there is none by default
@@ -223,6 +223,16 @@ contains
       call check_refusal(refusals(r), asker, cards, errors)
     end do
   end subroutine combinations_check
+
+  !> Whether a deck asks for a feature.
+  pure function combinations_ask(cards, name) result(yes)
+    type(deck_card_t), intent(in) :: cards(:)      !! of the deck, defaults among them
+    character(*), intent(in) :: name               !! of the feature
+    logical :: yes
+    integer :: asker(size(features))
+    asker = askers(cards)
+    yes = asker(feature_number(name)) > 0
+  end function combinations_ask
 
   !> Whether a feature goes with all that a deck asks for, of whatever the program may choose.
   function combinations_allow(cards, name) result(yes)

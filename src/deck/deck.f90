@@ -1,7 +1,7 @@
 !> Reads a deck: text -> statements -> cards -> scene, with every error of the deck found in one go.
 module sgmp_deck
   use sgmp_card_parse, only: card_default, card_parse
-  use sgmp_combinations, only: combinations_allow, combinations_check
+  use sgmp_combinations, only: combinations_allow, combinations_ask, combinations_check
   use sgmp_deck_card, only: card_free, deck_card_t, value_t
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
@@ -112,7 +112,9 @@ contains
     type(method_card_t), intent(inout) :: method
     if (method%surfaces_auto) method%surfaces = combinations_allow(cards, 'surfaces')
     if (method%rotation_auto) method%rotation = combinations_allow(cards, 'rotation')
-    if (method%normalised_auto) method%normalised = combinations_allow(cards, 'normalised')
+    ! A full cell beside the axis has the volume that belongs to the default of `hoop`.
+    if (method%normalised_auto) method%normalised = combinations_allow(cards, 'normalised') .and. &
+                                                    .not. combinations_ask(cards, 'hoop')
   end subroutine settle_method
 
   !> Cards that may appear once only.

@@ -16,6 +16,9 @@ module sgmp_method
     real(dp) :: split = 0.0_dp              !! longest side (cells) of a particle that is not split;
                                             !! 0: none is
     logical :: rotation = .false.           !! rigid rotation strains nothing
+    !> Of fields without a solid the stress is not normalised, rotation not exact, surfaces are not
+    !! corrected.
+    logical :: normalised_solids = .false., rotation_solids = .false., surfaces_solids = .false.
     logical :: surfaces = .false.           !! strains are corrected at surfaces
     logical :: swirl = .false.              !! axisymmetric: with a velocity around the axis
     integer :: spins = 0                    !! components of the spin that particles carry

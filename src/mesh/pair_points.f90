@@ -21,7 +21,7 @@ module sgmp_pair_points
   type :: pair_points_t
     real(dp), allocatable :: weight(:, :)  !! (points, pair_sums) weights of pairs, then of quads
     !> (points, components of the vector times twists) second and third differences of a velocity,
-    !! or the forces on them; about an axis behind them the two slopes of the radial component
+    !! or the forces on them; about an axis behind them the slope of the radial component along z
     real(dp), allocatable :: centre(:, :)
     real(dp), allocatable :: gain(:, :)    !! (points, gains) added to a velocity gradient;
                                            !! about an axis behind it that of the hoop strain
@@ -39,7 +39,7 @@ contains
     n = points + beyond
     more = merge(1, 0, space == space_axisymmetric)
     allocate (pairs%weight(n, pair_sums(ndim)))
-    allocate (pairs%centre(n, ndim*twists(ndim) + 2*more))
+    allocate (pairs%centre(n, ndim*twists(ndim) + more))
     allocate (pairs%gain(n, gains(ndim) + more))
     call pair_points_clear(points + 1, n, pairs)
   end subroutine pair_points_make

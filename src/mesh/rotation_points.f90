@@ -22,7 +22,7 @@ module sgmp_rotation_points
   type :: rotation_points_t
     !> Offsets below this many cells are taken for none: a lattice of particles has none but
     !! round-off and what strains of 1e-3 make of it.
-    real(dp) :: least_offset = 2.0e-2_dp
+    real(dp) :: least_offset = 2.0e-3_dp
     real(dp), allocatable :: offset(:, :)
       !! (points, ndim) nodes: from a node to the centre of mass
                                             !! of what it stands for (cells)

@@ -6,7 +6,8 @@ module sgmp_build_model
   use sgmp_body, only: body_t
   use sgmp_build_burn, only: burn_light
   use sgmp_build_stress, only: stress_fill
-  use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_set_length, &
+  use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_is_spherical, &
+                               law_set_length, &
                                law_slots, slots_t
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
@@ -81,6 +82,9 @@ contains
     model%method%split = scene%method%split
     model%method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
     model%method%surfaces = scene%method%surfaces .and. scene%dimension > 1
+    model%method%normalised_solids = scene%method%normalised_auto
+    model%method%rotation_solids = scene%method%rotation_auto
+    model%method%surfaces_solids = scene%method%surfaces_auto
     model%method%spins = spin_components(scene)
     model%method%swirl = scene%swirl
     model%method%erodes = any([(scene%materials(b)%law%erosion%given, b=1, size(scene%materials))])
@@ -467,15 +471,21 @@ contains
     type(model_t), intent(inout) :: model
     integer, intent(in) :: kernel, threads
     integer :: f
+    logical :: solid
     integer, dimension(contact_fields(model)) :: parts, terms
     allocate (model%fields(contact_fields(model)))
     call driven_number(model, parts, terms)
     allocate (model%turning(size(model%fields)))
     do f = 1, size(model%fields)
-      call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
-                      model%method%normalised, model%method%spins, model%method%rotation, &
-                      model%method%relaxed, model%method%swirl, any(model%bodies%faced), parts(f), &
-                      model%method%surfaces)
+      solid = field_solid(model, f)
+      associate (method => model%method)
+        call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
+                        method%normalised .and. (solid .or. .not. method%normalised_solids), &
+                        method%spins, &
+                        method%rotation .and. (solid .or. .not. method%rotation_solids), &
+                        method%relaxed, method%swirl, any(model%bodies%faced), parts(f), &
+                        method%surfaces .and. (solid .or. .not. method%surfaces_solids))
+      end associate
       model%fields(f)%drive_terms = terms(f)
     end do
     call team_make(model%team, threads, model%mesh%space, size(model%fields), size(model%bodies))
@@ -484,6 +494,20 @@ contains
     call phase_layout(model%mesh, model%fields, model%bodies, model%contact, model%team, &
                       model%ranks%partition)
   end subroutine build_fields
+
+  !> Whether a body of a field has strength.
+  pure function field_solid(model, f) result(yes)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: f
+    logical :: yes
+    integer :: b
+    yes = .false.
+    do b = 1, size(model%bodies)
+      associate (body => model%bodies(b))
+        if (body%field == f .and. .not. body%rigid) yes = yes .or. .not. law_is_spherical(body%law)
+      end associate
+    end do
+  end function field_solid
 
   !> The clock's settings.
   subroutine build_clock(scene, model)

@@ -147,7 +147,7 @@ contains
       levers%place(nodes, side, l) = b
       levers%record(nodes, side, l) = r
       inverse(nodes) = field%node(r, node_inverse_mass(nd))
-      x(:nd, nodes) = shift(row_axis([(a, a=1, nd)], nd)) + field%rotation%offset(r, :nd)
+      x(:nd, nodes) = shift(row_axis([(a, a=1, nd)], nd)) + offset_of(field, r, nd)
     end do
     levers%nodes(side, l) = nodes
     part(:nodes) = 1.0_dp/inverse(:nodes)
@@ -171,6 +171,15 @@ contains
       levers%gain(b, side, l) = levers%share(b, side, l)*inverse(b)
     end do
   end subroutine find_shares
+
+  !> Where a node's centre of mass lies, from the node (cells).
+  pure function offset_of(field, r, nd) result(offset)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: r, nd                 !! record, dimensions
+    real(dp) :: offset(nd)
+    offset = 0.0_dp
+    if (field%columns%offset > 0) offset = field%rotation%offset(r, :nd)
+  end function offset_of
 
   !> Steps along i, j, k to a node around.
   pure function shift_of(b) result(shift)

@@ -72,8 +72,8 @@ contains
     logical :: odd
     component = mod(column - 1, ndim) + 1
     twist = (column - 1)/ndim + 1
-    if (ndim == 2 .and. twist == 2) then  ! slopes along the two axes
-      odd = (normal == 1) .neqv. (normal == component)
+    if (ndim == 2 .and. twist == 2) then  ! the slope along z of the radial component
+      odd = .true.
     else if (ndim == 3 .and. twist <= 3) then  ! xy, xz, yz
       odd = (normal == component) .neqv. (normal /= 4 - twist)
     else

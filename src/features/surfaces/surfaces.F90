@@ -23,8 +23,9 @@
 !! transpose (PR4), so that all identities of energy and momentum stay; constant and linear
 !! velocities are read as before.
 !!
-!! About an axis the hoop strain gets at both centres of a pair, each with its own radius, (PR5)
-!!     k_e h (D_b,c - D_b,(c+b))/r,     D_b the slope of the radial velocity along b.
+!! About an axis the hoop strain gets at both centres of a pair along z (PR5)
+!!     k_e h (D_c - D_(c+z))/r,     D the slope of the radial velocity along z;
+!! along r its own correction (sgmp_axis) stands for this, and next to the axis both would be wrong.
 module DIM(sgmp_surfaces)
 #ifdef AXISYMMETRIC
   use sgmp_axis, only: axis_radius
@@ -45,8 +46,8 @@ module DIM(sgmp_surfaces)
   integer, parameter :: flux_of(NDIM, NDIM) = flux_between(:NDIM, :NDIM, NDIM)
   real(dp), parameter :: half = 0.5_dp**(NDIM - 2)  !! mean along the third axis
   integer, parameter :: tile = 128                  !! points of a row that are handled at a time
-  !> About an axis, columns of the slopes of the radial velocity.
-  integer, parameter :: slope_x = NDIM + 1, slope_y = NDIM + 2
+  !> About an axis, the column of the slope of the radial velocity along z.
+  integer, parameter :: slope = NDIM + 1
 
 contains
 
@@ -171,8 +172,7 @@ contains
                  field%pairs%centre(at, a))
     end do
 #ifdef AXISYMMETRIC
-    call slopes(n, b, field%node(1, column), size(field%pairs%centre, 1), &
-                field%pairs%centre(at, slope_x))
+    call slopes(n, b, field%node(1, column), field%pairs%centre(at, slope))
 #endif
   end subroutine twist_row
 
@@ -196,16 +196,15 @@ contains
   end subroutine twist
 
 #ifdef AXISYMMETRIC
-  !> Slopes of the radial velocity along both axes.
-  pure subroutine slopes(n, b, v, points, slope)
-    integer, intent(in) :: n, b(NROW), points
+  !> Slopes of the radial velocity along z.
+  pure subroutine slopes(n, b, v, slope)
+    integer, intent(in) :: n, b(NROW)
     real(dp), intent(in) :: v(*)
-    real(dp), intent(inout) :: slope(points, 2)
+    real(dp), intent(inout) :: slope(n)
     integer :: i
     !$omp simd
     do i = 1, n
-      slope(i, 1) = 0.5_dp*(corner_sum(v, b, i) - corner_sum(v, b, i - 1))
-      slope(i, 2) = 0.5_dp*(corner_slope_2(v, b, i) + corner_slope_2(v, b, i - 1))
+      slope(i) = 0.5_dp*(corner_slope_2(v, b, i) + corner_slope_2(v, b, i - 1))
     end do
   end subroutine slopes
 #endif
@@ -296,13 +295,11 @@ contains
   end subroutine gain
 
 #ifdef AXISYMMETRIC
-  !> The hoop strain (PR5); next to the axis radii are those of no particle, and the pair of the
-  !! first two centres along r is left out.
+  !> The hoop strain (PR5).
   pure subroutine gain_hoop(field, inverse_h, s, first, n)
     type(field_t), intent(inout) :: field
     real(dp), intent(in) :: inverse_h
     integer, intent(in) :: s, first, n
-    real(dp) :: gain
     integer :: i, c, y, yb, r(ROWS)
     r = rows_around(field, s, first)
     associate (k => field%pairs%weight, d => field%pairs%centre)
@@ -310,21 +307,11 @@ contains
         c = r(MIDDLE) + i
         y = r(MIDDLE + 1) + i
         yb = r(MIDDLE - 1) + i
-        gain = radial(first + i, k(c, 1))*(d(c, slope_x) - d(c + 1, slope_x)) + &
-               radial(first + i - 1, k(c - 1, 1))*(d(c - 1, slope_x) - d(c, slope_x)) + &
-               k(c, 2)*(d(c, slope_y) - d(y, slope_y)) + k(yb, 2)*(d(yb, slope_y) - d(c, slope_y))
-        field%pairs%gain(c, NGRAD) = inverse_h*gain/axis_radius(first + i)
+        field%pairs%gain(c, NGRAD) = inverse_h/axis_radius(first + i)* &
+          (k(c, 2)*(d(c, slope) - d(y, slope)) + k(yb, 2)*(d(yb, slope) - d(c, slope)))
       end do
     end associate
   end subroutine gain_hoop
-
-  !> The weight of a pair along r that begins at a centre, for the hoop strain.
-  elemental function radial(centre, weight) result(k)
-    integer, intent(in) :: centre
-    real(dp), intent(in) :: weight
-    real(dp) :: k
-    k = merge(0.0_dp, weight, centre < 1)
-  end function radial
 #endif
 
   !> Forces on second and third differences at the centres of a row, of the stress times volume
@@ -423,7 +410,6 @@ contains
     type(field_t), intent(inout) :: field
     real(dp), intent(in) :: inverse_h
     integer, intent(in) :: s, first, n
-    real(dp) :: here, left, right
     integer :: i, c, y, yb, r(ROWS)
     r = rows_around(field, s, first)
     associate (k => field%pairs%weight, stress => field%moment(:, field%columns%force - 1 + NFLUX))
@@ -431,12 +417,7 @@ contains
         c = r(MIDDLE) + i
         y = r(MIDDLE + 1) + i
         yb = r(MIDDLE - 1) + i
-        here = stress(c)/axis_radius(first + i)
-        left = stress(c - 1)/axis_radius(first + i - 1)
-        right = stress(c + 1)/axis_radius(first + i + 1)
-        field%pairs%centre(c, slope_x) = inverse_h*(radial(first + i, k(c, 1))*(here + right) - &
-                                                    radial(first + i - 1, k(c - 1, 1))*(left + here))
-        field%pairs%centre(c, slope_y) = inverse_h/axis_radius(first + i)* &
+        field%pairs%centre(c, slope) = inverse_h/axis_radius(first + i)* &
           (k(c, 2)*(stress(c) + stress(y)) - k(yb, 2)*(stress(yb) + stress(c)))
       end do
     end associate
@@ -454,8 +435,7 @@ contains
       call push(whole(n), b, size(field%pairs%centre, 1), field%pairs%centre(1, a), f(:, a))
     end do
 #ifdef AXISYMMETRIC
-    call push_slopes(n, b, field%pairs%centre(:, slope_x), &
-                     field%pairs%centre(:, slope_y), f(:, 1))
+    call push_slopes(n, b, field%pairs%centre(:, slope), f(:, 1))
 #endif
   end subroutine surfaces_push
 
@@ -481,15 +461,14 @@ contains
 
 #ifdef AXISYMMETRIC
   !> The radial force of the hoop stress.
-  pure subroutine push_slopes(n, b, radial, axial, f)
+  pure subroutine push_slopes(n, b, axial, f)
     integer, intent(in) :: n, b(NROW)
-    real(dp), intent(in) :: radial(*), axial(*)
+    real(dp), intent(in) :: axial(*)
     real(dp), intent(inout) :: f(n)
     integer :: i
     !$omp simd
     do i = 1, n
-      f(i) = f(i) + 0.5_dp*((corner_sum(radial, b, i) - corner_sum(radial, b, i - 1)) + &
-                            (corner_slope_2(axial, b, i) + corner_slope_2(axial, b, i - 1)))
+      f(i) = f(i) + 0.5_dp*(corner_slope_2(axial, b, i) + corner_slope_2(axial, b, i - 1))
     end do
   end subroutine push_slopes
 #endif
