@@ -11,6 +11,7 @@ module test_support
   implicit none
   private
   public :: nl, random_t, model_from_text, model_particles, model_steps
+  public :: paper_scheme
 
   character(1), parameter :: nl = new_line('a')
 
@@ -18,6 +19,17 @@ module test_support
   type :: random_t
     integer(i8) :: state = 20210817_i8
   contains
+
+  !> A method with its words; those of sgmp that are not given are the paper's.
+  function paper_scheme(method) result(text)
+    character(*), intent(in) :: method
+    character(:), allocatable :: text
+    text = trim(method)
+    if (index(method, 'sgmp') == 0) return
+    if (index(method, 'stress=') == 0 .and. index(method, 'volumes=kept') == 0) text = text//' stress=plain'
+    if (index(method, 'rotation=') == 0) text = text//' rotation=plain'
+    if (index(method, 'surfaces=') == 0) text = text//' surfaces=plain'
+  end function paper_scheme
     procedure :: uniform
     procedure :: whole
   end type random_t
