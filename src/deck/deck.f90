@@ -111,7 +111,9 @@ contains
     type(deck_card_t), intent(in) :: cards(:)
     type(method_card_t), intent(inout) :: method
     if (method%surfaces_auto) method%surfaces = combinations_allow(cards, 'surfaces')
-    if (method%rotation_auto) method%rotation = combinations_allow(cards, 'rotation')
+    ! Friction that acts at surfaces is found in rounds, which see the place of the grid.
+    if (method%rotation_auto) method%rotation = combinations_allow(cards, 'rotation') .and. &
+                                                .not. combinations_ask(cards, 'friction')
     ! A full cell beside the axis has the volume that belongs to the default of `hoop`.
     if (method%normalised_auto) method%normalised = combinations_allow(cards, 'normalised') .and. &
                                                     .not. combinations_ask(cards, 'hoop')

@@ -69,7 +69,12 @@ contains
         n = min(tile, field%work%last(s) - first + 1)
         call node_moments(field, s, first, n, .true., m, p)
         if (field%columns%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
-        call node_forces(field, mesh, s, first, n, f)
+        idx = field%neighbour(0, 0, s) + first
+        if (field%columns%offset > 0) then  ! they are known
+          f(:n, :) = field%rotation%force(idx:idx + n - 1, :)
+        else
+          call node_forces(field, mesh, s, first, n, f)
+        end if
 #if NDIM > 1
         if (field%columns%offset > 0) call rotation_force(field, s, first, n, f)
 #endif

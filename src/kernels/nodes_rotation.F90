@@ -44,20 +44,26 @@ contains
     end select
   end subroutine nodes_rotation
 
-  !> Moments of the internal forces about the nodes whose centre of mass is not at their place.
+  !> Internal forces of all nodes, and their moments about those whose centre of mass is not at their
+  !! place.
   pure subroutine force_moments(field, mesh, plane)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane
     real(dp) :: f(tile, NDIM)
-    integer :: s, first, last
+    integer :: s, first, last, n, at
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        call node_forces(field, mesh, s, first, n, f)
+        at = field%neighbour(0, 0, s) + first
+        field%rotation%force(at:at + n - 1, :) = f(:n, :)
+      end do
       last = field%work%first(s) - 1
       do
         call next_run(field, s, at_node, first, last)
         if (last < first) exit
-        call node_forces(field, mesh, s, first, last - first + 1, f)
-        call rotation_moments(field, s, first, last - first + 1, f)
+        call rotation_moments(field, s, first, last - first + 1)
       end do
     end do
   end subroutine force_moments

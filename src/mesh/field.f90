@@ -120,7 +120,7 @@ contains
     call field_number(new)
     call field_link(new)
     call weigh_hoops(new, field%hoop_correction)
-    more = merge(beyond, 0, new%columns%pairs > 0)
+    more = merge(beyond, 0, max(new%columns%pairs, new%columns%offset) > 0)
     allocate (new%moment(new%points + more, new%columns%total))
     allocate (new%node(new%points + more, new%columns%nodes))
     new%moment(new%points + 1:, :) = 0.0_dp
@@ -131,7 +131,7 @@ contains
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))
     if (new%columns%offset > 0) then
-      call rotation_points_make(new%ndim, new%points, field%rotation%least_offset, new%rotation)
+      call rotation_points_make(new%ndim, new%points, more, field%rotation%least_offset, new%rotation)
     end if
     if (new%columns%pairs > 0) call pair_points_make(new%space, new%points, more, new%pairs)
     call field_clear(new)

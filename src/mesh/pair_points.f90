@@ -44,13 +44,12 @@ contains
     call pair_points_clear(points + 1, n, pairs)
   end subroutine pair_points_make
 
-  !> Clears the points of a range.
+  !> Clears the points of a range, of what is read where nothing has been written.
   pure subroutine pair_points_clear(first, last, pairs)
     integer, intent(in) :: first, last
     type(pair_points_t), intent(inout) :: pairs
     pairs%weight(first:last, :) = 0.0_dp
     pairs%centre(first:last, :) = 0.0_dp
-    pairs%gain(first:last, :) = 0.0_dp
   end subroutine pair_points_clear
 
   !> Hands what is kept over without copying it.

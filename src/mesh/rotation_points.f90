@@ -30,6 +30,8 @@ module sgmp_rotation_points
                                             !! gives the curl around a node from its angular
                                             !! velocity
     real(dp), allocatable :: moment(:, :)   !! (points, 1 or 3) nodes: moment of the force
+    real(dp), allocatable :: force(:, :)    !! (points, ndim) nodes: internal force, before it is
+                                            !! corrected
     real(dp), allocatable :: centre(:, :)   !! (points, 1 or 9) centres: that tensor, later the
                                             !! couples, or the curl of a velocity, times the mass
     logical, allocatable :: at(:, :)        !! (points, 3): see at_node
@@ -38,24 +40,27 @@ module sgmp_rotation_points
 contains
 
   !> Room for some points.
-  pure subroutine rotation_points_make(ndim, points, least_offset, rotation)
+  pure subroutine rotation_points_make(ndim, points, beyond, least_offset, rotation)
     integer, intent(in) :: ndim, points
+    integer, intent(in) :: beyond    !! points behind them, of which nothing is used
     real(dp), intent(in) :: least_offset
     type(rotation_points_t), intent(out) :: rotation
-    integer :: components
+    integer :: components, n
     components = merge(1, 3, ndim == 2)
     rotation%least_offset = least_offset
-    allocate (rotation%offset(points, ndim), rotation%inverse(points, components**2))
-    allocate (rotation%moment(points, components), rotation%centre(points, components**2))
-    allocate (rotation%at(points, 3))
+    n = points + beyond
+    allocate (rotation%offset(n, ndim), rotation%inverse(n, components**2))
+    allocate (rotation%moment(n, components), rotation%centre(n, components**2))
+    allocate (rotation%force(n, ndim), rotation%at(n, 3))
+    call rotation_points_clear(points + 1, n, rotation)
   end subroutine rotation_points_make
 
-  !> Nothing takes part of the points of a range.
+  !> Nothing takes part of the points of a range. What only points are asked for that take part need
+  !! not be cleared.
   pure subroutine rotation_points_clear(first, last, rotation)
     integer, intent(in) :: first, last
     type(rotation_points_t), intent(inout) :: rotation
     rotation%offset(first:last, :) = 0.0_dp
-    rotation%inverse(first:last, :) = 0.0_dp
     rotation%moment(first:last, :) = 0.0_dp
     rotation%centre(first:last, :) = 0.0_dp
     rotation%at(first:last, :) = .false.
@@ -68,6 +73,7 @@ contains
     call move_alloc(from%offset, to%offset)
     call move_alloc(from%inverse, to%inverse)
     call move_alloc(from%moment, to%moment)
+    call move_alloc(from%force, to%force)
     call move_alloc(from%centre, to%centre)
     call move_alloc(from%at, to%at)
   end subroutine rotation_points_move

@@ -6,6 +6,7 @@
 !! Measured peaks were within 20 % of it (tests/regression/folder.py); materials with much history
 !! need more.
 module sgmp_memory_need
+  use sgmp_columns, only: pair_sums
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_kernels, only: bin_span, method_kernel
   use sgmp_kinds, only: dp, i8, lanes
@@ -118,9 +119,17 @@ contains
   pure function of_grid(scene) result(bytes)
     type(scene_t), intent(in) :: scene
     real(dp) :: bytes
-    integer :: d
+    integer :: d, turns
     d = scene%dimension
     bytes = 8.0_dp*(1 + d + d*(d + 1)/2 + 2*d + 1 + d)
+    if (d == 1) return
+    if (scene%method%surfaces) then
+      bytes = bytes + 8.0_dp*(1 + 2*pair_sums(d) + merge(2, 12, d == 2) + d**2)
+    end if
+    if (scene%method%rotation) then
+      turns = merge(1, 3, d == 2)
+      bytes = bytes + 8.0_dp*(3*d + turns + 2*turns**2 + 1.5_dp)
+    end if
   end function of_grid
 
   pure function writes_particles(scene) result(yes)

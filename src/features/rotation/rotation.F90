@@ -37,19 +37,18 @@ module DIM(sgmp_rotation)
 contains
 
   !> Moments t_I = A_I^-T (D_I x f_I) of a run of nodes, f the internal force.
-  pure subroutine rotation_moments(field, s, first, n, f)
+  pure subroutine rotation_moments(field, s, first, n)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: s, first, n           !! interval, first node, nodes
-    real(dp), intent(in) :: f(:, :)              !! (n or more, ndim)
     real(dp) :: moment(tile, NSPIN)
     integer :: q, r, from, to
     from = field%neighbour(0, 0, s) + first
     to = from + n - 1
     associate (rotation => field%rotation)
       do q = 1, NSPIN
-        associate (a => axes(1, q), b => axes(2, q))
-          moment(:n, q) = rotation%offset(from:to, a)*f(:n, b) - &
-                          rotation%offset(from:to, b)*f(:n, a)
+        associate (a => axes(1, q), b => axes(2, q), f => rotation%force)
+          moment(:n, q) = rotation%offset(from:to, a)*f(from:to, b) - &
+                          rotation%offset(from:to, b)*f(from:to, a)
         end associate
       end do
       do q = 1, NSPIN

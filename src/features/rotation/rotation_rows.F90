@@ -5,7 +5,7 @@
 !! what the 2^d points around them hold.
 module DIM(sgmp_rotation_rows)
   use sgmp_field, only: field_t
-  use sgmp_kinds, only: dp
+  use sgmp_kinds, only: dp, lanes
   implicit none
   private
   public :: tile, slope, next_run, sums_row, add_differences, centre_rows
@@ -35,14 +35,14 @@ contains
     end do
   end subroutine next_run
 
-  !> Sums of the 2^d points around those of a row.
+  !> Sums of the 2^d points around those of a row; in whole vectors, since rows are short.
   pure subroutine sums_row(n, column, b, total)
     integer, intent(in) :: n, b(NROW)
     real(dp), intent(in) :: column(*)
-    real(dp), intent(inout) :: total(n)
+    real(dp), intent(inout) :: total(*)          !! a tile
     integer :: i
     !$omp simd
-    do i = 1, n
+    do i = 1, lanes*((n + lanes - 1)/lanes)
       total(i) = corner_sum(column, b, i - 1) + corner_sum(column, b, i)
     end do
   end subroutine sums_row

@@ -20,17 +20,7 @@ module test_support
     integer(i8) :: state = 20210817_i8
   contains
 
-  !> A method with its words; those of sgmp that are not given are the paper's.
-  function paper_scheme(method) result(text)
-    character(*), intent(in) :: method
-    character(:), allocatable :: text
-    text = trim(method)
-    if (index(method, 'sgmp') == 0) return
-    if (index(method, 'stress=') == 0 .and. index(method, 'volumes=kept') == 0) text = text//' stress=plain'
-    if (index(method, 'rotation=') == 0) text = text//' rotation=plain'
-    if (index(method, 'surfaces=') == 0) text = text//' surfaces=plain'
-  end function paper_scheme
-    procedure :: uniform
+   procedure :: uniform
     procedure :: whole
   end type random_t
 
@@ -137,4 +127,14 @@ contains
     end do
   end subroutine model_steps
 
-end module test_support
+  !> A method with its words; those of sgmp that are not given are the paper's.
+  function paper_scheme(method) result(text)
+    character(*), intent(in) :: method
+    character(:), allocatable :: text
+    text = trim(method)
+    if (index(method, 'sgmp') == 0) return
+    if (index(method, 'stress=') == 0 .and. index(method, 'volumes=kept') == 0) text = text//' stress=plain'
+    if (index(method, 'rotation=') == 0) text = text//' rotation=plain'
+    if (index(method, 'surfaces=') == 0) text = text//' surfaces=plain'
+  end function paper_scheme
+ end module test_support
