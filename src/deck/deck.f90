@@ -110,13 +110,19 @@ contains
   subroutine settle_method(cards, method)
     type(deck_card_t), intent(in) :: cards(:)
     type(method_card_t), intent(inout) :: method
-    if (method%surfaces_auto) method%surfaces = combinations_allow(cards, 'surfaces')
-    ! Friction that acts at surfaces is found in rounds, which see the place of the grid.
+    if (method%surfaces_auto) method%surfaces = combinations_allow(cards, 'surfaces') .and. &
+                                                .not. asks('axisymmetric')
     if (method%rotation_auto) method%rotation = combinations_allow(cards, 'rotation') .and. &
-                                                .not. combinations_ask(cards, 'friction')
-    ! A full cell beside the axis has the volume that belongs to the default of `hoop`.
-    if (method%normalised_auto) method%normalised = combinations_allow(cards, 'normalised') .and. &
-                                                    .not. combinations_ask(cards, 'hoop')
+                                                .not. (asks('friction') .or. asks('faces'))
+    if (method%normalised_auto) then
+      method%normalised = combinations_allow(cards, 'normalised') .and. &
+                          .not. (asks('axisymmetric') .or. asks('motion') .or. asks('faces'))
+    end if
+  contains
+    logical function asks(feature)
+      character(*), intent(in) :: feature
+      asks = combinations_ask(cards, feature)
+    end function asks
   end subroutine settle_method
 
   !> Cards that may appear once only.

@@ -109,7 +109,7 @@ contains
     integer :: before, v
     logical :: around
     around = mesh%space == space_axisymmetric
-    before = merge(merge(2, 1, around) + plan%driven, 0, plan%mass)
+    before = merge(merge(2, 1, around) + plan%driven + merge(1, 0, plan%pairs > 0), 0, plan%mass)
     v = motion_velocity(mesh%ndim) + d - 1
     particle(d) = 2*merge(mesh%lower(d), mesh%upper(d), particle(d) < mesh%lower(d)) - particle(d)
     particle(v) = -particle(v)

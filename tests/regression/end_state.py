@@ -60,7 +60,7 @@ TURNING = """
 parameter wide = 8
 dimension 2
 grid cell=0.25 x=-8:wide
-method sgmp
+method sgmp stress=plain rotation=plain surfaces=plain
 lost remove
 time end=1 cfl=0.8
 material m elastic density=2 young=1e3 poisson=0.3

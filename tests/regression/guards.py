@@ -42,7 +42,7 @@ BOUNCING = """
 dimension 1
 grid cell=0.125 x=0:4
 wall x-=fixed
-method sgmp
+method sgmp stress=plain
 time end=40 cfl=1.5
 gravity (0.01,0,0)
 material soft elastic density=1 young=1 poisson=0

@@ -10,7 +10,7 @@ BODY = """
 parameter carry = carried
 dimension {dimension}
 grid cell=0.25
-method sgmp update=musl spin=$carry
+method sgmp update=musl spin=$carry stress=plain rotation=plain surfaces=plain
 time end=0.5 cfl=1
 material stuff elastic density=1 young=1e4 poisson=0.3
 body b {shape} material=stuff radius=1 spacing=0.125
@@ -70,7 +70,7 @@ BLOCK = """
 dimension {dimension}
 grid cell=0.5{box}
 {wall}
-method sgmp update=musl spin=carried
+method sgmp update=musl spin=carried stress=plain surfaces=plain
 time dt=0.01 steps=150
 material gel elastic density=1 young=20 poisson=0.3
 body b block material=gel lower=({low},0.2,0) upper=(2,1.7,{thick}) ppc=2
