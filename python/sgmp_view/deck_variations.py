@@ -57,7 +57,7 @@ def fitting(deck, target):
     counts = [round((extent.upper - extent.lower) / cell) for extent in extents_of(deck)
               if None not in (extent.lower, extent.upper) and all(extent.walls)]
     if not counts:
-        return [target * factor for factor in (1, 20 / 21, 15 / 14, 10 / 9.8, 0.98, 1.036, 0.9, 1.1)]
+        return [target * factor for factor in (1, 20 / 21, 21 / 20, 14 / 15, 15 / 14, 0.98, 1.02, 1.036, 0.9, 1.1)]
     common = math.gcd(*counts)
     factors = [common / m for m in range(1, 4 * common + 1) if m != common]
     return [factor for factor in sorted(factors, key=lambda f: abs(math.log(f / target))) if 0.8 < factor / target < 1.25][:8]

@@ -31,7 +31,8 @@ from .study_runs import Member, Runner, clock
 CELLS = (2.0, 1.4)                                      # sides of cells over the deck's
 FINER = (1 / 1.4, 0.5)                                  # as far as the budget allows
 MASS_FAULT = 0.002                                      # by which bodies of a copy may miss their mass more than the deck's
-NEARBY = (1.03, 0.97)                                   # cells that lie differently in the bodies, where walls hold the grid
+AWAY = 0.05                                             # fault of a cell that is e times the one that was wanted
+NEARBY = 1.03                                           # a cell that lies differently in the bodies, where walls hold the grid
 SECONDS = {"s": 1, "m": 60, "min": 60, "h": 3600}
 
 
@@ -62,6 +63,11 @@ def tolerance_of(text, value):
     if not found:
         raise ValueError(f"--tolerance {text}: expected a share as 5% or a number in the unit of the quantity")
     return float(found[1]) * (abs(value) / 100 if found[2] else 1)
+
+
+def spoken(tolerance, unit):
+    """The tolerance in words."""
+    return f"{tolerance.rstrip('%').strip()} %" if tolerance.endswith("%") else f"{tolerance} {unit}".strip()
 
 
 # ---------------------------------------------------------------- the runs
@@ -111,14 +117,14 @@ class Study:
 
     def cells(self, target, part="cells"):
         """The copy with cells near a multiple of the deck's whose particles fill the bodies best."""
-        tried = []
+        tried = {}
         for factor in variations.fitting(self.deck, target):
             member = self.add(part, f"cells_{factor:.4g}", factor ** -(self.dimension + 1), variations.with_cells, factor)
             if member is not None and not any(member.name == other.name for other in self.members):
-                tried.append(member)
+                tried[member.fault + AWAY * abs(math.log(factor / target))] = member
                 if member.fault < MASS_FAULT:
                     break
-        best = min(tried, key=lambda member: member.fault, default=None)
+        best = tried[min(tried)] if tried else None
         if best is not None and math.isinf(best.fault):
             self.note("shapes change with the cell: numbers per body differ for that reason, too")
         elif best is None:
@@ -139,7 +145,7 @@ class Study:
         lowest = self.lowest()
         places = [self.add("grid's place", f"place_{k}", 1.0, variations.with_shift, lowest, sign) for k, sign in enumerate((1, -1), 1)]
         if not any(places):
-            places = [self.cells(factor, "grid's place") for factor in NEARBY[:1]]
+            places = [self.cells(NEARBY, "grid's place")]
         yield places[0]
         slower = courant / variations.SAFE if courant > variations.SAFE else 1.0
         yield self.add("method", "method", 1.5 * slower, variations.with_other_method, lambda deck: self.runner.check(deck.text()).accepted, courant)
@@ -210,7 +216,7 @@ class Study:
         widths, found = half_widths(values)
         own, unit = values["deck"][0][1], unit_of(quantity, read_units(self.runner.output(self.own)))
         borne = tolerance_of(tolerance, own)
-        words = verdict_of(own, widths, borne, self.summary["verdict"] == "sound")
+        words = verdict_of(widths, borne, spoken(tolerance, unit), self.summary["verdict"] == "sound")
         errors, costs = dict(errors_of_runs(values, widths, found)), dict(self.costs())
         runs = [{"part": part, "setting": setting, "value": value, "expected_error": errors[part, setting], "cpu_seconds": costs[part, setting]}
                 for part, pairs in values.items() for setting, value in pairs]

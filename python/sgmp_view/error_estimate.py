@@ -45,17 +45,16 @@ def needed_cell(cell, widths, found, tolerance):
     return cell * (math.sqrt(tolerance**2 - rest**2) / widths["cells"]) ** (1 / found.order)
 
 
-def verdict_of(value, widths, tolerance, sound):
-    """In words: whether the number may be quoted. tolerance: absolute."""
+def verdict_of(widths, tolerance, spoken, sound):
+    """In words: whether the number may be quoted. tolerance: absolute; spoken: as it was given."""
     if math.isnan(widths["cells"]):
         return "cells not varied: nothing can be said"
-    total, missing = total_of(widths), [part for part, width in widths.items() if math.isnan(width)]
-    share = f"{100 * tolerance / abs(value):.3g} %" if value else f"{tolerance:.3g}"
-    if total > tolerance:
+    missing = [part for part, width in widths.items() if math.isnan(width)]
+    if total_of(widths) > tolerance:
         return "not converged; do not quote"
     if not sound:
-        return f"converged to {share}, but the run is doubtful"
-    return f"converged to {share}" + (f" as far as was looked, not at: {', '.join(missing)}" if missing else "")
+        return f"within {spoken}, but the run is doubtful; do not quote"
+    return f"converged to {spoken}" + (f" as far as was looked, not at: {', '.join(missing)}" if missing else "")
 
 
 def rounded(value, width):

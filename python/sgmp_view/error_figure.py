@@ -9,14 +9,20 @@ MARKS = {"deck": ("o", "the deck"), "cells": ("o", "other cells"), "step": ("v",
          "method": ("D", "method"), "particles": ("^", "more particles")}
 
 
-def draw(estimates, path):
+def figure_of(estimates):
     """A row for each quantity."""
+    figure, axes = plt.subplots(len(estimates), 2, figsize=(10.5, 4.2 * len(estimates)), layout="constrained", squeeze=False)
+    for (left, right), estimate in zip(axes, estimates):
+        draw_values(left, estimate)
+        draw_work(right, estimate)
+        left.set_title(estimate["verdict"], fontsize=10, loc="left")
+    return figure
+
+
+def draw(estimates, path):
+    """The figure as a file."""
     with plt.rc_context(plot_style()):
-        figure, axes = plt.subplots(len(estimates), 2, figsize=(10.5, 4.2 * len(estimates)), layout="constrained", squeeze=False)
-        for (left, right), estimate in zip(axes, estimates):
-            draw_values(left, estimate)
-            draw_work(right, estimate)
-            left.set_title(estimate["verdict"], fontsize=10, loc="left")
+        figure = figure_of(estimates)
         figure.savefig(path)
         plt.close(figure)
 

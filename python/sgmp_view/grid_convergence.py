@@ -10,6 +10,7 @@ from typing import Optional
 
 LEAST_ORDER, LARGEST_ORDER = 0.5, 2.0                  # claimed; what is steeper is counted as 2, the order of the methods
 REGULAR, IRREGULAR = 1.25, 3.0                         # safety factors
+ROUND_OFF = 1e-12                                       # of a value: no difference
 
 
 @dataclass
@@ -54,12 +55,14 @@ def monotonic(values):
 def convergence_of(series, cell):
     """Error of the run with this cell, from pairs (cell, value) of all runs."""
     series = sorted(series)
+    if len(series) > 4 and series[-1][0] != cell and not monotonic([value for _, value in series]):
+        series = series[:-1]                           # four are enough; the coarsest may be beyond what the cell can show
     sizes, values = [h for h, _ in series], [value for _, value in series]
     value = dict(series)[cell]
     spread = max(values) - min(values)
     if len(series) < 2:
         return Convergence(math.nan, "one size only")
-    if spread == 0:
+    if spread <= ROUND_OFF * max(abs(each) for each in values):
         return Convergence(0.0, "all sizes give the same")
     found = richardson(sizes, values) if len(series) > 2 and monotonic(values) else None
     if found and found[0] >= LEAST_ORDER:
