@@ -29,7 +29,7 @@ from .runs import program_of
 from .study_runs import Member, Runner, clock
 
 CELLS = (2.0, 1.4)                                      # sides of cells over the deck's
-FINER = (1 / 1.4, 0.5)                                  # as far as the budget allows
+FINER = (1 / 1.4, 0.5, 1 / 2.8, 0.25)                   # as far as the budget allows, the last two where the tolerance asks for them
 MASS_FAULT = 0.002                                      # by which bodies of a copy may miss their mass more than the deck's
 AWAY = 0.05                                             # fault of a cell that is e times the one that was wanted
 NEARBY = 1.03                                           # a cell that lies differently in the bodies, where walls hold the grid
@@ -176,9 +176,18 @@ class Study:
         more = sum(f ** -(self.dimension + 1) for f in CELLS) + 2 + 2 + 1.5 + 1.5**self.dimension
         own = self.runner.seconds_per_work * self.checked.work
         print(f"{self.deck.path}: about {clock(own)} as it is, {clock(own * (1 + more))} with coarser cells, half the step, another place of the grid, "
-              f"method, more particles; budget {clock(self.runner.budget)}", flush=True)
+              f"method, more particles, then finer cells as far as the budget of {clock(self.runner.budget)} goes", flush=True)
 
-    def run(self):
+    def is_enough(self, options):
+        """Whether all quantities are within the tolerance, or cannot be for other reasons than the cells."""
+        for quantity in options.quantity:
+            estimate = self.estimate(quantity, options.tolerance)
+            others = total_of({part: width for part, width in estimate["parts"].items() if part != "cells"})
+            if estimate["half_width"] > estimate["tolerance"] > others:
+                return False
+        return True
+
+    def run(self, options):
         """All runs, the cheapest of what says most first."""
         self.plan()
         self.runner.must_run(self.own)
@@ -188,7 +197,9 @@ class Study:
             self.take(self.cells(target))
         for member in self.others():
             self.take(member)
-        for target in FINER:
+        for number, target in enumerate(FINER):
+            if number > 1 and self.is_enough(options):
+                return
             if self.runner.seconds_per_work * self.checked.work * target ** -(self.dimension + 1) < self.runner.left():
                 self.take(self.cells(target))
 
@@ -227,7 +238,8 @@ class Study:
 
     def advice(self, runs, widths, found, borne):
         """Which setting reaches the tolerance for the least CPU time."""
-        enough = min((run for run in runs if run["expected_error"] <= borne), key=lambda run: run["cpu_seconds"], default=None)
+        choices = [run for run in runs if run["part"] != "grid's place"]  # no setting of anybody
+        enough = min((run for run in choices if run["expected_error"] <= borne), key=lambda run: run["cpu_seconds"], default=None)
         if math.isnan(widths["cells"]):
             return "no cells but the deck's were run: give a larger --budget"
         if enough:
@@ -295,7 +307,7 @@ def run(options):
         raise ValueError("which number? --quantity NAME; --list shows the names")
     for quantity in options.quantity:
         known(first, quantity)
-    study.run()
+    study.run(options)
     estimates = [study.estimate(quantity, options.tolerance) for quantity in options.quantity]
     keep(study, estimates)
     for note in study.notes:

@@ -30,10 +30,12 @@ def total_of(widths):
 def errors_of_runs(values, widths, found):
     """By part and setting: the error to be expected of each run, as of the deck's own."""
     own = values["deck"][0][1]
+    finest = min([*values.get("cells", []), *values["deck"]])[1]
     rest = total_of({part: width for part, width in widths.items() if part != "cells"})
     for part, pairs in values.items():
         for setting, value in pairs:
-            cells = REGULAR * abs(value - found.limit) if found.limit is not None else widths["cells"] + abs(value - own)
+            away = abs(value - finest)
+            cells = REGULAR * abs(value - found.limit) if found.limit is not None else max(away, widths["cells"] + away - abs(own - finest))
             yield (part, setting), math.hypot(cells, rest)
 
 

@@ -8,7 +8,8 @@ import math
 from dataclasses import dataclass
 from typing import Optional
 
-LEAST_ORDER, LARGEST_ORDER = 0.5, 2.0                  # claimed; what is steeper is counted as 2, the order of the methods
+LEAST_ORDER, LARGEST_ORDER = 0.5, 2.0                  # claimed; what is steeper is counted as 2, the order of the methods,
+ABSURD_ORDER = 3.0                                      # and beyond this one is none: the finest are alike by chance
 REGULAR, IRREGULAR = 1.25, 3.0                         # safety factors
 ROUND_OFF = 1e-12                                       # of a value: no difference
 
@@ -52,11 +53,18 @@ def monotonic(values):
     return all(step > 0 for step in steps) or all(step < 0 for step in steps)
 
 
+def regular_part(series, cell):
+    """All sizes, or all but some of the coarsest, which may be beyond what a cell can show: four at least, with `cell`, that rise or fall throughout."""
+    for count in range(len(series), 3, -1):
+        if monotonic([value for _, value in series[:count]]) and any(h == cell for h, _ in series[:count]):
+            return series[:count]
+    return series
+
+
 def convergence_of(series, cell):
     """Error of the run with this cell, from pairs (cell, value) of all runs."""
     series = sorted(series)
-    if len(series) > 4 and series[-1][0] != cell and not monotonic([value for _, value in series]):
-        series = series[:-1]                           # four are enough; the coarsest may be beyond what the cell can show
+    series = regular_part(series, cell)
     sizes, values = [h for h, _ in series], [value for _, value in series]
     value = dict(series)[cell]
     spread = max(values) - min(values)
@@ -65,6 +73,9 @@ def convergence_of(series, cell):
     if spread <= ROUND_OFF * max(abs(each) for each in values):
         return Convergence(0.0, "all sizes give the same")
     found = richardson(sizes, values) if len(series) > 2 and monotonic(values) else None
+    if found and found[0] > ABSURD_ORDER:
+        index = IRREGULAR * abs(values[1] - values[0]) / (sizes[1] / sizes[0] - 1)
+        return Convergence(index + abs(value - values[0]), f"no order: {found[0]:.1f} is more than a method has")
     if found and found[0] >= LEAST_ORDER:
         order = min(found[0], LARGEST_ORDER)
         limit = limit_of(sizes, values, order)
