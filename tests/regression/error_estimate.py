@@ -5,6 +5,7 @@ usage: error_estimate.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import contextlib
 import glob
+import html
 import importlib.util
 import io
 import json
@@ -205,7 +206,7 @@ def intervals(report):
     code, text = view("report", "bar.error/deck")
     with open(os.path.join(SCRATCH, "bar.error/deck/report.html"), encoding="utf-8") as file:
         page = file.read()
-    check(report, code == 0 and "How wrong the numbers are" in page and kept["bodies.bar.velocity_x"]["line"] in page, "the report has it", text)
+    check(report, code == 0 and "How wrong the numbers are" in page and html.escape(kept["bodies.bar.velocity_x"]["line"]) in page, "the report has it", text)
     code, text = view("compare", "bar.error/deck", "bar.error/step")
     check(report, code == 0 and "deck: v_x of bar = " in text and "step: v_x" not in text, "compare has it", text)
 
