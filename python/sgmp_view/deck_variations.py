@@ -10,7 +10,7 @@ from .deck_text import Card, bare
 
 AXES = "xyz"
 FAR = 2000                                              # cells from the particles to an end of the grid that was open
-METHODS = ("gimp", "sgmp", "bspline", "cpgimp", "mpm")  # by how little they mind where the grid lies
+METHODS = ("gimp", "bspline", "sgmp", "cpgimp", "mpm")  # by how little they mind where the grid lies
 GENERAL = ("update", "flip", "split", "split_most")     # keys of `method` that all methods know
 SAFE = 0.8                                              # Courant number for any method
 PARTS = {"x": 0.37, "y": 0.41, "z": 0.29, "r": 0.0}     # of a cell, by which the grid is shifted
@@ -51,16 +51,18 @@ def cell_of(deck):
     return cell
 
 
-def fitting(deck, target):
-    """Factors of the cell size near a target with which walls at both ends of an axis stay on the grid, the nearest first."""
+def fitting(deck, target, close=False):
+    """Factors of the cell size near a target with which walls at both ends of an axis stay on the grid, the nearest first; close: only very near ones."""
     cell = cell_of(deck)
     counts = [round((extent.upper - extent.lower) / cell) for extent in extents_of(deck)
               if None not in (extent.lower, extent.upper) and all(extent.walls)]
+    if not counts and close:
+        return [target]
     if not counts:
         return [target * factor for factor in (1, 20 / 21, 21 / 20, 14 / 15, 15 / 14, 0.98, 1.02, 1.036, 0.9, 1.1)]
     common = math.gcd(*counts)
     factors = [common / m for m in range(1, 4 * common + 1) if m != common]
-    return [factor for factor in sorted(factors, key=lambda f: abs(math.log(f / target))) if 0.8 < factor / target < 1.25][:8]
+    return [factor for factor in sorted(factors, key=lambda f: abs(math.log(f / target))) if 0.8 < factor / target < 1.25][:1 if close else 8]
 
 
 def with_cells(deck, factor):
@@ -74,10 +76,28 @@ def with_cells(deck, factor):
             deck.scale(card, "spacing", factor, done=done)
     if step is not None and factor < 1 and math.isclose(step_of(deck), step, rel_tol=1e-9):
         deck.scale(deck.one("time"), "dt", factor)
+    widen_all(deck, extents, cell * factor)
+    return f"cell {cell * factor:.4g}"
+
+
+def with_other_lines(deck, factor):
+    """Lines of the grid that lie differently in the bodies where walls hold it: slightly other cells, the same particles."""
+    cell, extents = cell_of(deck), list(extents_of(deck))
+    bodies = [card for card in deck.all("body") if bare(card.words[1]).lower() != "file" and (card.get("layout") or "uniform") == "uniform"]
+    particles = [deck.number(card.get("spacing")) if card.get("spacing") else cell / deck.number(card.get("ppc") or "2") for card in bodies]
+    deck.scale(deck.one("grid"), "cell", factor)
+    for card, spacing in zip(bodies, particles):
+        card.drop("ppc")
+        card.set("spacing", repr(spacing))
+    widen_all(deck, extents, cell * factor)
+    return f"cell {cell * factor:.4g}, the same particles"
+
+
+def widen_all(deck, extents, cell):
+    """Moves ends without walls to where the grid has lines."""
     for extent in extents:
         if None not in (extent.lower, extent.upper) and not all(extent.walls):
-            widen(deck, extent, cell * factor)
-    return f"cell {cell * factor:.4g}"
+            widen(deck, extent, cell)
 
 
 def widen(deck, extent, cell):
@@ -127,19 +147,19 @@ def with_shift(deck, lowest, sign):
         else:
             grid.set(extent.axis, f"{extent.lower - cell + part!r}:{extent.upper + part!r}")
         moved.append(extent.axis)
-    return f"grid moved along {', '.join(moved)}" if moved else None
+    return f"grid moved{'' if sign > 0 else ' further'} along {', '.join(moved)}" if moved else None
 
 
-def with_other_method(deck, allowed, courant):
-    """The next best method that `allowed` accepts for the scene, at a step that any method bears."""
+def with_other_method(deck, allowed, courant, tried=()):
+    """The next best method that `allowed` accepts for the scene, other than those tried, at a step that any method bears."""
     card = deck.one("method")
     own = bare(deck.word(card.words[0])).lower() if card.words and "=" not in card.words[0] else "sgmp"
     keys = [word for word in card.words if "=" in word]
     few = [word for word in keys if word.partition("=")[0].lower() in GENERAL]
     for name in METHODS:
-        for words in (keys, few, [])[:1 if name == own else 3]:
+        for words in (keys, few, []):
             card.words = [name, *words]
-            if name != own and allowed(deck):
+            if name not in (own, *tried) and allowed(deck):
                 return f"method {name}" + slower(deck, courant)
     return None
 

@@ -115,11 +115,11 @@ class Study:
         same = all(math.isclose(a, b, rel_tol=5e-3) for a, b in zip(checked.masses, self.checked.masses))
         return checked.fault - self.checked.fault if same else math.inf
 
-    def cells(self, target, part="cells"):
+    def cells(self, target):
         """The copy with cells near a multiple of the deck's whose particles fill the bodies best."""
         tried = {}
         for factor in variations.fitting(self.deck, target):
-            member = self.add(part, f"cells_{factor:.4g}", factor ** -(self.dimension + 1), variations.with_cells, factor)
+            member = self.add("cells", f"cells_{factor:.4g}", factor ** -(self.dimension + 1), variations.with_cells, factor)
             if member is not None and not any(member.name == other.name for other in self.members):
                 tried[member.fault + AWAY * abs(math.log(factor / target))] = member
                 if member.fault < MASS_FAULT:
@@ -145,12 +145,23 @@ class Study:
         lowest = self.lowest()
         places = [self.add("grid's place", f"place_{k}", 1.0, variations.with_shift, lowest, sign) for k, sign in enumerate((1, -1), 1)]
         if not any(places):
-            places = [self.cells(NEARBY, "grid's place")]
+            near = variations.fitting(self.deck, NEARBY, close=True)
+            places = [self.add("grid's place", "place", 1.0, variations.with_other_lines, near[0])] if near else [None]
         yield places[0]
         slower = courant / variations.SAFE if courant > variations.SAFE else 1.0
-        yield self.add("method", "method", 1.5 * slower, variations.with_other_method, lambda deck: self.runner.check(deck.text()).accepted, courant)
+        others = [self.method(1.5 * slower, courant)]
+        yield others[0]
         yield self.add("particles", "particles", 1.5 ** self.dimension, variations.with_more_particles)
         yield from places[1:]
+        if others[0]:
+            yield self.method(1.5 * slower, courant, others[0].name)
+
+    def method(self, work, courant, *tried):
+        """The copy with another method than the deck's and those tried."""
+        member = self.add("method", "method", work, variations.with_other_method, lambda deck: self.runner.check(deck.text()).accepted, courant, tried)
+        if member is not None:
+            member.name = member.words.split()[1].rstrip(",")  # its method
+        return member
 
     def lowest(self):
         """A corner below all bodies, as far as their centroids and size tell."""

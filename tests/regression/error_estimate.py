@@ -164,14 +164,19 @@ def copies(report):
     check(report, float(low) == -1 and float(high) == 9, "an end without a wall moves outwards to the grid", deck.text())
     _, bodies, text, said, _ = changed(words, deck_variations.with_more_particles)
     check(report, bodies == [144, 144, 144, 256] and "3 or 4" in said, "one more particle per cell and axis", text)
+    now, bodies, text, _, deck = changed(words, deck_variations.with_other_lines, 1.03)
+    check(report, bodies == [64, 64, 64, 144] and now.masses == own.masses and abs(deck_variations.cell_of(deck) - 0.515) < 1e-12, "other lines of the grid, the same particles", text)
     now, bodies, text, said, _ = changed(words, deck_variations.with_half_step, 0.6)
     check(report, math.isclose(now.work, 2 * own.work, rel_tol=1e-2), "half the Courant number, twice the steps", text)
     now, bodies, text, said, deck = changed(words, deck_variations.with_shift, [0.0, 0.0], 1)
     low = deck.one("grid").get("y").partition(":")[0]
     check(report, now.accepted and said == "grid moved along x, y" and abs(float(low) / 0.5 % 1 - 0.41) < 1e-9, "the grid moved by a part of a cell", deck.text())
     _, _, text, said, _ = changed(words, deck_variations.with_other_method, lambda deck: checked(deck)[0].accepted, 0.6)
-    check(report, said == "method sgmp" and "sgmp, musl" in text, "another method", text)
+    check(report, said == "method bspline" and "bspline, musl" in text, "another method", text)
+    _, _, text, said, _ = changed(words, deck_variations.with_other_method, lambda deck: checked(deck)[0].accepted, 0.9, ("bspline",))
+    check(report, said == "method sgmp, Courant number 0.8" and "sgmp, musl" in text, "a second one, at a step that all bear", text)
     bar = Deck(write("bar.inp", BAR))
+    check(report, deck_variations.fitting(bar, 1.03, close=True) == [16 / 15] and deck_variations.fitting(Deck(words), 1.03, close=True) == [1.03], "cells close by")
     factors = deck_variations.fitting(bar, 1.4)
     check(report, factors and all(abs(16 / f - round(16 / f)) < 1e-9 for f in factors) and abs(factors[0] - 16 / 11) < 1e-9, "cells that fit the walls", str(factors))
     check(report, deck_variations.with_shift(bar, [0.0], 1) is None, "walls at both ends hold the grid")
@@ -214,18 +219,21 @@ def intervals(report):
 def flight(report):
     """A block that flies: no error in what is exact; its numbers are found with the deck's parameters."""
     write("flying.inp", FLYING)
-    code, text = view("error", "flying.inp", "--sgmp", SGMP, "--threads", "1", "--set", "speed=3", "--quantity", "bodies.arrow.x", "--quantity", "extent.arrow.x_max")
+    code, text = view("error", "flying.inp", "--sgmp", SGMP, "--threads", "1", "--set", "speed=3", "--quantity", "bodies.arrow.x", "--quantity", "extent.arrow.x_max",
+                      *(word for how in ("mean", "integral", "time_of_max") for word in ("--quantity", f"bodies.arrow.x:{how}")))
     found = estimates("flying.error/error.json")
-    for quantity, exact in (("bodies.arrow.x", 9), ("extent.arrow.x_max", 12)):
+    for quantity, exact in (("bodies.arrow.x", 9), ("extent.arrow.x_max", 12), ("bodies.arrow.x:mean", 6), ("bodies.arrow.x:integral", 12),
+                            ("bodies.arrow.x:time_of_max", 2)):
         check(report, abs(found[quantity]["value"] - exact) < 1e-9 and found[quantity]["half_width"] < 1e-9, f"{quantity} is {exact}", text)
-    check(report, found["bodies.arrow.x"]["unit"] == "mm", "with its unit", text)
+    check(report, [found[name]["unit"] for name in ("bodies.arrow.x", "bodies.arrow.x:integral")] == ["mm", "mm ms"], "with their units", text)
     code, text = view("error", "flying.inp", "--sgmp", SGMP, "--list")
     check(report, code == 0 and any(line.split()[0] == "bodies.arrow.velocity_x" and line.endswith(" 2 m/s") for line in text.splitlines()), "the list", text)
 
 
 def budget(report):
     """What does not fit is left out and said; what was stopped is gone on with."""
-    shutil.rmtree(os.path.join(SCRATCH, "flying.error/method"))
+    for method in ("gimp", "bspline"):
+        shutil.rmtree(os.path.join(SCRATCH, "flying.error", method))
     code, text = view("error", "flying.inp", "--sgmp", SGMP, "--threads", "1", "--set", "speed=3", "--quantity", "bodies.arrow.x", "--budget", "0s")
     check(report, code == 0 and "left out" in text and "as far as was looked, not at: method" in text, "a part that is left out is named", text)
     shutil.rmtree(os.path.join(SCRATCH, "flying.error/deck"))
