@@ -3,13 +3,14 @@ module sgmp_sums
   implicit none
   private
   public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, &
-            sum_moment, sum_angular, sum_filter, sum_swirl, sum_volume, sum_split
+            sum_moment, sum_angular, sum_edge_impulse, sum_edge_taken, sum_edge_work, sum_filter, &
+            sum_swirl, sum_volume, sum_split
   public :: eroded_sums, eroded_count, eroded_mass, eroded_momentum, eroded_moment, &
             eroded_kinetic, eroded_internal
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_friction, nodes_lost, &
             nodes_pressed, nodes_pulled
 
-  integer, parameter :: sweep_sums = 13    !! entries of a plane's sums over particles
+  integer, parameter :: sweep_sums = 18    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
   integer, parameter :: sum_mass_aa = 2    !! sum m_p |a_p|^2
   integer, parameter :: sum_internal = 3   !! growth of internal energy
@@ -23,6 +24,9 @@ module sgmp_sums
   integer, parameter :: sum_swirl = sum_filter
   integer, parameter :: sum_volume = 12  !! sum |dV| p of volumes that are put right
   integer, parameter :: sum_split = 13   !! kinetic energy of the halves of particles apart
+  integer, parameter :: sum_edge_taken = 14  !! energy that edges take from waves
+  integer, parameter :: sum_edge_work = 15   !! work of what edges bear at rest
+  integer, parameter :: sum_edge_impulse = 16  !! first of what edges give the matter (3 components)
 
   integer, parameter :: eroded_sums = 10   !! entries of a body's sums over particles that go
   integer, parameter :: eroded_count = 1

@@ -17,7 +17,8 @@ module DIM(sgmp_chunk)
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_force
-  use DIM(sgmp_loads), only: loads_levers, loads_on_faces, loads_on_mass, loads_strain
+  use DIM(sgmp_loads), only: loads_edges_book, loads_levers, loads_on_faces, loads_on_mass, &
+                              loads_strain
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
@@ -187,6 +188,7 @@ contains
 #ifdef AXISYMMETRIC
     real(dp) :: radius(lanes)
 #endif
+    real(dp) :: before(lanes, motion_total(NDIM))  !! the motion before the kick
     logical :: outside, erodes, eroded(lanes)
     outside = .false.
     erodes = plan%drift .and. body%law%erosion%given .and. .not. body%law%rigid
@@ -212,8 +214,11 @@ contains
     if (body%is_driven .and. (plan%kick .or. plan%drift)) then
       call drive(mesh, body, plan, task, task%live(1, nl), nb, motion, state, got, work)
     end if
+    if (body%absorbs .and. plan%kick) before = motion
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
                              got(1, task%velocity), motion, lane_sums)
+    if (body%absorbs .and. plan%kick) call loads_edges_book(body, plan%dt_kick, task%live(1, nl), &
+                                                            before, nb, motion, state, lane_sums)
 #ifdef AXISYMMETRIC
     if (plan%swirl) then
       radius = motion(:, 1)

@@ -2,6 +2,7 @@
 !!
 !! Longer than 500 lines: everything that a model consists of begins here.
 module sgmp_build_model
+  use sgmp_absorbing_build, only: absorbing_check, absorbing_declare, absorbing_fill
   use sgmp_angular_momentum, only: angular_momentum_note
   use sgmp_body, only: body_t
   use sgmp_build_burn, only: burn_light
@@ -118,6 +119,10 @@ contains
       end associate
     end do
     if (seeded) call burn_light(scene, model%mesh, model%bodies)
+    if (seeded .and. any(model%mesh%absorbs)) then
+      call absorbing_check(model%mesh, model%bodies, scene%grid%walls_location, error)
+      if (allocated(error)) return
+    end if
     model%method%cutoff = scene%method%mass_cutoff*parallel_max(heaviest)
     call contact_pairs(scene, model)
     call build_fields(model, kernel, merge(1, threads, scene%dimension == 1))
@@ -178,6 +183,7 @@ contains
       if (all(body%half_size <= 0.0_dp)) body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
       call attach_force(scene, number, body)
       call loads_declare(scene, number, body)
+      call absorbing_declare(card, mesh, material%law, body)
       call driven_declare(scene, number, body)
       call rigid_declare(card, mesh, body)
       body%sides_stretch = scene%method%kind == method_cpgimp
@@ -237,6 +243,9 @@ contains
     type(body_t), intent(inout) :: body
     type(error_t), allocatable, intent(out) :: error
     call loads_fill(scene, number, mesh, body, error)
+    if (.not. allocated(error)) then
+      call absorbing_fill(scene%bodies(number), mesh, body, error)
+    end if
     if (.not. allocated(error)) call driven_fill(scene, number, mesh, body, error)
   end subroutine fill_loads
 
