@@ -32,6 +32,8 @@ module sgmp_columns
     integer :: external = 0            !! external force, 0: none acts
     integer :: lever = 0               !! external force times lever (length), component by
                                        !! component along each axis; 0: none acts on faces
+    integer :: impedance = 0           !! force per velocity of absorbing edges, component by
+                                       !! component, then its levers as above; 0: there are none
     integer :: volume = 0              !! 0: not carried
     integer :: stiffness = 0           !! bulk modulus times volume, 0: nothing relaxes
     integer :: compliance = 0          !! the compliance w; behind it w p and w p^2
@@ -71,7 +73,7 @@ contains
 
   !> Lays out the columns of the sums.
   pure function columns_make(space, kernel, external, volume, spins, offset, relaxed, swirl, &
-                             faced, driven) result(columns)
+                             faced, driven, absorbs) result(columns)
     integer, intent(in) :: space, kernel
     logical, intent(in) :: external    !! with an external force
     logical, intent(in) :: volume      !! with the volume
@@ -81,6 +83,7 @@ contains
     logical, intent(in), optional :: swirl  !! with the velocity around the axis
     logical, intent(in), optional :: faced  !! external forces act on faces of particles
     integer, intent(in), optional :: driven  !! prescribed motions of parts of bodies
+    logical, intent(in), optional :: absorbs  !! with the impedance of edges; needs `faced`
     type(columns_t) :: columns
     integer :: ndim
     logical :: with_relaxation, with_swirl
@@ -122,6 +125,12 @@ contains
       if (faced .and. kernel_centred(kernel)) then
         columns%lever = columns%total + 1
         columns%total = columns%total + ndim**2
+      end if
+    end if
+    if (present(absorbs)) then
+      if (absorbs) then
+        columns%impedance = columns%total + 1
+        columns%total = columns%total + merge(ndim + ndim**2, ndim, kernel_centred(kernel))
       end if
     end if
     if (volume) then

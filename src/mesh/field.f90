@@ -53,7 +53,7 @@ contains
 
   !> An empty field.
   pure subroutine field_init(field, mesh, kernel, body_force, volume, spins, rotation, relaxed, &
-                             swirl, faced, driven)
+                             swirl, faced, driven, absorbs)
     type(field_t), intent(out) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel        !! one of kernel_*
@@ -65,6 +65,7 @@ contains
     logical, intent(in), optional :: swirl     !! columns for the velocity around the axis
     logical, intent(in), optional :: faced     !! columns for the levers of external forces
     integer, intent(in), optional :: driven    !! prescribed motions of parts of bodies
+    logical, intent(in), optional :: absorbs   !! columns for the impedance of absorbing edges
     logical :: with_volume
     integer :: nspin
     with_volume = .false.
@@ -76,7 +77,7 @@ contains
     field%space = mesh%space
     field%hoop_correction = mesh%hoop
     field%columns = columns_make(mesh%space, kernel, body_force, with_volume, nspin, &
-                                 rotation, relaxed, swirl, faced, driven)
+                                 rotation, relaxed, swirl, faced, driven, absorbs)
     if (field%columns%driven > 0) allocate (field%drives(field%columns%driven))
     if (mesh%walls_act .and. kernel_folds(kernel)) then
       call columns_keep_behind(field%columns, mesh%ndim, any(mesh%wall(:, :mesh%ndim) /= &

@@ -482,7 +482,8 @@ contains
     do f = 1, size(model%fields)
       call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
                       model%method%normalised, model%method%spins, model%method%rotation, &
-                      model%method%relaxed, model%method%swirl, any(model%bodies%faced), parts(f))
+                      model%method%relaxed, model%method%swirl, any(model%bodies%faced), parts(f), &
+                      any(model%bodies%absorbs))
       model%fields(f)%drive_terms = terms(f)
     end do
     call team_make(model%team, threads, model%mesh%space, size(model%fields), size(model%bodies))

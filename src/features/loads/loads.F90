@@ -20,10 +20,10 @@ module DIM(sgmp_loads)
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_pressure, load_t
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_total, motion_velocity
-  use sgmp_sums, only: sum_edge_impulse, sum_edge_taken, sum_edge_work, sweep_sums
+  use sgmp_sums, only: sum_edge_impulse, sum_edge_work, sweep_sums
   implicit none
   private
-  public :: loads_edges_book, loads_levers, loads_on_faces, loads_on_mass, loads_strain
+  public :: loads_edges_book, loads_impedance, loads_levers, loads_on_faces, loads_on_mass, loads_strain
 
 contains
 
@@ -78,7 +78,7 @@ contains
     places(:, :NDIM) = places(:, :NDIM) + mesh%h*way
     select case (load%kind)
     case (load_absorbing)
-      call edge_force(load, nb, motion, state, sqrt(square), force)
+      call edge_force(load, nb, state, sqrt(square), force)
     case (load_blast)
       call add_blast(load, time, places, spread(live, 2, NDIM)*area, force)
     case (load_pressure)
@@ -111,25 +111,45 @@ contains
     end do
   end subroutine add_blast
 
-  !> Force of an edge that lets waves out on the faces of a chunk: what it bears at rest, and a
-  !! traction against the velocity as the half-space beyond would exert it on a plane wave that comes
-  !! head on (Lysmer and Kuhlemeyer, J. Eng. Mech. Div. ASCE 95, 1969, 859-877).
-  pure subroutine edge_force(load, nb, motion, state, area, force)
+  !> What edges that let waves out bear at rest, on the faces of a chunk.
+  pure subroutine edge_force(load, nb, state, area, force)
     type(load_t), intent(in) :: load
     integer, intent(in) :: nb
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(in) :: state(lanes, nb)
     real(dp), intent(in) :: area(lanes)            !! 0 where there is no face
     real(dp), intent(out) :: force(lanes, NDIM)
     integer :: d
     do d = 1, NDIM
-      force(:, d) = area*(state(:, load%column + NDIM + d - 1) - &
-                          load%impedance(merge(1, 2, d == load%axis))* &
-                          motion(:, motion_velocity(NDIM) + d - 1))
+      force(:, d) = area*state(:, load%column + NDIM + d - 1)
     end do
   end subroutine edge_force
 
-  !> Adds up what edges did to a chunk in a kick, by the force that the grid has had of them and the
-  !! velocity of the particles in its middle: impulse, energy taken, work of what they bear at rest.
+  !> Force per velocity along each axis by which an edge holds the faces of a chunk (Lysmer and
+  !! Kuhlemeyer, J. Eng. Mech. Div. ASCE 95, 1969, 859-877): nodes work the force out (sgmp_nodes).
+  pure subroutine loads_impedance(load, live, nb, state, impedance)
+    type(load_t), intent(in) :: load
+    real(dp), intent(in) :: live(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: state(lanes, nb)
+    real(dp), intent(out) :: impedance(lanes, NDIM)
+    integer :: d
+    do d = 1, NDIM
+      impedance(:, d) = load%impedance(merge(1, 2, d == load%axis))*face_area(load, live, nb, state)
+    end do
+  end subroutine loads_impedance
+
+  !> Area of the faces of a chunk; 0 where there are none.
+  pure function face_area(load, live, nb, state) result(area)
+    type(load_t), intent(in) :: load
+    real(dp), intent(in) :: live(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: state(lanes, nb)
+    real(dp) :: area(lanes)
+    area = live*sqrt(sum(state(:, load%column:load%column + NDIM - 1)**2, dim=2))
+  end function face_area
+
+  !> Adds up what edges did to a chunk in a kick by what they bear at rest: its impulse, and its work
+  !! by the velocity of the particles in the middle of the kick.
   pure subroutine loads_edges_book(body, dt, live, before, nb, motion, state, sums)
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: dt, live(lanes)
@@ -137,21 +157,17 @@ contains
     integer, intent(in) :: nb
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(inout) :: sums(lanes, sweep_sums)
-    real(dp) :: area(lanes), force(lanes, NDIM), rest(lanes), way(lanes)
+    real(dp) :: force(lanes, NDIM)
     integer :: d, i, v
     do i = 1, size(body%loads)
       associate (load => body%loads(i))
         if (load%kind /= load_absorbing) cycle
-        area = live*sqrt(sum(state(:, load%column:load%column + NDIM - 1)**2, dim=2))
-        if (all(area <= 0.0_dp)) cycle
-        call edge_force(load, nb, before, state, area, force)
+        call edge_force(load, nb, state, face_area(load, live, nb, state), force)
         do d = 1, NDIM
           v = motion_velocity(NDIM) + d - 1
-          way = 0.5_dp*dt*(before(:, v) + motion(:, v))
-          rest = area*state(:, load%column + NDIM + d - 1)
           sums(:, sum_edge_impulse + d - 1) = sums(:, sum_edge_impulse + d - 1) + dt*force(:, d)
-          sums(:, sum_edge_taken) = sums(:, sum_edge_taken) - (force(:, d) - rest)*way
-          sums(:, sum_edge_work) = sums(:, sum_edge_work) + rest*way
+          sums(:, sum_edge_work) = sums(:, sum_edge_work) + &
+                                   0.5_dp*dt*force(:, d)*(before(:, v) + motion(:, v))
         end do
       end associate
     end do
