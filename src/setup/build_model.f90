@@ -244,7 +244,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     call loads_fill(scene, number, mesh, body, error)
     if (.not. allocated(error)) then
-      call absorbing_fill(scene%bodies(number), mesh, body, error)
+      call absorbing_fill(scene%bodies(number), scene%gravity, mesh, body, error)
     end if
     if (.not. allocated(error)) call driven_fill(scene, number, mesh, body, error)
   end subroutine fill_loads

@@ -14,6 +14,7 @@ module sgmp_absorbing_build
   use sgmp_lattice, only: lattice_tolerance
   use sgmp_load, only: load_absorbing, load_t
   use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_any, parallel_max
   use sgmp_scene, only: body_card_t, layout_lattice
   use sgmp_shapes, only: shapes_inside
@@ -66,17 +67,20 @@ contains
 
   !> Fills the columns of the edges of a body: area vectors, tractions at rest. An error where matter
   !! lies beyond an edge, or beside it without faces. All ranks must call it.
-  subroutine absorbing_fill(card, mesh, body, error)
+  subroutine absorbing_fill(card, gravity, mesh, body, error)
     type(body_card_t), intent(in) :: card
+    real(dp), intent(in) :: gravity(3)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
     type(error_t), allocatable, intent(out) :: error
-    real(dp) :: x(3)
+    real(dp) :: weight(3), x(3)
     logical :: beyond, faceless
-    integer :: c, i, l
+    integer :: c, i, l, mass
     beyond = .false.
     faceless = .false.
     x = 0.0_dp
+    weight = 0.0_dp
+    mass = motion_mass(mesh%ndim)
     do i = 1, size(body%loads)
       if (body%loads(i)%kind /= load_absorbing) cycle
       do c = 1, body%particles%chunks
@@ -84,7 +88,9 @@ contains
           if (body%particles%id(l, c) == 0) cycle
           x(:mesh%ndim) = mesh_position(mesh%origin(:mesh%ndim), mesh%h, &
                                         body%particles%motion(l, :mesh%ndim, c))
-          call fill_particle(card, mesh, body%loads(i), body%spacing, &
+          if (body%stressed) weight = body%particles%motion(l, mass, c)/ &
+                                      body%particles%state(l, body%law%slots%volume, c)*gravity
+          call fill_particle(card, mesh, weight, body%loads(i), body%spacing, &
                              body%law%slots%stress, body%law%slots%stresses, x, &
                              body%particles%state(l, :, c), beyond, faceless)
         end do
@@ -101,10 +107,11 @@ contains
   end subroutine absorbing_fill
 
   !> The columns of one particle and one edge.
-  pure subroutine fill_particle(card, mesh, load, spacing, stress, stresses, x, state, beyond, &
+  pure subroutine fill_particle(card, mesh, weight, load, spacing, stress, stresses, x, state, beyond, &
                                 faceless)
     type(body_card_t), intent(in) :: card
     type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: weight(3)            !! per volume, of matter that rests on its stress
     type(load_t), intent(in) :: load
     real(dp), intent(in) :: spacing
     integer, intent(in) :: stress, stresses      !! first column, how many
@@ -127,8 +134,11 @@ contains
     faceless = faceless .or. (all(abs(area) <= 0.0_dp) .and. to_edge < near*spacing)
     if (all(abs(area) <= 0.0_dp)) return
     state(load%column:load%column + n - 1) = area(:n)
-    state(load%column + n:load%column + 2*n - 1) = outward*across(state(stress:stress + stresses &
-                                                                         - 1), load%axis, n)
+    associate (rest => state(load%column + n:load%column + 2*n - 1))
+      rest = outward*across(state(stress:stress + stresses - 1), load%axis, n)
+      ! At the face, half a spacing from where the stress is known.
+      rest(load%axis) = rest(load%axis) - 0.5_dp*spacing*weight(load%axis)
+    end associate
   end subroutine fill_particle
 
   !> Area vector of the face that a particle shows to an edge; 0: it shows none.
