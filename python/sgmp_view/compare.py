@@ -3,7 +3,8 @@
     sgmp-view compare mpm.out gimp.out sgmp.out
     sgmp-view compare *.out --column kinetic_energy --column energy_remainder
 
-The table lists what differs in summary.json, first of all the verdict, energy drift and cost.
+The table lists what differs in summary.json, first of all the verdict, energy drift and cost. Numbers whose error `sgmp-view error` has
+estimated stand below with it, and as bars in the figure.
 """
 
 from pathlib import Path
@@ -45,6 +46,22 @@ def table(names, summaries):
             for line in lines]
 
 
+def estimates_of(summaries):
+    """By quantity, the estimates of the runs, None of those that have none."""
+    names = dict.fromkeys(name for summary in summaries for name in summary.get("error_estimate", {}))
+    return {name: [summary.get("error_estimate", {}).get(name) for summary in summaries] for name in names}
+
+
+def draw_bars(axis, names, estimates):
+    """Values of a quantity with their errors."""
+    shown = [(place, estimate) for place, estimate in enumerate(estimates) if estimate]
+    axis.errorbar([place for place, _ in shown], [estimate["value"] for _, estimate in shown], yerr=[estimate["half_width"] for _, estimate in shown],
+                  fmt="o", capsize=5)
+    axis.set_xticks(range(len(names)), names)
+    axis.set_xlim(-0.5, len(names) - 0.5)
+    axis.set_ylabel(label(shown[0][1]["quantity"], shown[0][1]["unit"]))
+
+
 def arguments(parser):
     """Arguments of the command."""
     parser.add_argument("folders", nargs="+", type=Path, metavar="OUT_DIR", help="output folders of sgmp")
@@ -55,12 +72,19 @@ def arguments(parser):
 def run(options):
     """Prints the table, draws the figure and prints its name."""
     names = [run_name(folder) for folder in options.folders]
-    print("\n".join(table(names, [flat(read_summary(folder)) for folder in options.folders])))
+    summaries = [read_summary(folder) for folder in options.folders]
+    estimates = estimates_of(summaries)
+    print("\n".join(table(names, [flat(summary) for summary in summaries])))
+    for run, estimate in ((run, estimate) for row in estimates.values() for run, estimate in zip(names, row) if estimate):
+        print(f"{run}: {estimate['line']}")
     columns = options.column or ["total_energy"]
     units = read_units(folder_of(options.folders[0]))
     output = options.output or folder_of(options.folders[0]) / "compare.png"
     with plt.rc_context(plot_style()):
-        figure, axes = plt.subplots(1, len(columns), figsize=(6 * len(columns), 4), layout="constrained", squeeze=False)
+        panels = len(columns) + len(estimates)
+        figure, axes = plt.subplots(1, panels, figsize=(6 * panels, 4), layout="constrained", squeeze=False)
+        for axis, row in zip(axes[0][len(columns):], estimates.values()):
+            draw_bars(axis, names, row)
         for axis, column in zip(axes[0], columns):
             for name, folder in zip(names, options.folders):
                 history = read_history(folder)

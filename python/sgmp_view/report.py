@@ -1,4 +1,4 @@
-"""One self-contained HTML page about a run: verdict, bodies at start and end, pictures, energies, gauges, cost, deck.
+"""One self-contained HTML page about a run: verdict, bodies at start and end, errors of numbers, pictures, energies, gauges, cost, deck.
 
     sgmp-view report taylor_bar.out                  # taylor_bar.out/report.html
 
@@ -14,7 +14,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from . import answer, gauges, history, picture, status
+from . import answer, error_figure, gauges, history, picture, status
 from .compare import flat, text_of
 from .files import SgmpFileError, dumps_of, field_label, folder_of, label, plot_style, read_dump, read_summary_if_any, read_units, run_name
 from .movie import common_limits
@@ -95,6 +95,17 @@ def common_window(clouds):
     return np.min([end[0] for end in ends], axis=0), np.max([end[1] for end in ends], axis=0)
 
 
+def errors(summary):
+    """How wrong numbers of the run are, where `sgmp-view error` has looked."""
+    estimates = list(summary.get("error_estimate", {}).values())
+    if not estimates:
+        return
+    yield "<h2>How wrong the numbers are</h2><ul>"
+    for estimate in estimates:
+        yield f"<li><b>{html.escape(estimate['line'])}</b><br>cells: {html.escape(estimate['cells'])}; {html.escape(estimate['advice'])}</li>"
+    yield "</ul>" + embedded(error_figure.figure_of(estimates))
+
+
 def frames(folder, options):
     """Pictures of some dumps, or of the final particles."""
     drawing = argparse.Namespace(field=options.field, axis=options.axis, cut=options.cut, limits=None, cmap=None, title=" ",
@@ -141,6 +152,7 @@ def page(folder, options):
         yield f"<p>Units: {units['length']}, {units['mass']}, {units['time']}; stress in {units['stress']}.</p>"
     yield from answers(folder, units)
     with plt.rc_context(plot_style()):
+        yield from errors(summary)
         yield "<h2>State</h2><div class=frames>" + "".join(frames(folder, options)) + "</div>"
         try:
             yield "<h2>Energy and momentum</h2>" + embedded(history.figure([folder]))
@@ -148,7 +160,7 @@ def page(folder, options):
             yield f"<p>No energies: {html.escape(str(problem))}</p>"
         if (folder / "gauges.csv").exists():
             yield "<h2>Gauges</h2>" + gauge_figure(folder, units)
-    yield from tables(flat(summary))
+    yield from tables(flat({name: value for name, value in summary.items() if name != "error_estimate"}))
     yield f"<h2>Deck, with all defaults</h2><pre>{html.escape(deck_of(folder))}</pre></html>"
 
 

@@ -13,9 +13,7 @@ import csv
 import hashlib
 import itertools
 import json
-import os
 import shlex
-import shutil
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -23,8 +21,9 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 from .compare import text_of
-from .convergence import quantity_of
 from .files import SgmpFileError, existing, plot_style, read_summary_if_any
+from .quantities import quantity_of
+from .runs import program_of
 
 DONE = (0, 4)           # exit codes of runs that would end the same way again
 STOPPED = 6             # after a checkpoint
@@ -131,15 +130,6 @@ def draw(path, rows, varied, quantities):
     return True
 
 
-def solver(named):
-    """The program: as named, else on the path, else as built here."""
-    built = Path(__file__).resolve().parents[2] / "build/release/sgmp"
-    found = named or os.environ.get("SGMP") or shutil.which("sgmp") or (str(built) if built.exists() else None)
-    if not found:
-        raise SgmpFileError("sgmp is not on the path; name it with --sgmp")
-    return found
-
-
 def arguments(parser):
     """Arguments of the command."""
     parser.add_argument("deck", type=Path)
@@ -156,7 +146,7 @@ def arguments(parser):
 def run(options):
     """Runs what is missing, then writes table and figure."""
     existing(options.deck)
-    options.sgmp = solver(options.sgmp)
+    options.sgmp = program_of(options.sgmp)
     options.output = options.output or Path(options.deck.stem + ".sweep")
     varied = ranges(options.vary)
     members = [Member(list(zip(varied, values)), options) for values in itertools.product(*varied.values())]

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-from .convergence import quantity_of
 from .files import folder_of, label, plot_style, read_summary
+from .quantities import quantity_of
 
 MARKERS = "osD^vP"
 

@@ -121,17 +121,13 @@ contains
       columns%external = columns%total + 1
       columns%total = columns%total + ndim
     end if
-    if (present(faced)) then
-      if (faced .and. kernel_centred(kernel)) then
-        columns%lever = columns%total + 1
-        columns%total = columns%total + ndim**2
-      end if
+    if (wanted(faced) .and. kernel_centred(kernel)) then
+      columns%lever = columns%total + 1
+      columns%total = columns%total + ndim**2
     end if
-    if (present(absorbs)) then
-      if (absorbs) then
-        columns%impedance = columns%total + 1
-        columns%total = columns%total + merge(ndim + ndim**2, ndim, kernel_centred(kernel))
-      end if
+    if (wanted(absorbs)) then
+      columns%impedance = columns%total + 1
+      columns%total = columns%total + merge(ndim + ndim**2, ndim, kernel_centred(kernel))
     end if
     if (volume) then
       columns%total = columns%total + 1
@@ -150,6 +146,14 @@ contains
     end if
     columns%swept = columns%total
   end function columns_make
+
+  !> Whether something that need not be said is wanted.
+  pure function wanted(what) result(yes)
+    logical, intent(in), optional :: what
+    logical :: yes
+    yes = .false.
+    if (present(what)) yes = what
+  end function wanted
 
   !> Adds columns for what lies behind the walls of some axes.
   pure subroutine columns_keep_behind(columns, ndim, axes)

@@ -6,14 +6,15 @@ module sgmp_load
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: load_absorbing, load_t, load_blast, load_force, load_pressure, load_traction, load_is_bound
+  public :: load_absorbing, load_t, load_blast, load_force, load_pressure, load_traction, &
+            load_is_bound
 
   integer, parameter :: load_force = 1, load_pressure = 2, load_traction = 3, load_blast = 4, &
                         load_absorbing = 5
 
   !> One load. Its column of the particles' second stream is for a force the particle's share in it
-  !! per mass, for all others the first component of the area vector of its faces; behind that of an
-  !! edge comes the traction that it bears at rest.
+  !! per mass, for all others the first component of the area vector of its faces; behind that of
+  !! an edge comes the traction that it bears at rest.
   type :: load_t
     integer :: kind = load_force       !! one of load_*
     integer :: column = 0

@@ -168,8 +168,8 @@ contains
     edges = count(body%loads%kind == load_absorbing)
     forces = size(body%loads) - forces - edges
     call put_slot(forces, integer_text(forces)//' area vectors of faces (pressure, traction)')
-    call put_slot(edges, integer_text(edges)//' area vectors of faces, and the traction at rest '// &
-                  '(absorbing walls)')
+    call put_slot(edges, integer_text(edges)//' area vectors of faces, and the traction at '// &
+                  'rest (absorbing walls)')
   end subroutine put_loads
 
   subroutine put_slot(column, text)

@@ -119,10 +119,6 @@ contains
       end associate
     end do
     if (seeded) call burn_light(scene, model%mesh, model%bodies)
-    if (seeded .and. any(model%mesh%absorbs)) then
-      call absorbing_check(model%mesh, model%bodies, scene%grid%walls_location, error)
-      if (allocated(error)) return
-    end if
     model%method%cutoff = scene%method%mass_cutoff*parallel_max(heaviest)
     call contact_pairs(scene, model)
     call build_fields(model, kernel, merge(1, threads, scene%dimension == 1))
@@ -134,6 +130,7 @@ contains
     call angular_momentum_note(model%mesh, model%method, model%bodies, model%contact%pairs, &
                                model%totals%bodies, model%turning)
     call check_limit(scene%time, model, error)
+    call absorbing_check(model%mesh, model%bodies, scene%grid%walls_location, error)
   end subroutine model_build
 
   !> A step must have a limit: what cannot deform has no waves.

@@ -137,7 +137,7 @@ SCENES = [
     ("light", LIGHT, {}, 10, 1),
     ("many", MANY, {}, 10, 1),
 ]
-EVERY_UPDATE = {"bar": ("sgmp",), "block": ("sgmp", "gimp"), "rings": ("sgmp",), "absorbing": ("gimp",)}
+EVERY_UPDATE = {"bar": ("sgmp",), "block": ("sgmp", "gimp"), "rings": ("sgmp",)}
 EVERY_METHOD = ("block", "rings", "bar")
 
 

@@ -23,7 +23,7 @@ sys.path.insert(0, os.path.join(SOURCE, "python"))
 import numpy as np  # noqa: E402
 import sgmp_view  # noqa: E402
 from sgmp_view import command  # noqa: E402
-from sgmp_view.convergence import richardson  # noqa: E402
+from sgmp_view.grid_convergence import richardson  # noqa: E402
 from sgmp_view.profile import layers  # noqa: E402
 from sgmp_view.revolve import revolve  # noqa: E402
 from sgmp_view.slice_ import mirrored  # noqa: E402

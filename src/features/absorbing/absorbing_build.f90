@@ -65,8 +65,8 @@ contains
     z(2) = sqrt(law%density*law%elastic%shear)
   end function impedance
 
-  !> Fills the columns of the edges of a body: area vectors, tractions at rest. An error where matter
-  !! lies beyond an edge, or beside it without faces. All ranks must call it.
+  !> Fills the columns of the edges of a body: area vectors, tractions at rest. An error where
+  !! matter lies beyond an edge, or beside it without faces. All ranks must call it.
   subroutine absorbing_fill(card, gravity, mesh, body, error)
     type(body_card_t), intent(in) :: card
     real(dp), intent(in) :: gravity(3)
@@ -107,8 +107,8 @@ contains
   end subroutine absorbing_fill
 
   !> The columns of one particle and one edge.
-  pure subroutine fill_particle(card, mesh, weight, load, spacing, stress, stresses, x, state, beyond, &
-                                faceless)
+  pure subroutine fill_particle(card, mesh, weight, load, spacing, stress, stresses, x, state, &
+                                beyond, faceless)
     type(body_card_t), intent(in) :: card
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: weight(3)            !! per volume, of matter that rests on its stress
@@ -191,9 +191,10 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: bodies(:)
     character(:), allocatable, intent(in) :: location  !! of the card
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable, intent(inout) :: error
     real(dp) :: largest(2, 3)
     integer :: axis, b, i, side
+    if (allocated(error)) return
     largest = 0.0_dp
     do b = 1, size(bodies)
       if (.not. bodies(b)%absorbs) cycle

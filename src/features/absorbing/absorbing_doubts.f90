@@ -21,7 +21,7 @@ contains
   subroutine absorbing_objections(model, reasons)
     type(model_t), intent(in) :: model
     type(string_t), allocatable, intent(out) :: reasons(:)
-    type(string_t) :: found(6)
+    type(string_t) :: found(size(model%mesh%absorbs))
     real(dp) :: moved(2, 3)
     integer :: axis, b, n, side
     n = 0

@@ -23,7 +23,8 @@ module DIM(sgmp_loads)
   use sgmp_sums, only: sum_edge_impulse, sum_edge_work, sweep_sums
   implicit none
   private
-  public :: loads_edges_book, loads_impedance, loads_levers, loads_on_faces, loads_on_mass, loads_strain
+  public :: loads_edges_book, loads_impedance, loads_levers, loads_on_faces, loads_on_mass, &
+            loads_strain
 
 contains
 
@@ -148,8 +149,8 @@ contains
     area = live*sqrt(sum(state(:, load%column:load%column + NDIM - 1)**2, dim=2))
   end function face_area
 
-  !> Adds up what edges did to a chunk in a kick by what they bear at rest: its impulse, and its work
-  !! by the velocity of the particles in the middle of the kick.
+  !> Adds up what edges did to a chunk in a kick by what they bear at rest: its impulse, and its
+  !! work by the velocity of the particles in the middle of the kick.
   pure subroutine loads_edges_book(body, dt, live, before, nb, motion, state, sums)
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: dt, live(lanes)

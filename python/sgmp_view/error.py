@@ -1,0 +1,336 @@
+"""How wrong a number of a deck is: the deck is run with other cells, another step, place of the grid, method and number of particles.
+
+    sgmp-view error impact.inp --quantity bodies.core.velocity_z --tolerance 5% --budget 10m
+    sgmp-view error impact.inp --list                        # the quantities, with units and their values after one step
+
+Prints the number with its error and the parts of it, and which cell reaches the tolerance for the least CPU time; draws error.png. Costs are
+told before, and the budget of wall time is kept: what does not fit is left out, coarse cells come first, finer ones last. The same call with a
+larger budget goes on. Results: DECK.error/error.json, `error_estimate` in summary.json of the deck's own run (DECK.error/deck), and of
+DECK.out if that is the same run; `sgmp-view report` shows it. Any deck runs: no parameter is needed.
+
+Cells: grid convergence index (Roache 1994), 1.25 |f - f0| where three sizes and more show an order, else 3 times the spread over the ratio of
+the sizes less 1. Step: 3 times the change with half of it. Others: the largest change. The parts are added as squares.
+"""
+
+import difflib
+import json
+import math
+import re
+from copy import deepcopy
+from pathlib import Path
+
+from . import deck_variations as variations
+from .deck_text import Deck
+from .error_estimate import errors_of_runs, half_widths, line_of, needed_cell, total_of, verdict_of
+from .error_figure import draw
+from .files import SgmpFileError, read_summary_if_any, read_table, read_units
+from .quantities import KEYS, OF_ROWS, listed, quantity_of, short_name, unit_of
+from .runs import program_of
+from .study_runs import Member, Runner, clock
+
+CELLS = (2.0, 1.4)                                      # sides of cells over the deck's
+FINER = (1 / 1.4, 0.5, 1 / 2.8, 0.25)                   # as far as the budget allows, the last two where the tolerance asks for them
+MASS_FAULT = 0.002                                      # by which bodies of a copy may miss their mass more than the deck's
+AWAY = 0.05                                             # fault of a cell that is e times the one that was wanted
+NEARBY = 1.03                                           # a cell that lies differently in the bodies, where walls hold the grid
+SECONDS = {"s": 1, "m": 60, "min": 60, "h": 3600}
+
+
+def arguments(parser):
+    """Arguments of the command."""
+    parser.add_argument("deck", type=Path)
+    parser.add_argument("--quantity", action="append", default=[], metavar="NAME", help="what is asked for, as --list names it; may be repeated")
+    parser.add_argument("--tolerance", default="5%", help="error that can be borne: of the value (5%%, the default), or in its unit (0.2)")
+    parser.add_argument("--budget", default="10m", help="wall time for all runs: 90s, 10m (default), 2h")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="a parameter of the deck")
+    parser.add_argument("--threads", type=int, metavar="N", help="threads of each run (default: all)")
+    parser.add_argument("--sgmp", help="the program (default: $SGMP, the path, build/release/sgmp)")
+    parser.add_argument("--list", action="store_true", help="list the quantities, run one step only")
+    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="folder of the study (default: the deck's name and .error)")
+
+
+def seconds_of(text):
+    """Seconds of a time like 10m."""
+    found = re.fullmatch(r"([\d.]+) *([a-z]*)", text)
+    if not found or (found[2] or "s") not in SECONDS:
+        raise ValueError(f"--budget {text}: expected a time as 90s, 10m or 2h")
+    return float(found[1]) * SECONDS[found[2] or "s"]
+
+
+def tolerance_of(text, value):
+    """The error that can be borne, in the unit of the quantity."""
+    found = re.fullmatch(r"([\d.eE+-]+) *(%?)", text)
+    if not found:
+        raise ValueError(f"--tolerance {text}: expected a share as 5% or a number in the unit of the quantity")
+    return float(found[1]) * (abs(value) / 100 if found[2] else 1)
+
+
+def spoken(tolerance, unit):
+    """The tolerance in words."""
+    return f"{tolerance.rstrip('%').strip()} %" if tolerance.endswith("%") else f"{tolerance} {unit}".strip()
+
+
+# ---------------------------------------------------------------- the runs
+
+class Study:
+    """A deck, its own run and the runs that should give the same."""
+
+    def __init__(self, options):
+        self.deck = Deck(options.deck, options.set)
+        self.folder = options.output or Path(options.deck.stem + ".error")
+        self.runner = Runner(self.folder, program_of(options.sgmp), options.threads, seconds_of(options.budget))
+        own = deepcopy(self.deck)
+        variations.with_final_state(own)
+        self.own = Member("deck", "deck", "as it is", own.text(), 1.0)
+        self.checked = self.runner.check(self.own.text)
+        if not self.checked.accepted:
+            raise SgmpFileError(self.checked.words)
+        self.runner.base_work = self.checked.work
+        self.cell, self.dimension = variations.cell_of(self.deck), len(variations.axes_of(self.deck))
+        self.members, self.notes = [], []
+
+    def probe(self):
+        """Folder of a run of one step, which has the names of all quantities."""
+        first = deepcopy(self.deck)
+        variations.quiet_outputs(first)
+        first.one("time").set("steps", 1)
+        member = Member("probe", "first_step", "one step", first.text(), 0.0)
+        if not self.runner.run(member):
+            raise SgmpFileError(f"the first step: {member.note}")
+        return self.runner.output(member)
+
+    def add(self, part, name, work, change, *values):
+        """A copy that `change` makes of the deck, kept if the program accepts it."""
+        deck = deepcopy(self.deck)
+        variations.quiet_outputs(deck)
+        variations.until(deck, self.summary["time"])
+        words = change(deck, *values)
+        checked = self.runner.check(deck.text()) if words else None
+        if checked is None or not checked.accepted:
+            return None
+        return Member(part, name, words, deck.text(), work, fault=self.changed_mass(checked))
+
+    def changed_mass(self, checked):
+        """By how much a copy misses the masses of its shapes more than the deck; infinite where its shapes are others."""
+        same = all(math.isclose(a, b, rel_tol=5e-3) for a, b in zip(checked.masses, self.checked.masses))
+        return checked.fault - self.checked.fault if same else math.inf
+
+    def cells(self, target):
+        """The copy with cells near a multiple of the deck's whose particles fill the bodies best."""
+        tried = {}
+        for factor in variations.fitting(self.deck, target):
+            member = self.add("cells", f"cells_{factor:.4g}", factor ** -(self.dimension + 1), variations.with_cells, factor)
+            if member is not None and not any(member.name == other.name for other in self.members):
+                tried[member.fault + AWAY * abs(math.log(factor / target))] = member
+                if member.fault < MASS_FAULT:
+                    break
+        best = tried[min(tried)] if tried else None
+        if best is not None and math.isinf(best.fault):
+            self.note("shapes change with the cell: numbers per body differ for that reason, too")
+        elif best is None:
+            self.note(f"no cell near {target * self.cell:.3g} fits the walls")
+        elif best.fault > 0.01:
+            self.note(f"{best.words}: bodies have up to {100 * best.fault:.1f} % another mass")
+        return best
+
+    def note(self, words):
+        """Something to know, once."""
+        if words not in self.notes:
+            self.notes.append(words)
+
+    def others(self):
+        """Copies with another step, place of the grid, method and number of particles."""
+        courant = float(self.summary["cfl"])
+        yield self.add("step", "step", 2.0, variations.with_half_step, courant)
+        lowest = self.lowest()
+        places = [self.add("grid's place", f"place_{k}", 1.0, variations.with_shift, lowest, sign) for k, sign in enumerate((1, -1), 1)]
+        if not any(places):
+            near = variations.fitting(self.deck, NEARBY, close=True)
+            places = [self.add("grid's place", "place", 1.0, variations.with_other_lines, near[0])] if near else [None]
+        yield places[0]
+        slower = courant / variations.SAFE if courant > variations.SAFE else 1.0
+        others = [self.method(1.5 * slower, courant)]
+        yield others[0]
+        yield self.add("particles", "particles", 1.5 ** self.dimension, variations.with_more_particles)
+        yield from places[1:]
+        if others[0]:
+            yield self.method(1.5 * slower, courant, others[0].name)
+
+    def method(self, work, courant, *tried):
+        """The copy with another method than the deck's and those tried."""
+        member = self.add("method", "method", work, variations.with_other_method, lambda deck: self.runner.check(deck.text()).accepted, courant, tried)
+        if member is not None:
+            member.name = member.words.split()[1].rstrip(",")  # its method
+        return member
+
+    def lowest(self):
+        """A corner below all bodies, as far as their centroids and size tell."""
+        table = read_table(self.runner.output(self.own) / "bodies.csv")
+        axes = ["x" if axis == "r" else axis for axis in variations.axes_of(self.deck)]
+        return [float(table[axis].min()) for axis in axes]
+
+    def take(self, member):
+        """Runs a copy if it is there, fits in the budget and is no repetition."""
+        if member is None:
+            return
+        self.runner.run(member)
+        self.members.append(member)
+        self.tell(member)
+
+    def tell(self, member):
+        """A line about a run."""
+        cpu = read_summary_if_any(self.runner.output(member)).get("cpu_seconds") if member.code == 0 else None
+        print(f"  {member.part:>12}  {member.words:<44} {f'{cpu:.3g} s CPU' if cpu is not None else '':>14}  {member.note}", flush=True)
+
+    def plan(self):
+        """What is to come and what it costs, by the number of particle-steps and what runs of the kind take."""
+        more = sum(f ** -(self.dimension + 1) for f in CELLS) + 2 + 2 + 1.5 + 1.5**self.dimension
+        own = self.runner.seconds_per_work * self.checked.work
+        print(f"{self.deck.path}: about {clock(own)} as it is, {clock(own * (1 + more))} with coarser cells, half the step, another place of the grid, "
+              f"method, more particles, then finer cells as far as the budget of {clock(self.runner.budget)} goes", flush=True)
+
+    def is_enough(self, options):
+        """Whether all quantities are within the tolerance, or cannot be for other reasons than the cells."""
+        for quantity in options.quantity:
+            estimate = self.estimate(quantity, options.tolerance)
+            others = total_of({part: width for part, width in estimate["parts"].items() if part != "cells"})
+            if estimate["half_width"] > estimate["tolerance"] > others:
+                return False
+        return True
+
+    def run(self, options):
+        """All runs, the cheapest of what says most first."""
+        self.plan()
+        self.runner.must_run(self.own)
+        self.summary = self.runner.summary(self.own)
+        self.tell(self.own)
+        for target in CELLS:
+            self.take(self.cells(target))
+        for member in self.others():
+            self.take(member)
+        for number, target in enumerate(FINER):
+            if number > 1 and self.is_enough(options):
+                return
+            if self.runner.seconds_per_work * self.checked.work * target ** -(self.dimension + 1) < self.runner.left():
+                self.take(self.cells(target))
+
+    # ------------------------------------------------------------ what they say
+
+    def values(self, quantity):
+        """By part, pairs of what was set and the value; for cells and the deck's own run what was set is the side of a cell."""
+        values = {"deck": [(self.cell, quantity_of(self.runner.output(self.own), quantity))]}
+        for member in self.members:
+            if member.code == 0:
+                setting = float(self.runner.summary(member)["h"]) if member.part == "cells" else member.words
+                values.setdefault(member.part, []).append((setting, quantity_of(self.runner.output(member), quantity)))
+        return values
+
+    def costs(self):
+        """CPU seconds by part and what was set."""
+        for member in [self.own, *self.members]:
+            if member.code == 0:
+                summary = self.runner.summary(member)
+                yield (member.part, float(summary["h"]) if member.part in ("cells", "deck") else member.words), float(summary["cpu_seconds"])
+
+    def estimate(self, quantity, tolerance):
+        """The estimate of one quantity as summary.json has it."""
+        values = self.values(quantity)
+        widths, found = half_widths(values)
+        own, unit = values["deck"][0][1], unit_of(quantity, read_units(self.runner.output(self.own)))
+        borne = tolerance_of(tolerance, own)
+        words = verdict_of(widths, borne, spoken(tolerance, unit), self.summary["verdict"] == "sound")
+        errors, costs = dict(errors_of_runs(values, widths, found)), dict(self.costs())
+        runs = [{"part": part, "setting": setting, "value": value, "expected_error": errors[part, setting], "cpu_seconds": costs[part, setting]}
+                for part, pairs in values.items() for setting, value in pairs]
+        failed = [f"{member.words}: {member.note}" for member in self.members if member.code not in (0, -1)]
+        return {"quantity": quantity, "value": own, "unit": unit, "half_width": total_of(widths), "parts": widths, "cells": found.words,
+                "order": found.order, "limit": found.limit, "tolerance": borne, "verdict": words, "runs": runs, "failed": failed,
+                "line": line_of(short_name(quantity), own, unit, widths, words), "advice": self.advice(runs, widths, found, borne)}
+
+    def advice(self, runs, widths, found, borne):
+        """Which setting reaches the tolerance for the least CPU time."""
+        choices = [run for run in runs if run["part"] != "grid's place"]  # no setting of anybody
+        enough = min((run for run in choices if run["expected_error"] <= borne), key=lambda run: run["cpu_seconds"], default=None)
+        if math.isnan(widths["cells"]):
+            return "no cells but the deck's were run: give a larger --budget"
+        if enough:
+            setting = f"cell {enough['setting']:.4g}" if enough["part"] in ("deck", "cells") else enough["setting"]
+            return f"the tolerance is reached for the least by {setting}: {clock(enough['cpu_seconds'])} of CPU time"
+        cell = needed_cell(self.cell, widths, found, borne)
+        if cell is not None:
+            cost = runs[0]["cpu_seconds"] * (self.cell / cell) ** (self.dimension + 1)
+            return f"the tolerance should be reached by cell {cell:.2g}, by the order: about {clock(cost)} of CPU time"
+        largest = max((width, part) for part, width in widths.items() if not math.isnan(width))[1]
+        return f"none of the runs reaches the tolerance; the largest part is: {largest}" + (f" ({found.words})" if largest == "cells" else "")
+
+
+# ---------------------------------------------------------------- results
+
+def finite(value):
+    """A value for JSON, which has no nan."""
+    if isinstance(value, dict):
+        return {name: finite(inner) for name, inner in value.items()}
+    if isinstance(value, list):
+        return [finite(inner) for inner in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def keep(study, estimates):
+    """Writes error.json, and `error_estimate` into the summaries of the deck's run."""
+    estimates = finite(estimates)
+    (study.folder / "error.json").write_text(json.dumps(estimates, indent=1) + "\n")
+    for folder in (study.runner.output(study.own), Path(study.deck.path.stem + ".out")):
+        summary = read_summary_if_any(folder)
+        if summary and summary.get("checksum") == study.summary["checksum"]:
+            kept = {**summary.get("error_estimate", {}), **{estimate["quantity"]: estimate for estimate in estimates}}
+            path = folder / "summary.json"
+            path.with_suffix(".part").write_text(json.dumps({**summary, "error_estimate": kept}, indent=2, ensure_ascii=False) + "\n")
+            path.with_suffix(".part").replace(path)
+
+
+def known(folder, quantity):
+    """Sees that a run has a quantity; says which names are near."""
+    names = list(listed(folder))
+    bare = quantity.partition(":")[0]
+    if bare in names and not (":" in quantity and (quantity.partition(":")[2] not in OF_ROWS or bare.split(".")[0] not in (*KEYS, "history"))):
+        return
+    near = difflib.get_close_matches(bare, names, 3, 0.5)
+    raise SgmpFileError(f"--quantity {quantity}: there is none; " + (f"near it: {', '.join(near)}; " if near else "") + "all by --list, with "
+                        f":{', :'.join(OF_ROWS)} behind those of bodies, gauges and history")
+
+
+def show_list(folder):
+    """Prints the quantities."""
+    units = read_units(folder)
+    for name in listed(folder):
+        print(f"{name:<44} {quantity_of(folder, name):14.6g} {unit_of(name, units)}".rstrip())
+    print(f"behind bodies, gauges and history: :{', :'.join(OF_ROWS)} (gauges.NAME.pressure:max)")
+
+
+def run(options):
+    """Runs what is missing, prints the numbers with their errors, writes and draws them."""
+    study = Study(options)
+    first = study.probe()
+    if options.list:
+        show_list(first)
+        return 0
+    if not options.quantity:
+        raise ValueError("which number? --quantity NAME; --list shows the names")
+    for quantity in options.quantity:
+        known(first, quantity)
+    study.run(options)
+    estimates = [study.estimate(quantity, options.tolerance) for quantity in options.quantity]
+    keep(study, estimates)
+    for note in study.notes:
+        print(f"note: {note}")
+    if study.summary["verdict"] != "sound":
+        print(f"the deck's run is {study.summary['verdict']}: {'; '.join(study.summary['verdict_reasons'])}")
+    for estimate in estimates:
+        print(estimate["line"])
+        print(f"  cells: {estimate['cells']}; {estimate['advice']}")
+        if estimate["failed"]:
+            print(f"  failed, and in no part of the error: {'; '.join(estimate['failed'])}")
+    print(study.folder / "error.json")
+    draw(finite(estimates), study.folder / "error.png")
+    print(study.folder / "error.png")
+    return 0

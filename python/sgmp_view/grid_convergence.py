@@ -1,0 +1,85 @@
+"""What runs with different cells say of the error of one of them: grid convergence index with safety factors.
+
+Roache, Perspective: a method for uniform reporting of grid refinement studies, J. Fluids Eng. 116 (1994) 405-413:
+1.25 |f - f0| where three sizes show an order, f0 by Richardson's extrapolation; 3 |f2 - f1|/(r^p - 1) where they show none, here with p = 1.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Optional
+
+LEAST_ORDER, LARGEST_ORDER = 0.5, 2.0                  # claimed; what is steeper is counted as 2, the order of the methods,
+ABSURD_ORDER = 3.0                                      # and beyond this one is none: the finest are alike by chance
+REGULAR, IRREGULAR = 1.25, 3.0                         # safety factors
+ROUND_OFF = 1e-12                                       # of a value: no difference
+
+
+@dataclass
+class Convergence:
+    """What a series says: half-width of the interval of one run, and how it was found."""
+
+    half_width: float                                  # nan: one size only
+    words: str
+    order: Optional[float] = None
+    limit: Optional[float] = None                      # value at vanishing cell size
+
+
+def richardson(sizes, values):
+    """Order and limit of the three finest of a converging series, or None: q(h) = q0 + C h^p."""
+    (fine, middle, coarse), (q1, q2, q3) = sizes[:3], values[:3]
+    if q1 == q2 or (q3 - q2) / (q2 - q1) <= 0:
+        return None
+
+    def excess(p):
+        return (q3 - q2) / (q2 - q1) - (coarse**p - middle**p) / (middle**p - fine**p)
+    low, high = 1e-3, 20.0
+    if excess(low) * excess(high) > 0:
+        return None
+    for _ in range(200):
+        p = 0.5 * (low + high)
+        low, high = (p, high) if excess(low) * excess(p) > 0 else (low, p)
+    return p, q1 - (q2 - q1) * fine**p / (middle**p - fine**p)
+
+
+def limit_of(sizes, values, order):
+    """Value at vanishing cell size with a given order, from the two finest."""
+    fine, middle = sizes[0]**order, sizes[1]**order
+    return values[0] - (values[1] - values[0]) * fine / (middle - fine)
+
+
+def monotonic(values):
+    """Whether they rise or fall throughout."""
+    steps = [b - a for a, b in zip(values, values[1:])]
+    return all(step > 0 for step in steps) or all(step < 0 for step in steps)
+
+
+def regular_part(series, cell):
+    """All sizes, or all but some of the coarsest, which may be beyond what a cell can show: four at least, with `cell`, that rise or fall throughout."""
+    for count in range(len(series), 3, -1):
+        if monotonic([value for _, value in series[:count]]) and any(h == cell for h, _ in series[:count]):
+            return series[:count]
+    return series
+
+
+def convergence_of(series, cell):
+    """Error of the run with this cell, from pairs (cell, value) of all runs."""
+    series = sorted(series)
+    series = regular_part(series, cell)
+    sizes, values = [h for h, _ in series], [value for _, value in series]
+    value = dict(series)[cell]
+    spread = max(values) - min(values)
+    if len(series) < 2:
+        return Convergence(math.nan, "one size only")
+    if spread <= ROUND_OFF * max(abs(each) for each in values):
+        return Convergence(0.0, "all sizes give the same")
+    found = richardson(sizes, values) if len(series) > 2 and monotonic(values) else None
+    if found and found[0] > ABSURD_ORDER:
+        index = IRREGULAR * abs(values[1] - values[0]) / (sizes[1] / sizes[0] - 1)
+        return Convergence(index + abs(value - values[0]), f"no order: {found[0]:.1f} is more than a method has")
+    if found and found[0] >= LEAST_ORDER:
+        order = min(found[0], LARGEST_ORDER)
+        limit = limit_of(sizes, values, order)
+        return Convergence(REGULAR * abs(value - limit), f"order {found[0]:.1f}" + (" (counted as 2)" if found[0] > 2 else ""), order, limit)
+    words = ("two sizes, no order" if len(series) < 3 else "no order: slower than h^0.5" if found else
+             "no order: away from each other as cells shrink" if monotonic(values) else "no order: up and down")
+    return Convergence(IRREGULAR * spread / (sizes[-1] / sizes[0] - 1), words)

@@ -1,0 +1,274 @@
+#!/usr/bin/env python3
+"""sgmp-view error: its intervals against closed forms, its copies of decks against the decks, its budget, its words.
+
+usage: error_estimate.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+import contextlib
+import glob
+import html
+import importlib.util
+import io
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+
+from _runs import ENVIRONMENT, INPUT, SCRATCH, SGMP, SOURCE, Report
+
+if not all(importlib.util.find_spec(name) for name in ("numpy", "matplotlib")):
+    print("skipped: numpy and matplotlib are not installed")
+    sys.exit(77)
+sys.path.insert(0, os.path.join(SOURCE, "python"))
+from sgmp_view import command, deck_variations  # noqa: E402
+from sgmp_view.deck_text import Deck  # noqa: E402
+from sgmp_view.error_estimate import rounded  # noqa: E402
+from sgmp_view.grid_convergence import convergence_of  # noqa: E402
+from sgmp_view.study_runs import Checked, Member, Runner  # noqa: E402
+
+# The first mode of a bar between walls: v = v0 cos(w t) sin(pi x/L), w = pi/L sqrt(E/rho). No parameter, walls at both ends, a number of steps.
+BAR = """
+units mm g ms
+dimension 1
+grid cell=0.0625 x=0:1
+wall x-=slip x+=slip
+time dt=1e-3 steps=250   ! a quarter of a time unit
+material m elastic density=25 young=50 poisson=0
+body bar block material=m lower=0 upper=1 &
+  spacing=0.03125
+velocity bar x="1e-3*sin(pi*x)"
+history steps=5
+"""
+OMEGA = math.pi * math.sqrt(50 / 25)
+MEAN = 1e-3 * 2 / math.pi * math.cos(OMEGA * 0.25)      # of the velocity
+ENERGY = 25 * 1e-6 / 4 * math.cos(OMEGA * 0.25) ** 2
+# A block that flies: what cells and steps cannot change.
+FLYING = """
+parameter speed = 2
+parameter h = 1
+units mm g ms
+dimension 2
+grid cell=h
+time end=2 cfl=auto
+material m elastic density=3 young=100 poisson=0
+body arrow block material=m lower=(0,0) upper=(6,4) spacing=h/2
+velocity arrow x=$speed
+"""
+WORDS = """
+parameter h = 0.5          # a comment
+parameter two = h/2
+parameter courant = 0.6
+parameter way = gimp
+units mm g ms
+title "a title with ! and # in it"
+dimension 2
+grid cell=$h x=-1:8.5 y=open
+lost remove
+method $way
+time end=1 cfl=$courant
+include "inner.inp"
+body left block material=m lower=(0,0) upper=(2,2) spacing=two
+body right block material=m lower=(4,0) upper=(6,2) spacing=0.25
+body third block material=m lower=(0,4) upper=(2,6)
+body fourth block material=m lower=(4,4) upper=(6,6) ppc=3
+velocity left x="0.1*sin(pi*x)"
+"""
+
+
+def check(report, condition, what, seen=""):
+    """Notes a failure with what was seen."""
+    report.check(condition, f"{what}\n{seen}")
+
+
+def view(*words):
+    """Runs a command in the scratch folder; its exit code and what it prints."""
+    printed = io.StringIO()
+    code = 0
+    with contextlib.redirect_stdout(printed):
+        try:
+            command.main(list(words))
+        except SystemExit as end:
+            code = end.code
+    return (1, printed.getvalue() + code) if isinstance(code, str) else (code or 0, printed.getvalue())
+
+
+def write(name, text):
+    """A deck in the scratch folder; what was there of its study is removed."""
+    with open(os.path.join(SCRATCH, name), "w", encoding="utf-8") as file:
+        file.write(text)
+    shutil.rmtree(os.path.join(SCRATCH, name.replace(".inp", ".error")), ignore_errors=True)
+    return os.path.join(SCRATCH, name)
+
+
+def estimates(name):
+    """What a study has written, by quantity."""
+    with open(os.path.join(SCRATCH, name), encoding="utf-8") as file:
+        return {estimate["quantity"]: estimate for estimate in json.load(file)}
+
+
+def index(report):
+    """The grid convergence index on series that are known."""
+    cells = (0.1, 0.14, 0.2)
+    for order, counted in ((1.0, 1.0), (1.7, 1.7), (2.0, 2.0)):
+        found = convergence_of([(h, 5 + 0.3 * h**order) for h in cells], 0.1)
+        check(report, abs(found.order - counted) < 1e-6 and math.isclose(found.half_width, 1.25 * 0.3 * 0.1**order, rel_tol=1e-6), f"order {order}", str(found))
+    found = convergence_of([(h, 5 + 0.3 * h**3) for h in cells], 0.1)
+    check(report, found.order == 2 and math.isclose(found.half_width, 1.25 * 0.3 * (0.14**3 - 0.1**3) / (0.14**2 - 0.1**2) * 0.01, rel_tol=1e-6),
+          "what is steeper counts as 2", str(found))
+    found = convergence_of([(0.1, 5), (0.2, 5.01), (0.3, 6)], 0.1)
+    check(report, found.order is None and math.isclose(found.half_width, 0.03, rel_tol=1e-9), "an order that no method has is none", str(found))
+    coarse = convergence_of([(h, 5 + 0.3 * h**2) for h in cells], 0.2)
+    check(report, math.isclose(coarse.half_width, 1.25 * 0.3 * 0.04, rel_tol=1e-6), "error of a coarse run", str(coarse))
+    for values in ((5, 6, 5.5), (5, 6, 6.4), (5, 5.5, 6.0)):
+        found = convergence_of(list(zip((0.1, 0.2, 0.3), values)), 0.1)
+        regular = values == (5, 5.5, 6.0)
+        check(report, (found.order is not None) == regular, "an order where there is one", str(found))
+        if not regular:
+            check(report, math.isclose(found.half_width, 3 * (max(values) - 5) / 2), "else three times the spread over the ratio less 1", str(found))
+    for values, regular in (((5.1, 5.2, 5.4, 5.0), False), ((5.1, 5.2, 5.4, 5.8, 5.0), True), ((5.1, 5.2, 5.1, 5.8, 6.0), False)):
+        found = convergence_of([(0.1 * 2**k, value) for k, value in enumerate(values)], 0.1)
+        check(report, (found.order is not None) == regular, f"{values}: all sizes, or all but the coarsest of five", str(found))
+    check(report, math.isnan(convergence_of([(0.1, 5)], 0.1).half_width) and convergence_of([(0.1, 5), (0.2, 5)], 0.1).half_width == 0, "one size, equal values")
+    check(report, convergence_of([(0.1, 5), (0.2, 6)], 0.1).half_width == 3, "two sizes")
+    for value, width, words in ((-303.2222, 130.77, ("-300", "130")), (16.794, 0.0742, ("16.794", "0.074")), (2e-7, 3.21e-9, ("2.000e-7", "0.032e-7"))):
+        check(report, rounded(value, width) == words, f"{words[0]} ± {words[1]}", str(rounded(value, width)))
+
+
+def checked(deck):
+    """What the program says of a deck, and its particles by body."""
+    path = write("copy.inp", deck.text())
+    done = subprocess.run([SGMP, path, "--check", "--threads", "1"], capture_output=True, text=True, check=False, env=ENVIRONMENT)
+    bodies = [int(line.split()[2]) for line in done.stdout.splitlines() if line.startswith("body ")]
+    return Checked(done), bodies, done.stdout + done.stderr
+
+
+def changed(path, change, *values):
+    """The program's words about a copy."""
+    deck = Deck(path)
+    words = change(deck, *values)
+    return (*checked(deck), words, deck)
+
+
+def copies(report):
+    """Copies of decks: as they are, with cells twice as large, moved, with more particles."""
+    with open(os.path.join(SCRATCH, "inner.inp"), "w", encoding="utf-8") as file:
+        file.write("material m elastic density=25 young=50 poisson=0\n")
+    words = write("words.inp", WORDS)
+    own, bodies, text, _, _ = changed(words, lambda deck: "same")
+    check(report, own.accepted and bodies == [64, 64, 64, 144], "a copy is the deck", text)
+    _, bodies, text, _, deck = changed(words, deck_variations.with_cells, 2.0)
+    check(report, bodies == [16, 16, 16, 36], "half as many particles along each axis, however they are given", text)
+    check(report, deck.number(deck.one("grid").get("cell")) == 1.0, "cells twice as large", deck.text())
+    low, _, high = deck.one("grid").get("x").partition(":")
+    check(report, float(low) == -1 and float(high) == 9, "an end without a wall moves outwards to the grid", deck.text())
+    _, bodies, text, said, _ = changed(words, deck_variations.with_more_particles)
+    check(report, bodies == [144, 144, 144, 256] and "3 or 4" in said, "one more particle per cell and axis", text)
+    now, bodies, text, _, deck = changed(words, deck_variations.with_other_lines, 1.03)
+    check(report, bodies == [64, 64, 64, 144] and now.masses == own.masses and abs(deck_variations.cell_of(deck) - 0.515) < 1e-12, "other lines of the grid, the same particles", text)
+    now, bodies, text, said, _ = changed(words, deck_variations.with_half_step, 0.6)
+    check(report, math.isclose(now.work, 2 * own.work, rel_tol=1e-2), "half the Courant number, twice the steps", text)
+    now, bodies, text, said, deck = changed(words, deck_variations.with_shift, [0.0, 0.0], 1)
+    low = deck.one("grid").get("y").partition(":")[0]
+    check(report, now.accepted and said == "grid moved along x, y" and abs(float(low) / 0.5 % 1 - 0.41) < 1e-9, "the grid moved by a part of a cell", deck.text())
+    _, _, text, said, _ = changed(words, deck_variations.with_other_method, lambda deck: checked(deck)[0].accepted, 0.6)
+    check(report, said == "method bspline" and "bspline, musl" in text, "another method", text)
+    _, _, text, said, _ = changed(words, deck_variations.with_other_method, lambda deck: checked(deck)[0].accepted, 0.9, ("bspline",))
+    check(report, said == "method sgmp, Courant number 0.8" and "sgmp, musl" in text, "a second one, at a step that all bear", text)
+    bar = Deck(write("bar.inp", BAR))
+    check(report, deck_variations.fitting(bar, 1.03, close=True) == [16 / 15] and deck_variations.fitting(Deck(words), 1.03, close=True) == [1.03], "cells close by")
+    factors = deck_variations.fitting(bar, 1.4)
+    check(report, factors and all(abs(16 / f - round(16 / f)) < 1e-9 for f in factors) and abs(factors[0] - 16 / 11) < 1e-9, "cells that fit the walls", str(factors))
+    check(report, deck_variations.with_shift(bar, [0.0], 1) is None, "walls at both ends hold the grid")
+    for path in sorted(glob.glob(os.path.join(INPUT, "*.inp")))[::3]:
+        target = (deck_variations.fitting(Deck(path), 2.0) or [1.0])[0]
+        now, _, text, _, deck = changed(path, deck_variations.with_cells, target)
+        check(report, now.accepted and math.isclose(deck_variations.cell_of(deck), target * deck_variations.cell_of(Deck(path)), rel_tol=1e-9), path, text)
+
+
+def intervals(report):
+    """A bar whose end is known: the interval holds it, is not much wider, and says whether it may be quoted."""
+    write("bar.inp", BAR)
+    words = ("error", "bar.inp", "--sgmp", SGMP, "--threads", "1", "--budget", "2m", "--quantity")
+    code, text = view(*words, "bodies.bar.velocity_x", "--quantity", "history.kinetic_energy", "--quantity", "history.kinetic_energy:max")
+    check(report, code == 0 and "v_x of bar = " in text and "converged to 5 %" in text, "a bar between walls", text)
+    found = estimates("bar.error/error.json")
+    for quantity, exact in (("bodies.bar.velocity_x", MEAN), ("history.kinetic_energy", ENERGY)):
+        estimate = found[quantity]
+        error = abs(estimate["value"] - exact)
+        check(report, error <= estimate["half_width"], f"{quantity}: the interval holds {exact}", text)
+        check(report, estimate["half_width"] < 0.15 * abs(exact), f"{quantity}: and is narrow", text)
+    check(report, abs(found["history.kinetic_energy:max"]["value"] / (25e-6 / 4) - 1) < 1e-2, "largest of all rows", str(found["history.kinetic_energy:max"]["value"]))
+    check(report, {run["part"] for run in estimate["runs"]} == {"deck", "cells", "step", "grid's place", "method", "particles"}, "all parts", text)
+    with open(os.path.join(SCRATCH, "bar.error/deck/summary.json"), encoding="utf-8") as file:
+        kept = json.load(file)["error_estimate"]
+    check(report, kept["bodies.bar.velocity_x"]["line"] in text, "summary.json has it", str(kept))
+    code, text = view(*words, "bodies.bar.velocity_x", "--tolerance", "0.0001%")
+    check(report, code == 0 and "not converged; do not quote" in text and text.count("done before") >= 8, "a narrow tolerance; nothing is run twice", text)
+    code, text = view(*words, "bodies.bar.velocity_x", "--tolerance", "1e-3")
+    check(report, "converged to 1e-3 m/s" in text and "is reached for the least by" in text, "in its unit", text)
+    kept = estimates("bar.error/error.json")
+    code, text = view("report", "bar.error/deck")
+    with open(os.path.join(SCRATCH, "bar.error/deck/report.html"), encoding="utf-8") as file:
+        page = file.read()
+    check(report, code == 0 and "How wrong the numbers are" in page and html.escape(kept["bodies.bar.velocity_x"]["line"]) in page, "the report has it", text)
+    code, text = view("compare", "bar.error/deck", "bar.error/step")
+    check(report, code == 0 and "deck: v_x of bar = " in text and "step: v_x" not in text, "compare has it", text)
+
+
+def flight(report):
+    """A block that flies: no error in what is exact; its numbers are found with the deck's parameters."""
+    write("flying.inp", FLYING)
+    code, text = view("error", "flying.inp", "--sgmp", SGMP, "--threads", "1", "--set", "speed=3", "--quantity", "bodies.arrow.x", "--quantity", "extent.arrow.x_max",
+                      *(word for how in ("mean", "integral", "time_of_max") for word in ("--quantity", f"bodies.arrow.x:{how}")))
+    found = estimates("flying.error/error.json")
+    for quantity, exact in (("bodies.arrow.x", 9), ("extent.arrow.x_max", 12), ("bodies.arrow.x:mean", 6), ("bodies.arrow.x:integral", 12),
+                            ("bodies.arrow.x:time_of_max", 2)):
+        check(report, abs(found[quantity]["value"] - exact) < 1e-9 and found[quantity]["half_width"] < 1e-9, f"{quantity} is {exact}", text)
+    check(report, [found[name]["unit"] for name in ("bodies.arrow.x", "bodies.arrow.x:integral")] == ["mm", "mm ms"], "with their units", text)
+    code, text = view("error", "flying.inp", "--sgmp", SGMP, "--list")
+    check(report, code == 0 and any(line.split()[0] == "bodies.arrow.velocity_x" and line.endswith(" 2 m/s") for line in text.splitlines()), "the list", text)
+
+
+def budget(report):
+    """What does not fit is left out and said; what was stopped is gone on with."""
+    for method in ("gimp", "bspline"):
+        shutil.rmtree(os.path.join(SCRATCH, "flying.error", method))
+    code, text = view("error", "flying.inp", "--sgmp", SGMP, "--threads", "1", "--set", "speed=3", "--quantity", "bodies.arrow.x", "--budget", "0s")
+    check(report, code == 0 and "left out" in text and "as far as was looked, not at: method" in text, "a part that is left out is named", text)
+    shutil.rmtree(os.path.join(SCRATCH, "flying.error/deck"))
+    code, text = view("error", "flying.inp", "--sgmp", SGMP, "--threads", "1", "--set", "speed=3", "--quantity", "bodies.arrow.x", "--budget", "0s")
+    check(report, code == 1 and "the budget is" in text and "it needs about" in text, "a budget too small for the deck itself", text)
+    deck = FLYING.replace("upper=(6,4)", "upper=(160,80)").replace("end=2", "end=70").replace("cfl=auto", "cfl=0.5")
+    member = Member("deck", "long", "", deck, 1.0)
+    shutil.rmtree(os.path.join(SCRATCH, "budget"), ignore_errors=True)
+    first = Runner(os.path.join(SCRATCH, "budget"), SGMP, 1, 1.5)
+    check(report, not first.run(member) and member.code == 6 and member.note == "stopped at the budget", "stopped at the budget", f"{member}")
+    second = Runner(os.path.join(SCRATCH, "budget"), SGMP, 1, 300)
+    check(report, second.run(member) and member.code == 0, "gone on with", f"{member}")
+    check(report, second.summary(member)["restarted_from"] != "", "from its checkpoint", str(second.summary(member)))
+
+
+def words_of_errors(report):
+    """What is said of mistakes."""
+    for words, said in ((("--quantity", "bodies.arow.x"), "near it: bodies.arrow.x"), (("--quantity", "bodies.arrow.x:maxx"), "there is none"),
+                        (("--quantity", "energy.kinetic:max"), "there is none"), ((), "which number?"),
+                        (("--quantity", "bodies.arrow.x", "--set", "sped=3"), "the deck has no parameter 'sped'"),
+                        (("--quantity", "bodies.arrow.x", "--budget", "ten"), "expected a time"),
+                        (("--quantity", "bodies.arrow.x", "--set", "h=-1"), "cell")):
+        code, text = view("error", "flying.inp", "--sgmp", SGMP, *words)
+        check(report, code == 1 and said in text, f"{words}: {said}", text)
+
+
+def main():
+    """All of them, in the scratch folder."""
+    os.environ.update(ENVIRONMENT)
+    os.chdir(SCRATCH)
+    report = Report()
+    for part in (index, copies, intervals, flight, budget, words_of_errors):
+        part(report)
+    report.end()
+
+
+if __name__ == "__main__":
+    main()
