@@ -51,16 +51,23 @@ def cell_of(deck):
     return cell
 
 
-def fitting(deck, target, close=False):
-    """Factors of the cell size near a target with which walls at both ends of an axis stay on the grid, the nearest first; close: only very near ones."""
+def common_count(deck):
+    """Largest number that divides the numbers of cells between walls on both sides, on all axes; 0: there are none."""
     cell = cell_of(deck)
-    counts = [round((extent.upper - extent.lower) / cell) for extent in extents_of(deck)
-              if None not in (extent.lower, extent.upper) and all(extent.walls)]
-    if not counts and close:
-        return [target]
-    if not counts:
-        return [target * factor for factor in (1, 20 / 21, 21 / 20, 14 / 15, 15 / 14, 0.98, 1.02, 1.036, 0.9, 1.1)]
-    common = math.gcd(*counts)
+    return math.gcd(*(round((extent.upper - extent.lower) / cell) for extent in extents_of(deck)
+                      if None not in (extent.lower, extent.upper) and all(extent.walls)))
+
+
+def walled(deck):
+    """The largest factors of the cell size with which walls at both ends of an axis stay on the grid."""
+    return [common_count(deck) / m for m in range(1, 6)]
+
+
+def fitting(deck, target, close=False):
+    """Factors of the cell size near a target with which walls stay on the grid, the nearest first; close: only the nearest."""
+    common = common_count(deck)
+    if not common:
+        return [target * factor for factor in (1, 20 / 21, 21 / 20, 14 / 15, 15 / 14, 0.98, 1.02, 1.036, 0.9, 1.1)[:1 if close else 10]]
     factors = [common / m for m in range(1, 4 * common + 1) if m != common]
     return [factor for factor in sorted(factors, key=lambda f: abs(math.log(f / target))) if 0.8 < factor / target < 1.25][:1 if close else 8]
 

@@ -29,7 +29,7 @@ from .runs import program_of
 from .study_runs import Member, Runner, clock
 
 CELLS = (2.0, 1.4)                                      # sides of cells over the deck's
-FINER = (1 / 1.4, 0.5, 1 / 2.8, 0.25)                   # as far as the budget allows, the last two where the tolerance asks for them
+FINER = (1 / 1.4, 0.5, 1 / 2.8, 0.25)                   # as far as the budget allows, the last two until the tolerance is reached
 MASS_FAULT = 0.002                                      # by which bodies of a copy may miss their mass more than the deck's
 AWAY = 0.05                                             # fault of a cell that is e times the one that was wanted
 NEARBY = 1.03                                           # a cell that lies differently in the bodies, where walls hold the grid
@@ -128,7 +128,8 @@ class Study:
         if best is not None and math.isinf(best.fault):
             self.note("shapes change with the cell: numbers per body differ for that reason, too")
         elif best is None:
-            self.note(f"no cell near {target * self.cell:.3g} fits the walls")
+            sides = [f"{factor * self.cell:.4g}" for factor in variations.walled(self.deck)]
+            self.note(f"no cell near {target * self.cell:.3g} fits the walls; there fit {', '.join(sides)} …")
         elif best.fault > 0.01:
             self.note(f"{best.words}: bodies have up to {100 * best.fault:.1f} % another mass")
         return best
@@ -190,13 +191,9 @@ class Study:
               f"method, more particles, then finer cells as far as the budget of {clock(self.runner.budget)} goes", flush=True)
 
     def is_enough(self, options):
-        """Whether all quantities are within the tolerance, or cannot be for other reasons than the cells."""
-        for quantity in options.quantity:
-            estimate = self.estimate(quantity, options.tolerance)
-            others = total_of({part: width for part, width in estimate["parts"].items() if part != "cells"})
-            if estimate["half_width"] > estimate["tolerance"] > others:
-                return False
-        return True
+        """Whether all quantities are within the tolerance."""
+        estimates = [self.estimate(quantity, options.tolerance) for quantity in options.quantity]
+        return all(estimate["half_width"] <= estimate["tolerance"] for estimate in estimates)
 
     def run(self, options):
         """All runs, the cheapest of what says most first."""
@@ -236,14 +233,15 @@ class Study:
         """The estimate of one quantity as summary.json has it."""
         values = self.values(quantity)
         widths, found = half_widths(values)
-        own, unit = values["deck"][0][1], unit_of(quantity, read_units(self.runner.output(self.own)))
+        units = read_units(self.runner.output(self.own))
+        own, unit = values["deck"][0][1], unit_of(quantity, units)
         borne = tolerance_of(tolerance, own)
         words = verdict_of(widths, borne, spoken(tolerance, unit), self.summary["verdict"] == "sound")
         errors, costs = dict(errors_of_runs(values, widths, found)), dict(self.costs())
         runs = [{"part": part, "setting": setting, "value": value, "expected_error": errors[part, setting], "cpu_seconds": costs[part, setting]}
                 for part, pairs in values.items() for setting, value in pairs]
         failed = [f"{member.words}: {member.note}" for member in self.members if member.code not in (0, -1)]
-        return {"quantity": quantity, "value": own, "unit": unit, "half_width": total_of(widths), "parts": widths, "cells": found.words,
+        return {"quantity": quantity, "value": own, "unit": unit, "cell_unit": units["length"], "half_width": total_of(widths), "parts": widths, "cells": found.words,
                 "order": found.order, "limit": found.limit, "tolerance": borne, "verdict": words, "runs": runs, "failed": failed,
                 "line": line_of(short_name(quantity), own, unit, widths, words), "advice": self.advice(runs, widths, found, borne)}
 

@@ -38,7 +38,7 @@ def by_part(estimate):
 def draw_values(axis, estimate):
     """Values over the cell."""
     cell = next(run["setting"] for run in estimate["runs"] if run["part"] == "deck")
-    axis.axhspan(estimate["value"] - estimate["half_width"], estimate["value"] + estimate["half_width"], color="0.9", label="interval")
+    axis.axhspan(estimate["value"] - estimate["half_width"], estimate["value"] + estimate["half_width"], color="0.85", label="interval")
     axis.errorbar([cell], [estimate["value"]], yerr=[estimate["half_width"]], color="black", capsize=4, zorder=3)
     for number, (colour, mark, words, runs) in enumerate(by_part(estimate)):
         sides = [run["setting"] if isinstance(run["setting"], (int, float)) else cell * (1 + 0.03 * number) for run in runs]  # not upon each other
@@ -46,7 +46,7 @@ def draw_values(axis, estimate):
     if estimate["limit"] is not None:
         axis.axhline(estimate["limit"], color="0.5", linestyle="--", label=f"h = 0, {estimate['cells']}")
     axis.set_xlim(left=0)
-    axis.set(xlabel="cell", ylabel=label(short_name(estimate["quantity"]), estimate["unit"]))
+    axis.set(xlabel=label("cell", estimate["cell_unit"]), ylabel=label(short_name(estimate["quantity"]), estimate["unit"]))
     axis.legend(fontsize=8)
 
 

@@ -216,6 +216,13 @@ def intervals(report):
     check(report, code == 0 and "deck: v_x of bar = " in text and "step: v_x" not in text, "compare has it", text)
 
 
+def narrow(report):
+    """Three cells between walls: what does not fit is named, with what does."""
+    write("narrow.inp", BAR.replace("cell=0.0625", "cell=1/3").replace("0.03125", "1/6").replace("steps=250", "steps=20"))
+    code, text = view("error", "narrow.inp", "--sgmp", SGMP, "--threads", "1", "--quantity", "bodies.bar.velocity_x", "--budget", "1m")
+    check(report, code == 0 and "no cell near 0.667 fits the walls; there fit 1, 0.5, 0.3333, 0.25, 0.2 …" in text and "cell 0.5 " in text, "walls", text)
+
+
 def flight(report):
     """A block that flies: no error in what is exact; its numbers are found with the deck's parameters."""
     write("flying.inp", FLYING)
@@ -265,7 +272,7 @@ def main():
     os.environ.update(ENVIRONMENT)
     os.chdir(SCRATCH)
     report = Report()
-    for part in (index, copies, intervals, flight, budget, words_of_errors):
+    for part in (index, copies, intervals, narrow, flight, budget, words_of_errors):
         part(report)
     report.end()
 
