@@ -193,12 +193,6 @@ def with_more_particles(deck):
     return f"{' or '.join(str(count + 1) for count in sorted(set(counts)))} particles per cell and axis" if bodies else None
 
 
-def quiet_outputs(deck):
-    """Leaves out the dumps, and asks for the final state."""
-    deck.cards = [card for card in deck.cards if card.keyword != "output" or bare(card.words[0]).lower() == "csv"]
-    with_final_state(deck)
-
-
 def with_final_state(deck):
     """Asks for the final state with the particles' volumes, from which extents are taken."""
     deck.cards.append(Card(["output", "csv", "at=end", "fields=volume"]))

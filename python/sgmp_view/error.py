@@ -92,7 +92,7 @@ class Study:
     def probe(self):
         """Folder of a run of one step, which has the names of all quantities."""
         first = deepcopy(self.deck)
-        variations.quiet_outputs(first)
+        variations.with_final_state(first)
         first.one("time").set("steps", 1)
         member = Member("probe", "first_step", "one step", first.text(), 0.0)
         if not self.runner.run(member):
@@ -102,7 +102,7 @@ class Study:
     def add(self, part, name, work, change, *values):
         """A copy that `change` makes of the deck, kept if the program accepts it."""
         deck = deepcopy(self.deck)
-        variations.quiet_outputs(deck)
+        variations.with_final_state(deck)
         variations.until(deck, self.summary["time"])
         words = change(deck, *values)
         checked = self.runner.check(deck.text()) if words else None

@@ -15,6 +15,7 @@ from .runs import version_of
 DONE = (0, 4)                                           # exit codes of runs that would end the same way again
 STOPPED = 6                                             # after a checkpoint
 NS_FIRST = 400.0                                        # per particle and step before any run has told
+DUMPS = ("particles_*.vtu", "particles.pvd", "particles.vtkhdf", "particles.dat")
 STAMP = "study.json"                                    # in each run's folder: what it was run with
 
 
@@ -116,10 +117,18 @@ class Runner:
         member.code = done.returncode
         if member.code in (*DONE, STOPPED):
             (self.output(member) / STAMP).write_text(json.dumps(self.stamp(member)) + "\n")
+        if member.code in DONE and member.part != "deck":
+            self.remove_dumps(member)
         if member.code == 0 and "--restart" not in more and self.base_work * member.work > 0:
             self.seconds_per_work = max((time.monotonic() - begun) / (self.base_work * member.work), 1e-10)
         member.note = {0: "", STOPPED: "stopped at the budget"}.get(member.code, first_line(done.stderr or done.stdout))
         return member.code == 0
+
+    def remove_dumps(self, member):
+        """Takes away what only pictures need. The copies write it, as steps are shortened to land on its times."""
+        for pattern in DUMPS:
+            for path in self.output(member).glob(pattern):
+                path.unlink()
 
     def summary(self, member):
         """Its summary."""

@@ -3,13 +3,14 @@ module sgmp_sums
   implicit none
   private
   public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, &
-            sum_moment, sum_angular, sum_filter, sum_swirl, sum_volume, sum_split
+            sum_moment, sum_angular, sum_edge_impulse, sum_edge_work, sum_filter, &
+            sum_swirl, sum_volume, sum_split
   public :: eroded_sums, eroded_count, eroded_mass, eroded_momentum, eroded_moment, &
             eroded_kinetic, eroded_internal
-  public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_friction, nodes_lost, &
-            nodes_pressed, nodes_pulled
+  public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_edge_push, &
+            nodes_edge_taken, nodes_friction, nodes_lost, nodes_pressed, nodes_pulled
 
-  integer, parameter :: sweep_sums = 13    !! entries of a plane's sums over particles
+  integer, parameter :: sweep_sums = 17    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
   integer, parameter :: sum_mass_aa = 2    !! sum m_p |a_p|^2
   integer, parameter :: sum_internal = 3   !! growth of internal energy
@@ -23,6 +24,8 @@ module sgmp_sums
   integer, parameter :: sum_swirl = sum_filter
   integer, parameter :: sum_volume = 12  !! sum |dV| p of volumes that are put right
   integer, parameter :: sum_split = 13   !! kinetic energy of the halves of particles apart
+  integer, parameter :: sum_edge_work = 14   !! work of what absorbing edges bear at rest
+  integer, parameter :: sum_edge_impulse = 15  !! first of its impulse (3 components)
 
   integer, parameter :: eroded_sums = 10   !! entries of a body's sums over particles that go
   integer, parameter :: eroded_count = 1
@@ -32,7 +35,7 @@ module sgmp_sums
   integer, parameter :: eroded_kinetic = 9
   integer, parameter :: eroded_internal = 10
 
-  integer, parameter :: nodes_sums = 7     !! entries of a plane's sums over nodes
+  integer, parameter :: nodes_sums = 11    !! entries of a plane's sums over nodes
   integer, parameter :: nodes_mass_aa = 1  !! sum m_I |a_I|^2
   integer, parameter :: nodes_mass_av = 2  !! sum m_I a_I . v_I at the velocity before the kick
   integer, parameter :: nodes_external = 3  !! power of gravity and body forces at the mid-step
@@ -42,5 +45,7 @@ module sgmp_sums
   integer, parameter :: nodes_friction = 5  !! power that friction at walls takes
   integer, parameter :: nodes_pressed = 6  !! forces that press nodes against walls with friction
   integer, parameter :: nodes_pulled = 7   !! those by which such walls hold others back
+  integer, parameter :: nodes_edge_taken = 8  !! power that absorbing edges take from waves
+  integer, parameter :: nodes_edge_push = 9  !! first of their force against waves (3 components)
 
 end module sgmp_sums

@@ -42,7 +42,8 @@ contains
     do axis = 1, 3
       do side = 1, 2
         call registry%key(axis_names(axis, 3)//sides(side), kind_word, &
-                          'fixed: no velocity; slip: no normal velocity; free: nothing', &
+                          'fixed: no velocity; slip: no normal velocity; free: nothing; '// &
+                          'absorbing: lets waves out', &
                           choices=words_joined(wall_names), default=trim(wall_names(wall_free)))
       end do
     end do
@@ -143,6 +144,7 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     integer :: axis, side
+    draft%scene%grid%walls_location = card%position%text()
     do axis = 1, 3
       do side = 1, 2
         if (axis == 1 .and. side == 1 .and. draft%scene%axisymmetric) cycle

@@ -22,6 +22,7 @@ module sgmp_combinations
   integer, parameter :: ask_above = 4    !! it is above the number
   integer, parameter :: ask_below = 5    !! it is below the number
   integer, parameter :: ask_yes = 6      !! it is yes
+  integer, parameter :: ask_any = 7      !! any key of the card is the word
 
   !> Something that a deck asks for.
   type :: feature_t
@@ -70,6 +71,7 @@ module sgmp_combinations
     feature_t('cfl=auto', '', 'time', 'cfl', ask_word, 'auto', 0), &
     feature_t('dt', 'dt=…', 'time', 'dt', ask_given, '', 0), &
     feature_t('friction', 'contact with friction', 'contact', 'friction', ask_above, '', 0), &
+    feature_t('absorbing', 'an absorbing wall', 'wall', '', ask_any, 'absorbing', 0), &
     feature_t('wallfriction', '', 'wallfriction', 'friction', ask_above, '', 0), &
     feature_t('wallmotion', '', 'wallmotion', '', ask_card, '', 0), &
     feature_t('motion', '', 'motion', '', ask_card, '', 0), &
@@ -135,7 +137,7 @@ module sgmp_combinations
     refusal_t('surfaces', 'mpm gimp cpgimp bspline', '', &
               'it corrects the strain of the auxiliary grid, which only sgmp has', &
               'remove surfaces=corrected or use method sgmp'), &
-    refusal_t('surfaces', 'faces', '', &
+    refusal_t('surfaces', 'faces absorbing', '', &
               'not worked out: loads on faces are spread for strains that are not corrected', &
               'remove surfaces=corrected'), &
     refusal_t('spin', 'mpm gimp cpgimp bspline', '', &
@@ -162,6 +164,12 @@ module sgmp_combinations
     refusal_t('hoop', 'mpm gimp cpgimp bspline', '', &
               'only sgmp corrects the hoop strain', &
               'remove hoop'), &
+    refusal_t('absorbing', 'swirl', '', &
+              'not worked out: what it does to waves around the axis', &
+              'remove swirl, or put the edge where no wave comes in time'), &
+    refusal_t('absorbing', 'split', '', &
+              'faces of particles are not split', &
+              'remove split from the card method, or the edge'), &
     refusal_t('wallfriction', '1D', '', &
               'nothing slides along a wall', &
               'remove this card'), &
@@ -313,6 +321,11 @@ contains
     integer :: k
     yes = .not. card%failed .and. word_in_list(card%name, trim(feature%cards)) > 0
     if (.not. yes .or. feature%ask == ask_card) return
+    if (feature%ask == ask_any) then
+      yes = any([(card%values(k)%present .and. card%values(k)%text == feature%word, &
+                  k=1, size(card%values))])
+      return
+    end if
     k = card%at(trim(feature%key))
     yes = card%values(k)%present
     if (.not. yes) return
@@ -340,7 +353,7 @@ contains
     type(feature_t), intent(in) :: feature
     type(position_t) :: position
     position = card%position
-    if (feature%ask == ask_card) return
+    if (feature%ask == ask_card .or. feature%ask == ask_any) return
     position = card%place(trim(feature%key))
   end function place
 

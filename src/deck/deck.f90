@@ -113,12 +113,15 @@ contains
     if (method%surfaces_auto) method%surfaces = combinations_allow(cards, 'surfaces') .and. &
                                                 .not. asks('axisymmetric')
     if (method%rotation_auto) method%rotation = combinations_allow(cards, 'rotation') .and. &
-                                                .not. (asks('friction') .or. asks('faces'))
+                                                .not. (asks('friction') .or. on_faces())
     if (method%normalised_auto) then
       method%normalised = combinations_allow(cards, 'normalised') .and. &
-                          .not. (asks('axisymmetric') .or. asks('motion') .or. asks('faces'))
+                          .not. (asks('axisymmetric') .or. asks('motion') .or. on_faces())
     end if
   contains
+    logical function on_faces()
+      on_faces = asks('faces') .or. asks('absorbing')
+    end function on_faces
     logical function asks(feature)
       character(*), intent(in) :: feature
       asks = combinations_ask(cards, feature)

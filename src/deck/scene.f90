@@ -48,7 +48,8 @@ module sgmp_scene
     real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! box corners (length); unused where open
     logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given
     integer :: wall(2, 3) = wall_free
-      !! (lower|upper, axis): wall_free, wall_slip, wall_fixed
+      !! (lower|upper, axis): wall_free, wall_slip, wall_fixed, wall_absorbing
+    character(:), allocatable :: walls_location  !! file:line:column of the card, for messages
     type(expression_t) :: wall_velocity(3, 2, 3)
       !! (component, lower|upper, axis) of fixed walls and of those with friction, functions of t
     real(dp) :: wall_friction(2, 3) = 0.0_dp  !! (lower|upper, axis): coefficient, of slip walls

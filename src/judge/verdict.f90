@@ -4,6 +4,7 @@
 !! of it costs anything in the time loop. Each has a deck in tests/regression/verdict.py that trips
 !! it.
 module sgmp_verdict
+  use sgmp_absorbing_doubts, only: absorbing_objections
   use sgmp_angular_momentum, only: angular_momentum_of, angular_momentum_t
   use sgmp_constitutive, only: eos_none
   use sgmp_end_state, only: end_state_t, end_state_take
@@ -121,6 +122,10 @@ contains
     type(string_t), allocatable :: reasons(:)
     integer :: r
     call wall_objections(model, reasons)
+    do r = 1, size(reasons)
+      call self%object(reasons(r)%text)
+    end do
+    call absorbing_objections(model, reasons)
     do r = 1, size(reasons)
       call self%object(reasons(r)%text)
     end do

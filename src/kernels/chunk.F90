@@ -16,8 +16,9 @@ module DIM(sgmp_chunk)
   use CARTESIAN(sgmp_driven_particles), only: driven_masses, driven_read
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
-  use sgmp_load, only: load_force
-  use DIM(sgmp_loads), only: loads_levers, loads_on_faces, loads_on_mass, loads_strain
+  use sgmp_load, only: load_absorbing, load_force, load_t
+  use DIM(sgmp_loads), only: loads_edges_book, loads_impedance, loads_levers, loads_on_faces, &
+                              loads_on_mass, loads_strain
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
@@ -49,7 +50,7 @@ module DIM(sgmp_chunk)
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 2 + NMASS + NDIM*(3 + NDIM) + NSPIN + NFLUX + 5 + &
+  integer, parameter :: most_columns = 2 + NMASS + NDIM*(4 + 2*NDIM) + NSPIN + NFLUX + 5 + &
                                      most_drives + pair_sums(NDIM)
   integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
@@ -191,6 +192,7 @@ contains
 #ifdef AXISYMMETRIC
     real(dp) :: radius(lanes)
 #endif
+    real(dp) :: before(lanes, motion_total(NDIM))  !! the motion before the kick
     logical :: outside, erodes, eroded(lanes)
     outside = .false.
     erodes = plan%drift .and. body%law%erosion%given .and. .not. body%law%rigid
@@ -216,8 +218,11 @@ contains
     if (body%is_driven .and. (plan%kick .or. plan%drift)) then
       call drive(mesh, body, plan, task, task%live(1, nl), nb, motion, state, got, work)
     end if
+    if (body%absorbs .and. plan%kick) before = motion
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
                              got(1, task%velocity), motion, lane_sums)
+    if (body%absorbs .and. plan%kick) call loads_edges_book(body, plan%dt_kick, task%live(1, nl), &
+                                                            before, nb, motion, state, lane_sums)
 #ifdef AXISYMMETRIC
     if (plan%swirl) then
       radius = motion(:, 1)
@@ -733,8 +738,38 @@ contains
                                               loads_levers(task%h, xi + way, way), cell, force, &
                                               stencil)
       end if
+      if (body%loads(i)%kind == load_absorbing) call scatter_impedance(body%loads(i), plan, task, &
+                                        id, nb, state, xi, cell, axes, way, stencil)
     end do
   end subroutine scatter_faces
+
+  !> Adds the impedance of faces at an absorbing edge where they are, but not beyond the cell of
+  !! their particle: weights that are continued further are negative.
+  pure subroutine scatter_impedance(load, plan, task, id, nb, state, xi, cell, axes, way, stencil)
+    type(load_t), intent(in) :: load
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer(i4), intent(in) :: id(lanes)
+    integer, intent(in) :: nb, cell(lanes)
+    real(dp), intent(in) :: state(lanes, nb), xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
+    real(dp), intent(in) :: way(lanes, NDIM)     !! from the centres to the faces
+    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
+    real(dp) :: impedance(lanes, NDIM), place(lanes, NDIM)
+    type(product_spread_t) :: spread
+    integer :: before
+    before = plan%external + merge(NDIM + NDIM**2, NDIM, task%centred)  ! columns
+    call loads_impedance(load, merge(1.0_dp, 0.0_dp, id /= 0), nb, state, impedance)
+    if (task%wide) then
+      call product_spread(axes_moved(axes, task%h*way), axes(1, 1, 1, 2), .false., spread)
+      call product_scatter(NDIM, spread, impedance, stencil(1, before + 1, 1))
+      return
+    end if
+    place = min(1.0_dp, max(0.0_dp, xi + way))
+    call linear_scatter(NDIM, place, cell, impedance, task%nq, stencil(1, before + 1, 1))
+    if (task%centred) call scatter_levers(task, before + NDIM, place, &
+                                          loads_levers(task%h, place, way), cell, impedance, &
+                                          stencil)
+  end subroutine scatter_impedance
 
   !> Adds force times lever to the centres (sgmp_loads). The derivative of a linear weight along an
   !! axis is what it is at the upper end of the cell less what it is at the lower one.

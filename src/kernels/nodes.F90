@@ -28,8 +28,8 @@ module DIM(sgmp_nodes)
 #if NDIM > 1
   use DIM(sgmp_surfaces), only: surfaces_push
 #endif
-  use sgmp_sums, only: nodes_external, nodes_lost, nodes_mass_aa, nodes_mass_av, &
-                       nodes_sums
+  use sgmp_sums, only: nodes_edge_push, nodes_edge_taken, nodes_external, nodes_lost, &
+                       nodes_mass_aa, nodes_mass_av, nodes_sums
   use sgmp_voigt, only: flux_between
   use sgmp_wall_friction, only: wall_nodes_rub, wall_nodes_stick
   use sgmp_wall_work, only: wall_nodes_book
@@ -86,6 +86,11 @@ contains
 #ifdef AXISYMMETRIC
         if (field%columns%swirl > 0) call nodes_swirl_push(field, s, first, n, f(1, 1))
         call radial_inertia(field, s, first, n, m, field%node(idx, node_inertia))
+#endif
+        if (forced .and. field%columns%impedance > 0) then
+          call edge_forces(field, mesh, s, first, n, dt, cutoff, m, p, f, external, sums)
+        end if
+#ifdef AXISYMMETRIC
         call divide_radial(n, field%node(idx, node_inertia), p)
         call divide_radial(n, field%node(idx, node_inertia), f)
 #endif
@@ -456,6 +461,64 @@ contains
       end if
     end do
   end subroutine external_forces
+
+  !> Adds the forces of absorbing edges to all forces on a tile of nodes, and to the external ones:
+  !! -Z v at the velocity in the middle of the kick, which they change, so that a step of any length
+  !! takes energy. What they take and how they push is added to the sums.
+  pure subroutine edge_forces(field, mesh, s, first, n, dt, cutoff, m, p, f, external, sums)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp), intent(in) :: dt, cutoff, m(tile), p(tile, NDIM)
+    real(dp), intent(inout) :: f(tile, NDIM), external(tile, NDIM)
+    real(dp), intent(inout) :: sums(nodes_sums)
+    real(dp) :: impedance(tile), force, inertia(tile), middle
+    integer :: a, i
+    do a = 1, NDIM
+      call edge_impedance(field, mesh, s, first, n, a, impedance)
+      inertia(:n) = m(:n)
+#ifdef AXISYMMETRIC
+      i = field%neighbour(0, 0, s) + first
+      if (a == 1) inertia(:n) = m(:n)*field%node(i:i + n - 1, node_inertia)
+#endif
+      do i = 1, n
+        if (.not. (impedance(i) > 0.0_dp .and. m(i) > cutoff)) cycle
+        middle = (p(i, a) + 0.5_dp*dt*f(i, a))/(inertia(i) + 0.5_dp*dt*impedance(i))
+        force = -impedance(i)*middle
+        f(i, a) = f(i, a) + force
+        external(i, a) = external(i, a) + force
+        sums(nodes_edge_taken) = sums(nodes_edge_taken) - force*middle
+        sums(nodes_edge_push + a - 1) = sums(nodes_edge_push + a - 1) + force
+      end do
+    end do
+  end subroutine edge_forces
+
+  !> Force per velocity along axis `a` by which edges hold a tile of nodes.
+  pure subroutine edge_impedance(field, mesh, s, first, n, a, impedance)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n, a
+    real(dp), intent(out) :: impedance(tile)
+    real(dp) :: t(tile)
+    integer :: i
+    if (kernel_centred(field%kernel)) then
+      call mean_row(n, field%moment(1, field%columns%impedance + a - 1), &
+                    centre_rows(field, s, first), impedance)
+      i = field%columns%impedance + NDIM + (a - 1)*NDIM
+      call divergence_row(n, mesh%inverse_h*0.5_dp**(NDIM - 1), field%moment(1, i), &
+#if NDIM > 1
+                          field%moment(1, i + 1), &
+#endif
+#if NDIM > 2
+                          field%moment(1, i + 2), &
+#endif
+                          centre_rows(field, s, first), t)
+      impedance(:n) = impedance(:n) + t(:n)
+    else
+      i = field%neighbour(0, 0, s) + first
+      impedance(:n) = field%moment(i:i + n - 1, field%columns%impedance + a - 1)
+    end if
+  end subroutine edge_impedance
 
   !> Records of the centre left of node `first` in the rows of centres around a row of nodes.
   pure function centre_rows(field, s, first) result(b)

@@ -35,6 +35,8 @@ module sgmp_columns
     integer :: external = 0            !! external force, 0: none acts
     integer :: lever = 0               !! external force times lever (length), component by
                                        !! component along each axis; 0: none acts on faces
+    integer :: impedance = 0           !! force per velocity of absorbing edges, component by
+                                       !! component, then its levers as above; 0: there are none
     integer :: volume = 0              !! 0: not carried
     integer :: stiffness = 0           !! bulk modulus times volume, 0: nothing relaxes
     integer :: compliance = 0          !! the compliance w; behind it w p and w p^2
@@ -77,7 +79,7 @@ contains
 
   !> Lays out the columns of the sums.
   pure function columns_make(space, kernel, external, volume, spins, offset, relaxed, swirl, &
-                             faced, driven, paired) result(columns)
+                             faced, driven, absorbs, paired) result(columns)
     integer, intent(in) :: space, kernel
     logical, intent(in) :: external    !! with an external force
     logical, intent(in) :: volume      !! with the volume
@@ -87,6 +89,7 @@ contains
     logical, intent(in), optional :: swirl  !! with the velocity around the axis
     logical, intent(in), optional :: faced  !! external forces act on faces of particles
     integer, intent(in), optional :: driven  !! prescribed motions of parts of bodies
+    logical, intent(in), optional :: absorbs  !! with the impedance of edges; needs `faced`
     logical, intent(in), optional :: paired  !! with volume moments of pairs of centres
     type(columns_t) :: columns
     integer :: ndim
@@ -136,11 +139,13 @@ contains
       columns%external = columns%total + 1
       columns%total = columns%total + ndim
     end if
-    if (present(faced)) then
-      if (faced .and. kernel_centred(kernel)) then
-        columns%lever = columns%total + 1
-        columns%total = columns%total + ndim**2
-      end if
+    if (wanted(faced) .and. kernel_centred(kernel)) then
+      columns%lever = columns%total + 1
+      columns%total = columns%total + ndim**2
+    end if
+    if (wanted(absorbs)) then
+      columns%impedance = columns%total + 1
+      columns%total = columns%total + merge(ndim + ndim**2, ndim, kernel_centred(kernel))
     end if
     if (volume) then
       columns%total = columns%total + 1
@@ -159,6 +164,14 @@ contains
     end if
     columns%swept = columns%total
   end function columns_make
+
+  !> Whether something that need not be said is wanted.
+  pure function wanted(what) result(yes)
+    logical, intent(in), optional :: what
+    logical :: yes
+    yes = .false.
+    if (present(what)) yes = what
+  end function wanted
 
   !> Adds columns for what lies behind the walls of some axes.
   pure subroutine columns_keep_behind(columns, ndim, axes)

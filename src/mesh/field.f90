@@ -58,7 +58,7 @@ contains
 
   !> An empty field.
   pure subroutine field_init(field, mesh, kernel, body_force, volume, spins, rotation, relaxed, &
-                             swirl, faced, driven, paired)
+                             swirl, faced, driven, absorbs, paired)
     type(field_t), intent(out) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel        !! one of kernel_*
@@ -70,6 +70,7 @@ contains
     logical, intent(in), optional :: swirl     !! columns for the velocity around the axis
     logical, intent(in), optional :: faced     !! columns for the levers of external forces
     integer, intent(in), optional :: driven    !! prescribed motions of parts of bodies
+    logical, intent(in), optional :: absorbs   !! columns for the impedance of absorbing edges
     logical, intent(in), optional :: paired    !! strains are corrected at surfaces
     logical :: with_volume
     integer :: nspin
@@ -82,7 +83,7 @@ contains
     field%space = mesh%space
     field%hoop_correction = mesh%hoop
     field%columns = columns_make(mesh%space, kernel, body_force, with_volume, nspin, &
-                                 rotation, relaxed, swirl, faced, driven, paired)
+                                 rotation, relaxed, swirl, faced, driven, absorbs, paired)
     if (field%columns%driven > 0) allocate (field%drives(field%columns%driven))
     if (mesh%walls_act .and. kernel_folds(kernel)) then
       call columns_keep_behind(field%columns, mesh%ndim, any(mesh%wall(:, :mesh%ndim) /= &

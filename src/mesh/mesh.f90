@@ -11,15 +11,17 @@ module sgmp_mesh
   private
   public :: mesh_t, mesh_make, mesh_position, mesh_coordinate, mesh_filled, &
             mesh_occupied
-  public :: wall_axis, wall_free, wall_slip, wall_fixed, wall_names
+  public :: wall_absorbing, wall_axis, wall_free, wall_slip, wall_fixed, wall_names
   public :: wall_kick, wall_speed
 
   integer, parameter :: wall_free = 0  !! material may leave or the face is open
   integer, parameter :: wall_slip = 1  !! normal velocity vanishes (symmetry)
   integer, parameter :: wall_fixed = 2  !! all velocity components vanish
-  integer, parameter :: wall_axis = 3  !! a slip wall behind which radii are negative
-  character(8), parameter :: wall_names(wall_free:wall_fixed) = [character(8) :: &
-    'free', 'slip', 'fixed']
+  integer, parameter :: wall_absorbing = 3  !! of decks alone: the grid has an open face there, and
+                                       !! faces of particles bear the edge (doc/loads.md)
+  integer, parameter :: wall_axis = 4  !! a slip wall behind which radii are negative
+  character(9), parameter :: wall_names(wall_free:wall_absorbing) = [character(9) :: &
+    'free', 'slip', 'fixed', 'absorbing']
 
   integer, parameter :: wall_kick = 1    !! acceleration of a wall in a step
   integer, parameter :: wall_speed = 2   !! its velocity after it
@@ -33,6 +35,8 @@ module sgmp_mesh
     real(dp) :: origin(3) = 0.0_dp       !! position of node 0
     logical :: open(2, 3) = .true.       !! (lower|upper, axis): the grid follows the particles
     integer :: wall(2, 3) = wall_free    !! (lower|upper, axis)
+    logical :: absorbs(2, 3) = .false.   !! edges that let waves out: open faces
+    integer :: edge(2, 3) = 0            !! nodes where these lie
     real(dp) :: wall_friction(2, 3) = 0.0_dp  !! Coulomb's coefficient of slip walls
     logical :: walls_move = .false.      !! some fixed wall moves along itself
     logical :: walls_rub = .false.       !! some slip wall has friction
@@ -81,7 +85,23 @@ contains
         mesh%upper(axis) = 0
       end if
     end do
+    call open_edges(mesh)
   end function mesh_make
+
+  !> Opens the faces of edges that let waves out, where the grid follows the particles.
+  pure subroutine open_edges(mesh)
+    type(mesh_t), intent(inout) :: mesh
+    type(mesh_t) :: open
+    mesh%absorbs = mesh%wall == wall_absorbing
+    mesh%edge(1, :) = merge(mesh%lower, 0, mesh%absorbs(1, :))
+    mesh%edge(2, :) = merge(mesh%upper, 0, mesh%absorbs(2, :))
+    where (mesh%absorbs(1, :)) mesh%lower = open%lower
+    where (mesh%absorbs(2, :)) mesh%upper = open%upper
+    where (mesh%absorbs)
+      mesh%wall = wall_free
+      mesh%open = .true.
+    end where
+  end subroutine open_edges
 
   !> Physical position of a grid coordinate along one axis.
   elemental function mesh_position(origin, h, coordinate) result(x)

@@ -94,6 +94,14 @@ contains
     else if (columns%lever > 0 .and. wall /= wall_fixed) then
       axes = columns%lever - columns%external  ! components of the force
       number = column - columns%lever
+      if (columns%impedance > 0) then
+        number = column - (columns%impedance + axes)
+        if (number >= 0 .and. number < axes**2 .and. 1 + mod(number, axes) == normal) then
+          parity = -1.0_dp  ! of what is the same on either side
+          return
+        end if
+        number = column - columns%lever
+      end if
       if (number < 0 .or. number >= axes**2) return
       if ((1 + number/axes == normal) .neqv. (1 + mod(number, axes) == normal)) parity = -1.0_dp
     end if

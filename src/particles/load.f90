@@ -1,21 +1,27 @@
 !> A load on the particles of a body: a force that is shared out among them by their masses, or a
-!! pressure, traction or air blast on faces of them.
+!! pressure, traction, air blast or an edge that lets waves out on faces of them.
 module sgmp_load
   use sgmp_air_blast, only: air_blast_t
   use sgmp_expression, only: expression_t
+  use sgmp_kinds, only: dp
   implicit none
   private
-  public :: load_t, load_blast, load_force, load_pressure, load_traction, load_is_bound
+  public :: load_absorbing, load_t, load_blast, load_force, load_pressure, load_traction, &
+            load_is_bound
 
-  integer, parameter :: load_force = 1, load_pressure = 2, load_traction = 3, load_blast = 4
+  integer, parameter :: load_force = 1, load_pressure = 2, load_traction = 3, load_blast = 4, &
+                        load_absorbing = 5
 
   !> One load. Its column of the particles' second stream is for a force the particle's share in it
-  !! per mass, for all others the first component of the area vector of its faces.
+  !! per mass, for all others the first component of the area vector of its faces; behind that of
+  !! an edge comes the traction that it bears at rest.
   type :: load_t
     integer :: kind = load_force       !! one of load_*
     integer :: column = 0
     type(expression_t) :: value(3)     !! components of force or traction; pressure: the first
     type(air_blast_t) :: blast         !! the charge
+    integer :: side = 0, axis = 0      !! of an edge: lower or upper face of the grid, axis
+    real(dp) :: impedance(2) = 0.0_dp  !! across and along the edge (stress per velocity)
   end type load_t
 
 contains

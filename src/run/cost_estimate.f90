@@ -8,7 +8,7 @@ module sgmp_cost_estimate
   use sgmp_forewarnings, only: shape_mass
   use sgmp_kernels, only: method_names
   use sgmp_kinds, only: dp, i8
-  use sgmp_load, only: load_force
+  use sgmp_load, only: load_absorbing, load_force
   use sgmp_model, only: model_t
   use sgmp_particles, only: particles_bytes
   use sgmp_rigid_motion, only: rigid_motion_t
@@ -162,11 +162,14 @@ contains
   !> What is stored for the loads of a body.
   subroutine put_loads(body)
     type(body_t), intent(in) :: body
-    integer :: forces
+    integer :: edges, forces
     forces = count(body%loads%kind == load_force)
     call put_slot(forces, integer_text(forces)//' shares in forces (load)')
-    forces = size(body%loads) - forces
+    edges = count(body%loads%kind == load_absorbing)
+    forces = size(body%loads) - forces - edges
     call put_slot(forces, integer_text(forces)//' area vectors of faces (pressure, traction)')
+    call put_slot(edges, integer_text(edges)//' area vectors of faces, and the traction at '// &
+                  'rest (absorbing walls)')
   end subroutine put_loads
 
   subroutine put_slot(column, text)

@@ -2,6 +2,7 @@
 !!
 !! Longer than 500 lines: everything that a model consists of begins here.
 module sgmp_build_model
+  use sgmp_absorbing_build, only: absorbing_check, absorbing_declare, absorbing_fill
   use sgmp_angular_momentum, only: angular_momentum_note
   use sgmp_body, only: body_t
   use sgmp_build_burn, only: burn_light
@@ -134,6 +135,7 @@ contains
     call angular_momentum_note(model%mesh, model%method, model%bodies, model%contact%pairs, &
                                model%totals%bodies, model%turning)
     call check_limit(scene%time, model, error)
+    call absorbing_check(model%mesh, model%bodies, scene%grid%walls_location, error)
   end subroutine model_build
 
   !> A step must have a limit: what cannot deform has no waves.
@@ -183,6 +185,7 @@ contains
       if (all(body%half_size <= 0.0_dp)) body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
       call attach_force(scene, number, body)
       call loads_declare(scene, number, body)
+      call absorbing_declare(card, mesh, material%law, body)
       call driven_declare(scene, number, body)
       call rigid_declare(card, mesh, body)
       body%sides_stretch = scene%method%kind == method_cpgimp
@@ -242,6 +245,9 @@ contains
     type(body_t), intent(inout) :: body
     type(error_t), allocatable, intent(out) :: error
     call loads_fill(scene, number, mesh, body, error)
+    if (.not. allocated(error)) then
+      call absorbing_fill(scene%bodies(number), scene%gravity, mesh, body, error)
+    end if
     if (.not. allocated(error)) call driven_fill(scene, number, mesh, body, error)
   end subroutine fill_loads
 
@@ -484,6 +490,7 @@ contains
                         method%spins, &
                         method%rotation .and. (solid .or. .not. method%rotation_solids), &
                         method%relaxed, method%swirl, any(model%bodies%faced), parts(f), &
+                        any(model%bodies%absorbs), &
                         method%surfaces .and. (solid .or. .not. method%surfaces_solids))
       end associate
       model%fields(f)%drive_terms = terms(f)

@@ -24,6 +24,7 @@
 !!   sums known        close               rigid bodies, driven parts
 !!   books closed      finish              damping
 module sgmp_stages
+  use sgmp_absorbing_account, only: absorbing_account
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_step_t
   use sgmp_contact_stages, only: phase_contact_force, phase_contact_velocity, phase_find_contact
@@ -72,6 +73,7 @@ contains
       if (method%damped) call damping_account(terms)
       if (method%erodes) call erosion_account(terms)
       if (model%mesh%walls_rub) call wall_account(terms)
+      if (any(model%mesh%absorbs)) call absorbing_account(terms)
     end associate
   end subroutine stage_terms
 

@@ -24,6 +24,7 @@ sys.path.insert(0, os.path.join(SOURCE, "python"))
 from sgmp_view import command, deck_variations  # noqa: E402
 from sgmp_view.deck_text import Deck  # noqa: E402
 from sgmp_view.error_estimate import rounded  # noqa: E402
+from sgmp_view.files import read_table  # noqa: E402
 from sgmp_view.grid_convergence import convergence_of  # noqa: E402
 from sgmp_view.study_runs import Checked, Member, Runner  # noqa: E402
 
@@ -54,6 +55,7 @@ time end=2 cfl=auto
 material m elastic density=3 young=100 poisson=0
 body arrow block material=m lower=(0,0) upper=(6,4) spacing=h/2
 velocity arrow x=$speed
+output vtu every=0.3
 """
 WORDS = """
 parameter h = 0.5          # a comment
@@ -233,6 +235,9 @@ def flight(report):
                             ("bodies.arrow.x:time_of_max", 2)):
         check(report, abs(found[quantity]["value"] - exact) < 1e-9 and found[quantity]["half_width"] < 1e-9, f"{quantity} is {exact}", text)
     check(report, [found[name]["unit"] for name in ("bodies.arrow.x", "bodies.arrow.x:integral")] == ["mm", "mm ms"], "with their units", text)
+    steps = [read_table(os.path.join("flying.error", name, "history.csv"))["time"] for name in ("deck", "step", "gimp")]
+    check(report, all(min(abs(times - 0.3)) < 1e-12 for times in steps), "all runs land on the times of the deck's dumps", str(steps))
+    check(report, os.path.exists("flying.error/deck/particles.pvd") and not glob.glob("flying.error/[cgs]*/particles_*.vtu"), "only the deck's dumps are kept")
     code, text = view("error", "flying.inp", "--sgmp", SGMP, "--list")
     check(report, code == 0 and any(line.split()[0] == "bodies.arrow.velocity_x" and line.endswith(" 2 m/s") for line in text.splitlines()), "the list", text)
 

@@ -17,12 +17,14 @@ module DIM(sgmp_loads)
   use sgmp_body, only: body_t
   use sgmp_expression, only: expression_places, expression_t, expression_time
   use sgmp_kinds, only: dp, lanes
-  use sgmp_load, only: load_blast, load_force, load_pressure, load_t
+  use sgmp_load, only: load_absorbing, load_blast, load_force, load_pressure, load_t
   use sgmp_mesh, only: mesh_t
-  use sgmp_motion, only: motion_total
+  use sgmp_motion, only: motion_total, motion_velocity
+  use sgmp_sums, only: sum_edge_impulse, sum_edge_work, sweep_sums
   implicit none
   private
-  public :: loads_levers, loads_on_faces, loads_on_mass, loads_strain
+  public :: loads_edges_book, loads_impedance, loads_levers, loads_on_faces, loads_on_mass, &
+            loads_strain
 
 contains
 
@@ -76,6 +78,8 @@ contains
     call take_places(mesh, body, time, nb, motion, state, places)
     places(:, :NDIM) = places(:, :NDIM) + mesh%h*way
     select case (load%kind)
+    case (load_absorbing)
+      call edge_force(load, nb, state, sqrt(square), force)
     case (load_blast)
       call add_blast(load, time, places, spread(live, 2, NDIM)*area, force)
     case (load_pressure)
@@ -107,6 +111,68 @@ contains
       force(l, :) = force(l, :) - air_blast_pressure(load%blast, place, normal, time)*area(l, :)
     end do
   end subroutine add_blast
+
+  !> What edges that let waves out bear at rest, on the faces of a chunk.
+  pure subroutine edge_force(load, nb, state, area, force)
+    type(load_t), intent(in) :: load
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: state(lanes, nb)
+    real(dp), intent(in) :: area(lanes)            !! 0 where there is no face
+    real(dp), intent(out) :: force(lanes, NDIM)
+    integer :: d
+    do d = 1, NDIM
+      force(:, d) = area*state(:, load%column + NDIM + d - 1)
+    end do
+  end subroutine edge_force
+
+  !> Force per velocity along each axis by which an edge holds the faces of a chunk (Lysmer and
+  !! Kuhlemeyer, J. Eng. Mech. Div. ASCE 95, 1969, 859-877): nodes work the force out (sgmp_nodes).
+  pure subroutine loads_impedance(load, live, nb, state, impedance)
+    type(load_t), intent(in) :: load
+    real(dp), intent(in) :: live(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: state(lanes, nb)
+    real(dp), intent(out) :: impedance(lanes, NDIM)
+    integer :: d
+    do d = 1, NDIM
+      impedance(:, d) = load%impedance(merge(1, 2, d == load%axis))*face_area(load, live, nb, state)
+    end do
+  end subroutine loads_impedance
+
+  !> Area of the faces of a chunk; 0 where there are none.
+  pure function face_area(load, live, nb, state) result(area)
+    type(load_t), intent(in) :: load
+    real(dp), intent(in) :: live(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: state(lanes, nb)
+    real(dp) :: area(lanes)
+    area = live*sqrt(sum(state(:, load%column:load%column + NDIM - 1)**2, dim=2))
+  end function face_area
+
+  !> Adds up what edges did to a chunk in a kick by what they bear at rest: its impulse, and its
+  !! work by the velocity of the particles in the middle of the kick.
+  pure subroutine loads_edges_book(body, dt, live, before, nb, motion, state, sums)
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: dt, live(lanes)
+    real(dp), intent(in) :: before(lanes, motion_total(NDIM))  !! the motion before the kick
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(inout) :: sums(lanes, sweep_sums)
+    real(dp) :: force(lanes, NDIM)
+    integer :: d, i, v
+    do i = 1, size(body%loads)
+      associate (load => body%loads(i))
+        if (load%kind /= load_absorbing) cycle
+        call edge_force(load, nb, state, face_area(load, live, nb, state), force)
+        do d = 1, NDIM
+          v = motion_velocity(NDIM) + d - 1
+          sums(:, sum_edge_impulse + d - 1) = sums(:, sum_edge_impulse + d - 1) + dt*force(:, d)
+          sums(:, sum_edge_work) = sums(:, sum_edge_work) + &
+                                   0.5_dp*dt*force(:, d)*(before(:, v) + motion(:, v))
+        end do
+      end associate
+    end do
+  end subroutine loads_edges_book
 
   !> Levers of forces on faces along each axis (length), the gradients of the centres' weights per
   !! cell left out.

@@ -7,7 +7,7 @@ module sgmp_loads_build
   use sgmp_expression, only: expression_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_lattice, only: lattice_tolerance
-  use sgmp_load, only: load_blast, load_force, load_t
+  use sgmp_load, only: load_absorbing, load_blast, load_force, load_t
   use sgmp_mesh, only: mesh_position, mesh_t, wall_free
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums, parallel_min
@@ -23,6 +23,7 @@ module sgmp_loads_build
   ! What is summed over particles: mass or area that bears a load, particles whose faces are
   ! opposite, places of which where=… does not say.
   integer, parameter :: borne = 1, squeezed = 2, unclear = 3, sums = 3
+  real(dp), parameter :: on_edge = 0.5_dp     !! and an edge that lets waves out
   real(dp), parameter :: on_wall = 1.0e-6_dp  !! spacings between a face and the wall that bears it
 
 contains
@@ -62,7 +63,14 @@ contains
     associate (total => body%law%slots%total)
       do i = 1, size(body%loads)
         body%loads(i)%column = total + 1
-        total = total + merge(1, ndim, body%loads(i)%kind == load_force)
+        select case (body%loads(i)%kind)
+        case (load_force)
+          total = total + 1
+        case (load_absorbing)
+          total = total + 2*ndim  ! the traction at rest, too
+        case default
+          total = total + ndim
+        end select
       end do
     end associate
   end subroutine loads_add_columns
@@ -220,12 +228,12 @@ contains
     if (any(shown == 2) .and. all(shown /= 1)) counts(squeezed) = counts(squeezed) + 1.0_dp
   end subroutine faces_of
 
-  !> Whether a face lies on a wall of the grid.
+  !> Whether a face lies on a wall of the grid, or on an edge that lets waves out.
   pure function borne_by_wall(mesh, spacing, face) result(yes)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: spacing, face(3)
     logical :: yes
-    real(dp) :: walls(2)
+    real(dp) :: edges(2), walls(2)
     integer :: axis
     yes = .false.
     do axis = 1, mesh%ndim
@@ -233,6 +241,8 @@ contains
                             real([mesh%lower(axis), mesh%upper(axis)], dp))
       yes = yes .or. any(mesh%wall(:, axis) /= wall_free .and. &
                          abs(face(axis) - walls) < on_wall*spacing)
+      edges = mesh_position(mesh%origin(axis), mesh%h, real(mesh%edge(:, axis), dp))
+      yes = yes .or. any(mesh%absorbs(:, axis) .and. abs(face(axis) - edges) < on_edge*spacing)
     end do
   end function borne_by_wall
 

@@ -1,0 +1,223 @@
+!> Edges that let waves out (doc/loads.md): which faces of particles bear them, with what impedance,
+!! and which stress they bear at rest.
+!!
+!! An edge is a property of the matter that ends there, and moves with it. The faces that particles
+!! show to the edge of the grid at the start receive the traction (sgmp_loads)
+!!   t = t_0 - rho c_p v_n n - rho c_s v_t,
+!! with density and speeds of the material at the start. t_0 is the traction of the particle's
+!! stress at the start, so that what is at rest stays at rest.
+module sgmp_absorbing_build
+  use sgmp_body, only: body_t
+  use sgmp_constitutive, only: constitutive_t, eos_none
+  use sgmp_errors, only: error_make, error_t, exit_deck
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_lattice, only: lattice_tolerance
+  use sgmp_load, only: load_absorbing, load_t
+  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_motion, only: motion_mass
+  use sgmp_parallel, only: parallel_any, parallel_max
+  use sgmp_scene, only: body_card_t, layout_lattice
+  use sgmp_shapes, only: shapes_inside
+  use sgmp_space, only: axis_names
+  use sgmp_turn, only: turn_back, turn_forth
+  use sgmp_voigt, only: voigt_axes
+  implicit none
+  private
+  public :: absorbing_check, absorbing_declare, absorbing_fill
+
+  real(dp), parameter :: near = 0.5_dp      !! spacings between a face and the edge that it bears
+  real(dp), parameter :: aligned = 0.99_dp  !! cosine between a face's normal and the edge's
+
+contains
+
+  !> A load for each edge of the grid.
+  pure subroutine absorbing_declare(card, mesh, law, body)
+    type(body_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    type(constitutive_t), intent(in) :: law
+    type(body_t), intent(inout) :: body
+    type(load_t) :: new
+    integer :: axis, side
+    if (card%rigid) return
+    do axis = 1, mesh%ndim
+      do side = 1, 2
+        if (.not. mesh%absorbs(side, axis)) cycle
+        new%kind = load_absorbing
+        new%side = side
+        new%axis = axis
+        new%impedance = impedance(law)
+        body%loads = [body%loads, new]
+        body%absorbs = .true.
+        body%forced = .true.
+        body%faced = .true.
+      end do
+    end do
+  end subroutine absorbing_declare
+
+  !> Density times the speeds of plane waves, of compression and of shear, at the start.
+  pure function impedance(law) result(z)
+    type(constitutive_t), intent(in) :: law
+    real(dp) :: z(2)
+    real(dp) :: bulk                   !! modulus
+    bulk = law%elastic%bulk
+    if (law%eos /= eos_none) bulk = law%density*law%bulk_speed**2
+    z(1) = sqrt(law%density*(bulk + 4.0_dp/3.0_dp*law%elastic%shear))
+    z(2) = sqrt(law%density*law%elastic%shear)
+  end function impedance
+
+  !> Fills the columns of the edges of a body: area vectors, tractions at rest. An error where
+  !! matter lies beyond an edge, or beside it without faces. All ranks must call it.
+  subroutine absorbing_fill(card, gravity, mesh, body, error)
+    type(body_card_t), intent(in) :: card
+    real(dp), intent(in) :: gravity(3)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    type(error_t), allocatable, intent(out) :: error
+    real(dp) :: weight(3), x(3)
+    logical :: beyond, faceless
+    integer :: c, i, l, mass
+    beyond = .false.
+    faceless = .false.
+    x = 0.0_dp
+    weight = 0.0_dp
+    mass = motion_mass(mesh%ndim)
+    do i = 1, size(body%loads)
+      if (body%loads(i)%kind /= load_absorbing) cycle
+      do c = 1, body%particles%chunks
+        do l = 1, lanes
+          if (body%particles%id(l, c) == 0) cycle
+          x(:mesh%ndim) = mesh_position(mesh%origin(:mesh%ndim), mesh%h, &
+                                        body%particles%motion(l, :mesh%ndim, c))
+          if (body%stressed) weight = body%particles%motion(l, mass, c)/ &
+                                      body%particles%state(l, body%law%slots%volume, c)*gravity
+          call fill_particle(card, mesh, weight, body%loads(i), body%spacing, &
+                             body%law%slots%stress, body%law%slots%stresses, x, &
+                             body%particles%state(l, :, c), beyond, faceless)
+        end do
+      end do
+    end do
+    if (parallel_any(beyond)) then
+      call error_make(error, exit_deck, "body '"//trim(body%name)//"' goes beyond an absorbing "// &
+                      'edge of the grid', 'let bodies end where the edge is', card%location)
+    else if (parallel_any(faceless)) then
+      call error_make(error, exit_deck, "the particles of body '"//trim(body%name)//"' have no "// &
+                      'known faces at an absorbing edge', 'faces are those of a lattice along '// &
+                      'the edge: layout=uniform, no jitter, no file, not turned', card%location)
+    end if
+  end subroutine absorbing_fill
+
+  !> The columns of one particle and one edge.
+  pure subroutine fill_particle(card, mesh, weight, load, spacing, stress, stresses, x, state, &
+                                beyond, faceless)
+    type(body_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: weight(3)            !! per volume, of matter that rests on its stress
+    type(load_t), intent(in) :: load
+    real(dp), intent(in) :: spacing
+    integer, intent(in) :: stress, stresses      !! first column, how many
+    real(dp), intent(in) :: x(3)
+    real(dp), intent(inout) :: state(:)
+    logical, intent(inout) :: beyond, faceless
+    real(dp) :: area(3), outward, to_edge
+    integer :: n
+    n = mesh%ndim
+    outward = real(2*load%side - 3, dp)
+    to_edge = outward*(mesh_position(mesh%origin(load%axis), mesh%h, &
+                                     real(mesh%edge(load%side, load%axis), dp)) - x(load%axis))
+    if (to_edge >= spacing) return
+    beyond = beyond .or. to_edge <= 0.0_dp
+    if (card%layout /= layout_lattice .or. card%jitter > 0.0_dp) then
+      faceless = .true.
+      return
+    end if
+    area = area_shown(card, load, n, spacing, x, state(1))
+    faceless = faceless .or. (all(abs(area) <= 0.0_dp) .and. to_edge < near*spacing)
+    if (all(abs(area) <= 0.0_dp)) return
+    state(load%column:load%column + n - 1) = area(:n)
+    associate (rest => state(load%column + n:load%column + 2*n - 1))
+      rest = outward*across(state(stress:stress + stresses - 1), load%axis, n)
+      ! At the face, half a spacing from where the stress is known.
+      rest(load%axis) = rest(load%axis) - 0.5_dp*spacing*weight(load%axis)
+    end associate
+  end subroutine fill_particle
+
+  !> Area vector of the face that a particle shows to an edge; 0: it shows none.
+  pure function area_shown(card, load, ndim, spacing, x, volume) result(area)
+    type(body_card_t), intent(in) :: card
+    type(load_t), intent(in) :: load
+    integer, intent(in) :: ndim
+    real(dp), intent(in) :: spacing, x(3), volume
+    real(dp) :: area(3)
+    real(dp) :: point(3), next(3), size_of
+    integer :: axis, side
+    area = 0.0_dp
+    point = x
+    call turn_back(card%turn, point)
+    do axis = 1, ndim
+      do side = 1, 2
+        next = point
+        next(axis) = next(axis) + (2*side - 3)*spacing
+        if (shapes_inside(card%shapes, next, ndim, lattice_tolerance*spacing)) cycle
+        call turn_forth(card%turn, next)
+        if ((2*load%side - 3)*(next(load%axis) - x(load%axis)) < aligned*spacing) cycle
+        size_of = volume/spacing
+        if (card%rings) size_of = size_of*0.5_dp*(x(1) + next(1))/x(1)
+        area = size_of/spacing*(next - x)
+      end do
+    end do
+  end function area_shown
+
+  !> Stress across an axis: a fluid has the mean alone.
+  pure function across(stress, axis, ndim) result(traction)
+    real(dp), intent(in) :: stress(:)
+    integer, intent(in) :: axis, ndim
+    real(dp) :: traction(ndim)
+    integer :: c, a, b
+    traction = 0.0_dp
+    if (size(stress) == 1) then
+      traction(axis) = stress(1)
+      return
+    end if
+    do c = 1, size(stress)
+      a = voigt_axes(1, c)
+      b = voigt_axes(2, c)
+      if (b == axis .and. a <= ndim) traction(a) = stress(c)
+      if (a == axis .and. b <= ndim) traction(b) = stress(c)
+    end do
+  end function across
+
+  !> An error where no body ends at an edge. All ranks must call it.
+  subroutine absorbing_check(mesh, bodies, location, error)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: bodies(:)
+    character(:), allocatable, intent(in) :: location  !! of the card
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp) :: largest(2, 3)
+    integer :: axis, b, i, side
+    if (allocated(error)) return
+    largest = 0.0_dp
+    do b = 1, size(bodies)
+      if (.not. bodies(b)%absorbs) cycle
+      do i = 1, size(bodies(b)%loads)
+        associate (load => bodies(b)%loads(i), particles => bodies(b)%particles)
+          if (load%kind /= load_absorbing) cycle
+          largest(load%side, load%axis) = &
+            max(largest(load%side, load%axis), &
+                maxval(abs(particles%state(:, load%column + load%axis - 1, :particles%chunks))))
+        end associate
+      end do
+    end do
+    do axis = 1, mesh%ndim
+      do side = 1, 2
+        if (.not. mesh%absorbs(side, axis)) cycle
+        if (parallel_max(largest(side, axis)) > 0.0_dp) cycle
+        call error_make(error, exit_deck, 'nothing ends at the absorbing edge '// &
+                        axis_names(axis, mesh%space)//merge('-', '+', side == 1), &
+                        'let a body reach the edge of the grid there, or remove the wall', &
+                        location)
+        return
+      end do
+    end do
+  end subroutine absorbing_check
+
+end module sgmp_absorbing_build

@@ -1,0 +1,71 @@
+!> What is doubtful about edges that let waves out (doc/loads.md) after a run.
+module sgmp_absorbing_doubts
+  use sgmp_body, only: body_t
+  use sgmp_kinds, only: dp
+  use sgmp_load, only: load_absorbing
+  use sgmp_mesh, only: mesh_t
+  use sgmp_model, only: model_t
+  use sgmp_parallel, only: parallel_max
+  use sgmp_space, only: axis_names
+  use sgmp_spelling, only: string_t
+  use sgmp_text, only: real_text
+  implicit none
+  private
+  public :: absorbing_objections
+
+  real(dp), parameter :: largest_way = 1.0_dp  !! cells by which matter at an edge may have moved
+
+contains
+
+  !> Edges that have moved: what pushes them without end they do not hold. All ranks must call it.
+  subroutine absorbing_objections(model, reasons)
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(out) :: reasons(:)
+    type(string_t) :: found(size(model%mesh%absorbs))
+    real(dp) :: moved(2, 3)
+    integer :: axis, b, n, side
+    n = 0
+    moved = 0.0_dp
+    do b = 1, size(model%bodies)
+      if (model%bodies(b)%absorbs) call look_at(model%mesh, model%bodies(b), moved)
+    end do
+    do axis = 1, model%mesh%ndim
+      do side = 1, 2
+        if (.not. model%mesh%absorbs(side, axis)) cycle
+        moved(side, axis) = parallel_max(moved(side, axis))
+        if (moved(side, axis) <= largest_way) cycle
+        n = n + 1
+        found(n)%text = 'matter at the absorbing edge '//axis_names(axis, model%mesh%space)// &
+                        merge('-', '+', side == 1)//' has moved by '// &
+                        real_text(moved(side, axis))//' cells across it: such an edge holds '// &
+                        'nothing but the stress at the start (doc/loads.md); hold what bears a '// &
+                        'load for long elsewhere, or put the edge further away'
+      end do
+    end do
+    reasons = found(:n)
+  end subroutine absorbing_objections
+
+  !> How far particles that bear the edges have moved across them (cells).
+  pure subroutine look_at(mesh, body, moved)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    real(dp), intent(inout) :: moved(2, 3)
+    real(dp) :: place
+    integer :: c, i, l
+    do i = 1, size(body%loads)
+      associate (load => body%loads(i), particles => body%particles)
+        if (load%kind /= load_absorbing) cycle
+        place = mesh%edge(load%side, load%axis) - (load%side - 1.5_dp)*body%spacing*mesh%inverse_h
+        do c = 1, particles%chunks
+          do l = 1, size(particles%id, 1)
+            if (particles%id(l, c) == 0) cycle
+            if (abs(particles%state(l, load%column + load%axis - 1, c)) <= 0.0_dp) cycle
+            moved(load%side, load%axis) = max(moved(load%side, load%axis), &
+                                              abs(particles%motion(l, load%axis, c) - place))
+          end do
+        end do
+      end associate
+    end do
+  end subroutine look_at
+
+end module sgmp_absorbing_doubts
