@@ -248,7 +248,7 @@ def bits(report):
     """Threads, ranks, restarts; momentum of all that moves but the tool."""
     for name, update, rotation in (("crowd", "musl", ""), ("crowd_usavg", "usavg", ""), ("crowd_exact", "musl", " rotation=exact")):
         text = CROWD.format(update=update, rotation=rotation)
-        if update == "usavg":  # where the cut of three ranks lies a free body's bits depend on it (doc/loads.md)
+        if update == "usavg":  # with other cuts bits of a free body may depend on the ranks (CHANGELOG)
             text = text.replace("update=usavg", "update=usavg stress=plain surfaces=plain")
         reference = straight(report, name, text)
         for title, threads, launcher in ((f"{name}_threads", 3, ()), (f"{name}_ranks", 1, mpirun(2))):
