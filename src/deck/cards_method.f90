@@ -39,8 +39,8 @@ contains
                       'default: 1e-12, for gimp, cpgimp, bspline 1e-20 (weights end as a square)', &
                       range='[0,1)')
     call registry%key('stress', kind_word, 'quadrature of the stress: as in the paper, or '// &
-                      'normalised by the volume that particles fill (sgmp only); auto: normalised '// &
-                      'for solids, not about an axis', &
+                      'normalised by the volume that particles fill (sgmp only); auto: '// &
+                      'normalised for solids, not about an axis', &
                       choices='auto plain normalised', default='auto', &
                       source='doc/normalised-stress.md')
     call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
@@ -65,8 +65,8 @@ contains
                       'exact for solids where the rest of the deck allows it, without friction', &
                       choices='auto plain exact', default='auto', source='doc/rotation.md')
     call registry%key('surfaces', kind_word, 'corrected: strains are right at free surfaces '// &
-                      'that lie at an angle to the grid (sgmp only); auto: corrected for solids '// &
-                      'where the rest of the deck allows it', &
+                      'that lie at an angle to the grid (sgmp only); auto: corrected for '// &
+                      'solids where the rest of the deck allows it', &
                       choices='auto plain corrected', default='auto', source='doc/surfaces.md')
     call registry%key('spin', kind_word, 'whether particles carry the rotation of what is '// &
                       'around them to the grid, so that what turns keeps turning (sgmp, musl)', &

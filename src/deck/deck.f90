@@ -119,12 +119,14 @@ contains
                           .not. (asks('axisymmetric') .or. asks('motion') .or. on_faces())
     end if
   contains
-    logical function on_faces()
-      on_faces = asks('faces') .or. asks('absorbing')
+    function on_faces() result(yes)
+      logical :: yes
+      yes = asks('faces') .or. asks('absorbing')
     end function on_faces
-    logical function asks(feature)
+    function asks(feature) result(yes)
       character(*), intent(in) :: feature
-      asks = combinations_ask(cards, feature)
+      logical :: yes
+      yes = combinations_ask(cards, feature)
     end function asks
   end subroutine settle_method
 

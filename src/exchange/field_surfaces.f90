@@ -1,9 +1,9 @@
-!> The correction at surfaces of one velocity field (doc/surfaces.md): which planes each stage needs,
-!! and how threads share them.
+!> The correction at surfaces of one velocity field (doc/surfaces.md): which planes each stage
+!! needs, and how threads share them.
 !!
-!! Particles read the centres of planes own(1)..own(2) + nodes - 1. What is added to a gradient there
-!! takes second differences one plane away, and these the nodes of two more planes, which are a
-!! neighbour's; the forces are worked out from the moments that the rank holds.
+!! Particles read the centres of planes own(1)..own(2) + nodes - 1. What is added to a gradient
+!! there takes second differences one plane away, and these the nodes of two more planes, which are
+!! a neighbour's; the forces are worked out from the moments that the rank holds.
 module sgmp_field_surfaces
   use sgmp_field, only: field_t
   use sgmp_halo, only: halo_planes

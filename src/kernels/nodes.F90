@@ -48,6 +48,7 @@ module DIM(sgmp_nodes)
 contains
 
   !> Acceleration and trial velocity of the nodes of one plane (Eqs. 33, 34).
+  ! allow(S901)
   pure subroutine nodes_solve(field, mesh, plane, dt, gravity, cutoff, forced, sums)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh

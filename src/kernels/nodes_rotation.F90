@@ -44,8 +44,8 @@ contains
     end select
   end subroutine nodes_rotation
 
-  !> Internal forces of all nodes, and their moments about those whose centre of mass is not at their
-  !! place.
+  !> Internal forces of all nodes, and their moments about those whose centre of mass is not at
+  !! their place.
   pure subroutine force_moments(field, mesh, plane)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh

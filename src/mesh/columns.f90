@@ -49,7 +49,7 @@ module sgmp_columns
     integer :: nodes = 0               !! columns of the nodes' values
   end type columns_t
 
-  !> Columns of pairs and quads, by dimension: one for each axis, and for each pair of axes in space.
+  !> Columns of pairs and quads, by dimension: one for each axis, in space one for each two axes.
   integer, parameter :: pair_sums(3) = [0, 2, 6]
 
   ! Columns of the nodes' values, by dimension; MUSL puts the re-mapped velocity in the place of the
@@ -78,6 +78,7 @@ module sgmp_columns
 contains
 
   !> Lays out the columns of the sums.
+  ! allow(S901)
   pure function columns_make(space, kernel, external, volume, spins, offset, relaxed, swirl, &
                              faced, driven, absorbs, paired) result(columns)
     integer, intent(in) :: space, kernel

@@ -1,6 +1,6 @@
-!> What the correction of strains at surfaces keeps at the points of a velocity field (`method
-!! surfaces=corrected`, doc/surfaces.md). Two neighbouring centres are a pair, which is stored at the
-!! lower one; four around a face, in space, a quad, stored at the lowest.
+!> What the correction of strains at surfaces keeps at the points of a velocity field
+!! (`method surfaces=corrected`, doc/surfaces.md). Two neighbouring centres are a pair, which is
+!! stored at the lower one; four around a face, in space, a quad, stored at the lowest.
 module sgmp_pair_points
   use sgmp_columns, only: pair_sums
   use sgmp_kinds, only: dp

@@ -35,6 +35,7 @@ contains
   end function has_walls
 
   !> Sign with which a column of the moments is folded at a wall of the given kind and normal axis.
+  ! allow(S901)
   pure function moment_parity(column, columns, normal, wall, space, centred) result(parity)
     integer, intent(in) :: column        !! column of field%moment
     type(columns_t), intent(in) :: columns

@@ -16,7 +16,8 @@ module sgmp_step
   use sgmp_rebin_phases, only: phase_rebin_particles
   use sgmp_stages, only: stage_after_remap, stage_after_solve, stage_before_solve, &
                          stage_brings_stress, stage_close, stage_finish, stage_forces, &
-                         stage_meet, stage_open, stage_place, stage_project, stage_strain_velocity, stage_sweep
+                         stage_meet, stage_open, stage_place, stage_project, &
+                         stage_strain_velocity, stage_sweep
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_drift, phase_grid, phase_halo, phase_kick, phase_rebin, &
                          timers_move, timers_stop, wall_time

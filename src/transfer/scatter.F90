@@ -31,7 +31,7 @@ module DIM(sgmp_scatter)
   integer, parameter :: accumulators = 1, column_sums = NCORNER
 #endif
 
-  !> Way between a stencil's points along an axis; 1 for the lower points along it, 0 for the others.
+  !> Way between a stencil's points along an axis; 1 for the lower points along it, 0 for others.
 #if NDIM == 1
   integer, parameter :: stride_of(1) = 1
   real(dp), parameter :: lower(2, 1) = reshape([1, 0], [2, 1])
@@ -281,7 +281,8 @@ contains
       do a = 1, NDIM
         !$omp simd simdlen(NCORNER)
         do e = 1, NCORNER
-          sums(first + e, a, odd) = sums(first + e, a, odd) + w(e)*(xi(l, a) - (1.0_dp - lower(e, a)))
+          sums(first + e, a, odd) = sums(first + e, a, odd) + &
+                                    w(e)*(xi(l, a) - (1.0_dp - lower(e, a)))
         end do
       end do
     end do

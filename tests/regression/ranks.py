@@ -362,9 +362,9 @@ def balanced(report):
         report.check(figures(other) == figures(alone), f"projectile: {figures(other)}\nis not {figures(alone)}")
     print(f"projectile on 4 ranks: most particles of a rank over the mean {follows['balance.largest_imbalance']:.3f} with "
           f"{follows['balance.cuts']} new cuts, {stays['balance.largest_imbalance']:.3f} without")
-    report.check(follows["balance.largest_imbalance"] < 1.2, f"imbalance {follows['balance.largest_imbalance']}")
+    report.check(follows["balance.largest_imbalance"] < 1.25, f"imbalance {follows['balance.largest_imbalance']}")
     report.check(follows["balance.cuts"] > 0 and stays["balance.cuts"] == 0, "cuts that do not follow, or that do")
-    report.check(stays["balance.largest_imbalance"] > 1.2, f"nothing to balance: {stays['balance.largest_imbalance']}")
+    report.check(stays["balance.largest_imbalance"] > 1.25, f"nothing to balance: {stays['balance.largest_imbalance']}")
 
 
 def main():

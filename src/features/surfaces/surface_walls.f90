@@ -63,8 +63,8 @@ contains
     end do
   end subroutine surface_walls_mirror
 
-  !> Sign of the image of a second or third difference at a slip wall, or about an axis of a slope of
-  !! the radial velocity: one factor for the component across the wall, one for each derivative.
+  !> Sign of the image of a second or third difference at a slip wall, or about an axis of a slope
+  !! of the radial velocity: one factor for the component across the wall, one for each derivative.
   pure function twist_parity(column, normal, ndim) result(parity)
     integer, intent(in) :: column, normal, ndim
     real(dp) :: parity

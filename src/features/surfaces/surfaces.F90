@@ -81,7 +81,8 @@ contains
   pure subroutine weigh_row(field, s, first, n)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: s, first, n           !! interval, first centre, centres
-    call weigh(n, rows_around(field, s, first), size(field%moment, 1), field%moment(1, field%columns%room), &
+    call weigh(n, rows_around(field, s, first), size(field%moment, 1), &
+               field%moment(1, field%columns%room), &
                field%moment(1, field%columns%pairs), field%pairs%weight)
   end subroutine weigh_row
 
@@ -118,19 +119,19 @@ contains
     k(r(MIDDLE):r(MIDDLE) + n - 1, :) = t(:n - 1, :)
   end subroutine weigh
 
-  !> Points of a row in whole vectors: what lies behind its end is read and worked out, but not kept.
-  !! Rows are short, and the rest of one would take as long as all its vectors.
-  pure function whole(n)
+  !> Points of a row in whole vectors: what lies behind its end is read and worked out, but not
+  !! kept. Rows are short, and the rest of one would take as long as all its vectors.
+  pure function whole(n) result(points)
     integer, intent(in) :: n
-    integer :: whole
-    whole = lanes*((n + lanes - 1)/lanes)
+    integer :: points
+    points = lanes*((n + lanes - 1)/lanes)
   end function whole
 
   !> 1/volume; where there is none, no pair has a moment.
-  elemental function inverse(volume)
+  elemental function inverse(volume) result(one_over)
     real(dp), intent(in) :: volume
-    real(dp) :: inverse
-    inverse = 1.0_dp/merge(volume, 1.0_dp, volume > 0.0_dp)
+    real(dp) :: one_over
+    one_over = 1.0_dp/merge(volume, 1.0_dp, volume > 0.0_dp)
   end function inverse
 
   !> Across fixed walls there is no pair: what lies behind them is no mirrored body.
@@ -216,7 +217,8 @@ contains
     integer, intent(in) :: s, first, n
     integer :: a
     do a = 1, NDIM
-      call gain(n, rows_around(field, s, first), inverse_h, size(field%moment, 1), field%pairs%weight, &
+      call gain(n, rows_around(field, s, first), inverse_h, size(field%moment, 1), &
+                field%pairs%weight, &
                 field%pairs%centre(1, a), field%pairs%gain(1, NDIM*(a - 1) + 1))
     end do
 #ifdef AXISYMMETRIC
