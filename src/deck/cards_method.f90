@@ -40,7 +40,7 @@ contains
                       range='[0,1)')
     call registry%key('stress', kind_word, 'quadrature of the stress: as in the paper, or '// &
                       'normalised by the volume that particles fill (sgmp only); auto: '// &
-                      'normalised for solids, not about an axis', &
+                      'normalised for solids, not about an axis, with motion or loads on faces', &
                       choices='auto plain normalised', default='auto', &
                       source='doc/normalised-stress.md')
     call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
@@ -62,11 +62,11 @@ contains
     call registry%key('rotation', kind_word, &
       'exact: rigid rotation strains nothing and internal '// &
                       'forces have no moment, at free surfaces as well (sgmp only); auto: '// &
-                      'exact for solids where the rest of the deck allows it, without friction', &
+                      'exact for solids without friction or loads on faces', &
                       choices='auto plain exact', default='auto', source='doc/rotation.md')
     call registry%key('surfaces', kind_word, 'corrected: strains are right at free surfaces '// &
                       'that lie at an angle to the grid (sgmp only); auto: corrected for '// &
-                      'solids where the rest of the deck allows it', &
+                      'solids in plane and space where the rest of the deck allows it', &
                       choices='auto plain corrected', default='auto', source='doc/surfaces.md')
     call registry%key('spin', kind_word, 'whether particles carry the rotation of what is '// &
                       'around them to the grid, so that what turns keeps turning (sgmp, musl)', &

@@ -280,6 +280,12 @@ contains
     call summary%set('title', scene%title)
     call summary%set('method', trim(method_names(scene%method%kind)))
     call summary%set('update', trim(update_names(scene%method%update)))
+    call summary%set('stress', trim(merge('normalised', 'plain     ', &
+                                          any(model%fields%columns%volume > 0))))
+    call summary%set('rotation', trim(merge('exact', 'plain', &
+                                            any(model%fields%columns%offset > 0))))
+    call summary%set('surfaces', trim(merge('corrected', 'plain    ', &
+                                            any(model%fields%columns%pairs > 0))))
     if (scene%axisymmetric) then
       call summary%set('dimension', 'axisymmetric')
     else

@@ -255,8 +255,11 @@ def criteria(report):
     report.check(not any("never had" in reason for reason in result["verdict_reasons"]), f"dilating: {result['verdict_reasons']}")
     faces(report)
     plain = INCLINED.replace("rotation=$rotation", "rotation=$rotation stress=plain surfaces=plain")
-    doubts(report, "inclined_sgmp", plain, "forces that no particle feels", method="sgmp")
-    sound(report, "inclined_corrected", INCLINED, method="sgmp")
+    taken = doubts(report, "inclined_sgmp", plain, "forces that no particle feels", method="sgmp")
+    chosen = sound(report, "inclined_corrected", INCLINED, method="sgmp")
+    for result, words in ((taken, ("plain", "plain", "plain")), (chosen, ("normalised", "plain", "corrected"))):
+        found = tuple(result[key] for key in ("stress", "rotation", "surfaces"))
+        report.check(found == words, f"inclined: the run says it took {found}, not {words}")
     sound(report, "inclined_bspline", INCLINED, method="bspline")
     sound(report, "inclined_let_go", plain.replace("rate=0.1", "rate=0.1 until=700"), method="sgmp")
     gone = doubts(report, "gone", GONE, "no particle is left")

@@ -16,11 +16,14 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
+import numpy as np  # noqa: E402
+
 import common  # noqa: E402
 from common import Book, Case, solve  # noqa: E402
 
 METHOD = "sgmp"
 REFERENCE = json.loads((HERE / "bounce.json").read_text())
+BEAM = math.sqrt(0.010049548312533213)  # first angular frequency of the free beam, finite elements of nine nodes, eight over the thickness
 THICKNESSES, ANGLES = (2, 4), (0, 8, 15, 30, 45)
 RINGS = {2.0: 0.05, 1.0: 0.02, 0.5: 0.015}  # cell (mm): what the rebound may be off
 
@@ -112,9 +115,36 @@ def disks(book, full, method):
     book.table("disks", ["R/h", *(f"{angle} degrees" for angle in (0, 17, 44)), "finite elements"], rows, f"Disks that bounce, {method}.")
 
 
+def beams(book, full, method):
+    """Free beams at angles: frequency, and what is left of the amplitude, by fits of the velocity in the middle."""
+    rows, cases = [], [(cells, angle) for cells in (4, 8) for angle in (0, 15, 30)]
+    runs = solve([deck("verification/surfaces/beam.inp", method, cells=cells, angle=angle, omega=BEAM) for cells, angle in cases])
+    for (cells, angle), run in zip(cases, runs):
+        with open(run.folder / "gauges.csv", newline="") as file:
+            table = list(csv.DictReader(file))
+        names = [name for name in table[0] if "velocity" in name]
+        time = np.array([float(row["time"]) for row in table])
+        turn = math.radians(angle)
+        across = np.array([-math.sin(turn) * float(row[names[0]]) + math.cos(turn) * float(row[names[1]]) for row in table])
+
+        def fit(omega, part=slice(None)):
+            matrix = np.column_stack([np.cos(omega * time[part]), np.sin(omega * time[part])])
+            found, *_ = np.linalg.lstsq(matrix, across[part], rcond=None)
+            return float(((matrix @ found - across[part]) ** 2).sum()), math.hypot(*found)
+
+        trials = BEAM * np.arange(0.7, 1.15, 0.0001)
+        omega = min(trials, key=lambda trial: fit(trial)[0])
+        period = 2 * math.pi / omega
+        kept = fit(omega, time > time[-1] - period)[1] / fit(omega, time < period)[1]
+        rows.append([cells, angle, float(omega / BEAM - 1), kept])
+        book.near("free beam", f"error of the frequency, {cells} cells, {angle} degrees, {method}", omega / BEAM - 1, 0.0, 0.02 if cells == 4 else 0.006)
+        book.at_least("free beam", f"amplitude after three periods over the first, {cells} cells, {angle} degrees, {method}", kept, 0.95)
+    book.table("free beams", ["cells", "degrees", "error of the frequency", "amplitude kept"], rows, f"Free beams, {method}.")
+
+
 def check(book, full, method=METHOD):
     book.section("Surfaces")
-    for part in (prestressed, strips, disks, rings):
+    for part in (prestressed, strips, beams, disks, rings):
         part(book, full, method)
 
 
