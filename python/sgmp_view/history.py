@@ -11,6 +11,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from .files import SgmpFileError, folder_of, label, plot_style, read_history, read_units, run_name
 
@@ -46,8 +47,8 @@ def plot_energies(axis, histories, names, units):
     axis.legend(ncol=2, loc="upper right", fontsize=8)
 
 
-def figure(folders):
-    """The figure of one or several runs; the caller closes it."""
+def figure(folders, axes=None):
+    """The figure of one or several runs, or its three parts on axes that are given; the caller closes it."""
     histories = [read_history(folder) for folder in folders]
     for folder, history in zip(folders, histories):
         if len(history.get("time", ())) < 2:
@@ -57,7 +58,7 @@ def figure(folders):
             raise SgmpFileError(f"{folder}: history.csv has no column {', '.join(missing)}")
     names = [run_name(folder) for folder in folders]
     units = read_units(folder_of(folders[0]))
-    drawing, axes = plt.subplots(1, 3, figsize=(13, 3.9), layout="constrained")
+    drawing, axes = (None, axes) if axes is not None else plt.subplots(1, 3, figsize=(13, 3.9), layout="constrained")
     plot_energies(axes[0], histories, names, units)
     for run, (history, name) in enumerate(zip(histories, names)):
         change, remainder = drift(history)
@@ -73,6 +74,7 @@ def figure(folders):
     axes[2].set(xlabel=label("time", units["time"]), ylabel=label("momentum", units["momentum"]))
     for axis, title in zip(axes, ("Energies", "Energy drift", "Momentum")):
         axis.set_title(title, loc="left", fontweight="bold")
+        axis.xaxis.set_major_locator(MaxNLocator(5))
         axis.set_xlim(min(h["time"][0] for h in histories), max(h["time"][-1] for h in histories))
     low, high = axes[1].get_ylim()
     axes[1].set_ylim(low, high + 0.12 * (1 + len(folders)) * (high - low))  # room for the legend

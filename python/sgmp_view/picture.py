@@ -6,11 +6,12 @@
 
 Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, a particles CSV, or a checkpoint.
 3D: side view along --axis as a shaded surface, hidden particles hidden; --cut removes the half that faces the viewer and
-shows the section. 2D: the plane. 1D: field over x. A dashed line is the undeformed outline, where it is known (first dump
-or initial positions). A field may be a component (stress_xx), a vector (its size) or a tensor (von Mises); without --field:
+shows the section; of a half model (a slip wall in the plane of the picture) it shows the cut face. 2D: the plane. 1D: field
+over x. A dashed line is the undeformed outline, where it is known (first dump or initial positions). A field may be a component (stress_xx), a vector (its size) or a tensor (von Mises); without --field:
 plastic strain, else pressure, else speed.
 """
 
+import argparse
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -19,6 +20,7 @@ from matplotlib.colors import ListedColormap, Normalize, TwoSlopeNorm
 
 from .files import (PLASTIC_STRAIN, SgmpFileError, field_label, first_dump, folder_of, label, lookup, plot_style, read_dump,
                     read_summary_if_any, read_units, run_name)
+from .matter import planes_of
 
 VIEWS = {"x": (1, 2, 0, 1.0), "y": (0, 2, 1, -1.0), "z": (0, 1, 2, 1.0)}  # horizontal, vertical, depth, towards the viewer
 LIGHT = np.array([-0.45, 0.55, 0.70]) / np.linalg.norm([-0.45, 0.55, 0.70])
@@ -153,8 +155,8 @@ def choose_norm(values, limits=None):
     return Normalize(low, high), SEQUENTIAL
 
 
-def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=None, limits=None, cmap=None, most=2200):
-    """Draw a 2D or 3D cloud on `axis` in data units; returns a mappable for the colour bar."""
+def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=None, limits=None, cmap=None, most=2200, whole_numbers=False):
+    """Draw a 2D or 3D cloud on `axis` in data units; returns a mappable for the colour bar. `whole_numbers`: names of things, which have no mean."""
     flat = dimension_of(points) == 2
     across, up, along, sign = VIEWS[normal_of(points, view)]
     plane, depth = points[:, [across, up]], sign * points[:, along]
@@ -165,21 +167,24 @@ def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=N
     norm, standard = choose_norm(values, limits)
     mappable = plt.cm.ScalarMappable(norm, plt.get_cmap(cmap or standard))
     keep = np.ones(len(points), bool)
-    if cut and not flat:
-        keep = depth <= 0.5 * (depth.min() + depth.max())
+    if cut is not False and not flat:
+        keep = depth <= (0.5 * (depth.min() + depth.max()) if cut is True else sign * cut)
     canvas = Canvas(lower, upper, spacing, 12 if len(points) < 200000 else 6, most)
     if flat:
         _, colour = canvas.splat(plane, np.zeros(len(plane)), values, 0.55 * spacing, square=True)
         solid = close_gaps(np.isfinite(colour), int(0.6 * spacing / canvas.size))  # closer than about a cell of two particles
-        colour = np.where(np.isfinite(colour), colour, smooth(colour, 0.3 * spacing / canvas.size, solid))
+        if not whole_numbers:
+            colour = np.where(np.isfinite(colour), colour, smooth(colour, 0.3 * spacing / canvas.size, solid))
         image = mappable.to_rgba(colour)
         image[~np.isfinite(colour), 3] = 0.0
     else:
-        front, colour = canvas.splat(plane[keep], depth[keep], values[keep], 0.6 * spacing, square=False)
+        front, colour = canvas.splat(plane[keep], depth[keep], values[keep], (0.75 if whole_numbers else 0.6) * spacing, square=False)
         pixels = spacing / canvas.size
         solid = close_gaps(np.isfinite(colour), int(round(0.8 * pixels)))
         everywhere = np.ones_like(solid)  # depth beyond the edge too, so that its slope is right at the edge
-        image = mappable.to_rgba(smooth(colour, 0.4 * pixels, solid))
+        if whole_numbers:
+            solid = np.isfinite(colour)
+        image = mappable.to_rgba(colour if whole_numbers else smooth(colour, 0.4 * pixels, solid))
         brightness = shade(smooth(front, 1.1 * pixels, everywhere), canvas.size)
         image[..., :3] = np.clip(image[..., :3] * brightness[..., None], 0, 1)
         image[~solid, 3] = 0.0
@@ -201,11 +206,14 @@ def normal_of(points, axis):
     return flat[-1] if flat else axis
 
 
-def unfolded(particles, values, outline):
+def unfolded_points(points):
     """The whole section of a scene about an axis: both sides of it."""
-    def both(points):
-        return None if points is None else np.vstack([points, points * (-1, 1, 1)])
-    return both(particles.points), np.concatenate([values, values]), both(outline)
+    return None if points is None else np.vstack([points, points * (-1, 1, 1)])
+
+
+def unfolded(particles, values, outline):
+    """The same with a field and an outline."""
+    return unfolded_points(particles.points), np.concatenate([values, values]), unfolded_points(outline)
 
 
 def field_of(particles, name=None):
@@ -231,17 +239,37 @@ def draw_cloud(points, values, name, units, spacing, outline, options, axes="xyz
     across, up = VIEWS[view][:2]
     shown = np.vstack([cloud for cloud in ((points, outline) if box is None else box) if cloud is not None])
     extent = np.ptp(shown[:, [across, up]], axis=0) + 3 * spacing
-    size = extent * min(7.5 / extent[0], 6.5 / extent[1])
-    figure, axis = plt.subplots(figsize=(size[0] + 1.9, max(size[1], 1.8) + 0.9), layout="constrained")
-    mappable = draw_particles(axis, points, values, spacing, view, options.cut, outline, options.limits, options.cmap, getattr(options, "most_pixels", 2200))
-    bar = figure.colorbar(mappable, ax=axis, shrink=0.9, pad=0.03, aspect=28)
-    bar.set_label(field_label(name, units))
-    bar.outline.set_visible(False)
+    size = getattr(options, "shrink", 1.0) * extent * min(7.5 / extent[0], 6.5 / extent[1])
+    figure, axis = plt.subplots(figsize=(max(size[0], 1.8) + 1.9, max(size[1], 1.8) + 0.9), layout="constrained")
+    mappable = draw_particles(axis, points, values, spacing, view, options.cut, outline, options.limits, options.cmap, getattr(options, "most_pixels", 2200),
+                              getattr(options, "whole_numbers", False))
+    if name is not None:
+        bar = figure.colorbar(mappable, ax=axis, shrink=0.9, pad=0.03, aspect=28)
+        bar.set_label(field_label(name, units))
+        bar.outline.set_visible(False)
     if box is not None:
         axis.set(xlim=(shown[:, across].min() - spacing, shown[:, across].max() + spacing),
                  ylim=(shown[:, up].min() - spacing, shown[:, up].max() + spacing))
     axis.set(xlabel=label(axes[across], units["length"]), ylabel=label(axes[up], units["length"]))
     return figure, axis
+
+
+def section_of(folder, points, initial, values, name, options, spacing):
+    """Points, values and place of the section along the view: the middle of the scene at its start. A half model is turned so that its plane of
+    symmetry faces the viewer, and nothing of it is taken away."""
+    view = normal_of(points, options.axis)
+    k, sign = VIEWS[view][2:]
+    first = points if initial is None else initial
+    plane = planes_of(folder, first, spacing).get(k)
+    if plane is None:
+        return points, values, 0.5 * float(first[:, k].min() + first[:, k].max())
+    place, side = plane
+    if side != sign:                                   # its face looks away
+        points = points.copy()
+        points[:, k] = 2 * place - points[:, k]
+        if name.rpartition("_")[2].count("xyz"[k]) == 1 and name.startswith(("velocity_", "stress_")):
+            values = -values
+    return points, values, sign * np.inf
 
 
 def draw(particles, source, options, box=None):
@@ -256,11 +284,14 @@ def draw(particles, source, options, box=None):
         initial = initial_points(particles, source)
         points, outline = particles.points, None if options.no_outline else initial
         spacing = estimate_spacing(points if initial is None else initial, particles.fields.get("volume"))
+        cut = argparse.Namespace(**vars(options))
+        if options.cut and dimension_of(points) == 3:
+            points, values, cut.cut = section_of(folder_of(source), points, initial, values, name, options, spacing)
         about_axis = lookup(read_summary_if_any(folder_of(source)), "dimension") == "axisymmetric"
         if about_axis:
             points, values, outline = unfolded(particles, values, outline)
             box = box and (np.array(box[1]) * (-1, 1, 1), np.array(box[1]) * (1, 1, 1), box[0], box[1])
-        figure, axis = draw_cloud(points, values, name, units, spacing, outline, options, "ryz" if about_axis else "xyz", box)
+        figure, axis = draw_cloud(points, values, name, units, spacing, outline, cut, "ryz" if about_axis else "xyz", box)
     title = options.title or run_name(source).replace("_", " ")
     if particles.time is not None:
         title += f"   t = {particles.time:.4g} {units['time']}".rstrip()
@@ -272,7 +303,7 @@ def drawing_arguments(parser):
     """How a cloud is drawn: what pictures and films share."""
     parser.add_argument("--field", help="field, component, vector or tensor to colour by")
     parser.add_argument("--axis", choices="xyz", default="y", help="3D: direction of view (default: y, that is x to the right, z up)")
-    parser.add_argument("--cut", action="store_true", help="3D: remove the half facing the viewer")
+    parser.add_argument("--cut", action="store_true", help="3D: the section; of a half model the cut face")
     parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"), help="ends of the colour scale")
     parser.add_argument("--cmap", help="matplotlib colour map")
     parser.add_argument("--title", help="title (default: the folder's name)")

@@ -157,12 +157,12 @@ def figures(report):
     check(report, all(abs(float(row["velocity_x"]) - 2) < 1e-6 for row in rows("profile.csv")), "profile of a uniform field", str(rows("profile.csv")[:2]))
     with open(os.path.join(SCRATCH, run, "report.html"), encoding="utf-8") as file:
         page = file.read()
-    check(report, "<b class=\"sound\">sound</b>" in page and "body arrow block" in page and page.count("data:image/png") == 6,
-                 "the report has verdict, deck, four frames, energies and gauges", str(page.count("data:image/png")))
+    check(report, "<b class=\"sound\">sound</b>" in page and "body arrow block" in page and page.count("data:image/png") == 8,
+                 "the report has verdict, deck, four frames, energies, drift, momentum and gauges", str(page.count("data:image/png")))
     for row in ("mean velocity, x</td><td>2</td><td>2</td>", "mass</td><td>72</td><td>72</td>", "momentum, x</td><td>144</td><td>144</td>",
                 "kinetic energy</td><td>180</td><td>180</td>", "extent, x</td><td>0.25 … 5.75</td><td>8.25 … 13.75</td>"):
-        check(report, row in page, f"the report's table of bodies has {row}", page[page.find("<h2>Bodies"):][:3000])
-    check(report, "2.2361 m/s at the start" in page and "0 % lost" in page, "what flies on loses nothing", page[page.find("<h2>Bodies"):][:300])
+        check(report, row in page, f"the report's table of bodies has {row}", page[page.find("<h2>What"):][:3000])
+    check(report, "2.2361 m/s at the start" in page and "0 % lost" in page, "what flies on loses nothing", page[page.find("<h2>What"):][:300])
     for words, saying in ((("picture", "nowhere.out"), "no such file"), (("picture", run, "--field", "presure"), "no field 'presure'"),
                           (("gauges", run, "--column", "x_y"), "no column 'x_y'"), (("picture", run, "--step", "99"), "no dump '99'"),
                           (("slice", run, "--plane", "q=1"), "expected x=PLACE"), (("slice", run, "--plane", "y=99"), "fewer than two")):
