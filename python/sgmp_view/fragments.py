@@ -17,6 +17,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import ListedColormap
+from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from .files import dumps_of, folder_of, label, plot_style, read_dump, read_units
 from .impact import number
@@ -141,9 +142,8 @@ def figure_of_pieces(folder, matter, rank, view="y", shrink=1.0):
     figure, axis = draw_cloud(
         points, values, None, read_units(folder), matter.spacing, None, drawing, "ryz" if matter.is_round else "xyz"
     )
-    patches = [plt.Rectangle((0, 0), 1, 1, color=colour) for colour in ("#c8c8c8", "#222222")]
-    axis.legend(patches, ["failed", "smaller than a cell"], fontsize=8, loc="upper right")
-    axis.set_title("Pieces, a colour each", loc="left", fontweight="bold")
+    axis.set_title("Pieces, a colour each\n", loc="left", fontweight="bold")
+    axis.text(0, 1.02, "grey: failed; black: smaller than a cell", transform=axis.transAxes, fontsize=8)
     return figure
 
 
@@ -159,9 +159,14 @@ def figure_of_masses(folder, result):
     figure, axis = plt.subplots(figsize=(5.4, 3.6), layout="constrained")
     for name, masses in bodies.items():
         axis.step(masses, np.arange(1, len(masses) + 1), where="pre", marker=".", label=name)
-    axis.set(
-        xscale="log", yscale="log", xlabel=label("mass", read_units(folder)["mass"]), ylabel="pieces that are as heavy"
-    )
+    axis.set(xlabel=label("mass", read_units(folder)["mass"]), ylabel="pieces that are as heavy")
+    if max(masses[0] / masses[-1] for masses in bodies.values()) > 10:
+        axis.set_xscale("log")
+        axis.xaxis.set_minor_formatter(NullFormatter())
+    if max(map(len, bodies.values())) > 30:
+        axis.set_yscale("log")
+    else:
+        axis.yaxis.set_major_locator(MaxNLocator(integer=True))
     axis.set_title("Distribution of masses", loc="left", fontweight="bold")
     axis.legend()
     return figure

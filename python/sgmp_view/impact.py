@@ -78,7 +78,8 @@ def lines_of(wall, units, plane):
         yield "crater, volume", number(crater["volume"], units["length"] and units["length"] + power)
     if not wall["perforated"]:
         yield "least thickness left", f"{length(thickness['least'])} of {length(thickness['start'])}"
-    yield "bulge at the rear", f"{length(bulge['height'])} high, radius {length(bulge['radius'])}"
+    swollen = f"{length(bulge['height'])} high, radius {length(bulge['radius'])}"
+    yield "bulge at the rear", swollen if bulge["radius"] > 0 else "none"
     yield "whole piece that is left", f"{mass(wall['mass_left'])} of {mass(wall['mass_at_start'])}"
     if wall["failed_mass"]:
         yield "failed", mass(wall["failed_mass"])

@@ -131,13 +131,11 @@ def verdict_of(summary):
 def tables(values, titles):
     """The tables of numbers."""
     for title, rows in ROWS:
-        if title not in titles:
-            continue
-        yield f"<h2>{title}</h2><table>"
-        for key, words in rows:
-            if values.get(key) not in (None, ""):
-                yield f"<tr><td>{words}</td><td>{html.escape(text_of(values[key]))}</td></tr>"
-        yield "</table>"
+        known = [(words, values[key]) for key, words in rows if values.get(key) not in (None, "")]
+        if title in titles and known:
+            yield f"<h2>{title}</h2><table>"
+            yield from (f"<tr><td>{words}</td><td>{html.escape(text_of(value))}</td></tr>" for words, value in known)
+            yield "</table>"
 
 
 # ---------------------------------------------------------------- the answer
@@ -264,8 +262,11 @@ def pieces(folder, now, units):
 
 
 def common_window(clouds):
-    """Corners of a box that holds the first cloud and nearly all of the others, whose debris would make the rest small."""
+    """Corners of a box that holds the first cloud and nearly all of every body in the others; single debris would make it small."""
     ends = [np.percentile(cloud.points, [0.5, 99.5], axis=0) for cloud in clouds]
+    for cloud in clouds:
+        body = cloud.fields.get("body", np.zeros(0, int))
+        ends += [np.percentile(cloud.points[body == number], [2, 98], axis=0) for number in np.unique(body)]
     ends.append([clouds[0].points.min(axis=0), clouds[0].points.max(axis=0)])
     return np.min([end[0] for end in ends], axis=0), np.max([end[1] for end in ends], axis=0)
 

@@ -440,7 +440,7 @@ def page(report):
             "<h2>State",
             "id=verdict",
             "<h2>Energy",
-            "<h2>Cost",
+            "<h2>Scene",
             "<h2>Deck",
         )
     ]
