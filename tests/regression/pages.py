@@ -9,9 +9,11 @@ usage: pages.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 
 import base64
+import functools
 import glob
 import html
 import html.parser
+import http.server
 import importlib.util
 import json
 import os
@@ -20,6 +22,7 @@ import shutil
 import struct
 import subprocess
 import sys
+import threading
 
 from _runs import ENVIRONMENT, SCRATCH, SGMP, SOURCE, Report
 
@@ -50,8 +53,9 @@ output vtu every=1 fields=stress,pressure
 LOOK = """<script>window.addEventListener('load', () => {
   const images = [...document.images].map(i => [i.complete && i.naturalWidth > 0, i.getBoundingClientRect().width]);
   const texts = [...document.querySelectorAll('p,li,td,th,h1,h2,a,pre')].filter(e => e.textContent.trim());
-  const wide = texts.filter(e => !e.closest('.wide,pre,.wy-nav-side,.wy-table-responsive') && (
-    e.getBoundingClientRect().right > innerWidth + 1));
+  const scrolls = e => e && (['auto', 'scroll'].includes(getComputedStyle(e).overflowX) || scrolls(e.parentElement));
+  const wide = texts.filter(e => e.getBoundingClientRect().right > innerWidth + 1 && !scrolls(e)
+    && !e.closest('.wy-nav-side'));
   const found = {width: innerWidth, scroll: document.documentElement.scrollWidth, images: images, texts: texts.length,
     least: Math.min(...texts.map(e => parseFloat(getComputedStyle(e).fontSize))), height: document.body.scrollHeight,
     wide: wide.map(e => e.textContent.slice(0, 40))};
@@ -101,23 +105,31 @@ def parsed(report, path):
     return len(tags.pictures)
 
 
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    """Serves the pages of `make doc`, whose search does not work from files."""
+
+    def log_message(self, *words):
+        pass
+
+
 def browser():
     """The program, or None."""
     names = (os.environ.get("CHROMIUM"), "chromium", "chromium-browser", "google-chrome")
     return next((shutil.which(name) for name in names if name and shutil.which(name)), None)
 
 
-def shown(program, path, width):
+def shown(program, path, width, place):
     """What the page says of itself once it is shown, lines of its console; a screenshot is left in the scratch folder."""
+    place = place or f"file://{os.path.dirname(path)}"
     copy, frame = os.path.join(os.path.dirname(path), "look.html"), os.path.join(SCRATCH, "frame.html")
     with open(path, encoding="utf-8") as file:
         text = file.read()
     with open(copy, "w", encoding="utf-8") as file:
         file.write(text.replace("</body>", LOOK + "</body>"))
     with open(frame, "w", encoding="utf-8") as file:
-        file.write(FRAME % (f"file://{copy}", width))
+        file.write(FRAME % (f"{place}/look.html", width))
     common = [program, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run"]
-    common += [f"--user-data-dir={SCRATCH}/browser", "--enable-logging=stderr", "--virtual-time-budget=3000"]
+    common += [f"--user-data-dir={SCRATCH}/browser", "--enable-logging=stderr", "--virtual-time-budget=10000"]
 
     def called(*words):
         words = [*common, *words]
@@ -130,15 +142,22 @@ def shown(program, path, width):
         name = os.path.splitext(os.path.basename(path))[0]
         found["screenshot"] = os.path.join(SCRATCH, f"{name}_{width}.png")
         height = min(int(found["height"]) + 40, 12000)
-        called(f"--window-size={width},{height}", f"--screenshot={found['screenshot']}", f"file://{path}")
+        called(
+            f"--window-size={width},{height}",
+            f"--screenshot={found['screenshot']}",
+            f"{place}/{os.path.basename(path)}",
+        )
     os.remove(copy)
     return found, [line for line in done.stderr.splitlines() if "CONSOLE" in line]
 
 
-def looked_at(report, program, path, pictures):
+def looked_at(report, program, path, pictures, place=None):
     """A page at both widths."""
     for width in WIDTHS:
-        found, console = shown(program, path, width)
+        for _ in range(3):  # a page from a server is not always shown in time
+            found, console = shown(program, path, width, place)
+            if found:
+                break
         what = f"{os.path.basename(path)} at {width}"
         if not report.check(found, f"{what}: not shown"):
             continue
@@ -194,9 +213,12 @@ def main():
         if program:
             looked_at(report, program, path, pictures)
     site = os.path.join(SOURCE, "build", "site", "html")
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=site))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
     for name in ("index.html", "README.html", "doc/user-guide.html", "doc/verdict.html"):
         for path in glob.glob(os.path.join(site, name)) if program else ():
-            looked_at(report, program, path, None)
+            looked_at(report, program, path, None, f"http://127.0.0.1:{server.server_port}/{os.path.dirname(name)}")
+    server.shutdown()
     if not program:
         print("no Chromium: pages were parsed, not shown")
     report.end()
