@@ -1,18 +1,25 @@
-"""Energies, energy drift and momentum of one or several runs.
+"""Energies, energy drift and momentum of one or several runs; accelerations of bodies, filtered.
 
     sgmp-view history taylor_bar.out
     sgmp-view history mpm.out sgmp.out -o comparison.png
+    sgmp-view history cushion.out --cfc 180 --body head
 
 Reads history.csv of each output folder. Energies: kinetic, internal, total. Drift: the ledger's unexplained remainder
 `energy_remainder` and the change of the total less external work and dissipation, relative to the largest energy.
+
+--acceleration draws the accelerations of bodies instead and prints their peaks, --cfc filters them first as SAE J211
+and ISO 6487 have it: channel frequency class 60, 180, 600, 1000 or another; it needs units and rows of bodies.csv
+(`history every=…`) ten times as dense as the class, in hertz.
 """
 
+import json
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
+from .acceleration import AXES, accelerations, peaks_of
 from .files import SgmpFileError, folder_of, label, plot_style, read_history, read_units, run_name
 
 ENERGIES = (("kinetic_energy", "kinetic", "#1f77b4"), ("internal_energy", "internal", "#d62728"),
@@ -92,15 +99,59 @@ def plot(folders, output):
         plt.close(drawing)
 
 
+def draw_accelerations(folders, options, output):
+    """Accelerations of bodies over time, and a line for each with its peaks; all of it as a dict."""
+    result = {}
+    style, units = plot_style(), read_units(folder_of(folders[0]))
+    with plt.rc_context(style):
+        drawing, axis = plt.subplots(figsize=(7.5, 4.2), layout="constrained")
+        for folder in map(folder_of, folders):
+            raw = dict((name, (time, values)) for name, time, values, _ in accelerations(folder, None, options.body))
+            for name, time, values, mass in accelerations(folder, options.cfc, options.body):
+                words = name if len(folders) == 1 else f"{run_name(folder)}: {name}"
+                result[words] = peaks_of(time, values, mass)
+                along = max(AXES, key=lambda k: abs(result[words]["along"][k]))
+                line = axis.plot(time, values[:, AXES.index(along)], label=f"{words}, {along}")[0]
+                if options.cfc:
+                    axis.plot(*shown(raw[name], AXES.index(along)), color=line.get_color(), alpha=0.25, linewidth=0.6, zorder=1)
+        filtered = f", CFC {options.cfc:g}" if options.cfc else ", not filtered"
+        axis.set(xlabel=label("time", units["time"]), ylabel=f"acceleration (m/s²{filtered})")
+        axis.legend()
+        drawing.savefig(output)
+        plt.close(drawing)
+    for words, peak in result.items():
+        along = ", ".join(f"{k} {peak['along'][k]:.5g}" for k in AXES if peak["along"][k])
+        print(f"{words}: peak {peak['peak']:.5g} m/s² ({peak['peak_g']:.4g} g) at {peak['time']:.5g} {units['time']}{filtered}"
+              f"; along {along or 'none'}; force {peak['force']:.5g} N")
+    return {"cfc": options.cfc, "bodies": result}
+
+
+def shown(raw, k):
+    """Times and one component of what was not filtered."""
+    return raw[0], raw[1][:, k]
+
+
 def arguments(parser):
     """Arguments of the command."""
     parser.add_argument("folders", nargs="+", type=Path, metavar="OUT_DIR", help="output folder(s) of sgmp")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE",
-                        help="picture (.png, .pdf, .svg); default: history.png in the first folder")
+                        help="picture (.png, .pdf, .svg); default: history.png or acceleration.png in the first folder")
+    parser.add_argument("--acceleration", action="store_true", help="accelerations of bodies and their peaks instead of energies")
+    parser.add_argument("--cfc", type=float, metavar="CLASS", help="accelerations filtered by a channel frequency class: 60, 180, 600, 1000")
+    parser.add_argument("--body", action="append", metavar="NAME", help="accelerations of this body; may be repeated (default: all)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the peaks of accelerations")
 
 
 def run(options):
     """Draws the figure and prints its name."""
-    output = options.output or folder_of(options.folders[0]) / "history.png"
-    plot(options.folders, output)
+    wants = options.acceleration or options.cfc is not None or options.body or options.json
+    if options.cfc is not None and not options.cfc > 0:
+        raise ValueError(f"--cfc {options.cfc:g} is not positive")
+    output = options.output or folder_of(options.folders[0]) / ("acceleration.png" if wants else "history.png")
+    if wants:
+        result = draw_accelerations(options.folders, options, output)
+        if options.json:
+            options.json.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    else:
+        plot(options.folders, output)
     print(output)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pages of `sgmp-view report` in a browser: every picture shown, nothing in the console, readable at 1280 and at 400 pixels.
+"""Pages of `sgmp-view report` in a browser: every picture shown, nothing in the console, readable at two widths.
 
 The browser is Chromium without a display (chromium of Debian, or what CHROMIUM names; scripts/setup/setup.sh --test
 installs it). Without one the pages are only parsed: tags, pictures, nothing from elsewhere. Screenshots stay in the
@@ -119,7 +119,7 @@ def browser():
 
 
 def shown(program, path, width, place):
-    """What the page says of itself once it is shown, lines of its console; a screenshot is left in the scratch folder."""
+    """What the page says of itself once it is shown, lines of its console; a screenshot stays in the scratch folder."""
     place = place or f"file://{os.path.dirname(path)}"
     copy, frame = os.path.join(os.path.dirname(path), "look.html"), os.path.join(SCRATCH, "frame.html")
     with open(path, encoding="utf-8") as file:
