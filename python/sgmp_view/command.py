@@ -35,8 +35,8 @@ def main(words=None):
     options = parser().parse_args(words)
     try:
         code = COMMANDS[options.command].run(options)
-    except (SgmpFileError, OSError, ValueError) as problem:
-        sys.exit(f"sgmp-view {options.command}: {problem}")
     except BrokenPipeError:
         code = 0
+    except (SgmpFileError, OSError, ValueError) as problem:
+        sys.exit(f"sgmp-view {options.command}: {problem}")
     sys.exit(code or 0)

@@ -12,6 +12,7 @@ plastic strain, else pressure, else speed.
 """
 
 import argparse
+import itertools
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -170,24 +171,9 @@ def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=N
     if cut is not False and not flat:
         keep = depth <= (0.5 * (depth.min() + depth.max()) if cut is True else sign * cut)
     canvas = Canvas(lower, upper, spacing, 12 if len(points) < 200000 else 6, most)
-    if flat:
-        _, colour = canvas.splat(plane, np.zeros(len(plane)), values, 0.55 * spacing, square=True)
-        solid = close_gaps(np.isfinite(colour), int(0.6 * spacing / canvas.size))  # closer than about a cell of two particles
-        if not whole_numbers:
-            colour = np.where(np.isfinite(colour), colour, smooth(colour, 0.3 * spacing / canvas.size, solid))
-        image = mappable.to_rgba(colour)
-        image[~np.isfinite(colour), 3] = 0.0
-    else:
-        front, colour = canvas.splat(plane[keep], depth[keep], values[keep], (0.75 if whole_numbers else 0.6) * spacing, square=False)
-        pixels = spacing / canvas.size
-        solid = close_gaps(np.isfinite(colour), int(round(0.8 * pixels)))
-        everywhere = np.ones_like(solid)  # depth beyond the edge too, so that its slope is right at the edge
-        if whole_numbers:
-            solid = np.isfinite(colour)
-        image = mappable.to_rgba(colour if whole_numbers else smooth(colour, 0.4 * pixels, solid))
-        brightness = shade(smooth(front, 1.1 * pixels, everywhere), canvas.size)
-        image[..., :3] = np.clip(image[..., :3] * brightness[..., None], 0, 1)
-        image[~solid, 3] = 0.0
+    loose = loose_of(points[keep], spacing)
+    image, front = surface_of(canvas, plane[keep][~loose], depth[keep][~loose], values[keep][~loose], mappable, spacing, flat, whole_numbers)
+    draw_balls(canvas, plane[keep][loose], depth[keep][loose], values[keep][loose], mappable, spacing, flat, image, front)
     axis.imshow(image, origin="lower", extent=canvas.extent, interpolation="bilinear", zorder=2)
     if outline is not None:
         mask, _ = canvas.splat(clouds[1], np.zeros(len(outline)), np.ones(len(outline)), 0.5 * spacing, square=True)
@@ -198,6 +184,61 @@ def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=N
     axis.set(xlim=canvas.extent[:2], ylim=canvas.extent[2:], aspect="equal")
     axis.grid(False)
     return mappable
+
+
+def loose_of(points, spacing):
+    """Which particles fly with few others: at most 5 in a cube (3 in a square) of three spacings, wherever that lies."""
+    if len(points) == 0:
+        return np.zeros(0, bool)
+    wide = np.ptp(points, axis=0) > 0
+    most = np.zeros(len(points), int)
+    for shift in itertools.product((0.0, 0.5), repeat=int(wide.sum())):
+        cells = np.floor(points[:, wide] / (3 * spacing) + shift).astype(np.int64)
+        cells -= cells.min(axis=0)
+        keys = cells @ np.cumprod(np.concatenate([[1], (cells.max(axis=0) + 1)[:-1]]))
+        _, place, count = np.unique(keys, return_inverse=True, return_counts=True)
+        most = np.maximum(most, count[place.ravel()])
+    return most <= {1: 1, 2: 3}.get(int(wide.sum()), 5)
+
+
+def surface_of(canvas, plane, depth, values, mappable, spacing, flat, whole_numbers):
+    """Picture of particles that lie close, as one surface, and its depth."""
+    pixels = spacing / canvas.size
+    if len(plane) == 0:
+        return np.zeros((*canvas.shape, 4)), np.full(canvas.shape, -np.inf)
+    if flat:
+        front, colour = canvas.splat(plane, np.zeros(len(plane)), values, 0.55 * spacing, square=True)
+        solid = close_gaps(np.isfinite(colour), int(0.6 * pixels))  # closer than about a cell of two particles
+        if not whole_numbers:                          # round outlines in place of steps of particles
+            solid = smooth(solid.astype(float), 0.35 * pixels) > 0.5
+            colour = smooth(colour, 0.4 * pixels, solid)
+        image = mappable.to_rgba(colour)
+        image[~np.isfinite(colour), 3] = 0.0
+        return image, np.where(np.isfinite(colour), 0.0, -np.inf)
+    front, colour = canvas.splat(plane, depth, values, (0.75 if whole_numbers else 0.6) * spacing, square=False)
+    solid = np.isfinite(colour) if whole_numbers else close_gaps(np.isfinite(colour), int(round(0.8 * pixels)))
+    everywhere = np.ones_like(solid)                   # depth beyond the edge too, so that its slope is right at the edge
+    image = mappable.to_rgba(colour if whole_numbers else smooth(colour, 0.4 * pixels, solid))
+    front = smooth(front, 1.1 * pixels, everywhere)
+    image[..., :3] = np.clip(image[..., :3] * shade(front, canvas.size)[..., None], 0, 1)
+    image[~solid, 3] = 0.0
+    return image, np.where(solid, front, -np.inf)
+
+
+def draw_balls(canvas, plane, depth, values, mappable, spacing, flat, image, front):
+    """Particles that fly alone, as shaded balls (in the plane as dots) in front of a surface, into its picture."""
+    if len(plane) == 0:
+        return
+    radius = max(0.6 * spacing, max(2.5, 0.0025 * max(canvas.shape)) * canvas.size)
+    nearest, which = canvas.splat(plane, np.zeros(len(plane)) if flat else depth, np.arange(len(plane)), radius, square=False)
+    row, column = np.nonzero(np.isfinite(which) & (np.isinf(front) if flat else ~(nearest < front)))
+    own = which[row, column].astype(int)
+    colours = mappable.to_rgba(values[own])
+    if not flat:
+        offset = (canvas.lower + (np.column_stack([column, row]) + 0.5) * canvas.size - plane[own]) / radius
+        normal = np.column_stack([offset, np.sqrt(np.maximum(0, 1 - (offset**2).sum(axis=1)))])
+        colours[:, :3] = np.clip(colours[:, :3] * (0.62 + 0.52 * np.clip(normal @ LIGHT, 0, 1))[:, None], 0, 1)
+    image[row, column] = colours
 
 
 def normal_of(points, axis):
@@ -241,6 +282,10 @@ def draw_cloud(points, values, name, units, spacing, outline, options, axes="xyz
     extent = np.ptp(shown[:, [across, up]], axis=0) + 3 * spacing
     size = getattr(options, "shrink", 1.0) * extent * min(7.5 / extent[0], 6.5 / extent[1])
     figure, axis = plt.subplots(figsize=(max(size[0], 1.8) + 1.9, max(size[1], 1.8) + 0.9), layout="constrained")
+    if box is not None:                                # what lies beyond would only make pixels large
+        low, high = shown.min(axis=0) - 3 * spacing, shown.max(axis=0) + 3 * spacing
+        inside = np.all((points >= low) & (points <= high), axis=1)
+        points, values = (points[inside], values[inside]) if inside.sum() > 1 else (points, values)
     mappable = draw_particles(axis, points, values, spacing, view, options.cut, outline, options.limits, options.cmap, getattr(options, "most_pixels", 2200),
                               getattr(options, "whole_numbers", False))
     if name is not None:

@@ -334,6 +334,18 @@ def gauge_figure(folder, units):
     return embedded(figure, "pressure at the gauges")
 
 
+def gauge_table(folder, units):
+    """Largest pressure of each gauge, its time and the impulse."""
+    unit, time = units["stress"], units["time"]
+    heads = ("gauge", label("largest pressure", unit), label("at", time), label("impulse", f"{unit} {time}".strip()))
+    yield "<table><tr>" + "".join(f"<th>{html.escape(head)}</th>" for head in heads) + "</tr>"
+    for name, rows in gauges.series(folder):
+        found = gauges.summary_of(rows["time"], rows["pressure"])
+        numbers = (found[key] for key in ("largest", "time_of_largest", "impulse"))
+        yield f"<tr><td>{html.escape(name)}</td>" + "".join(f"<td>{number:.5g}</td>" for number in numbers) + "</tr>"
+    yield "</table>"
+
+
 def deck_of(folder):
     """The deck with all defaults, as the log has it."""
     log = folder / "run.log"
@@ -389,7 +401,7 @@ def page(folder, options):
         except SgmpFileError as problem:
             yield f"<p>No energies: {html.escape(str(problem))}</p>"
         if (folder / "gauges.csv").exists():
-            yield "<h2>Gauges</h2>" + gauge_figure(folder, units)
+            yield "<h2>Gauges</h2>" + gauge_figure(folder, units) + "".join(gauge_table(folder, units))
     yield from tables(values, ["Scene", "Cost"])
     yield f"<h2>Deck, with all defaults</h2><pre>{html.escape(deck_of(folder))}</pre></body></html>"
 

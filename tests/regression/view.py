@@ -7,6 +7,7 @@ import contextlib
 import csv
 import importlib.util
 import io
+import json
 import os
 import shutil
 import signal
@@ -23,6 +24,7 @@ sys.path.insert(0, os.path.join(SOURCE, "python"))
 import numpy as np  # noqa: E402
 import sgmp_view  # noqa: E402
 from sgmp_view import command  # noqa: E402
+from sgmp_view.gauges import summary_of  # noqa: E402
 from sgmp_view.grid_convergence import richardson  # noqa: E402
 from sgmp_view.profile import layers  # noqa: E402
 from sgmp_view.revolve import revolve  # noqa: E402
@@ -154,6 +156,13 @@ def figures(report):
         code, text = view(*words)
         path = os.path.join(SCRATCH, text.strip().split("\n")[-1])
         check(report, code == 0 and os.path.getsize(path) > 1000, " ".join(words[:2]), text)
+    code, text = view("gauges", run, "--column", "velocity_x", "--json", "gauges.json")
+    with open("gauges.json", encoding="utf-8") as file:
+        found = json.load(file)["gauges"]["corner"]
+    check(report, abs(found["largest"] - 2) < 1e-9 and abs(found["impulse"] - 2*4) < 1e-6 and "impulse (m/s ms)" in text, "what flies at 2 for 4", text)
+    time, saw = np.array([0.0, 1.0, 3.0, 4.0]), np.array([0.0, 6.0, -2.0, 0.0])
+    check(report, summary_of(time, saw) == {"largest": 6.0, "time_of_largest": 1.0, "least": -2.0, "time_of_least": 3.0, "impulse": 6.0},
+          "peak and impulse of straight lines", str(summary_of(time, saw)))
     check(report, all(abs(float(row["velocity_x"]) - 2) < 1e-6 for row in rows("profile.csv")), "profile of a uniform field", str(rows("profile.csv")[:2]))
     with open(os.path.join(SCRATCH, run, "report.html"), encoding="utf-8") as file:
         page = file.read()
