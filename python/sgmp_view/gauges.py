@@ -13,7 +13,17 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from .files import SgmpFileError, field_label, field_unit, folder_of, label, plot_style, read_table, read_units, run_name
+from .files import (
+    SgmpFileError,
+    field_label,
+    field_unit,
+    folder_of,
+    label,
+    plot_style,
+    read_table,
+    read_units,
+    run_name,
+)
 
 KEYS = ("step", "time", "gauge", "particle", "name")
 
@@ -30,14 +40,24 @@ def series(folder):
 def summary_of(time, values):
     """Largest and least with their times, integral over time."""
     high, low = int(np.argmax(values)), int(np.argmin(values))
-    return {"largest": float(values[high]), "time_of_largest": float(time[high]), "least": float(values[low]), "time_of_least": float(time[low]),
-            "impulse": float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(time)))}
+    return {
+        "largest": float(values[high]),
+        "time_of_largest": float(time[high]),
+        "least": float(values[low]),
+        "time_of_least": float(time[low]),
+        "impulse": float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(time))),
+    }
 
 
 def table_of(results, column, units):
     """Lines of a table of gauges."""
     unit = field_unit(column, units)
-    heads = (label("largest", unit), label("at", units["time"]), label("least", unit), label("impulse", f"{unit} {units['time']}".strip()))
+    heads = (
+        label("largest", unit),
+        label("at", units["time"]),
+        label("least", unit),
+        label("impulse", f"{unit} {units['time']}".strip()),
+    )
     width = max([5, *map(len, results)])
     yield f"{'gauge':{width}}" + "".join(f"{head:>20}" for head in heads)
     for name, found in results.items():
@@ -50,7 +70,9 @@ def arguments(parser):
     parser.add_argument("folders", nargs="+", type=Path, metavar="OUT_DIR", help="output folder(s) of sgmp")
     parser.add_argument("--column", default="pressure", help="column of gauges.csv (default: pressure)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the table")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="picture; default: gauges_COLUMN.png in the first folder")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="picture; default: gauges_COLUMN.png in the first folder"
+    )
 
 
 def run(options):
@@ -74,5 +96,7 @@ def run(options):
         plt.close(figure)
     print("\n".join(table_of(results, options.column, units)))
     if options.json:
-        options.json.write_text(json.dumps({"column": options.column, "gauges": results}, indent=1) + "\n", encoding="utf-8")
+        options.json.write_text(
+            json.dumps({"column": options.column, "gauges": results}, indent=1) + "\n", encoding="utf-8"
+        )
     print(output)

@@ -22,8 +22,11 @@ from matplotlib.ticker import MaxNLocator
 from .acceleration import AXES, accelerations, peaks_of
 from .files import SgmpFileError, folder_of, label, plot_style, read_history, read_units, run_name
 
-ENERGIES = (("kinetic_energy", "kinetic", "#1f77b4"), ("internal_energy", "internal", "#d62728"),
-            ("total_energy", "total", "#222222"))
+ENERGIES = (
+    ("kinetic_energy", "kinetic", "#1f77b4"),
+    ("internal_energy", "internal", "#d62728"),
+    ("total_energy", "total", "#222222"),
+)
 LINES = ("-", "--", ":", "-.")
 
 
@@ -31,8 +34,10 @@ def drift(history):
     """Change of total energy that neither work nor recorded dissipation explains, relative to the largest energy."""
     total = history["total_energy"]
     scale = max(np.max(np.abs(total)), np.max(np.abs(history["kinetic_energy"])), np.finfo(float).tiny)
-    explained = sum(sign * history.get(name, 0.0) for name, sign in (
-        ("external_work", 1.0), ("contact_dissipation", -1.0), ("damping_dissipation", -1.0)))
+    explained = sum(
+        sign * history.get(name, 0.0)
+        for name, sign in (("external_work", 1.0), ("contact_dissipation", -1.0), ("damping_dissipation", -1.0))
+    )
     change = total - total[0] - (explained - np.atleast_1d(explained)[0])
     return change / scale, history.get("energy_remainder", np.zeros_like(total)) / scale
 
@@ -40,8 +45,7 @@ def drift(history):
 def plot_energies(axis, histories, names, units):
     for run, history in enumerate(histories):
         for key, text, colour in ENERGIES:
-            axis.plot(history["time"], history[key], LINES[run % 4], color=colour,
-                      label=text if run == 0 else None)
+            axis.plot(history["time"], history[key], LINES[run % 4], color=colour, label=text if run == 0 else None)
     if len(histories) > 1:
         for run, name in enumerate(names):
             axis.plot([], [], LINES[run % 4], color="0.4", label=name)
@@ -113,7 +117,13 @@ def draw_accelerations(folders, options, output):
                 along = max(AXES, key=lambda k: abs(result[words]["along"][k]))
                 line = axis.plot(time, values[:, AXES.index(along)], label=f"{words}, {along}")[0]
                 if options.cfc:
-                    axis.plot(*shown(raw[name], AXES.index(along)), color=line.get_color(), alpha=0.25, linewidth=0.6, zorder=1)
+                    axis.plot(
+                        *shown(raw[name], AXES.index(along)),
+                        color=line.get_color(),
+                        alpha=0.25,
+                        linewidth=0.6,
+                        zorder=1,
+                    )
         filtered = f", CFC {options.cfc:g}" if options.cfc else ", not filtered"
         axis.set(xlabel=label("time", units["time"]), ylabel=f"acceleration (m/s²{filtered})")
         axis.legend()
@@ -121,8 +131,10 @@ def draw_accelerations(folders, options, output):
         plt.close(drawing)
     for words, peak in result.items():
         along = ", ".join(f"{k} {peak['along'][k]:.5g}" for k in AXES if peak["along"][k])
-        print(f"{words}: peak {peak['peak']:.5g} m/s² ({peak['peak_g']:.4g} g) at {peak['time']:.5g} {units['time']}{filtered}"
-              f"; along {along or 'none'}; force {peak['force']:.5g} N")
+        print(
+            f"{words}: peak {peak['peak']:.5g} m/s² ({peak['peak_g']:.4g} g) at {peak['time']:.5g} {units['time']}{filtered}"
+            f"; along {along or 'none'}; force {peak['force']:.5g} N"
+        )
     return {"cfc": options.cfc, "bodies": result}
 
 
@@ -134,11 +146,25 @@ def shown(raw, k):
 def arguments(parser):
     """Arguments of the command."""
     parser.add_argument("folders", nargs="+", type=Path, metavar="OUT_DIR", help="output folder(s) of sgmp")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE",
-                        help="picture (.png, .pdf, .svg); default: history.png or acceleration.png in the first folder")
-    parser.add_argument("--acceleration", action="store_true", help="accelerations of bodies and their peaks instead of energies")
-    parser.add_argument("--cfc", type=float, metavar="CLASS", help="accelerations filtered by a channel frequency class: 60, 180, 600, 1000")
-    parser.add_argument("--body", action="append", metavar="NAME", help="accelerations of this body; may be repeated (default: all)")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="picture (.png, .pdf, .svg); default: history.png or acceleration.png in the first folder",
+    )
+    parser.add_argument(
+        "--acceleration", action="store_true", help="accelerations of bodies and their peaks instead of energies"
+    )
+    parser.add_argument(
+        "--cfc",
+        type=float,
+        metavar="CLASS",
+        help="accelerations filtered by a channel frequency class: 60, 180, 600, 1000",
+    )
+    parser.add_argument(
+        "--body", action="append", metavar="NAME", help="accelerations of this body; may be repeated (default: all)"
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the peaks of accelerations")
 
 

@@ -176,7 +176,8 @@ def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=N
     draw_balls(canvas, plane[keep][loose], depth[keep][loose], values[keep][loose], mappable, spacing, flat, image, front)
     axis.imshow(image, origin="lower", extent=canvas.extent, interpolation="bilinear", zorder=2)
     if outline is not None:
-        mask, _ = canvas.splat(clouds[1], np.zeros(len(outline)), np.ones(len(outline)), 0.5 * spacing, square=True)
+        first = clouds[1][np.unique(np.floor(clouds[1] / canvas.size).astype(np.int64), axis=0, return_index=True)[1]]
+        mask, _ = canvas.splat(first, np.zeros(len(first)), np.ones(len(first)), 0.5 * spacing, square=True)
         x, y = (np.linspace(*canvas.extent[k:k + 2], n, endpoint=False) + canvas.size / 2
                 for k, n in ((0, canvas.shape[1]), (2, canvas.shape[0])))
         filled = close_gaps(np.isfinite(mask), int(round(0.5 * spacing / canvas.size))).astype(float)
@@ -201,6 +202,17 @@ def loose_of(points, spacing):
     return most <= {1: 1, 2: 3}.get(int(wide.sum()), 5)
 
 
+def in_sight(plane, depth, spacing):
+    """Which particles may be seen: those less than three spacings behind the foremost ones in all columns around theirs."""
+    column = np.floor((plane - plane.min(axis=0)) / (1.5 * spacing)).astype(int) + 1
+    foremost = np.full(column.max(axis=0) + 2, -np.inf)
+    np.maximum.at(foremost, tuple(column.T), depth)
+    nearby = foremost.copy()
+    for shift in itertools.product((-1, 0, 1), repeat=2):
+        np.minimum(nearby, np.roll(foremost, shift, axis=(0, 1)), out=nearby)
+    return depth >= nearby[tuple(column.T)] - 3 * spacing
+
+
 def surface_of(canvas, plane, depth, values, mappable, spacing, flat, whole_numbers):
     """Picture of particles that lie close, as one surface, and its depth."""
     pixels = spacing / canvas.size
@@ -215,7 +227,8 @@ def surface_of(canvas, plane, depth, values, mappable, spacing, flat, whole_numb
         image = mappable.to_rgba(colour)
         image[~np.isfinite(colour), 3] = 0.0
         return image, np.where(np.isfinite(colour), 0.0, -np.inf)
-    front, colour = canvas.splat(plane, depth, values, (0.75 if whole_numbers else 0.6) * spacing, square=False)
+    seen = in_sight(plane, depth, spacing)
+    front, colour = canvas.splat(plane[seen], depth[seen], values[seen], (0.75 if whole_numbers else 0.6) * spacing, square=False)
     solid = np.isfinite(colour) if whole_numbers else close_gaps(np.isfinite(colour), int(round(0.8 * pixels)))
     everywhere = np.ones_like(solid)                   # depth beyond the edge too, so that its slope is right at the edge
     image = mappable.to_rgba(colour if whole_numbers else smooth(colour, 0.4 * pixels, solid))
