@@ -134,6 +134,12 @@ def along_of(text):
     return sign * np.eye(3)["xyz".index(axis)]
 
 
+def of_folder(folder):
+    """What was measured of the walls of a run at its end."""
+    start, now = start_and_dump(folder)
+    return measured(start, now, Shot(start))
+
+
 def with_clouds_before(result, folder, start, shot):
     """The same with the clouds before they met the next wall, of walls that have one behind them."""
     dumps = dumps_of(folder)

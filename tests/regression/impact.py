@@ -12,6 +12,7 @@ import io
 import json
 import os
 import sys
+from pathlib import Path
 
 from _runs import SCRATCH, SOURCE, Report
 
@@ -22,7 +23,9 @@ sys.path.insert(0, os.path.join(SOURCE, "python"))
 import numpy as np  # noqa: E402
 from _dumps import Cloud, lattice, write_run  # noqa: E402
 from sgmp_view import command  # noqa: E402
+from sgmp_view.files import SgmpFileError, read_units  # noqa: E402
 from sgmp_view.pieces import pieces_of  # noqa: E402
+from sgmp_view.quantities import keep_impact, quantity_of, unit_of  # noqa: E402
 
 S, H = 0.5, 1.0  # spacing, cell
 TOP, BOTTOM = 0.0, -4.0  # of the plate; the shot goes along -z
@@ -356,6 +359,33 @@ def other_spaces(report):
     report.check(code == 0 and "not hit" in text, text)
 
 
+def named(report):
+    """Numbers by name for studies, kept where dumps are gone."""
+    run, units = os.path.join(SCRATCH, "hole"), read_units(os.path.join(SCRATCH, "hole"))
+    with open("hole.json", encoding="utf-8") as file:
+        wall = json.load(file)["walls"][0]
+    for name, expected, unit in (
+        ("opening.diameter", wall["opening"]["diameter"], "mm"),
+        ("opening.area", wall["opening"]["area"], "mm²"),
+        ("perforated", 1.0, ""),
+        ("cloud.momentum", 400.0, "mN s"),
+        ("ejecta.mass", 0.0, "g"),
+        ("cloud.front_speed", 50.0, "m/s"),
+    ):
+        found = quantity_of(run, f"impact.plate.{name}")
+        report.check(abs(found - expected) < 1e-6, f"{name}: {found}, expected {expected}")
+        report.check(unit_of(f"impact.plate.{name}", units) == unit, f"{name}: unit {unit_of(f'impact.plate.{name}', units)}")
+    keep_impact(Path(run))
+    for path in Path(run).glob("particles*"):
+        path.unlink()
+    report.check(quantity_of(run, "impact.plate.crater.lip") == wall["crater"]["lip"], "kept without dumps")
+    try:
+        seen = quantity_of(run, "impact.plate.width")
+    except SgmpFileError as problem:
+        seen = str(problem)
+    report.check("nothing is known of" in str(seen), f"an unknown number: {seen}")
+
+
 def clusters(report):
     """Pieces by comparing all pairs; bodies made of known pieces."""
     rng = np.random.default_rng(5)
@@ -465,7 +495,7 @@ def main():
     """All of it."""
     report = Report()
     os.chdir(SCRATCH)
-    for part in (clusters, holes, craters, debris, other_spaces, page):
+    for part in (clusters, holes, craters, debris, other_spaces, page, named):
         part(report)
     report.end()
 
