@@ -6,9 +6,11 @@ forwards and backwards, so that nothing is shifted in time; its limit frequency 
 of the filtered components. Times are turned into seconds by the units of the deck.
 """
 
+import re
+
 import numpy as np
 
-from .files import SgmpFileError, read_table, read_units
+from .files import SgmpFileError, read_summary_if_any, read_table, read_units
 
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
@@ -52,6 +54,37 @@ def in_si(folder):
         ) from None
 
 
+def in_even_steps(folder, time, means, channel_class):
+    """Means between times, put in the middle of them and brought to equal steps; filtered where a class is given."""
+    if read_summary_if_any(folder).get("dimension") == "axisymmetric":
+        means = means * (0, 1, 1)  # sums of radial components are no resultants
+    middle, step = 0.5 * (time[1:] + time[:-1]), float(np.median(np.diff(time)))
+    even = np.arange(middle[0], middle[-1] + 1e-6 * step, step)
+    values = np.column_stack([np.interp(even, middle, column) for column in means.T])
+    if channel_class:
+        values = np.column_stack([cfc_filtered(column, step, channel_class) for column in values.T])
+    return even, values
+
+
+def contact_forces(folder, channel_class=None, bodies=None):
+    """Of each pair in contact.csv: name, time (deck's units), force on its first body (N, 3 columns), ones."""
+    table = read_table(folder / "contact.csv")
+    second, metre, kilogram = in_si(folder)
+    for pair in np.unique(table["pair"]):
+        rows = table["pair"] == pair
+        name = str(table["bodies"][rows][0])
+        if bodies and not any(body in re.split(r"[ +]", name) for body in bodies):
+            continue
+        time = table["time"][rows] * second
+        if len(time) < 4:
+            raise SgmpFileError(
+                f"{folder}: contact.csv has {len(time)} rows of '{name}'; write more by `history every=…`"
+            )
+        force = np.column_stack([table[f"force_{axis}"][rows] for axis in AXES]) * kilogram * metre / second**2
+        even, values = in_even_steps(folder, time, force[1:], channel_class)
+        yield name, even / second, values, np.ones(len(even))
+
+
 def accelerations(folder, channel_class=None, bodies=None):
     """Of each body: name, time (deck's units), acceleration (m/s², 3 columns), mass (kg); filtered by a class."""
     table = read_table(folder / "bodies.csv")
@@ -67,17 +100,12 @@ def accelerations(folder, channel_class=None, bodies=None):
                 f"{folder}: bodies.csv has {len(time)} rows of '{name}'; write more by `history every=…`"
             )
         velocity = np.column_stack([table[f"velocity_{axis}"][rows] for axis in AXES]) * metre / second
-        middle, change = 0.5 * (time[1:] + time[:-1]), np.diff(velocity, axis=0) / np.diff(time)[:, None]
-        step = float(np.median(np.diff(time)))
-        even = np.arange(middle[0], middle[-1] + 1e-6 * step, step)
-        values = np.column_stack([np.interp(even, middle, column) for column in change.T])
-        if channel_class:
-            values = np.column_stack([cfc_filtered(column, step, channel_class) for column in values.T])
+        even, values = in_even_steps(folder, time, np.diff(velocity, axis=0) / np.diff(time)[:, None], channel_class)
         yield name, even / second, values, np.interp(even, time, table["mass"][rows]) * kilogram
 
 
 def peaks_of(time, values, mass):
-    """Largest resultant with its time, largest values along each axis, largest force, change of velocity."""
+    """Largest resultant with its time, largest values along each axis, largest force; impulse (N, the deck's time)."""
     size = np.linalg.norm(values, axis=1)
     at = int(np.argmax(size))
     signed = [float(column[np.argmax(np.abs(column))]) for column in values.T]
@@ -88,4 +116,5 @@ def peaks_of(time, values, mass):
         "time": float(time[at]),
         "along": dict(zip(AXES, signed)),
         "force": float(np.max(np.linalg.norm(force, axis=1))),
+        "impulse": [float(v) for v in np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(time)[:, None], axis=0)],
     }

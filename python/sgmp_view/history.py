@@ -9,9 +9,10 @@ Reads history.csv of each output folder. Energies: kinetic, internal, total. Dri
 
 --acceleration draws the accelerations of bodies instead and prints their peaks, --cfc filters them first as SAE J211
 and ISO 6487 have it: channel frequency class 60, 180, 600, 1000 or another; it needs units and rows of bodies.csv
-(`history every=…`) ten times as dense as the class, in hertz.
+(`history every=…`) ten times as dense as the class, in hertz. --contact does so with the forces of pairs in contact.
 """
 
+import itertools
 import json
 from pathlib import Path
 
@@ -19,8 +20,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from .acceleration import AXES, accelerations, peaks_of
-from .files import SgmpFileError, folder_of, label, plot_style, read_history, read_units, run_name
+from .acceleration import AXES, accelerations, contact_forces, peaks_of
+from .files import SgmpFileError, folder_of, label, plot_style, read_history, read_table, read_units, run_name
 
 ENERGIES = (
     ("kinetic_energy", "kinetic", "#1f77b4"),
@@ -95,6 +96,21 @@ def figure(folders, axes=None):
     return drawing
 
 
+def energies_of_bodies(axis, folder):
+    """Kinetic and internal energy of each body over time; where there are two bodies or more."""
+    table, units = read_table(folder / "bodies.csv"), read_units(folder)
+    for number, colour in zip(
+        np.unique(table["body"]), itertools.cycle(plt.rcParams["axes.prop_cycle"].by_key()["color"])
+    ):
+        rows = table["body"] == number
+        axis.plot(table["time"][rows], table["kinetic_energy"][rows], color=colour, label=str(table["name"][rows][0]))
+        axis.plot(table["time"][rows], table["internal_energy"][rows], "--", color=colour)
+    axis.set(xlabel=label("time", units["time"]), ylabel=label("energy", units["energy"]))
+    axis.set_title("Bodies: kinetic, - - internal", loc="left", fontweight="bold")
+    axis.xaxis.set_major_locator(MaxNLocator(5))
+    axis.legend(fontsize=8)
+
+
 def plot(folders, output):
     """Writes the figure of one or several runs."""
     with plt.rc_context(plot_style()):
@@ -103,39 +119,43 @@ def plot(folders, output):
         plt.close(drawing)
 
 
-def draw_accelerations(folders, options, output):
-    """Accelerations of bodies over time, and a line for each with its peaks; all of it as a dict."""
-    result = {}
+def draw_signals(folders, options, output):
+    """Accelerations of bodies, or forces of contact, over time, and a line for each with its peaks; all as a dict."""
+    result, read = {}, contact_forces if options.contact else accelerations
     style, units = plot_style(), read_units(folder_of(folders[0]))
+    filtered = f", CFC {options.cfc:g}" if options.cfc else ", not filtered"
     with plt.rc_context(style):
         drawing, axis = plt.subplots(figsize=(7.5, 4.2), layout="constrained")
         for folder in map(folder_of, folders):
-            raw = dict((name, (time, values)) for name, time, values, _ in accelerations(folder, None, options.body))
-            for name, time, values, mass in accelerations(folder, options.cfc, options.body):
+            raw = dict((name, (time, values)) for name, time, values, _ in read(folder, None, options.body))
+            for name, time, values, mass in read(folder, options.cfc, options.body):
                 words = name if len(folders) == 1 else f"{run_name(folder)}: {name}"
                 result[words] = peaks_of(time, values, mass)
                 along = max(AXES, key=lambda k: abs(result[words]["along"][k]))
                 line = axis.plot(time, values[:, AXES.index(along)], label=f"{words}, {along}")[0]
                 if options.cfc:
-                    axis.plot(
-                        *shown(raw[name], AXES.index(along)),
-                        color=line.get_color(),
-                        alpha=0.25,
-                        linewidth=0.6,
-                        zorder=1,
-                    )
-        filtered = f", CFC {options.cfc:g}" if options.cfc else ", not filtered"
-        axis.set(xlabel=label("time", units["time"]), ylabel=f"acceleration (m/s²{filtered})")
+                    faint = {"color": line.get_color(), "alpha": 0.25, "linewidth": 0.6, "zorder": 1}
+                    axis.plot(*shown(raw[name], AXES.index(along)), **faint)
+        what = "force of contact (N" if options.contact else "acceleration (m/s²"
+        axis.set(xlabel=label("time", units["time"]), ylabel=f"{what}{filtered})")
         axis.legend()
         drawing.savefig(output)
         plt.close(drawing)
     for words, peak in result.items():
-        along = ", ".join(f"{k} {peak['along'][k]:.5g}" for k in AXES if peak["along"][k])
-        print(
-            f"{words}: peak {peak['peak']:.5g} m/s² ({peak['peak_g']:.4g} g) at {peak['time']:.5g} {units['time']}{filtered}"
-            f"; along {along or 'none'}; force {peak['force']:.5g} N"
-        )
-    return {"cfc": options.cfc, "bodies": result}
+        print(f"{words}: {line_of(peak, units['time'], options.contact)}{filtered}")
+    return {"cfc": options.cfc, "pairs" if options.contact else "bodies": result}
+
+
+def line_of(peak, time, contact):
+    """Peaks in words."""
+    along = ", ".join(f"{k} {peak['along'][k]:.5g}" for k in AXES if peak["along"][k]) or "none"
+    if contact:
+        impulse = ", ".join(f"{v:.5g}" for v in peak["impulse"])
+        return f"peak {peak['peak']:.5g} N at {peak['time']:.5g} {time}; along {along}; impulse ({impulse}) N {time}"
+    return (
+        f"peak {peak['peak']:.5g} m/s² ({peak['peak_g']:.4g} g) at {peak['time']:.5g} {time}; along {along};"
+        f" force {peak['force']:.5g} N"
+    )
 
 
 def shown(raw, k):
@@ -165,17 +185,20 @@ def arguments(parser):
     parser.add_argument(
         "--body", action="append", metavar="NAME", help="accelerations of this body; may be repeated (default: all)"
     )
+    parser.add_argument("--contact", action="store_true", help="forces of the pairs in contact, as accelerations are")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the peaks of accelerations")
 
 
 def run(options):
     """Draws the figure and prints its name."""
-    wants = options.acceleration or options.cfc is not None or options.body or options.json
+    wants = options.acceleration or options.cfc is not None or options.body or options.json or options.contact
     if options.cfc is not None and not options.cfc > 0:
         raise ValueError(f"--cfc {options.cfc:g} is not positive")
-    output = options.output or folder_of(options.folders[0]) / ("acceleration.png" if wants else "history.png")
+    output = options.output or folder_of(options.folders[0]) / (
+        ("contact.png" if options.contact else "acceleration.png") if wants else "history.png"
+    )
     if wants:
-        result = draw_accelerations(options.folders, options, output)
+        result = draw_signals(options.folders, options, output)
         if options.json:
             options.json.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     else:

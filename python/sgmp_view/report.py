@@ -36,6 +36,7 @@ from .movie import limits_of
 from .picture import field_of
 from .wall import Shot
 
+MOST_BODIES = 7  # whose energies are drawn
 SHRINK = 0.62  # pictures are drawn smaller than alone, so that their letters can be read on narrow screens
 STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:68em;margin:1.5em auto;padding:0 1em;color:#222}
 h1{font-size:1.5em;margin-bottom:.2em}h2{font-size:1.15em;margin-top:2em;border-bottom:1px solid #ccc}
@@ -173,19 +174,21 @@ class Dumps:
 def answers(folder, units, dumps):
     """What came out: the projectile's loss, walls, pieces, and a table of each body at start and end."""
     yield "<h2>What came out</h2>"
+    ends = dumps.ends()
+    try:
+        start, now = (matter_of(folder, cloud, ends[0]) for cloud in ends) if ends else (None, None)
+    except (SgmpFileError, KeyError):
+        start = now = None
+    broken = None if now is None else fragments.broken(now)
     if (folder / "bodies.csv").exists():
         projectile = answer.projectile_of(answer.Run(folder).bodies.values())
         if projectile is not None:
             before, after, share = answer.loss_of(projectile)
             yield (
                 f"<p><b>{html.escape(projectile.name)}</b>: {before:.5g} {units['velocity']} at the start, "
-                f"<b>{after:.5g} {units['velocity']}</b> along that direction at the end; {100 * share:.3g} % lost.</p>"
+                f"<b>{after:.5g} {units['velocity']}</b> along that direction at the end; {100 * share:.3g} % lost."
+                f"{remains(projectile, broken, units)}</p>"
             )
-    ends = dumps.ends()
-    try:
-        start, now = (matter_of(folder, cloud, ends[0]) for cloud in ends) if ends else (None, None)
-    except (SgmpFileError, KeyError):
-        start = now = None
     if now is not None:
         yield from walls(folder, start, now, units)
     if (folder / "bodies.csv").exists():
@@ -202,7 +205,7 @@ def answers(folder, units, dumps):
                 for note in impact.model_note(["xyz"[k] for k in sorted(now.planes)])
             )
     if now is not None:
-        yield from pieces(folder, now, units)
+        yield from pieces(folder, now, units, *broken)
 
 
 def walls(folder, start, now, units):
@@ -225,9 +228,21 @@ def walls(folder, start, now, units):
         yield "</table>"
 
 
-def pieces(folder, now, units):
+def remains(projectile, broken, units):
+    """What is whole of a projectile that has come apart."""
+    body = {} if broken is None else broken[0]["bodies"].get(projectile.name, {})
+    if not body or (len(body["pieces"]) == 1 and not body["failed_mass"] and not body["small_pieces"]):
+        return ""
+    if not body["pieces"]:
+        return " No piece of it is whole."
+    largest = body["pieces"][0]
+    mass, speed = (impact.number(largest[key], units[unit]) for key, unit in (("mass", "mass"), ("speed", "velocity")))
+    whole = impact.number(body["mass"], units["mass"])
+    return f" Its largest piece: {html.escape(mass)} of {html.escape(whole)}, {html.escape(speed)}."
+
+
+def pieces(folder, now, units, result, rank):
     """The pieces of bodies that have come apart: the heaviest in a table, all in a picture, their distribution."""
-    result, rank = fragments.broken(now)
     apart = {
         name: body
         for name, body in result["bodies"].items()
@@ -262,7 +277,7 @@ def pieces(folder, now, units):
 
 
 def common_window(clouds):
-    """Corners of a box that holds the first cloud and nearly all of every body in the others; single debris would make it small."""
+    """Corners of a box that holds the first cloud and nearly all of every body in the others."""
     ends = [np.percentile(cloud.points, [0.5, 99.5], axis=0) for cloud in clouds]
     for cloud in clouds:
         body = cloud.fields.get("body", np.zeros(0, int))
@@ -318,10 +333,14 @@ def energies(folder):
         for drawing, _ in drawings:
             plt.close(drawing)
         raise
-    return [
-        embedded(drawing, f"{words} over time")
-        for (drawing, _), words in zip(drawings, ("energies", "energy drift", "momentum"))
-    ]
+    words = ("energies", "energy drift", "momentum")
+    images = [embedded(drawing, f"{word} over time") for (drawing, _), word in zip(drawings, words)]
+    bodies = answer.Run(folder).bodies if (folder / "bodies.csv").exists() else {}
+    if 1 < len(bodies) <= MOST_BODIES and len(next(iter(bodies.values())).series["time"]) > 1:
+        drawing, axis = plt.subplots(figsize=(4.6, 3.4), layout="constrained")
+        history.energies_of_bodies(axis, folder)
+        images.append(embedded(drawing, "energies of bodies over time"))
+    return images
 
 
 def gauge_figure(folder, units):
@@ -397,7 +416,9 @@ def page(folder, options):
         yield from errors(summary)
         yield from tables(values, ["In numbers"])
         try:
-            yield "<h2>Energy and momentum</h2><div class='frames three'>" + "".join(energies(folder)) + "</div>"
+            images = energies(folder)
+            kind = "frames three" if len(images) == 3 else "frames"
+            yield f"<h2>Energy and momentum</h2><div class='{kind}'>" + "".join(images) + "</div>"
         except SgmpFileError as problem:
             yield f"<p>No energies: {html.escape(str(problem))}</p>"
         if (folder / "gauges.csv").exists():

@@ -78,12 +78,14 @@ def filters(report):
     line = 3 - 40 * time
     report.check(np.abs(cfc_filtered(line, step, 180) - line).max() < 1e-9, "a line passes, its ends too")
     around = np.arange(-0.2, 0.2, step)
-    for length, left in ((0.25, 0.62), (0.6, 0.95)):   # half sines, by the gain of each of their frequencies
+    for length, left in ((0.25, 0.62), (0.6, 0.95)):  # half sines, by the gain of each of their frequencies
         pulse = np.where((around > 0) & (around < length / 180), np.sin(np.pi * around * 180 / length), 0)
         omega = np.tan(np.pi * np.fft.rfftfreq(len(pulse))) / math.tan(math.pi * 2.0775 * 180 * step)
         expected = np.fft.irfft(np.fft.rfft(pulse) / (1 + omega**4), len(pulse)).max()
         found = cfc_filtered(pulse, step, 180).max()
-        report.check(abs(found - expected) < 1e-6 and abs(found - left) < 0.005, f"half sine: {found}, expected {expected}")
+        report.check(
+            abs(found - expected) < 1e-6 and abs(found - left) < 0.005, f"half sine: {found}, expected {expected}"
+        )
     short = cfc_filtered(np.array([1.0, 1.0, 1.0, 1.0]), step, 60)
     report.check(np.abs(short - 1).max() < 1e-12, f"four rows: {short}")
 
@@ -106,6 +108,19 @@ def cushion(report):
     report.check(abs(head["peak_g"] - head["peak"] / 9.80665) < 1e-12, "in multiples of g")
     report.check(abs(head["time"] - math.pi / 2 / omega) < 0.5, f"at {head['time']}, expected {math.pi / 2 / omega}")
     report.check(abs(head["force"] - 4e-4 * head["peak"]) < 1e-9, f"force of 0.4 g: {head['force']}")
+    code, text = view("history", "cushion.out", "--contact", "--cfc", "180", "--json", "contact.json")
+    with open("contact.json", encoding="utf-8") as file:
+        pair = json.load(file)["pairs"]["cushion head"]
+    report.check(
+        code == 0 and abs(pair["peak"] - head["force"]) < 0.01 * head["force"], f"Newton: {pair}, {head['force']}"
+    )
+    change = head["impulse"][0]
+    report.check(
+        abs(pair["impulse"][0] + change) < 0.01 * abs(change), f"impulse on the cushion: {pair['impulse']}, {change}"
+    )
+    report.check(
+        abs(change - 2 * 4e-4 * 0.2 * 1000) < 0.02 * 0.16, f"the block bounces with its speed: impulse {change}"
+    )
     code, text = view("history", "cushion.out", "--acceleration", "--json", "raw.json")
     with open("raw.json", encoding="utf-8") as file:
         raw = json.load(file)["bodies"]

@@ -482,6 +482,10 @@ def page(report):
     with open("clusters.html", encoding="utf-8") as file:
         text = file.read()
     report.check(code == 0 and "<h2>State" in text, "a report of one dump")
+    for name, words in (("cloud", "No piece of it is whole."), ("hole", "% lost.</p>")):
+        view("report", name, "-o", f"{name}.html")
+        with open(f"{name}.html", encoding="utf-8") as file:
+            report.check(words in file.read(), f"what is left of the projectile in {name}: {words}")
     view("report", "plug", "-o", "plug.html")
     with open("plug.html", encoding="utf-8") as file:
         text = file.read()
