@@ -489,6 +489,13 @@ def clusters(report):
     near(report, shell["failed_mass"], len(dust), 1e-9, "failed mass")
     report.check(len(found["core"]["pieces"]) == 1, "bodies that touch are pieces of their own")
     report.check("shell: 6 pieces of 8 g to 216 g, 2 smaller than a cell (2 g in all), 64 g failed" in text, text)
+    gas = "material air fluid density=1 &\n    viscosity=0\nmaterial m elastic density=1\n"
+    gas += "body core block material=air\nbody shell block material=m"
+    write_run(folder, [(0, {"shell": body, "core": other})], spacing=S, cell=H, log=gas)
+    code, text = view("fragments", folder)
+    report.check(code == 0 and "shell: 6" in text and "core" not in text, f"fluids have no pieces: {text}")
+    code, text = view("fragments", folder, "--body", "core")
+    report.check(code == 0 and "core: 1 piece" in text, f"unless they are asked for: {text}")
     code, text = view("fragments", folder, "--reach", "17.7", "--body", "shell")
     report.check("shell: 5 pieces" in text, f"a longer reach joins what is 17.5 apart: {text}")
 
