@@ -119,6 +119,19 @@ def holes(report):
     near(report, abs(np.dot(turned["normal"], turn @ (0, 0, 1))), 1.0, 1e-6, "normal of a turned plate")
     near(report, turned["opening"]["diameter"], 2 * radius, S, "hole in a turned plate")
 
+    oblique = Cloud(ball().points - (0, 4, 0), (0, 100, -100))  # meets the middle of the plate at y = 0
+    after = Cloud(oblique.points + (0, 21, -21), (0, 50, -50))
+    part = measured(
+        report,
+        "oblique",
+        {"ball": oblique, "plate": Cloud(points)},
+        {"ball": after, "plate": Cloud(points).kept(~hole)},
+    )
+    report.check(part["normal"] == [0.0, 0.0, -1.0], f"normal of a wall that is hit at 45 degrees: {part['normal']}")
+    near(report, part["opening"]["diameter"], 2 * radius, S, "hole of a shot at 45 degrees")
+    near(report, part["cloud"]["momentum"], 400.0, 1e-6, "momentum along the normal")
+    near(report, part["cloud"]["radius"], 17.0, 1.1, "distance from where the shot met the plate")
+
     upper = points[:, 2] > -2
     staggered = np.where(
         upper, np.hypot(points[:, 0] - 4, points[:, 1]) < 3, np.hypot(points[:, 0] + 4, points[:, 1]) < 3
