@@ -19,7 +19,7 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
-from .files import dumps_of, folder_of, label, plot_style, read_dump, read_units
+from .files import SgmpFileError, dumps_of, folder_of, label, plot_style, read_dump, read_units
 from .impact import number
 from .matter import matter_of
 from .picture import draw_cloud, unfolded_points
@@ -35,7 +35,7 @@ def broken(matter, bodies=None, reach=None):
     """The pieces of each body as a dict that goes into JSON, and the rank of the piece of each particle."""
     rank = np.full(len(matter.mass), FAILED)
     least, result, count = resolved(matter), {}, 0
-    for name in bodies or matter.names:
+    for name in bodies or matter.solids:
         own = matter.of(name)
         if not own.any():
             continue
@@ -178,7 +178,9 @@ def arguments(parser):
     parser.add_argument(
         "--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)"
     )
-    parser.add_argument("--body", action="append", metavar="NAME", help="this body alone; may be repeated")
+    parser.add_argument(
+        "--body", action="append", metavar="NAME", help="this body alone; may be repeated (default: all solids)"
+    )
     parser.add_argument(
         "--reach", type=float, metavar="LENGTH", help="how near connected particles are (default: a cell)"
     )
@@ -201,6 +203,8 @@ def run(options):
     matter = matter_of(folder, read_dump(options.source, options.step), dumps[0].read() if dumps else None)
     units = read_units(folder)
     result, rank = broken(matter, options.body, options.reach)
+    if not result["bodies"]:
+        raise SgmpFileError(f"{folder}: no solid body; --body names others, which are: {', '.join(matter.names)}")
     for name, body in result["bodies"].items():
         print(f"{name}: {body_line(body, units)}")
     print(

@@ -35,6 +35,12 @@ class Matter:
         default_factory=dict
     )  # axis: place and side (-1: matter lies above it)
     notes: List[str] = field(default_factory=list)
+    fluids: List[str] = field(default_factory=list)  # bodies of a fluid or an explosive, which have no pieces
+
+    @property
+    def solids(self):
+        """Names of the bodies that are neither fluid nor explosive."""
+        return [name for name in self.names if name not in self.fluids]
 
     @property
     def axes(self):
@@ -54,6 +60,16 @@ def cards_of(folder):
     lines = log.read_text(errors="replace").splitlines()[2:] if log.exists() else []
     lines = lines[: lines.index("")] if "" in lines else lines
     return [line for line in re.sub(r"\s*&\n\s*", " ", "\n".join(lines)).splitlines() if not line.startswith("!")]
+
+
+def fluids_of(folder):
+    """Names of bodies whose material is a fluid or an explosive."""
+    words = [card.split() for card in cards_of(folder)]
+    flow = {card[1] for card in words if card[0] == "material" and len(card) > 2 and card[2] in ("fluid", "explosive")}
+    of_body = {
+        card[1]: word[9:] for card in words if card[0] == "body" for word in card if word.startswith("material=")
+    }
+    return [name for name, material in of_body.items() if material in flow]
 
 
 def planes_of(folder, points, spacing):
@@ -155,6 +171,7 @@ def matter_of(folder, cloud, first=None):
         is_round,
         {} if is_round else planes_of(folder, start.points, spacing),
         notes,
+        fluids_of(folder),
     )
 
 
@@ -174,6 +191,6 @@ def start_and_dump(source, step="last"):
     cloud = read_dump(source, step)
     if first is None:
         raise SgmpFileError(
-            f"{folder}: no dumps, and so no state at the start (add `output vtu every=…` or `output vtkhdf every=…`)"
+            f"{folder}: no dumps, so no state at the start (add `output vtu every=…` or `output vtkhdf every=…`)"
         )
     return matter_of(folder, first, first), matter_of(folder, cloud, first)

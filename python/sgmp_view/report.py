@@ -50,7 +50,7 @@ td.of{padding-left:1em;color:#555}.words td:first-child{min-width:11em}
 .bodies td:last-child{white-space:nowrap;padding-right:0}.wide{overflow-x:auto}
 img{max-width:100%;height:auto}pre{background:#f6f6f6;padding:1em;overflow:auto;font-size:13px}
 .sound{color:#13641c}.doubtful{color:#a33c00}.failed,.not{color:#a30000}
-.frames{display:flex;flex-wrap:wrap;align-items:flex-start}.frames img{width:49%}.three img{width:33%}
+.frames{display:flex;flex-wrap:wrap;align-items:flex-start}.frames img{width:49%;margin-bottom:.8em}.three img{width:33%}
 @media(max-width:600px){.frames img,.three img{width:100%}td{overflow-wrap:anywhere;padding-right:.5em}
 .words td:first-child{min-width:6em}
 .wide td{overflow-wrap:normal;white-space:nowrap}}"""

@@ -54,8 +54,8 @@ class Shot:
             self.direction = self.velocity / np.linalg.norm(self.velocity)
 
     def targets(self, start):
-        """Bodies that rest while others fly."""
-        return [name for name in start.names if name not in self.bodies and start.of(name).any()]
+        """Solid bodies that rest while others fly."""
+        return [name for name in start.solids if name not in self.bodies and start.of(name).any()]
 
 
 def normal_of(start, name, shot):
@@ -275,7 +275,7 @@ def wall_of(start, now, name, shot):
     first = start.points[start.of(name)] @ normal
     before = [
         other
-        for other in start.names
+        for other in start.solids
         if other == name or (start.of(other).any() and (start.points[start.of(other)] @ normal).mean() < first.mean())
     ]
     loose = np.isin(now.body, [now.names.index(other) + 1 for other in before]) & ~wall

@@ -6,6 +6,7 @@ Expected: the shapes from which the dumps are made, closed forms of volumes and 
 usage: impact.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 
+import argparse
 import contextlib
 import importlib.util
 import io
@@ -24,6 +25,8 @@ import numpy as np  # noqa: E402
 from _dumps import Cloud, lattice, write_run  # noqa: E402
 from sgmp_view import command  # noqa: E402
 from sgmp_view.files import SgmpFileError, read_units  # noqa: E402
+from sgmp_view.matter import planes_of  # noqa: E402
+from sgmp_view.picture import loose_of, section_of  # noqa: E402
 from sgmp_view.pieces import pieces_of  # noqa: E402
 from sgmp_view.quantities import keep_impact, quantity_of, unit_of  # noqa: E402
 
@@ -115,6 +118,19 @@ def holes(report):
     )
     near(report, abs(np.dot(turned["normal"], turn @ (0, 0, 1))), 1.0, 1e-6, "normal of a turned plate")
     near(report, turned["opening"]["diameter"], 2 * radius, S, "hole in a turned plate")
+
+    oblique = Cloud(ball().points - (0, 4, 0), (0, 100, -100))  # meets the middle of the plate at y = 0
+    after = Cloud(oblique.points + (0, 21, -21), (0, 50, -50))
+    part = measured(
+        report,
+        "oblique",
+        {"ball": oblique, "plate": Cloud(points)},
+        {"ball": after, "plate": Cloud(points).kept(~hole)},
+    )
+    report.check(part["normal"] == [0.0, 0.0, -1.0], f"normal of a wall that is hit at 45 degrees: {part['normal']}")
+    near(report, part["opening"]["diameter"], 2 * radius, S, "hole of a shot at 45 degrees")
+    near(report, part["cloud"]["momentum"], 400.0, 1e-6, "momentum along the normal")
+    near(report, part["cloud"]["radius"], 17.0, 1.1, "distance from where the shot met the plate")
 
     upper = points[:, 2] > -2
     staggered = np.where(
@@ -374,7 +390,9 @@ def named(report):
     ):
         found = quantity_of(run, f"impact.plate.{name}")
         report.check(abs(found - expected) < 1e-6, f"{name}: {found}, expected {expected}")
-        report.check(unit_of(f"impact.plate.{name}", units) == unit, f"{name}: unit {unit_of(f'impact.plate.{name}', units)}")
+        report.check(
+            unit_of(f"impact.plate.{name}", units) == unit, f"{name}: unit {unit_of(f'impact.plate.{name}', units)}"
+        )
     keep_impact(Path(run))
     for path in Path(run).glob("particles*"):
         path.unlink()
@@ -384,6 +402,40 @@ def named(report):
     except SgmpFileError as problem:
         seen = str(problem)
     report.check("nothing is known of" in str(seen), f"an unknown number: {seen}")
+
+
+def cuts(report):
+    """The section that `picture --cut` shows: the cut face of half models, the middle of whole ones; what is alone."""
+    points = lattice((-3, -4, -3), (3, 0, 3), S)
+    log = "grid cell=1 y=open:0\nwall x-=free x+=free y-=free y+=slip z-=free z+=free"
+    options = argparse.Namespace(axis="y")
+    for name, deck, side in (
+        ("above", log.replace("y=open:0", "y=0:open").replace("y+=slip", "y+=free y-=slip"), -1),
+        ("below", log, 1),
+    ):
+        own = points * (1, side, 1) if side < 0 else points
+        folder = Path(SCRATCH) / name
+        write_run(folder, [(0, {"body": Cloud(own)})], spacing=S, cell=H, log=deck)
+        report.check(planes_of(folder, own, S) == {1: (0.0, side)}, f"plane of symmetry: {planes_of(folder, own, S)}")
+        values = own[:, 1].copy()
+        shown, seen, place = section_of(folder, own, own, values, "velocity_y", options, S)
+        # the viewer looks along y from below: the plane must be the foremost of it, and nothing is taken away
+        report.check(
+            abs(shown[:, 1].min() - 0.5 * S) < 1e-12 and np.all(-shown[:, 1] <= -place),
+            f"{name}: cut face {shown[:, 1].min()}",
+        )
+        report.check(np.allclose(seen, shown[:, 1]), f"{name}: velocities are turned with the half")
+        report.check(view("picture", str(folder), "--cut", "--field", "velocity", "-o", f"{name}.png")[0] == 0, name)
+    whole = np.vstack([points, points * (1, -1, 1)])
+    _, _, place = section_of(Path(SCRATCH) / "hole", whole, whole + (0, 1, 0), whole[:, 0], "pressure", options, S)
+    report.check(abs(place - 1) < 1e-12, f"a whole model is cut in its middle at the start: {place}")
+    walls = log.replace("y-=free", "y-=slip").replace("y=open:0", "y=-4:0")
+    write_run(Path(SCRATCH) / "channel", [(0, {"body": Cloud(points)})], spacing=S, cell=H, log=walls)
+    report.check(not planes_of(Path(SCRATCH) / "channel", points, S), "between two walls there is no plane of symmetry")
+    alone = np.column_stack([10 + 3 * np.arange(8), np.zeros(8), np.zeros(8)])
+    for cloud, single in ((points, alone), (points[points[:, 1] > -S] * (1, 0, 1), alone * (1, 0, 1))):
+        found = loose_of(np.vstack([cloud, single]), S)
+        report.check(not found[: len(cloud)].any() and found[len(cloud) :].all(), f"{found.sum()} fly alone")
 
 
 def clusters(report):
@@ -450,6 +502,13 @@ def clusters(report):
     near(report, shell["failed_mass"], len(dust), 1e-9, "failed mass")
     report.check(len(found["core"]["pieces"]) == 1, "bodies that touch are pieces of their own")
     report.check("shell: 6 pieces of 8 g to 216 g, 2 smaller than a cell (2 g in all), 64 g failed" in text, text)
+    gas = "material air fluid density=1 &\n    viscosity=0\nmaterial m elastic density=1\n"
+    gas += "body core block material=air\nbody shell block material=m"
+    write_run(folder, [(0, {"shell": body, "core": other})], spacing=S, cell=H, log=gas)
+    code, text = view("fragments", folder)
+    report.check(code == 0 and "shell: 6" in text and "core" not in text, f"fluids have no pieces: {text}")
+    code, text = view("fragments", folder, "--body", "core")
+    report.check(code == 0 and "core: 1 piece" in text, f"unless they are asked for: {text}")
     code, text = view("fragments", folder, "--reach", "17.7", "--body", "shell")
     report.check("shell: 5 pieces" in text, f"a longer reach joins what is 17.5 apart: {text}")
 
@@ -499,7 +558,7 @@ def main():
     """All of it."""
     report = Report()
     os.chdir(SCRATCH)
-    for part in (clusters, holes, craters, debris, other_spaces, page, named):
+    for part in (clusters, holes, craters, debris, other_spaces, page, named, cuts):
         part(report)
     report.end()
 
