@@ -4,7 +4,8 @@
 Printed: TM 5-1300 (1990), Figure 2-7 (spheres of TNT in free air), as OpenRadioss has it (common_source/modules/loads/pblast_mod.F90: 256 distances in
 cm/g^(1/3), values in Mbar and us per g^(1/3)); five of them in m, kg, kPa and ms.
 Clamped plates: Nurick and Martin, Int. J. Impact Engng 8 (1989), 171-186: deflection of the middle over thickness = 0.425 phi + 0.277 with
-phi = I/(pi R t^2 sqrt(density yield)), I the impulse; their experiments scatter by a thickness. Their loads were uniform.
+phi = I/(pi R t^2 sqrt(density yield)), I the impulse (both constants at second hand: the paper
+was not at hand). Their loads were uniform. The bound is a thickness.
 """
 
 import re
