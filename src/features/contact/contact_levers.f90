@@ -178,7 +178,7 @@ contains
     integer, intent(in) :: r, nd                 !! record, dimensions
     real(dp) :: offset(nd)
     offset = 0.0_dp
-    if (allocated(field%rotation%offset)) offset = field%rotation%offset(r, :nd)
+    if (allocated(field%rotation%offset)) offset = field%rotation%offset(:nd, r)
   end function offset_of
 
   !> Steps along i, j, k to a node around.
