@@ -19,8 +19,9 @@ module sgmp_rotation_points
   integer, parameter :: stage_offsets = 1, stage_inertia = 2, stage_inverses = 3, &
                         stage_moments = 4, stage_couples = 5, stage_curls = 6, stage_place = 7
 
-  !> Numbers kept of a vector of one to three components: three become four, which processors handle at once. The
-  !! points that take part are few and seldom follow each other: what belongs to one lies together.
+  !> Numbers kept of a vector of one to three components: three become four, which processors
+  !! handle at once. The points that take part are few and seldom follow each other: what belongs
+  !! to one lies together.
   integer, parameter :: spin_width(3) = [1, 2, 4]
 
   type :: rotation_points_t
