@@ -12,6 +12,7 @@ module DIM(sgmp_chunk)
   use sgmp_constitutive, only: constitutive_t
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
                                   departures_outside, departures_take_out
+  use sgmp_debris, only: debris_room
   use sgmp_drive, only: most_drives
   use CARTESIAN(sgmp_driven_particles), only: driven_masses, driven_read
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
@@ -261,7 +262,8 @@ contains
       call driven_masses(body, task%live(1, nl), motion(1, mass_at), nb, state, plan%driven, &
                          values(1, NMASS + 1))
     end if
-    if (task%pairs > 0) values(:, task%masses) = task%live(:, nl)*state(:, 1)
+    if (task%pairs > 0) call debris_room(body%law, task%live(1, nl), motion(1, mass_at), nb, state, &
+                                         values(1, task%masses))
 #ifdef AXISYMMETRIC
     if (task%swirl > 0) call swirl_collect(task%live(1, nl), motion, motion(1, mass_at), &
                                            state(1, body%law%slots%swirl), &

@@ -61,6 +61,12 @@ contains
             offset(i, :) = 0.0_dp
           end if
         end do
+        if (field%columns%pairs > 0) then  ! what has come apart does not turn as a body
+          call sums_row(n, field%moment(1, field%columns%room), b, m)
+          do i = 1, n
+            if (.not. m(i) > 0.0_dp) offset(i, :) = 0.0_dp
+          end do
+        end if
         call hold_offsets(field, mesh, s, first, n, offset)
         call keep_offsets(n, field%neighbour(0, 0, s) + first - 1, offset, field)
       end do
