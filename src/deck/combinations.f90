@@ -80,7 +80,8 @@ module sgmp_combinations
     feature_t('erode', '', 'erode', '', ask_card, '', 0), &
     feature_t('erode-step', 'erode time_step=…', 'erode', 'time_step', ask_given, '', 0), &
     feature_t('faces', 'a load on faces', 'pressure traction blast', '', ask_card, '', 0), &
-    feature_t('blast', '', 'blast', '', ask_card, '', 0)]
+    feature_t('blast', '', 'blast', '', ask_card, '', 0), &
+    feature_t('body-forces', 'bodyforce or load', 'bodyforce load', '', ask_card, '', 0)]
 
   type(refusal_t), parameter :: refusals(*) = [ &
     refusal_t('swirl', '1D 2D 3D', '', &
@@ -137,8 +138,8 @@ module sgmp_combinations
     refusal_t('surfaces', 'mpm gimp cpgimp bspline', '', &
               'it corrects the strain of the auxiliary grid, which only sgmp has', &
               'remove surfaces=corrected or use method sgmp'), &
-    refusal_t('surfaces', 'faces absorbing', '', &
-              'not worked out: loads on faces are spread for strains that are not corrected', &
+    refusal_t('surfaces', 'absorbing', '', &
+              'not worked out: edges are spread for strains that are not corrected', &
               'remove surfaces=corrected'), &
     refusal_t('spin', 'mpm gimp cpgimp bspline', '', &
               'only sgmp projects the spin of particles', &

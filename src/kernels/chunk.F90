@@ -8,7 +8,7 @@
 module DIM(sgmp_chunk)
   use CARTESIAN(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t
-  use sgmp_columns, only: pair_sums, relax_stiffness, relax_total
+  use sgmp_columns, only: pair_sums, relax_stiffness, relax_total, twist_takes, twists
   use sgmp_constitutive, only: constitutive_t
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
                                   departures_outside, departures_take_out
@@ -19,7 +19,7 @@ module DIM(sgmp_chunk)
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_absorbing, load_force, load_t
   use DIM(sgmp_loads), only: loads_edges_book, loads_impedance, loads_levers, loads_on_faces, &
-                              loads_on_mass, loads_strain
+                              loads_on_mass, loads_strain, loads_twist
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
@@ -47,11 +47,11 @@ module DIM(sgmp_chunk)
   implicit none
   private
   public :: axes_moved, chunk_advance, particle_axes, task_make, task_t
-  public :: largest_stencil, most_columns, most_rows
+  public :: largest_stencil, most_columns, most_rows, twist_ends
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 2 + NMASS + NDIM*(4 + 2*NDIM) + NSPIN + NFLUX + 5 + &
+  integer, parameter :: most_columns = 2 + NMASS + NDIM*(4 + 2*NDIM + twists(NDIM)) + NSPIN + NFLUX + 5 + &
                                      most_drives + pair_sums(NDIM)
   integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
@@ -737,8 +737,10 @@ contains
       else
         call linear_scatter(NDIM, xi + way, cell, force, task%nq, stencil(1, plan%external + 1, 1))
         if (task%centred) call scatter_levers(task, plan%external + NDIM, xi + way, &
-                                              loads_levers(task%h, xi + way, way), cell, force, &
-                                              stencil)
+                                              loads_levers(task%h, xi + way, way, plan%corrected), cell, &
+                                              force, stencil)
+        if (plan%corrected) call scatter_twists(task, plan%external + NDIM + NDIM**2, xi + way, &
+                                                cell, force, stencil)
       end if
       if (body%loads(i)%kind == load_absorbing) call scatter_impedance(body%loads(i), plan, task, &
                                         id, nb, state, xi, cell, axes, way, stencil)
@@ -769,7 +771,7 @@ contains
     place = min(1.0_dp, max(0.0_dp, xi + way))
     call linear_scatter(NDIM, place, cell, impedance, task%nq, stencil(1, before + 1, 1))
     if (task%centred) call scatter_levers(task, before + NDIM, place, &
-                                          loads_levers(task%h, place, way), cell, impedance, &
+                                          loads_levers(task%h, place, way, .false.), cell, impedance, &
                                           stencil)
   end subroutine scatter_impedance
 
@@ -793,6 +795,48 @@ contains
       end do
     end do
   end subroutine scatter_levers
+
+  !> Adds force times two and three levers to the centres, for the products of the functions that
+  !! stresses see along the axes (sgmp_loads): the derivatives along all axes of a twist, as above.
+  pure subroutine scatter_twists(task, before, place, cell, force, stencil)
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: before, cell(lanes)   !! before: columns
+    real(dp), intent(in) :: place(lanes, NDIM), force(lanes, NDIM)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
+    real(dp) :: ends(lanes, NDIM), lever(lanes)
+    integer :: a, q, corner, sign
+    do q = 1, twists(NDIM)
+      lever = loads_twist(q, place)
+      do corner = 0, NCORNER - 1
+        call twist_ends(q, corner, place, ends, sign)
+        if (sign == 0) cycle
+        do a = 1, NDIM
+          call linear_scatter(1, ends, cell, sign*force(:, a)*lever, task%nq, &
+                              stencil(1, before + (q - 1)*NDIM + a, 1))
+        end do
+      end do
+    end do
+  end subroutine scatter_twists
+
+  !> Places at the ends of the cell along the axes of a twist, and the sign of their weights in the
+  !! derivative along those: 0 where a corner means an end along another axis.
+  pure subroutine twist_ends(twist, corner, place, ends, sign)
+    integer, intent(in) :: twist, corner         !! bits: upper ends
+    real(dp), intent(in) :: place(lanes, NDIM)
+    real(dp), intent(out) :: ends(lanes, NDIM)
+    integer, intent(out) :: sign
+    integer :: d
+    ends = place
+    sign = 1
+    do d = 1, NDIM
+      if (twist_takes(twist, d, NDIM)) then
+        ends(:, d) = merge(1.0_dp, 0.0_dp, btest(corner, d - 1))
+        if (.not. btest(corner, d - 1)) sign = -sign
+      else if (btest(corner, d - 1)) then
+        sign = 0
+      end if
+    end do
+  end subroutine twist_ends
 
   !> Weights per axis some way off, continued linearly.
   pure function axes_moved(axes, way) result(moved)

@@ -26,7 +26,7 @@ module DIM(sgmp_nodes)
   use CARTESIAN(sgmp_rotation), only: rotation_force
 #endif
 #if NDIM > 1
-  use DIM(sgmp_surfaces), only: surfaces_push
+  use DIM(sgmp_surfaces), only: surfaces_push, surfaces_push_twists
 #endif
   use sgmp_sums, only: nodes_edge_push, nodes_edge_taken, nodes_external, nodes_lost, &
                        nodes_mass_aa, nodes_mass_av, nodes_sums
@@ -37,7 +37,7 @@ module DIM(sgmp_nodes)
   implicit none
   private
   public :: nodes_solve, nodes_velocity, nodes_remap
-  public :: node_forces
+  public :: external_forces, node_forces
 
   integer, parameter :: tile = 128
   integer, parameter :: before_a = node_acceleration - 1      !! columns before the acceleration
@@ -77,10 +77,16 @@ contains
           call node_forces(field, mesh, s, first, n, f)
         end if
 #if NDIM > 1
-        if (field%columns%offset > 0) call rotation_force(field, s, first, n, f)
+        if (field%columns%offset > 0) call rotation_force(field, s, first, n, &
+                                                          field%rotation%couple, f)
 #endif
         if (driven) then
           call external_forces(field, mesh, s, first, n, m, gravity, forced, external)
+#if NDIM > 1
+          if (forced .and. field%columns%offset > 0 .and. field%columns%lever > 0) then
+            call rotation_force(field, s, first, n, field%rotation%face_couple, external)
+          end if
+#endif
           f(:n, :) = f(:n, :) + external(:n, :)
         end if
         idx = field%neighbour(0, 0, s) + first
@@ -461,6 +467,11 @@ contains
         f(:n, a) = f(:n, a) + field%moment(i:i + n - 1, field%columns%external + a - 1)
       end if
     end do
+#if NDIM > 1
+    if (forced .and. field%columns%twist > 0) then
+      call surfaces_push_twists(field, centre_rows(field, s, first), n, f)
+    end if
+#endif
   end subroutine external_forces
 
   !> Adds the forces of absorbing edges to all forces on a tile of nodes, and to the external ones:

@@ -21,6 +21,7 @@ module sgmp_plan
     logical :: mass = .false., momentum = .false., stress = .false.  !! what is scattered
     integer :: first_column = 1, last_column = 0  !! columns of the field's moments that the scatter
                                                  !! fills
+    logical :: corrected = .false.         !! strains are, at surfaces
     integer :: external = 0                !! of these, those before the external force; 0: there is
                                            !! none
     integer, allocatable :: vectors(:)     !! node columns gathered: acceleration and velocity as

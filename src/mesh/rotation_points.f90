@@ -7,7 +7,7 @@ module sgmp_rotation_points
   public :: rotation_points_t, rotation_points_make, rotation_points_clear, rotation_points_move
   public :: at_node, at_centre, at_force
   public :: stage_offsets, stage_inertia, stage_inverses, stage_moments, stage_couples, &
-            stage_curls, stage_place
+            stage_face_moments, stage_face_couples, stage_curls, stage_place
   public :: spin_width
 
   !> Which points take part, columns of `at`: nodes whose centre of mass is not at their place,
@@ -15,9 +15,10 @@ module sgmp_rotation_points
   integer, parameter :: at_node = 1, at_centre = 2, at_force = 3
 
   !> Stages, one pass over the planes each: the first three find where the masses are, the next two
-  !! correct the forces, the last two velocities.
+  !! correct the forces of stresses, two more those on faces, the last two velocities.
   integer, parameter :: stage_offsets = 1, stage_inertia = 2, stage_inverses = 3, &
-                        stage_moments = 4, stage_couples = 5, stage_curls = 6, stage_place = 7
+                        stage_moments = 4, stage_couples = 5, stage_face_moments = 6, &
+                        stage_face_couples = 7, stage_curls = 8, stage_place = 9
 
   !> Numbers kept of a vector of one to three components: three become four, which processors
   !! handle at once. The points that take part are few and seldom follow each other: what belongs
@@ -37,6 +38,7 @@ module sgmp_rotation_points
     real(dp), allocatable :: moment(:, :)      !! (1 or 4, points) nodes: moment of the force
     real(dp), allocatable :: couple(:, :)      !! (1 or 4, points) centres: couples, or the curl of
                                                !! a velocity, times the mass
+    real(dp), allocatable :: face_couple(:, :) !! the couples of forces on faces, where there are any
     real(dp), allocatable :: force(:, :)       !! (points, ndim) nodes: internal force, before it is
                                                !! corrected
     logical, allocatable :: at(:, :)           !! (points, 3): see at_node
@@ -45,9 +47,10 @@ module sgmp_rotation_points
 contains
 
   !> Room for some points.
-  pure subroutine rotation_points_make(ndim, points, beyond, least_offset, rotation)
+  pure subroutine rotation_points_make(ndim, points, beyond, faced, least_offset, rotation)
     integer, intent(in) :: ndim, points
     integer, intent(in) :: beyond    !! points behind them, of which nothing is used
+    logical, intent(in) :: faced     !! forces act on faces of particles
     real(dp), intent(in) :: least_offset
     type(rotation_points_t), intent(out) :: rotation
     integer :: spins, width, n
@@ -58,6 +61,7 @@ contains
     allocate (rotation%offset(spin_width(ndim), n), rotation%force(n, ndim), rotation%at(n, 3))
     allocate (rotation%inverse(width, spins, n), rotation%tensor(width, spins, n))
     allocate (rotation%moment(width, n), rotation%couple(width, n))
+    if (faced) allocate (rotation%face_couple(width, n))
     call rotation_points_clear(points + 1, n, rotation)
   end subroutine rotation_points_make
 
@@ -69,6 +73,7 @@ contains
     rotation%offset(:, first:last) = 0.0_dp
     rotation%moment(:, first:last) = 0.0_dp
     rotation%couple(:, first:last) = 0.0_dp
+    if (allocated(rotation%face_couple)) rotation%face_couple(:, first:last) = 0.0_dp
     rotation%at(first:last, :) = .false.
   end subroutine rotation_points_clear
 
@@ -81,6 +86,7 @@ contains
     call move_alloc(from%tensor, to%tensor)
     call move_alloc(from%moment, to%moment)
     call move_alloc(from%couple, to%couple)
+    if (allocated(from%face_couple)) call move_alloc(from%face_couple, to%face_couple)
     call move_alloc(from%force, to%force)
     call move_alloc(from%at, to%at)
   end subroutine rotation_points_move

@@ -10,7 +10,7 @@
 !! (sgmp_wall_work). Friction changes nothing of this: it is a force on the nodes of a slip wall
 !! (sgmp_wall_friction).
 module sgmp_walls
-  use sgmp_columns, only: columns_t, node_swirl, relax_velocity
+  use sgmp_columns, only: columns_t, node_swirl, relax_velocity, twist_takes, twists
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp
@@ -20,7 +20,7 @@ module sgmp_walls
   implicit none
   private
   public :: walls_fold, walls_mirror, walls_mirror_centres, walls_hold, moment_parity, has_walls
-  public :: ghost_intervals, ghost_point, ghost_records, vector_parity
+  public :: ghost_intervals, ghost_point, ghost_records, twist_parity, vector_parity
 
   integer, parameter :: around = 3   !! component of a vector around the axis
 
@@ -90,10 +90,15 @@ contains
     real(dp) :: parity
     integer :: axes, number
     parity = 1.0_dp
+    axes = columns%lever - columns%external  ! components of the force
+    if (columns%twist > 0 .and. column >= columns%twist) then
+      number = column - columns%twist
+      if (number < axes*twists(axes) .and. wall /= wall_fixed) &
+        parity = twist_parity(1 + mod(number, axes), 1 + number/axes, normal, axes)
+    end if
     if (columns%offset > 0 .and. column >= columns%offset) then
       parity = vector_parity(1 + column - columns%offset, normal, wall_slip)
     else if (columns%lever > 0 .and. wall /= wall_fixed) then
-      axes = columns%lever - columns%external  ! components of the force
       number = column - columns%lever
       if (columns%impedance > 0) then
         number = column - (columns%impedance + axes)
@@ -107,6 +112,14 @@ contains
       if ((1 + number/axes == normal) .neqv. (1 + mod(number, axes) == normal)) parity = -1.0_dp
     end if
   end function lever_parity
+
+  !> Sign of the image of a second or third difference of a vector at a slip wall: one factor for the
+  !! component across the wall, one for each derivative.
+  pure function twist_parity(component, twist, normal, ndim) result(parity)
+    integer, intent(in) :: component, twist, normal, ndim
+    real(dp) :: parity
+    parity = merge(-1.0_dp, 1.0_dp, (component == normal) .neqv. twist_takes(twist, normal, ndim))
+  end function twist_parity
 
   !> Whether a column belongs to swirl.
   pure function swirls(column, columns) result(yes)

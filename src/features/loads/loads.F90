@@ -11,10 +11,12 @@
 !! (1 - xi)^2/2, 1/2 + xi (1 - xi), xi^2/2 at the nodes, the means of linear functions at the
 !! centres (1 - xi)/2, 1/2, xi/2. What is missing is the force of a stress -/+ xi (1 - xi)/2 h at
 !! the centres per force: the lever. With it a pressure on a face and a uniform stress behind it are
-!! in equilibrium.
+!! in equilibrium. Where strains are corrected at surfaces, stresses see those functions across the
+!! normal, too, and there are levers along all axes.
 module DIM(sgmp_loads)
   use sgmp_air_blast, only: air_blast_pressure
   use sgmp_body, only: body_t
+  use sgmp_columns, only: twist_takes
   use sgmp_expression, only: expression_places, expression_t, expression_time
   use sgmp_kinds, only: dp, lanes
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_pressure, load_t
@@ -24,7 +26,7 @@ module DIM(sgmp_loads)
   implicit none
   private
   public :: loads_edges_book, loads_impedance, loads_levers, loads_on_faces, loads_on_mass, &
-            loads_strain
+            loads_strain, loads_twist
 
 contains
 
@@ -176,18 +178,37 @@ contains
 
   !> Levers of forces on faces along each axis (length), the gradients of the centres' weights per
   !! cell left out.
-  pure function loads_levers(h, place, way) result(levers)
+  pure function loads_levers(h, place, way, corrected) result(levers)
     real(dp), intent(in) :: h
     real(dp), intent(in) :: place(lanes, NDIM)     !! of the force, from the centre below (cells)
     real(dp), intent(in) :: way(lanes, NDIM)       !! to there from the particle
+    logical, intent(in) :: corrected               !! strains are (doc/surfaces.md)
     real(dp) :: levers(lanes, NDIM)
     real(dp) :: square(lanes)
     integer :: d
     square = max(sum(way**2, dim=2), tiny(1.0_dp))
     do d = 1, NDIM
-      levers(:, d) = 0.5_dp*h*place(:, d)*(1.0_dp - place(:, d))*(way(:, d)**2/square)
+      levers(:, d) = 0.5_dp*h*place(:, d)*(1.0_dp - place(:, d))
+      if (.not. corrected) levers(:, d) = levers(:, d)*(way(:, d)**2/square)
     end do
   end function loads_levers
+
+  !> Product of the levers along the axes of a twist (cells); forces push against second differences
+  !! and along third ones (sgmp_surfaces).
+  pure function loads_twist(twist, place) result(lever)
+    integer, intent(in) :: twist
+    real(dp), intent(in) :: place(lanes, NDIM)     !! of the force, from the centre below (cells)
+    real(dp) :: lever(lanes)
+    integer :: d, axes
+    lever = 1.0_dp
+    axes = 0
+    do d = 1, NDIM
+      if (.not. twist_takes(twist, d, NDIM)) cycle
+      lever = lever*(0.5_dp*place(:, d)*(1.0_dp - place(:, d)))
+      axes = axes + 1
+    end do
+    if (axes == 2) lever = -lever
+  end function loads_twist
 
   !> Lets the area vectors of faces follow a step: a' = cof(I + dt L) a. In the linear theory they
   !! stay as they are, as volumes do.

@@ -42,52 +42,56 @@ module DIM(sgmp_rotation)
 
 contains
 
-  !> Moments t_I = A_I^-T (D_I x f_I) of a run of nodes, f the internal force.
-  pure subroutine rotation_moments(field, s, first, n)
+  !> Moments t_I = A_I^-T (D_I x f_I) of forces on a tile of nodes.
+  pure subroutine rotation_moments(field, s, first, n, f)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: s, first, n           !! interval, first node, nodes
+    real(dp), intent(in) :: f(:, :)              !! (n or more, ndim)
     real(dp) :: moment(NSPIN), total
     integer :: q, r, i, at
-    at = field%neighbour(0, 0, s) + first
+    at = field%neighbour(0, 0, s) + first - 1
     associate (rotation => field%rotation)
-      do i = at, at + n - 1
+      do i = 1, n
+        if (.not. rotation%at(at + i, at_node)) cycle
         do q = 1, NSPIN
-          associate (a => axes(1, q), b => axes(2, q), f => rotation%force)
-            moment(q) = rotation%offset(a, i)*f(i, b) - rotation%offset(b, i)*f(i, a)
+          associate (a => axes(1, q), b => axes(2, q))
+            moment(q) = rotation%offset(a, at + i)*f(i, b) - rotation%offset(b, at + i)*f(i, a)
           end associate
         end do
         do q = 1, NSPIN
           total = 0.0_dp
           do r = 1, NSPIN
-            total = total + moment(r)*rotation%inverse(r, q, i)
+            total = total + moment(r)*rotation%inverse(r, q, at + i)
           end do
-          rotation%moment(q, i) = total
+          rotation%moment(q, at + i) = total
         end do
       end do
     end associate
   end subroutine rotation_moments
 
   !> Couples T_c = m_c sum_I t_I at the centres of one plane.
-  pure subroutine rotation_couples(field, plane)
-    type(field_t), intent(inout) :: field
+  pure subroutine rotation_couples(field, plane, couple)
+    type(field_t), intent(in) :: field
     integer, intent(in) :: plane
+    real(dp), intent(inout) :: couple(VECTOR, *)
     integer :: s, i, at, b(NROW)
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       at = field%neighbour(0, 0, s)
       b = node_rows(field, s, 0)
       do i = field%work%first(s), field%work%last(s)
         if (.not. field%rotation%at(at + i, at_centre)) cycle
-        field%rotation%couple(:VECTOR, at + i) = field%moment(at + i, field%columns%mass)* &
-                                                 vectors_sum(field%rotation%moment, b, i + 1)
+        couple(:, at + i) = field%moment(at + i, field%columns%mass)* &
+                            vectors_sum(field%rotation%moment, b, i + 1)
       end do
     end do
   end subroutine rotation_couples
 
   !> f = f - sum_c T_c x G_cI for a tile of nodes: with the couples the force has no moment about
   !! the centres of mass.
-  pure subroutine rotation_force(field, s, first, n, f)
+  pure subroutine rotation_force(field, s, first, n, couple, f)
     type(field_t), intent(in) :: field
     integer, intent(in) :: s, first, n
+    real(dp), intent(in) :: couple(VECTOR, *)
     real(dp), intent(inout) :: f(:, :)           !! (n or more, ndim)
     real(dp) :: t(VECTOR, NDIM)
     integer :: b(NROW), i, q, at
@@ -95,7 +99,7 @@ contains
     b = centre_rows(field, s, first)
     do i = 1, n
       if (.not. field%rotation%at(at + i, at_force)) cycle
-      t = vectors_differences(field%rotation%couple, b, i)
+      t = vectors_differences(couple, b, i)
       do q = 1, NSPIN
         f(i, axes(1, q)) = f(i, axes(1, q)) - slope*t(q, axes(2, q))
         f(i, axes(2, q)) = f(i, axes(2, q)) + slope*t(q, axes(1, q))

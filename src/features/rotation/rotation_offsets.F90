@@ -310,6 +310,7 @@ contains
         at = field%neighbour(0, 0, s) + i
         if (as == at_centre .and. field%rotation%at(at, as) .and. .not. part) then
           field%rotation%couple(:, at) = 0.0_dp
+          if (allocated(field%rotation%face_couple)) field%rotation%face_couple(:, at) = 0.0_dp
         end if
         field%rotation%at(at, as) = part
       end do

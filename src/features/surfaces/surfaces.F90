@@ -42,7 +42,7 @@ module DIM(sgmp_surfaces)
   use sgmp_voigt, only: flux_between
   implicit none
   private
-  public :: surfaces_add_gains, surfaces_pass, surfaces_push
+  public :: surfaces_add_gains, surfaces_pass, surfaces_push, surfaces_push_twists
 
   integer, parameter :: flux_of(NDIM, NDIM) = flux_between(:NDIM, :NDIM, NDIM)
   real(dp), parameter :: half = 0.5_dp**(NDIM - 2)  !! mean along the third axis
@@ -476,6 +476,19 @@ contains
     call push_slopes(n, b, field%pairs%centre(:, slope), f(:, 1))
 #endif
   end subroutine surfaces_push
+
+  !> Adds to external forces on a tile of nodes those that act on second and third differences.
+  pure subroutine surfaces_push_twists(field, b, n, f)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: b(NROW)               !! rows of centres around the nodes
+    integer, intent(in) :: n
+    real(dp), intent(inout) :: f(:, :)           !! (n in whole vectors or more, ndim)
+    integer :: a
+    do a = 1, NDIM
+      call push(whole(n), b, size(field%moment, 1), field%moment(1, field%columns%twist + a - 1), &
+                f(:, a))
+    end do
+  end subroutine surfaces_push_twists
 
   !> The same of one component.
   pure subroutine push(n, b, points, centre, f)
