@@ -18,7 +18,7 @@ module DIM(sgmp_chunk)
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_absorbing, load_force, load_t
-  use DIM(sgmp_loads), only: loads_edges_book, loads_impedance, loads_levers, loads_on_faces, &
+  use DIM(sgmp_loads), only: loads_book, loads_book_strain, loads_impedance, loads_levers, loads_on_faces, &
                               loads_on_mass, loads_strain, loads_twist
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
@@ -193,7 +193,6 @@ contains
 #ifdef AXISYMMETRIC
     real(dp) :: radius(lanes)
 #endif
-    real(dp) :: before(lanes, motion_total(NDIM))  !! the motion before the kick
     logical :: outside, erodes, eroded(lanes)
     outside = .false.
     erodes = plan%drift .and. body%law%erosion%given .and. .not. body%law%rigid
@@ -219,11 +218,11 @@ contains
     if (body%is_driven .and. (plan%kick .or. plan%drift)) then
       call drive(mesh, body, plan, task, task%live(1, nl), nb, motion, state, got, work)
     end if
-    if (body%absorbs .and. plan%kick) before = motion
+    if ((plan%kick .or. plan%drift) .and. (body%forced .or. body%faced)) then
+      call book_loads(mesh, body, plan, task, task%live(1, nl), got, nb, motion, state, lane_sums)
+    end if
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
                              got(1, task%velocity), motion, lane_sums)
-    if (body%absorbs .and. plan%kick) call loads_edges_book(body, plan%dt_kick, task%live(1, nl), &
-                                                            before, nb, motion, state, lane_sums)
 #ifdef AXISYMMETRIC
     if (plan%swirl) then
       radius = motion(:, 1)
@@ -246,6 +245,8 @@ contains
                        state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
     if (body%faced .and. plan%strain) then
       call loads_strain(body, plan%dt_strain, got(1, task%gradient), nb, state)
+      call loads_book_strain(mesh, body, plan%time, plan%dt_strain, task%live(1, nl), &
+                             got(1, task%gradient), nb, motion, state, lane_sums)
     end if
     if (erodes) then
       call departures_eroded(body%law, plan%strain, nl, motion, speed2, nb, state, eroded)
@@ -303,6 +304,25 @@ contains
       call scatter_faces(mesh, body, plan, task, id, nb, motion, state, xi, cell, axes, stencil)
     end if
   end subroutine chunk_advance
+
+  !> Books the work of body forces and loads: on the way that particles drift, at the velocity in the
+  !! middle of the kick.
+  subroutine book_loads(mesh, body, plan, task, live, got, nb, motion, state, lane_sums)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: live(lanes), got(lanes, most_gathered)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
+    real(dp) :: moved(lanes, NDIM)
+    moved = 0.0_dp
+    if (plan%kick) moved = -0.5_dp*plan%dt_work**2*got(:, :NDIM)
+    if (plan%drift) moved = moved + plan%dt_work*got(:, task%velocity:task%velocity + NDIM - 1)
+    call loads_book(mesh, body, plan%began, merge(plan%dt_kick, 0.0_dp, plan%kick), live, &
+                    motion(:, mass_at), moved, nb, motion, state, lane_sums)
+  end subroutine book_loads
 
   !> Has driven particles read their own motion in the place of the grid's.
   subroutine drive(mesh, body, plan, task, live, nb, motion, state, got, work)

@@ -59,6 +59,7 @@ contains
     logical, intent(in) :: forced             !! the moments carry an external force
     real(dp), intent(inout) :: sums(nodes_sums)  !! of the plane, added to
     real(dp) :: m(tile), p(tile, NDIM), f(tile, NDIM), external(tile, NDIM)
+    real(dp) :: booked(tile, NDIM)            !! external forces whose work nodes book
     real(dp) :: lane_sums(lanes, nodes_sums)
     integer :: s, first, n, idx
     logical :: driven
@@ -88,6 +89,7 @@ contains
           end if
 #endif
           f(:n, :) = f(:n, :) + external(:n, :)
+          booked(:n, :) = spread(m(:n), 2, NDIM)*spread(gravity(:NDIM), 1, n)
         end if
         idx = field%neighbour(0, 0, s) + first
 #ifdef AXISYMMETRIC
@@ -95,7 +97,8 @@ contains
         call radial_inertia(field, s, first, n, m, field%node(idx, node_inertia))
 #endif
         if (forced .and. field%columns%impedance > 0) then
-          call edge_forces(field, mesh, s, first, n, dt, cutoff, m, p, f, external, sums)
+          call edge_forces(field, mesh, s, first, n, dt, cutoff, m, p, f, external, booked, &
+                          sums)
         end if
 #ifdef AXISYMMETRIC
         call divide_radial(n, field%node(idx, node_inertia), p)
@@ -111,7 +114,7 @@ contains
         call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
         if (field%columns%driven > 0) call driven_nodes_solve(field, mesh, s, first, n, m, dt, &
                                                               plane)
-        call book_energies(n, first, driven, size(field%node, 1), m, f, external, dt, &
+        call book_energies(n, first, driven, size(field%node, 1), m, f, booked, dt, &
                            field%node(idx, 1), lane_sums)
         if (field%columns%swirl > 0) call nodes_swirl_book(field, s, first, n, m, dt, lane_sums)
       end do
@@ -477,12 +480,13 @@ contains
   !> Adds the forces of absorbing edges to all forces on a tile of nodes, and to the external ones:
   !! -Z v at the velocity in the middle of the kick, which they change, so that a step of any length
   !! takes energy. What they take and how they push is added to the sums.
-  pure subroutine edge_forces(field, mesh, s, first, n, dt, cutoff, m, p, f, external, sums)
+  pure subroutine edge_forces(field, mesh, s, first, n, dt, cutoff, m, p, f, external, booked, &
+                              sums)
     type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
     real(dp), intent(in) :: dt, cutoff, m(tile), p(tile, NDIM)
-    real(dp), intent(inout) :: f(tile, NDIM), external(tile, NDIM)
+    real(dp), intent(inout) :: f(tile, NDIM), external(tile, NDIM), booked(tile, NDIM)
     real(dp), intent(inout) :: sums(nodes_sums)
     real(dp) :: impedance(tile), force, inertia(tile), middle
     integer :: a, i
@@ -499,6 +503,7 @@ contains
         force = -impedance(i)*middle
         f(i, a) = f(i, a) + force
         external(i, a) = external(i, a) + force
+        booked(i, a) = booked(i, a) + force
         sums(nodes_edge_taken) = sums(nodes_edge_taken) - force*middle
         sums(nodes_edge_push + a - 1) = sums(nodes_edge_push + a - 1) + force
       end do

@@ -36,6 +36,8 @@ module sgmp_plan
     real(dp) :: dt = 0.0_dp                !! position step
     real(dp) :: dt_strain = 0.0_dp         !! strain step
     real(dp) :: time = 0.0_dp              !! at the end of the sweep
+    real(dp) :: began = 0.0_dp             !! time at which the step began
+    real(dp) :: dt_work = 0.0_dp           !! velocity step, for the work of loads
     integer :: step = 0                    !! number of the step; 0: the first projection
     integer :: lost_policy = 1             !! one of lost_*: what those do that leave the grid
     real(dp) :: flip = 1.0_dp              !! weight of FLIP against PIC
