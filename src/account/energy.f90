@@ -22,8 +22,8 @@ module sgmp_energy
     real(dp) :: particles_aa = 0.0_dp       !! sum m_p |a_p|^2
     real(dp) :: nodes_aa = 0.0_dp           !! sum m_I |a_I|^2
     real(dp) :: power_before = 0.0_dp       !! sum m_I a_I . v_I at the velocity before the kick
-    real(dp) :: external_power = 0.0_dp     !! of gravity and edges at the mid-step velocity
-    real(dp) :: applied_work = 0.0_dp       !! of body forces and loads on the particles
+    real(dp) :: external_power = 0.0_dp     !! of gravity and body forces at the mid-step velocity
+    real(dp) :: applied_work = 0.0_dp       !! of forces on faces of particles
     real(dp) :: internal = 0.0_dp           !! growth of internal energy
     real(dp) :: viscous = 0.0_dp  !! bulk-viscous dissipation (part of the internal energy)
     real(dp) :: contact = 0.0_dp     !! kinetic energy that contact took (friction, impact)

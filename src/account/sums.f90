@@ -27,7 +27,7 @@ module sgmp_sums
   integer, parameter :: sum_split = 13   !! kinetic energy of the halves of particles apart
   integer, parameter :: sum_edge_work = 14   !! work of what absorbing edges bear at rest
   integer, parameter :: sum_edge_impulse = 15  !! first of its impulse (3 components)
-  integer, parameter :: sum_applied = 18     !! work of body forces and loads on the particles
+  integer, parameter :: sum_applied = 18     !! work of forces on faces of particles
 
   integer, parameter :: eroded_sums = 10   !! entries of a body's sums over particles that go
   integer, parameter :: eroded_count = 1
@@ -40,8 +40,8 @@ module sgmp_sums
   integer, parameter :: nodes_sums = 11    !! entries of a plane's sums over nodes
   integer, parameter :: nodes_mass_aa = 1  !! sum m_I |a_I|^2
   integer, parameter :: nodes_mass_av = 2  !! sum m_I a_I . v_I at the velocity before the kick
-  integer, parameter :: nodes_external = 3  !! power of gravity, and of absorbing edges against
-                                           !! waves, at the mid-step velocity
+  integer, parameter :: nodes_external = 3  !! power of gravity, body forces, and absorbing edges
+                                           !! against waves, at the mid-step velocity
   !> Forces on nodes below the mass cut-off, which move nothing: sum |f_x| + |f_y| + |f_z|.
   integer, parameter :: nodes_lost = 4
   integer, parameter :: nodes_friction = 5  !! power that friction at walls takes

@@ -80,8 +80,7 @@ module sgmp_combinations
     feature_t('erode', '', 'erode', '', ask_card, '', 0), &
     feature_t('erode-step', 'erode time_step=…', 'erode', 'time_step', ask_given, '', 0), &
     feature_t('faces', 'a load on faces', 'pressure traction blast', '', ask_card, '', 0), &
-    feature_t('blast', '', 'blast', '', ask_card, '', 0), &
-    feature_t('body-forces', 'bodyforce or load', 'bodyforce load', '', ask_card, '', 0)]
+    feature_t('blast', '', 'blast', '', ask_card, '', 0)]
 
   type(refusal_t), parameter :: refusals(*) = [ &
     refusal_t('swirl', '1D 2D 3D', '', &

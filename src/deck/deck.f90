@@ -113,8 +113,7 @@ contains
     if (method%surfaces_auto) method%surfaces = combinations_allow(cards, 'surfaces') .and. &
                                                 .not. asks('axisymmetric')
     if (method%rotation_auto) method%rotation = combinations_allow(cards, 'rotation') .and. &
-                                                .not. (asks('friction') .or. asks('absorbing') .or. &
-                                                       asks('faces') .and. asks('body-forces'))
+                                                .not. (asks('friction') .or. asks('absorbing'))
     if (method%normalised_auto) then
       method%normalised = combinations_allow(cards, 'normalised') .and. &
                           .not. (asks('axisymmetric') .or. asks('motion') .or. asks('absorbing'))

@@ -49,7 +49,7 @@ contains
     type(partition_t), intent(in) :: partition
     call run(stage_moments, [-1, 1], field, mesh, 0.0_dp, no_columns, team, partition)
     call run(stage_couples, [-1, 0], field, mesh, 0.0_dp, no_columns, team, partition)
-    if (.not. forced .or. field%columns%lever == 0) return
+    if (.not. forced .or. field%columns%faces == 0) return
     call run(stage_face_moments, [-1, 1], field, mesh, 0.0_dp, no_columns, team, partition)
     call run(stage_face_couples, [-1, 0], field, mesh, 0.0_dp, no_columns, team, partition)
   end subroutine field_rotation_forces

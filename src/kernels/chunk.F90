@@ -51,7 +51,7 @@ module DIM(sgmp_chunk)
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 2 + NMASS + NDIM*(4 + 2*NDIM + twists(NDIM)) + NSPIN + NFLUX + 5 + &
+  integer, parameter :: most_columns = 2 + NMASS + NDIM*(5 + 2*NDIM + twists(NDIM)) + NSPIN + NFLUX + 5 + &
                                      most_drives + pair_sums(NDIM)
   integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
@@ -218,8 +218,8 @@ contains
     if (body%is_driven .and. (plan%kick .or. plan%drift)) then
       call drive(mesh, body, plan, task, task%live(1, nl), nb, motion, state, got, work)
     end if
-    if ((plan%kick .or. plan%drift) .and. (body%forced .or. body%faced)) then
-      call book_loads(mesh, body, plan, task, task%live(1, nl), got, nb, motion, state, lane_sums)
+    if ((plan%kick .or. plan%drift) .and. body%faced) then
+      call book_faces(mesh, body, plan, task, task%live(1, nl), got, nb, motion, state, lane_sums)
     end if
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
                              got(1, task%velocity), motion, lane_sums)
@@ -300,14 +300,14 @@ contains
     end if
     if (NDIM < 3) cell(nl + 1:) = -1
     call scatter(task, plan%stress, xi, cell, axes, values, stencil)
-    if (body%faced .and. plan%external > 0) then
+    if (body%faced .and. plan%faces > 0) then
       call scatter_faces(mesh, body, plan, task, id, nb, motion, state, xi, cell, axes, stencil)
     end if
   end subroutine chunk_advance
 
-  !> Books the work of body forces and loads: on the way that particles drift, at the velocity in the
-  !! middle of the kick.
-  subroutine book_loads(mesh, body, plan, task, live, got, nb, motion, state, lane_sums)
+  !> Books the work of forces on faces: on the way that particles drift, at the velocity in the middle
+  !! of the kick.
+  subroutine book_faces(mesh, body, plan, task, live, got, nb, motion, state, lane_sums)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
@@ -321,8 +321,8 @@ contains
     if (plan%kick) moved = -0.5_dp*plan%dt_work**2*got(:, :NDIM)
     if (plan%drift) moved = moved + plan%dt_work*got(:, task%velocity:task%velocity + NDIM - 1)
     call loads_book(mesh, body, plan%began, merge(plan%dt_kick, 0.0_dp, plan%kick), live, &
-                    motion(:, mass_at), moved, nb, motion, state, lane_sums)
-  end subroutine book_loads
+                    moved, nb, motion, state, lane_sums)
+  end subroutine book_faces
 
   !> Has driven particles read their own motion in the place of the grid's.
   subroutine drive(mesh, body, plan, task, live, nb, motion, state, got, work)
@@ -753,13 +753,13 @@ contains
       if (.not. some) cycle
       if (task%wide) then
         call product_spread(axes_moved(axes, task%h*way), axes(1, 1, 1, 2), .false., spread)
-        call product_scatter(NDIM, spread, force, stencil(1, plan%external + 1, 1))
+        call product_scatter(NDIM, spread, force, stencil(1, plan%faces + 1, 1))
       else
-        call linear_scatter(NDIM, xi + way, cell, force, task%nq, stencil(1, plan%external + 1, 1))
-        if (task%centred) call scatter_levers(task, plan%external + NDIM, xi + way, &
+        call linear_scatter(NDIM, xi + way, cell, force, task%nq, stencil(1, plan%faces + 1, 1))
+        if (task%centred) call scatter_levers(task, plan%faces + NDIM, xi + way, &
                                               loads_levers(task%h, xi + way, way, plan%corrected), cell, &
                                               force, stencil)
-        if (plan%corrected) call scatter_twists(task, plan%external + NDIM + NDIM**2, xi + way, &
+        if (plan%corrected) call scatter_twists(task, plan%faces + NDIM + NDIM**2, xi + way, &
                                                 cell, force, stencil)
       end if
       if (body%loads(i)%kind == load_absorbing) call scatter_impedance(body%loads(i), plan, task, &
@@ -781,7 +781,7 @@ contains
     real(dp) :: impedance(lanes, NDIM), place(lanes, NDIM)
     type(product_spread_t) :: spread
     integer :: before
-    before = plan%external + merge(NDIM + NDIM**2, NDIM, task%centred)  ! columns
+    before = plan%faces + merge(NDIM + NDIM**2, NDIM, task%centred)  ! columns
     call loads_impedance(load, merge(1.0_dp, 0.0_dp, id /= 0), nb, state, impedance)
     if (task%wide) then
       call product_spread(axes_moved(axes, task%h*way), axes(1, 1, 1, 2), .false., spread)

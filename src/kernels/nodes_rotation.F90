@@ -6,7 +6,7 @@ module DIM(sgmp_nodes_rotation)
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
-  use DIM(sgmp_nodes), only: external_forces, node_forces
+  use DIM(sgmp_nodes), only: face_forces, node_forces
   use DIM(sgmp_rotation), only: rotation_couples, rotation_curls, rotation_moments, rotation_place
   use DIM(sgmp_rotation_offsets), only: rotation_inertia, rotation_inverses, rotation_offsets
   use sgmp_rotation_points, only: stage_couples, stage_curls, stage_face_couples, &
@@ -73,14 +73,12 @@ contains
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane
-    real(dp), parameter :: weightless(3) = 0.0_dp
-    real(dp) :: f(tile, NDIM), m(tile)
+    real(dp) :: f(tile, NDIM)
     integer :: s, first, n
-    m = 0.0_dp
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
-        call external_forces(field, mesh, s, first, n, m, weightless, .true., f)
+        call face_forces(field, mesh, s, first, n, f)
         call rotation_moments(field, s, first, n, f)
       end do
     end do

@@ -24,6 +24,7 @@ module sgmp_plan
     logical :: corrected = .false.         !! strains are, at surfaces
     integer :: external = 0                !! of these, those before the external force; 0: there is
                                            !! none
+    integer :: faces = 0                   !! the same for that on faces
     integer, allocatable :: vectors(:)     !! node columns gathered: acceleration and velocity as
                                            !! the sweep needs them
     integer :: pairs = 0                   !! with the mass, columns of pairs of centres before it

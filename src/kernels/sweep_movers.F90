@@ -75,7 +75,7 @@ contains
     integer :: cell, l
     forces = plan%stress .and. .not. task%centred
     call mover_weights(task, body, forces, lists, list, at, xi, w, g)
-    if (body%faced .and. plan%external > 0) then
+    if (body%faced .and. plan%faces > 0) then
       call mover_faces(mesh, body, plan, task, lists, list, at, xi, force, w_face, levers, g_face)
     end if
     do l = 1, size(at)
@@ -209,16 +209,16 @@ contains
     do i = 1, size(force, 3)
       do d = 1, NDIM
         call add_product(points, force(lane, d, i), w(lane, :points, i), &
-                         sums(1, plan%external + d))
+                         sums(1, plan%faces + d))
         if (.not. task%centred) cycle
         do b = 1, NDIM
           call add_product(NCORNER, force(lane, d, i)*levers(lane, b, i), g(lane, :, b, i), &
-                           sums(1, plan%external + d*NDIM + b))
+                           sums(1, plan%faces + d*NDIM + b))
         end do
         if (.not. plan%corrected) cycle
         do b = 1, twists(NDIM)
           call add_product(NCORNER, force(lane, d, i), g(lane, :, NDIM + b, i), &
-                           sums(1, plan%external + NDIM*(NDIM + b) + d))
+                           sums(1, plan%faces + NDIM*(NDIM + b) + d))
         end do
       end do
     end do

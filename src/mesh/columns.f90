@@ -33,6 +33,7 @@ module sgmp_columns
     integer :: torque = 0              !! shear stresses of swirl times volume and radius, and the
                                        !! centrifugal force
     integer :: external = 0            !! external force, 0: none acts
+    integer :: faces = 0               !! that on faces of particles, 0: none acts there
     integer :: lever = 0               !! external force times lever (length), component by
                                        !! component along each axis; 0: none acts on faces
     integer :: twist = 0               !! external force times two or three levers (cells): columns
@@ -143,6 +144,10 @@ contains
     end if
     if (external) then
       columns%external = columns%total + 1
+      columns%total = columns%total + ndim
+    end if
+    if (wanted(faced)) then
+      columns%faces = columns%total + 1
       columns%total = columns%total + ndim
     end if
     if (wanted(faced) .and. kernel_centred(kernel)) then

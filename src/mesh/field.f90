@@ -132,7 +132,7 @@ contains
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))
     if (new%columns%offset > 0) then
-      call rotation_points_make(new%ndim, new%points, more, new%columns%lever > 0, &
+      call rotation_points_make(new%ndim, new%points, more, new%columns%faces > 0, &
                                 field%rotation%least_offset, new%rotation)
     end if
     if (new%columns%pairs > 0) call pair_points_make(new%space, new%points, more, new%pairs)

@@ -50,7 +50,8 @@ contains
     if (column >= columns%drives .and. column < columns%drives + columns%driven) return
     if (swirls(column, columns)) then
       parity = swirl_parity(column, columns, normal, wall)
-    else if (column == columns%radial .or. column == columns%external) then
+    else if (column == columns%radial .or. column == columns%external .or. &
+             column == columns%faces) then
       if (wall == wall_axis) parity = -1.0_dp  ! what pulls along r is opposite on the other side
     else if (column < columns%spin) then
       parity = vector_parity(1 + column - columns%momentum, normal, wall)
@@ -90,7 +91,7 @@ contains
     real(dp) :: parity
     integer :: axes, number
     parity = 1.0_dp
-    axes = columns%lever - columns%external  ! components of the force
+    axes = columns%lever - columns%faces  ! components of the force
     if (columns%twist > 0 .and. column >= columns%twist) then
       number = column - columns%twist
       if (number < axes*twists(axes) .and. wall /= wall_fixed) &

@@ -243,17 +243,17 @@ contains
                         inverse_mass(:nd, k)*gained(:nd, k)/step%dt_kick)
       end associate
     end do
-    call ledger_kick(shared, n, inverse_mass, trial, kick, gained, step%dt_kick, &
+    call ledger_kick(shared, n, fields, inverse_mass, trial, kick, gained, step%dt_kick, &
                      step%gravity)
     if (step%strains_with_trial .and. shared%at_surface) return  ! friction is yet to come
     if (step%strains_with_trial) then
       do k = 1, size(inverse_mass, 2)
         trial(:, k) = trial(:, k) + inverse_mass(:, k)*gained(:, k)
       end do
-      call ledger_strain(shared, n, bodies, inverse_mass, trial, kick, step%before, &
+      call ledger_strain(shared, n, bodies, fields, inverse_mass, trial, kick, step%before, &
                          step%gravity)
     else if (step%before > 0.0_dp) then
-      call ledger_strain(shared, n, bodies, inverse_mass, trial - kick, kick, step%before, &
+      call ledger_strain(shared, n, bodies, fields, inverse_mass, trial - kick, kick, step%before, &
                          step%gravity)
     end if
   end subroutine trial_node
@@ -280,7 +280,7 @@ contains
                                    inverse_mass(:, link%second)*link%correction
       end associate
     end do
-    call ledger_strain(shared, n, bodies, inverse_mass, velocity, step%dt_kick*kick, &
+    call ledger_strain(shared, n, bodies, fields, inverse_mass, velocity, step%dt_kick*kick, &
                        step%before, step%gravity)
   end subroutine trial_strain_node
 
@@ -328,7 +328,7 @@ contains
                                                shared_place(shared, n, mesh)), shared%held(:, n))
       end associate
     end do
-    call ledger_strain(shared, n, bodies, inverse_mass, velocity, kick, step%after, &
+    call ledger_strain(shared, n, bodies, fields, inverse_mass, velocity, kick, step%after, &
                        step%gravity)
   end subroutine strain_node
 

@@ -2,8 +2,8 @@
 !!
 !! Along with the impulse J that particles receive and the correction K of the velocity d that
 !! strains them, contact takes the energy J . d - dt g . K from a pair, g its relative acceleration
-!! by all other forces: dt g . K of gravity's work and dt K . A of the work of rigid bodies belong
-!! to it (doc/contact.md).
+!! by all other forces: dt f_ext . K/m of external work and dt K . A of the work of rigid bodies
+!! belong to it (doc/contact.md).
 !!
 !! Every rank sums over the nodes of its own planes, plane by plane; the sums of all planes are
 !! added in the order of the planes, so that nothing depends on who owns them.
@@ -12,6 +12,8 @@ module sgmp_contact_ledger
   use sgmp_buffer, only: buffer_put, buffer_t
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_contact_resolve, only: link_closed, link_dissipation
+  use sgmp_field, only: field_base, field_t
+  use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_parallel, only: parallel_gather
@@ -20,7 +22,7 @@ module sgmp_contact_ledger
   use sgmp_vectors, only: cross
   implicit none
   private
-  public :: contact_sums_t, ledger_kick, ledger_strain, ledger_add_up, ledger_close
+  public :: body_force, contact_sums_t, ledger_kick, ledger_strain, ledger_add_up, ledger_close
 
   !> Those sums of a step that contact changes.
   type :: contact_sums_t
@@ -44,9 +46,10 @@ module sgmp_contact_ledger
 contains
 
   !> What the impulses at a node change in the sums that were taken before contact.
-  pure subroutine ledger_kick(shared, n, inverse_mass, trial, kick, gained, dt, gravity)
+  pure subroutine ledger_kick(shared, n, fields, inverse_mass, trial, kick, gained, dt, gravity)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n
+    type(field_t), intent(in) :: fields(:)
     real(dp), intent(in) :: inverse_mass(:, :)   !! (3, members)
     real(dp), intent(in) :: trial(:, :)          !! (3, members) trial velocity
     real(dp), intent(in) :: kick(:, :)           !! (3, members) the part of it by forces
@@ -60,17 +63,19 @@ contains
           dot_product(gained(:, k), 2.0_dp*kick(:, k) + inverse_mass(:, k)*gained(:, k))/dt**2
         terms%power_before = terms%power_before + &
                              dot_product(gained(:, k), trial(:, k) - kick(:, k))/dt
-        terms%external_power = terms%external_power + 0.5_dp*dot_product(gained(:, k), gravity)
+        terms%external_power = terms%external_power + 0.5_dp*dot_product(gained(:, k), &
+          external(shared, n, k, fields, inverse_mass(:, k), gravity, .false.))
       end do
     end associate
   end subroutine ledger_kick
 
   !> What contact takes from the bodies at a node through one straining velocity.
-  pure subroutine ledger_strain(shared, n, bodies, inverse_mass, velocity, kick, part, &
+  pure subroutine ledger_strain(shared, n, bodies, fields, inverse_mass, velocity, kick, part, &
                                 gravity)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n
     type(body_t), intent(in) :: bodies(:)
+    type(field_t), intent(in) :: fields(:)
     real(dp), intent(in) :: inverse_mass(:, :)   !! (3, members)
     real(dp), intent(in) :: velocity(:, :)       !! (3, members) before it was made to obey
     real(dp), intent(in) :: kick(:, :)           !! (3, members) of rigid ones: change of velocity
@@ -98,11 +103,65 @@ contains
           terms%rigid_work = terms%rigid_work + part*(dot_product(corrected(:, k), kick(:, k)) &
                                                       - dot_product(gained(:, k), velocity(:, k)))
         else if (any(abs(corrected(:, k)) > 0.0_dp)) then
-          terms%external_power = terms%external_power + part*dot_product(corrected(:, k), gravity)
+          terms%external_power = terms%external_power + part*dot_product(corrected(:, k), &
+            external(shared, n, k, fields, inverse_mass(:, k), gravity, .true.))
         end if
       end do
     end associate
   end subroutine ledger_strain
+
+  !> Acceleration of a member by gravity and body forces, and by forces on faces, whose work is booked
+  !! on the particles.
+  pure function external(shared, n, k, fields, inverse_mass, gravity, faces) result(acceleration)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, k
+    type(field_t), intent(in) :: fields(:)
+    real(dp), intent(in) :: inverse_mass(3), gravity(3)
+    logical, intent(in) :: faces
+    real(dp) :: acceleration(3)
+    integer :: m
+    m = shared%member_start(n) + k - 1
+    acceleration = gravity
+    associate (nd => shared%ndim)
+      acceleration(:nd) = acceleration(:nd) + inverse_mass(:nd)* &
+        body_force(fields(shared%field(m)), shared%record(m), shared%point(:, n), faces)
+    end associate
+  end function external
+
+  !> Body force at a node, and force on faces (without its levers), as the momentum equation takes
+  !! them from the moments.
+  pure function body_force(field, record, point, faces) result(force)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: record, point(3)
+    logical, intent(in) :: faces
+    real(dp) :: force(field%ndim)
+    force = 0.0_dp
+    if (field%columns%external > 0) force = at_node(field, record, point, field%columns%external)
+    if (faces .and. field%columns%faces > 0) then
+      force = force + at_node(field, record, point, field%columns%faces)
+    end if
+  end function body_force
+
+  !> The same of one vector of the moments.
+  pure function at_node(field, record, point, column) result(force)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: record, point(3), column
+    real(dp) :: force(field%ndim)
+    integer :: last, j, k, base
+    force = 0.0_dp
+    last = column + field%ndim - 1
+    if (.not. kernel_centred(field%kernel)) then
+      force = field%moment(record, column:last)
+      return
+    end if
+    do k = point(3) - merge(1, 0, field%ndim >= 2), point(3)
+      do j = point(2) - merge(1, 0, field%ndim == 3), point(2)
+        base = field_base(field, j, k, point(1)) + point(1)
+        force = force + (field%moment(base - 1, column:last) + field%moment(base, column:last))
+      end do
+    end do
+    force = force*0.5_dp**field%ndim
+  end function at_node
 
   !> Adds up what contact did at the nodes of the own planes.
   subroutine ledger_add_up(shared, mesh, own, pairs, buffer)

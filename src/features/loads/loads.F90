@@ -151,14 +151,14 @@ contains
     area = live*sqrt(sum(state(:, load%column:load%column + NDIM - 1)**2, dim=2))
   end function face_area
 
-  !> Adds up what body forces and loads do to a chunk: their work on the way that particles go with
-  !! the grid, and of what edges bear at rest the work and the impulse.
-  subroutine loads_book(mesh, body, time, dt, live, mass, moved, nb, motion, state, sums)
+  !> Adds up what forces on faces do to a chunk: their work on the way that particles go with the
+  !! grid, and of what edges bear at rest the work and the impulse.
+  subroutine loads_book(mesh, body, time, dt, live, moved, nb, motion, state, sums)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: time                   !! of the forces
     real(dp), intent(in) :: dt                     !! velocity step; 0: no kick
-    real(dp), intent(in) :: live(lanes), mass(lanes)
+    real(dp), intent(in) :: live(lanes)
     real(dp), intent(in) :: moved(lanes, NDIM)     !! the way, or this sweep's part of it
     integer, intent(in) :: nb
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
@@ -166,10 +166,6 @@ contains
     real(dp) :: force(lanes, NDIM), way(lanes, NDIM), work(lanes)
     logical :: some
     integer :: i, d
-    force = 0.0_dp
-    call loads_on_mass(mesh, body, time, live*mass, nb, motion, state, force)
-    sums(:, sum_applied) = sums(:, sum_applied) + sum(force*moved, dim=2)
-    if (.not. body%faced) return
     do i = 1, size(body%loads)
       associate (load => body%loads(i))
         if (load%kind == load_force) cycle
