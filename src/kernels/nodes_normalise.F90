@@ -15,8 +15,9 @@ module DIM(sgmp_nodes_normalise)
   public :: cell_volume, filled_volumes, least_volume
 
   integer, parameter :: tile = 128
-  !> A centre less full than this is none of a body's inside, but a gap that closes or a crack that
-  !! opens: its stress keeps the particles' volumes. One that is fuller than `full` takes the cell's.
+  !> Of solids, a centre less full than this is none of a body's inside, but a gap that closes or a
+  !! crack that opens: its stress keeps the particles' volumes. One that is fuller than `full` takes
+  !! the cell's. Gases fill what they have, however few their particles are.
   real(dp), parameter :: empty = 0.5_dp, full = 0.75_dp
 
 contains
@@ -49,7 +50,8 @@ contains
           around = min(least(i - 1), least(i), least(i + 1))
           volume = merge(field%moment(idx + i, field%columns%volume), filled(i), &
                          around > interior*cell)
-          part = min(1.0_dp, max(0.0_dp, (volume/filled(i) - empty)/(full - empty)))
+          part = merge(min(1.0_dp, max(0.0_dp, (volume/filled(i) - empty)/(full - empty))), &
+                       1.0_dp, field%gaps)
           factor(i) = 1.0_dp + part*(filled(i)/volume - 1.0_dp)
         end do
         do q = field%columns%force, last

@@ -44,6 +44,7 @@ module sgmp_field
     type(rotation_points_t) :: rotation             !! for columns%offset > 0
     type(pair_points_t) :: pairs                    !! for columns%pairs > 0
     real(dp), allocatable :: node(:, :)             !! (points, columns%nodes) values at the nodes
+    logical :: gaps = .false.                       !! normalised stress leaves gaps alone: solids
     real(dp) :: hoop_correction = 0.0_dp            !! of the hoop strain (sgmp_axis)
     real(dp), allocatable :: hoop(:, :)  !! (x of a centre; inner, outer) weights of the hoop strain
                                          !! where there is an axis and values are at centres

@@ -6,7 +6,7 @@ masses and times have no units but where `units` says so.
 import math
 import random
 
-SMALL = 1e-6  # of scenes that are the same but for round-off
+SMALL = 1e-3  # of scenes that are the same but for round-off, which contact may make larger
 
 
 def minima(rows, key):
@@ -54,12 +54,13 @@ def bessel(order, x):
 
 def vibration(result, period):
     """Errors of a vibration whose kinetic energy is that of one mode: its frequency, and what is lost of its amplitude."""
-    times = minima(result.history, "kinetic_energy")
+    energies = [row["kinetic_energy"] for row in result.history]
+    floor = min(energies)  # of a rigid motion that is not part of the mode
+    times = minima([{**row, "kinetic_energy": row["kinetic_energy"] - floor} for row in result.history], "kinetic_energy")
     if len(times) < 4:
         return [("frequency", 1.0, 0.05)]
-    energies = [row["kinetic_energy"] for row in result.history]
-    first = max(energies[:max(2, len(energies)//8)])
-    last = max(row["kinetic_energy"] for row in result.history if times[2] < row["time"] < times[3])
+    first = energies[0] - floor
+    last = max(row["kinetic_energy"] for row in result.history if times[2] < row["time"] < times[3]) - floor
     return [("frequency", 1.5*period/(times[3] - times[0]) - 1, 0.05), ("amplitude", math.sqrt(last/first) - 1, 0.25)]
 
 
@@ -102,14 +103,15 @@ class Beam(Truth):
         b = 4.730040745/slim
         place = f"({b}*((x-cx)*{c}+(y-cy)*{s})+2.3650203725)"
         mode = f"(cosh({place})+cos({place})-0.9825022158*(sinh({place})+sin({place})))"
-        self.decks = [f"""parameter cx = {slim/2}
-parameter cy = {0.5 + self.luck.uniform(0, 1)*h}
+        u, w = self.luck.uniform(0, h), self.luck.uniform(0, h)  # bodies are turned about the origin
+        self.decks = [f"""parameter cx = {u*c - w*s}
+parameter cy = {u*s + w*c}
 dimension 2
 grid cell={h}
 METHOD
 time end={2.4*self.period} cfl=0.5
 material m elastic density=1 young=1 poisson=0.3
-body m block material=m lower=(cx-{slim/2},cy-0.5) upper=(cx+{slim/2},cy+0.5) ppc=2 rotation={angle}
+body m block material=m lower=({u - slim/2},{w - 0.5}) upper=({u + slim/2},{w + 0.5}) ppc=2 rotation={angle}
 velocity m x="{-1e-3*s}*{mode}" y="{1e-3*c}*{mode}"
 history steps=5
 """]
@@ -153,17 +155,17 @@ class Strip(Truth):
         self.cells = self.luck.choice((2, 4, 8))
         self.angle, h = self.luck.choice((0, self.luck.uniform(0, 90))), 1/self.cells
         self.c, self.s = math.cos(math.radians(self.angle)), math.sin(math.radians(self.angle))
-        length, self.pull, ramp = 12, 1e-3, 240
-        along = f"(x*{self.c}+(y-0.5)*{self.s})"
+        length, self.pull, ramp, up = 12, 1e-3, 240, self.luck.uniform(0, h)
+        along = f"(x*{self.c}+y*{self.s})"
         self.decks = [f"""dimension 2
 grid cell={h}
 METHOD
 time end={2*ramp} cfl=0.5
 damping rate=0.15
 material m elastic density=1 young=1 poisson=0.3
-body m block material=m lower=({-length/2},{self.luck.uniform(0, h)}) upper=({length/2},1) ppc=2 rotation={self.angle}
-load m where="{along}>{length/2 - 0.5*h}" x="{self.pull*self.c}*min(t/{ramp},1)" y="{self.pull*self.s}*min(t/{ramp},1)"
-load m where="{along}<{0.5*h - length/2}" x="{-self.pull*self.c}*min(t/{ramp},1)" y="{-self.pull*self.s}*min(t/{ramp},1)"
+body m block material=m lower=({-length/2},{up}) upper=({length/2},{1 + up}) ppc=2 rotation={self.angle}
+load m where="{along}>{length/2 - 0.6*h}" x="{self.pull*self.c}*min(t/{ramp},1)" y="{self.pull*self.s}*min(t/{ramp},1)"
+load m where="{along}<{0.6*h - length/2}" x="{-self.pull*self.c}*min(t/{ramp},1)" y="{-self.pull*self.s}*min(t/{ramp},1)"
 history steps=50
 output csv at=end fields=displacement,initial_position,mass
 """]
@@ -373,8 +375,8 @@ output csv at=end fields=pressure,initial_position
 """]
 
     def errors(self, results):
-        rows = sorted(row["pressure"] for row in results[0].rows if abs(row["x0"]) < 0.3)
-        return [("pressure", rows[len(rows)//2]/self.exact - 1, 0.05)]
+        rows = [row["pressure"] for row in results[0].rows if abs(row["x0"]) < 0.3]
+        return [("mean pressure", sum(rows)/len(rows)/self.exact - 1, 0.05)]
 
 
 class Slide(Truth):
@@ -416,7 +418,7 @@ class Crash(Truth):
         self.v = (luck.uniform(-0.05, 0.05), -luck.uniform(0.05, 0.15))
         self.matter = luck.choice(("elastic density=1 young=1 poisson=0.3", "neo_hookean density=1 young=1 poisson=0.3",
                                    "j2 density=1 young=1 poisson=0.3 yield=0.03"))
-        self.contact = luck.choice(("contact all", "contact all", ""))
+        self.contact = luck.choice(("contact all", "contact all", "")) if self.allowed == SMALL else "contact all"
         self.ball = (luck.randrange(-2, 3)*self.h, 2 + 2*self.h)
         self.radius = luck.choice((0.75, 1.0))
         self.cfl = luck.choice((0.3, 0.5))
@@ -426,7 +428,7 @@ class Crash(Truth):
         """The deck: places and vectors are mapped; `scale` are the units of length, mass and time."""
         length, mass, time = scale
         centre = place(self.ball[0], self.ball[1] + self.radius)
-        middle = place(0.0, 1.0)
+        middle = place(0.0, 1.0) if rotation == 0 else (0.0, 1.0)  # turned about the origin
         v = turn(*self.v)
         bodies = [f"body ball sphere material=m centre=({centre[0]*length},{centre[1]*length}) radius={self.radius*length} spacing={0.5*self.h*length}\n",
                   f"body block block material=m lower=({(middle[0] - 2)*length},{(middle[1] - 1)*length}) upper=({(middle[0] + 2)*length},{(middle[1] + 1)*length}) "
@@ -570,7 +572,7 @@ class Slab(Crash):
             if line.startswith("body ball"):
                 head, _, tail = line.partition("centre=(")
                 centre, _, tail = tail.partition(")")
-                line = f"{head.replace('sphere', 'cylinder')}centre=({centre},{self.h}) axis=(0,0,{self.h}){tail}".replace("block block", "block block")
+                line = f"{head.replace('sphere', 'cylinder')}centre=({centre},0) axis=(0,0,1) length={2*self.h}{tail}"
             if line.startswith("body block"):
                 line = line.replace(") upper=(", ",0) upper=(").replace(") spacing", f",{2*self.h}) spacing").replace("rotation=0.0", "")
             out.append(line)
