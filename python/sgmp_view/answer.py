@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .files import SgmpFileError, dumps_of, read_summary_if_any
+from .files import read_summary_if_any
 from .runs import Run
 
 AXES = "xyz"
@@ -61,12 +61,11 @@ def loss_of(body):
     return float(speed), along, 1 - along / speed
 
 
-def bodies_table(folder, units):
-    """Per body: rows of label, value at the start, value at the end, unit. Dumps are read where there are two or more."""
+def bodies_table(folder, units, clouds=()):
+    """Per body: rows of label, value at the start, value at the end, unit; `clouds`: first and last dump, where there are two or more."""
     bodies = Run(folder).bodies
     round_axis = read_summary_if_any(folder).get("dimension") == "axisymmetric"  # the mean of radial velocities says nothing
     axes = moving_axes(bodies.values())
-    clouds = ends_of(folder)
     for number, (name, body) in enumerate(bodies.items(), 1):
         sides = [list(state_of(at, units, axes, round_axis)) for at in (body.start, body.end)]
         for side, cloud in zip(sides, clouds):
@@ -77,13 +76,3 @@ def bodies_table(folder, units):
         if body.start["mass"] > 0 and body.end["mass"] != body.start["mass"]:
             rows.append(("mass that is gone (eroded or lost), share", 0.0, 1 - body.end["mass"] / body.start["mass"], ""))
         yield name, rows
-
-
-def ends_of(folder):
-    """First and last dump of a run, none where there are fewer than two or they name no bodies."""
-    try:
-        dumps = dumps_of(folder)
-        clouds = [dumps[0].read(), dumps[-1].read()] if len(dumps) > 1 else []
-    except SgmpFileError:
-        return []
-    return clouds if all("body" in cloud.fields for cloud in clouds) else []

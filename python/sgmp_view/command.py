@@ -7,12 +7,13 @@ import matplotlib
 
 matplotlib.use("Agg")
 
-from . import compare, convergence, error, gauges, history, movie, picture, profile, report, revolve, slice_, solids, status, sweep, work_precision  # noqa: E402
+from . import (compare, convergence, error, fragments, gauges, history, impact, movie, picture, profile, report, revolve, slice_,  # noqa: E402
+               solids, status, sweep, work_precision)
 from .files import SgmpFileError  # noqa: E402
 
 # word: module with `arguments(parser)` and `run(options)`, whose docstring is the help
 COMMANDS = {
-    "status": status, "report": report, "history": history, "gauges": gauges, "picture": picture, "slice": slice_,
+    "status": status, "report": report, "impact": impact, "fragments": fragments, "history": history, "gauges": gauges, "picture": picture, "slice": slice_,
     "profile": profile, "movie": movie, "revolve": revolve, "compare": compare, "error": error, "sweep": sweep, "convergence": convergence,
     "work-precision": work_precision, "solids": solids,
 }
@@ -34,8 +35,8 @@ def main(words=None):
     options = parser().parse_args(words)
     try:
         code = COMMANDS[options.command].run(options)
-    except (SgmpFileError, OSError, ValueError) as problem:
-        sys.exit(f"sgmp-view {options.command}: {problem}")
     except BrokenPipeError:
         code = 0
+    except (SgmpFileError, OSError, ValueError) as problem:
+        sys.exit(f"sgmp-view {options.command}: {problem}")
     sys.exit(code or 0)

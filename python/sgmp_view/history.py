@@ -1,21 +1,33 @@
-"""Energies, energy drift and momentum of one or several runs.
+"""Energies, energy drift and momentum of one or several runs; accelerations of bodies, filtered.
 
     sgmp-view history taylor_bar.out
     sgmp-view history mpm.out sgmp.out -o comparison.png
+    sgmp-view history cushion.out --cfc 180 --body head
 
 Reads history.csv of each output folder. Energies: kinetic, internal, total. Drift: the ledger's unexplained remainder
 `energy_remainder` and the change of the total less external work and dissipation, relative to the largest energy.
+
+--acceleration draws the accelerations of bodies instead and prints their peaks, --cfc filters them first as SAE J211
+and ISO 6487 have it: channel frequency class 60, 180, 600, 1000 or another; it needs units and rows of bodies.csv
+(`history every=…`) ten times as dense as the class, in hertz. --contact does so with the forces of pairs in contact.
 """
 
+import itertools
+import json
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
-from .files import SgmpFileError, folder_of, label, plot_style, read_history, read_units, run_name
+from .acceleration import AXES, accelerations, contact_forces, peaks_of
+from .files import SgmpFileError, folder_of, label, plot_style, read_history, read_table, read_units, run_name
 
-ENERGIES = (("kinetic_energy", "kinetic", "#1f77b4"), ("internal_energy", "internal", "#d62728"),
-            ("total_energy", "total", "#222222"))
+ENERGIES = (
+    ("kinetic_energy", "kinetic", "#1f77b4"),
+    ("internal_energy", "internal", "#d62728"),
+    ("total_energy", "total", "#222222"),
+)
 LINES = ("-", "--", ":", "-.")
 
 
@@ -23,8 +35,10 @@ def drift(history):
     """Change of total energy that neither work nor recorded dissipation explains, relative to the largest energy."""
     total = history["total_energy"]
     scale = max(np.max(np.abs(total)), np.max(np.abs(history["kinetic_energy"])), np.finfo(float).tiny)
-    explained = sum(sign * history.get(name, 0.0) for name, sign in (
-        ("external_work", 1.0), ("contact_dissipation", -1.0), ("damping_dissipation", -1.0)))
+    explained = sum(
+        sign * history.get(name, 0.0)
+        for name, sign in (("external_work", 1.0), ("contact_dissipation", -1.0), ("damping_dissipation", -1.0))
+    )
     change = total - total[0] - (explained - np.atleast_1d(explained)[0])
     return change / scale, history.get("energy_remainder", np.zeros_like(total)) / scale
 
@@ -32,8 +46,7 @@ def drift(history):
 def plot_energies(axis, histories, names, units):
     for run, history in enumerate(histories):
         for key, text, colour in ENERGIES:
-            axis.plot(history["time"], history[key], LINES[run % 4], color=colour,
-                      label=text if run == 0 else None)
+            axis.plot(history["time"], history[key], LINES[run % 4], color=colour, label=text if run == 0 else None)
     if len(histories) > 1:
         for run, name in enumerate(names):
             axis.plot([], [], LINES[run % 4], color="0.4", label=name)
@@ -46,8 +59,8 @@ def plot_energies(axis, histories, names, units):
     axis.legend(ncol=2, loc="upper right", fontsize=8)
 
 
-def figure(folders):
-    """The figure of one or several runs; the caller closes it."""
+def figure(folders, axes=None):
+    """The figure of one or several runs, or its three parts on axes that are given; the caller closes it."""
     histories = [read_history(folder) for folder in folders]
     for folder, history in zip(folders, histories):
         if len(history.get("time", ())) < 2:
@@ -57,7 +70,7 @@ def figure(folders):
             raise SgmpFileError(f"{folder}: history.csv has no column {', '.join(missing)}")
     names = [run_name(folder) for folder in folders]
     units = read_units(folder_of(folders[0]))
-    drawing, axes = plt.subplots(1, 3, figsize=(13, 3.9), layout="constrained")
+    drawing, axes = (None, axes) if axes is not None else plt.subplots(1, 3, figsize=(13, 3.9), layout="constrained")
     plot_energies(axes[0], histories, names, units)
     for run, (history, name) in enumerate(zip(histories, names)):
         change, remainder = drift(history)
@@ -73,6 +86,7 @@ def figure(folders):
     axes[2].set(xlabel=label("time", units["time"]), ylabel=label("momentum", units["momentum"]))
     for axis, title in zip(axes, ("Energies", "Energy drift", "Momentum")):
         axis.set_title(title, loc="left", fontweight="bold")
+        axis.xaxis.set_major_locator(MaxNLocator(5))
         axis.set_xlim(min(h["time"][0] for h in histories), max(h["time"][-1] for h in histories))
     low, high = axes[1].get_ylim()
     axes[1].set_ylim(low, high + 0.12 * (1 + len(folders)) * (high - low))  # room for the legend
@@ -80,6 +94,21 @@ def figure(folders):
         if axis.get_legend_handles_labels()[0]:
             axis.legend(loc="upper right" if axis is axes[1] else "best", fontsize=8 if len(histories) > 1 else 9)
     return drawing
+
+
+def energies_of_bodies(axis, folder):
+    """Kinetic and internal energy of each body over time; where there are two bodies or more."""
+    table, units = read_table(folder / "bodies.csv"), read_units(folder)
+    for number, colour in zip(
+        np.unique(table["body"]), itertools.cycle(plt.rcParams["axes.prop_cycle"].by_key()["color"])
+    ):
+        rows = table["body"] == number
+        axis.plot(table["time"][rows], table["kinetic_energy"][rows], color=colour, label=str(table["name"][rows][0]))
+        axis.plot(table["time"][rows], table["internal_energy"][rows], "--", color=colour)
+    axis.set(xlabel=label("time", units["time"]), ylabel=label("energy", units["energy"]))
+    axis.set_title("Bodies: kinetic, - - internal", loc="left", fontweight="bold")
+    axis.xaxis.set_major_locator(MaxNLocator(5))
+    axis.legend(fontsize=8)
 
 
 def plot(folders, output):
@@ -90,15 +119,88 @@ def plot(folders, output):
         plt.close(drawing)
 
 
+def draw_signals(folders, options, output):
+    """Accelerations of bodies, or forces of contact, over time, and a line for each with its peaks; all as a dict."""
+    result, read = {}, contact_forces if options.contact else accelerations
+    style, units = plot_style(), read_units(folder_of(folders[0]))
+    filtered = f", CFC {options.cfc:g}" if options.cfc else ", not filtered"
+    with plt.rc_context(style):
+        drawing, axis = plt.subplots(figsize=(7.5, 4.2), layout="constrained")
+        for folder in map(folder_of, folders):
+            raw = dict((name, (time, values)) for name, time, values, _ in read(folder, None, options.body))
+            for name, time, values, mass in read(folder, options.cfc, options.body):
+                words = name if len(folders) == 1 else f"{run_name(folder)}: {name}"
+                result[words] = peaks_of(time, values, mass)
+                along = max(AXES, key=lambda k: abs(result[words]["along"][k]))
+                line = axis.plot(time, values[:, AXES.index(along)], label=f"{words}, {along}")[0]
+                if options.cfc:
+                    faint = {"color": line.get_color(), "alpha": 0.25, "linewidth": 0.6, "zorder": 1}
+                    axis.plot(*shown(raw[name], AXES.index(along)), **faint)
+        what = "force of contact (N" if options.contact else "acceleration (m/s²"
+        axis.set(xlabel=label("time", units["time"]), ylabel=f"{what}{filtered})")
+        axis.legend()
+        drawing.savefig(output)
+        plt.close(drawing)
+    for words, peak in result.items():
+        print(f"{words}: {line_of(peak, units['time'], options.contact)}{filtered}")
+    return {"cfc": options.cfc, "pairs" if options.contact else "bodies": result}
+
+
+def line_of(peak, time, contact):
+    """Peaks in words."""
+    along = ", ".join(f"{k} {peak['along'][k]:.5g}" for k in AXES if peak["along"][k]) or "none"
+    if contact:
+        impulse = ", ".join(f"{v:.5g}" for v in peak["impulse"])
+        return f"peak {peak['peak']:.5g} N at {peak['time']:.5g} {time}; along {along}; impulse ({impulse}) N {time}"
+    return (
+        f"peak {peak['peak']:.5g} m/s² ({peak['peak_g']:.4g} g) at {peak['time']:.5g} {time}; along {along};"
+        f" force {peak['force']:.5g} N"
+    )
+
+
+def shown(raw, k):
+    """Times and one component of what was not filtered."""
+    return raw[0], raw[1][:, k]
+
+
 def arguments(parser):
     """Arguments of the command."""
     parser.add_argument("folders", nargs="+", type=Path, metavar="OUT_DIR", help="output folder(s) of sgmp")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE",
-                        help="picture (.png, .pdf, .svg); default: history.png in the first folder")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="picture (.png, .pdf, .svg); default: history.png or acceleration.png in the first folder",
+    )
+    parser.add_argument(
+        "--acceleration", action="store_true", help="accelerations of bodies and their peaks instead of energies"
+    )
+    parser.add_argument(
+        "--cfc",
+        type=float,
+        metavar="CLASS",
+        help="accelerations filtered by a channel frequency class: 60, 180, 600, 1000",
+    )
+    parser.add_argument(
+        "--body", action="append", metavar="NAME", help="accelerations of this body; may be repeated (default: all)"
+    )
+    parser.add_argument("--contact", action="store_true", help="forces of the pairs in contact, as accelerations are")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the peaks of accelerations")
 
 
 def run(options):
     """Draws the figure and prints its name."""
-    output = options.output or folder_of(options.folders[0]) / "history.png"
-    plot(options.folders, output)
+    wants = options.acceleration or options.cfc is not None or options.body or options.json or options.contact
+    if options.cfc is not None and not options.cfc > 0:
+        raise ValueError(f"--cfc {options.cfc:g} is not positive")
+    output = options.output or folder_of(options.folders[0]) / (
+        ("contact.png" if options.contact else "acceleration.png") if wants else "history.png"
+    )
+    if wants:
+        result = draw_signals(options.folders, options, output)
+        if options.json:
+            options.json.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    else:
+        plot(options.folders, output)
     print(output)

@@ -20,7 +20,12 @@ from .picture import draw, drawing_arguments, field_of
 
 def common_limits(dumps, field):
     """Ends of the colour scale that hold nearly all of the field in the second half of the dumps: a charge would leave its blast without colours."""
-    ends = [np.percentile(field_of(dump.read(), field)[1], [0.2, 99.8]) for dump in dumps[len(dumps) // 2:]]
+    return limits_of([field_of(dump.read(), field)[1] for dump in dumps[len(dumps) // 2:]])
+
+
+def limits_of(columns):
+    """Ends of the colour scale that hold nearly all of some columns."""
+    ends = [np.percentile(column, [0.2, 99.8]) for column in columns]
     low, high = float(min(end[0] for end in ends)), float(max(end[1] for end in ends))
     if low < 0 < high and min(-low, high) > 0.05 * max(-low, high):
         low, high = -max(-low, high), max(-low, high)

@@ -6,11 +6,13 @@
 
 Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, a particles CSV, or a checkpoint.
 3D: side view along --axis as a shaded surface, hidden particles hidden; --cut removes the half that faces the viewer and
-shows the section. 2D: the plane. 1D: field over x. A dashed line is the undeformed outline, where it is known (first dump
-or initial positions). A field may be a component (stress_xx), a vector (its size) or a tensor (von Mises); without --field:
+shows the section; of a half model (a slip wall in the plane of the picture) it shows the cut face. 2D: the plane. 1D: field
+over x. A dashed line is the undeformed outline, where it is known (first dump or initial positions). A field may be a component (stress_xx), a vector (its size) or a tensor (von Mises); without --field:
 plastic strain, else pressure, else speed.
 """
 
+import argparse
+import itertools
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -19,6 +21,7 @@ from matplotlib.colors import ListedColormap, Normalize, TwoSlopeNorm
 
 from .files import (PLASTIC_STRAIN, SgmpFileError, field_label, first_dump, folder_of, label, lookup, plot_style, read_dump,
                     read_summary_if_any, read_units, run_name)
+from .matter import planes_of
 
 VIEWS = {"x": (1, 2, 0, 1.0), "y": (0, 2, 1, -1.0), "z": (0, 1, 2, 1.0)}  # horizontal, vertical, depth, towards the viewer
 LIGHT = np.array([-0.45, 0.55, 0.70]) / np.linalg.norm([-0.45, 0.55, 0.70])
@@ -153,8 +156,8 @@ def choose_norm(values, limits=None):
     return Normalize(low, high), SEQUENTIAL
 
 
-def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=None, limits=None, cmap=None, most=2200):
-    """Draw a 2D or 3D cloud on `axis` in data units; returns a mappable for the colour bar."""
+def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=None, limits=None, cmap=None, most=2200, whole_numbers=False):
+    """Draw a 2D or 3D cloud on `axis` in data units; returns a mappable for the colour bar. `whole_numbers`: names of things, which have no mean."""
     flat = dimension_of(points) == 2
     across, up, along, sign = VIEWS[normal_of(points, view)]
     plane, depth = points[:, [across, up]], sign * points[:, along]
@@ -165,27 +168,16 @@ def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=N
     norm, standard = choose_norm(values, limits)
     mappable = plt.cm.ScalarMappable(norm, plt.get_cmap(cmap or standard))
     keep = np.ones(len(points), bool)
-    if cut and not flat:
-        keep = depth <= 0.5 * (depth.min() + depth.max())
+    if cut is not False and not flat:
+        keep = depth <= (0.5 * (depth.min() + depth.max()) if cut is True else sign * cut)
     canvas = Canvas(lower, upper, spacing, 12 if len(points) < 200000 else 6, most)
-    if flat:
-        _, colour = canvas.splat(plane, np.zeros(len(plane)), values, 0.55 * spacing, square=True)
-        solid = close_gaps(np.isfinite(colour), int(0.6 * spacing / canvas.size))  # closer than about a cell of two particles
-        colour = np.where(np.isfinite(colour), colour, smooth(colour, 0.3 * spacing / canvas.size, solid))
-        image = mappable.to_rgba(colour)
-        image[~np.isfinite(colour), 3] = 0.0
-    else:
-        front, colour = canvas.splat(plane[keep], depth[keep], values[keep], 0.6 * spacing, square=False)
-        pixels = spacing / canvas.size
-        solid = close_gaps(np.isfinite(colour), int(round(0.8 * pixels)))
-        everywhere = np.ones_like(solid)  # depth beyond the edge too, so that its slope is right at the edge
-        image = mappable.to_rgba(smooth(colour, 0.4 * pixels, solid))
-        brightness = shade(smooth(front, 1.1 * pixels, everywhere), canvas.size)
-        image[..., :3] = np.clip(image[..., :3] * brightness[..., None], 0, 1)
-        image[~solid, 3] = 0.0
+    loose = loose_of(points[keep], spacing)
+    image, front = surface_of(canvas, plane[keep][~loose], depth[keep][~loose], values[keep][~loose], mappable, spacing, flat, whole_numbers)
+    draw_balls(canvas, plane[keep][loose], depth[keep][loose], values[keep][loose], mappable, spacing, flat, image, front)
     axis.imshow(image, origin="lower", extent=canvas.extent, interpolation="bilinear", zorder=2)
     if outline is not None:
-        mask, _ = canvas.splat(clouds[1], np.zeros(len(outline)), np.ones(len(outline)), 0.5 * spacing, square=True)
+        first = clouds[1][np.unique(np.floor(clouds[1] / canvas.size).astype(np.int64), axis=0, return_index=True)[1]]
+        mask, _ = canvas.splat(first, np.zeros(len(first)), np.ones(len(first)), 0.5 * spacing, square=True)
         x, y = (np.linspace(*canvas.extent[k:k + 2], n, endpoint=False) + canvas.size / 2
                 for k, n in ((0, canvas.shape[1]), (2, canvas.shape[0])))
         filled = close_gaps(np.isfinite(mask), int(round(0.5 * spacing / canvas.size))).astype(float)
@@ -195,17 +187,87 @@ def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=N
     return mappable
 
 
+def loose_of(points, spacing):
+    """Which particles fly with few others: at most 5 in a cube (3 in a square) of three spacings, wherever that lies."""
+    if len(points) == 0:
+        return np.zeros(0, bool)
+    wide = np.ptp(points, axis=0) > 0
+    most = np.zeros(len(points), int)
+    for shift in itertools.product((0.0, 0.5), repeat=int(wide.sum())):
+        cells = np.floor(points[:, wide] / (3 * spacing) + shift).astype(np.int64)
+        cells -= cells.min(axis=0)
+        keys = cells @ np.cumprod(np.concatenate([[1], (cells.max(axis=0) + 1)[:-1]]))
+        _, place, count = np.unique(keys, return_inverse=True, return_counts=True)
+        most = np.maximum(most, count[place.ravel()])
+    return most <= {1: 1, 2: 3}.get(int(wide.sum()), 5)
+
+
+def in_sight(plane, depth, spacing):
+    """Which particles may be seen: those less than three spacings behind the foremost ones in all columns around theirs."""
+    column = np.floor((plane - plane.min(axis=0)) / (1.5 * spacing)).astype(int) + 1
+    foremost = np.full(column.max(axis=0) + 2, -np.inf)
+    np.maximum.at(foremost, tuple(column.T), depth)
+    nearby = foremost.copy()
+    for shift in itertools.product((-1, 0, 1), repeat=2):
+        np.minimum(nearby, np.roll(foremost, shift, axis=(0, 1)), out=nearby)
+    return depth >= nearby[tuple(column.T)] - 3 * spacing
+
+
+def surface_of(canvas, plane, depth, values, mappable, spacing, flat, whole_numbers):
+    """Picture of particles that lie close, as one surface, and its depth."""
+    pixels = spacing / canvas.size
+    if len(plane) == 0:
+        return np.zeros((*canvas.shape, 4)), np.full(canvas.shape, -np.inf)
+    if flat:
+        front, colour = canvas.splat(plane, np.zeros(len(plane)), values, 0.55 * spacing, square=True)
+        solid = close_gaps(np.isfinite(colour), int(0.6 * pixels))  # closer than about a cell of two particles
+        if not whole_numbers:                          # round outlines in place of steps of particles
+            solid = smooth(solid.astype(float), 0.35 * pixels) > 0.5
+            colour = smooth(colour, 0.4 * pixels, solid)
+        image = mappable.to_rgba(colour)
+        image[~np.isfinite(colour), 3] = 0.0
+        return image, np.where(np.isfinite(colour), 0.0, -np.inf)
+    seen = in_sight(plane, depth, spacing)
+    front, colour = canvas.splat(plane[seen], depth[seen], values[seen], (0.75 if whole_numbers else 0.6) * spacing, square=False)
+    solid = np.isfinite(colour) if whole_numbers else close_gaps(np.isfinite(colour), int(round(0.8 * pixels)))
+    everywhere = np.ones_like(solid)                   # depth beyond the edge too, so that its slope is right at the edge
+    image = mappable.to_rgba(colour if whole_numbers else smooth(colour, 0.4 * pixels, solid))
+    front = smooth(front, 1.1 * pixels, everywhere)
+    image[..., :3] = np.clip(image[..., :3] * shade(front, canvas.size)[..., None], 0, 1)
+    image[~solid, 3] = 0.0
+    return image, np.where(solid, front, -np.inf)
+
+
+def draw_balls(canvas, plane, depth, values, mappable, spacing, flat, image, front):
+    """Particles that fly alone, as shaded balls (in the plane as dots) in front of a surface, into its picture."""
+    if len(plane) == 0:
+        return
+    radius = max(0.6 * spacing, max(2.5, 0.0025 * max(canvas.shape)) * canvas.size)
+    nearest, which = canvas.splat(plane, np.zeros(len(plane)) if flat else depth, np.arange(len(plane)), radius, square=False)
+    row, column = np.nonzero(np.isfinite(which) & (np.isinf(front) if flat else ~(nearest < front)))
+    own = which[row, column].astype(int)
+    colours = mappable.to_rgba(values[own])
+    if not flat:
+        offset = (canvas.lower + (np.column_stack([column, row]) + 0.5) * canvas.size - plane[own]) / radius
+        normal = np.column_stack([offset, np.sqrt(np.maximum(0, 1 - (offset**2).sum(axis=1)))])
+        colours[:, :3] = np.clip(colours[:, :3] * (0.62 + 0.52 * np.clip(normal @ LIGHT, 0, 1))[:, None], 0, 1)
+    image[row, column] = colours
+
+
 def normal_of(points, axis):
     """Direction of view: of a plane cloud the coordinate that does not vary, else `axis`."""
     flat = [name for name, width in zip("xyz", np.ptp(points, axis=0)) if width == 0]
     return flat[-1] if flat else axis
 
 
-def unfolded(particles, values, outline):
+def unfolded_points(points):
     """The whole section of a scene about an axis: both sides of it."""
-    def both(points):
-        return None if points is None else np.vstack([points, points * (-1, 1, 1)])
-    return both(particles.points), np.concatenate([values, values]), both(outline)
+    return None if points is None else np.vstack([points, points * (-1, 1, 1)])
+
+
+def unfolded(particles, values, outline):
+    """The same with a field and an outline."""
+    return unfolded_points(particles.points), np.concatenate([values, values]), unfolded_points(outline)
 
 
 def field_of(particles, name=None):
@@ -231,17 +293,41 @@ def draw_cloud(points, values, name, units, spacing, outline, options, axes="xyz
     across, up = VIEWS[view][:2]
     shown = np.vstack([cloud for cloud in ((points, outline) if box is None else box) if cloud is not None])
     extent = np.ptp(shown[:, [across, up]], axis=0) + 3 * spacing
-    size = extent * min(7.5 / extent[0], 6.5 / extent[1])
-    figure, axis = plt.subplots(figsize=(size[0] + 1.9, max(size[1], 1.8) + 0.9), layout="constrained")
-    mappable = draw_particles(axis, points, values, spacing, view, options.cut, outline, options.limits, options.cmap, getattr(options, "most_pixels", 2200))
-    bar = figure.colorbar(mappable, ax=axis, shrink=0.9, pad=0.03, aspect=28)
-    bar.set_label(field_label(name, units))
-    bar.outline.set_visible(False)
+    size = getattr(options, "shrink", 1.0) * extent * min(7.5 / extent[0], 6.5 / extent[1])
+    figure, axis = plt.subplots(figsize=(max(size[0], 1.8) + 1.9, max(size[1], 1.8) + 0.9), layout="constrained")
+    if box is not None:                                # what lies beyond would only make pixels large
+        low, high = shown.min(axis=0) - 3 * spacing, shown.max(axis=0) + 3 * spacing
+        inside = np.all((points >= low) & (points <= high), axis=1)
+        points, values = (points[inside], values[inside]) if inside.sum() > 1 else (points, values)
+    mappable = draw_particles(axis, points, values, spacing, view, options.cut, outline, options.limits, options.cmap, getattr(options, "most_pixels", 2200),
+                              getattr(options, "whole_numbers", False))
+    if name is not None:
+        bar = figure.colorbar(mappable, ax=axis, shrink=0.9, pad=0.03, aspect=28)
+        bar.set_label(field_label(name, units))
+        bar.outline.set_visible(False)
     if box is not None:
         axis.set(xlim=(shown[:, across].min() - spacing, shown[:, across].max() + spacing),
                  ylim=(shown[:, up].min() - spacing, shown[:, up].max() + spacing))
     axis.set(xlabel=label(axes[across], units["length"]), ylabel=label(axes[up], units["length"]))
     return figure, axis
+
+
+def section_of(folder, points, initial, values, name, options, spacing):
+    """Points, values and place of the section along the view: the middle of the scene at its start. A half model is turned so that its plane of
+    symmetry faces the viewer, and nothing of it is taken away."""
+    view = normal_of(points, options.axis)
+    k, sign = VIEWS[view][2:]
+    first = points if initial is None else initial
+    plane = planes_of(folder, first, spacing).get(k)
+    if plane is None:
+        return points, values, 0.5 * float(first[:, k].min() + first[:, k].max())
+    place, side = plane
+    if side != sign:                                   # its face looks away
+        points = points.copy()
+        points[:, k] = 2 * place - points[:, k]
+        if name.rpartition("_")[2].count("xyz"[k]) == 1 and name.startswith(("velocity_", "stress_")):
+            values = -values
+    return points, values, sign * np.inf
 
 
 def draw(particles, source, options, box=None):
@@ -256,11 +342,14 @@ def draw(particles, source, options, box=None):
         initial = initial_points(particles, source)
         points, outline = particles.points, None if options.no_outline else initial
         spacing = estimate_spacing(points if initial is None else initial, particles.fields.get("volume"))
+        cut = argparse.Namespace(**vars(options))
+        if options.cut and dimension_of(points) == 3:
+            points, values, cut.cut = section_of(folder_of(source), points, initial, values, name, options, spacing)
         about_axis = lookup(read_summary_if_any(folder_of(source)), "dimension") == "axisymmetric"
         if about_axis:
             points, values, outline = unfolded(particles, values, outline)
             box = box and (np.array(box[1]) * (-1, 1, 1), np.array(box[1]) * (1, 1, 1), box[0], box[1])
-        figure, axis = draw_cloud(points, values, name, units, spacing, outline, options, "ryz" if about_axis else "xyz", box)
+        figure, axis = draw_cloud(points, values, name, units, spacing, outline, cut, "ryz" if about_axis else "xyz", box)
     title = options.title or run_name(source).replace("_", " ")
     if particles.time is not None:
         title += f"   t = {particles.time:.4g} {units['time']}".rstrip()
@@ -272,7 +361,7 @@ def drawing_arguments(parser):
     """How a cloud is drawn: what pictures and films share."""
     parser.add_argument("--field", help="field, component, vector or tensor to colour by")
     parser.add_argument("--axis", choices="xyz", default="y", help="3D: direction of view (default: y, that is x to the right, z up)")
-    parser.add_argument("--cut", action="store_true", help="3D: remove the half facing the viewer")
+    parser.add_argument("--cut", action="store_true", help="3D: the section; of a half model the cut face")
     parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"), help="ends of the colour scale")
     parser.add_argument("--cmap", help="matplotlib colour map")
     parser.add_argument("--title", help="title (default: the folder's name)")

@@ -3,10 +3,12 @@
     bodies.NAME.COLUMN, gauges.NAME.COLUMN, history.COLUMN    the last row of bodies.csv, gauges.csv, history.csv
     … with :max, :min, :mean, :integral, :time_of_max         of all rows instead (gauges.foot.pressure:max)
     extent.NAME.x_max (x_min, x_length, y…, z…, r…)           reach of a body's matter at the end, half a particle around its centres with it
+    impact.NAME.crater.depth, impact.NAME.opening.diameter, … what `sgmp-view impact` measures of a wall at the end
     energy.internal, end_state.largest_pressure, …            numbers of summary.json
 """
 
 import csv
+import json
 
 import numpy as np
 
@@ -17,6 +19,10 @@ OF_ROWS = ("max", "min", "mean", "integral", "time_of_max")
 KEYS = {"bodies": "body", "gauges": "gauge"}
 NO_RESULTS = ("step", "time", "body", "gauge", "particle", "particles", "name", "dt")
 ENDS = ("min", "max", "length")
+KEPT = "impact.json"
+CLOUD = ("mass", "momentum", "velocity", "kinetic_energy", "front_speed", "rear_speed", "front", "rear", "radius", "largest_radius", "failed_share",
+         "beyond_edge_mass")
+LENGTHS = ("depth", "diameter", "circle", "radius", "height", "least", "start", "lip", "front", "rear", "largest_radius", "moved")
 
 
 def reduced(time, values, how):
@@ -70,6 +76,31 @@ def extent_of(folder, rest):
     return {"min": low, "max": high, "length": high - low}[end]
 
 
+def impact_numbers(folder):
+    """What is measured of walls at the end, by name of the wall and of the number; as it was kept where dumps are gone."""
+    kept = folder / KEPT
+    if kept.exists():
+        return json.loads(kept.read_text())
+    from . import impact                               # here: it draws on much that other quantities do not need
+    values = {}
+    for wall in impact.of_folder(folder)["walls"]:
+        for cloud in ("cloud", "ejecta"):              # nothing there: zeros, so that a number has its name in all runs
+            wall[cloud] = wall.get(cloud) or dict.fromkeys(CLOUD, 0.0)
+        numbers = flat({key: value for key, value in wall.items() if key not in ("name", "normal", "text")})
+        values.update({f"{wall['name']}.{key}": float(value) for key, value in numbers.items()
+                       if isinstance(value, (int, float)) and "mass_of" not in key})
+    return values
+
+
+def keep_impact(folder):
+    """Writes what was measured of walls, for a folder that loses its dumps; what cannot be measured is left out."""
+    try:
+        values = impact_numbers(folder)
+    except SgmpFileError:
+        return
+    (folder / KEPT).write_text(json.dumps(values, indent=1) + "\n")
+
+
 def quantity_of(folder, quantity):
     """Its value at the end of a run, or of all of it."""
     folder = folder_of(folder)
@@ -80,6 +111,11 @@ def quantity_of(folder, quantity):
         return reduced(*column_of(folder, file, name, column), how)
     if file == "extent":
         return extent_of(folder, rest)
+    if file == "impact":
+        values = impact_numbers(folder)
+        if rest not in values:
+            raise SgmpFileError(f"{folder}: nothing is known of '{quantity}'; there are: {', '.join(values)}")
+        return values[rest]
     if file == "history":
         history = read_history(folder)
         if rest not in history:
@@ -100,6 +136,11 @@ def unit_of(quantity, units):
         return units["time"]
     if quantity.startswith("extent."):
         return units["length"]
+    if quantity.startswith("impact."):
+        kind = {"area": "²", "volume": "³"}.get(column)
+        if kind:
+            return units["length"] and units["length"] + kind
+        return units["length"] if column in LENGTHS else impact_unit(column, quantity, units)
     unit = field_unit(column, units)
     if column.startswith(("kinetic_energy", "internal_energy", "total_energy", "external_work", "energy_remainder")) or column.endswith("dissipation"):
         unit = units["energy"]
@@ -110,6 +151,15 @@ def unit_of(quantity, units):
     elif quantity.startswith("energy.") and column != "drift":
         unit = units["energy"]
     return f"{unit} {units['time']}" if how == "integral" and unit else unit
+
+
+def impact_unit(column, quantity, units):
+    """Units of what is no length."""
+    if "mass" in column or quantity.endswith((".spall.largest", ".backwards.largest")):
+        return units["mass"]
+    if "speed" in column or column == "velocity":
+        return units["velocity"]
+    return {"momentum": units["momentum"], "kinetic_energy": units["energy"]}.get(column, "")
 
 
 def short_name(quantity):
@@ -133,6 +183,10 @@ def listed(folder):
             table = read_table(path)
             names = dict.fromkeys(str(name) for name in table["name"]) if "name" in table else dict.fromkeys(str(int(k)) for k in table[KEYS[file]])
             yield from (f"{file}.{name}.{column}" for name in names for column in columns if column not in NO_RESULTS)
+    try:
+        yield from (f"impact.{name}" for name in impact_numbers(folder))
+    except SgmpFileError:
+        pass                                           # no walls, or no dumps
     axes = "xyz"[:3 if read_summary(folder)["dimension"] == "axisymmetric" else int(read_summary(folder)["dimension"])]
     yield from (f"extent.{name}.{axis}_{end}" for name in body_names(folder) for axis in axes for end in ENDS)
     yield from (f"history.{column}" for column in read_history(folder) if column not in NO_RESULTS)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .files import SgmpFileError, read_summary, read_summary_if_any
+from .quantities import keep_impact
 from .runs import version_of
 
 DONE = (0, 4)                                           # exit codes of runs that would end the same way again
@@ -118,6 +119,7 @@ class Runner:
         if member.code in (*DONE, STOPPED):
             (self.output(member) / STAMP).write_text(json.dumps(self.stamp(member)) + "\n")
         if member.code in DONE and member.part != "deck":
+            keep_impact(self.output(member))
             self.remove_dumps(member)
         if member.code == 0 and "--restart" not in more and self.base_work * member.work > 0:
             self.seconds_per_work = max((time.monotonic() - begun) / (self.base_work * member.work), 1e-10)

@@ -2,7 +2,7 @@
 # Installs what the build needs and is missing; does nothing, quickly, where nothing is.
 #
 #   scripts/setup/setup.sh         compiler, MPI, HDF5, muParser, CMake; Python packages in build/venv
-#   scripts/setup/setup.sh --test  packages that only tests use in build/venv; without them those tests are skipped
+#   scripts/setup/setup.sh --test  packages that only tests use in build/venv, and Chromium; what is missing is not tested
 #   scripts/setup/setup.sh --dev   the tools of make lint, format, coverage and doc in build/venv
 #
 # On Debian and Ubuntu, as root or with a passwordless sudo, system packages come from apt. Elsewhere it says what is
@@ -165,6 +165,14 @@ install_test_packages() {
   echo "setup: pip could not install scripts/setup/requirements-test.txt; the tests that need it will be skipped" >&2
 }
 
+# The browser that shows the pages of reports to a test. Tried once: without it the pages are parsed only.
+install_browser() {
+  has chromium || has chromium-browser || has google-chrome || [ -e "$venv/.no-browser" ] && return 0
+  can_install && apt_install chromium > /dev/null 2>&1 && return 0
+  echo "setup: no Chromium (Debian, Ubuntu: apt-get install chromium); pages of reports will be parsed, not shown" >&2
+  touch "$venv/.no-browser" 2> /dev/null || true
+}
+
 install_developer_tools() {
   install_requirements scripts/setup/requirements-dev.txt && return 0
   echo "setup: could not install the tools of scripts/setup/requirements-dev.txt into $venv:" >&2
@@ -174,7 +182,7 @@ install_developer_tools() {
 
 case "${1:-}" in
   "") install_system_packages && install_python_packages ;;
-  --test) install_test_packages ;;
+  --test) install_test_packages; install_browser ;;
   --dev) install_developer_tools ;;
   *) echo "usage: scripts/setup/setup.sh [--test | --dev]" >&2; exit 2 ;;
 esac

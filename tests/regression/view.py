@@ -7,6 +7,7 @@ import contextlib
 import csv
 import importlib.util
 import io
+import json
 import os
 import shutil
 import signal
@@ -23,6 +24,7 @@ sys.path.insert(0, os.path.join(SOURCE, "python"))
 import numpy as np  # noqa: E402
 import sgmp_view  # noqa: E402
 from sgmp_view import command  # noqa: E402
+from sgmp_view.gauges import summary_of  # noqa: E402
 from sgmp_view.grid_convergence import richardson  # noqa: E402
 from sgmp_view.profile import layers  # noqa: E402
 from sgmp_view.revolve import revolve  # noqa: E402
@@ -154,15 +156,22 @@ def figures(report):
         code, text = view(*words)
         path = os.path.join(SCRATCH, text.strip().split("\n")[-1])
         check(report, code == 0 and os.path.getsize(path) > 1000, " ".join(words[:2]), text)
+    code, text = view("gauges", run, "--column", "velocity_x", "--json", "gauges.json")
+    with open("gauges.json", encoding="utf-8") as file:
+        found = json.load(file)["gauges"]["corner"]
+    check(report, abs(found["largest"] - 2) < 1e-9 and abs(found["impulse"] - 2*4) < 1e-6 and "impulse (m/s ms)" in text, "what flies at 2 for 4", text)
+    time, saw = np.array([0.0, 1.0, 3.0, 4.0]), np.array([0.0, 6.0, -2.0, 0.0])
+    check(report, summary_of(time, saw) == {"largest": 6.0, "time_of_largest": 1.0, "least": -2.0, "time_of_least": 3.0, "impulse": 6.0},
+          "peak and impulse of straight lines", str(summary_of(time, saw)))
     check(report, all(abs(float(row["velocity_x"]) - 2) < 1e-6 for row in rows("profile.csv")), "profile of a uniform field", str(rows("profile.csv")[:2]))
     with open(os.path.join(SCRATCH, run, "report.html"), encoding="utf-8") as file:
         page = file.read()
-    check(report, "<b class=\"sound\">sound</b>" in page and "body arrow block" in page and page.count("data:image/png") == 6,
-                 "the report has verdict, deck, four frames, energies and gauges", str(page.count("data:image/png")))
+    check(report, "<b class=\"sound\">sound</b>" in page and "body arrow block" in page and page.count("data:image/png") == 8,
+                 "the report has verdict, deck, four frames, energies, drift, momentum and gauges", str(page.count("data:image/png")))
     for row in ("mean velocity, x</td><td>2</td><td>2</td>", "mass</td><td>72</td><td>72</td>", "momentum, x</td><td>144</td><td>144</td>",
                 "kinetic energy</td><td>180</td><td>180</td>", "extent, x</td><td>0.25 … 5.75</td><td>8.25 … 13.75</td>"):
-        check(report, row in page, f"the report's table of bodies has {row}", page[page.find("<h2>Bodies"):][:3000])
-    check(report, "2.2361 m/s at the start" in page and "0 % lost" in page, "what flies on loses nothing", page[page.find("<h2>Bodies"):][:300])
+        check(report, row in page, f"the report's table of bodies has {row}", page[page.find("<h2>What"):][:3000])
+    check(report, "2.2361 m/s at the start" in page and "0 % lost" in page, "what flies on loses nothing", page[page.find("<h2>What"):][:300])
     for words, saying in ((("picture", "nowhere.out"), "no such file"), (("picture", run, "--field", "presure"), "no field 'presure'"),
                           (("gauges", run, "--column", "x_y"), "no column 'x_y'"), (("picture", run, "--step", "99"), "no dump '99'"),
                           (("slice", run, "--plane", "q=1"), "expected x=PLACE"), (("slice", run, "--plane", "y=99"), "fewer than two")):

@@ -1,0 +1,227 @@
+#!/usr/bin/env python3
+"""Pages of `sgmp-view report` in a browser: every picture shown, nothing in the console, readable at two widths.
+
+The browser is Chromium without a display (chromium of Debian, or what CHROMIUM names; scripts/setup/setup.sh --test
+installs it). Without one the pages are only parsed: tags, pictures, nothing from elsewhere. Screenshots stay in the
+scratch folder. Pages of `make doc` are looked at where they have been made.
+
+usage: pages.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+
+import base64
+import functools
+import glob
+import html
+import html.parser
+import http.server
+import importlib.util
+import json
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import threading
+
+from _runs import ENVIRONMENT, SCRATCH, SGMP, SOURCE, Report
+
+if not all(importlib.util.find_spec(name) for name in ("numpy", "matplotlib")):
+    print("skipped: numpy and matplotlib are not installed")
+    sys.exit(77)
+sys.path.insert(0, os.path.join(SOURCE, "python"))
+import numpy as np  # noqa: E402
+from _dumps import Cloud, lattice, write_run  # noqa: E402
+from sgmp_view import command  # noqa: E402
+
+WIDTHS = (1280, 400)
+DECK = """
+title "A block that flies <fast> & far"
+units mm g ms
+dimension 2
+grid cell=1 x=open y=open
+method sgmp
+time end=4 dt=0.1
+material m elastic density=3 young=100 poisson=0
+body arrow block material=m lower=(0,0) upper=(6,4) ppc=2
+velocity arrow x=2 y=1
+history steps=1
+gauge corner point=(0,0)
+output vtu every=1 fields=stress,pressure
+"""
+# Looks at the page as it is shown and writes what it has found into it.
+LOOK = """<script>window.addEventListener('load', () => {
+  const images = [...document.images].map(i => [i.complete && i.naturalWidth > 0, i.getBoundingClientRect().width]);
+  const texts = [...document.querySelectorAll('p,li,td,th,h1,h2,a,pre')].filter(e => e.textContent.trim());
+  const scrolls = e => e && (['auto', 'scroll'].includes(getComputedStyle(e).overflowX) || scrolls(e.parentElement));
+  const wide = texts.filter(e => e.getBoundingClientRect().right > innerWidth + 1 && !scrolls(e)
+    && !e.closest('.wy-nav-side'));
+  const found = {width: innerWidth, scroll: document.documentElement.scrollWidth, images: images, texts: texts.length,
+    least: Math.min(...texts.map(e => parseFloat(getComputedStyle(e).fontSize))), height: document.body.scrollHeight,
+    wide: wide.map(e => e.textContent.slice(0, 40))};
+  parent.postMessage(JSON.stringify(found), '*');
+});</script>"""
+# A window cannot be narrower than 500 pixels, a frame in it can.
+FRAME = """<!doctype html><body style="margin:0"><pre id="found"></pre><script>addEventListener('message', e => {
+  document.getElementById('found').textContent = e.data;
+});</script><iframe src="%s" style="border:0;width:%dpx;height:900px"></iframe></body>"""
+
+
+class Tags(html.parser.HTMLParser):
+    """Counts tags that are open and pictures; notes what comes from elsewhere."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.faults, self.pictures, self.elsewhere = [], [], [], []
+
+    def handle_starttag(self, tag, attributes):
+        values = dict(attributes)
+        if tag == "img":
+            self.pictures.append(values)
+        for key in ("src", "href"):
+            if key in values and not values[key].startswith(("data:", "#")):
+                self.elsewhere.append(values[key])
+        if tag not in ("img", "meta", "link", "br"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.faults.append(f"</{tag}> at {self.getpos()}")
+
+
+def parsed(report, path):
+    """Tags closed in their order, pictures whole and named, nothing loaded from elsewhere; the number of pictures."""
+    tags = Tags()
+    with open(path, encoding="utf-8") as file:
+        tags.feed(file.read())
+    report.check(not tags.faults and not tags.open, f"{path}: {tags.faults[:3]} {tags.open[:3]}")
+    report.check(not tags.elsewhere, f"{path}: not in the page: {tags.elsewhere[:3]}")
+    for picture in tags.pictures:
+        data = base64.b64decode(picture["src"].split(",", 1)[1])
+        width, height = struct.unpack(">II", data[16:24])
+        report.check(data[:8] == b"\x89PNG\r\n\x1a\n" and data[-8:-4] == b"IEND" and min(width, height) > 100,
+                     f"{path}: a picture of {width} x {height}")  # fmt: skip
+        report.check(picture.get("alt"), f"{path}: a picture without words")
+    return len(tags.pictures)
+
+
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    """Serves the pages of `make doc`, whose search does not work from files."""
+
+    def log_message(self, *words):
+        pass
+
+
+def browser():
+    """The program, or None."""
+    names = (os.environ.get("CHROMIUM"), "chromium", "chromium-browser", "google-chrome")
+    return next((shutil.which(name) for name in names if name and shutil.which(name)), None)
+
+
+def shown(program, path, width, place):
+    """What the page says of itself once it is shown, lines of its console; a screenshot stays in the scratch folder."""
+    place = place or f"file://{os.path.dirname(path)}"
+    copy, frame = os.path.join(os.path.dirname(path), "look.html"), os.path.join(SCRATCH, "frame.html")
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    with open(copy, "w", encoding="utf-8") as file:
+        file.write(text.replace("</body>", LOOK + "</body>"))
+    with open(frame, "w", encoding="utf-8") as file:
+        file.write(FRAME % (f"{place}/look.html", width))
+    common = [program, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run"]
+    common += [f"--user-data-dir={SCRATCH}/browser", "--enable-logging=stderr", "--virtual-time-budget=10000"]
+
+    def called(*words):
+        words = [*common, *words]
+        return subprocess.run(words, capture_output=True, text=True, timeout=120, check=False, env=ENVIRONMENT)
+
+    done = called("--window-size=1400,900", "--dump-dom", f"file://{frame}")
+    found = re.search(r'<pre id="found">(.+?)</pre>', done.stdout)
+    found = json.loads(html.unescape(found.group(1))) if found else None
+    if found:
+        name = os.path.splitext(os.path.basename(path))[0]
+        found["screenshot"] = os.path.join(SCRATCH, f"{name}_{width}.png")
+        height = min(int(found["height"]) + 40, 12000)
+        called(
+            f"--window-size={width},{height}",
+            f"--screenshot={found['screenshot']}",
+            f"{place}/{os.path.basename(path)}",
+        )
+    os.remove(copy)
+    return found, [line for line in done.stderr.splitlines() if "CONSOLE" in line and "Lunr index" not in line]
+
+
+def looked_at(report, program, path, pictures, place=None):
+    """A page at both widths."""
+    for width in WIDTHS:
+        for _ in range(3):  # a page from a server is not always shown in time
+            found, console = shown(program, path, width, place)
+            if found:
+                break
+        what = f"{os.path.basename(path)} at {width}"
+        if not report.check(found, f"{what}: not shown"):
+            continue
+        report.check(not console, f"{what}: console: {console[:3]}")
+        report.check(found["width"] == width and found["scroll"] <= width, f"{what}: {found['scroll']} pixels wide")
+        report.check(not found["wide"], f"{what}: cut off: {found['wide'][:3]}")
+        report.check(found["least"] >= 10, f"{what}: letters of {found['least']} pixels")
+        report.check(found["texts"] > 5, f"{what}: {found['texts']} texts")
+        if pictures is not None:
+            report.check(len(found["images"]) == pictures, f"{what}: {len(found['images'])} pictures of {pictures}")
+        for complete, across in found["images"]:
+            report.check(complete and 20 <= across <= width, f"{what}: a picture {across} wide, complete: {complete}")
+        if pictures:
+            report.check(max(across for _, across in found["images"]) > 0.3 * width, f"{what}: pictures are small")
+            report.check(os.path.getsize(found["screenshot"]) > 10000, f"{what}: the screenshot is empty")
+
+
+def pages(report):
+    """Reports of a run in the plane with gauges, and of a made one in space with a plug, spall and failed matter."""
+    with open("block.inp", "w", encoding="utf-8") as deck:
+        deck.write(DECK)
+    subprocess.run([SGMP, "block.inp", "--quiet", "--output", "block.out"], check=True, env=ENVIRONMENT)
+    points = lattice((-10, -10, -3), (10, 10, 0), 0.5)
+    flying = Cloud(lattice((-1, -1, 1), (1, 1, 3), 0.5), (0, 0, -100))
+    after = Cloud(points)
+    far = np.hypot(points[:, 0], points[:, 1])
+    pieces = np.floor(np.arctan2(points[:, 1], points[:, 0]) / (np.pi / 3))
+    for number in range(-3, 3):  # six sectors of a plug fly on
+        chosen = (far < 6) & (pieces == number)
+        angle = (number + 0.5) * np.pi / 3
+        after.points[chosen] += (4 * np.cos(angle), 4 * np.sin(angle), -12 - number)
+        after.velocity[chosen] = (0, 0, -30 - number)
+    after.failed[(far > 6) & (far < 7)] = True
+    start = {"ball": flying, "plate": Cloud(points)}
+    end = {"ball": Cloud(flying.points - (0, 0, 30), (0, 0, -60)), "plate": after}
+    write_run("plug.out", [(0, start), (1, end)], spacing=0.5, cell=1.0)
+    for name in ("block", "plug"):
+        try:
+            command.main(["report", f"{name}.out", "-o", f"{name}.html"])
+        except SystemExit as end:
+            report.check(not end.code, f"sgmp-view report {name}.out: {end.code}")
+
+
+def main():
+    """All of it."""
+    report = Report()
+    os.chdir(SCRATCH)
+    pages(report)
+    program = browser()
+    for name, pictures in (("block", 8), ("plug", 8)):
+        path = os.path.join(SCRATCH, f"{name}.html")
+        report.check(parsed(report, path) == pictures, f"{name}: {pictures} pictures")
+        if program:
+            looked_at(report, program, path, pictures)
+    site = os.path.join(SOURCE, "build", "site", "html")
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=site))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    for name in ("index.html", "README.html", "doc/user-guide.html", "doc/verdict.html"):
+        for path in glob.glob(os.path.join(site, name)) if program else ():
+            looked_at(report, program, path, None, f"http://127.0.0.1:{server.server_port}/{os.path.dirname(name)}")
+    server.shutdown()
+    if not program:
+        print("no Chromium: pages were parsed, not shown")
+    report.end()
+
+
+main()
