@@ -10,16 +10,16 @@ module DIM(sgmp_chunk)
   use sgmp_body, only: body_t
   use sgmp_columns, only: pair_sums, relax_stiffness, relax_total, twist_takes, twists
   use sgmp_constitutive, only: constitutive_t
+  use sgmp_debris, only: debris_room
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
                                   departures_outside, departures_take_out
-  use sgmp_debris, only: debris_room
   use sgmp_drive, only: most_drives
   use CARTESIAN(sgmp_driven_particles), only: driven_masses, driven_read
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_absorbing, load_force, load_t
-  use DIM(sgmp_loads), only: loads_book, loads_book_strain, loads_impedance, loads_levers, loads_on_faces, &
-                              loads_on_mass, loads_strain, loads_twist
+  use DIM(sgmp_loads), only: loads_book, loads_book_strain, loads_impedance, loads_levers, &
+                             loads_on_faces, loads_on_mass, loads_strain, loads_twist
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
@@ -263,8 +263,8 @@ contains
       call driven_masses(body, task%live(1, nl), motion(1, mass_at), nb, state, plan%driven, &
                          values(1, NMASS + 1))
     end if
-    if (task%pairs > 0) call debris_room(body%law, task%live(1, nl), motion(1, mass_at), nb, state, &
-                                         values(1, task%masses))
+    if (task%pairs > 0) call debris_room(body%law, task%live(1, nl), motion(1, mass_at), nb, &
+                                         state, values(1, task%masses))
 #ifdef AXISYMMETRIC
     if (task%swirl > 0) call swirl_collect(task%live(1, nl), motion, motion(1, mass_at), &
                                            state(1, body%law%slots%swirl), &
@@ -305,8 +305,8 @@ contains
     end if
   end subroutine chunk_advance
 
-  !> Books the work of forces on faces: on the way that particles drift, at the velocity in the middle
-  !! of the kick.
+  !> Books the work of forces on faces: on the way that particles drift, at the velocity in the
+  !! middle of the kick.
   subroutine book_faces(mesh, body, plan, task, live, got, nb, motion, state, lane_sums)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
@@ -757,8 +757,8 @@ contains
       else
         call linear_scatter(NDIM, xi + way, cell, force, task%nq, stencil(1, plan%faces + 1, 1))
         if (task%centred) call scatter_levers(task, plan%faces + NDIM, xi + way, &
-                                              loads_levers(task%h, xi + way, way, plan%corrected), cell, &
-                                              force, stencil)
+                                              loads_levers(task%h, xi + way, way, &
+                                                           plan%corrected), cell, force, stencil)
         if (plan%corrected) call scatter_twists(task, plan%faces + NDIM + NDIM**2, xi + way, &
                                                 cell, force, stencil)
       end if
@@ -791,8 +791,8 @@ contains
     place = min(1.0_dp, max(0.0_dp, xi + way))
     call linear_scatter(NDIM, place, cell, impedance, task%nq, stencil(1, before + 1, 1))
     if (task%centred) call scatter_levers(task, before + NDIM, place, &
-                                          loads_levers(task%h, place, way, .false.), cell, impedance, &
-                                          stencil)
+                                          loads_levers(task%h, place, way, .false.), cell, &
+                                          impedance, stencil)
   end subroutine scatter_impedance
 
   !> Adds force times lever to the centres (sgmp_loads). The derivative of a linear weight along an

@@ -38,7 +38,8 @@ module sgmp_rotation_points
     real(dp), allocatable :: moment(:, :)      !! (1 or 4, points) nodes: moment of the force
     real(dp), allocatable :: couple(:, :)      !! (1 or 4, points) centres: couples, or the curl of
                                                !! a velocity, times the mass
-    real(dp), allocatable :: face_couple(:, :) !! the couples of forces on faces, where there are any
+    real(dp), allocatable :: face_couple(:, :)  !! the couples of forces on faces, where there are
+                                               !! any
     real(dp), allocatable :: force(:, :)       !! (points, ndim) nodes: internal force, before it is
                                                !! corrected
     logical, allocatable :: at(:, :)           !! (points, 3): see at_node

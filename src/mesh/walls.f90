@@ -90,13 +90,8 @@ contains
     integer, intent(in) :: wall
     real(dp) :: parity
     integer :: axes, number
-    parity = 1.0_dp
+    parity = product_parity(column, columns, normal, wall)
     axes = columns%lever - columns%faces  ! components of the force
-    if (columns%twist > 0 .and. column >= columns%twist) then
-      number = column - columns%twist
-      if (number < axes*twists(axes) .and. wall /= wall_fixed) &
-        parity = twist_parity(1 + mod(number, axes), 1 + number/axes, normal, axes)
-    end if
     if (columns%offset > 0 .and. column >= columns%offset) then
       parity = vector_parity(1 + column - columns%offset, normal, wall_slip)
     else if (columns%lever > 0 .and. wall /= wall_fixed) then
@@ -114,8 +109,24 @@ contains
     end if
   end function lever_parity
 
-  !> Sign of the image of a second or third difference of a vector at a slip wall: one factor for the
-  !! component across the wall, one for each derivative.
+  !> The same for forces on faces times two or three levers; 1 for all other columns.
+  pure function product_parity(column, columns, normal, wall) result(parity)
+    integer, intent(in) :: column
+    type(columns_t), intent(in) :: columns
+    integer, intent(in) :: normal        !! axis of the wall's normal
+    integer, intent(in) :: wall
+    real(dp) :: parity
+    integer :: axes, number
+    parity = 1.0_dp
+    if (columns%twist == 0 .or. column < columns%twist .or. wall == wall_fixed) return
+    axes = columns%lever - columns%faces  ! components of the force
+    number = column - columns%twist
+    if (number >= axes*twists(axes)) return
+    parity = twist_parity(1 + mod(number, axes), 1 + number/axes, normal, axes)
+  end function product_parity
+
+  !> Sign of the image of a second or third difference of a vector at a slip wall: one factor for
+  !! the component across the wall, one for each derivative.
   pure function twist_parity(component, twist, normal, ndim) result(parity)
     integer, intent(in) :: component, twist, normal, ndim
     real(dp) :: parity

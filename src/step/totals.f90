@@ -16,8 +16,9 @@ module sgmp_totals
   use sgmp_rigid_motion, only: freedoms
   use sgmp_sums, only: eroded_internal, eroded_kinetic, eroded_mass, eroded_moment, &
                        eroded_momentum, eroded_sums, nodes_external, nodes_friction, nodes_lost, &
-                       nodes_mass_aa, nodes_mass_av, nodes_sums, sum_applied, sum_internal, sum_kinetic, &
-                       sum_mass_aa, sum_moment, sum_momentum, sum_viscous, sweep_sums
+                       nodes_mass_aa, nodes_mass_av, nodes_sums, sum_applied, sum_internal, &
+                       sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, sum_viscous, &
+                       sweep_sums
   use sgmp_tally, only: tally_reset, tally_total
   implicit none
   private

@@ -110,8 +110,8 @@ contains
     end associate
   end subroutine ledger_strain
 
-  !> Acceleration of a member by gravity and body forces, and by forces on faces, whose work is booked
-  !! on the particles.
+  !> Acceleration of a member by gravity and body forces, and by forces on faces, whose work is
+  !! booked on the particles.
   pure function external(shared, n, k, fields, inverse_mass, gravity, faces) result(acceleration)
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: n, k

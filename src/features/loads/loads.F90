@@ -25,8 +25,8 @@ module DIM(sgmp_loads)
   use sgmp_sums, only: sum_applied, sum_edge_impulse, sum_edge_work, sweep_sums
   implicit none
   private
-  public :: loads_book, loads_book_strain, loads_impedance, loads_levers, loads_on_faces, loads_on_mass, &
-            loads_strain, loads_twist
+  public :: loads_book, loads_book_strain, loads_impedance, loads_levers, loads_on_faces, &
+            loads_on_mass, loads_strain, loads_twist
 
 contains
 
