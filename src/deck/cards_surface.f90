@@ -55,8 +55,10 @@ contains
                        'computed. The deck must have the card units.', &
                        'blast plate charge=1 point=(0,0,0.5)', read_blast, check_blast)
     call registry%key('body', kind_name_word, 'the body', slot=1, required=.true.)
-    call registry%key('charge', kind_real, 'mass of TNT', unit='mass', range='(0,inf)', &
-                      required=.true., source='doc/loads.md')
+    call registry%key('charge', kind_real, 'mass of the explosive', unit='mass', &
+                      range='(0,inf)', required=.true., source='doc/loads.md')
+    call registry%key('tnt', kind_real, 'mass of TNT that acts as a unit of its mass does', &
+                      range='(0,inf)', default='1')
     call registry%key('point', kind_vector, 'centre of the charge', unit='length', required=.true.)
     call registry%key('burst', kind_word, 'a sphere in free air, or a hemisphere on the ground', &
                       choices=words_joined(burst_names), default='free_air')
@@ -130,7 +132,7 @@ contains
     if (new%body <= 0) return
     select case (kind)
     case (load_blast)
-      new%charge = card%number('charge')
+      new%charge = card%number('charge')*card%number('tnt')
       new%point = card%vector('point')
       new%burst = card%pick('burst', burst_names)
       new%time = card%number('time')

@@ -17,7 +17,7 @@ module sgmp_air_blast
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: air_blast_t, air_blast_make, air_blast_pressure, air_blast_values
+  public :: air_blast_t, air_blast_make, air_blast_pressure, air_blast_values, air_blast_wave
   public :: air_blast_decay, air_blast_farthest, air_blast_nearest
   public :: burst_free_air, burst_names, burst_surface
   public :: blast_arrival, blast_duration, blast_incident, blast_incident_impulse, &
@@ -47,6 +47,7 @@ module sgmp_air_blast
     real(dp) :: time = 0.0_dp          !! of its detonation
     integer :: burst = burst_free_air  !! one of burst_*
     real(dp) :: scale = 1.0_dp         !! scaled distance of a unit of length
+    real(dp) :: nearest = 0.0_dp       !! distance of the nearest face at the start (length)
     real(dp), allocatable :: table(:, :)  !! (tabled, 0:steps) over log10(Z)
   end type air_blast_t
 
@@ -107,18 +108,12 @@ contains
     real(dp), intent(in) :: normal(3)              !! of the face, outwards, of any length
     real(dp), intent(in) :: time
     real(dp) :: pressure
-    real(dp) :: way(3), distance, row(tabled), s, cosine, x
-    integer :: i
+    real(dp) :: way(3), distance, row(tabled), s, cosine
     pressure = 0.0_dp
     way = blast%point - place
     distance = max(norm2(way), tiny(1.0_dp))
-    x = log10(distance*blast%scale/air_blast_nearest(blast%burst))* &
-        steps/log10(air_blast_farthest/air_blast_nearest(blast%burst))
-    if (x >= steps) return
-    x = max(x, 0.0_dp)
-    i = int(x)
-    x = x - i
-    row = (1.0_dp - x)*blast%table(:, i) + x*blast%table(:, i + 1)
+    if (distance*blast%scale >= air_blast_farthest) return
+    row = table_row(blast, distance)
     s = (time - blast%time - row(at_arrival))/row(at_duration)
     if (s < 0.0_dp .or. s > 1.0_dp) return
     cosine = dot_product(way, normal)/(distance*max(norm2(normal), tiny(1.0_dp)))
@@ -127,6 +122,38 @@ contains
     pressure = cosine**2*row(at_reflected)*friedlander(row(at_reflected_decay), s) + &
                (1.0_dp + cosine**2 - 2.0_dp*cosine)*pressure
   end function air_blast_pressure
+
+  !> The wave at a distance, in the units of the deck: time of arrival, peaks, impulses, duration.
+  pure function air_blast_wave(blast, distance) result(values)
+    type(air_blast_t), intent(in) :: blast
+    real(dp), intent(in) :: distance               !! from the charge (length)
+    real(dp) :: values(fitted)                     !! by blast_*
+    real(dp) :: row(tabled)
+    row = table_row(blast, distance)
+    values(blast_arrival) = blast%time + row(at_arrival)
+    values(blast_duration) = row(at_duration)
+    values(blast_incident) = row(at_incident)
+    values(blast_reflected) = row(at_reflected)
+    values(blast_incident_impulse) = row(at_incident)*row(at_duration)* &
+                                     impulse_ratio(row(at_incident_decay))
+    values(blast_reflected_impulse) = row(at_reflected)*row(at_duration)* &
+                                      impulse_ratio(row(at_reflected_decay))
+  end function air_blast_wave
+
+  !> What the table says at a distance; at its ends where that lies beyond them.
+  pure function table_row(blast, distance) result(row)
+    type(air_blast_t), intent(in) :: blast
+    real(dp), intent(in) :: distance               !! (length)
+    real(dp) :: row(tabled)
+    real(dp) :: x
+    integer :: i
+    x = log10(distance*blast%scale/air_blast_nearest(blast%burst))* &
+        steps/log10(air_blast_farthest/air_blast_nearest(blast%burst))
+    x = min(max(x, 0.0_dp), real(steps, dp))
+    i = min(int(x), steps - 1)
+    x = x - i
+    row = (1.0_dp - x)*blast%table(:, i) + x*blast%table(:, i + 1)
+  end function table_row
 
   !> Friedlander's wave over its peak.
   pure function friedlander(decay, s) result(part)

@@ -2,13 +2,15 @@
 !! will cost.
 module sgmp_cost_estimate
   use, intrinsic :: iso_fortran_env, only: output_unit
+  use sgmp_air_blast, only: air_blast_wave, blast_arrival, blast_duration, blast_incident, &
+                            blast_incident_impulse, blast_reflected, blast_reflected_impulse
   use sgmp_body, only: body_group, body_particle, body_t
   use sgmp_constitutive, only: material_names, slots_t
   use sgmp_field, only: field_bytes
   use sgmp_forewarnings, only: shape_mass
   use sgmp_kernels, only: method_names
   use sgmp_kinds, only: dp, i8
-  use sgmp_load, only: load_absorbing, load_force
+  use sgmp_load, only: load_absorbing, load_blast, load_force, load_t
   use sgmp_model, only: model_t
   use sgmp_particles, only: particles_bytes
   use sgmp_rigid_motion, only: rigid_motion_t
@@ -162,15 +164,34 @@ contains
   !> What is stored for the loads of a body.
   subroutine put_loads(body)
     type(body_t), intent(in) :: body
-    integer :: edges, forces
+    integer :: edges, forces, i
     forces = count(body%loads%kind == load_force)
     call put_slot(forces, integer_text(forces)//' shares in forces (load)')
     edges = count(body%loads%kind == load_absorbing)
     forces = size(body%loads) - forces - edges
-    call put_slot(forces, integer_text(forces)//' area vectors of faces (pressure, traction)')
+    call put_slot(forces, integer_text(forces)//' area vectors of faces (pressure, traction, '// &
+                  'blast)')
     call put_slot(edges, integer_text(edges)//' area vectors of faces, and the traction at '// &
                   'rest (absorbing walls)')
+    do i = 1, size(body%loads)
+      if (body%loads(i)%kind == load_blast) call put_blast(body%loads(i))
+    end do
   end subroutine put_loads
+
+  !> What an air blast does at the face nearest to its charge, in the units of the deck.
+  subroutine put_blast(load)
+    type(load_t), intent(in) :: load
+    associate (wave => air_blast_wave(load%blast, load%blast%nearest), &
+               distance => load%blast%nearest)
+      call put('  blast     nearest face at '//real_text(distance)//' ('// &
+               real_text(distance*load%blast%scale)//' m/kg^(1/3)): arrives at '// &
+               real_text(wave(blast_arrival))//', lasts '//real_text(wave(blast_duration)))
+      call put('            incident: peak '//real_text(wave(blast_incident))//', impulse '// &
+               real_text(wave(blast_incident_impulse))//'; reflected head on: peak '// &
+               real_text(wave(blast_reflected))//', impulse '// &
+               real_text(wave(blast_reflected_impulse)))
+    end associate
+  end subroutine put_blast
 
   subroutine put_slot(column, text)
     integer, intent(in) :: column

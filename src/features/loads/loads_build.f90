@@ -1,7 +1,7 @@
 !> Loads on the particles of a body: who bears them, and how much of them.
 module sgmp_loads_build
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-  use sgmp_air_blast, only: air_blast_make, air_blast_nearest, air_blast_t
+  use sgmp_air_blast, only: air_blast_farthest, air_blast_make, air_blast_nearest, air_blast_t
   use sgmp_body, only: body_t
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_expression, only: expression_t
@@ -82,6 +82,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
     type(error_t), allocatable, intent(out) :: error
+    type(air_blast_t) :: blast
     real(dp) :: total(sums)
     integer :: i, own
     own = 0
@@ -107,7 +108,9 @@ contains
                           'cubes', card%location)
         end if
         if (card%kind == load_blast .and. .not. allocated(error)) then
-          call check_distance(card, body, body%loads(own)%blast, column, mesh, error)
+          blast = body%loads(own)%blast
+          call check_distance(card, body, column, mesh, blast, error)
+          body%loads(own)%blast = blast
         end if
         if (allocated(error)) return
         if (card%kind == load_force) call share(body, column, total(borne))
@@ -149,34 +152,55 @@ contains
     call parallel_exact_sums(terms, total)
   end subroutine fill_columns
 
-  !> An error where a face is nearer to the charge than the fits of its blast hold. All ranks must
-  !! call it.
-  subroutine check_distance(card, body, blast, column, mesh, error)
+  !> Notes how near the faces are to the charge; an error where the fits of its blast do not hold
+  !! for all of them. All ranks must call it.
+  subroutine check_distance(card, body, column, mesh, blast, error)
     type(load_card_t), intent(in) :: card
     type(body_t), intent(in) :: body
-    type(air_blast_t), intent(in) :: blast
     integer, intent(in) :: column
     type(mesh_t), intent(in) :: mesh
+    type(air_blast_t), intent(inout) :: blast
     type(error_t), allocatable, intent(out) :: error
-    real(dp) :: x(3), least
+    real(dp) :: x(3), least, most
     integer :: c, l, n
     n = mesh%ndim
     x = 0.0_dp
     least = huge(1.0_dp)
+    most = 0.0_dp
     do c = 1, body%particles%chunks
       do l = 1, lanes
-        if (all(abs(body%particles%state(l, column:column + n - 1, c)) <= 0.0_dp)) cycle
-        x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%motion(l, :n, c))
-        least = min(least, norm2(x - blast%point)*blast%scale)
+        associate (area => body%particles%state(l, column:column + n - 1, c))
+          if (all(abs(area) <= 0.0_dp)) cycle
+          x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%motion(l, :n, c)) + &
+                  0.5_dp*body%particles%state(l, body%law%slots%volume, c)/sum(area**2)*area
+        end associate
+        least = min(least, norm2(x - blast%point))
+        most = max(most, norm2(x - blast%point))
       end do
     end do
-    least = parallel_min(least)
-    if (least >= air_blast_nearest(blast%burst)) return
-    call error_make(error, exit_deck, "body '"//trim(body%name)//"' is "//real_text_about(least)// &
-                    ' m/kg^(1/3) from the charge; the fits of its blast begin at '// &
-                    real_text_about(air_blast_nearest(blast%burst)), &
-                    'so near compute the charge and the air: material explosive, doc/loads.md', &
-                    card%location)
+    blast%nearest = parallel_min(least)
+    most = -parallel_min(-most)
+    if (blast%nearest*blast%scale < air_blast_nearest(blast%burst)) then
+      call error_make(error, exit_deck, "body '"//trim(body%name)//"' is "// &
+                      scaled_text(blast%nearest)//' from the charge; the fits of its blast '// &
+                      'begin at '//real_text_about(air_blast_nearest(blast%burst)), &
+                      'so near compute the charge and the air: material explosive, doc/loads.md', &
+                      card%location)
+    else if (most*blast%scale > air_blast_farthest) then
+      call error_make(error, exit_deck, "faces of body '"//trim(body%name)//"' are up to "// &
+                      scaled_text(most)//' from the charge; the fits of its blast end at '// &
+                      real_text_about(air_blast_farthest), 'choose nearer faces: face=…, '// &
+                      'where=…; or look at units, charge and point', card%location)
+    end if
+
+  contains
+
+    function scaled_text(distance) result(text)
+      real(dp), intent(in) :: distance
+      character(:), allocatable :: text
+      text = real_text_about(distance*blast%scale)//' m/kg^(1/3)'
+    end function scaled_text
+
   end subroutine check_distance
 
   !> Shares of particles in a force, per mass: one over the mass of all that bear it.
