@@ -23,6 +23,7 @@ module sgmp_energy
     real(dp) :: nodes_aa = 0.0_dp           !! sum m_I |a_I|^2
     real(dp) :: power_before = 0.0_dp       !! sum m_I a_I . v_I at the velocity before the kick
     real(dp) :: external_power = 0.0_dp     !! of gravity and body forces at the mid-step velocity
+    real(dp) :: applied_work = 0.0_dp       !! of forces on faces of particles
     real(dp) :: internal = 0.0_dp           !! growth of internal energy
     real(dp) :: viscous = 0.0_dp  !! bulk-viscous dissipation (part of the internal energy)
     real(dp) :: contact = 0.0_dp     !! kinetic energy that contact took (friction, impact)
@@ -93,14 +94,14 @@ contains
     type(step_sums_t), intent(in) :: sums
     real(dp), intent(in) :: dt_kick
     logical, intent(in) :: exact
-    real(dp) :: explained, rubbed
+    real(dp) :: explained, rubbed, external
     rubbed = sums%contact + dt_kick*sums%friction_power
     explained = dt_kick*sums%power_before + 0.5_dp*dt_kick**2*sums%particles_aa + sums%free_growth
     if (exact) ledger%remainder = ledger%remainder + (sums%kinetic - ledger%kinetic) - explained
-    ledger%external_work = ledger%external_work + dt_kick*sums%external_power + sums%rigid_work
+    external = dt_kick*sums%external_power + sums%applied_work + sums%rigid_work
+    ledger%external_work = ledger%external_work + external
     ledger%contact_dissipation = ledger%contact_dissipation + rubbed
-    ledger%predicted = ledger%predicted + explained + sums%internal + rubbed &
-                       - dt_kick*sums%external_power - sums%rigid_work
+    ledger%predicted = ledger%predicted + explained + sums%internal + rubbed - external
     ledger%interpolation_error = ledger%interpolation_error + &
                                  0.5_dp*dt_kick**2*(sums%nodes_aa - sums%particles_aa)
     ledger%kinetic = sums%kinetic

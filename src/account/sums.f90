@@ -4,13 +4,14 @@ module sgmp_sums
   private
   public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, &
             sum_moment, sum_angular, sum_edge_impulse, sum_edge_work, sum_filter, &
-            sum_swirl, sum_volume, sum_split
+            sum_swirl, sum_volume, sum_split, &
+            sum_applied
   public :: eroded_sums, eroded_count, eroded_mass, eroded_momentum, eroded_moment, &
             eroded_kinetic, eroded_internal
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_edge_push, &
             nodes_edge_taken, nodes_friction, nodes_lost, nodes_pressed, nodes_pulled
 
-  integer, parameter :: sweep_sums = 17    !! entries of a plane's sums over particles
+  integer, parameter :: sweep_sums = 18    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
   integer, parameter :: sum_mass_aa = 2    !! sum m_p |a_p|^2
   integer, parameter :: sum_internal = 3   !! growth of internal energy
@@ -26,6 +27,7 @@ module sgmp_sums
   integer, parameter :: sum_split = 13   !! kinetic energy of the halves of particles apart
   integer, parameter :: sum_edge_work = 14   !! work of what absorbing edges bear at rest
   integer, parameter :: sum_edge_impulse = 15  !! first of its impulse (3 components)
+  integer, parameter :: sum_applied = 18     !! work of forces on faces of particles
 
   integer, parameter :: eroded_sums = 10   !! entries of a body's sums over particles that go
   integer, parameter :: eroded_count = 1
@@ -38,8 +40,8 @@ module sgmp_sums
   integer, parameter :: nodes_sums = 11    !! entries of a plane's sums over nodes
   integer, parameter :: nodes_mass_aa = 1  !! sum m_I |a_I|^2
   integer, parameter :: nodes_mass_av = 2  !! sum m_I a_I . v_I at the velocity before the kick
-  integer, parameter :: nodes_external = 3  !! power of gravity and body forces at the mid-step
-                                           !! velocity
+  integer, parameter :: nodes_external = 3  !! power of gravity, body forces, and absorbing edges
+                                           !! against waves, at the mid-step velocity
   !> Forces on nodes below the mass cut-off, which move nothing: sum |f_x| + |f_y| + |f_z|.
   integer, parameter :: nodes_lost = 4
   integer, parameter :: nodes_friction = 5  !! power that friction at walls takes

@@ -137,8 +137,8 @@ module sgmp_combinations
     refusal_t('surfaces', 'mpm gimp cpgimp bspline', '', &
               'it corrects the strain of the auxiliary grid, which only sgmp has', &
               'remove surfaces=corrected or use method sgmp'), &
-    refusal_t('surfaces', 'faces absorbing', '', &
-              'not worked out: loads on faces are spread for strains that are not corrected', &
+    refusal_t('surfaces', 'absorbing', '', &
+              'not worked out: edges are spread for strains that are not corrected', &
               'remove surfaces=corrected'), &
     refusal_t('spin', 'mpm gimp cpgimp bspline', '', &
               'only sgmp projects the spin of particles', &

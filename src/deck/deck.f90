@@ -113,16 +113,12 @@ contains
     if (method%surfaces_auto) method%surfaces = combinations_allow(cards, 'surfaces') .and. &
                                                 .not. asks('axisymmetric')
     if (method%rotation_auto) method%rotation = combinations_allow(cards, 'rotation') .and. &
-                                                .not. (asks('friction') .or. on_faces())
+                                                .not. (asks('friction') .or. asks('absorbing'))
     if (method%normalised_auto) then
       method%normalised = combinations_allow(cards, 'normalised') .and. &
-                          .not. (asks('axisymmetric') .or. asks('motion') .or. on_faces())
+                          .not. (asks('axisymmetric') .or. asks('motion') .or. asks('absorbing'))
     end if
   contains
-    function on_faces() result(yes)
-      logical :: yes
-      yes = asks('faces') .or. asks('absorbing')
-    end function on_faces
     function asks(feature) result(yes)
       character(*), intent(in) :: feature
       logical :: yes

@@ -14,7 +14,8 @@ module sgmp_field_rotation
   use sgmp_partition, only: partition_t
   use sgmp_plan, only: workspace_t
   use sgmp_ranks, only: ranks_t
-  use sgmp_rotation_points, only: stage_couples, stage_curls, stage_inertia, stage_inverses, &
+  use sgmp_rotation_points, only: stage_couples, stage_curls, stage_face_couples, &
+                                  stage_face_moments, stage_inertia, stage_inverses, &
                                   stage_moments, stage_offsets, stage_place
   use sgmp_team, only: team_t
   implicit none
@@ -38,14 +39,19 @@ contains
     call run(stage_inverses, [-1, 1], field, mesh, cutoff, no_columns, team, partition)
   end subroutine field_rotation_prepare
 
-  !> Couples that free the internal forces of their moment about the nodes' centres of mass.
-  subroutine field_rotation_forces(field, mesh, team, partition)
+  !> Couples that free the internal forces, and those on faces, of their moment about the nodes'
+  !! centres of mass.
+  subroutine field_rotation_forces(field, mesh, forced, team, partition)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: forced                !! the moments carry an external force
     type(team_t), intent(in) :: team
     type(partition_t), intent(in) :: partition
     call run(stage_moments, [-1, 1], field, mesh, 0.0_dp, no_columns, team, partition)
     call run(stage_couples, [-1, 0], field, mesh, 0.0_dp, no_columns, team, partition)
+    if (.not. forced .or. field%columns%faces == 0) return
+    call run(stage_face_moments, [-1, 1], field, mesh, 0.0_dp, no_columns, team, partition)
+    call run(stage_face_couples, [-1, 0], field, mesh, 0.0_dp, no_columns, team, partition)
   end subroutine field_rotation_forces
 
   !> Takes nodal velocities to the places of the nodes, by the curl of the first of them.

@@ -134,6 +134,8 @@ contains
     type(field_t), intent(in) :: field
     if (.not. plan%stress .or. plan%probe .or. field%columns%external == 0) return
     plan%external = field%columns%external - plan%first_column
+    if (field%columns%faces > 0) plan%faces = field%columns%faces - plan%first_column
+    plan%corrected = field%columns%pairs > 0
   end subroutine external_columns
 
   !> The same where particles relax to the centres; a probe lets nothing relax.

@@ -149,11 +149,12 @@ contains
 
   !> Where a body is damped to rest, forces that nodes receive and no particle feels: noise of the
   !! stress, by which the body becomes too soft (doc/hard-cases.md). Bodies that move have such
-  !! forces, too, without harm.
+  !! forces, too, without harm; and so have those whose strains are corrected at surfaces.
   subroutine judge_noise(self, model)
     type(verdict_t), intent(inout) :: self
     type(model_t), intent(in) :: model
     if (.not. model%method%damped .or. model%method%flip < 1.0_dp) return
+    if (model%method%surfaces) return
     if (model%clock%time > model%method%damped_until) return
     if (self%projection <= largest_unfelt) return
     call self%object('nodes push with forces that no particle feels: projection has lost '// &

@@ -8,8 +8,9 @@
 module DIM(sgmp_chunk)
   use CARTESIAN(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t
-  use sgmp_columns, only: pair_sums, relax_stiffness, relax_total
+  use sgmp_columns, only: pair_sums, relax_stiffness, relax_total, twist_takes, twists
   use sgmp_constitutive, only: constitutive_t
+  use sgmp_debris, only: debris_room
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
                                   departures_outside, departures_take_out
   use sgmp_drive, only: most_drives
@@ -17,8 +18,8 @@ module DIM(sgmp_chunk)
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_absorbing, load_force, load_t
-  use DIM(sgmp_loads), only: loads_edges_book, loads_impedance, loads_levers, loads_on_faces, &
-                              loads_on_mass, loads_strain
+  use DIM(sgmp_loads), only: loads_book, loads_book_strain, loads_impedance, loads_levers, &
+                             loads_on_faces, loads_on_mass, loads_strain, loads_twist
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
@@ -46,11 +47,11 @@ module DIM(sgmp_chunk)
   implicit none
   private
   public :: axes_moved, chunk_advance, particle_axes, task_make, task_t
-  public :: largest_stencil, most_columns, most_rows
+  public :: largest_stencil, most_columns, most_rows, twist_ends
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 2 + NMASS + NDIM*(4 + 2*NDIM) + NSPIN + NFLUX + 5 + &
+  integer, parameter :: most_columns = 2 + NMASS + NDIM*(5 + 2*NDIM + twists(NDIM)) + NSPIN + NFLUX + 5 + &
                                      most_drives + pair_sums(NDIM)
   integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
@@ -192,7 +193,6 @@ contains
 #ifdef AXISYMMETRIC
     real(dp) :: radius(lanes)
 #endif
-    real(dp) :: before(lanes, motion_total(NDIM))  !! the motion before the kick
     logical :: outside, erodes, eroded(lanes)
     outside = .false.
     erodes = plan%drift .and. body%law%erosion%given .and. .not. body%law%rigid
@@ -218,11 +218,11 @@ contains
     if (body%is_driven .and. (plan%kick .or. plan%drift)) then
       call drive(mesh, body, plan, task, task%live(1, nl), nb, motion, state, got, work)
     end if
-    if (body%absorbs .and. plan%kick) before = motion
+    if ((plan%kick .or. plan%drift) .and. body%faced) then
+      call book_faces(mesh, body, plan, task, task%live(1, nl), got, nb, motion, state, lane_sums)
+    end if
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
                              got(1, task%velocity), motion, lane_sums)
-    if (body%absorbs .and. plan%kick) call loads_edges_book(body, plan%dt_kick, task%live(1, nl), &
-                                                            before, nb, motion, state, lane_sums)
 #ifdef AXISYMMETRIC
     if (plan%swirl) then
       radius = motion(:, 1)
@@ -245,6 +245,8 @@ contains
                        state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
     if (body%faced .and. plan%strain) then
       call loads_strain(body, plan%dt_strain, got(1, task%gradient), nb, state)
+      call loads_book_strain(mesh, body, plan%time, plan%dt_strain, task%live(1, nl), &
+                             got(1, task%gradient), nb, motion, state, lane_sums)
     end if
     if (erodes) then
       call departures_eroded(body%law, plan%strain, nl, motion, speed2, nb, state, eroded)
@@ -261,7 +263,8 @@ contains
       call driven_masses(body, task%live(1, nl), motion(1, mass_at), nb, state, plan%driven, &
                          values(1, NMASS + 1))
     end if
-    if (task%pairs > 0) values(:, task%masses) = task%live(:, nl)*state(:, 1)
+    if (task%pairs > 0) call debris_room(body%law, task%live(1, nl), motion(1, mass_at), nb, &
+                                         state, values(1, task%masses))
 #ifdef AXISYMMETRIC
     if (task%swirl > 0) call swirl_collect(task%live(1, nl), motion, motion(1, mass_at), &
                                            state(1, body%law%slots%swirl), &
@@ -297,10 +300,29 @@ contains
     end if
     if (NDIM < 3) cell(nl + 1:) = -1
     call scatter(task, plan%stress, xi, cell, axes, values, stencil)
-    if (body%faced .and. plan%external > 0) then
+    if (body%faced .and. plan%faces > 0) then
       call scatter_faces(mesh, body, plan, task, id, nb, motion, state, xi, cell, axes, stencil)
     end if
   end subroutine chunk_advance
+
+  !> Books the work of forces on faces: on the way that particles drift, at the velocity in the
+  !! middle of the kick.
+  subroutine book_faces(mesh, body, plan, task, live, got, nb, motion, state, lane_sums)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: live(lanes), got(lanes, most_gathered)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
+    real(dp) :: moved(lanes, NDIM)
+    moved = 0.0_dp
+    if (plan%kick) moved = -0.5_dp*plan%dt_work**2*got(:, :NDIM)
+    if (plan%drift) moved = moved + plan%dt_work*got(:, task%velocity:task%velocity + NDIM - 1)
+    call loads_book(mesh, body, plan%began, merge(plan%dt_kick, 0.0_dp, plan%kick), live, &
+                    moved, nb, motion, state, lane_sums)
+  end subroutine book_faces
 
   !> Has driven particles read their own motion in the place of the grid's.
   subroutine drive(mesh, body, plan, task, live, nb, motion, state, got, work)
@@ -731,12 +753,14 @@ contains
       if (.not. some) cycle
       if (task%wide) then
         call product_spread(axes_moved(axes, task%h*way), axes(1, 1, 1, 2), .false., spread)
-        call product_scatter(NDIM, spread, force, stencil(1, plan%external + 1, 1))
+        call product_scatter(NDIM, spread, force, stencil(1, plan%faces + 1, 1))
       else
-        call linear_scatter(NDIM, xi + way, cell, force, task%nq, stencil(1, plan%external + 1, 1))
-        if (task%centred) call scatter_levers(task, plan%external + NDIM, xi + way, &
-                                              loads_levers(task%h, xi + way, way), cell, force, &
-                                              stencil)
+        call linear_scatter(NDIM, xi + way, cell, force, task%nq, stencil(1, plan%faces + 1, 1))
+        if (task%centred) call scatter_levers(task, plan%faces + NDIM, xi + way, &
+                                              loads_levers(task%h, xi + way, way, &
+                                                           plan%corrected), cell, force, stencil)
+        if (plan%corrected) call scatter_twists(task, plan%faces + NDIM + NDIM**2, xi + way, &
+                                                cell, force, stencil)
       end if
       if (body%loads(i)%kind == load_absorbing) call scatter_impedance(body%loads(i), plan, task, &
                                         id, nb, state, xi, cell, axes, way, stencil)
@@ -757,7 +781,7 @@ contains
     real(dp) :: impedance(lanes, NDIM), place(lanes, NDIM)
     type(product_spread_t) :: spread
     integer :: before
-    before = plan%external + merge(NDIM + NDIM**2, NDIM, task%centred)  ! columns
+    before = plan%faces + merge(NDIM + NDIM**2, NDIM, task%centred)  ! columns
     call loads_impedance(load, merge(1.0_dp, 0.0_dp, id /= 0), nb, state, impedance)
     if (task%wide) then
       call product_spread(axes_moved(axes, task%h*way), axes(1, 1, 1, 2), .false., spread)
@@ -767,8 +791,8 @@ contains
     place = min(1.0_dp, max(0.0_dp, xi + way))
     call linear_scatter(NDIM, place, cell, impedance, task%nq, stencil(1, before + 1, 1))
     if (task%centred) call scatter_levers(task, before + NDIM, place, &
-                                          loads_levers(task%h, place, way), cell, impedance, &
-                                          stencil)
+                                          loads_levers(task%h, place, way, .false.), cell, &
+                                          impedance, stencil)
   end subroutine scatter_impedance
 
   !> Adds force times lever to the centres (sgmp_loads). The derivative of a linear weight along an
@@ -791,6 +815,48 @@ contains
       end do
     end do
   end subroutine scatter_levers
+
+  !> Adds force times two and three levers to the centres, for the products of the functions that
+  !! stresses see along the axes (sgmp_loads): the derivatives along all axes of a twist, as above.
+  pure subroutine scatter_twists(task, before, place, cell, force, stencil)
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: before, cell(lanes)   !! before: columns
+    real(dp), intent(in) :: place(lanes, NDIM), force(lanes, NDIM)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
+    real(dp) :: ends(lanes, NDIM), lever(lanes)
+    integer :: a, q, corner, sign
+    do q = 1, twists(NDIM)
+      lever = loads_twist(q, place)
+      do corner = 0, NCORNER - 1
+        call twist_ends(q, corner, place, ends, sign)
+        if (sign == 0) cycle
+        do a = 1, NDIM
+          call linear_scatter(1, ends, cell, sign*force(:, a)*lever, task%nq, &
+                              stencil(1, before + (q - 1)*NDIM + a, 1))
+        end do
+      end do
+    end do
+  end subroutine scatter_twists
+
+  !> Places at the ends of the cell along the axes of a twist, and the sign of their weights in the
+  !! derivative along those: 0 where a corner means an end along another axis.
+  pure subroutine twist_ends(twist, corner, place, ends, sign)
+    integer, intent(in) :: twist, corner         !! bits: upper ends
+    real(dp), intent(in) :: place(lanes, NDIM)
+    real(dp), intent(out) :: ends(lanes, NDIM)
+    integer, intent(out) :: sign
+    integer :: d
+    ends = place
+    sign = 1
+    do d = 1, NDIM
+      if (twist_takes(twist, d, NDIM)) then
+        ends(:, d) = merge(1.0_dp, 0.0_dp, btest(corner, d - 1))
+        if (.not. btest(corner, d - 1)) sign = -sign
+      else if (btest(corner, d - 1)) then
+        sign = 0
+      end if
+    end do
+  end subroutine twist_ends
 
   !> Weights per axis some way off, continued linearly.
   pure function axes_moved(axes, way) result(moved)

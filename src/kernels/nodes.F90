@@ -26,7 +26,7 @@ module DIM(sgmp_nodes)
   use CARTESIAN(sgmp_rotation), only: rotation_force
 #endif
 #if NDIM > 1
-  use DIM(sgmp_surfaces), only: surfaces_push
+  use DIM(sgmp_surfaces), only: surfaces_push, surfaces_push_twists
 #endif
   use sgmp_sums, only: nodes_edge_push, nodes_edge_taken, nodes_external, nodes_lost, &
                        nodes_mass_aa, nodes_mass_av, nodes_sums
@@ -37,7 +37,7 @@ module DIM(sgmp_nodes)
   implicit none
   private
   public :: nodes_solve, nodes_velocity, nodes_remap
-  public :: node_forces
+  public :: face_forces, node_forces
 
   integer, parameter :: tile = 128
   integer, parameter :: before_a = node_acceleration - 1      !! columns before the acceleration
@@ -59,6 +59,8 @@ contains
     logical, intent(in) :: forced             !! the moments carry an external force
     real(dp), intent(inout) :: sums(nodes_sums)  !! of the plane, added to
     real(dp) :: m(tile), p(tile, NDIM), f(tile, NDIM), external(tile, NDIM)
+    real(dp) :: booked(tile, NDIM)            !! external forces whose work nodes book
+    real(dp) :: pressed(tile, NDIM)           !! those on faces
     real(dp) :: lane_sums(lanes, nodes_sums)
     integer :: s, first, n, idx
     logical :: driven
@@ -77,10 +79,20 @@ contains
           call node_forces(field, mesh, s, first, n, f)
         end if
 #if NDIM > 1
-        if (field%columns%offset > 0) call rotation_force(field, s, first, n, f)
+        if (field%columns%offset > 0) call rotation_force(field, s, first, n, &
+                                                          field%rotation%couple, f)
 #endif
         if (driven) then
-          call external_forces(field, mesh, s, first, n, m, gravity, forced, external)
+          call external_forces(field, s, first, n, m, gravity, forced, external)
+          booked(:n, :) = external(:n, :)
+          if (forced .and. field%columns%faces > 0) then
+            call face_forces(field, mesh, s, first, n, pressed)
+#if NDIM > 1
+            if (field%columns%offset > 0) call rotation_force(field, s, first, n, &
+                                                              field%rotation%face_couple, pressed)
+#endif
+            external(:n, :) = external(:n, :) + pressed(:n, :)
+          end if
           f(:n, :) = f(:n, :) + external(:n, :)
         end if
         idx = field%neighbour(0, 0, s) + first
@@ -89,7 +101,8 @@ contains
         call radial_inertia(field, s, first, n, m, field%node(idx, node_inertia))
 #endif
         if (forced .and. field%columns%impedance > 0) then
-          call edge_forces(field, mesh, s, first, n, dt, cutoff, m, p, f, external, sums)
+          call edge_forces(field, mesh, s, first, n, dt, cutoff, m, p, f, external, booked, &
+                          sums)
         end if
 #ifdef AXISYMMETRIC
         call divide_radial(n, field%node(idx, node_inertia), p)
@@ -105,7 +118,7 @@ contains
         call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
         if (field%columns%driven > 0) call driven_nodes_solve(field, mesh, s, first, n, m, dt, &
                                                               plane)
-        call book_energies(n, first, driven, size(field%node, 1), m, f, external, dt, &
+        call book_energies(n, first, driven, size(field%node, 1), m, f, booked, dt, &
                            field%node(idx, 1), lane_sums)
         if (field%columns%swirl > 0) call nodes_swirl_book(field, s, first, n, m, dt, lane_sums)
       end do
@@ -427,51 +440,76 @@ contains
     end do
   end subroutine divergence_row
 
-  !> Gravity on the nodes' mass, and the forces that particles brought (Eq. 20; MPM Eq. 12); those
-  !! on faces with their levers.
-  pure subroutine external_forces(field, mesh, s, first, n, m, gravity, forced, f)
+  !> Gravity on the nodes' mass, and the body forces that particles brought (Eq. 20; MPM Eq. 12).
+  pure subroutine external_forces(field, s, first, n, m, gravity, forced, f)
     type(field_t), intent(in) :: field
-    type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
     real(dp), intent(in) :: m(tile), gravity(3)
     logical, intent(in) :: forced
     real(dp), intent(inout) :: f(tile, NDIM)
     real(dp) :: t(tile)
-    integer :: a, i
+    integer :: a
     do a = 1, NDIM
       f(:n, a) = m(:n)*gravity(a)
       if (.not. forced) cycle
-      if (kernel_centred(field%kernel)) then
-        call mean_row(n, field%moment(1, field%columns%external + a - 1), &
-                      centre_rows(field, s, first), t)
-        f(:n, a) = f(:n, a) + t(:n)
-        if (field%columns%lever == 0) cycle
-        i = field%columns%lever + (a - 1)*NDIM
-        call divergence_row(n, mesh%inverse_h*0.5_dp**(NDIM - 1), field%moment(1, i), &
-#if NDIM > 1
-                            field%moment(1, i + 1), &
-#endif
-#if NDIM > 2
-                            field%moment(1, i + 2), &
-#endif
-                            centre_rows(field, s, first), t)
-        f(:n, a) = f(:n, a) + t(:n)
-      else
-        i = field%neighbour(0, 0, s) + first
-        f(:n, a) = f(:n, a) + field%moment(i:i + n - 1, field%columns%external + a - 1)
-      end if
+      call spread_force(field, s, first, n, field%columns%external + a - 1, t)
+      f(:n, a) = f(:n, a) + t(:n)
     end do
   end subroutine external_forces
+
+  !> Forces on faces of particles, with their levers.
+  pure subroutine face_forces(field, mesh, s, first, n, f)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp), intent(inout) :: f(tile, NDIM)
+    real(dp) :: t(tile)
+    integer :: a, i
+    do a = 1, NDIM
+      call spread_force(field, s, first, n, field%columns%faces + a - 1, f(:, a))
+      if (field%columns%lever == 0) cycle
+      i = field%columns%lever + (a - 1)*NDIM
+      call divergence_row(n, mesh%inverse_h*0.5_dp**(NDIM - 1), field%moment(1, i), &
+#if NDIM > 1
+                          field%moment(1, i + 1), &
+#endif
+#if NDIM > 2
+                          field%moment(1, i + 2), &
+#endif
+                          centre_rows(field, s, first), t)
+      f(:n, a) = f(:n, a) + t(:n)
+    end do
+#if NDIM > 1
+    if (field%columns%twist > 0) then
+      call surfaces_push_twists(field, centre_rows(field, s, first), n, f)
+    end if
+#endif
+  end subroutine face_forces
+
+  !> A component of a force at a tile of nodes, of what particles brought to its column.
+  pure subroutine spread_force(field, s, first, n, column, f)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first, n, column
+    real(dp), intent(inout) :: f(tile)
+    integer :: i
+    if (kernel_centred(field%kernel)) then
+      call mean_row(n, field%moment(1, column), centre_rows(field, s, first), f)
+    else
+      i = field%neighbour(0, 0, s) + first
+      f(:n) = field%moment(i:i + n - 1, column)
+    end if
+  end subroutine spread_force
 
   !> Adds the forces of absorbing edges to all forces on a tile of nodes, and to the external ones:
   !! -Z v at the velocity in the middle of the kick, which they change, so that a step of any length
   !! takes energy. What they take and how they push is added to the sums.
-  pure subroutine edge_forces(field, mesh, s, first, n, dt, cutoff, m, p, f, external, sums)
+  pure subroutine edge_forces(field, mesh, s, first, n, dt, cutoff, m, p, f, external, booked, &
+                              sums)
     type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
     real(dp), intent(in) :: dt, cutoff, m(tile), p(tile, NDIM)
-    real(dp), intent(inout) :: f(tile, NDIM), external(tile, NDIM)
+    real(dp), intent(inout) :: f(tile, NDIM), external(tile, NDIM), booked(tile, NDIM)
     real(dp), intent(inout) :: sums(nodes_sums)
     real(dp) :: impedance(tile), force, inertia(tile), middle
     integer :: a, i
@@ -488,6 +526,7 @@ contains
         force = -impedance(i)*middle
         f(i, a) = f(i, a) + force
         external(i, a) = external(i, a) + force
+        booked(i, a) = booked(i, a) + force
         sums(nodes_edge_taken) = sums(nodes_edge_taken) - force*middle
         sums(nodes_edge_push + a - 1) = sums(nodes_edge_push + a - 1) + force
       end do

@@ -15,6 +15,10 @@ module DIM(sgmp_nodes_normalise)
   public :: cell_volume, filled_volumes, least_volume
 
   integer, parameter :: tile = 128
+  !> Of solids, a centre less full than this is none of a body's inside, but a gap that closes or a
+  !! crack that opens: its stress keeps the particles' volumes. One that is fuller than `full` takes
+  !! the cell's. Gases fill what they have, however few their particles are.
+  real(dp), parameter :: empty = 0.5_dp, full = 0.75_dp
 
 contains
 
@@ -30,7 +34,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane
     real(dp), intent(in) :: interior
-    real(dp) :: least(0:tile + 1), factor(tile), filled(tile), cell, around
+    real(dp) :: least(0:tile + 1), factor(tile), filled(tile), cell, around, volume, part
     integer :: s, first, n, i, q, idx, last      !! last: column of a stress
     cell = cell_volume(mesh%h)
     last = field%columns%force + NFLUX - 1
@@ -41,11 +45,14 @@ contains
         call least_volume(field, mesh, s, first, n, cell, least)
         idx = field%neighbour(0, 0, s) + first - 1
         call filled_volumes(cell, first, n, filled)
-        !$omp simd private(around)
+        !$omp simd private(around, volume, part)
         do i = 1, n
           around = min(least(i - 1), least(i), least(i + 1))
-          factor(i) = filled(i)/merge(field%moment(idx + i, field%columns%volume), filled(i), &
-                                      around > interior*cell)
+          volume = merge(field%moment(idx + i, field%columns%volume), filled(i), &
+                         around > interior*cell)
+          part = merge(min(1.0_dp, max(0.0_dp, (volume/filled(i) - empty)/(full - empty))), &
+                       1.0_dp, field%gaps)
+          factor(i) = 1.0_dp + part*(filled(i)/volume - 1.0_dp)
         end do
         do q = field%columns%force, last
           !$omp simd

@@ -6,12 +6,13 @@ module DIM(sgmp_nodes_rotation)
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
-  use DIM(sgmp_nodes), only: node_forces
+  use DIM(sgmp_nodes), only: face_forces, node_forces
   use DIM(sgmp_rotation), only: rotation_couples, rotation_curls, rotation_moments, rotation_place
   use DIM(sgmp_rotation_offsets), only: rotation_inertia, rotation_inverses, rotation_offsets
-  use sgmp_rotation_points, only: at_node, stage_couples, stage_curls, stage_inertia, &
-                                  stage_inverses, stage_moments, stage_offsets
-  use DIM(sgmp_rotation_rows), only: next_run, tile
+  use sgmp_rotation_points, only: stage_couples, stage_curls, stage_face_couples, &
+                                  stage_face_moments, stage_inertia, stage_inverses, &
+                                  stage_moments, stage_offsets
+  use DIM(sgmp_rotation_rows), only: tile
   implicit none
   private
   public :: nodes_rotation
@@ -36,7 +37,11 @@ contains
     case (stage_moments)
       call force_moments(field, mesh, plane)
     case (stage_couples)
-      call rotation_couples(field, plane)
+      call rotation_couples(field, plane, field%rotation%couple)
+    case (stage_face_moments)
+      call face_moments(field, mesh, plane)
+    case (stage_face_couples)
+      call rotation_couples(field, plane, field%rotation%face_couple)
     case (stage_curls)
       call rotation_curls(field, plane, columns(1), number)
     case default  ! stage_place
@@ -51,22 +56,33 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane
     real(dp) :: f(tile, NDIM)
-    integer :: s, first, last, n, at
+    integer :: s, first, n, at
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         call node_forces(field, mesh, s, first, n, f)
         at = field%neighbour(0, 0, s) + first
         field%rotation%force(at:at + n - 1, :) = f(:n, :)
-      end do
-      last = field%work%first(s) - 1
-      do
-        call next_run(field, s, at_node, first, last)
-        if (last < first) exit
-        call rotation_moments(field, s, first, last - first + 1)
+        call rotation_moments(field, s, first, n, f)
       end do
     end do
   end subroutine force_moments
+
+  !> Moments of the forces on faces: those act at their places and not at centres of mass.
+  pure subroutine face_moments(field, mesh, plane)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane
+    real(dp) :: f(tile, NDIM)
+    integer :: s, first, n
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        call face_forces(field, mesh, s, first, n, f)
+        call rotation_moments(field, s, first, n, f)
+      end do
+    end do
+  end subroutine face_moments
 
 end module DIM(sgmp_nodes_rotation)
 #endif

@@ -21,8 +21,10 @@ module sgmp_plan
     logical :: mass = .false., momentum = .false., stress = .false.  !! what is scattered
     integer :: first_column = 1, last_column = 0  !! columns of the field's moments that the scatter
                                                  !! fills
+    logical :: corrected = .false.         !! strains are, at surfaces
     integer :: external = 0                !! of these, those before the external force; 0: there is
                                            !! none
+    integer :: faces = 0                   !! the same for that on faces
     integer, allocatable :: vectors(:)     !! node columns gathered: acceleration and velocity as
                                            !! the sweep needs them
     integer :: pairs = 0                   !! with the mass, columns of pairs of centres before it
@@ -35,6 +37,8 @@ module sgmp_plan
     real(dp) :: dt = 0.0_dp                !! position step
     real(dp) :: dt_strain = 0.0_dp         !! strain step
     real(dp) :: time = 0.0_dp              !! at the end of the sweep
+    real(dp) :: began = 0.0_dp             !! time at which the step began
+    real(dp) :: dt_work = 0.0_dp           !! velocity step, for the work of loads
     integer :: step = 0                    !! number of the step; 0: the first projection
     integer :: lost_policy = 1             !! one of lost_*: what those do that leave the grid
     real(dp) :: flip = 1.0_dp              !! weight of FLIP against PIC

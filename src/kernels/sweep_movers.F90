@@ -5,11 +5,12 @@
 module DIM(sgmp_sweep_movers)
   use sgmp_body, only: body_t
   use DIM(sgmp_chunk), only: axes_moved, largest_stencil, most_columns, particle_axes, task_make, &
-                             task_t
+                             task_t, twist_ends
+  use sgmp_columns, only: twists
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_load, only: load_force
-  use DIM(sgmp_loads), only: loads_levers, loads_on_faces
+  use DIM(sgmp_loads), only: loads_levers, loads_on_faces, loads_twist
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_total
   use sgmp_movers, only: movers_t
@@ -74,7 +75,7 @@ contains
     integer :: cell, l
     forces = plan%stress .and. .not. task%centred
     call mover_weights(task, body, forces, lists, list, at, xi, w, g)
-    if (body%faced .and. plan%external > 0) then
+    if (body%faced .and. plan%faces > 0) then
       call mover_faces(mesh, body, plan, task, lists, list, at, xi, force, w_face, levers, g_face)
     end if
     do l = 1, size(at)
@@ -157,7 +158,8 @@ contains
       end associate
     end do
     allocate (force(lanes, NDIM, size(body%loads)), w(lanes, largest_stencil, size(body%loads)), &
-              levers(lanes, NDIM, size(body%loads)), g(lanes, NCORNER, NDIM, size(body%loads)), &
+              levers(lanes, NDIM, size(body%loads)), &
+              g(lanes, NCORNER, NDIM + twists(NDIM), size(body%loads)), &
               source=0.0_dp)
     if (task%wide) call particle_axes(body, task, size(state, 2), state, xi, axes)
     do i = 1, size(body%loads)
@@ -170,11 +172,29 @@ contains
       else
         call linear_weights(xi + way, corners)
         w(:, :NCORNER, i) = corners
-        levers(:, :, i) = loads_levers(task%h, xi + way, way)
-        call linear_gradients(xi + way, 1.0_dp, g(:, :, :, i))
+        levers(:, :, i) = loads_levers(task%h, xi + way, way, plan%corrected)
+        call linear_gradients(xi + way, 1.0_dp, g(:, :, :NDIM, i))
+        if (plan%corrected) call twist_weights(xi + way, g(:, :, NDIM + 1:, i))
       end if
     end do
   end subroutine mover_faces
+
+  !> Derivatives of the corners' weights along the axes of each twist, times their levers.
+  pure subroutine twist_weights(place, g)
+    real(dp), intent(in) :: place(lanes, NDIM)
+    real(dp), intent(out) :: g(lanes, NCORNER, twists(NDIM))
+    real(dp) :: ends(lanes, NDIM), w(lanes, NCORNER)
+    integer :: q, corner, sign
+    g = 0.0_dp
+    do q = 1, twists(NDIM)
+      do corner = 0, NCORNER - 1
+        call twist_ends(q, corner, place, ends, sign)
+        if (sign == 0) cycle
+        call linear_weights(ends, w)
+        g(:, :, q) = g(:, :, q) + sign*spread(loads_twist(q, place), 2, NCORNER)*w
+      end do
+    end do
+  end subroutine twist_weights
 
   !> The same for one of them, added.
   pure subroutine add_mover_faces(task, plan, lane, force, w, levers, g, sums)
@@ -189,11 +209,16 @@ contains
     do i = 1, size(force, 3)
       do d = 1, NDIM
         call add_product(points, force(lane, d, i), w(lane, :points, i), &
-                         sums(1, plan%external + d))
+                         sums(1, plan%faces + d))
         if (.not. task%centred) cycle
         do b = 1, NDIM
           call add_product(NCORNER, force(lane, d, i)*levers(lane, b, i), g(lane, :, b, i), &
-                           sums(1, plan%external + d*NDIM + b))
+                           sums(1, plan%faces + d*NDIM + b))
+        end do
+        if (.not. plan%corrected) cycle
+        do b = 1, twists(NDIM)
+          call add_product(NCORNER, force(lane, d, i), g(lane, :, NDIM + b, i), &
+                           sums(1, plan%faces + NDIM*(NDIM + b) + d))
         end do
       end do
     end do

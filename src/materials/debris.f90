@@ -29,11 +29,11 @@
 module sgmp_debris
   use sgmp_constitutive, only: constitutive_t, eos_linear, eos_none, eos_terms
   use sgmp_eos, only: eos_sound_speed_squared
-  use sgmp_failure, only: carries_nothing, failure_none
+  use sgmp_failure, only: carries_everything, carries_nothing, failure_none
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
-  public :: debris_begin, debris_lanes, debris_t, debris_torn, tear_lanes
+  public :: debris_begin, debris_lanes, debris_room, debris_t, debris_torn, tear_lanes
 
   real(dp), parameter :: largest = 8.0_dp     !! volume of fragments and their room over the first
   real(dp), parameter :: closing = 0.95_dp    !! least part of a dense volume after a step
@@ -66,6 +66,19 @@ contains
     before%heat = heat
     if (law%slots%energy > 0) before%energy = b(:, law%slots%energy)
   end subroutine debris_begin
+
+  !> Volume of the lanes that bear stress as a body does: none of what has failed and come apart,
+  !! whose surfaces are nowhere (doc/surfaces.md).
+  pure subroutine debris_room(law, live, mass, nb, b, room)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: live(lanes), mass(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: b(lanes, nb)
+    real(dp), intent(out) :: room(lanes)
+    room = live*b(:, 1)
+    if (law%slots%damage == 0 .or. law%failure%carries == carries_everything) return
+    where (b(:, law%slots%damage) >= 1.0_dp .and. b(:, 1)*law%density > mass) room = 0.0_dp
+  end subroutine debris_room
 
   !> Failed lanes: volume, energy, mean stress, speed, viscosity and work after the step.
   pure subroutine debris_lanes(law, dt, failed, mass, trace, before, nb, b, mean, speed2, q, work)

@@ -6,7 +6,7 @@ module sgmp_columns
   use sgmp_voigt, only: flux_components
   implicit none
   private
-  public :: columns_t, columns_keep_behind, columns_make, pair_sums
+  public :: columns_t, columns_keep_behind, columns_make, pair_sums, twist_takes, twists
   public :: node_acceleration, node_gyration, node_inertia, node_inverse_mass, node_remapped, &
             node_swirl, node_total, node_velocity
   public :: relax_dilation, relax_exchange, relax_filling, relax_filter, relax_stiffness, &
@@ -33,8 +33,12 @@ module sgmp_columns
     integer :: torque = 0              !! shear stresses of swirl times volume and radius, and the
                                        !! centrifugal force
     integer :: external = 0            !! external force, 0: none acts
+    integer :: faces = 0               !! that on faces of particles, 0: none acts there
     integer :: lever = 0               !! external force times lever (length), component by
                                        !! component along each axis; 0: none acts on faces
+    integer :: twist = 0               !! external force times two or three levers (cells): columns
+                                       !! of the components, one after another for each twist;
+                                       !! 0: no pairs, or none acts on faces
     integer :: impedance = 0           !! force per velocity of absorbing edges, component by
                                        !! component, then its levers as above; 0: there are none
     integer :: volume = 0              !! 0: not carried
@@ -51,6 +55,8 @@ module sgmp_columns
 
   !> Columns of pairs and quads, by dimension: one for each axis, in space one for each two axes.
   integer, parameter :: pair_sums(3) = [0, 2, 6]
+  !> Second differences at a centre (xy, in space xz and yz), and in space the third; by dimension.
+  integer, parameter :: twists(3) = [0, 1, 4]
 
   ! Columns of the nodes' values, by dimension; MUSL puts the re-mapped velocity in the place of the
   ! acceleration, which it no longer needs then. The inverse mass is 0 where there is none, negative
@@ -140,9 +146,17 @@ contains
       columns%external = columns%total + 1
       columns%total = columns%total + ndim
     end if
+    if (wanted(faced)) then
+      columns%faces = columns%total + 1
+      columns%total = columns%total + ndim
+    end if
     if (wanted(faced) .and. kernel_centred(kernel)) then
       columns%lever = columns%total + 1
       columns%total = columns%total + ndim**2
+      if (with_pairs) then
+        columns%twist = columns%total + 1
+        columns%total = columns%total + ndim*twists(ndim)
+      end if
     end if
     if (wanted(absorbs)) then
       columns%impedance = columns%total + 1
@@ -165,6 +179,13 @@ contains
     end if
     columns%swept = columns%total
   end function columns_make
+
+  !> Whether a twist is a difference along an axis.
+  pure function twist_takes(twist, axis, ndim) result(yes)
+    integer, intent(in) :: twist, axis, ndim
+    logical :: yes
+    yes = ndim == 2 .or. twist == 4 .or. axis /= 4 - twist
+  end function twist_takes
 
   !> Whether something that need not be said is wanted.
   pure function wanted(what) result(yes)

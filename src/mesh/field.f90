@@ -44,6 +44,7 @@ module sgmp_field
     type(rotation_points_t) :: rotation             !! for columns%offset > 0
     type(pair_points_t) :: pairs                    !! for columns%pairs > 0
     real(dp), allocatable :: node(:, :)             !! (points, columns%nodes) values at the nodes
+    logical :: gaps = .false.                       !! normalised stress leaves gaps alone: solids
     real(dp) :: hoop_correction = 0.0_dp            !! of the hoop strain (sgmp_axis)
     real(dp), allocatable :: hoop(:, :)  !! (x of a centre; inner, outer) weights of the hoop strain
                                          !! where there is an axis and values are at centres
@@ -132,8 +133,8 @@ contains
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))
     if (new%columns%offset > 0) then
-      call rotation_points_make(new%ndim, new%points, more, field%rotation%least_offset, &
-                                new%rotation)
+      call rotation_points_make(new%ndim, new%points, more, new%columns%faces > 0, &
+                                field%rotation%least_offset, new%rotation)
     end if
     if (new%columns%pairs > 0) call pair_points_make(new%space, new%points, more, new%pairs)
     call field_clear(new)

@@ -2,7 +2,7 @@
 !! (`method surfaces=corrected`, doc/surfaces.md). Two neighbouring centres are a pair, which is
 !! stored at the lower one; four around a face, in space, a quad, stored at the lowest.
 module sgmp_pair_points
-  use sgmp_columns, only: pair_sums
+  use sgmp_columns, only: pair_sums, twists
   use sgmp_kinds, only: dp
   use sgmp_space, only: space_axisymmetric, space_dimensions
   implicit none
@@ -14,9 +14,8 @@ module sgmp_pair_points
   !! second differences of a velocity; what they add to its gradient; the transpose for the forces.
   integer, parameter :: stage_weights = 1, stage_twists = 2, stage_gains = 3, stage_forces = 4
 
-  !> Second differences (xy, in space xz and yz and the third difference), and components of a
-  !! velocity gradient; by dimension.
-  integer, parameter :: twists(3) = [0, 1, 4], gains(3) = [1, 4, 9]
+  !> Components of a velocity gradient, by dimension.
+  integer, parameter :: gains(3) = [1, 4, 9]
 
   type :: pair_points_t
     real(dp), allocatable :: weight(:, :)  !! (points, pair_sums) weights of pairs, then of quads

@@ -10,7 +10,7 @@
 !! (sgmp_wall_work). Friction changes nothing of this: it is a force on the nodes of a slip wall
 !! (sgmp_wall_friction).
 module sgmp_walls
-  use sgmp_columns, only: columns_t, node_swirl, relax_velocity
+  use sgmp_columns, only: columns_t, node_swirl, relax_velocity, twist_takes, twists
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp
@@ -20,7 +20,7 @@ module sgmp_walls
   implicit none
   private
   public :: walls_fold, walls_mirror, walls_mirror_centres, walls_hold, moment_parity, has_walls
-  public :: ghost_intervals, ghost_point, ghost_records, vector_parity
+  public :: ghost_intervals, ghost_point, ghost_records, twist_parity, vector_parity
 
   integer, parameter :: around = 3   !! component of a vector around the axis
 
@@ -50,7 +50,8 @@ contains
     if (column >= columns%drives .and. column < columns%drives + columns%driven) return
     if (swirls(column, columns)) then
       parity = swirl_parity(column, columns, normal, wall)
-    else if (column == columns%radial .or. column == columns%external) then
+    else if (column == columns%radial .or. column == columns%external .or. &
+             column == columns%faces) then
       if (wall == wall_axis) parity = -1.0_dp  ! what pulls along r is opposite on the other side
     else if (column < columns%spin) then
       parity = vector_parity(1 + column - columns%momentum, normal, wall)
@@ -89,11 +90,11 @@ contains
     integer, intent(in) :: wall
     real(dp) :: parity
     integer :: axes, number
-    parity = 1.0_dp
+    parity = product_parity(column, columns, normal, wall)
+    axes = columns%lever - columns%faces  ! components of the force
     if (columns%offset > 0 .and. column >= columns%offset) then
       parity = vector_parity(1 + column - columns%offset, normal, wall_slip)
     else if (columns%lever > 0 .and. wall /= wall_fixed) then
-      axes = columns%lever - columns%external  ! components of the force
       number = column - columns%lever
       if (columns%impedance > 0) then
         number = column - (columns%impedance + axes)
@@ -107,6 +108,30 @@ contains
       if ((1 + number/axes == normal) .neqv. (1 + mod(number, axes) == normal)) parity = -1.0_dp
     end if
   end function lever_parity
+
+  !> The same for forces on faces times two or three levers; 1 for all other columns.
+  pure function product_parity(column, columns, normal, wall) result(parity)
+    integer, intent(in) :: column
+    type(columns_t), intent(in) :: columns
+    integer, intent(in) :: normal        !! axis of the wall's normal
+    integer, intent(in) :: wall
+    real(dp) :: parity
+    integer :: axes, number
+    parity = 1.0_dp
+    if (columns%twist == 0 .or. column < columns%twist .or. wall == wall_fixed) return
+    axes = columns%lever - columns%faces  ! components of the force
+    number = column - columns%twist
+    if (number >= axes*twists(axes)) return
+    parity = twist_parity(1 + mod(number, axes), 1 + number/axes, normal, axes)
+  end function product_parity
+
+  !> Sign of the image of a second or third difference of a vector at a slip wall: one factor for
+  !! the component across the wall, one for each derivative.
+  pure function twist_parity(component, twist, normal, ndim) result(parity)
+    integer, intent(in) :: component, twist, normal, ndim
+    real(dp) :: parity
+    parity = merge(-1.0_dp, 1.0_dp, (component == normal) .neqv. twist_takes(twist, normal, ndim))
+  end function twist_parity
 
   !> Whether a column belongs to swirl.
   pure function swirls(column, columns) result(yes)

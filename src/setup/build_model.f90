@@ -494,6 +494,7 @@ contains
                         method%surfaces .and. (solid .or. .not. method%surfaces_solids))
       end associate
       model%fields(f)%drive_terms = terms(f)
+      model%fields(f)%gaps = solid .and. .not. model%method%relaxed
     end do
     call team_make(model%team, threads, model%mesh%space, size(model%fields), size(model%bodies))
     allocate (model%ranks%below(size(model%fields)), model%ranks%above(size(model%fields)))

@@ -7,6 +7,7 @@ module sgmp_plans
   use sgmp_model, only: model_t
   use sgmp_plan, only: plan_t
   use sgmp_stages, only: stage_brings_stress, stage_plan
+  use sgmp_time_step, only: clock_kick_step
   use sgmp_update, only: update_strains_before
   implicit none
   private
@@ -115,6 +116,8 @@ contains
     type(model_t), intent(in) :: model
     type(plan_t) :: plan
     plan%step = model%clock%step + 1
+    plan%began = model%clock%time
+    plan%dt_work = clock_kick_step(model%clock)
     plan%lost_policy = model%method%lost_policy
   end function plan_empty
 

@@ -16,8 +16,9 @@ module sgmp_totals
   use sgmp_rigid_motion, only: freedoms
   use sgmp_sums, only: eroded_internal, eroded_kinetic, eroded_mass, eroded_moment, &
                        eroded_momentum, eroded_sums, nodes_external, nodes_friction, nodes_lost, &
-                       nodes_mass_aa, nodes_mass_av, nodes_sums, sum_internal, sum_kinetic, &
-                       sum_mass_aa, sum_moment, sum_momentum, sum_viscous, sweep_sums
+                       nodes_mass_aa, nodes_mass_av, nodes_sums, sum_applied, sum_internal, &
+                       sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, sum_viscous, &
+                       sweep_sums
   use sgmp_tally, only: tally_reset, tally_total
   implicit none
   private
@@ -164,6 +165,7 @@ contains
     all%momentum = all%momentum + sums(sum_momentum:sum_momentum + 2)
     all%internal = all%internal + sums(sum_internal)
     all%viscous = all%viscous + sums(sum_viscous)
+    all%applied_work = all%applied_work + sums(sum_applied)
     call terms_take(terms, from_particles, sums)
   end subroutine add_body
 

@@ -51,19 +51,22 @@ contains
                                           node_velocity(shared%ndim), of_velocity) - &
                                levers%pull(:, :, l)
       levers%external(:, l) = tangential(shared, n, l, external(levers, shared, n, l, fields, &
-                                                                bodies, gravity))
+                                                                bodies, gravity, .true.))
+      levers%booked(:, l) = tangential(shared, n, l, external(levers, shared, n, l, fields, &
+                                                              bodies, gravity, .false.))
     end do
   end subroutine friction_open
 
-  !> Acceleration by gravity and body forces at the surface, first body minus second, rigid ones
-  !! left out.
-  pure function external(levers, shared, n, l, fields, bodies, gravity) result(apart)
+  !> Acceleration by gravity and body forces at the surface, and by forces on faces, whose work is
+  !! booked on the particles; first body minus second, rigid ones left out.
+  pure function external(levers, shared, n, l, fields, bodies, gravity, faces) result(apart)
     type(levers_t), intent(in) :: levers
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: n, l
     type(field_t), intent(in) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
     real(dp), intent(in) :: gravity(3)
+    logical, intent(in) :: faces
     real(dp) :: apart(3), vector(3)
     integer :: side, at(2), b
     at = shared_members(shared, n, l)
@@ -76,7 +79,7 @@ contains
           do b = 1, levers%nodes(side, l)
             vector(:nd) = vector(:nd) + levers%gain(b, side, l)* &
               body_force(field, levers%record(b, side, l), &
-                         shared%point(:, n) + shift_of(levers%place(b, side, l)))
+                         shared%point(:, n) + shift_of(levers%place(b, side, l)), faces)
           end do
         end if
       end associate
@@ -178,7 +181,7 @@ contains
                          dot_product(link%rub, levers%pressed(:, 1, l) + kick(:, 1))/dt**2
         terms%power_before = terms%power_before - dot_product(link%rub, levers%before(:, 1, l))/dt
         terms%external_power = terms%external_power - &
-                               0.5_dp*dot_product(link%rub, levers%external(:, l))
+                               0.5_dp*dot_product(link%rub, levers%booked(:, l))
         if (part <= 0.0_dp) cycle
         levers%apart(:, :, l) = levers%before(:, :, l)
         if (with_trial) levers%apart(:, :, l) = levers%apart(:, :, l) + kick

@@ -64,7 +64,7 @@ contains
         terms%power_before = terms%power_before + &
                              dot_product(gained(:, k), trial(:, k) - kick(:, k))/dt
         terms%external_power = terms%external_power + 0.5_dp*dot_product(gained(:, k), &
-          external(shared, n, k, fields, inverse_mass(:, k), gravity))
+          external(shared, n, k, fields, inverse_mass(:, k), gravity, .false.))
       end do
     end associate
   end subroutine ledger_kick
@@ -104,37 +104,51 @@ contains
                                                       - dot_product(gained(:, k), velocity(:, k)))
         else if (any(abs(corrected(:, k)) > 0.0_dp)) then
           terms%external_power = terms%external_power + part*dot_product(corrected(:, k), &
-            external(shared, n, k, fields, inverse_mass(:, k), gravity))
+            external(shared, n, k, fields, inverse_mass(:, k), gravity, .true.))
         end if
       end do
     end associate
   end subroutine ledger_strain
 
-  !> Acceleration of a member by gravity and body forces.
-  pure function external(shared, n, k, fields, inverse_mass, gravity) result(acceleration)
+  !> Acceleration of a member by gravity and body forces, and by forces on faces, whose work is
+  !! booked on the particles.
+  pure function external(shared, n, k, fields, inverse_mass, gravity, faces) result(acceleration)
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: n, k
     type(field_t), intent(in) :: fields(:)
     real(dp), intent(in) :: inverse_mass(3), gravity(3)
+    logical, intent(in) :: faces
     real(dp) :: acceleration(3)
     integer :: m
     m = shared%member_start(n) + k - 1
     acceleration = gravity
     associate (nd => shared%ndim)
       acceleration(:nd) = acceleration(:nd) + inverse_mass(:nd)* &
-        body_force(fields(shared%field(m)), shared%record(m), shared%point(:, n))
+        body_force(fields(shared%field(m)), shared%record(m), shared%point(:, n), faces)
     end associate
   end function external
 
-  !> Body force at a node, as the momentum equation takes it from the moments.
-  pure function body_force(field, record, point) result(force)
+  !> Body force at a node, and force on faces (without its levers), as the momentum equation takes
+  !! them from the moments.
+  pure function body_force(field, record, point, faces) result(force)
     type(field_t), intent(in) :: field
     integer, intent(in) :: record, point(3)
+    logical, intent(in) :: faces
     real(dp) :: force(field%ndim)
-    integer :: column, last, j, k, base
     force = 0.0_dp
-    column = field%columns%external
-    if (column == 0) return
+    if (field%columns%external > 0) force = at_node(field, record, point, field%columns%external)
+    if (faces .and. field%columns%faces > 0) then
+      force = force + at_node(field, record, point, field%columns%faces)
+    end if
+  end function body_force
+
+  !> The same of one vector of the moments.
+  pure function at_node(field, record, point, column) result(force)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: record, point(3), column
+    real(dp) :: force(field%ndim)
+    integer :: last, j, k, base
+    force = 0.0_dp
     last = column + field%ndim - 1
     if (.not. kernel_centred(field%kernel)) then
       force = field%moment(record, column:last)
@@ -147,7 +161,7 @@ contains
       end do
     end do
     force = force*0.5_dp**field%ndim
-  end function body_force
+  end function at_node
 
   !> Adds up what contact did at the nodes of the own planes.
   subroutine ledger_add_up(shared, mesh, own, pairs, buffer)

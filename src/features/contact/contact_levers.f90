@@ -54,7 +54,8 @@ module sgmp_contact_levers
       !! velocity that strains the particles before it was made to obey
     real(dp), allocatable :: pressed(:, :, :)  !! the pull with the contact forces along the normals
     real(dp), allocatable :: external(:, :)
-      !! (3, links) acceleration by gravity and body forces, of deformable bodies
+      !! (3, links) acceleration by gravity, body forces and loads, of deformable bodies
+    real(dp), allocatable :: booked(:, :)      !! the same without forces on faces
   end type levers_t
 
 contains
@@ -72,7 +73,7 @@ contains
     allocate (levers%share(around, 2, shared%links), levers%gain(around, 2, shared%links))
     allocate (levers%pull(3, parts_of, shared%links), levers%before(3, parts_of, shared%links), &
               levers%apart(3, parts_of, shared%links), levers%pressed(3, parts_of, shared%links), &
-              levers%external(3, shared%links))
+              levers%external(3, shared%links), levers%booked(3, shared%links))
     next = 0
     do n = 1, shared%nodes
       c = colour(shared%point(:, n))
@@ -178,7 +179,7 @@ contains
     integer, intent(in) :: r, nd                 !! record, dimensions
     real(dp) :: offset(nd)
     offset = 0.0_dp
-    if (allocated(field%rotation%offset)) offset = field%rotation%offset(r, :nd)
+    if (allocated(field%rotation%offset)) offset = field%rotation%offset(:nd, r)
   end function offset_of
 
   !> Steps along i, j, k to a node around.

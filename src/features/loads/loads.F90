@@ -11,20 +11,22 @@
 !! (1 - xi)^2/2, 1/2 + xi (1 - xi), xi^2/2 at the nodes, the means of linear functions at the
 !! centres (1 - xi)/2, 1/2, xi/2. What is missing is the force of a stress -/+ xi (1 - xi)/2 h at
 !! the centres per force: the lever. With it a pressure on a face and a uniform stress behind it are
-!! in equilibrium.
+!! in equilibrium. Where strains are corrected at surfaces, stresses see those functions across the
+!! normal, too, and there are levers along all axes.
 module DIM(sgmp_loads)
   use sgmp_air_blast, only: air_blast_pressure
   use sgmp_body, only: body_t
+  use sgmp_columns, only: twist_takes
   use sgmp_expression, only: expression_places, expression_t, expression_time
   use sgmp_kinds, only: dp, lanes
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_pressure, load_t
   use sgmp_mesh, only: mesh_t
-  use sgmp_motion, only: motion_total, motion_velocity
-  use sgmp_sums, only: sum_edge_impulse, sum_edge_work, sweep_sums
+  use sgmp_motion, only: motion_total
+  use sgmp_sums, only: sum_applied, sum_edge_impulse, sum_edge_work, sweep_sums
   implicit none
   private
-  public :: loads_edges_book, loads_impedance, loads_levers, loads_on_faces, loads_on_mass, &
-            loads_strain
+  public :: loads_book, loads_book_strain, loads_impedance, loads_levers, loads_on_faces, &
+            loads_on_mass, loads_strain, loads_twist
 
 contains
 
@@ -149,45 +151,96 @@ contains
     area = live*sqrt(sum(state(:, load%column:load%column + NDIM - 1)**2, dim=2))
   end function face_area
 
-  !> Adds up what edges did to a chunk in a kick by what they bear at rest: its impulse, and its
-  !! work by the velocity of the particles in the middle of the kick.
-  pure subroutine loads_edges_book(body, dt, live, before, nb, motion, state, sums)
+  !> Adds up what forces on faces do to a chunk: their work on the way that particles go with the
+  !! grid, and of what edges bear at rest the work and the impulse.
+  subroutine loads_book(mesh, body, time, dt, live, moved, nb, motion, state, sums)
+    type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
-    real(dp), intent(in) :: dt, live(lanes)
-    real(dp), intent(in) :: before(lanes, motion_total(NDIM))  !! the motion before the kick
+    real(dp), intent(in) :: time                   !! of the forces
+    real(dp), intent(in) :: dt                     !! velocity step; 0: no kick
+    real(dp), intent(in) :: live(lanes)
+    real(dp), intent(in) :: moved(lanes, NDIM)     !! the way, or this sweep's part of it
     integer, intent(in) :: nb
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(inout) :: sums(lanes, sweep_sums)
-    real(dp) :: force(lanes, NDIM)
-    integer :: d, i, v
+    real(dp) :: force(lanes, NDIM), way(lanes, NDIM), work(lanes)
+    logical :: some
+    integer :: i, d
     do i = 1, size(body%loads)
       associate (load => body%loads(i))
+        if (load%kind == load_force) cycle
+        call loads_on_faces(mesh, body, load, time, live, nb, motion, state, force, way, some)
+        if (.not. some) cycle
+        work = sum(force*moved, dim=2)
+        sums(:, sum_applied) = sums(:, sum_applied) + work
         if (load%kind /= load_absorbing) cycle
-        call edge_force(load, nb, state, face_area(load, live, nb, state), force)
+        sums(:, sum_edge_work) = sums(:, sum_edge_work) + work
         do d = 1, NDIM
-          v = motion_velocity(NDIM) + d - 1
           sums(:, sum_edge_impulse + d - 1) = sums(:, sum_edge_impulse + d - 1) + dt*force(:, d)
-          sums(:, sum_edge_work) = sums(:, sum_edge_work) + &
-                                   0.5_dp*dt*force(:, d)*(before(:, v) + motion(:, v))
         end do
       end associate
     end do
-  end subroutine loads_edges_book
+  end subroutine loads_book
+
+  !> The rest of the work of forces on faces: they move away from the centres of their particles as
+  !! those are strained.
+  subroutine loads_book_strain(mesh, body, time, dt, live, gradient, nb, motion, state, sums)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: time, dt, live(lanes), gradient(lanes, NGRAD)
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(inout) :: sums(lanes, sweep_sums)
+    real(dp) :: force(lanes, NDIM), way(lanes, NDIM)
+    logical :: some
+    integer :: i, a, b
+    do i = 1, size(body%loads)
+      if (body%loads(i)%kind == load_force) cycle
+      call loads_on_faces(mesh, body, body%loads(i), time, live, nb, motion, state, force, way, &
+                          some)
+      if (.not. some) cycle
+      do a = 1, NDIM
+        do b = 1, NDIM
+          sums(:, sum_applied) = sums(:, sum_applied) + dt*mesh%h*force(:, a)*way(:, b)* &
+                                 gradient(:, (a - 1)*NDIM + b)
+        end do
+      end do
+    end do
+  end subroutine loads_book_strain
 
   !> Levers of forces on faces along each axis (length), the gradients of the centres' weights per
   !! cell left out.
-  pure function loads_levers(h, place, way) result(levers)
+  pure function loads_levers(h, place, way, corrected) result(levers)
     real(dp), intent(in) :: h
     real(dp), intent(in) :: place(lanes, NDIM)     !! of the force, from the centre below (cells)
     real(dp), intent(in) :: way(lanes, NDIM)       !! to there from the particle
+    logical, intent(in) :: corrected               !! strains are (doc/surfaces.md)
     real(dp) :: levers(lanes, NDIM)
     real(dp) :: square(lanes)
     integer :: d
     square = max(sum(way**2, dim=2), tiny(1.0_dp))
     do d = 1, NDIM
-      levers(:, d) = 0.5_dp*h*place(:, d)*(1.0_dp - place(:, d))*(way(:, d)**2/square)
+      levers(:, d) = 0.5_dp*h*place(:, d)*(1.0_dp - place(:, d))
+      if (.not. corrected) levers(:, d) = levers(:, d)*(way(:, d)**2/square)
     end do
   end function loads_levers
+
+  !> Product of the levers along the axes of a twist (cells); forces push against second differences
+  !! and along third ones (sgmp_surfaces).
+  pure function loads_twist(twist, place) result(lever)
+    integer, intent(in) :: twist
+    real(dp), intent(in) :: place(lanes, NDIM)     !! of the force, from the centre below (cells)
+    real(dp) :: lever(lanes)
+    integer :: d, axes
+    lever = 1.0_dp
+    axes = 0
+    do d = 1, NDIM
+      if (.not. twist_takes(twist, d, NDIM)) cycle
+      lever = lever*(0.5_dp*place(:, d)*(1.0_dp - place(:, d)))
+      axes = axes + 1
+    end do
+    if (axes == 2) lever = -lever
+  end function loads_twist
 
   !> Lets the area vectors of faces follow a step: a' = cof(I + dt L) a. In the linear theory they
   !! stay as they are, as volumes do.

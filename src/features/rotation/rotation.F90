@@ -1,6 +1,13 @@
 ! dimension-generic
 #include "dimension.inc"
 #if NDIM > 1
+#if NDIM == 2
+#define VECTOR 1
+#else
+#define VECTOR 4
+#endif
+#define SUM vectors_sum
+#define DIFFERENCES vectors_differences
 !> Rigid rotation without strain (doc/rotation.md): velocities to the places of the nodes, and its
 !! transpose for the forces.
 !!
@@ -21,8 +28,7 @@ module DIM(sgmp_rotation)
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_rotation_points, only: at_centre, at_force, at_node
-  use DIM(sgmp_rotation_rows), only: add_differences, centre_rows, next_run, slope, &
-                                     sums_row, tile
+  use DIM(sgmp_rotation_rows), only: centre_rows, next_run, slope
   implicit none
   private
   public :: rotation_couples, rotation_curls, rotation_place, rotation_moments, rotation_force
@@ -36,80 +42,68 @@ module DIM(sgmp_rotation)
 
 contains
 
-  !> Moments t_I = A_I^-T (D_I x f_I) of a run of nodes, f the internal force.
-  pure subroutine rotation_moments(field, s, first, n)
+  !> Moments t_I = A_I^-T (D_I x f_I) of forces on a tile of nodes.
+  pure subroutine rotation_moments(field, s, first, n, f)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: s, first, n           !! interval, first node, nodes
-    real(dp) :: moment(tile, NSPIN)
-    integer :: q, r, from, to
-    from = field%neighbour(0, 0, s) + first
-    to = from + n - 1
+    real(dp), intent(in) :: f(:, :)              !! (n or more, ndim)
+    real(dp) :: moment(NSPIN), total
+    integer :: q, r, i, at
+    at = field%neighbour(0, 0, s) + first - 1
     associate (rotation => field%rotation)
-      do q = 1, NSPIN
-        associate (a => axes(1, q), b => axes(2, q), f => rotation%force)
-          moment(:n, q) = rotation%offset(from:to, a)*f(from:to, b) - &
-                          rotation%offset(from:to, b)*f(from:to, a)
-        end associate
-      end do
-      do q = 1, NSPIN
-        rotation%moment(from:to, q) = 0.0_dp
-        do r = 1, NSPIN
-          rotation%moment(from:to, q) = rotation%moment(from:to, q) + &
-                                        moment(:n, r)*rotation%inverse(from:to, r + NSPIN*(q - 1))
+      do i = 1, n
+        if (.not. rotation%at(at + i, at_node)) cycle
+        do q = 1, NSPIN
+          associate (a => axes(1, q), b => axes(2, q))
+            moment(q) = rotation%offset(a, at + i)*f(i, b) - rotation%offset(b, at + i)*f(i, a)
+          end associate
+        end do
+        do q = 1, NSPIN
+          total = 0.0_dp
+          do r = 1, NSPIN
+            total = total + moment(r)*rotation%inverse(r, q, at + i)
+          end do
+          rotation%moment(q, at + i) = total
         end do
       end do
     end associate
   end subroutine rotation_moments
 
   !> Couples T_c = m_c sum_I t_I at the centres of one plane.
-  pure subroutine rotation_couples(field, plane)
-    type(field_t), intent(inout) :: field
+  pure subroutine rotation_couples(field, plane, couple)
+    type(field_t), intent(in) :: field
     integer, intent(in) :: plane
-    real(dp) :: t(tile)
-    integer :: s, first, last, n, q, at
+    real(dp), intent(inout) :: couple(VECTOR, *)
+    integer :: s, i, at, b(NROW)
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
-      last = field%work%first(s) - 1
-      do
-        call next_run(field, s, at_centre, first, last)
-        if (last < first) exit
-        n = last - first + 1
-        at = field%neighbour(0, 0, s) + first
-        do q = 1, NSPIN
-          call sums_row(n, field%rotation%moment(1, q), node_rows(field, s, first), t)
-          field%rotation%centre(at:at + n - 1, q) = field%moment(at:at + n - 1, &
-            field%columns%mass)*t(:n)
-        end do
+      at = field%neighbour(0, 0, s)
+      b = node_rows(field, s, 0)
+      do i = field%work%first(s), field%work%last(s)
+        if (.not. field%rotation%at(at + i, at_centre)) cycle
+        couple(:, at + i) = field%moment(at + i, field%columns%mass)* &
+                            vectors_sum(field%rotation%moment, b, i + 1)
       end do
     end do
   end subroutine rotation_couples
 
   !> f = f - sum_c T_c x G_cI for a tile of nodes: with the couples the force has no moment about
   !! the centres of mass.
-  pure subroutine rotation_force(field, s, first, n, f)
+  pure subroutine rotation_force(field, s, first, n, couple, f)
     type(field_t), intent(in) :: field
     integer, intent(in) :: s, first, n
+    real(dp), intent(in) :: couple(VECTOR, *)
     real(dp), intent(inout) :: f(:, :)           !! (n or more, ndim)
-    integer :: b(NROW), i, j, q, from, at
+    real(dp) :: t(VECTOR, NDIM)
+    integer :: b(NROW), i, q, at
     at = field%neighbour(0, 0, s) + first - 1
-    i = 1
-    do while (i <= n)
-      if (.not. field%rotation%at(at + i, at_force)) then
-        i = i + 1
-        cycle
-      end if
-      from = i
-      do while (i <= n)
-        if (.not. field%rotation%at(at + i, at_force)) exit
-        i = i + 1
+    b = centre_rows(field, s, first)
+    do i = 1, n
+      if (.not. field%rotation%at(at + i, at_force)) cycle
+      t = vectors_differences(couple, b, i)
+      do q = 1, NSPIN
+        f(i, axes(1, q)) = f(i, axes(1, q)) - slope*t(q, axes(2, q))
+        f(i, axes(2, q)) = f(i, axes(2, q)) + slope*t(q, axes(1, q))
       end do
-      b = centre_rows(field, s, first + from - 1)
-      j = i - from
-      associate (t => field%rotation%centre)
-        do q = 1, NSPIN
-          call add_differences(j, -slope, axes(2, q), t(1, q), b, f(from:i - 1, axes(1, q)))
-          call add_differences(j, slope, axes(1, q), t(1, q), b, f(from:i - 1, axes(2, q)))
-        end do
-      end associate
     end do
   end subroutine rotation_force
 
@@ -119,82 +113,104 @@ contains
     type(field_t), intent(inout) :: field
     integer, intent(in) :: plane, column         !! first column of the velocity
     real(dp), intent(in) :: kick
-    real(dp) :: curl(tile)
-    integer :: s, first, last, n, q, at
+    real(dp) :: curl(NSPIN)
+    integer :: s, i, at, b(NROW)
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
-      last = field%work%first(s) - 1
-      do
-        call next_run(field, s, at_centre, first, last)
-        if (last < first) exit
-        n = last - first + 1
-        at = field%neighbour(0, 0, s) + first
-        do q = 1, NSPIN
-          curl(:n) = 0.0_dp
-          call add_curl(field, node_rows(field, s, first), n, q, column, slope, curl)
-          if (abs(kick) > 0.0_dp) call add_curl(field, node_rows(field, s, first), n, q, &
-                                                node_acceleration, -kick*slope, curl)
-          field%rotation%centre(at:at + n - 1, q) = &
-            field%moment(at:at + n - 1, field%columns%mass)*curl(:n)
-        end do
+      at = field%neighbour(0, 0, s)
+      b = node_rows(field, s, 0)
+      do i = field%work%first(s), field%work%last(s)
+        if (.not. field%rotation%at(at + i, at_centre)) cycle
+        curl = 0.0_dp
+        call add_curl(size(field%node, 1), field%node(1, column), b, i + 1, slope, curl)
+        if (abs(kick) > 0.0_dp) call add_curl(size(field%node, 1), &
+          field%node(1, node_acceleration), b, i + 1, -kick*slope, curl)
+        field%rotation%couple(:NSPIN, at + i) = field%moment(at + i, field%columns%mass)*curl
       end do
     end do
   end subroutine rotation_curls
 
-  !> Adds a component of the curl of what the nodes hold from a column on, times a factor.
-  pure subroutine add_curl(field, rows, n, component, column, factor, curl)
-    type(field_t), intent(in) :: field
-    integer, intent(in) :: rows(NROW), n, component, column
+  !> Adds a factor times the curl of a nodal vector at one centre.
+  pure subroutine add_curl(points, v, rows, i, factor, curl)
+    integer, intent(in) :: points
+    real(dp), intent(in) :: v(points, NDIM)
+    integer, intent(in) :: rows(NROW), i
     real(dp), intent(in) :: factor
-    real(dp), intent(inout) :: curl(tile)
-    associate (a => axes(1, component), b => axes(2, component))
-      call add_differences(n, factor, a, field%node(1, column + b - 1), rows, curl)
-      call add_differences(n, -factor, b, field%node(1, column + a - 1), rows, curl)
-    end associate
+    real(dp), intent(inout) :: curl(NSPIN)
+    integer :: q
+    do q = 1, NSPIN
+      associate (a => axes(1, q), b => axes(2, q))
+        curl(q) = curl(q) + factor*corner_difference(v(1, b), rows, i, a)
+        curl(q) = curl(q) - factor*corner_difference(v(1, a), rows, i, b)
+      end associate
+    end do
   end subroutine add_curl
+
+  !> Difference of what the points around one hold, upper minus lower along an axis.
+  pure function corner_difference(column, b, i, axis) result(t)
+    real(dp), intent(in) :: column(*)
+    integer, intent(in) :: b(NROW), i, axis
+    real(dp) :: t
+    select case (axis)
+    case (1)
+      t = corner_sum(column, b, i) - corner_sum(column, b, i - 1)
+    case (2)
+      t = corner_slope_2(column, b, i - 1) + corner_slope_2(column, b, i)
+    case default
+#if NDIM == 3
+      t = corner_slope_3(column, b, i - 1) + corner_slope_3(column, b, i)
+#else
+      t = 0.0_dp
+#endif
+    end select
+  end function corner_difference
 
   !> Takes velocities to the places of the nodes of one plane, v = v - w x D, w from the curl above.
   pure subroutine rotation_place(field, plane, columns)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: plane, columns(:)
-    integer :: s, first, last, v
+    integer :: s, first, last
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       last = field%work%first(s) - 1
       do
         call next_run(field, s, at_node, first, last)
         if (last < first) exit
-        do v = 1, size(columns)
-          call place_run(field, s, first, last - first + 1, columns(v) - 1)
-        end do
+        call place_run(field, s, first, last - first + 1, columns)
       end do
     end do
   end subroutine rotation_place
 
-  !> The same of one velocity at a run of nodes.
-  pure subroutine place_run(field, s, first, n, before)
+  !> The same of a run of nodes.
+  pure subroutine place_run(field, s, first, n, columns)
     type(field_t), intent(inout) :: field
-    integer, intent(in) :: s, first, n
-    integer, intent(in) :: before                !! columns before the velocity's
-    real(dp) :: curl(tile, NSPIN), w(tile)
-    integer :: q, r, from, to, rows(NROW)
-    rows = centre_rows(field, s, first)
-    from = field%neighbour(0, 0, s) + first
-    to = from + n - 1
-    do q = 1, NSPIN
-      call sums_row(n, field%rotation%centre(1, q), rows, curl(1, q))
-    end do
+    integer, intent(in) :: s, first, n, columns(:)
+    real(dp) :: curl(VECTOR), w(VECTOR), moved(NDIM)
+    integer :: i, q, c, at, b(NROW)
+    b = centre_rows(field, s, first)
+    at = field%neighbour(0, 0, s) + first - 1
     associate (rotation => field%rotation, v => field%node)
-      do q = 1, NSPIN
-        w(:n) = 0.0_dp
-        do r = 1, NSPIN
-          w(:n) = w(:n) + rotation%inverse(from:to, q + NSPIN*(r - 1))*curl(:n, r)
+      do i = 1, n
+        curl = vectors_sum(rotation%couple, b, i)
+        w = 0.0_dp
+        do q = 1, NSPIN
+          w = w + rotation%inverse(:VECTOR, q, at + i)*curl(q)
         end do
-        associate (a => axes(1, q), b => axes(2, q))
-          v(from:to, before + a) = v(from:to, before + a) + w(:n)*rotation%offset(from:to, b)
-          v(from:to, before + b) = v(from:to, before + b) - w(:n)*rotation%offset(from:to, a)
-        end associate
+        do c = 1, size(columns)
+          moved = v(at + i, columns(c):columns(c) + NDIM - 1)
+          do q = 1, NSPIN
+            associate (x => axes(1, q), y => axes(2, q))
+              moved(x) = moved(x) + w(q)*rotation%offset(y, at + i)
+              moved(y) = moved(y) - w(q)*rotation%offset(x, at + i)
+            end associate
+          end do
+          v(at + i, columns(c):columns(c) + NDIM - 1) = moved
+        end do
       end do
     end associate
   end subroutine place_run
+
+#include "vectors_sum.inc"
+#include "vectors_differences.inc"
+#include "corner_sums.inc"
 
 end module DIM(sgmp_rotation)
 #endif

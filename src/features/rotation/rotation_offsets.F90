@@ -1,6 +1,13 @@
 ! dimension-generic
 #include "dimension.inc"
 #if NDIM > 1
+#if NDIM == 2
+#define VECTOR 2
+#define WIDTH 1
+#else
+#define VECTOR 4
+#define WIDTH 4
+#endif
 !> Where the nodes' centres of mass are, and what takes the curl of the velocity around a node to
 !! its angular velocity (doc/rotation.md): once per step, of the masses as they lie.
 !!
@@ -18,7 +25,7 @@ module DIM(sgmp_rotation_offsets)
   implicit none
   private
   public :: rotation_offsets, rotation_inertia, rotation_inverses
-  public :: angular_tensors, inverse_tensor
+  public :: angular_tensor, inverse_tensor
 
   !> A tensor with a smaller determinant, for a mass of 1, has no inverse that could be trusted: in
   !! the interior it is 2^d.
@@ -54,6 +61,12 @@ contains
             offset(i, :) = 0.0_dp
           end if
         end do
+        if (field%columns%pairs > 0) then  ! what has come apart does not turn as a body
+          call sums_row(n, field%moment(1, field%columns%room), b, m)
+          do i = 1, n
+            if (.not. m(i) > 0.0_dp) offset(i, :) = 0.0_dp
+          end do
+        end if
         call hold_offsets(field, mesh, s, first, n, offset)
         call keep_offsets(n, field%neighbour(0, 0, s) + first - 1, offset, field)
       end do
@@ -109,9 +122,9 @@ contains
       do i = 1, n
         part = any(abs(offset(i, :)) > 0.0_dp)
         if (.not. (part .or. rotation%at(before + i, at_node))) cycle
-        rotation%offset(before + i, :) = offset(i, :)
+        rotation%offset(:NDIM, before + i) = offset(i, :)
         rotation%at(before + i, at_node) = part
-        if (.not. part) rotation%moment(before + i, :) = 0.0_dp
+        if (.not. part) rotation%moment(:, before + i) = 0.0_dp
       end do
     end associate
   end subroutine keep_offsets
@@ -120,66 +133,44 @@ contains
   pure subroutine rotation_inertia(field, plane)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: plane
-    integer :: s, first, last
+    integer :: s, i, at, b(NROW)
     call mark(field, plane, at_node, at_centre)
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
-      last = field%work%first(s) - 1
-      do
-        call next_run(field, s, at_centre, first, last)
-        if (last < first) exit
-        call inertia_run(field, s, first, last - first + 1)
+      at = field%neighbour(0, 0, s)
+      b = node_rows(field, s, 0)
+      do i = field%work%first(s), field%work%last(s)
+        if (.not. field%rotation%at(at + i, at_centre)) cycle
+        field%rotation%tensor(:WIDTH, :NSPIN, at + i) = &
+          field%moment(at + i, field%columns%mass)* &
+          angular_tensor(slope*offset_differences(field%rotation%offset, b, i + 1))
       end do
     end do
   end subroutine rotation_inertia
 
-  !> The same of a run of centres.
-  pure subroutine inertia_run(field, s, first, n)
-    type(field_t), intent(inout) :: field
-    integer, intent(in) :: s, first, n
-    real(dp) :: slopes(tile, NDIM, NDIM), k(tile, NSPIN, NSPIN)
-    integer :: a, b, at, rows(NROW)
-    rows = node_rows(field, s, first)
-    slopes(:n, :, :) = 0.0_dp
-    do b = 1, NDIM
-      do a = 1, NDIM
-        call add_differences(n, slope, b, field%rotation%offset(1, a), rows, slopes(1, a, b))
-      end do
-    end do
-    call angular_tensors(n, slopes, k)
-    at = field%neighbour(0, 0, s) + first
-    do b = 1, NSPIN
-      do a = 1, NSPIN
-        field%rotation%centre(at:at + n - 1, a + NSPIN*(b - 1)) = &
-          field%moment(at:at + n - 1, field%columns%mass)*k(:n, a, b)
-      end do
-    end do
-  end subroutine inertia_run
-
-  !> The tensors that take an angular velocity to the curl of the velocity that its rigid motion
+  !> The tensor that takes an angular velocity to the curl of the velocity that its rigid motion
   !! gives to centres of mass, tr J - J (in the plane tr J); from the derivatives of the offsets.
   !!
   !! In bodies thinner than a cell along two axes, of which the nodes' centres of mass are about the
   !! same, the trace is kept from vanishing.
-  pure subroutine angular_tensors(n, slopes, k)
-    integer, intent(in) :: n
-    real(dp), intent(in) :: slopes(tile, NDIM, NDIM)   !! (point, a, b): component a along axis b
-    real(dp), intent(out) :: k(tile, NSPIN, NSPIN)
-    real(dp) :: trace(tile)
+  pure function angular_tensor(slopes) result(k)
+    real(dp), intent(in) :: slopes(VECTOR, NDIM)   !! (a, b): component a along axis b
+    real(dp) :: k(WIDTH, NSPIN)
+    real(dp) :: trace
     integer :: a
-    trace(:n) = real(NDIM, dp)
+    trace = real(NDIM, dp)
     do a = 1, NDIM
-      trace(:n) = trace(:n) + slopes(:n, a, a)
+      trace = trace + slopes(a, a)
     end do
-    trace(:n) = max(trace(:n), least_trace)
+    trace = max(trace, least_trace)
 #if NDIM == 2
-    k(:n, 1, 1) = trace(:n)
+    k = trace
 #else
-    k(:n, :, :) = -slopes(:n, :, :)
+    k = -slopes
     do a = 1, NDIM
-      k(:n, a, a) = k(:n, a, a) + (trace(:n) - 1.0_dp)
+      k(a, a) = k(a, a) + (trace - 1.0_dp)
     end do
 #endif
-  end subroutine angular_tensors
+  end function angular_tensor
 
   !> Inverses of A_I = sum_c m_c (tr J - J) at the nodes.
   pure subroutine rotation_inverses(field, mesh, plane)
@@ -203,31 +194,46 @@ contains
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
-    real(dp) :: sums(tile, NSPIN, NSPIN), m(tile), tensor(NSPIN, NSPIN)
-    integer :: i, a, b, at, rows(NROW), axis, side, r(2)
-    logical :: held(tile, NSPIN)
+    real(dp) :: sums(WIDTH*NSPIN), m(tile)
+    integer :: i, at, rows(NROW), axis, side, r(2)
+    logical :: held(NSPIN, tile)
     rows = centre_rows(field, s, first)
     call sums_row(n, field%moment(1, field%columns%mass), rows, m)
-    do b = 1, NSPIN
-      do a = 1, NSPIN
-        call sums_row(n, field%rotation%centre(1, a + NSPIN*(b - 1)), rows, sums(1, a, b))
-      end do
-    end do
-    held = .false.
+    held(:, :n) = .false.
     do axis = 1, NDIM
       do side = 1, 2
         r = on_wall(field, mesh, s, first, n, axis, side)
-        held(r(1):r(2), :) = held(r(1):r(2), :) .or. spread(turns_across(axis), 1, r(2) - r(1) + 1)
+        do i = r(1), r(2)
+          held(:, i) = held(:, i) .or. turns_across(axis)
+        end do
       end do
     end do
     at = field%neighbour(0, 0, s) + first - 1
     do i = 1, n
-      tensor = inverse_tensor(sums(i, :, :), m(i), held(i, :))
-      do b = 1, NSPIN
-        field%rotation%inverse(at + i, NSPIN*(b - 1) + 1:NSPIN*b) = tensor(:, b)
-      end do
+      sums = tensors_around(field%rotation%tensor, field%rotation%at(1, at_centre), rows, i)
+      field%rotation%inverse(:WIDTH, :NSPIN, at + i) = inverse_tensor(sums, m(i), held(:, i))
     end do
   end subroutine inverse_run
+
+  !> Sum of the tensors of the centres around a node: those at the edge of the grid that have none
+  !! hold nothing.
+  pure function tensors_around(tensor, marked, b, i) result(sums)
+    real(dp), intent(in) :: tensor(WIDTH*NSPIN, *)
+    logical, intent(in) :: marked(*)
+    integer, intent(in) :: b(NROW), i
+    real(dp) :: sums(WIDTH*NSPIN)
+    integer :: r, shift, q
+    sums = 0.0_dp
+    do shift = i - 1, i
+      do r = 1, NROW
+        if (.not. marked(b(r) + shift)) cycle
+        !$omp simd
+        do q = 1, WIDTH*NSPIN
+          sums(q) = sums(q) + tensor(q, b(r) + shift)
+        end do
+      end do
+    end do
+  end function tensors_around
 
   !> Components of an angular velocity that a mirror across an axis turns round, and which therefore
   !! vanish on a slip wall: all but that about its normal.
@@ -241,12 +247,13 @@ contains
   !> Inverse of the tensor of a node of mass m, with nothing in the components that are held. A node
   !! whose tensor has no inverse is left as it is: an inverse of zero.
   pure function inverse_tensor(tensor, m, held) result(inverse)
-    real(dp), intent(in) :: tensor(NSPIN, NSPIN), m
+    real(dp), intent(in) :: tensor(WIDTH, NSPIN), m
     logical, intent(in) :: held(NSPIN)
-    real(dp) :: inverse(NSPIN, NSPIN)
-    real(dp) :: t(NSPIN, NSPIN), determinant
-    integer :: a, b
+    real(dp) :: inverse(WIDTH, NSPIN)
+    real(dp) :: t(WIDTH, NSPIN), determinant
+    integer :: a
 #if NDIM == 3
+    integer :: b
     integer, parameter :: next(5) = [1, 2, 3, 1, 2]
 #endif
     t = tensor
@@ -260,23 +267,24 @@ contains
     inverse = 1.0_dp
     determinant = t(1, 1)
 #else
+    inverse(4, :) = 0.0_dp
     do b = 1, 3
       do a = 1, 3
         inverse(a, b) = t(next(b + 1), next(a + 1))*t(next(b + 2), next(a + 2)) &
                         - t(next(b + 1), next(a + 2))*t(next(b + 2), next(a + 1))
       end do
     end do
-    determinant = sum(t(1, :)*inverse(:, 1))
+    determinant = t(1, 1)*inverse(1, 1) + t(1, 2)*inverse(2, 1) + t(1, 3)*inverse(3, 1)
 #endif
     if (determinant > least_determinant*m**NSPIN) then
-      inverse = inverse/determinant
+      inverse = inverse*(1.0_dp/determinant)
     else
       inverse = 0.0_dp
     end if
-    do b = 1, NSPIN
-      do a = 1, NSPIN
-        if (held(a) .or. held(b)) inverse(a, b) = 0.0_dp
-      end do
+    do a = 1, NSPIN
+      if (.not. held(a)) cycle
+      inverse(a, :) = 0.0_dp
+      inverse(:, a) = 0.0_dp
     end do
   end function inverse_tensor
 
@@ -301,12 +309,16 @@ contains
         end do
         at = field%neighbour(0, 0, s) + i
         if (as == at_centre .and. field%rotation%at(at, as) .and. .not. part) then
-          field%rotation%centre(at, :) = 0.0_dp
+          field%rotation%couple(:, at) = 0.0_dp
+          if (allocated(field%rotation%face_couple)) field%rotation%face_couple(:, at) = 0.0_dp
         end if
         field%rotation%at(at, as) = part
       end do
     end do
   end subroutine mark
+
+#define DIFFERENCES offset_differences
+#include "vectors_differences.inc"
 
 end module DIM(sgmp_rotation_offsets)
 #endif

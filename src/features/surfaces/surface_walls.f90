@@ -1,10 +1,11 @@
 !> Walls and the correction at surfaces (doc/surfaces.md): a slip wall is the plane of symmetry of a
 !! mirrored body, whose second differences and gradients are images of those inside.
 module sgmp_surface_walls
+  use sgmp_columns, only: twists
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
-  use sgmp_walls, only: ghost_intervals, ghost_point, ghost_records
+  use sgmp_walls, only: ghost_intervals, ghost_point, ghost_records, twist_parity
   implicit none
   private
   public :: surface_walls_fold, surface_walls_mirror
@@ -28,7 +29,7 @@ contains
           associate (centre => field%pairs%centre)
             do q = 1, size(centre, 2)
               centre(to:to + n - 1, q) = centre(to:to + n - 1, q) + &
-                twist_parity(q, axis, mesh%ndim)*centre(from:from + n - 1, q)
+                column_parity(q, axis, mesh%ndim)*centre(from:from + n - 1, q)
               centre(from:from + n - 1, q) = 0.0_dp
             end do
           end associate
@@ -63,24 +64,16 @@ contains
     end do
   end subroutine surface_walls_mirror
 
-  !> Sign of the image of a second or third difference at a slip wall, or about an axis of a slope
-  !! of the radial velocity: one factor for the component across the wall, one for each derivative.
-  pure function twist_parity(column, normal, ndim) result(parity)
+  !> Sign of the image of a column of differences at a slip wall; about an axis there is behind them
+  !! that of the slope along z of the radial velocity.
+  pure function column_parity(column, normal, ndim) result(parity)
     integer, intent(in) :: column, normal, ndim
     real(dp) :: parity
-    integer :: component, twist
-    logical :: odd
-    component = mod(column - 1, ndim) + 1
+    integer :: twist
     twist = (column - 1)/ndim + 1
-    if (ndim == 2 .and. twist == 2) then  ! the slope along z of the radial component
-      odd = .true.
-    else if (ndim == 3 .and. twist <= 3) then  ! xy, xz, yz
-      odd = (normal == component) .neqv. (normal /= 4 - twist)
-    else
-      odd = normal /= component
-    end if
-    parity = merge(-1.0_dp, 1.0_dp, odd)
-  end function twist_parity
+    parity = -1.0_dp
+    if (twist <= twists(ndim)) parity = twist_parity(mod(column - 1, ndim) + 1, twist, normal, ndim)
+  end function column_parity
 
   !> Sign of the image of what is added to a component of the velocity gradient, or to the hoop
   !! strain.

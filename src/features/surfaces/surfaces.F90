@@ -35,13 +35,14 @@ module DIM(sgmp_surfaces)
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed
-  use sgmp_pair_points, only: stage_gains, stage_twists, stage_weights
+  use sgmp_pair_points, only: stage_forces, stage_gains, stage_twists, &
+                              stage_weights
   use sgmp_rows, only: key_j, key_k
   use CARTESIAN(sgmp_scatter), only: pair_spans
   use sgmp_voigt, only: flux_between
   implicit none
   private
-  public :: surfaces_add_gains, surfaces_pass, surfaces_push
+  public :: surfaces_add_gains, surfaces_pass, surfaces_push, surfaces_push_twists
 
   integer, parameter :: flux_of(NDIM, NDIM) = flux_between(:NDIM, :NDIM, NDIM)
   real(dp), parameter :: half = 0.5_dp**(NDIM - 2)  !! mean along the third axis
@@ -62,6 +63,10 @@ contains
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
+        if (bare(ROWS, n, rows_around(field, s, first), field%moment(1, field%columns%room))) then
+          call clear_row(field%neighbour(0, 0, s) + first, n, stage, field)
+          cycle
+        end if
         select case (stage)
         case (stage_weights)
           call weigh_row(field, s, first, n)
@@ -76,6 +81,36 @@ contains
       if (stage == stage_weights) call part_at_walls(field, mesh, s)
     end do
   end subroutine surfaces_pass
+
+  !> Whether no centre of some rows, or next to their ends, holds a volume. Pairs of the centres of
+  !! a row, and across walls of their images, then have no weight.
+  pure function bare(rows, n, r, volume) result(yes)
+    integer, intent(in) :: rows, n, r(rows)      !! r: records of the first centres
+    real(dp), intent(in) :: volume(*)
+    logical :: yes
+    integer :: q
+    yes = .false.
+    do q = 1, rows
+      if (any(volume(r(q) - 1:r(q) + n) > 0.0_dp)) return
+    end do
+    yes = .true.
+  end function bare
+
+  !> What a stage leaves at the centres of a row around which there is no volume.
+  pure subroutine clear_row(at, n, stage, field)
+    integer, intent(in) :: at, n                 !! record of the first centre
+    integer, intent(in) :: stage
+    type(field_t), intent(inout) :: field
+    select case (stage)
+    case (stage_weights)
+      field%pairs%weight(at:at + n - 1, :) = 0.0_dp
+    case (stage_gains)
+      field%pairs%gain(at:at + n - 1, :) = 0.0_dp
+    case (stage_forces)
+      field%pairs%centre(at:at + n - 1, :) = 0.0_dp
+    case default  ! nobody asks for its second differences
+    end select
+  end subroutine clear_row
 
   !> Weights of the pairs and quads of a row (PR1).
   pure subroutine weigh_row(field, s, first, n)
@@ -433,6 +468,7 @@ contains
     integer, intent(in) :: n
     real(dp), intent(inout) :: f(:, :)           !! (n in whole vectors or more, ndim)
     integer :: a
+    if (bare(NROW, n, b + 1, field%moment(1, field%columns%room))) return
     do a = 1, NDIM
       call push(whole(n), b, size(field%pairs%centre, 1), field%pairs%centre(1, a), f(:, a))
     end do
@@ -440,6 +476,19 @@ contains
     call push_slopes(n, b, field%pairs%centre(:, slope), f(:, 1))
 #endif
   end subroutine surfaces_push
+
+  !> Adds to external forces on a tile of nodes those that act on second and third differences.
+  pure subroutine surfaces_push_twists(field, b, n, f)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: b(NROW)               !! rows of centres around the nodes
+    integer, intent(in) :: n
+    real(dp), intent(inout) :: f(:, :)           !! (n in whole vectors or more, ndim)
+    integer :: a
+    do a = 1, NDIM
+      call push(whole(n), b, size(field%moment, 1), field%moment(1, field%columns%twist + a - 1), &
+                f(:, a))
+    end do
+  end subroutine surfaces_push_twists
 
   !> The same of one component.
   pure subroutine push(n, b, points, centre, f)
