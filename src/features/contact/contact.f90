@@ -298,7 +298,8 @@ contains
     real(dp) :: inverse_mass(3, size(velocity, 2))
     logical :: moving(size(velocity, 2))
     integer :: l, k, m, nd, column
-    associate (links => shared%link(shared%link_start(n):shared%link_start(n + 1) - 1))
+    associate (links => shared%link(shared%link_start(n):shared%link_start(n + 1) - 1), &
+               meets => shared%meets(shared%link_start(n):shared%link_start(n + 1) - 1))
       links%correction(1) = 0.0_dp
       links%correction(2) = 0.0_dp
       links%correction(3) = 0.0_dp
@@ -307,6 +308,9 @@ contains
       column = merge(node_velocity(nd), node_remapped, before_kick)
       call contact_gather(shared, n, bodies, fields, column, velocity, inverse_mass, moving)
       do l = 1, size(links)
+        ! A node that bodies have left stays listed until the next layout, which comes at another
+        ! time with other ranks: the state of its last trial must not act on.
+        if (.not. meets(l)) call forget(links(l))
         if (.not. (moving(links(l)%first) .and. moving(links(l)%second))) call forget(links(l))
       end do
       obeying = velocity
