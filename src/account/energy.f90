@@ -38,6 +38,7 @@ module sgmp_energy
   !> Energies and their history.
   type :: ledger_t
     real(dp) :: kinetic = 0.0_dp, internal = 0.0_dp
+    real(dp) :: kinetic_before = 0.0_dp      !! before the last step
     real(dp) :: initial_total = 0.0_dp
     real(dp) :: external_work = 0.0_dp
     real(dp) :: contact_dissipation = 0.0_dp
@@ -52,6 +53,9 @@ module sgmp_energy
     real(dp) :: moving_until = 0.0_dp        !! last time that was not at rest
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: lost_impulse = 0.0_dp        !! of forces on nodes below the mass cut-off
+    real(dp) :: slowed = 1.0_dp              !! what damping left of the velocities before a kick
+    real(dp) :: damped_share = 0.0_dp        !! interpolation error over the energy supplied when
+                                             !! damping last acted
     type(energy_terms_t) :: terms            !! of features
   end type ledger_t
 
@@ -65,9 +69,9 @@ contains
   end function ledger_total
 
   !> Part of the energy supplied that has come from nowhere (or, if negative, is gone): the total
-  !! energy and what contact, damping and erosion have taken, less the energy at the start and
-  !! the external work, over the most that was there to be spent. What the scheme itself dissipates
-  !! or creates is in it; so is the kinetic energy of removed particles.
+  !! energy and what contact, damping, erosion and particles that have left took, less the energy at
+  !! the start and the external work, over the most that was there to be spent. What the scheme
+  !! itself dissipates or creates is in it.
   pure function ledger_drift(ledger) result(drift)
     type(ledger_t), intent(in) :: ledger
     real(dp) :: drift
@@ -88,7 +92,7 @@ contains
     ledger%supplied = max(kinetic, abs(kinetic + internal))
   end subroutine ledger_open
 
-  !> Books one step; `exact` says that the kinetic identity applies (pure FLIP, no particle lost).
+  !> Books one step; `exact` says that the kinetic identity applies (pure FLIP).
   pure subroutine ledger_step(ledger, sums, dt_kick, exact)
     type(ledger_t), intent(inout) :: ledger
     type(step_sums_t), intent(in) :: sums
@@ -104,6 +108,7 @@ contains
     ledger%predicted = ledger%predicted + explained + sums%internal + rubbed - external
     ledger%interpolation_error = ledger%interpolation_error + &
                                  0.5_dp*dt_kick**2*(sums%nodes_aa - sums%particles_aa)
+    ledger%kinetic_before = ledger%kinetic
     ledger%kinetic = sums%kinetic
     ledger%internal = ledger%internal + sums%internal
     ledger%viscous_dissipation = ledger%viscous_dissipation + sums%viscous

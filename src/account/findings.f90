@@ -17,7 +17,6 @@ module sgmp_findings
     real(dp) :: fastest_before = 0.0_dp     !! at the start of the step
     integer :: lost = 0                     !! particles removed so far, on all ranks
     integer :: lost_here = 0                !! of these, by this rank in this step
-    integer :: lost_before = 0              !! of these, before the last kinetic sum
     integer :: moved = 0                    !! particles that changed bins in the last step
     type(error_t), allocatable :: failure   !! what stopped the run, if anything did
     integer :: strained = 0                 !! sweeps of this step that have strained particles

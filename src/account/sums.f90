@@ -6,8 +6,9 @@ module sgmp_sums
             sum_moment, sum_angular, sum_edge_impulse, sum_edge_work, sum_filter, &
             sum_swirl, sum_volume, sum_split, &
             sum_applied
-  public :: eroded_sums, eroded_count, eroded_mass, eroded_momentum, eroded_moment, &
-            eroded_kinetic, eroded_internal
+  public :: removed_by_erosion, removed_by_loss, removed_causes
+  public :: removed_sums, removed_count, removed_mass, removed_momentum, removed_moment, &
+            removed_kinetic, removed_internal
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_edge_push, &
             nodes_edge_taken, nodes_friction, nodes_lost, nodes_pressed, nodes_pulled
 
@@ -29,13 +30,16 @@ module sgmp_sums
   integer, parameter :: sum_edge_impulse = 15  !! first of its impulse (3 components)
   integer, parameter :: sum_applied = 18     !! work of forces on faces of particles
 
-  integer, parameter :: eroded_sums = 10   !! entries of a body's sums over particles that go
-  integer, parameter :: eroded_count = 1
-  integer, parameter :: eroded_mass = 2
-  integer, parameter :: eroded_momentum = 3  !! first of sum m v (3 components)
-  integer, parameter :: eroded_moment = 6  !! first of sum m X (3 components, in cells)
-  integer, parameter :: eroded_kinetic = 9
-  integer, parameter :: eroded_internal = 10
+  !> Why particles go for good: their material's card, or that they have left the grid. A body has
+  !! sums for both, the entries of a cause after cause*removed_sums others.
+  integer, parameter :: removed_by_erosion = 0, removed_by_loss = 1, removed_causes = 2
+  integer, parameter :: removed_sums = 10  !! entries of a body's sums over particles that go
+  integer, parameter :: removed_count = 1
+  integer, parameter :: removed_mass = 2
+  integer, parameter :: removed_momentum = 3  !! first of sum m v (3 components)
+  integer, parameter :: removed_moment = 6  !! first of sum m X (3 components, in cells)
+  integer, parameter :: removed_kinetic = 9
+  integer, parameter :: removed_internal = 10
 
   integer, parameter :: nodes_sums = 11    !! entries of a plane's sums over nodes
   integer, parameter :: nodes_mass_aa = 1  !! sum m_I |a_I|^2

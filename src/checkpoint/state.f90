@@ -37,7 +37,6 @@ contains
     call archive%pass(model%findings%fastest_field)
     call archive%pass(model%findings%fastest_before)
     call archive%pass(model%findings%lost)
-    call archive%pass(model%findings%lost_before)
     call archive%pass(model%findings%moved)
     call archive%pass(particle_steps)
     call pass_ledger(archive, model%ledger)
@@ -81,6 +80,7 @@ contains
     type(ledger_t), intent(inout) :: ledger
     integer :: t
     call archive%pass(ledger%kinetic)
+    call archive%pass(ledger%kinetic_before)
     call archive%pass(ledger%internal)
     call archive%pass(ledger%initial_total)
     call archive%pass(ledger%external_work)
@@ -94,6 +94,8 @@ contains
     call archive%pass(ledger%moving_until)
     call archive%pass(ledger%momentum)
     call archive%pass(ledger%lost_impulse)
+    call archive%pass(ledger%slowed)
+    call archive%pass(ledger%damped_share)
     do t = 1, ledger%terms%n
       call archive%pass(ledger%terms%term(t)%value)
     end do

@@ -62,10 +62,10 @@ contains
   end subroutine field_relax
 
   !> Momentum equation (Eqs. 33, 34).
-  subroutine field_solve(field, mesh, dt, gravity, cutoff, forced, team, partition, sums)
+  subroutine field_solve(field, mesh, dt, lag, gravity, cutoff, forced, team, partition, sums)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: dt, gravity(3), cutoff
+    real(dp), intent(in) :: dt, lag, gravity(3), cutoff  !! as in nodes_solve
     logical, intent(in) :: forced                !! the moments carry an external force
     type(team_t), intent(in) :: team
     type(partition_t), intent(in) :: partition
@@ -75,10 +75,10 @@ contains
     if (field%columns%offset > 0) call field_rotation_forces(field, mesh, forced, team, partition)
     call field_node_planes(field, partition, p1, p2)
     !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
-    !$omp& default(none) shared(field, mesh, dt, gravity, cutoff, forced, team, sums, p1, p2) &
-    !$omp& private(p)
+    !$omp& default(none) shared(field, mesh, dt, lag, gravity, cutoff, forced, team, sums, p1, &
+    !$omp& p2) private(p)
     do p = p1, p2
-      call team%passes%solve(field, mesh, p, dt, gravity, cutoff, forced, sums(:, p))
+      call team%passes%solve(field, mesh, p, dt, lag, gravity, cutoff, forced, sums(:, p))
     end do
     !$omp end parallel do
   end subroutine field_solve

@@ -155,11 +155,10 @@ contains
     type(model_t), intent(in) :: model
     if (.not. model%method%damped .or. model%method%flip < 1.0_dp) return
     if (model%method%surfaces) return
-    if (model%clock%time > model%method%damped_until) return
-    if (self%projection <= largest_unfelt) return
+    if (model%ledger%damped_share <= largest_unfelt) return
     call self%object('nodes push with forces that no particle feels: projection has lost '// &
-                     real_text(self%projection)//' times the energy that the scene was given, '// &
-                     'so stress is noise in part and bodies are too soft: use method bspline, '// &
+                     real_text(model%ledger%damped_share)//' times the energy that the '// &
+                     'scene was given, so stress is noise in part and bodies are too soft: use method bspline, '// &
                      'half the cfl or more particles per cell')
   end subroutine judge_noise
 
@@ -171,7 +170,7 @@ contains
     if (self%drift > largest_gain) then
       call self%object('the energy has grown by '//percent(self%drift)// &
                        ' of what the scene was given: reduce cfl')
-    else if (self%drift < -largest_loss .and. model%findings%lost == 0) then
+    else if (self%drift < -largest_loss) then
       call self%object(percent(-self%drift)//' of the energy that the scene was given is gone, '// &
                        'not into contact: use update=musl, smaller cells')
     end if

@@ -318,7 +318,7 @@ contains
     real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
     real(dp) :: moved(lanes, NDIM)
     moved = 0.0_dp
-    if (plan%kick) moved = -0.5_dp*plan%dt_work**2*got(:, :NDIM)
+    if (plan%kick) moved = -plan%work_lag*plan%dt_work**2*got(:, :NDIM)
     if (plan%drift) moved = moved + plan%dt_work*got(:, task%velocity:task%velocity + NDIM - 1)
     call loads_book(mesh, body, plan%began, merge(plan%dt_kick, 0.0_dp, plan%kick), live, &
                     moved, nb, motion, state, lane_sums)

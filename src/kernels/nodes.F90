@@ -49,11 +49,12 @@ contains
 
   !> Acceleration and trial velocity of the nodes of one plane (Eqs. 33, 34).
   ! allow(S901)
-  pure subroutine nodes_solve(field, mesh, plane, dt, gravity, cutoff, forced, sums)
+  pure subroutine nodes_solve(field, mesh, plane, dt, lag, gravity, cutoff, forced, sums)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane              !! plane of the field
     real(dp), intent(in) :: dt                !! velocity step dt^k
+    real(dp), intent(in) :: lag               !! of work: see method_t
     real(dp), intent(in) :: gravity(3)
     real(dp), intent(in) :: cutoff            !! nodes lighter than this are ignored
     logical, intent(in) :: forced             !! the moments carry an external force
@@ -118,7 +119,7 @@ contains
         call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
         if (field%columns%driven > 0) call driven_nodes_solve(field, mesh, s, first, n, m, dt, &
                                                               plane)
-        call book_energies(n, first, driven, size(field%node, 1), m, f, booked, dt, &
+        call book_energies(n, first, driven, size(field%node, 1), m, f, booked, dt, lag, &
                            field%node(idx, 1), lane_sums)
         if (field%columns%swirl > 0) call nodes_swirl_book(field, s, first, n, m, dt, lane_sums)
       end do
@@ -202,10 +203,10 @@ contains
   !!
   !! Nodes go to the lane of their place along the grid, not along the tile: empty nodes beside
   !! them, of which ranks may store different ones, then change nothing.
-  pure subroutine book_energies(n, first, driven, stride, m, f, external, dt, node, sums)
+  pure subroutine book_energies(n, first, driven, stride, m, f, external, dt, lag, node, sums)
     integer, intent(in) :: n, first, stride      !! nodes, place of the first, stride of `node`
     logical, intent(in) :: driven                !! there are external forces
-    real(dp), intent(in) :: m(tile), f(tile, NDIM), external(tile, NDIM), dt
+    real(dp), intent(in) :: m(tile), f(tile, NDIM), external(tile, NDIM), dt, lag
     real(dp), intent(in) :: node(stride, node_total(SPACE))
     real(dp), intent(inout) :: sums(lanes, nodes_sums)
     real(dp), dimension(0:tile + 2*lanes) :: aa, av, ev, lost
@@ -249,7 +250,7 @@ contains
     do i = 1, n
       v2 = 0.0_dp
       do a = 1, NDIM
-        v2 = v2 + external(i, a)*(node(i, before_v + a) - 0.5_dp*dt*node(i, before_a + a))
+        v2 = v2 + external(i, a)*(node(i, before_v + a) - lag*dt*node(i, before_a + a))
       end do
       ev(before + i - 1) = v2
     end do

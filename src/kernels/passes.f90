@@ -104,13 +104,13 @@ module sgmp_passes
     end subroutine centres_relax
 
     !> See sgmp_nodes: momentum equation of one plane.
-    pure subroutine nodes_solve(field, mesh, plane, dt, gravity, cutoff, forced, sums)
+    pure subroutine nodes_solve(field, mesh, plane, dt, lag, gravity, cutoff, forced, sums)
       import :: dp, field_t, mesh_t, nodes_sums
       implicit none
       type(field_t), intent(inout) :: field
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: plane
-      real(dp), intent(in) :: dt, gravity(3), cutoff
+      real(dp), intent(in) :: dt, lag, gravity(3), cutoff
       logical, intent(in) :: forced
       real(dp), intent(inout) :: sums(nodes_sums)
     end subroutine nodes_solve

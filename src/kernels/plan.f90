@@ -40,6 +40,7 @@ module sgmp_plan
     real(dp) :: began = 0.0_dp             !! time at which the step began
     real(dp) :: dt_work = 0.0_dp           !! velocity step, for the work of loads
     integer :: step = 0                    !! number of the step; 0: the first projection
+    real(dp) :: work_lag = 0.5_dp          !! of their way, see method_t
     integer :: lost_policy = 1             !! one of lost_*: what those do that leave the grid
     real(dp) :: flip = 1.0_dp              !! weight of FLIP against PIC
     real(dp) :: split = 0.0_dp             !! longest side (cells) of a particle that is not split;

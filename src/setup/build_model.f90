@@ -23,6 +23,7 @@ module sgmp_build_model
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_is_bound
   use sgmp_loads_build, only: loads_add_columns, loads_declare, loads_fill
+  use sgmp_lost_policy, only: lost_remove
   use sgmp_material_weight, only: stress_energy
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_model, only: model_t
@@ -40,6 +41,7 @@ module sgmp_build_model
   use sgmp_stages, only: stage_terms
   use sgmp_step, only: step_start
   use sgmp_strength, only: strength_factor
+  use sgmp_sums, only: removed_causes, removed_sums
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
   use sgmp_vectors, only: cross
@@ -90,10 +92,14 @@ contains
     model%method%swirl = scene%swirl
     model%method%erodes = any([(scene%materials(b)%law%erosion%given, b=1, size(scene%materials))])
     model%method%damped = scene%damping%rate > 0.0_dp .or. scene%damping%kinetic
+    if (model%method%damped) model%method%work_lag = 0.0_dp
     model%method%damping = scene%damping%rate
     model%method%kinetic_damping = scene%damping%kinetic
     model%method%damped_until = scene%damping%until
     model%method%lost_policy = scene%grid%lost
+    if (model%method%erodes .or. model%method%lost_policy == lost_remove) then
+      model%method%removed = removed_causes*removed_sums
+    end if
     kernel = method_kernel(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%totals%bodies(size(scene%bodies)))
     call partition_make(model%ranks%partition, model%mesh, kernel, model%method%normalised, &

@@ -327,7 +327,7 @@ contains
       end if
       allocate (sums(nodes_sums, fields(f)%planes), source=0.0_dp)
       if (fields(f)%columns%driven > 0) call clear_drives(fields(f))
-      call field_solve(fields(f), mesh, dt, method%gravity, method%cutoff, &
+      call field_solve(fields(f), mesh, dt, method%work_lag, method%gravity, method%cutoff, &
                        body_forced(bodies, f), team, partition, sums)
       call halo_own_planes(fields(f), partition, p1, p2)
       do p = p1, p2

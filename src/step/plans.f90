@@ -118,6 +118,7 @@ contains
     plan%step = model%clock%step + 1
     plan%began = model%clock%time
     plan%dt_work = clock_kick_step(model%clock)
+    plan%work_lag = model%method%work_lag
     plan%lost_policy = model%method%lost_policy
   end function plan_empty
 

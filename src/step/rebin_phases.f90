@@ -11,6 +11,7 @@ module sgmp_rebin_phases
   use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i4
   use sgmp_lost_particles, only: lost_particles_find_bins
+  use sgmp_lost_policy, only: lost_remove
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_velocity
   use sgmp_movers, only: movers_read, movers_reset, movers_t, movers_write
@@ -24,8 +25,9 @@ module sgmp_rebin_phases
   use sgmp_rebinning, only: arrivals_t, particles_close_lists, particles_extend_bins, &
                             particles_receive, particles_receive_rest
   use sgmp_space, only: axis_names
-  use sgmp_sums, only: eroded_count, eroded_internal, eroded_kinetic, eroded_mass, eroded_moment, &
-                       eroded_momentum, eroded_sums, nodes_sums, sweep_sums
+  use sgmp_sums, only: nodes_sums, removed_by_erosion, removed_by_loss, removed_causes, &
+                       removed_count, removed_internal, removed_kinetic, removed_mass, &
+                       removed_moment, removed_momentum, removed_sums, sweep_sums
   use sgmp_tally, only: tally_add
   use sgmp_team, only: team_t
   use sgmp_text, only: integer_text, real_text
@@ -57,7 +59,9 @@ contains
     if (plan%drift) then
       call report_escaped(plan, mesh, bodies, team%movers, findings%failure)
       do b = 1, size(bodies)
-        if (bodies(b)%law%erosion%given) call book_eroded(b, bodies, team%movers(b, :), findings)
+        if (bodies(b)%rigid) cycle
+        if (plan%lost_policy /= lost_remove .and. .not. bodies(b)%law%erosion%given) cycle
+        call book_removed(plan, b, bodies, team%movers(b, :size(team%movers, 2) - 1), findings)
       end do
       if (ranks%partition%ranks > 1) then
         call exchange_movers(plan, mesh, bodies, team%movers, ranks, findings, timers)
@@ -115,35 +119,53 @@ contains
   end subroutine report_escaped
 
   !> Adds what particles of a body that are removed take along to the sums of the step.
-  subroutine book_eroded(b, bodies, lists, findings)
+  subroutine book_removed(plan, b, bodies, lists, findings)
+    type(plan_t), intent(in) :: plan
     integer, intent(in) :: b                     !! the body
     type(body_t), intent(in) :: bodies(:)
-    type(movers_t), intent(in) :: lists(:)       !! of the body
+    type(movers_t), intent(in) :: lists(:)       !! of the body, of its own slabs
     type(findings_t), intent(inout) :: findings
-    real(dp) :: terms(eroded_sums), mass
-    integer :: s, m, n, first
-    n = bodies(b)%particles%ndim
-    first = 1 + size(bodies)*sweep_sums + nodes_sums + (b - 1)*eroded_sums
+    integer :: s, m, first
+    first = 1 + size(bodies)*sweep_sums + nodes_sums + (b - 1)*removed_causes*removed_sums
     do s = 1, size(lists)
       do m = 1, lists(s)%n
-        if (.not. lists(s)%eroded(m)) cycle
-        associate (particle => lists(s)%particle(:, m), law => bodies(b)%law)
-          mass = particle(motion_mass(n))
-          terms = 0.0_dp
-          terms(eroded_count) = 1.0_dp
-          terms(eroded_mass) = mass
-          terms(eroded_moment:eroded_moment + n - 1) = mass*particle(:n)
-          terms(eroded_momentum:eroded_momentum + n - 1) = &
-            mass*particle(motion_velocity(n):motion_velocity(n) + n - 1)
-          terms(eroded_kinetic) = 0.5_dp*mass* &
-                                  sum(particle(motion_velocity(n):motion_velocity(n) + n - 1)**2)
-          terms(eroded_internal) = mass/law%density* &
-                                   particle(bodies(b)%particles%motion_columns + law%slots%energy)
-        end associate
-        call tally_add(findings%tally, first, terms)
+        if (lists(s)%eroded(m)) then
+          call tally_add(findings%tally, first + removed_by_erosion*removed_sums, &
+                         taken_along(plan, bodies(b), lists(s)%particle(:, m)))
+        else if (lists(s)%gone(m)) then
+          call tally_add(findings%tally, first + removed_by_loss*removed_sums, &
+                         taken_along(plan, bodies(b), lists(s)%particle(:, m)))
+        end if
       end do
     end do
-  end subroutine book_eroded
+  end subroutine book_removed
+
+  !> What a particle takes along; with swirl its third momentum is that about the axis.
+  pure function taken_along(plan, body, particle) result(terms)
+    type(plan_t), intent(in) :: plan
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: particle(:)          !! columns of motion, then of state
+    real(dp) :: terms(removed_sums)
+    real(dp) :: mass, around
+    integer :: n
+    associate (law => body%law, columns => body%particles%motion_columns)
+      n = body%particles%ndim
+      mass = particle(motion_mass(n))
+      terms = 0.0_dp
+      terms(removed_count) = 1.0_dp
+      terms(removed_mass) = mass
+      terms(removed_moment:removed_moment + n - 1) = mass*particle(:n)
+      associate (velocity => particle(motion_velocity(n):motion_velocity(n) + n - 1))
+        terms(removed_momentum:removed_momentum + n - 1) = mass*velocity
+        terms(removed_kinetic) = 0.5_dp*mass*sum(velocity**2)
+      end associate
+      terms(removed_internal) = mass/law%density*particle(columns + law%slots%energy)
+      if (.not. plan%swirl) return
+      around = particle(columns + law%slots%swirl)
+      terms(removed_momentum + 2) = mass*around*particle(1)
+      terms(removed_kinetic) = terms(removed_kinetic) + 0.5_dp*mass*around**2
+    end associate
+  end function taken_along
 
   !> Tells the neighbours of the particles that have moved into their planes, or next to them.
   !!

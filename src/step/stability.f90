@@ -192,7 +192,7 @@ contains
     do f = 1, size(model%fields)
       if (rigid_field(model%bodies, f) > 0) cycle
       allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)  ! ledger: unused
-      call field_solve(model%fields(f), model%mesh, 0.0_dp, [0.0_dp, 0.0_dp, 0.0_dp], &
+      call field_solve(model%fields(f), model%mesh, 0.0_dp, 0.0_dp, [0.0_dp, 0.0_dp, 0.0_dp], &
                        model%method%cutoff, .false., model%team, model%ranks%partition, sums)
       deallocate (sums)
     end do

@@ -11,7 +11,8 @@
 !!                     meet                contact
 !!                     strain_velocity     contact
 !!                     place               rotation
-!!   momentum          before_solve        normalised stress, rigid bodies, driven parts, walls
+!!   momentum          before_solve        damping (stress first), normalised stress, rigid bodies,
+!!                                         driven parts, walls
 !!                     meet                contact
 !!                     forces              free rigid bodies, contact
 !!                     place               rotation
@@ -22,18 +23,21 @@
 !!   sweeps            plan                spin, kept volumes, splitting
 !!                     sweep               surfaces
 !!   sums known        close               rigid bodies, driven parts
-!!   books closed      finish              damping
+!!   books closed      finish              damping (stress last)
 module sgmp_stages
   use sgmp_absorbing_account, only: absorbing_account
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_step_t
   use sgmp_contact_stages, only: phase_contact_force, phase_contact_velocity, phase_find_contact
-  use sgmp_damping_account, only: damping_account
+  use sgmp_damping_account, only: damping_account, damping_book_kick
   use sgmp_damping_stages, only: damping_factor, damping_slow
   use sgmp_driven_parts, only: driven_any, driven_book, driven_choose, driven_publish
   use sgmp_erosion_account, only: erosion_account
   use sgmp_kinds, only: dp
+  use sgmp_loss_account, only: loss_account
+  use sgmp_lost_policy, only: lost_remove
   use sgmp_mesh, only: wall_speed
+  use sgmp_method, only: method_t
   use sgmp_model, only: model_t
   use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_relax, phase_rotation, &
                          phase_surfaces_strain, phase_surfaces_weigh, phase_velocity
@@ -72,6 +76,7 @@ contains
       if (method%swirl) call swirl_account(terms)
       if (method%damped) call damping_account(terms)
       if (method%erodes) call erosion_account(terms)
+      if (method%lost_policy == lost_remove) call loss_account(terms)
       if (model%mesh%walls_rub) call wall_account(terms)
       if (any(model%mesh%absorbs)) call absorbing_account(terms)
     end associate
@@ -115,6 +120,7 @@ contains
     associate (mesh => model%mesh, method => model%method, fields => model%fields, &
                bodies => model%bodies, clock => model%clock)
       middle = clock%time + 0.5_dp*clock%dt
+      if (strains_first(method)) call slow_down(model, dt_kick)
       call phase_normalise(method, mesh, fields, model%team, model%ranks%partition)
       call rigid_choose_speed(bodies, middle, clock%dt, mesh%ndim)
       if (driven_any(fields)) call driven_choose(bodies, fields, middle, clock%dt)
@@ -239,18 +245,34 @@ contains
   end subroutine stage_close
 
   !> The step is over and booked; what changes velocities now books that itself.
-  subroutine stage_finish(model, dt_kick, kinetic_before)
+  subroutine stage_finish(model, dt_kick)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick              !! velocity step
-    real(dp), intent(in) :: kinetic_before       !! energy before the step
+    if (.not. model%method%damped) return
+    call damping_book_kick(model%ledger, dt_kick, model%totals%sums%power_before)
+    if (.not. strains_first(model%method)) call slow_down(model, dt_kick)
+  end subroutine stage_finish
+
+  !> Damping. What strains the particles must be the velocity that has moved them: where the step to
+  !! come strains with it they keep it until then, or they would go further than they are strained.
+  subroutine slow_down(model, dt_kick)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt_kick              !! velocity step
     real(dp) :: factor
     if (.not. model%method%damped) return
-    factor = damping_factor(model%method, model%clock%time, dt_kick, kinetic_before, &
-                            model%ledger%kinetic)
+    factor = damping_factor(model%method, model%clock%time, dt_kick, &
+                            model%ledger%kinetic_before, model%ledger%kinetic)
     if (factor < 1.0_dp) call damping_slow(factor, model%team%threads, model%fields, &
                                            model%bodies, model%totals%bodies, model%ledger)
     call timers_stop(model%timers, phase_kick)
-  end subroutine stage_finish
+  end subroutine slow_down
+
+  !> Whether steps begin with a stress update, but perhaps for the first.
+  pure function strains_first(method) result(yes)
+    type(method_t), intent(in) :: method
+    logical :: yes
+    yes = update_strains_before(method%update, 1)
+  end function strains_first
 
   !> What contact must know of the step.
   pure function contact_step(model) result(step)

@@ -41,9 +41,8 @@ contains
   !> Advances the model by clock%dt.
   subroutine step_take(model)
     type(model_t), intent(inout) :: model
-    real(dp) :: dt_kick, kinetic
+    real(dp) :: dt_kick
     dt_kick = clock_kick_step(model%clock)
-    kinetic = model%ledger%kinetic
     call step_open(model)
     call stage_open(model)
     select case (model%method%update)
@@ -57,7 +56,7 @@ contains
       call step_usl(model, dt_kick)
     end select
     call book_step(model, dt_kick)
-    call stage_finish(model, dt_kick, kinetic)
+    call stage_finish(model, dt_kick)
   end subroutine step_take
 
   !> Modified update stress last.
@@ -183,7 +182,7 @@ contains
     type(model_t), intent(inout) :: model
     model%findings%fastest_before = model%findings%fastest
     call totals_open(model%totals, model%ledger%terms, model%findings, model%contact, &
-                     model%fields, size(model%bodies), model%method%erodes)
+                     model%fields, size(model%bodies), model%method%removed)
   end subroutine step_open
 
   !> Puts together what the ranks have found.
@@ -194,22 +193,19 @@ contains
     since = wall_time()
     call totals_close(model%totals, model%ledger%terms, model%findings, model%contact, &
                       model%fields, model%bodies, model%ranks%partition, whole, &
-                      model%method%erodes)
+                      model%method%removed)
     if (model%ranks%partition%ranks > 1) call timers_move(model%timers, phase_halo, since)
   end subroutine step_close
 
-  !> Adds the step to the energy ledger, whose identity holds unless particles were lost before it.
+  !> Adds the step to the energy ledger.
   subroutine book_step(model, dt_kick)
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick
-    integer :: lost
-    lost = model%findings%lost
     call step_close(model, .true.)
     call stage_close(model, dt_kick)
     call ledger_step(model%ledger, model%totals%sums, dt_kick, &
-                     exact=model%method%flip >= 1.0_dp .and. lost == model%findings%lost_before)
+                     exact=model%method%flip >= 1.0_dp)
     call ledger_book(model%ledger, dt_kick)
-    model%findings%lost_before = lost
   end subroutine book_step
 
 end module sgmp_step

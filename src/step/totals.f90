@@ -14,11 +14,11 @@ module sgmp_totals
   use sgmp_parallel, only: parallel_agree, parallel_max_place
   use sgmp_partition, only: partition_t
   use sgmp_rigid_motion, only: freedoms
-  use sgmp_sums, only: eroded_internal, eroded_kinetic, eroded_mass, eroded_moment, &
-                       eroded_momentum, eroded_sums, nodes_external, nodes_friction, nodes_lost, &
-                       nodes_mass_aa, nodes_mass_av, nodes_sums, sum_applied, sum_internal, &
-                       sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, sum_viscous, &
-                       sweep_sums
+  use sgmp_sums, only: nodes_external, nodes_friction, nodes_lost, nodes_mass_aa, &
+                       nodes_mass_av, nodes_sums, removed_internal, removed_kinetic, &
+                       removed_mass, removed_moment, removed_momentum, removed_sums, &
+                       sum_applied, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, &
+                       sum_momentum, sum_viscous, sweep_sums
   use sgmp_tally, only: tally_reset, tally_total
   implicit none
   private
@@ -45,28 +45,27 @@ module sgmp_totals
 contains
 
   !> Forgets the sums of the step before.
-  subroutine totals_open(totals, terms, findings, contact, fields, bodies, erodes)
+  subroutine totals_open(totals, terms, findings, contact, fields, bodies, removed)
     type(totals_t), intent(inout) :: totals
     type(energy_terms_t), intent(inout) :: terms
     type(findings_t), intent(inout) :: findings
     type(contact_t), intent(inout) :: contact
     type(field_t), intent(in) :: fields(:)
     integer, intent(in) :: bodies                !! how many
-    logical, intent(in) :: erodes                !! particles may be removed
+    integer, intent(in) :: removed               !! sums of each over particles that go
     totals%sums = step_sums_t()
     call terms_open(terms)
     contact%terms%n = 0
     findings%strained = 0
     findings%failed_in = 0
-    call tally_reset(findings%tally, bodies*sweep_sums + nodes_sums + &
-                     merge(bodies*eroded_sums, 0, erodes) + &
+    call tally_reset(findings%tally, bodies*(sweep_sums + removed) + nodes_sums + &
                      sum(fields%columns%driven)*drive_sums)
   end subroutine totals_open
 
   !> Puts together what the ranks have found in a step: sums, particles, the fastest of them, and
   !! whether anything failed; with `whole` the sums are those of a whole step.
   subroutine totals_close(totals, terms, findings, contact, fields, bodies, partition, whole, &
-                          erodes)
+                          removed)
     type(totals_t), intent(inout) :: totals
     type(energy_terms_t), intent(inout) :: terms  !! of features
     type(findings_t), intent(inout) :: findings
@@ -75,12 +74,11 @@ contains
     type(body_t), intent(in) :: bodies(:)
     type(partition_t), intent(in) :: partition
     logical, intent(in) :: whole
-    logical, intent(in) :: erodes                !! as in totals_open
-    real(dp) :: sums(size(bodies)*sweep_sums + nodes_sums + &
-                     merge(size(bodies)*eroded_sums, 0, erodes) + &
+    integer, intent(in) :: removed               !! as in totals_open
+    real(dp) :: sums(size(bodies)*(sweep_sums + removed) + nodes_sums + &
                      sum(fields%columns%driven)*drive_sums)
     integer(i8) :: counts(size(bodies) + 4)
-    integer :: b, n, e
+    integer :: b, n, first, cause
     n = size(bodies)
     counts(:n) = int(bodies%particles%count, i8)
     counts(n + 1) = int(findings%lost_here, i8)
@@ -102,10 +100,12 @@ contains
     end do
     call add_nodes(sums(n*sweep_sums + 1:n*sweep_sums + nodes_sums), totals%sums)
     call terms_take(terms, from_nodes, sums(n*sweep_sums + 1:n*sweep_sums + nodes_sums))
-    do b = 1, merge(n, 0, erodes)
-      e = n*sweep_sums + nodes_sums + (b - 1)*eroded_sums
-      call take_eroded(sums(e + 1:e + eroded_sums), totals%bodies(b))
-      call terms_take(terms, from_removed, sums(e + 1:e + eroded_sums))
+    do b = 1, merge(n, 0, removed > 0)
+      first = n*sweep_sums + nodes_sums + (b - 1)*removed
+      call terms_take(terms, from_removed, sums(first + 1:first + removed))
+      do cause = first, first + removed - 1, removed_sums
+        call take_removed(sums(cause + 1:cause + removed_sums), totals%bodies(b))
+      end do
     end do
     if (any(fields%columns%driven > 0)) call add_drives(fields, sums, totals)
     call add_contact(contact, counts(n + 4) > 0_i8, totals%sums)
@@ -170,15 +170,15 @@ contains
   end subroutine add_body
 
   !> Takes from a body what its particles that were removed have taken along.
-  pure subroutine take_eroded(sums, own)
-    real(dp), intent(in) :: sums(eroded_sums)
+  pure subroutine take_removed(sums, own)
+    real(dp), intent(in) :: sums(removed_sums)
     type(body_sums_t), intent(inout) :: own      !! of the body
-    own%mass = own%mass - sums(eroded_mass)
-    own%moment = own%moment - sums(eroded_moment:eroded_moment + 2)
-    own%momentum = own%momentum - sums(eroded_momentum:eroded_momentum + 2)
-    own%kinetic = own%kinetic - sums(eroded_kinetic)
-    own%internal = own%internal - sums(eroded_internal)
-  end subroutine take_eroded
+    own%mass = own%mass - sums(removed_mass)
+    own%moment = own%moment - sums(removed_moment:removed_moment + 2)
+    own%momentum = own%momentum - sums(removed_momentum:removed_momentum + 2)
+    own%kinetic = own%kinetic - sums(removed_kinetic)
+    own%internal = own%internal - sums(removed_internal)
+  end subroutine take_removed
 
   !> Adds the nodes' sums.
   pure subroutine add_nodes(sums, all)

@@ -11,7 +11,7 @@ module sgmp_driven_build
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums
   use sgmp_scene, only: motion_card_t, scene_t
-  use sgmp_sums, only: eroded_sums, nodes_sums, sweep_sums
+  use sgmp_sums, only: nodes_sums, sweep_sums
   implicit none
   private
   public :: driven_add_columns, driven_declare, driven_fill, driven_number
@@ -163,8 +163,7 @@ contains
     type(model_t), intent(inout) :: model
     integer, intent(out) :: parts(:), terms(:)   !! (fields)
     integer :: f, b, i, before
-    before = size(model%bodies)*sweep_sums + nodes_sums + &
-             merge(size(model%bodies)*eroded_sums, 0, model%method%erodes)
+    before = size(model%bodies)*(sweep_sums + model%method%removed) + nodes_sums
     parts = 0
     do f = 1, size(parts)
       do b = 1, size(model%bodies)
