@@ -158,8 +158,8 @@ contains
     if (model%ledger%damped_share <= largest_unfelt) return
     call self%object('nodes push with forces that no particle feels: projection has lost '// &
                      real_text(model%ledger%damped_share)//' times the energy that the '// &
-                     'scene was given, so stress is noise in part and bodies are too soft: use method bspline, '// &
-                     'half the cfl or more particles per cell')
+                     'scene was given, so stress is noise in part and bodies are too soft: '// &
+                     'use method bspline, half the cfl or more particles per cell')
   end subroutine judge_noise
 
   !> Energy from nowhere, or gone.

@@ -26,8 +26,8 @@ module sgmp_method
     logical :: erodes = .false.             !! particles may be removed by their material's card
     integer :: removed = 0                  !! sums of a body over particles that go for good
     !> By which part of the velocity step the velocity with which forces do their work lies before
-    !! that of the particles: a half, by which the kinetic energy is exact. Damping would lose a part
-    !! of the work by it, of first order in the step; there it is 0, the way that particles go.
+    !! that of the particles: a half, by which the kinetic energy is exact. Damping would lose a
+    !! part of the work by it, of first order in the step; there it is 0, the way particles go.
     real(dp) :: work_lag = 0.5_dp
     logical :: damped = .false.             !! the deck has damping
     real(dp) :: damping = 0.0_dp            !! rate at which velocities decay

@@ -26,6 +26,7 @@ module sgmp_build_model
   use sgmp_lost_policy, only: lost_remove
   use sgmp_material_weight, only: stress_energy
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
+  use sgmp_method, only: method_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_agree, parallel_exact_sums, parallel_max, parallel_rank, &
@@ -76,30 +77,7 @@ contains
     model%mesh%wall_friction = scene%grid%wall_friction
     model%wall_motion%velocity = scene%grid%wall_velocity
     call wall_motion_start(model%wall_motion, model%mesh)
-    model%method%update = scene%method%update
-    model%method%flip = scene%method%flip
-    model%method%gravity = scene%gravity
-    model%method%normalised = scene%method%normalised
-    model%method%interior = scene%method%interior
-    model%method%relaxed = scene%method%volumes_kept
-    model%method%split = scene%method%split
-    model%method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
-    model%method%surfaces = scene%method%surfaces .and. scene%dimension > 1
-    model%method%normalised_solids = scene%method%normalised_auto
-    model%method%rotation_solids = scene%method%rotation_auto
-    model%method%surfaces_solids = scene%method%surfaces_auto
-    model%method%spins = spin_components(scene)
-    model%method%swirl = scene%swirl
-    model%method%erodes = any([(scene%materials(b)%law%erosion%given, b=1, size(scene%materials))])
-    model%method%damped = scene%damping%rate > 0.0_dp .or. scene%damping%kinetic
-    if (model%method%damped) model%method%work_lag = 0.0_dp
-    model%method%damping = scene%damping%rate
-    model%method%kinetic_damping = scene%damping%kinetic
-    model%method%damped_until = scene%damping%until
-    model%method%lost_policy = scene%grid%lost
-    if (model%method%erodes .or. model%method%lost_policy == lost_remove) then
-      model%method%removed = removed_causes*removed_sums
-    end if
+    call set_method(scene, model%method)
     kernel = method_kernel(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%totals%bodies(size(scene%bodies)))
     call partition_make(model%ranks%partition, model%mesh, kernel, model%method%normalised, &
@@ -143,6 +121,37 @@ contains
     call check_limit(scene%time, model, error)
     call absorbing_check(model%mesh, model%bodies, scene%grid%walls_location, error)
   end subroutine model_build
+
+  !> What the cards say about the method, for all steps.
+  subroutine set_method(scene, method)
+    type(scene_t), intent(in) :: scene
+    type(method_t), intent(inout) :: method
+    integer :: m
+    method%update = scene%method%update
+    method%flip = scene%method%flip
+    method%gravity = scene%gravity
+    method%normalised = scene%method%normalised
+    method%interior = scene%method%interior
+    method%relaxed = scene%method%volumes_kept
+    method%split = scene%method%split
+    method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
+    method%surfaces = scene%method%surfaces .and. scene%dimension > 1
+    method%normalised_solids = scene%method%normalised_auto
+    method%rotation_solids = scene%method%rotation_auto
+    method%surfaces_solids = scene%method%surfaces_auto
+    method%spins = spin_components(scene)
+    method%swirl = scene%swirl
+    method%erodes = any([(scene%materials(m)%law%erosion%given, m=1, size(scene%materials))])
+    method%damped = scene%damping%rate > 0.0_dp .or. scene%damping%kinetic
+    if (method%damped) method%work_lag = 0.0_dp
+    method%damping = scene%damping%rate
+    method%kinetic_damping = scene%damping%kinetic
+    method%damped_until = scene%damping%until
+    method%lost_policy = scene%grid%lost
+    if (method%erodes .or. method%lost_policy == lost_remove) then
+      method%removed = removed_causes*removed_sums
+    end if
+  end subroutine set_method
 
   !> A step must have a limit: what cannot deform has no waves.
   pure subroutine check_limit(time, model, error)
@@ -198,6 +207,9 @@ contains
       body%law = material%law
       call law_set_length(body%law, mesh%h, method_band(scene%method%kind)*mesh%h)
       body%law%rigid = body%rigid
+      associate (keeps => body%law%history)  ! particles that leave take their energy along
+        keeps%energy = keeps%energy .or. (scene%grid%lost == lost_remove .and. .not. body%rigid)
+      end associate
       call law_slots(body%law, tensor_axes(scene), &
                      stretch=merge(mesh%ndim, 0, body%sides_stretch .or. splits(scene, body)), &
                      initial=merge(mesh%ndim, 0, needs_initial(body)), spin=spin_components(scene))

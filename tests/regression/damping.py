@@ -55,6 +55,24 @@ damping kinetic=yes
 history steps=1
 output csv at=end fields=displacement
 """
+# Under a weight from the start: every step takes a part of 0.2 of the velocity; and four cells, damped critically.
+WEIGHT = """
+parameter cells = 16
+parameter rate = 6.4
+parameter method = sgmp
+parameter update = musl
+dimension 1
+grid cell=1/cells x=0:open
+wall x-=fixed
+method $method update=$update
+time end=80 dt=0.5/cells
+material rubber elastic density=1 young=1 poisson=0 strain=small
+body bar block lower=0 upper=1 material=rubber ppc=2
+gravity -1e-4
+damping rate=rate
+history steps=1
+output csv at=end fields=displacement
+"""
 SPINNING = """
 parameter slow = 1
 dimension axisymmetric swirl=yes
@@ -162,6 +180,22 @@ def equilibrium(report):
         report.check(stops and max(kinetic[stops[0]:]) < 1e-3*kinetic[0], f"tumbling: {stops[:1]}, then {max(kinetic[stops[0]:])/kinetic[0] if stops else None}")
 
 
+def weights(report):
+    """A column under its weight sinks as far as it should with every update, and the energy that gravity gives is found again (the order of the step, doc/damping.md)."""
+    for method in ("sgmp", "gimp", "mpm"):
+        for update in ("musl", "usf", "usl", "usavg"):
+            name = f"weight_{method}_{update}"
+            result = run(name, WEIGHT, method=method, update=update)
+            if report.finished(result, name):
+                worst = max(abs(row["displacement_x"] + 1e-4*(place - 0.5*place**2)) for row in result.table("particles_end.csv")
+                            for place in [row["x"] - row["displacement_x"]])
+                report.check(worst < 0.5e-4*0.003, f"{name}: {worst/0.5e-4} off the deflection")
+                report.check(abs(result["energy.drift"]) < 0.002, f"{name}: drift {result['energy.drift']}")
+    result = run("weight_critical", WEIGHT, cells=4, rate=math.pi)
+    if report.finished(result, "weight_critical"):
+        report.check(abs(result["energy.drift"]) < 0.05, f"weight_critical: drift {result['energy.drift']}")
+
+
 def rest(report):
     """What is at rest under a load stays where it is, whatever updates the stress: an inclined strip with rotation=exact, its places at two times."""
     for update in ("musl", "usf", "usavg"):
@@ -194,6 +228,7 @@ if __name__ == "__main__":
     modes(REPORT)
     flight(REPORT)
     equilibrium(REPORT)
+    weights(REPORT)
     rest(REPORT)
     bits(REPORT)
     REPORT.end()

@@ -165,14 +165,18 @@ velocity column x=0.1
 """
 # A block that flies off the grid.
 GONE = """
+parameter steps = 500
+parameter method = sgmp
+parameter update = musl
 dimension 2
 grid cell=1 x=0:8 y=0:4
-method sgmp
+method $method update=$update
 lost remove
-time dt=0.01 steps=500
+time dt=0.01 steps=steps
 material m elastic density=1 young=1 poisson=0.2
 body b block material=m lower=(3,1) upper=(5,3) ppc=2
 velocity b x=2
+history steps=1
 """
 # A bar that rings at a wave length of two cells, which usl damps.
 RINGING = """
@@ -261,11 +265,28 @@ def criteria(report):
         found = tuple(result[key] for key in ("stress", "rotation", "surfaces"))
         report.check(found == words, f"inclined: the run says it took {found}, not {words}")
     sound(report, "inclined_bspline", INCLINED, method="bspline")
-    sound(report, "inclined_let_go", plain.replace("rate=0.1", "rate=0.1 until=700"), method="sgmp")
+    doubts(report, "inclined_let_go", plain.replace("rate=0.1", "rate=0.1 until=790"), "forces that no particle feels", method="sgmp")
     gone = doubts(report, "gone", GONE, "no particle is left")
     report.check(gone["particles_lost"] == 16, f"gone: {gone.text}")
+    leaving(report)
     doubts(report, "ringing_usl", RINGING, "is gone", update="usl")
     sound(report, "ringing", RINGING)
+
+
+def leaving(report):
+    """A block of 2 x 2 flies out of the grid with the velocity 2: when half of it is out, so are half of its mass 4, momentum 8 and energy 8, and what is left flies on."""
+    for method, update, steps in (("sgmp", "musl", 225), ("sgmp", "usf", 225), ("mpm", "usl", 200), ("gimp", "usavg", 225)):
+        name = f"leaving_{method}_{update}"
+        result = sound(report, name, GONE, steps=steps, method=method, update=update)
+        lost = result["lost"]
+        for found, expected in ((lost["mass"], 2), (lost["momentum"][0], 4), (lost["kinetic_energy"], 4), (result["energy.total"], 4)):
+            report.check(abs(found/expected - 1) < 1e-12, f"{name}: {lost}, {found}, not {expected}")
+        report.check(abs(lost["internal_energy"]) < 1e-12, f"{name}: {lost}")
+        report.check(abs(result["energy.drift"]) < 1e-12, f"{name}: drift {result['energy.drift']}")
+        for row in result.table("bodies.csv"):
+            report.check(abs(row["velocity_x"] - 2) < 1e-12, f"{name}: {row['velocity_x']} at {row['time']}")
+        row = result.table("history.csv")[-1]
+        report.check(row["lost_mass"] == lost["mass"] and row["lost_kinetic_energy"] == lost["kinetic_energy"], f"{name}: {row}")
 
 
 def faces(report):
