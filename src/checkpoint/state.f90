@@ -120,6 +120,7 @@ contains
     call archive%pass(sums%momentum)
     call archive%pass(sums%kinetic)
     call archive%pass(sums%internal)
+    call archive%pass(sums%taken)
   end subroutine pass_body
 
   !> How far the files of the run had come.

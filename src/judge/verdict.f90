@@ -166,6 +166,7 @@ contains
   subroutine judge_energy(self, model)
     type(verdict_t), intent(inout) :: self
     type(model_t), intent(in) :: model
+    real(dp) :: given
     integer :: b
     if (self%drift > largest_gain) then
       call self%object('the energy has grown by '//percent(self%drift)// &
@@ -177,11 +178,12 @@ contains
     do b = 1, size(model%bodies)
       ! Elastic energy is never negative, plastic work neither; an equation of state has its own.
       if (model%bodies(b)%rigid .or. model%bodies(b)%law%eos /= eos_none) cycle
-      if (model%totals%bodies(b)%internal >= -largest_gift*model%ledger%supplied) cycle
+      given = -(model%totals%bodies(b)%internal + model%totals%bodies(b)%taken)
+      if (given <= largest_gift*model%ledger%supplied) cycle
       call self%object("body '"//trim(model%bodies(b)%name)//"' has given away energy that it "// &
-                       'never had, '//percent(-model%totals%bodies(b)%internal/ &
-                       model%ledger%supplied)//' of what the scene was given: soil that '// &
-                       'dilates (reduce dilatancy), or an elastic law far beyond small strains')
+                       'never had, '//percent(given/model%ledger%supplied)//' of what the '// &
+                       'scene was given: soil that dilates (reduce dilatancy), or an elastic '// &
+                       'law far beyond small strains')
     end do
   end subroutine judge_energy
 

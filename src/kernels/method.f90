@@ -34,6 +34,7 @@ module sgmp_method
     logical :: kinetic_damping = .false.    !! all stop when the kinetic energy has fallen
     real(dp) :: damped_until = 0.0_dp       !! time
     integer :: lost_policy = 1              !! one of lost_*
+    logical :: loses = .false.              !! particles may leave the grid and be removed
   end type method_t
 
 end module sgmp_method

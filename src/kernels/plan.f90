@@ -42,6 +42,7 @@ module sgmp_plan
     integer :: step = 0                    !! number of the step; 0: the first projection
     real(dp) :: work_lag = 0.5_dp          !! of their way, see method_t
     integer :: lost_policy = 1             !! one of lost_*: what those do that leave the grid
+    logical :: loses = .false.           !! particles may leave the grid and be removed
     real(dp) :: flip = 1.0_dp              !! weight of FLIP against PIC
     real(dp) :: split = 0.0_dp             !! longest side (cells) of a particle that is not split;
                                            !! 0: none is

@@ -23,7 +23,7 @@ module sgmp_build_model
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_is_bound
   use sgmp_loads_build, only: loads_add_columns, loads_declare, loads_fill
-  use sgmp_lost_policy, only: lost_remove
+  use sgmp_lost_policy, only: lost_reflect, lost_remove
   use sgmp_material_weight, only: stress_energy
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_method, only: method_t
@@ -148,10 +148,25 @@ contains
     method%kinetic_damping = scene%damping%kinetic
     method%damped_until = scene%damping%until
     method%lost_policy = scene%grid%lost
-    if (method%erodes .or. method%lost_policy == lost_remove) then
-      method%removed = removed_causes*removed_sums
-    end if
+    method%loses = loses(scene)
+    if (method%erodes .or. method%loses) method%removed = removed_causes*removed_sums
   end subroutine set_method
+
+  !> Particles that may leave the grid keep the energy that they then take along.
+  pure subroutine keep_energy(scene, body)
+    type(scene_t), intent(in) :: scene
+    type(body_t), intent(inout) :: body
+    if (body%rigid) return
+    body%law%history%energy = body%law%history%energy .or. loses(scene)
+  end subroutine keep_energy
+
+  !> Whether particles may leave the grid: what a card moves is not reflected.
+  pure function loses(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    yes = scene%grid%lost == lost_remove .or. &
+          (scene%grid%lost == lost_reflect .and. size(scene%motions) > 0)
+  end function loses
 
   !> A step must have a limit: what cannot deform has no waves.
   pure subroutine check_limit(time, model, error)
@@ -207,9 +222,7 @@ contains
       body%law = material%law
       call law_set_length(body%law, mesh%h, method_band(scene%method%kind)*mesh%h)
       body%law%rigid = body%rigid
-      associate (keeps => body%law%history)  ! particles that leave take their energy along
-        keeps%energy = keeps%energy .or. (scene%grid%lost == lost_remove .and. .not. body%rigid)
-      end associate
+      call keep_energy(scene, body)
       call law_slots(body%law, tensor_axes(scene), &
                      stretch=merge(mesh%ndim, 0, body%sides_stretch .or. splits(scene, body)), &
                      initial=merge(mesh%ndim, 0, needs_initial(body)), spin=spin_components(scene))

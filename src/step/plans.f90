@@ -120,6 +120,7 @@ contains
     plan%dt_work = clock_kick_step(model%clock)
     plan%work_lag = model%method%work_lag
     plan%lost_policy = model%method%lost_policy
+    plan%loses = model%method%loses
   end function plan_empty
 
   !> What the sweeps that end a step have in common: stress update, projection of everything.

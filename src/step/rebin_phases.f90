@@ -11,7 +11,6 @@ module sgmp_rebin_phases
   use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i4
   use sgmp_lost_particles, only: lost_particles_find_bins
-  use sgmp_lost_policy, only: lost_remove
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_velocity
   use sgmp_movers, only: movers_read, movers_reset, movers_t, movers_write
@@ -60,7 +59,7 @@ contains
       call report_escaped(plan, mesh, bodies, team%movers, findings%failure)
       do b = 1, size(bodies)
         if (bodies(b)%rigid) cycle
-        if (plan%lost_policy /= lost_remove .and. .not. bodies(b)%law%erosion%given) cycle
+        if (.not. (plan%loses .or. bodies(b)%law%erosion%given)) cycle
         call book_removed(plan, b, bodies, team%movers(b, :size(team%movers, 2) - 1), findings)
       end do
       if (ranks%partition%ranks > 1) then

@@ -35,7 +35,6 @@ module sgmp_stages
   use sgmp_erosion_account, only: erosion_account
   use sgmp_kinds, only: dp
   use sgmp_loss_account, only: loss_account
-  use sgmp_lost_policy, only: lost_remove
   use sgmp_mesh, only: wall_speed
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
@@ -76,7 +75,7 @@ contains
       if (method%swirl) call swirl_account(terms)
       if (method%damped) call damping_account(terms)
       if (method%erodes) call erosion_account(terms)
-      if (method%lost_policy == lost_remove) call loss_account(terms)
+      if (method%loses) call loss_account(terms)
       if (model%mesh%walls_rub) call wall_account(terms)
       if (any(model%mesh%absorbs)) call absorbing_account(terms)
     end associate

@@ -30,6 +30,7 @@ module sgmp_totals
     real(dp) :: moment(3) = 0.0_dp     !! sum m X, in cells from the grid origin
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: kinetic = 0.0_dp, internal = 0.0_dp
+    real(dp) :: taken = 0.0_dp         !! internal energy that removed particles took along
   end type body_sums_t
 
   !> Sums over all ranks.
@@ -178,6 +179,7 @@ contains
     own%momentum = own%momentum - sums(removed_momentum:removed_momentum + 2)
     own%kinetic = own%kinetic - sums(removed_kinetic)
     own%internal = own%internal - sums(removed_internal)
+    own%taken = own%taken + sums(removed_internal)
   end subroutine take_removed
 
   !> Adds the nodes' sums.

@@ -3,7 +3,8 @@
 of five scenes have features beyond these: fluids, soils, failure, softening, scatter, erosion, turned shapes, rows and polygons, rigid bodies that
 turn or are free, initial rotation, damping, loads that rise, ends at rest. Four of five scenes of the seeds from 40000000 on draw what came last, too:
 the materials and loads of _latest.py, tables, walls that move, particle files; of those from 80000000 on four of five what is in _newest.py: ceramics,
-more shapes, gauges, and keys that no other scene has. Each is run with one and two threads, on two ranks and from a
+more shapes, gauges, and keys that no other scene has; of those from 120000000 on what is in _further.py: parts that are moved, walls that rub or let waves out,
+foam, spall, all words of `method sgmp`. Each is run with one and two threads, on two ranks and from a
 checkpoint; then
 
 * the same exit code, bits, histories and verdict in all of them;
@@ -25,6 +26,7 @@ import subprocess
 import sys
 
 import _features as features
+import _further as further
 import _latest as latest
 import _newest as newest
 from _driver import CRASH, Findings, arguments
@@ -35,6 +37,7 @@ CELLS = {1: 8, 2: 4, 3: 3}            # of a body along an axis, at most
 STEPS = {1: 120, 2: 60, 3: 24}
 LATEST = 40000000                     # seeds below draw nothing of _latest.py
 NEWEST = 80000000                     # and below these nothing of _newest.py
+FURTHER = 120000000                   # and below these nothing of _further.py
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_WAIT_POLICY": "passive", "SGMP_THREADS": "exact"}
 
@@ -72,10 +75,12 @@ class Scene:
         self.damping, self.damped_until = 0.0, math.inf
         self.late = seed >= LATEST and self.stream("latest").random() < 0.8
         self.newer = seed >= NEWEST and self.stream("newest").random() < 0.8
+        self.last = seed >= FURTHER and self.stream("further").random() < 0.8
         self.alone = self.draws("alone", 0.3)  # nothing acts from outside but forces that are known
         self.erodes = self.erodes and not self.alone
         self.table, self.files, self.fixed, self.moving = None, {}, [], False
         self.deforming, self.pushes, self.loaded = {}, [], False
+        self.absorbs = self.rubs = False
         self.lines = ["dimension axisymmetric" + " swirl=yes"*self.swirl if self.axisymmetric else f"dimension {self.dimension}"]
         self.tables()
         self.space()
@@ -108,6 +113,10 @@ class Scene:
     def has_newest(self, feature, share):
         """Whether a scene of one of the newest seeds has this feature."""
         return self.newer and self.stream(feature).random() < share
+
+    def has_further(self, feature, share):
+        """Whether a scene of one of the last seeds has this feature."""
+        return self.last and self.stream(feature).random() < share
 
     def text(self):
         """The deck."""
@@ -147,7 +156,11 @@ class Scene:
             policy = self.luck.choice(("remove", "reflect"))
             self.removes = policy == "remove"
             self.walls = self.walls or policy == "reflect"
-            self.lines += ["wall " + " ".join(walls), f"lost {policy}"]
+            card, more = "wall " + " ".join(walls), []
+            if self.has_further("edges", 0.6) and not (self.swirl or self.split):
+                card, more = further.walls(self.stream("kinds of edges"), card, self.axes, True)
+            self.absorbs, self.rubs = "absorbing" in card, bool(more)
+            self.lines += [card, f"lost {policy}", *more]
         self.moving_walls()
 
     def moving_walls(self):
@@ -173,6 +186,10 @@ class Scene:
                 extra = ""
             if self.update == "musl" and extra in ("", " stress=normalised") and not (self.swirl or self.moving) and self.has("kept", 0.2):
                 extra += " volumes=kept"
+            if self.has_further("words", 0.7):
+                extra = further.words(self.stream("words of the method"), self.dimension, self.axisymmetric, self.swirl, self.absorbs, self.rubs)
+            elif self.rubs and (extra == " rotation=exact" or extra == " spin=carried"):
+                extra = ""
             self.carried = extra == " spin=carried"
             words.append(extra)
         if self.update != "usf" and self.split:
@@ -205,6 +222,8 @@ class Scene:
             return latest.linear(numbers)
         if self.has_newest(f"ceramic {numbers['name']}", 0.4):
             return newest.ceramic(self.stream(f"ceramic matter {numbers['name']}"), numbers)
+        if self.has_further(f"foam {numbers['name']}", 0.25):
+            return further.foam(self.stream(f"foam of {numbers['name']}"), numbers)
         if self.has_newest(f"clay {numbers['name']}", 0.15):
             return newest.cam_clay(self.stream(f"clay of {numbers['name']}"), numbers)
         if self.draws(f"latest {numbers['name']}", 0.6):
@@ -227,7 +246,8 @@ class Scene:
                 lines = [features.damage_constants(luck, lines[0]), *lines[1:]]
             fails = damages or luck.random() < 0.8
             if not damages and fails or luck.random() < 0.3:
-                lines = [*lines, features.failure(luck, numbers, damages, 0.01*numbers["young"])]
+                grady = self.has_further(f"spall {numbers['name']}", 0.5)
+                lines = [*lines, further.spall(luck, numbers) if grady else features.failure(luck, numbers, damages, 0.01*numbers["young"])]
                 fails = True
         if self.erodes and luck.random() < 0.8:
             fastest = 2.5*math.sqrt(numbers["young"]/numbers["density"])  # c + |v|; faster than waves at the start
@@ -326,6 +346,7 @@ class Scene:
             self.ramp = self.stream("ramp of").choice((-0.05, 0.02))
             self.lines.append(f'bodyforce all {self.axes[-1]}="{self.ramp}*min(t/2,1)"')
         self.forces()
+        self.motions()
         if not self.moving and self.has("damping", 0.2):
             luck = self.stream("damping by")
             self.damping = luck.choice((0.1, 1.0, math.inf))  # infinite: kinetic
@@ -345,6 +366,17 @@ class Scene:
                 self.loaded = self.loaded or pushes is None or self.erodes
                 self.pushes += pushes or []
 
+    def motions(self):
+        """Parts of bodies that are moved, where the method allows it."""
+        method = next(line for line in self.lines if line.startswith("method"))
+        if self.swirl or self.moving or self.rubs or any(word in method for word in ("rotation=exact", "spin=", "volumes=")) or \
+                any(line.startswith("contact") for line in self.lines):
+            return
+        for name, block in self.deforming.items():
+            if self.has_further(f"motion {name}", 0.25):
+                self.lines.append(further.moved(self.stream(f"motion of {name}"), name, self.axes, block))
+                self.loaded = True
+
     def ends(self):
         """An end before the last step."""
         if self.has("ends", 0.2):
@@ -360,7 +392,7 @@ class Scene:
 
     def free(self):
         """Whether nothing from outside acts but gravity, loads that everything feels alike or whose force is known, and damping."""
-        return not (self.walls or self.rigid or self.bodyforce or self.removes or self.loaded)
+        return not (self.walls or self.rigid or self.bodyforce or self.loaded)
 
 
 class Result:
@@ -456,8 +488,7 @@ def physics_problems(scene, result):
     masses = {}
     for row in result.table("bodies.csv"):
         masses[row["step"]] = masses.get(row["step"], 0.0) + row["mass"]
-    if not result.summary["particles_lost"]:  # what leaves the grid takes its mass along and is counted, but not weighed
-        yield from mass_problems(result, rows, particles, masses)
+    yield from mass_problems(result, rows, particles, masses)
     yield from momentum_problems(scene, rows, masses, result.summary["end_state"]["lost_impulse"])
     if result.summary["verdict"] == "sound" and result.code == FINISHED:
         made = explained(rows[-1]) - explained(rows[0])
@@ -469,14 +500,14 @@ def physics_problems(scene, result):
 
 def explained(row):
     """The energy of a row and what has been taken from it, less what was given."""
-    taken = ("contact_dissipation", "damping_dissipation", "eroded_kinetic_energy", "eroded_internal_energy")
+    taken = ("contact_dissipation", "damping_dissipation", "eroded_kinetic_energy", "eroded_internal_energy", "lost_kinetic_energy", "lost_internal_energy")
     return row["total_energy"] + sum(row.get(key, 0.0) for key in taken) - row["external_work"]
 
 
 def mass_problems(result, rows, particles, masses):
-    """What is left and what is booked as eroded is what there was, in each row; bodies weigh what their particles do."""
+    """What is left and what is booked as eroded or lost is what there was, in each row; bodies weigh what their particles do."""
     steps = [row["step"] for row in rows]
-    worst = max(abs(masses[row["step"]] + row.get("eroded_mass", 0.0) - masses[steps[0]]) for row in rows)
+    worst = max(abs(masses[row["step"]] + row.get("eroded_mass", 0.0) + row.get("lost_mass", 0.0) - masses[steps[0]]) for row in rows)
     if worst > 1e-12*masses[steps[0]]:
         yield f"mass wrong by {worst/masses[steps[0]]:.1e}"
     free = {body["body"] for body in (result.table("rigid.csv") if result.content("rigid.csv") else [])}  # may have a mass by their card
@@ -504,9 +535,9 @@ def momentum_problems(scene, rows, masses, lost):
         for before, row in zip(rows, rows[1:]):
             last, span = span, row["time"] - before["time"]
             weight = masses[before["step"]]*pull(before["time"]) + scene.push(axis, before["time"])
-            eroded = row.get("eroded_" + key, 0.0) - before.get("eroded_" + key, 0.0)
+            gone = sum(row.get(cause + key, 0.0) - before.get(cause + key, 0.0) for cause in ("eroded_", "lost_"))
             rate = scene.damping if before["time"] < scene.damped_until else 0.0
-            expected = (expected + weight*(last + span)/2 - eroded)*math.exp(-rate*span)
+            expected = (expected + weight*(last + span)/2 - gone)*math.exp(-rate*span)
             wrong = max(wrong, abs(row[key] - expected))
             strongest = max(strongest, abs(weight) + scene.damping*abs(before[key]))
         # A particle of mpm that lies on a cell's face pushes nodes to which it gives no mass: that force is lost, and the run says so.
@@ -522,7 +553,7 @@ def problems(chosen, scene, deck):
     # Small round bodies may have no particle, or none that a load finds, a rigid one alone may be at rest; all else that is drawn must be legal.
     if first.code == WRONG_DECK:
         return first, [] if re.search("has no particles|nothing limits the time step|acts on no particle|there are no such faces|show opposite faces|"
-                                      "no particle is within the radius of gauge",
+                                      "no particle is within the radius of gauge|have no known faces at an absorbing edge|nothing ends at the absorbing edge|the motion moves no particle",
                                       first.printed) else ["a deck refused"]
     found = list(end_problems(first))
     if found:
@@ -546,7 +577,7 @@ def main():
     if "--show" in sys.argv:
         scene = Scene(int(sys.argv[sys.argv.index("--show") + 1]))
         sys.exit(print(scene.text() + "".join(f"# {name}:\n# " + "\n# ".join(text.splitlines()) + "\n" for name, text in scene.files.items())))
-    chosen = arguments(__doc__, 12, NEWEST)
+    chosen = arguments(__doc__, 12, FURTHER)
     findings, codes = Findings(chosen.scratch), {}
     deck = os.path.join(chosen.scratch, "scene.inp")
     for seed in range(chosen.seed, chosen.seed + chosen.inputs):
