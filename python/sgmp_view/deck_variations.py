@@ -51,11 +51,35 @@ def cell_of(deck):
     return cell
 
 
+def between_walls(deck):
+    """Lengths of the axes with walls at both ends, where cells must fit."""
+    return [extent.upper - extent.lower for extent in extents_of(deck) if None not in (extent.lower, extent.upper) and all(extent.walls)]
+
+
+def whole(length, cell):
+    """Whether a length is a whole number of cells, as the program has it."""
+    return round(length / cell) > 0 and abs(length / cell - round(length / cell)) < 1e-6
+
+
+def fits(deck, low, high):
+    """Sides of cells between two that fit between all walls, the largest first."""
+    lengths = between_walls(deck)
+    counts = range(max(1, math.ceil(min(lengths) / high - 1e-9)), math.floor(min(lengths) / low + 1e-9) + 1)
+    return [cell for cell in (min(lengths) / count for count in counts) if all(whole(length, cell) for length in lengths)]
+
+
+def with_own_cell(deck):
+    """The cell that fits between the walls and is nearest to the deck's, which does not; None where it does or none is near."""
+    cell, lengths = cell_of(deck), between_walls(deck)
+    if cell <= 0 or all(whole(length, cell) for length in lengths):
+        return None
+    near = sorted(fits(deck, 0.5 * cell, 2 * cell), key=lambda each: abs(math.log(each / cell)))
+    return with_cells(deck, near[0] / cell) if near else None
+
+
 def common_count(deck):
     """Largest number that divides the numbers of cells between walls on both sides, on all axes; 0: there are none."""
-    cell = cell_of(deck)
-    return math.gcd(*(round((extent.upper - extent.lower) / cell) for extent in extents_of(deck)
-                      if None not in (extent.lower, extent.upper) and all(extent.walls)))
+    return math.gcd(*(round(length / cell_of(deck)) for length in between_walls(deck)))
 
 
 def walled(deck):
@@ -65,11 +89,11 @@ def walled(deck):
 
 def fitting(deck, target, close=False):
     """Factors of the cell size near a target with which walls stay on the grid, the nearest first; close: only the nearest."""
-    common = common_count(deck)
-    if not common:
+    if not between_walls(deck):
         return [target * factor for factor in (1, 20 / 21, 21 / 20, 14 / 15, 15 / 14, 0.98, 1.02, 1.036, 0.9, 1.1)[:1 if close else 10]]
-    factors = [common / m for m in range(1, 4 * common + 1) if m != common]
-    return [factor for factor in sorted(factors, key=lambda f: abs(math.log(f / target))) if 0.8 < factor / target < 1.25][:1 if close else 8]
+    cell = cell_of(deck)
+    factors = [each / cell for each in fits(deck, 0.8 * target * cell, 1.25 * target * cell) if abs(each / cell - 1) > 1e-9]
+    return sorted(factors, key=lambda factor: abs(math.log(factor / target)))[:1 if close else 8]
 
 
 def with_cells(deck, factor):
@@ -83,7 +107,7 @@ def with_cells(deck, factor):
             deck.scale(card, "spacing", factor, done=done)
     if step is not None and factor < 1 and math.isclose(step_of(deck), step, rel_tol=1e-9):
         deck.scale(deck.one("time"), "dt", factor)
-    widen_all(deck, extents, cell * factor)
+    keep_extents(deck, extents)
     return f"cell {cell * factor:.4g}"
 
 
@@ -96,22 +120,24 @@ def with_other_lines(deck, factor):
     for card, spacing in zip(bodies, particles):
         card.drop("ppc")
         card.set("spacing", repr(spacing))
-    widen_all(deck, extents, cell * factor)
+    keep_extents(deck, extents)
     return f"cell {cell * factor:.4g}, the same particles"
 
 
-def widen_all(deck, extents, cell):
-    """Moves ends without walls to where the grid has lines."""
+def keep_extents(deck, extents):
+    """Leaves the ends of the grid where the deck has them, which may have said it by the cell; the program moves those without a wall to the grid."""
+    grid = deck.one("grid")
     for extent in extents:
-        if None not in (extent.lower, extent.upper) and not all(extent.walls):
-            widen(deck, extent, cell)
+        if grid.get(extent.axis):
+            lower, _, upper = grid.get(extent.axis).partition(":")
+            ends = [text or "open" if value is None else repr(value) for text, value in ((lower, extent.lower), (upper, extent.upper))]
+            grid.set(extent.axis, ":".join(ends))
 
 
-def widen(deck, extent, cell):
-    """Moves an end without a wall outwards to where the grid has a line."""
-    length = cell * math.ceil((extent.upper - extent.lower) / cell - 1e-9)
-    ends = (extent.upper - length, extent.upper) if extent.walls[1] else (extent.lower, extent.lower + length)
-    deck.one("grid").set(extent.axis, f"{ends[0]!r}:{ends[1]!r}")
+def on_grid(extent, cell):
+    """The lower end of an extent without walls as the program has it: an extent that is symmetric stays so."""
+    more = cell * math.ceil((extent.upper - extent.lower) / cell - 1e-6) - (extent.upper - extent.lower)
+    return extent.lower - (0.5 * more if abs(extent.lower + extent.upper) <= 1e-6 * cell else 0)
 
 
 def spacings(deck):
@@ -152,7 +178,7 @@ def with_shift(deck, lowest, sign):
         if extent.lower is None:
             grid.set(extent.axis, f"{cell * (math.floor(low / cell) - FAR) + part!r}:open")
         else:
-            grid.set(extent.axis, f"{extent.lower - cell + part!r}:{extent.upper + part!r}")
+            grid.set(extent.axis, f"{on_grid(extent, cell) - cell + part!r}:{extent.upper + part!r}")
         moved.append(extent.axis)
     return f"grid moved{'' if sign > 0 else ' further'} along {', '.join(moved)}" if moved else None
 

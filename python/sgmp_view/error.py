@@ -79,15 +79,19 @@ class Study:
         self.deck = Deck(options.deck, options.set)
         self.folder = options.output or Path(options.deck.stem + ".error")
         self.runner = Runner(self.folder, program_of(options.sgmp), options.threads, seconds_of(options.budget))
+        self.members, self.notes = [], []
+        asked = variations.cell_of(self.deck)
+        fitted = variations.with_own_cell(self.deck)
+        if fitted:
+            self.note(f"cell {asked:.4g} does not fit between the walls; the nearest that does is taken in its place: {fitted.split()[1]}")
         own = deepcopy(self.deck)
         variations.with_final_state(own)
-        self.own = Member("deck", "deck", "as it is", own.text(), 1.0)
+        self.own = Member("deck", "deck", fitted or "as it is", own.text(), 1.0)
         self.checked = self.runner.check(self.own.text)
         if not self.checked.accepted:
             raise SgmpFileError(self.checked.words)
         self.runner.base_work = self.checked.work
         self.cell, self.dimension = variations.cell_of(self.deck), len(variations.axes_of(self.deck))
-        self.members, self.notes = [], []
 
     def probe(self):
         """Folder of a run of one step, which has the names of all quantities."""

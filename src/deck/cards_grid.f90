@@ -1,7 +1,9 @@
 !> The cards `grid`, `wall`, `wallfriction`, `wallmotion` and `lost`: where material may be.
 module sgmp_cards_grid
   use sgmp_deck_card, only: deck_card_t
+  use sgmp_deck_errors, only: position_t
   use sgmp_expression, only: expression_clone, expression_t
+  use sgmp_grid_fit, only: grid_fit_extend, grid_fit_held, grid_fit_sizes, grid_fit_whole
   use sgmp_keys, only: kind_expression, kind_interval, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_lost_policy, only: lost_error, lost_names
@@ -10,7 +12,7 @@ module sgmp_cards_grid
   use sgmp_scene_draft, only: draft_t
   use sgmp_space, only: axis_names, space_axisymmetric
   use sgmp_spelling, only: words_joined
-  use sgmp_text, only: real_text_plain
+  use sgmp_text, only: real_text_plain, real_text_tidy
   implicit none
   private
   public :: register_grid
@@ -31,7 +33,8 @@ contains
                       required=.true.)
     do axis = 1, 3
       call registry%key(axis_names(axis, 3), kind_interval, &
-                        'extent; an open end follows the particles', unit='length', &
+                        'extent; an open end follows the particles, one without a '// &
+                        'wall moves outwards to the next cell', unit='length', &
                         default='open')
     end do
     call registry%key(axis_names(1, space_axisymmetric), kind_interval, 'extent of an '// &
@@ -95,17 +98,17 @@ contains
         draft%scene%grid%open(:, axis) = extent%open
         draft%scene%grid%lower(axis) = extent%vector(1)
         draft%scene%grid%upper(axis) = extent%vector(2)
+        draft%scene%grid%asked(:, axis) = extent%vector(:2)
       end associate
     end do
   end subroutine read_grid
 
-  !> Box: whole number of cells, no extent beyond the dimension.
+  !> Box: a whole number of cells between walls, no extent beyond the dimension.
   subroutine check_grid(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
-    real(dp), parameter :: tolerance = 1.0e-6_dp  ! cells
     real(dp), parameter :: most_cells = 2.0e9_dp  ! along one axis
-    real(dp) :: length, cells
+    real(dp) :: cells
     integer :: axis
     associate (cell => draft%scene%grid%cell, dimension => draft%scene%dimension, &
                errors => draft%errors)
@@ -123,22 +126,63 @@ contains
                             'write r=0:… or r=open; a hollow body needs no inner face')
           end if
           if (any(value%open)) cycle
-          length = value%vector(2) - value%vector(1)
-          cells = length/cell
+          cells = (value%vector(2) - value%vector(1))/cell
           if (cells > most_cells) then
             call errors%add(value%position, 'the box has '//real_text_plain(anint(cells))// &
                             ' cells along '//draft%axis_key(axis), 'use larger cells')
-          else if (abs(cells - anint(cells)) > tolerance .or. cells < 0.5_dp) then
-            call errors%add(value%position, 'the box is not a whole number of cells: '// &
-                            real_text_plain(length)//' / '//real_text_plain(cell)//' = '// &
-                            real_text_plain(cells), 'nearest cell='// &
-                            real_text_plain(length/max(1.0_dp, anint(cells)))// &
-                            ', or change the extent')
+          else
+            call fit_axis(draft, axis, value%position)
           end if
         end associate
       end do
     end associate
   end subroutine check_grid
+
+  !> Moves an end without a wall to the grid; an error where walls at both ends are not on it.
+  subroutine fit_axis(draft, axis, position)
+    type(draft_t), intent(inout) :: draft
+    integer, intent(in) :: axis
+    type(position_t), intent(in) :: position     !! of the extent in the deck
+    logical :: held(2)
+    associate (grid => draft%scene%grid, name => draft%axis_key(axis))
+      if (grid_fit_whole(grid%upper(axis) - grid%lower(axis), grid%cell)) return
+      held = grid_fit_held(grid, axis, draft%scene%axisymmetric)
+      if (all(held)) then
+        call draft%errors%add(position, 'cell='//real_text_plain(grid%cell)//' does not divide '// &
+                              real_text_tidy(grid%upper(axis) - grid%lower(axis))//' between '// &
+                              'the walls '//name//'- and '//name//'+', fitting_words(draft))
+      else
+        call grid_fit_extend(grid, axis, held)
+        grid%moved(axis) = .true.
+      end if
+    end associate
+  end subroutine fit_axis
+
+  !> Which cells near the deck's fit between all walls.
+  function fitting_words(draft) result(text)
+    type(draft_t), intent(in) :: draft
+    character(:), allocatable :: text
+    real(dp), allocatable :: lengths(:)
+    real(dp) :: sizes(2)
+    integer :: axis
+    allocate (lengths(0))
+    associate (scene => draft%scene, grid => draft%scene%grid)
+      do axis = 1, scene%dimension
+        if (any(grid%open(:, axis))) cycle
+        if (.not. all(grid_fit_held(grid, axis, scene%axisymmetric))) cycle
+        lengths = [lengths, grid%upper(axis) - grid%lower(axis)]
+      end do
+      sizes = grid_fit_sizes(lengths, grid%cell)
+    end associate
+    if (maxval(sizes) <= 0.0_dp) then
+      text = 'no cell near it fits between the walls of all axes: change an extent'
+    else if (minval(sizes) <= 0.0_dp) then
+      text = 'cell='//real_text_tidy(maxval(sizes))//' fits'
+    else
+      text = 'cell='//real_text_tidy(sizes(1))//' and cell='//real_text_tidy(sizes(2))//' fit'
+    end if
+    if (maxval(sizes) > 0.0_dp .and. size(lengths) > 1) text = text//' all axes between walls'
+  end function fitting_words
 
   subroutine read_walls(card, draft)
     type(deck_card_t), intent(in) :: card

@@ -46,6 +46,8 @@ module sgmp_scene
   type :: grid_card_t
     real(dp) :: cell = 0.0_dp                       !! cell side h (length)
     real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! box corners (length); unused where open
+    real(dp) :: asked(2, 3) = 0.0_dp                !! the same as the deck has them
+    logical :: moved(3) = .false.                   !! axes whose ends have moved to the grid
     logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given
     integer :: wall(2, 3) = wall_free
       !! (lower|upper, axis): wall_free, wall_slip, wall_fixed, wall_absorbing

@@ -8,6 +8,7 @@ module sgmp_cost_estimate
   use sgmp_constitutive, only: material_names, slots_t
   use sgmp_field, only: field_bytes
   use sgmp_forewarnings, only: shape_mass
+  use sgmp_grid_fit, only: grid_fit_moved
   use sgmp_kernels, only: method_names
   use sgmp_kinds, only: dp, i8
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_t
@@ -16,6 +17,7 @@ module sgmp_cost_estimate
   use sgmp_rigid_motion, only: rigid_motion_t
   use sgmp_rows, only: rows_points
   use sgmp_scene, only: scene_t
+  use sgmp_spelling, only: string_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: clock_choose, clock_t, limit_names
   use sgmp_update, only: update_names
@@ -29,6 +31,7 @@ contains
   subroutine cost_estimate_write(scene, model)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
+    type(string_t), allocatable :: moved(:)
     integer(i8) :: bytes, particles
     integer :: b
     call put('deck        '//scene%file//': '//scene%title)
@@ -46,6 +49,10 @@ contains
              integer_text(model%fields(1)%columns%total + model%fields(1)%columns%nodes)// &
              ' values each, '// &
              bytes_text(sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])))
+    moved = grid_fit_moved(scene)
+    do b = 1, size(moved)
+      call put('  '//moved(b)%text)
+    end do
     bytes = sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])
     particles = 0_i8
     do b = 1, size(model%bodies)

@@ -7,6 +7,7 @@ module sgmp_report
   use sgmp_energy_terms, only: energy_term_t, terms_value
   use sgmp_errors, only: error_t, exit_ok, exit_stopped
   use sgmp_forewarnings, only: forewarnings_find, gas_enclosed
+  use sgmp_grid_fit, only: grid_fit_moved
   use sgmp_kernels, only: kernel_sgmp, method_names
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
@@ -106,8 +107,12 @@ contains
     type(log_t), intent(inout) :: log
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    type(string_t), allocatable :: warnings(:)
+    type(string_t), allocatable :: warnings(:), moved(:)
     integer :: w
+    moved = grid_fit_moved(scene)
+    do w = 1, size(moved)
+      call log%line(moved(w)%text)
+    end do
     call log%line(space_text(scene)//', '// &
                   trim(method_names(scene%method%kind))//'-'// &
                   trim(update_names(scene%method%update))//', '// &
