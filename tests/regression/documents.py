@@ -17,7 +17,7 @@ import sys
 
 from _runs import ENVIRONMENT, SCRATCH, SGMP, SOURCE, Report
 
-COMMANDS = ["README.md", "doc/user-guide.md", "doc/damping.md", "doc/contact.md", "doc/rotation.md", "doc/time-step.md", "doc/results.md", "input/gallery/README.md",
+COMMANDS = ["README.md", "doc/methods.md", "doc/user-guide.md", "doc/damping.md", "doc/contact.md", "doc/rotation.md", "doc/time-step.md", "doc/results.md", "input/gallery/README.md",
             "packaging/README.md"]
 OWN = """
 parameter h = 0.25
