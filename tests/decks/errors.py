@@ -99,6 +99,7 @@ EXPECTED = {
     "interval": [r"{d}:3:18: error: the interval '1:0' is empty"],
     "melt": [r"{d}:6:42: error: the melting temperature is not above room temperature"],
     "long_line": [r"{d}:2:1: error: the line has 10001 letters, more than 10000", r"end it with &", r"^1 error"],
+    "later_version": [r"{d}:1:14: error: the deck is of a later version of the deck language", r"^1 error"],
     "long_formula": [r"{d}:2:11: error: .*the formula is too long"],
     "misplaced_words": [r"{d}:2:22: error: unexpected 'x' in card 'grid'", r"= a key needs a value: x=", r"{d}:3:12: error: unexpected 'soon'",
                         r"= keys are written key=value, e\.g\. time end=", r"^2 error"],
