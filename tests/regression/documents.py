@@ -130,7 +130,8 @@ def understood(report):
                     continue
                 words = checked(words)
                 if words is None:
-                    report.check(line.split()[1].endswith((".mpm", ".inp")), f"{page}: {line}: no such deck")
+                    named = line.split()[2 if line.split()[1] == "import" else 1]
+                    report.check(named.endswith((".mpm", ".inp")), f"{page}: {line}: no such deck")
                     continue
                 code, text = call([SGMP, *words], SCRATCH)
                 report.check(code == 0, f"{page}: {line}: exit code {code}: {text[-300:]}")
