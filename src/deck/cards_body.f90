@@ -15,6 +15,7 @@ module sgmp_cards_body
                          shape_names, shape_ogive, shape_polygon, shape_revolved, shape_ring, &
                          shape_sphere, shape_t
   use sgmp_spelling, only: word_position, words_joined
+  use sgmp_state_columns, only: state_columns_of_files
   use sgmp_text, only: integer_text, real_text_plain
   use sgmp_turn, only: turn_make, turn_t
   implicit none
@@ -436,6 +437,7 @@ contains
       body%choice%known = words_joined(materials%name)
       body%choice%material = card%word('material')
       body%choice%others = ''
+      body%choice%state = state_columns_of_files()
       do b = 1, size(bodies)
         if (b == number .or. .not. allocated(bodies(b)%file) .or. bodies(b)%material == 0) cycle
         if (bodies(b)%file /= body%file) cycle
