@@ -76,7 +76,7 @@ def main():
     begun = sorted(name for name in os.listdir(whole[2]) if name.startswith("checkpoint"))[0]
     again = run(SERIAL, "again", [*settings, "--restart", os.path.join(whole[2], begun)])
     check(whole[0] == 0 and again[0] == 0, f"restart: {whole[1][-300:]} {again[1][-300:]}")
-    check(checksum(whole[2]) == checksum(again[2]), "restart from the other build's checkpoint: other bits")
+    check(again[0] == 0 and checksum(whole[2]) == checksum(again[2]), "restart from the other build's checkpoint: other bits")
     code, text, _ = run(SERIAL, "launched", settings, OMPI_COMM_WORLD_SIZE="2")
     check(code == 2 and "built without MPI" in text, f"started by a launcher as two: {code} {text[-300:]}")
     code, text, _ = run(SERIAL, "launched", settings, OMPI_COMM_WORLD_SIZE="1")
