@@ -61,9 +61,8 @@ contains
     text = text//'"}'
   end function body_text
 
-  !> Names of the history columns as output has them; the mean stress where it is the only one, and
-  !! `spin+2` for the third component of the spin; of the loads of a body, by number, shares in a
-  !! force and area vectors.
+  !> Names of the history columns as output has them; the mean stress where it is the only one; of
+  !! the loads of a body, by number, shares in a force and area vectors.
   function column_names(slots, loads, mesh) result(names)
     type(slots_t), intent(in) :: slots
     type(load_t), intent(in) :: loads(:)
@@ -90,7 +89,6 @@ contains
     call name_column(slots%deformation, 'deformation')
     call name_column(slots%stretch, 'stretch')
     call name_column(slots%initial, 'initial')
-    call name_column(slots%spin, 'spin')
     call name_column(slots%swirl, 'swirl')
     call name_column(slots%surface, 'surface')
     call name_column(slots%compliance, 'compliance')

@@ -111,7 +111,6 @@ contains
     else
       plan%first_column = field%columns%force
     end if
-    plan%spins = field%columns%spins
     plan%driven = field%columns%driven
     plan%last_column = merge(field%columns%swept, field%columns%force - 1, plan%stress)
     if (plan%probe .and. plan%stress) then

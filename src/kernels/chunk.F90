@@ -27,7 +27,6 @@ module DIM(sgmp_chunk)
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_scatter), only: column_sums, linear_scatter, linear_scatter_force, &
                                      linear_scatter_moment, linear_scatter_pairs
-  use CARTESIAN(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
   use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use sgmp_sums, only: sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
@@ -51,7 +50,7 @@ module DIM(sgmp_chunk)
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 2 + NMASS + NDIM*(5 + 2*NDIM + twists(NDIM)) + NSPIN + NFLUX + 5 + &
+  integer, parameter :: most_columns = 2 + NMASS + NDIM*(5 + 2*NDIM + twists(NDIM)) + NFLUX + 5 + &
                                      most_drives + pair_sums(NDIM)
   integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
@@ -77,8 +76,6 @@ module DIM(sgmp_chunk)
     integer :: pairs = 0                 !! of these, the first: volume moments of pairs of centres
     integer :: plain = 0                 !! of these, all but the first and the last, which are the
                                          !! mass's first moments
-    integer :: spin = 0                  !! columns before the spin; 0: none is carried
-    integer :: momentum = 0              !! columns before the momentum
     integer :: masses = NMASS            !! columns of mass, those of driven particles among them,
                                          !! and at last of the volume, if there are pairs
     integer :: swirl = 0                 !! columns before the moments of swirl; 0: none
@@ -123,11 +120,6 @@ contains
     task%plain = task%nq - merge(NDIM, 0, plan%offset) - task%pairs
     task%masses = NMASS + plan%driven + merge(1, 0, task%pairs > 0)
     task%forces = merge(task%masses, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
-    if (plan%spins > 0 .and. plan%momentum) then
-      task%momentum = merge(task%masses, 0, plan%mass)
-      task%spin = task%forces
-      task%forces = task%forces + plan%spins
-    end if
 #ifdef AXISYMMETRIC
     if (plan%swirl .and. plan%momentum) then
       task%swirl = task%forces
@@ -270,9 +262,6 @@ contains
                                            state(1, body%law%slots%swirl), &
                                            values(1, task%swirl + 1))
 #endif
-    if (task%spin > 0) call spin_collect(plan%spin_keep, plan%spin_gain, task%live(1, nl), &
-                                         got(1, task%gradient), motion(1, mass_at), &
-                                         state(1, body%law%slots%spin), values(1, task%spin + 1))
     if (task%square > 0) then
       call relaxation_square(task%live(1, nl), motion, values(1, task%square))
     end if
@@ -400,7 +389,6 @@ contains
       do d = 1, NDIM
         values(:, d) = mass*got(:, d)
       end do
-      if (task%spin > 0) values(:, NDIM + 1:NDIM + NSPIN) = 0.0_dp
     end if
   end subroutine probe
 
@@ -921,14 +909,8 @@ contains
     real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     type(product_spread_t) :: spread
-    integer :: plain, rest, momentum
+    integer :: plain, rest
     if (task%centred) then
-      momentum = task%pairs + task%momentum
-      if (task%spin > 0) then
-        call spin_to_origin(task%h, xi, values(1, task%spin + 1), values(1, task%momentum + 1))
-        call spin_to_corners(task%h, xi, cell, values(1, task%spin + 1), task%span, task%nq, &
-                             stencil(1, momentum + 1, 1))
-      end if
       if (task%pairs > 0) call linear_scatter_pairs(xi, cell, values(1, task%masses), task%nq, &
                                                     stencil)
       call linear_scatter(task%plain, xi, cell, values, task%nq, stencil(1, task%pairs + 1, 1))

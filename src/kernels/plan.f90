@@ -29,9 +29,6 @@ module sgmp_plan
                                            !! the sweep needs them
     integer :: pairs = 0                   !! with the mass, columns of pairs of centres before it
     integer :: driven = 0                  !! with the mass, columns of the mass of driven particles
-    integer :: spins = 0                   !! components of the spin that particles carry
-    real(dp) :: spin_keep = 1.0_dp, spin_gain = 0.0_dp
-      !! spin = keep spin + gain (rotation of the vector that `gradient` names)
     integer :: gradient = 0  !! node column of the vector whose gradient strains the particles
     real(dp) :: dt_kick = 0.0_dp           !! velocity step
     real(dp) :: dt = 0.0_dp                !! position step

@@ -23,8 +23,6 @@ module sgmp_columns
     integer :: driven = 0              !! how many
     integer :: room = 0                !! volume, swept with the mass; 0: as for pairs
     integer :: momentum = 2
-    integer :: spin = 0                !! the spin that particles carry, times their mass
-    integer :: spins = 0               !! components of it, 0: none is carried
     integer :: swirl = 0               !! v_theta times mass and radius, and mass times radius^2
                                        !! (cells), 0: there is none
     integer :: square = 0              !! m |v|^2, 0: nothing relaxes (doc/volumes.md)
@@ -85,12 +83,11 @@ contains
 
   !> Lays out the columns of the sums.
   ! allow(S901)
-  pure function columns_make(space, kernel, external, volume, spins, offset, relaxed, swirl, &
-                             faced, driven, absorbs, paired) result(columns)
+  pure function columns_make(space, kernel, external, volume, offset, relaxed, swirl, faced, &
+                              driven, absorbs, paired) result(columns)
     integer, intent(in) :: space, kernel
     logical, intent(in) :: external    !! with an external force
     logical, intent(in) :: volume      !! with the volume
-    integer, intent(in) :: spins       !! components of the spin that particles carry
     logical, intent(in), optional :: offset  !! with the first moments of the mass
     logical, intent(in), optional :: relaxed  !! with what particles relax by; needs the volume
     logical, intent(in), optional :: swirl  !! with the velocity around the axis
@@ -125,9 +122,7 @@ contains
       columns%room = columns%momentum
       columns%momentum = columns%room + 1
     end if
-    columns%spin = columns%momentum + ndim
-    columns%spins = spins
-    columns%force = columns%spin + spins
+    columns%force = columns%momentum + ndim
     if (with_swirl) then
       columns%swirl = columns%force
       columns%force = columns%force + 2

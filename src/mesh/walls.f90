@@ -53,10 +53,8 @@ contains
     else if (column == columns%radial .or. column == columns%external .or. &
              column == columns%faces) then
       if (wall == wall_axis) parity = -1.0_dp  ! what pulls along r is opposite on the other side
-    else if (column < columns%spin) then
-      parity = vector_parity(1 + column - columns%momentum, normal, wall)
     else if (column < columns%force) then
-      if (wall /= wall_fixed) parity = axial_parity(1 + column - columns%spin, normal, space)
+      parity = vector_parity(1 + column - columns%momentum, normal, wall)
     else if (column < columns%force + columns%forces) then
       if (.not. centred) then
         parity = vector_parity(1 + column - columns%force, normal, wall)
@@ -164,14 +162,6 @@ contains
     real(dp) :: parity
     parity = merge(-1.0_dp, 1.0_dp, component == normal .or. wall == wall_fixed)
   end function vector_parity
-
-  !> The same for a component of an axial vector at a slip wall: a mirror keeps only the rotation
-  !! about its normal.
-  pure function axial_parity(component, normal, space) result(parity)
-    integer, intent(in) :: component, normal, space
-    real(dp) :: parity
-    parity = merge(-1.0_dp, 1.0_dp, component /= normal .or. space == 2)
-  end function axial_parity
 
   !> The same for a stress component at a slip wall: shear stresses at the wall are odd.
   pure function stress_parity(flux, normal, space) result(parity)
