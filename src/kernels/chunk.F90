@@ -187,7 +187,7 @@ contains
 #endif
     logical :: outside, erodes, eroded(lanes)
     outside = .false.
-    erodes = plan%drift .and. body%law%erosion%given .and. .not. body%law%rigid
+    erodes = plan%drift .and. (body%law%erosion%given .or. body%leaves) .and. .not. body%law%rigid
     call locate(motion, origin, xi)
     call enter_cells(task%span, xi, cell)
     if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
@@ -242,6 +242,7 @@ contains
     end if
     if (erodes) then
       call departures_eroded(body%law, plan%strain, nl, motion, speed2, nb, state, eroded)
+      if (body%leaves) eroded(:nl) = .true.
       if (plan%strain) call check_chunk(nl, id, merge(0.0_dp, task%live(:, nl), eroded), motion, &
                                         speed2, jacobian, work)
     else if (plan%strain) then

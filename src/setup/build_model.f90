@@ -148,7 +148,10 @@ contains
     method%damped_until = scene%damping%until
     method%lost_policy = scene%grid%lost
     method%loses = loses(scene)
-    if (method%erodes .or. method%loses) method%removed = removed_causes*removed_sums
+    method%removes = any(scene%bodies%removed_at < huge(1.0_dp))
+    if (method%erodes .or. method%loses .or. method%removes) then
+      method%removed = removed_causes*removed_sums
+    end if
   end subroutine set_method
 
   !> Particles that may leave the grid keep the energy that they then take along.
@@ -208,6 +211,7 @@ contains
       if (allocated(error)) return
       body%name = card%name
       body%first_id = first_id
+      body%removed_at = card%removed_at
       body%spacing = card%spacing
       if (body%spacing <= 0.0_dp) body%spacing = scene%grid%cell/card%ppc
       body%half_size = method_half_size(scene%method%kind)
