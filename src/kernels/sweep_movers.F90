@@ -46,7 +46,7 @@ contains
     type(task_t) :: task
     type(pile_t) :: pile
     integer :: r, r2
-    task = task_make(field%kernel, mesh, plan)
+    task = task_make(field%kernel, field%columns, mesh, plan)
     pile%planes = planes
     do r = 1, arrivals%n, lanes
       r2 = min(r + lanes - 1, arrivals%n)
@@ -245,7 +245,7 @@ contains
     real(dp) :: part
     integer :: d, q
     do q = 1, task%pairs
-      part = values(task%masses)
+      part = values(task%room)
       do d = 1, NDIM
         if (pair_spans(q, d)) part = part*xi(d)
       end do
