@@ -103,6 +103,12 @@ contains
     type(plan_t), intent(inout) :: plan
     type(field_t), intent(in) :: field
     plan%pairs = 0
+    plan%collide = plan%kick .and. field%collides
+    if (plan%loose) then
+      plan%first_column = field%columns%debris
+      plan%last_column = field%columns%debris + 2 + field%ndim
+      return
+    end if
     if (plan%mass) then
       plan%first_column = min(field%columns%mass, max(1, field%columns%pairs))
       plan%pairs = field%columns%mass - plan%first_column

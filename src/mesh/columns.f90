@@ -6,9 +6,10 @@ module sgmp_columns
   use sgmp_voigt, only: flux_components
   implicit none
   private
-  public :: columns_t, columns_keep_behind, columns_make, pair_sums, twist_takes, twists
+  public :: columns_t, columns_add_debris, columns_keep_behind, columns_make, pair_sums, twist_takes, twists
   public :: node_acceleration, node_gyration, node_inertia, node_inverse_mass, node_remapped, &
             node_swirl, node_total, node_velocity
+  public :: collide_rate, collide_square, collide_total, collide_velocity
   public :: relax_dilation, relax_exchange, relax_filling, relax_filter, relax_stiffness, &
             relax_square, relax_total, relax_velocity
 
@@ -49,6 +50,9 @@ module sgmp_columns
     integer :: swept = 0               !! the last column that sweeps fill
     integer :: behind(3) = 0           !! by axis, what lay behind its walls before it was
                                        !! folded: mass, momentum, force; 0: no wall moves
+    integer :: debris = 0              !! sums by which debris collides, in a sweep of their own: mass
+                                       !! and momentum of all, mass of what collides and m |v|^2 of
+                                       !! it against the grid; 0: nothing fails
     integer :: total = 0
     integer :: nodes = 0               !! columns of the nodes' values
   end type columns_t
@@ -69,6 +73,12 @@ module sgmp_columns
   !> With swirl, v_theta over the radius beside the vector that begins in a column, and the moment
   !! of inertia over the mass.
   integer, parameter :: node_swirl(3) = node_inertia + [1, 0, 2], node_gyration = node_inertia + 3
+
+  ! By how much particles collide, at the points of the stencils (sgmp_debris_rates); by dimension.
+  integer, parameter :: collide_rate = 1      !! a
+  integer, parameter :: collide_square = 2    !! a |v|^2
+  integer, parameter :: collide_velocity = 3  !! first component of a v
+  integer, parameter :: collide_total(3) = collide_velocity + [0, 1, 2]
 
   ! What particles relax to, at the centres of the auxiliary grid (sgmp_centres_relax); by dimension
   ! where there are two numbers of columns.
@@ -179,6 +189,14 @@ contains
     end if
     columns%swept = columns%total
   end function columns_make
+
+  !> Adds columns for the sums by which debris collides.
+  pure subroutine columns_add_debris(columns, ndim)
+    type(columns_t), intent(inout) :: columns
+    integer, intent(in) :: ndim
+    columns%debris = columns%total + 1
+    columns%total = columns%total + 3 + ndim
+  end subroutine columns_add_debris
 
   !> Whether a twist is a difference along an axis.
   pure function twist_takes(twist, axis, ndim) result(yes)

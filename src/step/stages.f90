@@ -16,7 +16,7 @@
 !!                     meet                contact
 !!                     forces              free rigid bodies, contact
 !!                     place               rotation
-!!                     after_solve         walls that move
+!!                     after_solve         walls that move, debris
 !!   re-map            strain_velocity     contact
 !!                     place               rotation
 !!                     after_remap         rotation, kept volumes
@@ -31,6 +31,8 @@ module sgmp_stages
   use sgmp_contact_stages, only: phase_contact_force, phase_contact_velocity, phase_find_contact
   use sgmp_damping_account, only: damping_account, damping_book_kick
   use sgmp_damping_stages, only: damping_factor, damping_slow
+  use sgmp_debris_account, only: debris_account
+  use sgmp_debris_stages, only: phase_collisions
   use sgmp_driven_parts, only: driven_any, driven_book, driven_choose, driven_publish
   use sgmp_erosion_account, only: erosion_account
   use sgmp_kinds, only: dp
@@ -71,6 +73,7 @@ contains
     type(model_t), intent(inout) :: model
     associate (method => model%method, terms => model%ledger%terms)
       if (method%relaxed) call volumes_account(terms)
+      if (method%debris_speed > 0.0_dp) call debris_account(terms)
       if (method%split > 0.0_dp) call splitting_account(terms)
       if (method%swirl) call swirl_account(terms)
       if (method%damped) call damping_account(terms)
@@ -169,7 +172,23 @@ contains
       call phase_wall_work(model%mesh, model%fields, model%bodies, model%ranks%partition%own, &
                            dt_kick, model%findings%tally)
     end if
+    if (model%method%debris_speed > 0.0_dp) call collide(model, dt_kick)
   end subroutine stage_after_solve
+
+  !> By how much debris collides in the kick to come.
+  subroutine collide(model, dt_kick)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt_kick              !! velocity step
+    type(plan_t) :: plan
+    plan%loose = .true.
+    plan%dt_kick = dt_kick
+    plan%step = model%clock%step + 1
+    plan%vectors = [node_acceleration, node_velocity(model%mesh%ndim)]
+    plan%gradient = node_velocity(model%mesh%ndim)
+    call phase_collisions(plan, model%method%debris_speed, model%totals, model%mesh, model%fields, &
+                          model%bodies, model%team, model%ranks, model%findings, model%timers)
+    call timers_stop(model%timers, phase_grid)
+  end subroutine collide
 
   !> The velocity that strains the particles, of the nodes before the kick or re-mapped after it.
   subroutine stage_strain_velocity(model, before_kick)
