@@ -106,7 +106,8 @@ contains
     plan%collide = plan%kick .and. field%collides
     if (plan%loose) then
       plan%first_column = field%columns%debris
-      plan%last_column = field%columns%debris + 2 + field%ndim
+      plan%last_column = field%columns%debris
+      if (plan%gradient > 0) plan%last_column = field%columns%debris + 2 + field%ndim
       return
     end if
     if (plan%mass) then

@@ -358,6 +358,13 @@ contains
     call locate(motion, origin, xi)
     call enter_cells(task%span, xi, cell)
     if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
+    if (plan%gradient == 0) then
+      if (all(loose < 0.5_dp)) return
+      values(:, 1) = loose*motion(:, mass_at)
+      if (NDIM < 3) cell(nl + 1:) = -1
+      call scatter(task, .false., xi, cell, axes, values, stencil)
+      return
+    end if
     got(:, :2*NDIM + NDIM**2) = 0.0_dp
     if (any(loose > 0.5_dp)) call gather(task, .true., task%live(1, nl), xi, cell, axes, row, &
                                          records, got)

@@ -32,7 +32,7 @@ module sgmp_stages
   use sgmp_damping_account, only: damping_account, damping_book_kick
   use sgmp_damping_stages, only: damping_factor, damping_slow
   use sgmp_debris_account, only: debris_account
-  use sgmp_debris_stages, only: phase_collisions
+  use sgmp_debris_stages, only: phase_collisions, phase_debris_mass
   use sgmp_driven_parts, only: driven_any, driven_book, driven_choose, driven_publish
   use sgmp_erosion_account, only: erosion_account
   use sgmp_kinds, only: dp
@@ -135,6 +135,14 @@ contains
   !> Where bodies meet: once a step, before the first velocity that has to obey it.
   subroutine stage_meet(model)
     type(model_t), intent(inout) :: model
+    type(plan_t) :: plan
+    if (model%method%debris_speed > 0.0_dp .and. size(model%contact%pairs) > 0) then
+      plan%loose = .true.
+      plan%step = model%clock%step + 1
+      allocate (plan%vectors(0))
+      call phase_debris_mass(plan, model%totals, model%mesh, model%fields, model%bodies, &
+                             model%team, model%ranks, model%findings, model%timers)
+    end if
     call phase_find_contact(model%clock%step + 1, model%method%cutoff, model%mesh, model%fields, &
                             model%bodies, model%contact, model%team%threads, model%ranks, &
                             model%findings, model%timers)

@@ -17,11 +17,33 @@ module sgmp_debris_stages
   use sgmp_walls, only: has_walls, walls_mirror_collide
   implicit none
   private
-  public :: phase_collisions
+  public :: phase_collisions, phase_debris_mass
 
 contains
 
-  !> Rates of all fields with debris. What collides is known from the end of the step before.
+  !> Mass of debris in all fields that have some, for contact: such fields are known from the end of
+  !! the step before.
+  subroutine phase_debris_mass(plan, totals, mesh, fields, bodies, team, ranks, findings, timers)
+    type(plan_t), intent(in) :: plan             !! of the sweep
+    type(totals_t), intent(in) :: totals
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(inout) :: bodies(:)
+    type(team_t), intent(inout) :: team
+    type(ranks_t), intent(inout) :: ranks
+    type(findings_t), intent(inout) :: findings
+    type(timers_t), intent(inout) :: timers
+    integer :: f
+    do f = 1, size(fields)
+      fields(f)%collides = any(totals%bodies%loose > 0.0_dp) .and. &
+                           any(bodies%field == f .and. .not. bodies%rigid)
+      if (fields(f)%collides) call field_sweep(plan, f, mesh, fields(f), bodies, team, ranks, &
+                                               findings, timers)
+    end do
+    if (any(fields%collides)) call phase_fold(plan, mesh, fields, team%threads)
+  end subroutine phase_debris_mass
+
+  !> Rates of all fields with debris.
   subroutine phase_collisions(plan, speed, totals, mesh, fields, bodies, team, ranks, findings, &
                               timers)
     type(plan_t), intent(in) :: plan             !! of the sweep
@@ -35,15 +57,7 @@ contains
     type(findings_t), intent(inout) :: findings
     type(timers_t), intent(inout) :: timers
     integer :: f, axis
-    logical :: any_loose
-    any_loose = any(totals%bodies%loose > 0.0_dp)
-    do f = 1, size(fields)
-      fields(f)%collides = any_loose .and. any(bodies%field == f .and. .not. bodies%rigid)
-      if (fields(f)%collides) call field_sweep(plan, f, mesh, fields(f), bodies, team, ranks, &
-                                               findings, timers)
-    end do
-    if (.not. any_loose) return
-    call phase_fold(plan, mesh, fields, team%threads)
+    call phase_debris_mass(plan, totals, mesh, fields, bodies, team, ranks, findings, timers)
     do f = 1, size(fields)
       if (fields(f)%collides) call debris_rates(fields, f, mesh, plan%dt_kick, speed)
     end do
