@@ -26,7 +26,7 @@
 !!   books closed      finish              damping (stress last)
 module sgmp_stages
   use sgmp_absorbing_account, only: absorbing_account
-  use sgmp_columns, only: node_remapped, node_velocity
+  use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_step_t
   use sgmp_contact_stages, only: phase_contact_force, phase_contact_velocity, phase_find_contact
   use sgmp_damping_account, only: damping_account, damping_book_kick
