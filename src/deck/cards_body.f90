@@ -64,7 +64,7 @@ contains
                       'a corner of the cubes of the lattice; default: lower corner of the '// &
                       'first shape, or the axis of a round one', unit='length')
     call registry%key('temperature', kind_real, 'initial temperature, of '// &
-                      'matter that keeps one; default: room temperature', &
+                      'material that keeps one; default: room_temperature', &
                       unit='temperature', range='[0,inf)')
     call registry%key('overlap', kind_word, 'allow: bodies may share space at the start', &
                       choices='error allow', default='error')
