@@ -139,6 +139,19 @@ def understood(report):
     report.check(count > (30 if draws else 20), f"only {count} commands")
 
 
+def lines(report):
+    """No line of a page is longer than 120 letters, but for rows of tables; `make wrap` wraps them. doc/verification is written by a program."""
+    sys.path.insert(0, os.path.join(SOURCE, "scripts", "dev"))
+    from wrap import too_long
+    pages = [path for pattern in ("*.md", "doc/*.md", "input/**/*.md", "tests/**/*.md", "python/*.md", "packaging/*.md", "verification/**/*.md")
+             for path in glob.glob(os.path.join(SOURCE, pattern), recursive=True)]
+    report.check(len(pages) > 40, f"only {len(pages)} pages")
+    report.check(too_long("a " * 61) == [1] and not too_long("| " + "a " * 80), "wrap.py does not see a long line, or counts rows of tables")
+    for path in pages:
+        name = os.path.relpath(path, SOURCE)
+        report.check(not too_long(read(name)), f"{name}: more than 120 letters in lines {too_long(read(name))}: make wrap")
+
+
 def tasks(report):
     """Each task of doc/tasks.md has a command, what to look at, how accurate it is, and a page to go on with; `sgmp new` knows its decks."""
     parts = re.split(r"^### ", read("doc/tasks.md"), flags=re.MULTILINE)[1:]
@@ -180,6 +193,7 @@ def main():
     links(report)
     understood(report)
     tasks(report)
+    lines(report)
     tecplot(report)
     return report.end()
 
