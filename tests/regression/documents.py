@@ -193,7 +193,6 @@ def main():
     links(report)
     understood(report)
     tasks(report)
-    lines(report)
     tecplot(report)
     return report.end()
 
