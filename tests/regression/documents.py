@@ -19,6 +19,10 @@ from _runs import ENVIRONMENT, SCRATCH, SGMP, SOURCE, Report
 
 COMMANDS = ["README.md", "doc/methods.md", "doc/tasks.md", "doc/user-guide.md", "doc/damping.md", "doc/contact.md", "doc/rotation.md", "doc/time-step.md", "doc/results.md", "input/gallery/README.md",
             "packaging/README.md"]
+# Pages that are still to be wrapped (make wrap).
+NOT_WRAPPED = ("CHANGELOG.md", "tests/README.md", *(f"doc/{name}.md" for name in (
+    "cluster", "contact", "damping", "developer-guide", "loads", "material-library", "results", "rotation", "surfaces", "user-guide", "verdict",
+    "volumes")))
 OWN = """
 parameter h = 0.25
 parameter cfl = 0.5
@@ -149,6 +153,8 @@ def lines(report):
     report.check(too_long("a " * 61) == [1] and not too_long("| " + "a " * 80), "wrap.py does not see a long line, or counts rows of tables")
     for path in pages:
         name = os.path.relpath(path, SOURCE)
+        if name in NOT_WRAPPED:
+            continue
         report.check(not too_long(read(name)), f"{name}: more than 120 letters in lines {too_long(read(name))}: make wrap")
 
 
@@ -193,6 +199,7 @@ def main():
     links(report)
     understood(report)
     tasks(report)
+    lines(report)
     tecplot(report)
     return report.end()
 
