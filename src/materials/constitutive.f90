@@ -120,6 +120,8 @@ module sgmp_constitutive
     integer :: compliance = 0    !! by which volume is exchanged, for kept volumes
     integer :: strength = 0      !! factor on the limits of failure, where they scatter
     integer :: yield_factor = 0  !! factor on the yield stress, where it scatters
+    integer :: advanced = 0      !! debris: energy taken for its stress before that has acted
+    integer :: viscous = 0       !! debris: viscous pressure that acts next; -1: settled
     integer :: path = 0          !! from the particle that it comes from, where particles are split:
                                  !! 1, and of the halves of b 2 b and 2 b + 1
     integer :: total = 1

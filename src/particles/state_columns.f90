@@ -49,6 +49,8 @@ contains
     call name_column(slots%compliance, 'compliance')
     call name_column(slots%strength, 'strength')
     call name_column(slots%yield_factor, 'yield_factor')
+    call name_column(slots%advanced, 'advanced_energy')
+    call name_column(slots%viscous, 'viscous_pressure')
     call name_column(slots%path, 'path')
   contains
     subroutine name_column(column, name)

@@ -165,6 +165,8 @@ contains
     call put_slot(slots%compliance, 'compliance (volumes=kept, eos)')
     call put_slot(slots%strength, 'strength (failure weibull)')
     call put_slot(slots%yield_factor, 'factor of the yield stress (material yield_weibull)')
+    call put_slot(2*min(1, slots%advanced), 'energy and viscous pressure of debris whose stress '// &
+                  'is yet to act (failure)')
     call put_slot(slots%path, 'path from the particle that was split (split)')
   end subroutine put_slots
 

@@ -49,6 +49,7 @@ module sgmp_build_model
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
   use sgmp_vectors, only: cross
+  use sgmp_update, only: update_usavg
   use sgmp_wall_motion, only: wall_motion_start
   implicit none
   private
@@ -326,9 +327,27 @@ contains
     if (law%scatter%weibull > 0.0_dp .and. .not. law%rigid) then
       call add_column(law%slots, law%slots%yield_factor)
     end if
+    if (settles(scene, law)) then
+      call add_column(law%slots, law%slots%advanced)
+      call add_column(law%slots, law%slots%viscous)
+    end if
     if (.not. scene%method%volumes_kept .or. law%eos == eos_none .or. law%rigid) return
     call add_column(law%slots, law%slots%compliance)
   end subroutine add_columns
+
+  !> Whether the stress of debris is settled with its energy in each kick (sgmp_settling): what it
+  !! does must be the transpose of the gradient that particles read, and act once a step.
+  pure function settles(scene, law) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(constitutive_t), intent(in) :: law
+    logical :: yes
+    yes = debris_possible(law) .and. .not. (law%rigid .or. law%softens .or. law%porosity%porous)
+    associate (method => scene%method)
+      yes = yes .and. debris_speed(scene) > 0.0_dp .and. method%update /= update_usavg .and. &
+            .not. (scene%swirl .or. method%normalised)
+      if (scene%dimension > 1) yes = yes .and. .not. (method%rotation .or. method%surfaces)
+    end associate
+  end function settles
 
   !> One more column of the particles' second stream.
   pure subroutine add_column(slots, column)
