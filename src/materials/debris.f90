@@ -22,7 +22,8 @@
 !!   than a lone particle's closing: q <= rho h^2 |tr D|/(6 dt).
 !!
 !! **Torn.** Mie-Grueneisen's pressure falls with the volume to its largest tension, where the speed
-!! of sound is 0, and would rise beyond. Matter that has a card `failure` fails there. Without one
+!! of sound is 0, and would rise beyond. Matter that has a card `failure` fails there, and, however hot
+!! it is, at the volume at which that happens to cold matter. Without one
 !! the tension falls from its largest value with further opening,
 !!
 !!     p = p_c exp(-(v - v_c)/opening)                                                (DB2)
@@ -36,7 +37,7 @@ module sgmp_debris
   implicit none
   private
   public :: debris_begin, debris_lanes, debris_loose, debris_mark, debris_possible, debris_room, &
-            debris_settled, debris_t, debris_torn, tear_lanes
+            debris_set_apart, debris_settled, debris_t, debris_torn, tear_lanes
 
   real(dp), parameter :: largest = 8.0_dp     !! volume of fragments and their room over the first
   real(dp), parameter :: closing = 0.95_dp    !! least part of a dense volume after a step
@@ -260,10 +261,21 @@ contains
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: v, energy
     real(dp) :: pressure
-    real(dp) :: low, high, middle, a0, b0, da, db
+    real(dp) :: critical, a0, b0, da, db
+    critical = critical_volume(law, v, energy)
+    call eos_terms(law, critical, energy, a0, b0, da, db)
+    pressure = (a0 + b0*energy)*exp(-(v - critical)/opening)
+  end function torn_pressure
+
+  !> Largest volume up to a given one at which there are waves, at an energy.
+  pure function critical_volume(law, most, energy) result(low)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: most, energy
+    real(dp) :: low
+    real(dp) :: high, middle, a0, b0, da, db
     integer :: i
     low = 1.0_dp
-    high = v
+    high = most
     do i = 1, halvings
       middle = 0.5_dp*(low + high)
       call eos_terms(law, middle, energy, a0, b0, da, db)
@@ -274,8 +286,20 @@ contains
         low = middle
       end if
     end do
-    call eos_terms(law, low, energy, a0, b0, da, db)
-    pressure = (a0 + b0*energy)*exp(-(v - low)/opening)
-  end function torn_pressure
+  end function critical_volume
+
+  !> Volume beyond which matter with a card `failure` is no body any more: the one at which cold
+  !! matter loses its waves. What is hot keeps a pressure there that grows with the volume, without
+  !! bound, and its speed of sound with it.
+  pure subroutine debris_set_apart(law)
+    type(constitutive_t), intent(inout) :: law
+    real(dp) :: a0, b0, da, db
+    law%apart = 1.0e30_dp
+    if (.not. debris_possible(law) .or. law%eos == eos_none .or. law%softens .or. &
+        law%porosity%porous) return
+    if (.not. eos_linear(law)) return
+    call eos_terms(law, largest, 0.0_dp, a0, b0, da, db)
+    if (debris_torn(law, largest, a0, 0.0_dp)) law%apart = critical_volume(law, largest, 0.0_dp)
+  end subroutine debris_set_apart
 
 end module sgmp_debris

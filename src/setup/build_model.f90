@@ -16,7 +16,7 @@ module sgmp_build_model
                                 contact_no_surface, contact_pairs
   use sgmp_driven_build, only: driven_add_columns, driven_declare, driven_fill, driven_number
   use sgmp_energy, only: ledger_open
-  use sgmp_debris, only: debris_possible
+  use sgmp_debris, only: debris_possible, debris_set_apart
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_expression, only: expression_places
   use sgmp_field, only: field_init
@@ -245,6 +245,7 @@ contains
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
       call law_set_length(body%law, mesh%h, method_band(scene%method%kind)*mesh%h)
+      call debris_set_apart(body%law)
       body%law%rigid = body%rigid
       call keep_energy(scene, body)
       call law_slots(body%law, tensor_axes(scene), &
