@@ -1,10 +1,9 @@
 !> What a checkpoint says of itself to readers other than a restart: time, grid, bodies, and what
 !! the columns of their particles and of the grid's sums are, as JSON.
 module sgmp_contents
-  use sgmp_body, only: body_parts, body_t
+  use sgmp_body, only: body_t
   use sgmp_columns, only: column_name, columns_t
-  use sgmp_constitutive, only: slots_t
-  use sgmp_load, only: load_force, load_t
+  use sgmp_material_history, only: slots_t
   use sgmp_mesh, only: mesh_t
   use sgmp_model, only: model_t
   use sgmp_particle_fields, only: particle_field_components, particle_field_find
@@ -67,10 +66,7 @@ contains
     character(:), allocatable :: text
     character(name_length), allocatable :: names(:)
     integer :: q
-    names = column_names(body%law%slots, body%loads, mesh)
-    do q = 1, body_parts(body)
-      names(body%driven(q)%mark) = 'driven'//integer_text(q)
-    end do
+    names = column_names(body%law%slots, mesh)
     text = '{"name": "'//trim(body%name)//'", "first_id": '//integer_text(body%first_id)// &
            ', "columns": "position velocity mass'
     do q = 1, size(names)
@@ -82,54 +78,26 @@ contains
   !> Names of the history columns as output has them; the mean stress where it is the only one, and
   !! `spin+2` for the third component of the spin; of the loads of a body, by number, shares in a
   !! force and area vectors.
-  function column_names(slots, loads, mesh) result(names)
+  function column_names(slots, mesh) result(names)
     type(slots_t), intent(in) :: slots
-    type(load_t), intent(in) :: loads(:)
     type(mesh_t), intent(in) :: mesh
     character(name_length) :: names(slots%total)
-    integer :: q, first
-    names = ''
+    integer :: i, q
     names(slots%volume) = 'volume'
+    do i = 1, size(slots%list)
+      associate (slot => slots%list(i))
+        names(slot%first) = slot%name
+        do q = 1, size(slot%start) - 1
+          names(slot%first + q) = trim(slot%name)//'+'//integer_text(q)
+        end do
+      end associate
+    end do
     if (slots%stresses > 1) then
       names(slots%stress:slots%stress + slots%stresses - 1) = &
         particle_field_components(particle_field_find('stress'), mesh%space, slots%stresses)
     else
-      call name_column(slots%stress, 'mean_stress')
+      names(slots%stress) = 'mean_stress'
     end if
-    call name_column(slots%plastic, 'plastic_strain')
-    call name_column(slots%temperature, 'temperature')
-    call name_column(slots%damage, 'damage')
-    call name_column(slots%energy, 'energy')
-    call name_column(slots%distention, 'distention')
-    call name_column(slots%pore_shift, 'pore_shift')
-    call name_column(slots%bulking, 'bulking')
-    call name_column(slots%preconsolidation, 'preconsolidation')
-    call name_column(slots%lighting, 'lighting_time')
-    call name_column(slots%deformation, 'deformation')
-    call name_column(slots%stretch, 'stretch')
-    call name_column(slots%initial, 'initial')
-    call name_column(slots%spin, 'spin')
-    call name_column(slots%swirl, 'swirl')
-    call name_column(slots%surface, 'surface')
-    call name_column(slots%compliance, 'compliance')
-    call name_column(slots%strength, 'strength')
-    call name_column(slots%yield_factor, 'yield_factor')
-    call name_column(slots%path, 'path')
-    do q = 1, size(loads)
-      call name_column(loads(q)%column, trim(merge('share', 'area ', &
-                                                   loads(q)%kind == load_force))//integer_text(q))
-    end do
-    first = 1
-    do q = 1, slots%total
-      if (names(q) /= '') first = q
-      if (names(q) == '') names(q) = trim(names(first))//'+'//integer_text(q - first)
-    end do
-  contains
-    subroutine name_column(column, name)
-      integer, intent(in) :: column
-      character(*), intent(in) :: name
-      if (column > 0) names(column) = name
-    end subroutine name_column
   end function column_names
 
 end module sgmp_contents
