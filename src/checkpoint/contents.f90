@@ -3,17 +3,14 @@
 module sgmp_contents
   use sgmp_body, only: body_t
   use sgmp_columns, only: column_name, columns_t
-  use sgmp_material_history, only: slots_t
   use sgmp_mesh, only: mesh_t
   use sgmp_model, only: model_t
-  use sgmp_particle_fields, only: particle_field_components, particle_field_find
   use sgmp_space, only: axes_in_output
+  use sgmp_state_columns, only: state_column_names, state_name_length
   use sgmp_text, only: integer_text, real_text_short
   implicit none
   private
   public :: contents_text
-
-  integer, parameter :: name_length = 16
 
 contains
 
@@ -64,40 +61,16 @@ contains
     type(body_t), intent(in) :: body
     type(mesh_t), intent(in) :: mesh
     character(:), allocatable :: text
-    character(name_length), allocatable :: names(:)
+    character(state_name_length), allocatable :: names(:)
     integer :: q
-    names = column_names(body%law%slots, mesh)
+    names = state_column_names(body%law%slots, mesh%space)
     text = '{"name": "'//trim(body%name)//'", "first_id": '//integer_text(body%first_id)// &
+           ', "density": '//real_text_short(body%law%density)// &
            ', "columns": "position velocity mass'
     do q = 1, size(names)
       text = text//' '//trim(names(q))
     end do
     text = text//'"}'
   end function body_text
-
-  !> Names of the history columns as output has them; the mean stress where it is the only one, and
-  !! `spin+2` for the third component of the spin; of the loads of a body, by number, shares in a
-  !! force and area vectors.
-  function column_names(slots, mesh) result(names)
-    type(slots_t), intent(in) :: slots
-    type(mesh_t), intent(in) :: mesh
-    character(name_length) :: names(slots%total)
-    integer :: i, q
-    names(slots%volume) = 'volume'
-    do i = 1, size(slots%list)
-      associate (slot => slots%list(i))
-        names(slot%first) = slot%name
-        do q = 1, size(slot%start) - 1
-          names(slot%first + q) = trim(slot%name)//'+'//integer_text(q)
-        end do
-      end associate
-    end do
-    if (slots%stresses > 1) then
-      names(slots%stress:slots%stress + slots%stresses - 1) = &
-        particle_field_components(particle_field_find('stress'), mesh%space, slots%stresses)
-    else
-      names(slots%stress) = 'mean_stress'
-    end if
-  end function column_names
 
 end module sgmp_contents

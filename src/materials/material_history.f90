@@ -1,9 +1,9 @@
-!> What particles keep besides place, velocity and mass: the columns of their second stream, the only
-!! place that knows all of them.
+!> What particles keep besides place, velocity and mass: the columns of their second stream. The
+!! only place that knows all of them.
 !!
 !! A law ticks what it wants in `history_t`; features ask by name (slots_ask). First columns, first
-!! values, fields of output, names in checkpoints and what `--check` says follow from the table and
-!! the list. A new column is a row of `kept_columns`, a component of `slots_t` with its line in
+!! values, fields of output, columns of particle files, names in checkpoints and what `--check` says
+!! follow from the table and the list. A new column is a row of `kept_columns`, a component of `slots_t` with its line in
 !! `name_slots`, where kernels read it, and where a law wants it a flag and its line in
 !! `slots_ask_history`.
 module sgmp_material_history
@@ -19,30 +19,33 @@ module sgmp_material_history
   type :: kept_t
     character(name_length) :: name   !! in output and checkpoints
     logical :: written               !! it is a field of output by this name
+    logical :: given                 !! a particle file may give it
     character(60) :: said            !! by --check: what it is, and who asks for it; blank: nothing
   end type kept_t
 
   type(kept_t), parameter :: kept_columns(*) = [ &
-    kept_t('stress', .false., 'stress components (dimension, material)'), &
-    kept_t('plastic_strain', .true., 'plastic strain (material)'), &
-    kept_t('temperature', .true., 'temperature (material with thermal softening)'), &
-    kept_t('damage', .true., 'damage (failure, material)'), &
-    kept_t('energy', .true., 'internal energy (eos, erode)'), &
-    kept_t('distention', .true., 'distention (eos)'), &
-    kept_t('pore_shift', .false., 'shift of the curve of elastic pores (eos pore_speed)'), &
-    kept_t('bulking', .true., 'bulking pressure (material)'), &
-    kept_t('preconsolidation', .true., 'preconsolidation (material)'), &
-    kept_t('lighting_time', .true., 'lighting time (explosive, detonation)'), &
-    kept_t('deformation', .false., 'deformation gradient (neo-Hookean material)'), &
-    kept_t('stretch', .false., 'diagonal of the deformation gradient (method cpgimp, split)'), &
-    kept_t('initial', .false., 'initial position (bodyforce or load that uses it)'), &
-    kept_t('spin', .false., ''), &
-    kept_t('surface', .false., ''), &
-    kept_t('swirl', .false., 'velocity around the axis (dimension axisymmetric swirl=yes)'), &
-    kept_t('compliance', .false., 'compliance (volumes=kept, eos)'), &
-    kept_t('strength', .true., 'strength (failure weibull)'), &
-    kept_t('yield_factor', .true., 'factor of the yield stress (material yield_weibull)'), &
-    kept_t('path', .true., 'path from the particle that was split (split)')]
+    kept_t('stress', .false., .false., 'stress components (dimension, material)'), &
+    kept_t('plastic_strain', .true., .true., 'plastic strain (material)'), &
+    kept_t('temperature', .true., .true., 'temperature (material with thermal softening)'), &
+    kept_t('damage', .true., .true., 'damage (failure, material)'), &
+    kept_t('energy', .true., .true., 'internal energy (eos, erode)'), &
+    kept_t('distention', .true., .true., 'distention (eos)'), &
+    kept_t('pore_shift', .false., .true., 'shift of the curve of elastic pores (eos pore_speed)'), &
+    kept_t('bulking', .true., .true., 'bulking pressure (material)'), &
+    kept_t('preconsolidation', .true., .true., 'preconsolidation (material)'), &
+    kept_t('lighting_time', .true., .true., 'lighting time (explosive, detonation)'), &
+    kept_t('deformation', .false., .false., 'deformation gradient (neo-Hookean material)'), &
+    kept_t('stretch', .false., .false., &
+           'diagonal of the deformation gradient (method cpgimp, split)'), &
+    kept_t('initial', .false., .false., 'initial position (bodyforce or load that uses it)'), &
+    kept_t('spin', .false., .false., ''), &
+    kept_t('surface', .false., .false., ''), &
+    kept_t('swirl', .false., .false., &
+           'velocity around the axis (dimension axisymmetric swirl=yes)'), &
+    kept_t('compliance', .false., .false., 'compliance (volumes=kept, eos)'), &
+    kept_t('strength', .true., .true., 'strength (failure weibull)'), &
+    kept_t('yield_factor', .true., .true., 'factor of the yield stress (material yield_weibull)'), &
+    kept_t('path', .true., .false., 'path from the particle that was split (split)')]
 
   !> Columns that a law wants besides volume and stress, with their first values where not 0.
   type :: history_t
