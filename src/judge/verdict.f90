@@ -11,6 +11,7 @@ module sgmp_verdict
   use sgmp_energy, only: ledger_drift
   use sgmp_energy_terms, only: terms_value
   use sgmp_errors, only: error_t, exit_stopped
+  use sgmp_features, only: features_remedy_stretched
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_free
   use sgmp_model, only: model_t
@@ -291,8 +292,7 @@ contains
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: lost            !! particles that have left the grid
     character(:), allocatable :: remedy
-    remedy = ''
-    if (.not. scene%method%split > 0.0_dp) remedy = '; method … split=0.75 splits what is stretched'
+    remedy = features_remedy_stretched(scene%features)
     associate (found => self%state)
       if (found%particles == 0 .and. lost > 0) then
         call self%object('no particle is left: all have left the grid; enlarge it, or end earlier')

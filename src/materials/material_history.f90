@@ -42,9 +42,9 @@ module sgmp_material_history
     kept_t('surface', .false., .false., ''), &
     kept_t('swirl', .false., .false., &
            'velocity around the axis (dimension axisymmetric swirl=yes)'), &
-    kept_t('compliance', .false., .false., 'compliance (volumes=kept, eos)'), &
     kept_t('strength', .true., .true., 'strength (failure weibull)'), &
     kept_t('yield_factor', .true., .true., 'factor of the yield stress (material yield_weibull)'), &
+    kept_t('compliance', .false., .false., 'compliance (volumes=kept, eos)'), &
     kept_t('path', .true., .false., 'path from the particle that was split (split)')]
 
   !> Columns that a law wants besides volume and stress, with their first values where not 0.
@@ -104,27 +104,38 @@ module sgmp_material_history
 
 contains
 
-  !> Asks for columns behind all others, as many as there are first values.
+  !> Asks for columns, as many as there are first values: they come in the order of the table, and
+  !! those that are not in it behind all others. What is there already is not asked for again.
   pure subroutine slots_ask(slots, name, start)
     type(slots_t), intent(inout) :: slots
     character(*), intent(in) :: name
     real(dp), intent(in) :: start(:)
     type(slot_t), allocatable :: list(:)
     integer :: n, i
-    if (size(start) == 0) return
-    n = 0
-    if (allocated(slots%list)) n = size(slots%list)
-    allocate (list(n + 1))
-    do i = 1, n
-      list(i) = slots%list(i)
+    if (size(start) == 0 .or. slots_column(slots, name) > 0) return
+    if (.not. allocated(slots%list)) allocate (slots%list(0))
+    n = count([(rank_of(slots%list(i)%name) <= rank_of(name), i=1, size(slots%list))])
+    allocate (list(size(slots%list) + 1))
+    do i = 1, size(slots%list)
+      list(merge(i, i + 1, i <= n)) = slots%list(i)
     end do
     list(n + 1)%name = name
-    list(n + 1)%first = slots%total + 1
     list(n + 1)%start = start
     call move_alloc(list, slots%list)
-    slots%total = slots%total + size(start)
+    slots%total = 1  ! the volume
+    do i = 1, size(slots%list)
+      slots%list(i)%first = slots%total + 1
+      slots%total = slots%total + size(slots%list(i)%start)
+    end do
     call name_slots(slots)
   end subroutine slots_ask
+
+  !> Row of the table, one beyond its end where the name is not in it.
+  pure integer function rank_of(name) result(rank)
+    character(*), intent(in) :: name
+    rank = findloc(kept_columns%name == name, .true., 1)
+    if (rank == 0) rank = size(kept_columns) + 1
+  end function rank_of
 
   !> Asks for what a law wants.
   pure subroutine slots_ask_history(slots, wants, ndim, stresses)

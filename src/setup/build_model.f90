@@ -9,7 +9,7 @@ module sgmp_build_model
   use sgmp_build_columns, only: columns_build
   use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
-  use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, &
+  use sgmp_constitutive, only: eos_none, law_is_spherical, &
                                law_set_length, law_slots
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_pairs
@@ -41,7 +41,7 @@ module sgmp_build_model
   use sgmp_rigid_motion, only: motion_energy
   use sgmp_scene, only: body_card_t, scene_space, scene_t, time_card_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
-  use sgmp_stages, only: stage_terms
+  use sgmp_stages, only: stage_columns, stage_terms
   use sgmp_step, only: step_start
   use sgmp_strength, only: strength_factor
   use sgmp_sums, only: removed_causes, removed_sums
@@ -135,7 +135,7 @@ contains
     method%normalised = scene%method%normalised
     method%interior = scene%method%interior
     method%relaxed = scene%method%volumes_kept
-    method%split = scene%method%split
+    method%features = scene%features
     method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
     method%surfaces = scene%method%surfaces .and. scene%dimension > 1
     method%normalised_solids = scene%method%normalised_auto
@@ -231,6 +231,7 @@ contains
       call keep_energy(scene, body)
       call law_slots(body%law, tensor_axes(scene))
       call add_columns(scene, number, mesh%ndim, body)
+      call stage_columns(scene%features, mesh%ndim, body)
       call loads_add_columns(mesh%ndim, body)
       call driven_add_columns(body)
       do d = 1, mesh%ndim
@@ -301,8 +302,7 @@ contains
     type(body_t), intent(inout) :: body
     real(dp), parameter :: one(1) = 1.0_dp, none(3) = 0.0_dp
     associate (law => body%law, slots => body%law%slots)
-      if (body%sides_stretch .or. splits(scene, body)) call slots_ask(slots, 'stretch', &
-                                                                      spread(1.0_dp, 1, ndim))
+      if (body%sides_stretch) call slots_ask(slots, 'stretch', spread(1.0_dp, 1, ndim))
       if (needs_initial(body)) call slots_ask(slots, 'initial', none(:ndim))
       call slots_ask(slots, 'spin', none(:spin_components(scene)))
       call contact_add_slot(scene, number, slots)
@@ -314,17 +314,8 @@ contains
       if (scene%method%volumes_kept .and. law%eos /= eos_none .and. .not. law%rigid) then
         call slots_ask(slots, 'compliance', none(:1))
       end if
-      if (splits(scene, body)) call slots_ask(slots, 'path', one)
     end associate
   end subroutine add_columns
-
-  !> Whether particles of a body are split where they are stretched.
-  pure function splits(scene, body) result(yes)
-    type(scene_t), intent(in) :: scene
-    type(body_t), intent(in) :: body
-    logical :: yes
-    yes = scene%method%split > 0.0_dp .and. .not. body%rigid
-  end function splits
 
   !> Body forces that act on a body; a card for the body itself comes before one for all.
   subroutine attach_force(scene, number, body)
