@@ -1,6 +1,7 @@
 !> The cards `method`, `time` and `stop`: how and how long the scene is computed.
 module sgmp_cards_method
   use sgmp_deck_card, only: deck_card_t
+  use sgmp_deck_errors, only: deck_errors_t
   use sgmp_kernels, only: kernel_sized, method_kernel, method_names, method_sgmp
   use sgmp_keys, only: kind_integer, kind_real, kind_word
   use sgmp_kinds, only: dp
@@ -18,7 +19,7 @@ contains
   subroutine register_method(registry)
     type(registry_t), intent(inout) :: registry
     call registry%card('method', 'Spatial discretisation and order of the update.', &
-                       'method sgmp update=musl', read_method, once=.true.)
+                       'method sgmp update=musl', read_method, check_method, once=.true.)
     call registry%key('kind', kind_word, 'discretisation', choices=words_joined(method_names), &
                       default=trim(method_names(method_sgmp)), slot=1, &
                       source='Kan, Liang and Zhang 2021, sections 2 to 4')
@@ -59,9 +60,9 @@ contains
                       'that lie at an angle to the grid (sgmp only); auto: corrected for '// &
                       'solids in plane and space where the rest of the deck allows it', &
                       choices='auto plain corrected', default='auto', source='doc/surfaces.md')
-    call registry%key('spin', kind_word, 'whether particles carry the rotation of what is '// &
-                      'around them to the grid, so that what turns keeps turning (sgmp, musl)', &
-                      choices='none carried', default='none', source='doc/rotation.md')
+    call registry%key('spin', kind_word, 'taken out: rotation=exact keeps what turns turning; '// &
+                      'none is accepted, with a warning', choices='none carried', &
+                      default='none', source='doc/rotation.md')
     call register_time(registry)
   end subroutine register_method
 
@@ -125,9 +126,29 @@ contains
       method%hoop = card%number('hoop', absent=method%hoop)
       method%rotation = card%word('rotation') == 'exact'
       method%surfaces = card%word('surfaces') == 'corrected'
-      method%spin = card%word('spin') == 'carried'
     end associate
   end subroutine read_method
+
+  !> What goes with what is in `sgmp_combinations`.
+  subroutine check_method(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    call check_spin(card, draft%errors)
+  end subroutine check_method
+
+  !> A word of former releases.
+  subroutine check_spin(card, errors)
+    type(deck_card_t), intent(in) :: card
+    type(deck_errors_t), intent(inout) :: errors
+    if (.not. card%values(card%at('spin'))%given) return
+    if (card%word('spin') == 'carried') then
+      call errors%add(card%place('spin'), 'spin=carried has been taken out: it damped bending '// &
+                      'and rolled worse than rotation=exact', 'write rotation=exact instead')
+    else
+      call errors%warn(card%place('spin'), 'spin says nothing any more: nothing is carried', &
+                       'remove it')
+    end if
+  end subroutine check_spin
 
   subroutine read_time(card, draft)
     type(deck_card_t), intent(in) :: card

@@ -38,7 +38,6 @@ module sgmp_material_history
     kept_t('stretch', .false., .false., &
            'diagonal of the deformation gradient (method cpgimp, split)'), &
     kept_t('initial', .false., .false., 'initial position (bodyforce or load that uses it)'), &
-    kept_t('spin', .false., .false., ''), &
     kept_t('surface', .false., .false., ''), &
     kept_t('swirl', .false., .false., &
            'velocity around the axis (dimension axisymmetric swirl=yes)'), &
@@ -90,7 +89,6 @@ module sgmp_material_history
     integer :: deformation = 0   !! deformation gradient, row by row
     integer :: stretch = 0       !! its diagonal alone, for cpGIMP and to split particles
     integer :: initial = 0       !! initial position, for body forces that use it
-    integer :: spin = 0          !! first component of the spin that particles carry
     integer :: swirl = 0         !! velocity around the axis times radius (cells)
     integer :: surface = 0       !! distance to the body's surface, for contact
     integer :: compliance = 0    !! by which volume is exchanged, for kept volumes
@@ -178,7 +176,6 @@ contains
     slots%deformation = slots_column(slots, 'deformation')
     slots%stretch = slots_column(slots, 'stretch')
     slots%initial = slots_column(slots, 'initial')
-    slots%spin = slots_column(slots, 'spin')
     slots%swirl = slots_column(slots, 'swirl')
     slots%surface = slots_column(slots, 'surface')
     slots%compliance = slots_column(slots, 'compliance')

@@ -141,7 +141,6 @@ contains
     method%normalised_solids = scene%method%normalised_auto
     method%rotation_solids = scene%method%rotation_auto
     method%surfaces_solids = scene%method%surfaces_auto
-    method%spins = spin_components(scene)
     method%swirl = scene%swirl
     method%erodes = any([(scene%materials(m)%law%erosion%given, m=1, size(scene%materials))])
     method%damped = scene%damping%rate > 0.0_dp .or. scene%damping%kinetic
@@ -304,7 +303,6 @@ contains
     associate (law => body%law, slots => body%law%slots)
       if (body%sides_stretch) call slots_ask(slots, 'stretch', spread(1.0_dp, 1, ndim))
       if (needs_initial(body)) call slots_ask(slots, 'initial', none(:ndim))
-      call slots_ask(slots, 'spin', none(:spin_components(scene)))
       call contact_add_slot(scene, number, slots)
       if (scene%swirl) call slots_ask(slots, 'swirl', none(:1))
       if (law%failure%weibull > 0.0_dp .and. .not. law%rigid) call slots_ask(slots, 'strength', one)
@@ -341,14 +339,6 @@ contains
       yes = yes .or. load_is_bound(body%loads(i))
     end do
   end function needs_initial
-
-  !> Components of the spin that particles carry: one in the plane, three in space.
-  pure function spin_components(scene) result(n)
-    type(scene_t), intent(in) :: scene
-    integer :: n
-    n = 0
-    if (scene%method%spin) n = merge(1, 3, scene%dimension == 2)
-  end function spin_components
 
   !> First values of the history columns behind the volume: what the law says, and the card's own.
   pure function first_history(card, body) result(history)

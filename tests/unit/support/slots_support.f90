@@ -9,11 +9,11 @@ module slots_support
 contains
 
   pure function slots_make(stresses, plastic, temperature, damage, energy, lighting, deformation, &
-                           stretch, initial, spin, distention, pore_shift, bulking, &
+                           stretch, initial, distention, pore_shift, bulking, &
                            preconsolidation) result(slots)
     integer, intent(in) :: stresses            !! stress components
     logical, intent(in) :: plastic, temperature, damage, energy, lighting
-    integer, intent(in) :: deformation, stretch, initial, spin  !! components wanted
+    integer, intent(in) :: deformation, stretch, initial  !! components wanted
     logical, intent(in), optional :: distention, pore_shift, bulking, preconsolidation
     type(slots_t) :: slots
     type(history_t) :: wants
@@ -26,7 +26,6 @@ contains
     call slots_ask_history(slots, wants, nint(sqrt(real(deformation))), stresses)
     call slots_ask(slots, 'stretch', spread(1.0_dp, 1, stretch))
     call slots_ask(slots, 'initial', spread(0.0_dp, 1, initial))
-    call slots_ask(slots, 'spin', spread(0.0_dp, 1, spin))
   end function slots_make
 
 end module slots_support
