@@ -125,7 +125,7 @@ module sgmp_constitutive
     type(tillotson_t) :: tillotson
     type(porosity_t) :: porosity
     integer :: kept = 1                        !! columns of an equation of state: energy,
-                                               !! distention of porous matter, shift of pores
+                                               !! distention of porous material, shift of pores
     real(dp) :: fluid_viscosity = 0.0_dp       !! Newton's, of a fluid (stress times time)
     logical :: small_strain = .false.          !! the linear theory: constant volume, no spin
     logical :: rigid = .false.                 !! prescribed motion: no stress
@@ -305,7 +305,7 @@ contains
       call start_state(values, law, fault)
     end if
     if (law%porosity%porous .and. law%heating%warms .and. .not. allocated(fault)) then
-      call fault_make(fault, 'distention', 'the temperature of porous matter is not known', &
+      call fault_make(fault, 'distention', 'the temperature of porous material is not known', &
                       'remove specific_heat of the material')
     end if
   end subroutine eos_read

@@ -3,9 +3,9 @@
 !!
 !! A law ticks what it wants in `history_t`; features ask by name (slots_ask). First columns, first
 !! values, fields of output, columns of particle files, names in checkpoints and what `--check` says
-!! follow from the table and the list. A new column is a row of `kept_columns`, a component of `slots_t` with its line in
-!! `name_slots`, where kernels read it, and where a law wants it a flag and its line in
-!! `slots_ask_history`.
+!! follow from the table and the list. A new column is a row of `kept_columns`, a component of
+!! `slots_t` with its line in `name_slots`, where kernels read it, and where a law wants it a flag
+!! and its line in `slots_ask_history`.
 module sgmp_material_history
   use sgmp_kinds, only: dp
   implicit none
@@ -53,7 +53,7 @@ module sgmp_material_history
     logical :: temperature = .false.
     logical :: damage = .false.
     logical :: energy = .false.         !! internal energy per initial volume
-    logical :: distention = .false.     !! of porous matter
+    logical :: distention = .false.     !! of porous material
     logical :: pore_shift = .false.     !! of elastic pores
     logical :: bulking = .false.        !! pressure of broken ceramics
     logical :: preconsolidation = .false.  !! of clays
@@ -81,7 +81,7 @@ module sgmp_material_history
     integer :: temperature = 0
     integer :: damage = 0
     integer :: energy = 0        !! internal energy per initial volume, for an equation of state
-    integer :: distention = 0    !! of porous matter, behind the energy
+    integer :: distention = 0    !! of porous material, behind the energy
     integer :: pore_shift = 0    !! of the curve of elastic pores, behind the distention
     integer :: bulking = 0       !! pressure of broken ceramics
     integer :: preconsolidation = 0  !! of clays
