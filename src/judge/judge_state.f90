@@ -31,13 +31,18 @@ module sgmp_judge_state
   real(dp), parameter :: least_thickness = 2.0_dp      !! cells across a body
 
   ! What makes numbers inexact, and by how much (doc/verdict.md).
+  real(dp), parameter :: coarse_room = 0.02_dp         !! of the box that gas has reached
+  real(dp), parameter :: coarse_excess = 0.025_dp      !! part of the volume without room
+  real(dp), parameter :: room_error = 0.25_dp
   real(dp), parameter :: mpm_compression = 1.05_dp     !! density over the initial one
   real(dp), parameter :: mpm_error = 0.4_dp
   real(dp), parameter :: foam_compression = 1.05_dp
   real(dp), parameter :: foam_error = 0.15_dp
   real(dp), parameter :: plain_thickness = 8.0_dp      !! cells, of plain sgmp
-  real(dp), parameter :: thin_thickness = 4.0_dp       !! of other methods
+  real(dp), parameter :: thin_thickness = 4.01_dp      !! of other methods
   real(dp), parameter :: thin_error = 0.15_dp
+  real(dp), parameter :: ball_thickness = 13.0_dp      !! cells across a ball, of sgmp
+  real(dp), parameter :: ball_error = 0.1_dp
 
 contains
 
@@ -61,8 +66,15 @@ contains
     end if
     if (found%excess > largest_excess) then
       call opinion%object(percent_text(found%excess)//" of the particles' volume has no "// &
-                         'room in the cells around them: volumes have drifted, or neighbours '// &
-                         'are gone'//remedy)
+                          'room in the cells around them: volumes have drifted, or neighbours '// &
+                          'are gone'//remedy)
+    end if
+    if (.not. found%gas .or. .not. found%room > 0.0_dp .or. found%reached < least_room) return
+    if (abs(found%room/found%reached - 1.0_dp) > coarse_room .or. &
+        found%excess > coarse_excess) then
+      call opinion%expect(room_error, "the particles' volumes sum to "//real_text(found%room)// &
+                          ' times the closed box, and '//percent_text(found%excess)// &
+                          ' of them has no room in its cells: pressures have drifted'//remedy)
     end if
   end subroutine judge_volumes
 
@@ -133,16 +145,22 @@ contains
   end subroutine judge_pressed
 
   !> Solids that have few cells for the method: surfaces that lie at an angle to the grid.
-  subroutine judge_thin(opinion, model, thinnest, thickness)
+  subroutine judge_thin(opinion, model, thinnest, thickness, ball)
     type(opinion_t), intent(inout) :: opinion
     type(model_t), intent(in) :: model
     integer, intent(in) :: thinnest        !! body
     real(dp), intent(in) :: thickness      !! its own, in cells
+    logical, intent(in) :: ball            !! it is one
     character(:), allocatable :: thin
-    if (thinnest == 0 .or. model%method%surfaces .or. model%mesh%ndim == 1) return
+    if (thinnest == 0 .or. model%mesh%ndim == 1) return
     if (any(model%bodies(thinnest)%law%kind == [material_explosive, material_fluid])) return
     thin = "body '"//trim(model%bodies(thinnest)%name)//"' is "//real_text(thickness)// &
            ' cells thick'
+    if (kernel_centred(model%fields(1)%kernel) .and. thickness < ball_thickness .and. &
+        ball .and. model%mesh%space /= 2) then
+      call opinion%expect(ball_error, thin//', and a ball: use smaller cells')
+    end if
+    if (model%method%surfaces) return
     if (kernel_centred(model%fields(1)%kernel) .and. thickness < plain_thickness .and. &
         model%mesh%space /= space_axisymmetric) then
       call opinion%expect(thin_error, thin//', and plain strains of sgmp are wrong at surfaces '// &

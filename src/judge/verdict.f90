@@ -19,6 +19,7 @@ module sgmp_verdict
   use sgmp_parallel, only: parallel_any
   use sgmp_run_log, only: log_t
   use sgmp_scene, only: scene_t
+  use sgmp_shapes, only: shape_sphere
   use sgmp_summary, only: summary_t
   use sgmp_text, only: integer_text, percent_text, real_text
   use sgmp_thickness, only: body_thickness
@@ -58,7 +59,7 @@ contains
     real(dp) :: supplied
     character(:), allocatable :: name
     integer :: b, thinnest
-    logical :: mpm
+    logical :: ball, mpm
     call self%opinion%open()
     supplied = max(model%ledger%supplied, tiny(1.0_dp))
     self%drift = ledger_drift(model%ledger)
@@ -95,8 +96,12 @@ contains
     mpm = model%fields(1)%kernel == kernel_mpm
     call judge_particles(self%opinion, self%state, scene, model%findings%lost, mpm)
     call judge_pressed(self%opinion, self%state, mpm)
-    call judge_thin(self%opinion, model, thinnest, self%thickness)
-    if (thinnest > 0) name = trim(scene%bodies(thinnest)%name)
+    ball = .false.
+    if (thinnest > 0) then
+      name = trim(scene%bodies(thinnest)%name)
+      ball = any(scene%bodies(thinnest)%shapes%kind == shape_sphere)
+    end if
+    call judge_thin(self%opinion, model, thinnest, self%thickness, ball)
     call judge_resolution(self%opinion, name, self%thickness, self%steps)
   end subroutine verdict_reach
 

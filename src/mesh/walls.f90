@@ -227,8 +227,8 @@ contains
                (field%columns%force + a - 1, a=1, field%ndim)]
   end function kept_columns
 
-  !> Folds what is kept of points behind the walls of axes before this one: beside an edge, a part of
-  !! it lay behind both walls.
+  !> Folds what is kept of points behind the walls of axes before this one: beside an edge, a part
+  !! of it lay behind both walls.
   pure subroutine fold_behind(field, axis, q1, q2, parity, ghost, image, n)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: axis, q1, q2          !! columns that are folded

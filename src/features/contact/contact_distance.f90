@@ -138,8 +138,8 @@ contains
   pure function reach(stride, n, balls, axis, near2) result(furthest)
     integer, intent(in) :: stride, n
     real(dp), intent(in) :: balls(stride, 4), axis(3)
-    real(dp), intent(in) :: near2(2)             !! squares of distances from the axis: the outermost
-                                                 !! within the first count, or else the second
+    real(dp), intent(in) :: near2(2)
+      !! squares of distances from the axis: the outermost within the first count, else the second
     real(dp) :: furthest
     real(dp) :: top(lanes), along, across
     integer :: p, l
