@@ -62,10 +62,21 @@ def draw_bars(axis, names, estimates):
     axis.set_ylabel(label(shown[0][1]["quantity"], shown[0][1]["unit"]))
 
 
+def shape_lines(options, names):
+    """How far surfaces at the end are from those of the first run."""
+    from .quantities import quantity_of                # here: it needs names of this file
+    unit = read_units(folder_of(options.folders[0]))["length"]
+    for body in options.shape:
+        for name, folder in zip(names[1:], options.folders[1:]):
+            mean, largest = (quantity_of(folder, f"shape.{body}.{how}", options.folders[0]) for how in ("mean", "largest"))
+            yield f"{name}: surface of {body} {mean:.3g} {unit} from that of {names[0]} (root mean square), at most {largest:.3g} {unit}"
+
+
 def arguments(parser):
     """Arguments of the command."""
     parser.add_argument("folders", nargs="+", type=Path, metavar="OUT_DIR", help="output folders of sgmp")
     parser.add_argument("--column", action="append", help="column of history.csv; may be repeated (default: total_energy)")
+    parser.add_argument("--shape", action="append", default=[], metavar="BODY", help="distance of this body's surface at the end to that of the first run; may be repeated")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="picture; default: compare.png in the folder of the first")
 
 
@@ -77,6 +88,8 @@ def run(options):
     print("\n".join(table(names, [flat(summary) for summary in summaries])))
     for run, estimate in ((run, estimate) for row in estimates.values() for run, estimate in zip(names, row) if estimate):
         print(f"{run}: {estimate['line']}")
+    for line in shape_lines(options, names):
+        print(line)
     columns = options.column or ["total_energy"]
     units = read_units(folder_of(options.folders[0]))
     output = options.output or folder_of(options.folders[0]) / "compare.png"

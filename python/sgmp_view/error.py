@@ -26,6 +26,7 @@ from .error_figure import draw
 from .files import SgmpFileError, read_summary_if_any, read_table, read_units
 from .quantities import KEYS, OF_ROWS, listed, quantity_of, short_name, unit_of
 from .runs import program_of
+from .turning import hindrance, with_turn
 from .study_runs import Member, Runner, clock
 
 CELLS = (2.0, 1.4)                                      # sides of cells over the deck's
@@ -45,7 +46,9 @@ def arguments(parser):
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="a parameter of the deck")
     parser.add_argument("--threads", type=int, metavar="N", help="threads of each run (default: all)")
     parser.add_argument("--sgmp", help="the program (default: $SGMP, the path, build/release/sgmp)")
+    parser.add_argument("--against", type=Path, metavar="OUT_DIR", help="the run that shapes are compared with (default: the deck's own)")
     parser.add_argument("--list", action="store_true", help="list the quantities, run one step only")
+    parser.add_argument("--check", action="store_true", help="tell what it will cost, run one step only")
     parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="folder of the study (default: the deck's name and .error)")
 
 
@@ -92,6 +95,7 @@ class Study:
             raise SgmpFileError(self.checked.words)
         self.runner.base_work = self.checked.work
         self.cell, self.dimension = variations.cell_of(self.deck), len(variations.axes_of(self.deck))
+        self.against = options.against
 
     def probe(self):
         """Folder of a run of one step, which has the names of all quantities."""
@@ -157,6 +161,7 @@ class Study:
         others = [self.method(1.5 * slower, courant)]
         yield others[0]
         yield self.add("particles", "particles", 1.5 ** self.dimension, variations.with_more_particles)
+        yield self.turned()
         yield from places[1:]
         if others[0]:
             yield self.method(1.5 * slower, courant, others[0].name)
@@ -166,6 +171,16 @@ class Study:
         member = self.add("method", "method", work, variations.with_other_method, lambda deck: self.runner.check(deck.text()).accepted, courant, tried)
         if member is not None:
             member.name = member.words.split()[1].rstrip(",")  # its method
+        return member
+
+    def turned(self):
+        """The copy turned against the grid; why there is none is noted."""
+        reason = hindrance(self.deck)
+        member = None if reason else self.add("grid's place", "turned", 1.0, with_turn)
+        if member is None:
+            self.note(f"the scene is not turned against the grid: {reason or 'the program refuses the copy'}")
+        else:
+            member.axes = self.dimension
         return member
 
     def lowest(self):
@@ -189,7 +204,8 @@ class Study:
 
     def plan(self):
         """What is to come and what it costs, by the number of particle-steps and what runs of the kind take."""
-        more = sum(f ** -(self.dimension + 1) for f in CELLS) + 2 + 2 + 1.5 + 1.5**self.dimension
+        turned = 0 if hindrance(self.deck) else 1
+        more = sum(f ** -(self.dimension + 1) for f in CELLS) + 2 + 2 + turned + 1.5 + 1.5**self.dimension
         own = self.runner.seconds_per_work * self.checked.work
         print(f"{self.deck.path}: about {clock(own)} as it is, {clock(own * (1 + more))} with coarser cells, half the step, another place of the grid, "
               f"method, more particles, then finer cells as far as the budget of {clock(self.runner.budget)} goes", flush=True)
@@ -219,12 +235,31 @@ class Study:
 
     def values(self, quantity):
         """By part, pairs of what was set and the value; for cells and the deck's own run what was set is the side of a cell."""
-        values = {"deck": [(self.cell, quantity_of(self.runner.output(self.own), quantity))]}
+        values = {"deck": [(self.cell, self.value(self.own, quantity))]}
         for member in self.members:
             if member.code == 0:
                 setting = float(self.runner.summary(member)["h"]) if member.part == "cells" else member.words
-                values.setdefault(member.part, []).append((setting, quantity_of(self.runner.output(member), quantity)))
+                values.setdefault(member.part, []).append((setting, self.value(member, quantity)))
         return values
+
+    def value(self, member, quantity):
+        """What a run gives. Of a shape that is compared with the deck's own: its distance, below zero where cells are finer, so that it is an error of one sign."""
+        folder = self.runner.output(member)
+        if not quantity.startswith("shape."):
+            return quantity_of(folder, quantity)
+        if self.against is not None:
+            return quantity_of(folder, quantity, self.against)
+        if member is self.own:
+            return 0.0
+        finer = member.part == "cells" and float(self.runner.summary(member)["h"]) < self.cell
+        return (-1 if finer else 1) * quantity_of(folder, quantity, self.runner.output(self.own))
+
+    def scale(self, quantity, value):
+        """What a tolerance in per cent is a share of: the value, for a shape beside the deck's own the largest reach of its body."""
+        if not quantity.startswith("shape.") or self.against is not None:
+            return value
+        body, folder = quantity.split(".", 1)[1].rpartition(".")[0], self.runner.output(self.own)
+        return max(quantity_of(folder, f"extent.{body}.{axis}_length") for axis in variations.axes_of(self.deck))
 
     def costs(self):
         """CPU seconds by part and what was set."""
@@ -239,7 +274,7 @@ class Study:
         widths, found = half_widths(values)
         units = read_units(self.runner.output(self.own))
         own, unit = values["deck"][0][1], unit_of(quantity, units)
-        borne = tolerance_of(tolerance, own)
+        borne = tolerance_of(tolerance, self.scale(quantity, own))
         words = verdict_of(widths, borne, spoken(tolerance, unit), self.summary["verdict"] == "sound")
         errors, costs = dict(errors_of_runs(values, widths, found)), dict(self.costs())
         runs = [{"part": part, "setting": setting, "value": value, "expected_error": errors[part, setting], "cpu_seconds": costs[part, setting]}
@@ -305,7 +340,9 @@ def show_list(folder):
     """Prints the quantities."""
     units = read_units(folder)
     for name in listed(folder):
-        print(f"{name:<44} {quantity_of(folder, name):14.6g} {unit_of(name, units)}".rstrip())
+        value = " " * 14 if name.startswith("shape.") else f"{quantity_of(folder, name):14.6g}"
+        print(f"{name:<44} {value} {unit_of(name, units)}".rstrip())
+    print("shapes: distances of the surface to that of the run given by --against, else between the runs of the study")
     print(f"behind bodies, gauges and history: :{', :'.join(OF_ROWS)} (gauges.NAME.pressure:max)")
 
 
@@ -320,6 +357,9 @@ def run(options):
         raise ValueError("which number? --quantity NAME; --list shows the names")
     for quantity in options.quantity:
         known(first, quantity)
+    if options.check:
+        study.plan()
+        return 0
     study.run(options)
     estimates = [study.estimate(quantity, options.tolerance) for quantity in options.quantity]
     keep(study, estimates)

@@ -52,8 +52,9 @@ def verdict_of(widths, tolerance, spoken, sound):
     if math.isnan(widths["cells"]):
         return "cells not varied: nothing can be said"
     missing = [part for part, width in widths.items() if math.isnan(width)]
+    looked = f", and not looked at: {', '.join(missing)}" if missing else ""
     if total_of(widths) > tolerance:
-        return "not converged; do not quote"
+        return f"not converged{looked}; do not quote"
     if not sound:
         return f"within {spoken}, but the run is doubtful; do not quote"
     return f"converged to {spoken}" + (f" as far as was looked, not at: {', '.join(missing)}" if missing else "")
@@ -65,7 +66,7 @@ def rounded(value, width):
         return f"{value:.4g}", "unknown"
     if width == 0:
         return f"{value:.6g}", "0"
-    if abs(value) < 1e-300 or width < 1e-12 * abs(value):
+    if width < 1e-12 * abs(value):
         return f"{value:.6g}", f"{width:.1g}"
     digits = 1 - math.floor(math.log10(width))
     if -4 <= math.floor(math.log10(max(abs(value), width))) < 6:

@@ -7,6 +7,7 @@ from typing import Dict, List, Optional, Tuple
 import numpy as np
 
 from .files import SgmpFileError, dumps_of, folder_of, read_dump, read_summary_if_any, read_table
+from .turning import cloud_of
 
 AXES = "xyz"
 NO_DAMAGE = "the dump has no field damage, so that failed matter counts as whole: add damage to the fields of `output`"
@@ -187,8 +188,8 @@ def start_and_dump(source, step="last"):
     """The matter of the first dump and that of the wanted one."""
     folder = folder_of(source)
     dumps = dumps_of(folder)
-    first = dumps[0].read() if dumps else None
-    cloud = read_dump(source, step)
+    first = cloud_of(folder, dumps[0].read()) if dumps else None
+    cloud = cloud_of(folder, read_dump(source, step))
     if first is None:
         raise SgmpFileError(
             f"{folder}: no dumps, so no state at the start (add `output vtu every=…` or `output vtkhdf every=…`)"

@@ -1,9 +1,10 @@
 """Numbers that a run has: by names, with units.
 
     bodies.NAME.COLUMN, gauges.NAME.COLUMN, history.COLUMN    the last row of bodies.csv, gauges.csv, history.csv
-    … with :max, :min, :mean, :integral, :time_of_max         of all rows instead (gauges.foot.pressure:max)
+    … with :max, :min, :mean, :integral, :time_of_max, :change of all rows instead (gauges.foot.pressure:max); change: last less first
     extent.NAME.x_max (x_min, x_length, y…, z…, r…)           reach of a body's matter at the end, half a particle around its centres with it
     impact.NAME.crater.depth, impact.NAME.opening.diameter, … what `sgmp-view impact` measures of a wall at the end
+    shape.NAME.mean, shape.NAME.largest                       distance of a body's surface at the end to that in another run
     energy.internal, end_state.largest_pressure, …            numbers of summary.json
 """
 
@@ -14,11 +15,14 @@ import numpy as np
 
 from .compare import flat
 from .files import SgmpFileError, field_unit, folder_of, read_dump, read_history, read_particles_csv, read_summary, read_table
+from .shapes import Shape, distance
+from .turning import cloud_of, table_of
 
-OF_ROWS = ("max", "min", "mean", "integral", "time_of_max")
+OF_ROWS = ("max", "min", "mean", "integral", "time_of_max", "change")
 KEYS = {"bodies": "body", "gauges": "gauge"}
 NO_RESULTS = ("step", "time", "body", "gauge", "particle", "particles", "name", "dt")
 ENDS = ("min", "max", "length")
+DISTANCES = ("mean", "largest")                         # of surfaces: root mean square and largest
 KEPT = "impact.json"
 CLOUD = ("mass", "momentum", "velocity", "kinetic_energy", "front_speed", "rear_speed", "front", "rear", "radius", "largest_radius", "failed_share",
          "beyond_edge_mass")
@@ -32,6 +36,8 @@ def reduced(time, values, how):
     if how in ("mean", "integral"):
         area = float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(time)))
         return area if how == "integral" else area / float(time[-1] - time[0])
+    if how == "change":
+        return float(values[-1] - values[0])
     if how == "time_of_max":
         return float(time[np.argmax(values)])
     if how in OF_ROWS:
@@ -41,7 +47,7 @@ def reduced(time, values, how):
 
 def column_of(folder, file, name, column):
     """Times and values of a column of a body or a gauge."""
-    table = read_table(folder / f"{file}.csv")
+    table = table_of(folder, f"{file}.csv")
     rows = np.ones(len(table["time"]), bool) if name is None else (
         table["name"] == name if "name" in table and not name.isdigit() else table[KEYS[file]] == float(name) if name.isdigit() else
         np.zeros(len(table["time"]), bool))
@@ -56,24 +62,47 @@ def body_names(folder):
     return list(dict.fromkeys(str(name) for name in table["name"]))
 
 
+def matter_at_end(folder, name):
+    """Places of a body's particles at the end, and their sizes (length, area, volume); without volumes in the file half a spacing's."""
+    names = body_names(folder)
+    if name not in names:
+        raise SgmpFileError(f"{folder}: no body '{name}'; there are: {', '.join(names)}")
+    full = folder / "particles_end.csv"
+    cloud, summary = cloud_of(folder, read_particles_csv(full) if full.exists() else read_dump(folder)), read_summary(folder)
+    own, dimension = cloud.fields["body"] == names.index(name) + 1, summary["dimension"]
+    points, axes = cloud.points[own], {"axisymmetric": 2}.get(dimension, dimension)
+    if "volume" in cloud.fields:
+        sizes = cloud.fields["volume"][own] / (points[:, 0] if dimension == "axisymmetric" else 1)
+    else:
+        sizes = np.full(len(points), float(summary["spacing"]) ** axes)
+    return points, sizes, axes, dimension == "axisymmetric"
+
+
 def extent_of(folder, rest):
     """Reach of a body's matter along an axis at the end."""
     name, _, side = rest.rpartition(".")
     axis, _, end = side.partition("_")
-    names = body_names(folder)
-    if name not in names or axis not in ("x", "y", "z", "r") or end not in ENDS:
-        raise SgmpFileError(f"extent.{rest}: expected extent.BODY.AXIS_END with a body of {', '.join(names)}, an axis and an end of {', '.join(ENDS)}")
-    full = folder / "particles_end.csv"
-    cloud, summary = read_particles_csv(full) if full.exists() else read_dump(folder), read_summary(folder)
-    own = cloud.fields["body"] == names.index(name) + 1
-    half = 0.5 * float(summary["spacing"])
-    if "volume" in cloud.fields:
-        dimension = summary["dimension"]
-        area = cloud.fields["volume"][own] / (cloud.points[own, 0] if dimension == "axisymmetric" else 1)
-        half = 0.5 * area ** (1 / {"axisymmetric": 2}.get(dimension, dimension))
-    along = cloud.points[own, "xyz".index("x" if axis == "r" else axis)]
+    if axis not in ("x", "y", "z", "r") or end not in ENDS:
+        raise SgmpFileError(f"extent.{rest}: expected extent.BODY.AXIS_END with an axis and an end of {', '.join(ENDS)}")
+    points, sizes, axes, _ = matter_at_end(folder, name)
+    half = 0.5 * sizes ** (1 / axes)
+    along = points[:, "xyz".index("x" if axis == "r" else axis)]
     low, high = float(np.min(along - half)), float(np.max(along + half))
     return {"min": low, "max": high, "length": high - low}[end]
+
+
+def shape_of(folder, rest, other):
+    """Distance of a body's surface at the end to that in another run: root mean square or largest."""
+    name, _, how = rest.rpartition(".")
+    if how not in DISTANCES:
+        raise SgmpFileError(f"shape.{rest}: expected shape.BODY.{' or shape.BODY.'.join(DISTANCES)}")
+    if other is None:
+        raise SgmpFileError(f"shape.{rest}: beside which run? It is a distance of the surfaces of two")
+    shapes = []
+    for run in (folder, folder_of(other)):
+        points, sizes, axes, is_round = matter_at_end(run, name)
+        shapes.append(Shape(points[:, [0, 2] if is_round else slice(axes)], sizes, is_round))
+    return distance(*shapes)[DISTANCES.index(how)]
 
 
 def impact_numbers(folder):
@@ -101,8 +130,8 @@ def keep_impact(folder):
     (folder / KEPT).write_text(json.dumps(values, indent=1) + "\n")
 
 
-def quantity_of(folder, quantity):
-    """Its value at the end of a run, or of all of it."""
+def quantity_of(folder, quantity, other=None):
+    """Its value at the end of a run, or of all of it; other: the run that a shape is compared with."""
     folder = folder_of(folder)
     quantity, _, how = quantity.partition(":")
     file, _, rest = quantity.partition(".")
@@ -111,13 +140,15 @@ def quantity_of(folder, quantity):
         return reduced(*column_of(folder, file, name, column), how)
     if file == "extent":
         return extent_of(folder, rest)
+    if file == "shape":
+        return shape_of(folder, rest, other)
     if file == "impact":
         values = impact_numbers(folder)
         if rest not in values:
             raise SgmpFileError(f"{folder}: nothing is known of '{quantity}'; there are: {', '.join(values)}")
         return values[rest]
     if file == "history":
-        history = read_history(folder)
+        history = table_of(folder, "history.csv")
         if rest not in history:
             raise SgmpFileError(f"{folder}: history.csv has no column '{rest}'; there are: {', '.join(history)}")
         return reduced(history["time"], history[rest], how)
@@ -134,7 +165,7 @@ def unit_of(quantity, units):
     column = quantity.rpartition(".")[2]
     if how == "time_of_max":
         return units["time"]
-    if quantity.startswith("extent."):
+    if quantity.startswith(("extent.", "shape.")):
         return units["length"]
     if quantity.startswith("impact."):
         kind = {"area": "²", "volume": "³"}.get(column)
@@ -169,6 +200,8 @@ def short_name(quantity):
     if len(parts) < 3:
         return quantity.replace("history.", "")
     column = parts[-1].replace("velocity_", "v_").replace("_", " ") if not parts[-1].startswith("velocity_") else parts[-1].replace("velocity", "v")
+    if parts[0] == "shape":
+        return f"distance of the surface of {'.'.join(parts[1:-1])} ({column})"
     words = f"{column} of {'.'.join(parts[1:-1])}"
     return f"{'time of max' if how == 'time_of_max' else how} of {words}" if how else words
 
@@ -189,6 +222,7 @@ def listed(folder):
         pass                                           # no walls, or no dumps
     axes = "xyz"[:3 if read_summary(folder)["dimension"] == "axisymmetric" else int(read_summary(folder)["dimension"])]
     yield from (f"extent.{name}.{axis}_{end}" for name in body_names(folder) for axis in axes for end in ENDS)
+    yield from (f"shape.{name}.{how}" for name in body_names(folder) for how in DISTANCES)
     yield from (f"history.{column}" for column in read_history(folder) if column not in NO_RESULTS)
     yield from (name for name, value in flat(read_summary(folder)).items()
                 if name.startswith(("energy.", "end_state.")) and isinstance(value, (int, float)))

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from .files import SgmpFileError, read_summary, read_summary_if_any
 from .quantities import keep_impact
+from .turning import keep_matrix
 from .runs import version_of
 
 DONE = (0, 4)                                           # exit codes of runs that would end the same way again
@@ -32,6 +33,7 @@ class Member:
     code: int = -1                                      # exit code; -1: not run
     note: str = ""
     fault: float = 0.0                                  # of the bodies' mass
+    axes: int = 0                                       # of a scene that was turned; 0: it was not
 
 
 class Checked:
@@ -119,6 +121,8 @@ class Runner:
         if member.code in (*DONE, STOPPED):
             (self.output(member) / STAMP).write_text(json.dumps(self.stamp(member)) + "\n")
         if member.code in DONE and member.part != "deck":
+            if member.axes:
+                keep_matrix(self.output(member), member.axes == 2)
             keep_impact(self.output(member))
             self.remove_dumps(member)
         if member.code == 0 and "--restart" not in more and self.base_work * member.work > 0:

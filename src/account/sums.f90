@@ -6,7 +6,7 @@ module sgmp_sums
             sum_moment, sum_angular, sum_edge_impulse, sum_edge_work, sum_filter, &
             sum_swirl, sum_volume, sum_split, &
             sum_applied
-  public :: removed_by_erosion, removed_by_loss, removed_causes
+  public :: removed_by_card, removed_by_erosion, removed_by_loss, removed_causes
   public :: removed_sums, removed_count, removed_mass, removed_momentum, removed_moment, &
             removed_kinetic, removed_internal
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_edge_push, &
@@ -30,9 +30,10 @@ module sgmp_sums
   integer, parameter :: sum_edge_impulse = 15  !! first of its impulse (3 components)
   integer, parameter :: sum_applied = 18     !! work of forces on faces of particles
 
-  !> Why particles go for good: their material's card, or that they have left the grid. A body has
-  !! sums for both, the entries of a cause after cause*removed_sums others.
-  integer, parameter :: removed_by_erosion = 0, removed_by_loss = 1, removed_causes = 2
+  !> Why particles go for good: their material's card erode, that they have left the grid, or their
+  !! body's card remove. A body has sums for each, those of a cause after cause*removed_sums others.
+  integer, parameter :: removed_by_erosion = 0, removed_by_loss = 1, removed_by_card = 2, &
+                        removed_causes = 3
   integer, parameter :: removed_sums = 10  !! entries of a body's sums over particles that go
   integer, parameter :: removed_count = 1
   integer, parameter :: removed_mass = 2

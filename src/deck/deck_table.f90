@@ -15,6 +15,7 @@ module sgmp_deck_table
   use sgmp_cards_output, only: register_output
   use sgmp_cards_surface, only: register_surface
   use sgmp_registry, only: registry_t
+  use sgmp_removal_card, only: register_removal
   implicit none
   private
   public :: deck_table
@@ -47,6 +48,7 @@ contains
     call register_initial_stress(table)
     call register_surface(table)
     call register_motion(table)
+    call register_removal(table)
     table%group = 'Contact'
     call register_contact(table)
     table%group = 'Output'

@@ -142,6 +142,7 @@ module sgmp_scene
     logical :: about_given = .false.              !! else it is the centre of mass
     logical :: free = .false.                     !! rigid, but forces move it
     real(dp) :: mass = 0.0_dp                     !! of a free body; 0: that of its particles
+    real(dp) :: removed_at = huge(1.0_dp)         !! from this time on it is no more
   contains
     procedure :: turns => body_turns
   end type body_card_t

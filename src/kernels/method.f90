@@ -24,6 +24,7 @@ module sgmp_method
     integer :: spins = 0                    !! components of the spin that particles carry
     real(dp) :: cutoff = 0.0_dp             !! node mass below which a node is ignored
     logical :: erodes = .false.             !! particles may be removed by their material's card
+    logical :: removes = .false.            !! bodies are removed by a card
     integer :: removed = 0                  !! sums of a body over particles that go for good
     !> By which part of the velocity step the velocity with which forces do their work lies before
     !! that of the particles: a half, by which the kinetic energy is exact. Damping would lose a

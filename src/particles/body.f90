@@ -29,6 +29,7 @@ module sgmp_body
     logical :: sides_stretch = .false.         !! and it follows the particle's stretch (cpGIMP)
     real(dp) :: spacing = 0.0_dp               !! particle spacing (length)
     logical :: stressed = .false.              !! at the start, as its card says
+    logical :: lit = .false.                   !! its file says when its particles are lit
     logical :: absorbs = .false.               !! faces lie on edges that let waves out
     logical :: forced = .false.                !! a body force or a load acts
     type(expression_t) :: force(3)             !! force per unit mass
@@ -40,6 +41,8 @@ module sgmp_body
     logical :: at_rest = .false.               !! rigid and never moves
     type(expression_t) :: motion(3)            !! velocity of a rigid body, functions of t
     type(rigid_motion_t) :: rigid_motion       !! its rotation, and what moves it where it is free
+    real(dp) :: removed_at = huge(1.0_dp)      !! from this time on it is no more
+    logical :: leaves = .false.                !! its particles go in this step
     real(dp) :: speed(3) = 0.0_dp              !! of a rigid body, in this step
     real(dp) :: speed_before(3) = 0.0_dp       !! and in the one before
   end type body_t

@@ -221,6 +221,15 @@ contains
       call log%warning(integer_text(model%findings%lost)// &
                        ' particles left the grid and were removed')
     end if
+    if (model%method%removes) then
+      associate (terms => model%ledger%terms)
+        call log%line(integer_text(nint(terms_value(terms, 'removed.particles'), i8))// &
+                      ' particles were removed by cards remove, of mass '// &
+                      real_text(terms_value(terms, 'removed.mass'))//' and energy '// &
+                      real_text(terms_value(terms, 'removed.kinetic_energy') + &
+                                terms_value(terms, 'removed.internal_energy')))
+      end associate
+    end if
     if (model%method%erodes) then
       associate (terms => model%ledger%terms)
         call log%line(integer_text(nint(terms_value(terms, 'eroded.particles'), i8))// &

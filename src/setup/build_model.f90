@@ -6,6 +6,8 @@ module sgmp_build_model
   use sgmp_angular_momentum, only: angular_momentum_note
   use sgmp_body, only: body_t
   use sgmp_build_burn, only: burn_light
+  use sgmp_build_columns, only: columns_build
+  use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
   use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_is_spherical, &
                                law_set_length, &
@@ -149,7 +151,10 @@ contains
     method%damped_until = scene%damping%until
     method%lost_policy = scene%grid%lost
     method%loses = loses(scene)
-    if (method%erodes .or. method%loses) method%removed = removed_causes*removed_sums
+    method%removes = any(scene%bodies%removed_at < huge(1.0_dp))
+    if (method%erodes .or. method%loses .or. method%removes) then
+      method%removed = removed_causes*removed_sums
+    end if
   end subroutine set_method
 
   !> Particles that may leave the grid keep the energy that they then take along.
@@ -209,6 +214,7 @@ contains
       if (allocated(error)) return
       body%name = card%name
       body%first_id = first_id
+      body%removed_at = card%removed_at
       body%spacing = card%spacing
       if (body%spacing <= 0.0_dp) body%spacing = scene%grid%cell/card%ppc
       body%half_size = method_half_size(scene%method%kind)
@@ -261,6 +267,8 @@ contains
       if (seeded) call set_rotation(card, mesh, body)
       call set_strength(body)
       if (seeded) call stress_fill(card, scene%gravity, mesh, body, error)
+      if (allocated(error)) return
+      if (seeded) call file_state_fill(card, mesh%space, body, error)
       if (allocated(error)) return
       call fill_positions(mesh, body)
       call contact_fill_slot(card, mesh, body)
@@ -515,15 +523,8 @@ contains
     allocate (model%turning(size(model%fields)))
     do f = 1, size(model%fields)
       solid = field_solid(model, f)
-      associate (method => model%method)
-        call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
-                        method%normalised .and. (solid .or. .not. method%normalised_solids), &
-                        method%spins, &
-                        method%rotation .and. (solid .or. .not. method%rotation_solids), &
-                        method%relaxed, method%swirl, any(model%bodies%faced), parts(f), &
-                        any(model%bodies%absorbs), &
-                        method%surfaces .and. (solid .or. .not. method%surfaces_solids))
-      end associate
+      call field_init(model%fields(f), model%mesh, kernel, &
+                      columns_build(model, kernel, solid, parts(f)))
       model%fields(f)%drive_terms = terms(f)
       model%fields(f)%gaps = solid .and. .not. model%method%relaxed
     end do

@@ -49,7 +49,7 @@ contains
     integer :: p
     yes = mesh%ndim > 1 .and. mesh%space /= space_axisymmetric .and. &
           all(mesh%wall(:, :mesh%ndim) == wall_free) .and. &
-          .not. (method%damped .or. method%erodes) .and. &
+          .not. (method%damped .or. method%erodes .or. method%removes) .and. &
           .not. any((bodies%rigid .or. bodies%forced .or. bodies%is_driven) .and. &
                      bodies%field == field)
     do p = 1, size(pairs)

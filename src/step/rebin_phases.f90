@@ -24,7 +24,7 @@ module sgmp_rebin_phases
   use sgmp_rebinning, only: arrivals_t, particles_close_lists, particles_extend_bins, &
                             particles_receive, particles_receive_rest
   use sgmp_space, only: axis_names
-  use sgmp_sums, only: nodes_sums, removed_by_erosion, removed_by_loss, removed_causes, &
+  use sgmp_sums, only: nodes_sums, removed_by_card, removed_by_erosion, removed_by_loss, removed_causes, &
                        removed_count, removed_internal, removed_kinetic, removed_mass, &
                        removed_moment, removed_momentum, removed_sums, sweep_sums
   use sgmp_tally, only: tally_add
@@ -59,7 +59,7 @@ contains
       call report_escaped(plan, mesh, bodies, team%movers, findings%failure)
       do b = 1, size(bodies)
         if (bodies(b)%rigid) cycle
-        if (.not. (plan%loses .or. bodies(b)%law%erosion%given)) cycle
+        if (.not. (plan%loses .or. bodies(b)%law%erosion%given .or. bodies(b)%leaves)) cycle
         call book_removed(plan, b, bodies, team%movers(b, :size(team%movers, 2) - 1), findings)
       end do
       if (ranks%partition%ranks > 1) then
@@ -129,7 +129,8 @@ contains
     do s = 1, size(lists)
       do m = 1, lists(s)%n
         if (lists(s)%eroded(m)) then
-          call tally_add(findings%tally, first + removed_by_erosion*removed_sums, &
+          call tally_add(findings%tally, first + removed_sums*merge( &
+                         removed_by_card, removed_by_erosion, bodies(b)%leaves), &
                          taken_along(plan, bodies(b), lists(s)%particle(:, m)))
         else if (lists(s)%gone(m)) then
           call tally_add(findings%tally, first + removed_by_loss*removed_sums, &

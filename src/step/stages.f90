@@ -6,7 +6,7 @@
 !!
 !!   step              stage               features
 !!   before the run    terms               all that change the energy after the kick
-!!   start             open                driven parts, rotation, surfaces
+!!   start             open                bodies that are removed, driven parts, rotation, surfaces
 !!   stress first      project             walls that rub
 !!                     meet                contact
 !!                     strain_velocity     contact
@@ -41,6 +41,8 @@ module sgmp_stages
   use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_relax, phase_rotation, &
                          phase_surfaces_strain, phase_surfaces_weigh, phase_velocity
   use sgmp_plan, only: plan_t
+  use sgmp_removal_account, only: removal_account
+  use sgmp_removal_stages, only: removal_open
   use sgmp_rigid_bodies, only: rigid_advance, rigid_choose_speed
   use sgmp_rigid_stages, only: free_any, free_close, free_open, free_settle
   use sgmp_splitting_account, only: splitting_account
@@ -76,6 +78,7 @@ contains
       if (method%damped) call damping_account(terms)
       if (method%erodes) call erosion_account(terms)
       if (method%loses) call loss_account(terms)
+      if (method%removes) call removal_account(terms)
       if (model%mesh%walls_rub) call wall_account(terms)
       if (any(model%mesh%absorbs)) call absorbing_account(terms)
     end associate
@@ -85,6 +88,7 @@ contains
   !! sums are empty, nothing of this step is known but its length.
   subroutine stage_open(model)
     type(model_t), intent(inout) :: model
+    if (model%method%removes) call removal_open(model%clock%time, model%bodies)
     if (driven_any(model%fields)) call driven_publish(model%bodies, model%fields)
     if (model%method%rotation) then
       call phase_rotation(model%method, model%mesh, model%fields, model%bodies, model%team, &

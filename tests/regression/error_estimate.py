@@ -21,12 +21,15 @@ if not all(importlib.util.find_spec(name) for name in ("numpy", "matplotlib")):
     print("skipped: numpy and matplotlib are not installed")
     sys.exit(77)
 sys.path.insert(0, os.path.join(SOURCE, "python"))
+import numpy as np  # noqa: E402
 from sgmp_view import command, deck_variations  # noqa: E402
 from sgmp_view.deck_text import Deck  # noqa: E402
 from sgmp_view.error_estimate import rounded  # noqa: E402
 from sgmp_view.files import read_table  # noqa: E402
 from sgmp_view.grid_convergence import convergence_of  # noqa: E402
+from sgmp_view.shapes import Shape, distance  # noqa: E402
 from sgmp_view.study_runs import Checked, Member, Runner  # noqa: E402
+from sgmp_view.turning import AXIS, DEGREES, hindrance, rotation, with_turn  # noqa: E402
 
 # The first mode of a bar between walls: v = v0 cos(w t) sin(pi x/L), w = pi/L sqrt(E/rho). No parameter, walls at both ends, a number of steps.
 BAR = """
@@ -56,6 +59,23 @@ material m elastic density=3 young=100 poisson=0
 body arrow block material=m lower=(0,0) upper=(6,4) spacing=h/2
 velocity arrow x=$speed
 output vtu every=0.3
+"""
+# What turns as it flies, with all that a turned copy must turn; without forces its centre and its angular velocity are known.
+TUMBLING = """
+parameter spin = 0.3
+parameter climb = "(0.5+0*x)"
+units mm g ms
+dimension 3
+grid cell=1
+time end=0.5 cfl=0.5
+gravity (0,0,-2)
+material m elastic density=3 young=100 poisson=0
+body stick block material=m lower=(0,0,0) upper=(3,2,2) spacing=0.5
+subtract stick block lower=(0,0,0) upper=(1,1,1)
+body ball sphere material=m centre=(9,1,1) radius=1.5
+velocity ball x=-spin*(y-1) y=spin*(x-9)+0*sin(x) z=$climb
+velocity stick z=1 omega_y=0.2
+gauge tip point=(9.25,1.25,2.25) fields=stress
 """
 WORDS = """
 parameter h = 0.5          # a comment
@@ -187,6 +207,81 @@ def copies(report):
         check(report, now.accepted and math.isclose(deck_variations.cell_of(deck), target * deck_variations.cell_of(Deck(path)), rel_tol=1e-9), path, text)
 
 
+def surfaces(report):
+    """Distances of surfaces of particles whose shapes are known."""
+    def block(spacing, lower, upper):
+        axes = [np.arange(a + spacing / 2, b, spacing) for a, b in zip(lower, upper)]
+        points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(lower))
+        return Shape(points, np.full(len(points), spacing ** len(lower)))
+
+    def ball(spacing, radius, centre):
+        whole = block(spacing, -np.full(len(centre), radius), np.full(len(centre), radius)).points
+        points = whole[(whole**2).sum(axis=1) < radius**2]
+        return Shape(points + centre, np.full(len(points), {2: math.pi, 3: math.pi * 4 / 3}[len(centre)] * radius ** len(centre) / len(points)))
+
+    for first, second, mean, largest, allowed in (
+            (block(0.5, (0, 0), (10, 4)), block(0.25, (0, 0), (10, 4)), 0, 0, 0.02),          # other particles, the same shape
+            (block(0.5, (0,), (10,)), block(0.25, (0,), (11,)), math.sqrt(0.5), 1, 1e-9),     # one end of two has moved
+            (ball(0.25, 5, (0, 0)), ball(0.25, 5, (1, 0)), math.sqrt(0.5), 1, 0.03),          # cos of the angle, squared: a half
+            (ball(0.5, 5, (0, 0)), ball(0.25, 5.5, (0, 0)), 0.5, 0.5, 0.1),
+            (ball(0.5, 4, (0, 0, 0)), ball(0.4, 4.5, (0, 0, 0)), 0.5, 0.5, 0.12)):
+        found = distance(first, second)
+        check(report, abs(found[0] - mean) <= allowed and abs(found[1] - largest) <= allowed, f"surfaces {mean:.3g}, at most {largest:.3g} apart", str(found))
+    half = block(0.5, (0, 0), (5, 4))
+    shorter = block(0.25, (0, 0), (4, 4))
+    found = distance(Shape(half.points, half.sizes, True), Shape(shorter.points, shorter.sizes, True))
+    check(report, abs(found[0] - math.sqrt(0.5 * ((4 + 2 / 3) / 14 + (2 + 2 / 3) / 12))) < 0.03 and abs(found[1] - 1) < 0.05, "round about an axis that is no surface", str(found))
+
+
+def turned(report):
+    """Scenes turned against the grid: what their runs say is said in the axes of the deck."""
+    from sgmp_view.quantities import quantity_of
+    write("tumbling.inp", TUMBLING)
+    code, text = view("error", "tumbling.inp", "--sgmp", SGMP, "--threads", "1", "--quantity", "bodies.ball.z", "--quantity", "gauges.tip.velocity_y", "--budget", "1m")
+    check(report, code == 0 and "the scene turned by 17 degrees" in text, "a scene in space is turned", text)
+    exact = {"bodies.ball.z": 1 + 0.5 * 0.5 - 0.25, "bodies.ball.x": 9, "bodies.ball.velocity_x": 0, "bodies.stick.velocity_x": 0, "history.momentum_y": 0}
+    for quantity, value in exact.items():
+        found = quantity_of(os.path.join("tumbling.error", "turned"), quantity)
+        check(report, abs(found - value) < 1e-4, f"{quantity} of the turned scene is {value}", str(found))
+    for quantity in ("bodies.stick.x", "bodies.stick.y", "bodies.stick.z", "gauges.tip.velocity_x", "gauges.tip.velocity_y", "gauges.tip.stress_xx", "gauges.tip.stress_xy", "extent.ball.x_max",
+                     "extent.ball.z_length", "bodies.ball.velocity_z", "history.kinetic_energy"):
+        pair = [quantity_of(os.path.join("tumbling.error", run), quantity) for run in ("deck", "turned")]
+        check(report, abs(pair[0] - pair[1]) < 0.02 * max(abs(pair[0]), 0.1), f"{quantity} is nearly that of the deck", str(pair))
+    check(report, np.allclose(rotation(DEGREES, AXIS) @ AXIS, AXIS) and math.isclose(np.trace(rotation(DEGREES, AXIS)), 1 + 2 * math.cos(math.radians(DEGREES))), "a rotation")
+    plane = FLYING.replace("upper=(6,4)", "upper=(6,4) rotation=30 pivot=(1,2)")
+    deck, copy = Deck(write("turn.inp", plane)), Deck(write("turn.inp", plane))
+    with_turn(copy)
+    body = copy.all("body")[0]
+    turn, pivot = math.radians(float(body.get("rotation"))), [float(part) for part in body.get("pivot")[1:-1].split(",")]
+    both = rotation(math.degrees(turn), (0, 0, 1))
+    corner = rotation(30, (0, 0, 1)) @ (np.array([6, 4, 0]) - [1, 2, 0]) + [1, 2, 0]
+    check(report, np.allclose(both @ (np.array([6, 4, 0]) - pivot) + pivot, rotation(DEGREES, (0, 0, 1)) @ corner), "on top of a rotation that a body has", copy.text())
+    check(report, hindrance(deck) is None, "a free scene can be turned")
+    for text, reason in ((BAR, "a line"), (FLYING.replace("grid cell=h", "grid cell=h y=0:open\nwall y-=slip"), "walls"), (FLYING + "load arrow (1,0,0)\n", "the card load"),
+                         (FLYING.replace("dimension 2", "dimension axisymmetric"), "their axis"), (FLYING.replace("spacing=h/2", "layout=gauss"), "lattice")):
+        check(report, reason in hindrance(Deck(write("turn.inp", text))), f"not turned: {reason}", hindrance(Deck("turn.inp")))
+
+
+def shapes(report):
+    """The final shape beside another run, and between the runs of a study."""
+    words = ("error", "flying.inp", "--sgmp", SGMP, "--threads", "1", "--set", "speed=3", "--quantity", "shape.arrow.mean", "--quantity", "shape.arrow.largest")
+    code, text = view(*words)
+    found = estimates("flying.error/error.json")
+    check(report, code == 0 and "surface of arrow (mean) = " in text and "converged to 5 %" in text, "beside the deck's own", text)
+    check(report, found["shape.arrow.largest"]["half_width"] < 0.05 and math.isclose(found["shape.arrow.mean"]["tolerance"], 0.05 * 6), "the same shape with all cells", text)
+    check(report, found["shape.arrow.mean"]["unit"] == "mm", "in mm")
+    write("behind.inp", FLYING.replace("end=2", "end=1.8"))
+    subprocess.run([SGMP, "behind.inp", "--set", "speed=3", "--quiet"], check=True, env=ENVIRONMENT)
+    code, text = view(*words, "--against", "behind.out")
+    found = estimates("flying.error/error.json")
+    check(report, abs(found["shape.arrow.largest"]["value"] - 0.6) < 0.02 and found["shape.arrow.largest"]["half_width"] < 0.05, "beside a run that ends 0.6 mm earlier", text)
+    check(report, abs(found["shape.arrow.mean"]["value"] - 0.6 * math.sqrt(0.4)) < 0.03, "its mean: two sides of four have moved by it", text)
+    code, text = view("error", "flying.inp", "--sgmp", SGMP, "--set", "speed=3", "--quantity", "shape.arrow.mean", "--check", "-o", "other.error")
+    check(report, code == 0 and "as it is" in text and not os.path.exists("other.error/deck"), "--check tells costs and runs a step only", text)
+    code, text = view("compare", "flying.error/deck", "behind.out", "--shape", "arrow")
+    check(report, code == 0 and "surface of arrow" in text and "0.6" in text, "compare knows shapes", text)
+
+
 def intervals(report):
     """A bar whose end is known: the interval holds it, is not much wider, and says whether it may be quoted."""
     write("bar.inp", BAR)
@@ -290,7 +385,7 @@ def main():
     os.environ.update(ENVIRONMENT)
     os.chdir(SCRATCH)
     report = Report()
-    for part in (index, copies, intervals, narrow, misfit, flight, budget, words_of_errors):
+    for part in (index, surfaces, copies, intervals, narrow, misfit, flight, shapes, turned, budget, words_of_errors):
         part(report)
     report.end()
 
