@@ -138,7 +138,7 @@ contains
                           'particles change cells: use method sgmp, gimp or bspline')
     end if
     if (found%crushed > foam_compression) then
-      call opinion%expect(foam_error, 'foam was crushed to '//real_text(found%crushed)// &
+      call opinion%expect(merge(mpm_error, foam_error, mpm), 'foam was crushed to '//real_text(found%crushed)// &
                           ' times its density: noise of the strains takes it off its yield '// &
                           'surface, and it is too weak; use smaller cells, viscosity linear=1')
     end if
