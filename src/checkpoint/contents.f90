@@ -1,7 +1,8 @@
 !> What a checkpoint says of itself to readers other than a restart: time, grid, bodies, and what
-!! the columns of their particles are, as JSON.
+!! the columns of their particles and of the grid's sums are, as JSON.
 module sgmp_contents
   use sgmp_body, only: body_parts, body_t
+  use sgmp_columns, only: column_name, columns_t
   use sgmp_constitutive, only: slots_t
   use sgmp_load, only: load_force, load_t
   use sgmp_mesh, only: mesh_t
@@ -21,7 +22,7 @@ contains
   function contents_text(model) result(text)
     type(model_t), intent(in) :: model
     character(:), allocatable :: text
-    integer :: b, d
+    integer :: b, d, f
     associate (mesh => model%mesh)
       text = '{"time": '//real_text_short(model%clock%time)//', "step": '// &
              integer_text(model%clock%step)//', "cell": '//real_text_short(mesh%h)//', "origin": ['
@@ -38,9 +39,26 @@ contains
         text = text//body_text(model%bodies(b), mesh)
         if (b < size(model%bodies)) text = text//', '
       end do
+      text = text//'], "fields": ['
+      do f = 1, size(model%fields)
+        text = text//field_text(model%fields(f)%columns)
+        if (f < size(model%fields)) text = text//', '
+      end do
       text = text//']}'
     end associate
   end function contents_text
+
+  !> Columns of a field's moments.
+  function field_text(columns) result(text)
+    type(columns_t), intent(in) :: columns
+    character(:), allocatable :: text
+    integer :: q
+    text = '{"columns": "'//column_name(columns, 1)
+    do q = 2, columns%total
+      text = text//' '//column_name(columns, q)
+    end do
+    text = text//'"}'
+  end function field_text
 
   !> Name and first id of a body, and the columns of its particles.
   function body_text(body, mesh) result(text)

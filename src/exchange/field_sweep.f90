@@ -6,6 +6,7 @@
 !! is joined to what the straight sweep would have made of it.
 module sgmp_field_sweep
   use sgmp_body, only: body_particle, body_t
+  use sgmp_columns, only: columns_range
   use sgmp_drive, only: drive_sums
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_t
@@ -77,7 +78,7 @@ contains
         call tally_add(findings%tally, 1 + (b - 1)*sweep_sums, sums(:, p, b))
       end do
     end do
-    if (own%driven > 0 .and. plan%kick) call add_drives(f, field, team, findings)
+    if (field%columns%driven > 0 .and. plan%kick) call add_drives(f, field, team, findings)
     if (plan%strain) call collect_findings(plan, f, bodies, team, findings)
   end subroutine field_sweep
 
@@ -98,62 +99,22 @@ contains
     end do
   end subroutine add_drives
 
-  !> Columns of the moments that a sweep fills.
+  !> Columns of the moments that a sweep fills, and what of a field it must know besides; a probe
+  !! knows nothing of external forces and of swirl.
   pure subroutine sweep_columns(plan, field)
     type(plan_t), intent(inout) :: plan
     type(field_t), intent(in) :: field
-    plan%pairs = 0
-    if (plan%mass) then
-      plan%first_column = min(field%columns%mass, max(1, field%columns%pairs))
-      plan%pairs = field%columns%mass - plan%first_column
-    else if (plan%momentum) then
-      plan%first_column = field%columns%momentum
-    else
-      plan%first_column = field%columns%force
-    end if
-    plan%spins = field%columns%spins
-    plan%driven = field%columns%driven
-    plan%last_column = merge(field%columns%swept, field%columns%force - 1, plan%stress)
-    if (plan%probe .and. plan%stress) then
-      plan%last_column = field%columns%force + field%columns%forces - 1
-    end if
-    call external_columns(plan, field)
-    plan%volume = plan%stress .and. field%columns%volume > 0 .and. .not. plan%probe
-    if (field%columns%square > 0) call relaxation_columns(plan, field)
-    if (field%columns%swirl > 0) call swirl_columns(plan, field)
-    plan%offset = plan%stress .and. field%columns%offset > 0 .and. .not. plan%probe
-    if (plan%offset .and. .not. plan%mass) then
-      plan%offset = .false.
-      plan%last_column = field%columns%offset - 1
-    end if
+    integer :: range(2)
+    associate (columns => field%columns)
+      range = columns_range(columns, plan%mass, plan%momentum, plan%stress, plan%probe)
+      plan%first_column = range(1)
+      plan%last_column = range(2)
+      plan%swirl = columns%swirl > 0 .and. .not. plan%probe
+      if (.not. plan%stress .or. plan%probe) return
+      if (columns%faces > 0) plan%faces = columns%faces - plan%first_column
+      plan%corrected = columns%pairs > 0 .and. columns%external > 0
+    end associate
   end subroutine sweep_columns
-
-  !> The same for external forces, which come with the stress; a probe knows none.
-  pure subroutine external_columns(plan, field)
-    type(plan_t), intent(inout) :: plan
-    type(field_t), intent(in) :: field
-    if (.not. plan%stress .or. plan%probe .or. field%columns%external == 0) return
-    plan%external = field%columns%external - plan%first_column
-    if (field%columns%faces > 0) plan%faces = field%columns%faces - plan%first_column
-    plan%corrected = field%columns%pairs > 0
-  end subroutine external_columns
-
-  !> The same where particles relax to the centres; a probe lets nothing relax.
-  pure subroutine relaxation_columns(plan, field)
-    type(plan_t), intent(inout) :: plan
-    type(field_t), intent(in) :: field
-    plan%compliance = plan%volume
-    plan%square = plan%momentum .and. .not. plan%probe
-    if (plan%momentum .and. plan%probe) plan%last_column = field%columns%square - 1
-  end subroutine relaxation_columns
-
-  !> The same where there is a velocity around the axis, which a probe does not see.
-  pure subroutine swirl_columns(plan, field)
-    type(plan_t), intent(inout) :: plan
-    type(field_t), intent(in) :: field
-    plan%swirl = .not. plan%probe
-    if (plan%probe .and. plan%momentum) plan%last_column = field%columns%swirl - 1
-  end subroutine swirl_columns
 
   !> Whether there are planes that are swept first because neighbours wait for them.
   pure function has_borders(team, f) result(yes)
@@ -175,7 +136,8 @@ contains
     call team%passes%sweep(mesh, field, f, bodies, plan, team%slabs(s, f), &
                            team%slabs(s + 1, f) - 1, sums, team%movers(:, s), &
                            team%workspaces(s, f))
-    if (plan%drift) call lost_particles_check(plan, f, mesh, bodies, team%movers(:, s))
+    if (plan%drift) call lost_particles_check(plan, f, mesh, field%columns, bodies, &
+                                               team%movers(:, s))
   end subroutine sweep_slab
 
   !> Joins a slab with the one below it; the lowest one waits for the rank below, if there is one.

@@ -2,6 +2,7 @@
 !! and the bins of the others.
 module sgmp_lost_particles
   use sgmp_body, only: body_parts, body_t
+  use sgmp_columns, only: columns_before, columns_t, columns_turn_back
   use sgmp_kinds, only: dp
   use sgmp_lost_policy, only: lost_reflect, lost_remove
   use sgmp_mesh, only: mesh_t
@@ -10,7 +11,6 @@ module sgmp_lost_particles
   use sgmp_particles, only: particles_t
   use sgmp_plan, only: plan_t
   use sgmp_rebinning, only: particles_find_bins
-  use sgmp_space, only: space_axisymmetric
   implicit none
   private
   public :: lost_particles_check, lost_particles_find_bins
@@ -18,10 +18,11 @@ module sgmp_lost_particles
 contains
 
   !> Looks after the movers that the bodies of field f have in one slab.
-  pure subroutine lost_particles_check(plan, f, mesh, bodies, movers)
+  pure subroutine lost_particles_check(plan, f, mesh, columns, bodies, movers)
     type(plan_t), intent(in) :: plan
     integer, intent(in) :: f
     type(mesh_t), intent(in) :: mesh
+    type(columns_t), intent(in) :: columns       !! of the field
     type(body_t), intent(in) :: bodies(:)
     type(movers_t), intent(inout) :: movers(:)   !! (bodies)
     integer :: b
@@ -34,7 +35,7 @@ contains
                (plan%lost_policy == lost_reflect .and. bodies(b)%rigid)
       call note_nowhere(mesh%ndim, movers(b))
       if (.not. remove .and. movers(b)%escaped(1) == 0) then
-        call guard_grid(mesh, plan, bodies(b), reflect, movers(b))
+        call guard_grid(mesh, plan, columns, bodies(b), reflect, movers(b))
       end if
       call lost_particles_find_bins(mesh, bodies(b)%particles, movers(b))
     end do
@@ -59,9 +60,10 @@ contains
   !!
   !! A particle is outside once its bin is: half a cell beyond the face with SGMP and GIMP, at the
   !! face with MPM.
-  pure subroutine guard_grid(mesh, plan, body, reflect, movers)
+  pure subroutine guard_grid(mesh, plan, columns, body, reflect, movers)
     type(mesh_t), intent(in) :: mesh
     type(plan_t), intent(in) :: plan
+    type(columns_t), intent(in) :: columns
     type(body_t), intent(in) :: body
     logical, intent(in) :: reflect
     type(movers_t), intent(inout) :: movers
@@ -73,7 +75,7 @@ contains
           if (x >= mesh%lower(d) .and. x <= mesh%upper(d)) cycle
           if (reflect) then
             if (driven(body, d, movers%particle(motion_total(mesh%ndim) + 1:, m))) cycle
-            call turn_back(mesh, plan, d, movers%particle(:, m), movers%values(:, m))
+            call turn_back(mesh, plan, columns, d, movers%particle(:, m), movers%values(:, m))
           else if (x < mesh%lower(d) - body%particles%shift .or. &
                    x > mesh%upper(d) + body%particles%shift) then
             movers%escaped = [m, d]
@@ -99,24 +101,19 @@ contains
     end do
   end function driven
 
-  !> Mirrors a mover at the face that it has passed, with what it gives to the grid: its momentum,
-  !! and about an axis the moments of its mass.
-  pure subroutine turn_back(mesh, plan, d, particle, values)
+  !> Mirrors a mover at the face that it has passed, with what it gives to the grid.
+  pure subroutine turn_back(mesh, plan, columns, d, particle, values)
     type(mesh_t), intent(in) :: mesh
     type(plan_t), intent(in) :: plan
+    type(columns_t), intent(in) :: columns       !! of its field
     integer, intent(in) :: d                     !! axis of the face
     real(dp), intent(inout) :: particle(:), values(:)
-    integer :: before, v
-    logical :: around
-    around = mesh%space == space_axisymmetric
-    before = merge(merge(2, 1, around) + plan%driven + merge(1, 0, plan%pairs > 0), 0, plan%mass)
+    integer :: v
     v = motion_velocity(mesh%ndim) + d - 1
     particle(d) = 2*merge(mesh%lower(d), mesh%upper(d), particle(d) < mesh%lower(d)) - particle(d)
     particle(v) = -particle(v)
-    values(before + d) = -values(before + d)
-    if (.not. (around .and. d == 1 .and. plan%mass)) return
-    values(2) = values(1)*particle(1)
-    if (plan%swirl .and. plan%momentum) values(before + mesh%ndim + 2) = values(1)*particle(1)**2
+    call columns_turn_back(columns, d, particle(1), columns_before(columns, plan%first_column), &
+                           values)
   end subroutine turn_back
 
   !> Finds the bins of movers; those beyond the outermost bins of the grid are gone.

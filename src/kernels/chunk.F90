@@ -8,7 +8,8 @@
 module DIM(sgmp_chunk)
   use CARTESIAN(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t
-  use sgmp_columns, only: pair_sums, relax_stiffness, relax_total, twist_takes, twists
+  use sgmp_columns, only: columns_before, columns_t, pair_sums, relax_stiffness, relax_total, &
+                          stage_moment, twist_takes, twists
   use sgmp_constitutive, only: constitutive_t
   use sgmp_debris, only: debris_room
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
@@ -33,8 +34,7 @@ module DIM(sgmp_chunk)
   use sgmp_sums, only: sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
                        sum_split, sum_viscous, sweep_sums
 #ifdef AXISYMMETRIC
-  use sgmp_swirl, only: swirl_collect, swirl_drift, swirl_flux, swirl_kick, swirl_moments, &
-                        swirl_strain, swirl_stresses
+  use sgmp_swirl, only: swirl_collect, swirl_drift, swirl_flux, swirl_kick, swirl_strain
 #endif
   use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_weights, &
                                       record_group
@@ -77,16 +77,23 @@ module DIM(sgmp_chunk)
     integer :: pairs = 0                 !! of these, the first: volume moments of pairs of centres
     integer :: plain = 0                 !! of these, all but the first and the last, which are the
                                          !! mass's first moments
-    integer :: spin = 0                  !! columns before the spin; 0: none is carried
-    integer :: momentum = 0              !! columns before the momentum
-    integer :: masses = NMASS            !! columns of mass, those of driven particles among them,
-                                         !! and at last of the volume, if there are pairs
-    integer :: swirl = 0                 !! columns before the moments of swirl; 0: none
-    integer :: square = 0                !! column of m |v|^2; 0: none
-    integer :: behind = 0                !! columns behind the forces, from the volume on
-    integer :: forces = 0                !! columns before the forces (MPM, GIMP)
-    integer :: flux = 0                  !! columns before the flux; MPM, GIMP: behind all others
-    integer :: values = 0                !! columns that a particle brings, the flux included
+    ! Columns of the values that particles bring, 0 for those that this sweep does not fill; of what
+    ! says `before`, the columns before it.
+    integer :: momentum = 0              !! before: the momentum
+    integer :: masses = NMASS            !! columns of mass, those of driven particles and the room
+                                         !! of pairs among them
+    integer :: drives = 0                !! mass of driven particles
+    integer :: driven = 0                !! how many
+    integer :: room = 0                  !! volume, for pairs
+    integer :: spin = 0                  !! the spin
+    integer :: swirl = 0                 !! moments of swirl
+    integer :: square = 0                !! m |v|^2
+    integer :: forces = 0                !! before: the forces (MPM, GIMP)
+    integer :: flux = 0                  !! before: the flux; MPM, GIMP: behind all others
+    integer :: apart(2) = 0              !! first and last that scatters of their own fill
+    integer :: volume = 0                !! volume
+    integer :: stiffness = 0             !! what they relax by
+    integer :: values = 0                !! how many a particle brings, the flux included
     integer :: vectors = 0               !! components of the vectors that are gathered
     integer :: stride = 1                !! components of a grid record
     integer :: velocity = 1              !! first component of the grid velocity in a record
@@ -102,8 +109,9 @@ module DIM(sgmp_chunk)
 contains
 
   !> The task of a plan.
-  pure function task_make(kernel, mesh, plan) result(task)
+  pure function task_make(kernel, columns, mesh, plan) result(task)
     integer, intent(in) :: kernel
+    type(columns_t), intent(in) :: columns       !! of the field
     type(mesh_t), intent(in) :: mesh
     type(plan_t), intent(in) :: plan
     type(task_t) :: task
@@ -118,29 +126,7 @@ contains
     task%points = merge(NWIDE_SUM, column_sums, task%wide)
     task%shift = stencil_shift(kernel)
     task%span = bin_span(kernel, NDIM)
-    task%nq = plan%last_column - plan%first_column + 1
-    task%pairs = plan%pairs
-    task%plain = task%nq - merge(NDIM, 0, plan%offset) - task%pairs
-    task%masses = NMASS + plan%driven + merge(1, 0, task%pairs > 0)
-    task%forces = merge(task%masses, 0, plan%mass) + merge(NDIM, 0, plan%momentum)
-    if (plan%spins > 0 .and. plan%momentum) then
-      task%momentum = merge(task%masses, 0, plan%mass)
-      task%spin = task%forces
-      task%forces = task%forces + plan%spins
-    end if
-#ifdef AXISYMMETRIC
-    if (plan%swirl .and. plan%momentum) then
-      task%swirl = task%forces
-      task%forces = task%forces + swirl_moments
-    end if
-#endif
-    if (plan%square) then
-      task%forces = task%forces + 1
-      task%square = task%forces
-    end if
-    task%behind = merge(1, 0, plan%volume) + merge(4, 0, plan%compliance)
-    task%flux = merge(task%forces, task%plain, task%centred)
-    task%values = merge(max(task%plain, task%flux + NFLUX), task%plain, plan%stress)
+    call place_values(columns, plan, task)
     task%vectors = NDIM*size(plan%vectors)
     task%stride = max(1, task%vectors + merge(NGRAD, 0, plan%gradient > 0))
     task%velocity = 1 + merge(NDIM, 0, plan%kick)
@@ -164,6 +150,43 @@ contains
       task%live(:nl, nl:) = 1.0_dp
     end do
   end function task_make
+
+  !> Which columns a sweep fills, and where they are among the values that particles bring.
+  pure subroutine place_values(columns, plan, task)
+    type(columns_t), intent(in) :: columns
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(inout) :: task
+    integer :: before
+    before = columns_before(columns, plan%first_column)
+    task%nq = plan%last_column - plan%first_column + 1
+    task%pairs = before - plan%first_column + 1
+    task%plain = min(plan%last_column, columns%first(stage_moment) - 1) - before
+    task%momentum = columns%momentum - 1 - before
+    task%masses = columns%momentum - columns%mass
+    task%driven = columns%driven
+    task%drives = place(columns%drives)
+    task%room = place(columns%room)
+    task%spin = place(columns%spin)
+    task%swirl = place(columns%swirl)
+    task%square = place(columns%square)
+    task%forces = min(plan%last_column, columns%force - 1) - before
+    task%apart = [place(columns%apart(1)), place(columns%apart(2))]
+    task%volume = place(columns%volume)
+    task%stiffness = place(columns%stiffness)
+    task%flux = merge(task%forces, task%plain, task%centred)
+    task%values = merge(max(task%plain, task%flux + NFLUX), task%plain, plan%stress)
+
+  contains
+
+    !> Place of a column among the values, 0 if the sweep does not fill it.
+    pure function place(column) result(at)
+      integer, intent(in) :: column
+      integer :: at
+      at = 0
+      if (column > before .and. column <= plan%last_column) at = column - before
+    end function place
+
+  end subroutine place_values
 
   !> Advances a chunk: the one place where a sweep decides which of its parts run.
   ! allow(S901, S902)
@@ -260,29 +283,26 @@ contains
     if (plan%stress .and. .not. task%centred) call hoop_force(task, motion, values)
 #endif
     call collect(plan%mass, plan%momentum, task%masses, task%live(1, nl), motion, values)
-    if (plan%driven > 0 .and. plan%mass) then
-      call driven_masses(body, task%live(1, nl), motion(1, mass_at), nb, state, plan%driven, &
-                         values(1, NMASS + 1))
-    end if
-    if (task%pairs > 0) call debris_room(body%law, task%live(1, nl), motion(1, mass_at), nb, &
-                                         state, values(1, task%masses))
+    if (task%drives > 0) call driven_masses(body, task%live(1, nl), motion(1, mass_at), nb, state, &
+                                            task%driven, values(1, task%drives))
+    if (task%room > 0) call debris_room(body%law, task%live(1, nl), motion(1, mass_at), nb, state, &
+                                        values(1, task%room))
 #ifdef AXISYMMETRIC
     if (task%swirl > 0) call swirl_collect(task%live(1, nl), motion, motion(1, mass_at), &
                                            state(1, body%law%slots%swirl), &
-                                           values(1, task%swirl + 1))
+                                           values(1, task%swirl))
 #endif
     if (task%spin > 0) call spin_collect(plan%spin_keep, plan%spin_gain, task%live(1, nl), &
                                          got(1, task%gradient), motion(1, mass_at), &
-                                         state(1, body%law%slots%spin), values(1, task%spin + 1))
+                                         state(1, body%law%slots%spin), values(1, task%spin))
     if (task%square > 0) then
       call relaxation_square(task%live(1, nl), motion, values(1, task%square))
     end if
-    if (plan%compliance) then
+    if (task%stiffness > 0) then
       if (task%relax == 0) got(:, 1) = 0.0_dp  ! nothing is known of the neighbours
       call relaxation_collect(body%law, task%live(1, nl), motion(1, mass_at), speed2, &
                               got(1, merge(task%relax + relax_stiffness - 1, 1, task%relax > 0)), &
-                              nb, state, &
-                              values(1, task%plain - 3))
+                              nb, state, values(1, task%stiffness))
     end if
     if (plan%stress .and. (.not. task%centred .or. task%plain > task%forces + NFLUX)) then
       call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, motion, state, values)
@@ -704,7 +724,8 @@ contains
     end do
   end subroutine collect
 
-  !> The columns behind: forces at nodes (MPM, GIMP), which stay open, external forces, volume.
+  !> The columns behind: forces at nodes (MPM, GIMP) and levers, which stay open, external forces,
+  !! volume.
   subroutine collect_rest(mesh, body, plan, task, live, nb, motion, state, values)
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
@@ -713,22 +734,12 @@ contains
     integer, intent(in) :: nb
     real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
-    integer :: n
-    n = task%forces
-    if (task%centred) then
-      n = n + NFLUX
-#ifdef AXISYMMETRIC
-      if (plan%swirl) n = n + swirl_stresses
-#endif
-    else
-      values(:, n + 1:n + NDIM) = 0.0_dp
-      n = n + NDIM
-    end if
-    if (plan%volume) values(:, task%plain - task%behind + 1) = live*state(:, 1)
-    if (n == task%plain - task%behind) return
-    values(:, n + 1:task%plain - task%behind) = 0.0_dp  ! levers, too
+    if (.not. task%centred) values(:, task%forces + 1:task%forces + NDIM) = 0.0_dp
+    if (task%volume > 0) values(:, task%volume) = live*state(:, 1)
+    if (task%apart(1) == 0) return
+    values(:, task%apart(1):task%apart(2)) = 0.0_dp
     if (body%forced) call loads_on_mass(mesh, body, plan%time, live*motion(:, mass_at), nb, &
-                                        motion, state, values(1, n + 1))
+                                        motion, state, values(1, task%apart(1)))
   end subroutine collect_rest
 
   !> Adds pressure and traction on the faces of those particles that have stayed, where they act:
@@ -926,8 +937,8 @@ contains
     if (task%centred) then
       momentum = task%pairs + task%momentum
       if (task%spin > 0) then
-        call spin_to_origin(task%h, xi, values(1, task%spin + 1), values(1, task%momentum + 1))
-        call spin_to_corners(task%h, xi, cell, values(1, task%spin + 1), task%span, task%nq, &
+        call spin_to_origin(task%h, xi, values(1, task%spin), values(1, task%momentum + 1))
+        call spin_to_corners(task%h, xi, cell, values(1, task%spin), task%span, task%nq, &
                              stencil(1, momentum + 1, 1))
       end if
       if (task%pairs > 0) call linear_scatter_pairs(xi, cell, values(1, task%masses), task%nq, &

@@ -37,8 +37,7 @@ contains
     real(dp) :: least(0:tile + 1), factor(tile), filled(tile), cell, around, volume, part
     integer :: s, first, n, i, q, idx, last      !! last: column of a stress
     cell = cell_volume(mesh%h)
-    last = field%columns%force + NFLUX - 1
-    if (field%columns%swirl > 0) last = field%columns%torque + 1
+    last = field%columns%normalised
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)

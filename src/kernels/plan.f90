@@ -7,12 +7,8 @@ module sgmp_plan
 
   !> One sweep: gather, advance, scatter.
   type :: plan_t
-    logical :: volume = .false.            !! with the stress, the particles' volume
-    logical :: offset = .false.            !! with the stress, first moments of the mass
-    logical :: square = .false.            !! with the momentum, m |v|^2
     logical :: relax = .false.             !! particles relax to the centres (doc/volumes.md)
     logical :: swirl = .false.             !! with the velocity around the axis
-    logical :: compliance = .false.        !! with the stress, what they will relax by
     logical :: probe = .false.  !! nothing advances: particles answer with the stress or momentum of
                                 !! what they read, per wave modulus and mass (sgmp_stability)
     logical :: kick = .false.              !! v += a dt_kick
@@ -22,14 +18,10 @@ module sgmp_plan
     integer :: first_column = 1, last_column = 0  !! columns of the field's moments that the scatter
                                                  !! fills
     logical :: corrected = .false.         !! strains are, at surfaces
-    integer :: external = 0                !! of these, those before the external force; 0: there is
-                                           !! none
-    integer :: faces = 0                   !! the same for that on faces
+    integer :: faces = 0                   !! of these, those before the external force on faces; 0:
+                                           !! there is none
     integer, allocatable :: vectors(:)     !! node columns gathered: acceleration and velocity as
                                            !! the sweep needs them
-    integer :: pairs = 0                   !! with the mass, columns of pairs of centres before it
-    integer :: driven = 0                  !! with the mass, columns of the mass of driven particles
-    integer :: spins = 0                   !! components of the spin that particles carry
     real(dp) :: spin_keep = 1.0_dp, spin_gain = 0.0_dp
       !! spin = keep spin + gain (rotation of the vector that `gradient` names)
     integer :: gradient = 0  !! node column of the vector whose gradient strains the particles

@@ -51,11 +51,13 @@ contains
     type(task_t) :: task
     real(dp) :: lane_sums(lanes, sweep_sums)     !! of a plane, which leaves them empty
     integer :: plane, b, slot, nq
-    task = task_make(field%kernel, mesh, plan)
+    task = task_make(field%kernel, field%columns, mesh, plan)
     nq = task%nq
     lane_sums = 0.0_dp
     call prepare(work, task)
-    if (plan%driven > 0 .and. plan%kick) call clear_drives(plan%driven, plane1, plane2, work)
+    if (field%columns%driven > 0 .and. plan%kick) then
+      call clear_drives(field%columns%driven, plane1, plane2, work)
+    end if
     if (plane2 >= plane1) call fit_buffers(work, task, field%largest_plane)
     do b = 1, size(bodies)
       if (bodies(b)%field /= number .or. .not. plan%drift) cycle

@@ -47,7 +47,7 @@ contains
     type(task_t) :: task
     type(pile_t) :: pile
     integer :: r, r2
-    task = task_make(field%kernel, mesh, plan)
+    task = task_make(field%kernel, field%columns, mesh, plan)
     pile%planes = planes
     do r = 1, arrivals%n, lanes
       r2 = min(r + lanes - 1, arrivals%n)
@@ -248,7 +248,7 @@ contains
     real(dp) :: part
     integer :: d, q
     do q = 1, task%pairs
-      part = values(task%masses)
+      part = values(task%room)
       do d = 1, NDIM
         if (pair_spans(q, d)) part = part*xi(d)
       end do
@@ -267,10 +267,10 @@ contains
     integer :: e, d, q
     q = task%pairs + task%momentum
     do d = 1, NDIM
-      here = -own_lever(values(task%spin + 1:), xi, d)
+      here = -own_lever(values(task%spin:), xi, d)
       do e = 1, NCORNER
         sums(e, q + d) = sums(e, q + d) + &
-            w(e)*(task%h*(here + spin_lever(values(task%spin + 1:), e, d)))
+            w(e)*(task%h*(here + spin_lever(values(task%spin:), e, d)))
       end do
     end do
   end subroutine add_mover_spin

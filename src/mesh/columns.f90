@@ -1,56 +1,98 @@
 !> What the columns of a velocity field hold: its sums over the particles, and the values at its
 !! nodes. The only place that counts them.
+!!
+!! Whoever needs a sum asks for it (columns_ask): a name, a stage, and for each column its image
+!! behind a wall. From the list of what was asked for follow first columns, what a sweep fills and
+!! ranks exchange, what is folded at walls and how, what a particle that is turned back gives, what
+!! is normalised, and the names in checkpoints. It is made once per run; kernels read plain numbers.
 module sgmp_columns
+  use sgmp_images, only: image_radial, image_sign, image_stress, image_t, image_vector
   use sgmp_kernels, only: kernel_centred
+  use sgmp_kinds, only: dp
   use sgmp_space, only: space_axisymmetric, space_dimensions, spaces
+  use sgmp_text, only: integer_text
   use sgmp_voigt, only: flux_components
   implicit none
   private
-  public :: columns_t, columns_keep_behind, columns_make, pair_sums, twist_takes, twists
+  public :: block_t, columns_t, column_image, column_name, columns_ask, columns_before, &
+            columns_keep_behind, columns_make, columns_range, columns_turn_back
+  public :: pair_sums, twist_takes, twists
+  public :: stage_pairs, stage_mass, stage_momentum, stage_stress, stage_moment, stage_behind
   public :: node_acceleration, node_gyration, node_inertia, node_inverse_mass, node_remapped, &
             node_swirl, node_total, node_velocity
   public :: relax_dilation, relax_exchange, relax_filling, relax_filter, relax_stiffness, &
             relax_square, relax_total, relax_velocity
 
-  !> Columns of the sums; vectors and tensors by their first column.
+  !> When columns are filled; in this order they follow each other, and a sweep fills those of some
+  !! stages without a gap.
+  integer, parameter :: stage_pairs = 1     !! with the mass, by a scatter of their own
+  integer, parameter :: stage_mass = 2
+  integer, parameter :: stage_momentum = 3
+  integer, parameter :: stage_stress = 4
+  integer, parameter :: stage_moment = 5    !! where mass and stress come together, by a scatter of
+                                            !! their own
+  integer, parameter :: stage_behind = 6    !! by walls, not by sweeps
+
+  integer, parameter :: name_length = 12
+  character(name_length), parameter :: behind_names(3) = ['behind_x    ', 'behind_y    ', &
+                                                          'behind_z    ']
+
+  !> Columns that something has asked for, next to each other.
+  type :: block_t
+    character(name_length) :: name = ''
+    integer :: stage = stage_stress
+    type(image_t), allocatable :: images(:)  !! one for each column
+    logical :: probed = .false.  !! probes of the stability limit fill it; it is among the first of
+                                 !! its stage
+    logical :: turned = .false.  !! components of the particles' own velocity, which a particle that
+                                 !! is turned back reverses
+    integer :: power = 0         !! above 0: mass times this power of the radius, which changes when
+                                 !! a particle is turned back
+    logical :: normalised = .false.  !! a stress times volume
+    logical :: apart = .false.   !! chunks leave it empty: a scatter of its own fills it
+    integer :: kept = 0          !! so many of them walls that act keep of what lies behind
+    integer :: first = 0         !! its first column
+  end type block_t
+
+  !> Columns of the sums; vectors and tensors by their first column. 0: not carried.
   type :: columns_t
-    integer :: pairs = 0               !! volume moments of pairs and quads of centres, the first;
-                                       !! 0: surfaces are not corrected (doc/surfaces.md)
-    integer :: mass = 1
-    integer :: radial = 0              !! mass times radius (cells), 0: there is no axis
-    integer :: drives = 0              !! mass of particles whose motion is prescribed, one column
-                                       !! for each prescription; 0: there is none
-    integer :: driven = 0              !! how many
-    integer :: room = 0                !! volume, swept with the mass; 0: as for pairs
-    integer :: momentum = 2
-    integer :: spin = 0                !! the spin that particles carry, times their mass
-    integer :: spins = 0               !! components of it, 0: none is carried
-    integer :: swirl = 0               !! v_theta times mass and radius, and mass times radius^2
-                                       !! (cells), 0: there is none
-    integer :: square = 0              !! m |v|^2, 0: nothing relaxes (doc/volumes.md)
-    integer :: force = 0               !! sigma V at auxiliary nodes, or the force at nodes
-    integer :: forces = 0              !! components of it
-    integer :: torque = 0              !! shear stresses of swirl times volume and radius, and the
-                                       !! centrifugal force
-    integer :: external = 0            !! external force, 0: none acts
-    integer :: faces = 0               !! that on faces of particles, 0: none acts there
-    integer :: lever = 0               !! external force times lever (length), component by
-                                       !! component along each axis; 0: none acts on faces
-    integer :: twist = 0               !! external force times two or three levers (cells): columns
-                                       !! of the components, one after another for each twist;
-                                       !! 0: no pairs, or none acts on faces
-    integer :: impedance = 0           !! force per velocity of absorbing edges, component by
-                                       !! component, then its levers as above; 0: there are none
-    integer :: volume = 0              !! 0: not carried
-    integer :: stiffness = 0           !! bulk modulus times volume, 0: nothing relaxes
-    integer :: compliance = 0          !! the compliance w; behind it w p and w p^2
-    integer :: offset = 0              !! first moments of the mass about the centres (mass times
-                                       !! cells), the last that are swept; 0: not carried
-    integer :: swept = 0               !! the last column that sweeps fill
-    integer :: behind(3) = 0           !! by axis, what lay behind its walls before it was
-                                       !! folded: mass, momentum, force; 0: no wall moves
+    integer :: pairs = 0         !! volume moments of pairs and quads of centres (doc/surfaces.md)
+    integer :: mass = 0
+    integer :: radial = 0        !! mass times radius (cells), where there is an axis
+    integer :: drives = 0        !! mass of particles whose motion is prescribed, one column for
+                                 !! each prescription
+    integer :: driven = 0        !! how many
+    integer :: room = 0          !! volume, swept with the mass, for pairs
+    integer :: momentum = 0
+    integer :: spin = 0          !! the spin that particles carry, times their mass
+    integer :: spins = 0         !! components of it
+    integer :: swirl = 0         !! v_theta times mass and radius, and mass times radius^2 (cells)
+    integer :: square = 0        !! m |v|^2, where something relaxes (doc/volumes.md)
+    integer :: force = 0         !! sigma V at auxiliary nodes, or the force at nodes
+    integer :: forces = 0        !! components of it
+    integer :: torque = 0        !! shear stresses of swirl times volume and radius, and the
+                                 !! centrifugal force
+    integer :: external = 0      !! external force
+    integer :: faces = 0         !! that on faces of particles
+    integer :: lever = 0         !! external force times lever (length), component by component
+                                 !! along each axis
+    integer :: twist = 0         !! external force times two or three levers (cells): columns of the
+                                 !! components, one after another for each twist
+    integer :: impedance = 0     !! force per velocity of absorbing edges, component by component,
+                                 !! then its levers as above
+    integer :: volume = 0
+    integer :: stiffness = 0     !! bulk modulus times volume, where something relaxes
+    integer :: compliance = 0    !! the compliance w; behind it w p and w p^2
+    integer :: offset = 0        !! first moments of the mass about the centres (mass times cells)
+    integer :: apart(2) = 0      !! first and last of those that scatters of their own fill
+    integer :: normalised = 0    !! the last of those that are normalised, from the force on
+    integer :: behind(3) = 0     !! by axis, what lay behind its walls before it was folded: mass,
+                                 !! momentum, force; 0: no wall moves
+    integer :: first(stage_pairs:stage_behind + 1) = 1  !! of each stage, even an empty one
+    integer :: probed(stage_pairs:stage_behind) = 0     !! the last that probes fill, of each stage
     integer :: total = 0
-    integer :: nodes = 0               !! columns of the nodes' values
+    integer :: nodes = 0         !! columns of the nodes' values
+    type(block_t), allocatable :: blocks(:)  !! in the order of columns
   end type columns_t
 
   !> Columns of pairs and quads, by dimension: one for each axis, in space one for each two axes.
@@ -83,102 +125,198 @@ module sgmp_columns
 
 contains
 
-  !> Lays out the columns of the sums.
-  ! allow(S901)
-  pure function columns_make(space, kernel, external, volume, spins, offset, relaxed, swirl, &
-                             faced, driven, absorbs, paired) result(columns)
+  !> The columns that every field has: mass, momentum, stress or force.
+  pure function columns_make(space, kernel) result(columns)
     integer, intent(in) :: space, kernel
-    logical, intent(in) :: external    !! with an external force
-    logical, intent(in) :: volume      !! with the volume
-    integer, intent(in) :: spins       !! components of the spin that particles carry
-    logical, intent(in), optional :: offset  !! with the first moments of the mass
-    logical, intent(in), optional :: relaxed  !! with what particles relax by; needs the volume
-    logical, intent(in), optional :: swirl  !! with the velocity around the axis
-    logical, intent(in), optional :: faced  !! external forces act on faces of particles
-    integer, intent(in), optional :: driven  !! prescribed motions of parts of bodies
-    logical, intent(in), optional :: absorbs  !! with the impedance of edges; needs `faced`
-    logical, intent(in), optional :: paired  !! with volume moments of pairs of centres
     type(columns_t) :: columns
-    integer :: ndim
-    logical :: with_relaxation, with_swirl, with_pairs
-    with_pairs = .false.
-    if (present(paired)) with_pairs = paired .and. space /= 1
-    with_relaxation = .false.
-    if (present(relaxed)) with_relaxation = relaxed
-    with_swirl = .false.
-    if (present(swirl)) with_swirl = swirl
-    columns%nodes = merge(node_gyration, node_total(space), with_swirl)
+    type(image_t), allocatable :: images(:)
+    integer :: ndim, a
     ndim = space_dimensions(space)
-    if (with_pairs) then
-      columns%pairs = 1
-      columns%mass = columns%pairs + pair_sums(ndim)
-      columns%momentum = columns%mass + 1
-    end if
+    allocate (columns%blocks(0))
+    columns%nodes = node_total(space)
+    call columns_ask(columns, block_t('mass', stage_mass, [image_t()], kept=1))
     if (space == space_axisymmetric) then
-      columns%radial = columns%momentum
-      columns%momentum = columns%radial + 1
+      call columns_ask(columns, block_t('radial', stage_mass, [image_radial()], power=1))
     end if
-    if (present(driven)) columns%driven = driven
-    columns%drives = merge(columns%momentum, 0, columns%driven > 0)
-    columns%momentum = columns%momentum + columns%driven
-    if (with_pairs) then
-      columns%room = columns%momentum
-      columns%momentum = columns%room + 1
-    end if
-    columns%spin = columns%momentum + ndim
-    columns%spins = spins
-    columns%force = columns%spin + spins
-    if (with_swirl) then
-      columns%swirl = columns%force
-      columns%force = columns%force + 2
-    end if
-    if (with_relaxation) then
-      columns%square = columns%force
-      columns%force = columns%force + 1
-    end if
-    columns%forces = merge(flux_components(space), ndim, kernel_centred(kernel))
-    columns%total = columns%force + columns%forces - 1
-    if (with_swirl) then
-      columns%torque = columns%total + 1
-      columns%total = columns%total + 3
-    end if
-    if (external) then
-      columns%external = columns%total + 1
-      columns%total = columns%total + ndim
-    end if
-    if (wanted(faced)) then
-      columns%faces = columns%total + 1
-      columns%total = columns%total + ndim
-    end if
-    if (wanted(faced) .and. kernel_centred(kernel)) then
-      columns%lever = columns%total + 1
-      columns%total = columns%total + ndim**2
-      if (with_pairs) then
-        columns%twist = columns%total + 1
-        columns%total = columns%total + ndim*twists(ndim)
-      end if
-    end if
-    if (wanted(absorbs)) then
-      columns%impedance = columns%total + 1
-      columns%total = columns%total + merge(ndim + ndim**2, ndim, kernel_centred(kernel))
-    end if
-    if (volume) then
-      columns%total = columns%total + 1
-      columns%volume = columns%total
-    end if
-    if (with_relaxation) then
-      columns%stiffness = columns%total + 1
-      columns%compliance = columns%stiffness + 1
-      columns%total = columns%compliance + 2
-    end if
-    if (present(offset)) then
-      if (offset) then
-        columns%offset = columns%total + 1
-        columns%total = columns%total + ndim
-      end if
-    end if
-    columns%swept = columns%total
+    images = [(image_vector(a), a=1, ndim)]
+    call columns_ask(columns, block_t('momentum', stage_momentum, images, probed=.true., &
+                                      turned=.true., kept=ndim))
+    if (kernel_centred(kernel)) images = [(image_stress(a, space), a=1, flux_components(space))]
+    call columns_ask(columns, block_t('force', stage_stress, images, probed=.true., &
+                                      normalised=.true., kept=ndim))
   end function columns_make
+
+  !> Asks for columns: behind those of the same stage that were asked for before.
+  pure subroutine columns_ask(columns, asked)
+    type(columns_t), intent(inout) :: columns
+    type(block_t), intent(in) :: asked
+    type(block_t), allocatable :: blocks(:)
+    integer :: n, b
+    n = count(columns%blocks%stage <= asked%stage)
+    allocate (blocks(size(columns%blocks) + 1))
+    do b = 1, n
+      blocks(b) = columns%blocks(b)
+    end do
+    blocks(n + 1) = asked
+    do b = n + 1, size(columns%blocks)
+      blocks(b + 1) = columns%blocks(b)
+    end do
+    call move_alloc(blocks, columns%blocks)
+    call count_columns(columns)
+    call name_columns(columns)
+  end subroutine columns_ask
+
+  !> Gives every block its place.
+  pure subroutine count_columns(columns)
+    type(columns_t), intent(inout) :: columns
+    integer :: b, stage, last
+    last = 0
+    columns%total = sum([(size(columns%blocks(b)%images), b=1, size(columns%blocks))])
+    columns%first = columns%total + 1
+    columns%apart = 0
+    columns%normalised = 0
+    do b = 1, size(columns%blocks)
+      associate (block => columns%blocks(b))
+        block%first = last + 1
+        last = last + size(block%images)
+        columns%first(:block%stage) = min(columns%first(:block%stage), block%first)
+        if (block%normalised) columns%normalised = last
+        if (block%apart) columns%apart(2) = last
+        if (block%apart .and. columns%apart(1) == 0) columns%apart(1) = block%first
+      end associate
+    end do
+    columns%probed = columns%first(:stage_behind) - 1
+    do b = 1, size(columns%blocks)
+      associate (block => columns%blocks(b))
+        stage = block%stage
+        if (block%probed) columns%probed(stage) = block%first + size(block%images) - 1
+      end associate
+    end do
+  end subroutine count_columns
+
+  !> The places of those that kernels and others ask for by name.
+  pure subroutine name_columns(columns)
+    type(columns_t), intent(inout) :: columns
+    integer :: axis
+    call find(columns, 'pairs', columns%pairs)
+    call find(columns, 'mass', columns%mass)
+    call find(columns, 'radial', columns%radial)
+    call find(columns, 'drives', columns%drives, columns%driven)
+    call find(columns, 'room', columns%room)
+    call find(columns, 'momentum', columns%momentum)
+    call find(columns, 'spin', columns%spin, columns%spins)
+    call find(columns, 'swirl', columns%swirl)
+    call find(columns, 'square', columns%square)
+    call find(columns, 'force', columns%force, columns%forces)
+    call find(columns, 'torque', columns%torque)
+    call find(columns, 'external', columns%external)
+    call find(columns, 'faces', columns%faces)
+    call find(columns, 'lever', columns%lever)
+    call find(columns, 'twist', columns%twist)
+    call find(columns, 'impedance', columns%impedance)
+    call find(columns, 'volume', columns%volume)
+    call find(columns, 'stiffness', columns%stiffness)
+    call find(columns, 'compliance', columns%compliance)
+    call find(columns, 'offset', columns%offset)
+    do axis = 1, size(behind_names)
+      call find(columns, behind_names(axis), columns%behind(axis))
+    end do
+  end subroutine name_columns
+
+  !> First column and number of columns of a name, 0 where nothing has asked for it.
+  pure subroutine find(columns, name, first, width)
+    type(columns_t), intent(inout) :: columns
+    character(*), intent(in) :: name
+    integer, intent(out) :: first
+    integer, intent(out), optional :: width
+    integer :: b
+    first = 0
+    if (present(width)) width = 0
+    do b = 1, size(columns%blocks)
+      if (columns%blocks(b)%name /= name) cycle
+      first = columns%blocks(b)%first
+      if (present(width)) width = size(columns%blocks(b)%images)
+    end do
+  end subroutine find
+
+  !> Columns that a sweep fills which brings mass, momentum or stress, first and last; a probe fills
+  !! fewer. They are what ranks exchange and what is folded at walls.
+  pure function columns_range(columns, mass, momentum, stress, probe) result(range)
+    type(columns_t), intent(in) :: columns
+    logical, intent(in) :: mass, momentum, stress, probe
+    integer :: range(2), highest
+    associate (first => columns%first)
+      range(1) = first(merge(stage_pairs, merge(stage_momentum, stage_stress, momentum), mass))
+      highest = merge(merge(stage_moment, stage_stress, mass), stage_momentum, stress)
+      range(2) = first(highest + 1) - 1
+      if (probe) range(2) = columns%probed(min(highest, stage_stress))
+    end associate
+  end function columns_range
+
+  !> Columns before those of which particles bring values, in a sweep whose first column is given:
+  !! pairs are made of other values.
+  pure function columns_before(columns, first_column) result(before)
+    type(columns_t), intent(in) :: columns
+    integer, intent(in) :: first_column
+    integer :: before
+    before = max(first_column, columns%first(stage_mass)) - 1
+  end function columns_before
+
+  !> Image of a column at a wall: the sign with which it is folded, 0 where it stays.
+  pure function column_image(columns, column, normal, wall) result(parity)
+    type(columns_t), intent(in) :: columns
+    integer, intent(in) :: column  !! of field%moment
+    integer, intent(in) :: normal  !! axis of the wall's normal
+    integer, intent(in) :: wall    !! wall_slip, wall_fixed or wall_axis
+    real(dp) :: parity
+    integer :: b
+    parity = 0.0_dp
+    b = block_of(columns, column)
+    associate (block => columns%blocks(b))
+      if (block%stage < stage_behind) then
+        parity = image_sign(block%images(1 + column - block%first), normal, wall)
+      end if
+    end associate
+  end function column_image
+
+  !> The block of a column.
+  pure function block_of(columns, column) result(b)
+    type(columns_t), intent(in) :: columns
+    integer, intent(in) :: column
+    integer :: b
+    b = count(columns%blocks%first <= column)
+  end function block_of
+
+  !> Name of a column: that of its block, and its number in it where there are more.
+  pure function column_name(columns, column) result(name)
+    type(columns_t), intent(in) :: columns
+    integer, intent(in) :: column
+    character(:), allocatable :: name
+    associate (block => columns%blocks(block_of(columns, column)))
+      name = trim(block%name)
+      if (column > block%first) name = name//'+'//integer_text(column - block%first)
+    end associate
+  end function column_name
+
+  !> What a particle gives to some columns, once it is turned back at a face across an axis: its own
+  !! velocity along that is reversed, and along r its radius is another.
+  pure subroutine columns_turn_back(columns, axis, radius, before, values)
+    type(columns_t), intent(in) :: columns
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: radius         !! now (cells); 0: there is no axis
+    integer, intent(in) :: before          !! columns before those of the values
+    real(dp), intent(inout) :: values(:)   !! whole blocks, the mass among them where radii are
+    integer :: b, first
+    do b = 1, size(columns%blocks)
+      associate (block => columns%blocks(b))
+        first = block%first - before
+        if (first < 1 .or. first + size(block%images) - 1 > size(values)) cycle
+        if (block%turned) values(first + axis - 1) = -values(first + axis - 1)
+        if (block%power == 0 .or. axis > 1 .or. columns%mass <= before) cycle
+        values(first) = values(columns%mass - before)*radius**block%power
+      end associate
+    end do
+  end subroutine columns_turn_back
 
   !> Whether a twist is a difference along an axis.
   pure function twist_takes(twist, axis, ndim) result(yes)
@@ -187,24 +325,15 @@ contains
     yes = ndim == 2 .or. twist == 4 .or. axis /= 4 - twist
   end function twist_takes
 
-  !> Whether something that need not be said is wanted.
-  pure function wanted(what) result(yes)
-    logical, intent(in), optional :: what
-    logical :: yes
-    yes = .false.
-    if (present(what)) yes = what
-  end function wanted
-
   !> Adds columns for what lies behind the walls of some axes.
-  pure subroutine columns_keep_behind(columns, ndim, axes)
+  pure subroutine columns_keep_behind(columns, axes)
     type(columns_t), intent(inout) :: columns
-    integer, intent(in) :: ndim
-    logical, intent(in) :: axes(ndim)
+    logical, intent(in) :: axes(:)
+    type(image_t), allocatable :: images(:)
     integer :: axis
-    do axis = 1, ndim
-      if (.not. axes(axis)) cycle
-      columns%behind(axis) = columns%total + 1
-      columns%total = columns%total + 1 + 2*ndim
+    allocate (images(sum(columns%blocks%kept)))
+    do axis = 1, size(axes)
+      if (axes(axis)) call columns_ask(columns, block_t(behind_names(axis), stage_behind, images))
     end do
   end subroutine columns_keep_behind
 

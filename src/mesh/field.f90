@@ -58,37 +58,20 @@ module sgmp_field
 contains
 
   !> An empty field.
-  pure subroutine field_init(field, mesh, kernel, body_force, volume, spins, rotation, relaxed, &
-                             swirl, faced, driven, absorbs, paired)
+  pure subroutine field_init(field, mesh, kernel, columns)
     type(field_t), intent(out) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel        !! one of kernel_*
-    logical, intent(in) :: body_force    !! columns for an external force
-    logical, intent(in), optional :: volume  !! a column for the volume (normalised stress)
-    integer, intent(in), optional :: spins   !! columns for the spin that particles carry
-    logical, intent(in), optional :: rotation  !! rotation is exact
-    logical, intent(in), optional :: relaxed   !! columns for what particles relax by
-    logical, intent(in), optional :: swirl     !! columns for the velocity around the axis
-    logical, intent(in), optional :: faced     !! columns for the levers of external forces
-    integer, intent(in), optional :: driven    !! prescribed motions of parts of bodies
-    logical, intent(in), optional :: absorbs   !! columns for the impedance of absorbing edges
-    logical, intent(in), optional :: paired    !! strains are corrected at surfaces
-    logical :: with_volume
-    integer :: nspin
-    with_volume = .false.
-    if (present(volume)) with_volume = volume
-    nspin = 0
-    if (present(spins)) nspin = spins
+    type(columns_t), intent(in), optional :: columns  !! absent: those that every field has
     field%kernel = kernel
     field%ndim = mesh%ndim
     field%space = mesh%space
     field%hoop_correction = mesh%hoop
-    field%columns = columns_make(mesh%space, kernel, body_force, with_volume, nspin, &
-                                 rotation, relaxed, swirl, faced, driven, absorbs, paired)
+    field%columns = columns_make(mesh%space, kernel)
+    if (present(columns)) field%columns = columns
     if (field%columns%driven > 0) allocate (field%drives(field%columns%driven))
     if (mesh%walls_act .and. kernel_folds(kernel)) then
-      call columns_keep_behind(field%columns, mesh%ndim, any(mesh%wall(:, :mesh%ndim) /= &
-                                                             wall_free, dim=1))
+      call columns_keep_behind(field%columns, any(mesh%wall(:, :mesh%ndim) /= wall_free, dim=1))
     end if
     field%points = 0
     allocate (field%moment(0, field%columns%total), field%node(0, field%columns%nodes))

@@ -1,7 +1,7 @@
 !> Walls by the folding rule: what particles gave to a point behind a wall is folded onto its mirror
 !! image, and before particles read, points behind the wall are filled with the mirror image again.
 !!
-!! Both use one table of parities, so that what particles give and what they get are transposes of
+!! Both use one table of signs (sgmp_images), so that what particles give and what they get are transposes of
 !! each other; Eq. 42 (energy) rests on that. Axes are folded one after the other, which takes care
 !! of edges and corners.
 !!
@@ -10,17 +10,17 @@
 !! (sgmp_wall_work). Friction changes nothing of this: it is a force on the nodes of a slip wall
 !! (sgmp_wall_friction).
 module sgmp_walls
-  use sgmp_columns, only: columns_t, node_swirl, relax_velocity, twist_takes, twists
+  use sgmp_columns, only: column_image, node_swirl, relax_velocity
   use sgmp_field, only: field_base, field_t
+  use sgmp_images, only: vector_parity
   use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t, wall_axis, wall_fixed, wall_free, wall_slip, wall_speed
+  use sgmp_mesh, only: mesh_t, wall_fixed, wall_free, wall_speed
   use sgmp_rows, only: key_j, key_k
-  use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
   private
-  public :: walls_fold, walls_mirror, walls_mirror_centres, walls_hold, moment_parity, has_walls
-  public :: ghost_intervals, ghost_point, ghost_records, twist_parity, vector_parity
+  public :: walls_fold, walls_mirror, walls_mirror_centres, walls_hold, has_walls
+  public :: ghost_intervals, ghost_point, ghost_records
 
   integer, parameter :: around = 3   !! component of a vector around the axis
 
@@ -34,155 +34,6 @@ contains
     yes = any(mesh%wall(:, axis) /= wall_free)
   end function has_walls
 
-  !> Sign with which a column of the moments is folded at a wall of the given kind and normal axis.
-  ! allow(S901)
-  pure function moment_parity(column, columns, normal, wall, space, centred) result(parity)
-    integer, intent(in) :: column        !! column of field%moment
-    type(columns_t), intent(in) :: columns
-    integer, intent(in) :: normal        !! axis of the wall's normal
-    integer, intent(in) :: wall          !! wall_slip, wall_fixed or wall_axis
-    integer, intent(in) :: space
-    logical, intent(in) :: centred       !! stresses at centres, not forces at nodes
-    real(dp) :: parity
-    parity = 1.0_dp
-    if (column == columns%mass .or. column == columns%square) return
-    if (column < columns%mass .or. column == columns%room) return
-    if (column >= columns%drives .and. column < columns%drives + columns%driven) return
-    if (swirls(column, columns)) then
-      parity = swirl_parity(column, columns, normal, wall)
-    else if (column == columns%radial .or. column == columns%external .or. &
-             column == columns%faces) then
-      if (wall == wall_axis) parity = -1.0_dp  ! what pulls along r is opposite on the other side
-    else if (column < columns%spin) then
-      parity = vector_parity(1 + column - columns%momentum, normal, wall)
-    else if (column < columns%force) then
-      if (wall /= wall_fixed) parity = axial_parity(1 + column - columns%spin, normal, space)
-    else if (column < columns%force + columns%forces) then
-      if (.not. centred) then
-        parity = vector_parity(1 + column - columns%force, normal, wall)
-      else if (wall /= wall_fixed) then
-        parity = stress_parity(1 + column - columns%force, normal, space)
-      end if
-    else
-      parity = lever_parity(column, columns, normal, wall)
-    end if
-  end function moment_parity
-
-  !> Whether a column holds pairs or quads that reach across walls of an axis: those stay where they
-  !! are, stored at the centre behind a lower wall and at the last one before an upper wall.
-  pure function crosses(column, columns, axis, ndim) result(yes)
-    integer, intent(in) :: column, axis, ndim
-    type(columns_t), intent(in) :: columns
-    logical :: yes
-    integer :: pair
-    yes = .false.
-    if (columns%pairs == 0 .or. column >= columns%mass) return
-    pair = 1 + column - columns%pairs
-    yes = merge(pair == axis, pair - ndim /= axis, pair <= ndim)
-  end function crosses
-
-  !> The same for levers: of the mass, and of external forces, component by component. A mirror
-  !! turns the lever across it round, whatever the wall does to velocities.
-  pure function lever_parity(column, columns, normal, wall) result(parity)
-    integer, intent(in) :: column
-    type(columns_t), intent(in) :: columns
-    integer, intent(in) :: normal        !! axis of the wall's normal
-    integer, intent(in) :: wall
-    real(dp) :: parity
-    integer :: axes, number
-    parity = product_parity(column, columns, normal, wall)
-    axes = columns%lever - columns%faces  ! components of the force
-    if (columns%offset > 0 .and. column >= columns%offset) then
-      parity = vector_parity(1 + column - columns%offset, normal, wall_slip)
-    else if (columns%lever > 0 .and. wall /= wall_fixed) then
-      number = column - columns%lever
-      if (columns%impedance > 0) then
-        number = column - (columns%impedance + axes)
-        if (number >= 0 .and. number < axes**2 .and. 1 + mod(number, axes) == normal) then
-          parity = -1.0_dp  ! of what is the same on either side
-          return
-        end if
-        number = column - columns%lever
-      end if
-      if (number < 0 .or. number >= axes**2) return
-      if ((1 + number/axes == normal) .neqv. (1 + mod(number, axes) == normal)) parity = -1.0_dp
-    end if
-  end function lever_parity
-
-  !> The same for forces on faces times two or three levers; 1 for all other columns.
-  pure function product_parity(column, columns, normal, wall) result(parity)
-    integer, intent(in) :: column
-    type(columns_t), intent(in) :: columns
-    integer, intent(in) :: normal        !! axis of the wall's normal
-    integer, intent(in) :: wall
-    real(dp) :: parity
-    integer :: axes, number
-    parity = 1.0_dp
-    if (columns%twist == 0 .or. column < columns%twist .or. wall == wall_fixed) return
-    axes = columns%lever - columns%faces  ! components of the force
-    number = column - columns%twist
-    if (number >= axes*twists(axes)) return
-    parity = twist_parity(1 + mod(number, axes), 1 + number/axes, normal, axes)
-  end function product_parity
-
-  !> Sign of the image of a second or third difference of a vector at a slip wall: one factor for
-  !! the component across the wall, one for each derivative.
-  pure function twist_parity(component, twist, normal, ndim) result(parity)
-    integer, intent(in) :: component, twist, normal, ndim
-    real(dp) :: parity
-    parity = merge(-1.0_dp, 1.0_dp, (component == normal) .neqv. twist_takes(twist, normal, ndim))
-  end function twist_parity
-
-  !> Whether a column belongs to swirl.
-  pure function swirls(column, columns) result(yes)
-    integer, intent(in) :: column
-    type(columns_t), intent(in) :: columns
-    logical :: yes
-    yes = columns%swirl > 0 .and. ((column >= columns%swirl .and. column < columns%force) .or. &
-                                   (column >= columns%torque .and. column < columns%torque + 3))
-  end function swirls
-
-  !> The same for a column of swirl. The velocity around the axis goes along all walls, its rate is
-  !! even at the axis; shear stresses at the wall are odd, and the centrifugal force is radial.
-  pure function swirl_parity(column, columns, normal, wall) result(parity)
-    integer, intent(in) :: column, normal, wall
-    type(columns_t), intent(in) :: columns
-    real(dp) :: parity
-    parity = 1.0_dp
-    if (column == columns%swirl) then
-      parity = vector_parity(around, normal, wall)
-    else if (column == columns%torque + 2) then
-      parity = vector_parity(1, normal, wall)
-    else if (column >= columns%torque .and. wall /= wall_fixed) then
-      parity = vector_parity(1 + column - columns%torque, normal, wall)
-    end if
-  end function swirl_parity
-
-  !> The same for a component of a vector: the normal one is odd, at a fixed wall all are.
-  pure function vector_parity(component, normal, wall) result(parity)
-    integer, intent(in) :: component, normal, wall
-    real(dp) :: parity
-    parity = merge(-1.0_dp, 1.0_dp, component == normal .or. wall == wall_fixed)
-  end function vector_parity
-
-  !> The same for a component of an axial vector at a slip wall: a mirror keeps only the rotation
-  !! about its normal.
-  pure function axial_parity(component, normal, space) result(parity)
-    integer, intent(in) :: component, normal, space
-    real(dp) :: parity
-    parity = merge(-1.0_dp, 1.0_dp, component /= normal .or. space == 2)
-  end function axial_parity
-
-  !> The same for a stress component at a slip wall: shear stresses at the wall are odd.
-  pure function stress_parity(flux, normal, space) result(parity)
-    integer, intent(in) :: flux          !! component
-    integer, intent(in) :: normal, space
-    real(dp) :: parity
-    integer :: axes(2)
-    axes = voigt_axes(:, flux_stress(flux, space))
-    parity = merge(-1.0_dp, 1.0_dp, axes(1) /= axes(2) .and. any(axes == normal))
-  end function stress_parity
-
   !> Folds columns q1..q2 of the moments of one axis; planes plane1..plane2 hold the points behind
   !! the wall.
   pure subroutine walls_fold(field, mesh, axis, plane1, plane2, q1, q2)
@@ -191,16 +42,13 @@ contains
     integer, intent(in) :: axis, plane1, plane2, q1, q2
     integer :: side, s, first, last, ghost, image, q, n, from, to
     real(dp) :: parity(q1:q2)
-    logical :: centred
     if (.not. kernel_folds(field%kernel)) return
-    centred = kernel_centred(field%kernel)
     do side = 1, 2
       if (mesh%wall(side, axis) == wall_free) cycle
-      call ghost_point(mesh, axis, side, centred, ghost, image)
+      call ghost_point(mesh, axis, side, kernel_centred(field%kernel), ghost, image)
       call ghost_intervals(field, axis, ghost, plane1, plane2, first, last)
       do q = q1, q2
-        parity(q) = moment_parity(q, field%columns, axis, mesh%wall(side, axis), field%space, &
-                                  centred)
+        parity(q) = column_image(field%columns, q, axis, mesh%wall(side, axis))
       end do
       do s = first, last
         call ghost_records(field, s, axis, ghost, image, from, to, n)
@@ -210,8 +58,7 @@ contains
           call drag(field, mesh, axis, side, q1, q2, from, to, n)
         end if
         do q = q1, q2
-          if (crosses(q, field%columns, axis, field%ndim)) cycle
-          call fold(n, parity(q), field%moment(from, q), field%moment(to, q))
+          if (nint(parity(q)) /= 0) call fold(n, parity(q), field%moment(from, q), field%moment(to, q))
         end do
       end do
     end do

@@ -6,6 +6,7 @@ module sgmp_build_model
   use sgmp_angular_momentum, only: angular_momentum_note
   use sgmp_body, only: body_t
   use sgmp_build_burn, only: burn_light
+  use sgmp_build_columns, only: columns_build
   use sgmp_build_stress, only: stress_fill
   use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_is_spherical, &
                                law_set_length, &
@@ -519,15 +520,8 @@ contains
     allocate (model%turning(size(model%fields)))
     do f = 1, size(model%fields)
       solid = field_solid(model, f)
-      associate (method => model%method)
-        call field_init(model%fields(f), model%mesh, kernel, any(model%bodies%forced), &
-                        method%normalised .and. (solid .or. .not. method%normalised_solids), &
-                        method%spins, &
-                        method%rotation .and. (solid .or. .not. method%rotation_solids), &
-                        method%relaxed, method%swirl, any(model%bodies%faced), parts(f), &
-                        any(model%bodies%absorbs), &
-                        method%surfaces .and. (solid .or. .not. method%surfaces_solids))
-      end associate
+      call field_init(model%fields(f), model%mesh, kernel, &
+                      columns_build(model, kernel, solid, parts(f)))
       model%fields(f)%drive_terms = terms(f)
       model%fields(f)%gaps = solid .and. .not. model%method%relaxed
     end do

@@ -3,6 +3,7 @@
 module sgmp_balancing
   use sgmp_bin_change, only: bin_close
   use sgmp_buffer, only: buffer_t
+  use sgmp_columns, only: stage_stress
   use sgmp_contact_memory, only: memory_share
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_halo, only: halo_clear, halo_get_planes, halo_own_planes, halo_put_moments
@@ -249,7 +250,7 @@ contains
     columns = [1, model%fields(f)%columns%total]
     if (any(model%method%update == [update_usf, update_usavg]) .and. &
         .not. stage_brings_stress(model)) then
-      columns(2) = model%fields(f)%columns%force - 1
+      columns(2) = model%fields(f)%columns%first(stage_stress) - 1
     end if
   end function columns_alive
 

@@ -3,13 +3,14 @@
 
 usage: view_checkpoints.py SGMP SOURCE_DIR SCRATCH_DIR
 """
+import json
 import os
 import sys
 
 from _runs import FLUIDS, SCRATCH, SOURCE, SPLIT, SWIRL, Report, run
 
 try:
-    import h5py  # noqa: F401
+    import h5py
     import numpy as np
 except ImportError as missing:
     print(f"SKIPPED: {missing}; scripts/setup/setup.sh --test installs it (pip install -r scripts/setup/requirements-test.txt)")
@@ -49,6 +50,27 @@ def plate():
             file.write(f"{900 - 3*n},{-2.75 + 0.5*(n % 12)},{-2.75 + 0.5*(n//12)},-0.25,0.125\n")
 
 
+def sums_problems(report, name, path):
+    """The sums of the grid have names, and under these they are what particles give: their mass; with swirl, where m X^2 stands behind m v X, no more
+    than the largest radius makes of it."""
+    with h5py.File(path, "r") as file:
+        fields = json.loads(file["contents"][()])["fields"]
+        names = fields[0]["columns"].split()
+        sums = dict(zip(names, np.asarray(file["field_1/moments"]).T))
+        mass = sum(file[f"body_{b}/particles"][:, 2*found_axes(file)].sum() for b in range(1, 1 + len(json.loads(file["contents"][()])["bodies"])))
+    report.check(len(names) == len(set(names)) == len(sums) and {"mass", "momentum", "force"} <= set(names), f"{name}: sums {names}")
+    if len(fields) == 1:
+        report.check(abs(sums["mass"].sum()/mass - 1) < 1e-12, f"{name}: mass of the grid {sums['mass'].sum():.6g}, of particles {mass:.6g}")
+    if name == "swirl":
+        radius = sums["radial"].sum()/mass
+        report.check(radius**2 <= sums["gyration"].sum()/mass <= 12**2, f"{name}: mean radius {radius:.4g}, gyration {sums['gyration'].sum()/mass:.4g}")
+
+
+def found_axes(file):
+    """Axes of a checkpoint's grid."""
+    return len(json.loads(file["contents"][()])["axes"])
+
+
 def main():
     report = Report()
     plate()
@@ -68,6 +90,7 @@ def main():
             wanted = table.fields[field]
             have = found.fields.get(field, np.zeros_like(wanted))
             report.check(np.allclose(have, wanted, rtol=2e-15, atol=1e-15*np.abs(wanted).max()), f"{name}: other {field}")
+        sums_problems(report, name, os.path.join(result.folder, path))
         for number, (body, mask) in enumerate(found.bodies.items(), 1):
             report.check(f"body {body} " in deck and mask.sum() == (table.fields["body"] == number).sum(), f"{name}: particles of {body}")
         if pandas:

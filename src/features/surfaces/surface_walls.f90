@@ -1,11 +1,11 @@
 !> Walls and the correction at surfaces (doc/surfaces.md): a slip wall is the plane of symmetry of a
 !! mirrored body, whose second differences and gradients are images of those inside.
 module sgmp_surface_walls
-  use sgmp_columns, only: twists
+  use sgmp_columns, only: twist_takes, twists
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
-  use sgmp_walls, only: ghost_intervals, ghost_point, ghost_records, twist_parity
+  use sgmp_walls, only: ghost_intervals, ghost_point, ghost_records
   implicit none
   private
   public :: surface_walls_fold, surface_walls_mirror
@@ -70,9 +70,12 @@ contains
     integer, intent(in) :: column, normal, ndim
     real(dp) :: parity
     integer :: twist
+    logical :: across
     twist = (column - 1)/ndim + 1
     parity = -1.0_dp
-    if (twist <= twists(ndim)) parity = twist_parity(mod(column - 1, ndim) + 1, twist, normal, ndim)
+    if (twist > twists(ndim)) return
+    across = mod(column - 1, ndim) + 1 == normal
+    if (across .eqv. twist_takes(twist, normal, ndim)) parity = 1.0_dp
   end function column_parity
 
   !> Sign of the image of what is added to a component of the velocity gradient, or to the hoop

@@ -14,7 +14,6 @@ module sgmp_swirl
   implicit none
   private
   public :: swirl_kick, swirl_drift, swirl_strain, swirl_flux, swirl_collect
-  public :: swirl_moments, swirl_stresses
 
   integer, parameter :: swirl_moments = 2   !! columns: m v_theta X, m X^2
   integer, parameter :: swirl_stresses = 3

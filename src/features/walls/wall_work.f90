@@ -17,6 +17,7 @@ module sgmp_wall_work
   use sgmp_body, only: body_t
   use sgmp_columns, only: node_acceleration, node_inverse_mass, node_velocity
   use sgmp_field, only: field_base, field_t
+  use sgmp_images, only: vector_parity
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free, wall_kick, wall_speed
@@ -24,7 +25,7 @@ module sgmp_wall_work
   use sgmp_rows, only: key_j, key_k
   use sgmp_sums, only: nodes_external, nodes_mass_av, nodes_sums, sweep_sums
   use sgmp_tally, only: tally_add, tally_t
-  use sgmp_walls, only: ghost_intervals, ghost_point, ghost_records, vector_parity
+  use sgmp_walls, only: ghost_intervals, ghost_point, ghost_records
   implicit none
   private
   public :: holding_wall, phase_wall_work, wall_nodes_book
