@@ -7,6 +7,7 @@ module sgmp_build_model
   use sgmp_body, only: body_t
   use sgmp_build_burn, only: burn_light
   use sgmp_build_columns, only: columns_build
+  use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
   use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_is_spherical, &
                                law_set_length, &
@@ -141,7 +142,6 @@ contains
     method%normalised_solids = scene%method%normalised_auto
     method%rotation_solids = scene%method%rotation_auto
     method%surfaces_solids = scene%method%surfaces_auto
-    method%spins = spin_components(scene)
     method%swirl = scene%swirl
     method%erodes = any([(scene%materials(m)%law%erosion%given, m=1, size(scene%materials))])
     method%damped = scene%damping%rate > 0.0_dp .or. scene%damping%kinetic
@@ -231,7 +231,7 @@ contains
       call keep_energy(scene, body)
       call law_slots(body%law, tensor_axes(scene), &
                      stretch=merge(mesh%ndim, 0, body%sides_stretch .or. splits(scene, body)), &
-                     initial=merge(mesh%ndim, 0, needs_initial(body)), spin=spin_components(scene))
+                     initial=merge(mesh%ndim, 0, needs_initial(body)))
       call contact_add_slot(scene, number, body%law%slots)
       call add_columns(scene, body%law)
       if (splits(scene, body)) call add_column(body%law%slots, body%law%slots%path)
@@ -267,6 +267,8 @@ contains
       if (seeded) call set_rotation(card, mesh, body)
       call set_strength(body)
       if (seeded) call stress_fill(card, scene%gravity, mesh, body, error)
+      if (allocated(error)) return
+      if (seeded) call file_state_fill(card, mesh%space, body, error)
       if (allocated(error)) return
       call fill_positions(mesh, body)
       call contact_fill_slot(card, mesh, body)
@@ -351,14 +353,6 @@ contains
       yes = yes .or. load_is_bound(body%loads(i))
     end do
   end function needs_initial
-
-  !> Components of the spin that particles carry: one in the plane, three in space.
-  pure function spin_components(scene) result(n)
-    type(scene_t), intent(in) :: scene
-    integer :: n
-    n = 0
-    if (scene%method%spin) n = merge(1, 3, scene%dimension == 2)
-  end function spin_components
 
   !> First values of the history columns behind the volume: what the law says, and the card's own.
   pure function first_history(card, body, ndim) result(history)
