@@ -22,7 +22,7 @@ export OMP_WAIT_POLICY ?= passive
 
 GALLERY = $(wildcard input/gallery/*.inp) input/taylor_bar_axisymmetric.inp
 
-.PHONY: gallery help setup setup-test setup-dev build build-all run verify verify-full hard test test-full test-slurm sanitize fuzz truth mutate debug test-debug bench speed lint format coverage doc install clean
+.PHONY: gallery help setup setup-test setup-dev build build-all run verify verify-full hard test test-full test-slurm test-serial sanitize fuzz truth mutate debug test-debug bench speed lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
 
 help: ## List the targets
@@ -78,6 +78,10 @@ test-full: build-all ## The same with all layouts, more kills and random scenes,
 	$(MAKE) fuzz INPUTS=$(or $(INPUTS),8000) SCENES=$(or $(SCENES),120) SEED=$(or $(SEED),$(shell date +%s))
 	$(MAKE) sanitize
 	$(MAKE) mutate SAMPLE=$(or $(SAMPLE),20) LEAST=0.7
+
+test-serial: build build/serial/.configured ## Build sgmp without MPI (build/serial/sgmp) and compare its results with those of the build with MPI, bit by bit
+	cmake --build build/serial --parallel $(JOBS) --target sgmp
+	$(PYTHON) tests/serial/serial.py build/serial/sgmp . build/serial/scratch build/release/sgmp
 
 sanitize: setup setup-test build/sanitize/.configured ## Run units, broken decks and some scenes with address and undefined-behaviour sanitizers
 	cmake --build build/sanitize --parallel $(JOBS)

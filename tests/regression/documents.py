@@ -17,7 +17,7 @@ import sys
 
 from _runs import ENVIRONMENT, SCRATCH, SGMP, SOURCE, Report
 
-COMMANDS = ["README.md", "doc/user-guide.md", "doc/damping.md", "doc/contact.md", "doc/rotation.md", "doc/time-step.md", "doc/results.md", "input/gallery/README.md",
+COMMANDS = ["README.md", "doc/methods.md", "doc/tasks.md", "doc/user-guide.md", "doc/damping.md", "doc/contact.md", "doc/rotation.md", "doc/time-step.md", "doc/results.md", "input/gallery/README.md",
             "packaging/README.md"]
 OWN = """
 parameter h = 0.25
@@ -130,12 +130,32 @@ def understood(report):
                     continue
                 words = checked(words)
                 if words is None:
-                    report.check(line.split()[1].endswith((".mpm", ".inp")), f"{page}: {line}: no such deck")
+                    named = line.split()[2 if line.split()[1] == "import" else 1]
+                    report.check(named.endswith((".mpm", ".inp")), f"{page}: {line}: no such deck")
                     continue
                 code, text = call([SGMP, *words], SCRATCH)
                 report.check(code == 0, f"{page}: {line}: exit code {code}: {text[-300:]}")
             count += 1
     report.check(count > (30 if draws else 20), f"only {count} commands")
+
+
+def tasks(report):
+    """Each task of doc/tasks.md has a command, what to look at, how accurate it is, and a page to go on with; `sgmp new` knows its decks."""
+    parts = re.split(r"^### ", read("doc/tasks.md"), flags=re.MULTILINE)[1:]
+    report.check(len(parts) >= 20, f"doc/tasks.md: {len(parts)} tasks")
+    known = call([SGMP, "new"], SCRATCH)[1]
+    for part in parts:
+        name = part.splitlines()[0]
+        part = re.split(r"^## ", part, flags=re.MULTILINE)[0]
+        report.check(re.search(r"^    (sgmp|build/venv)", part, flags=re.MULTILINE), f"doc/tasks.md: {name}: no command")
+        for word in ("*Look at*", "*Accuracy*"):
+            report.check(word in part, f"doc/tasks.md: {name}: nothing about {word}")
+        report.check(re.search(r"\]\([^)]*\.md", part), f"doc/tasks.md: {name}: no page to go on with")
+        for deck in re.findall(r"^    sgmp new (\w+)", part, flags=re.MULTILINE):
+            report.check(re.search(rf"^  {deck} ", known, flags=re.MULTILINE), f"doc/tasks.md: {name}: sgmp new knows no {deck}")
+            report.check(re.search(rf"\b{deck}\.(inp|out)|SCRATCH", part), f"doc/tasks.md: {name}: {deck} is copied and not used")
+        for script in re.findall(r"(?:python|sbatch) (scripts/\S+)", part):
+            report.check(os.path.exists(os.path.join(SOURCE, script)), f"doc/tasks.md: {name}: no {script}")
 
 
 def tecplot(report):
@@ -159,6 +179,7 @@ def main():
         shutil.rmtree(old)
     links(report)
     understood(report)
+    tasks(report)
     tecplot(report)
     return report.end()
 

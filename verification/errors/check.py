@@ -43,7 +43,7 @@ def study(name, options):
     words = ["error", deck, *(word for setting in settings for word in ("--set", setting)), "--budget", options.budget, "--threads", "1",
              *(word for quantity in REFERENCES[name] for word in ("--quantity", quantity))]
     begun = time.monotonic()
-    done = subprocess.run([sys.executable, "-m", "sgmp_view", *words, "--sgmp", str(SOLVER), "--output", str(folder)], check=False, cwd=ROOT,
+    done = subprocess.run([sys.executable, "-m", "sgmp_view", *words, "--sgmp", str(options.program), "--output", str(folder)], check=False, cwd=ROOT,
                           env={**options.environment, "PYTHONPATH": str(ROOT / "python")}, capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(done.stdout + done.stderr)
@@ -107,6 +107,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--budget", default="3m", help="wall time of each study")
     parser.add_argument("--only", choices=DECKS, help="one deck")
+    parser.add_argument("--program", type=Path, default=SOLVER, help="another build of sgmp")
     parser.add_argument("--publish", action="store_true", help="write doc/error-estimates.md")
     options = parser.parse_args()
 
