@@ -23,7 +23,8 @@ module sgmp_wall_friction
   use sgmp_mesh, only: mesh_t, wall_kick, wall_speed
   use sgmp_rows, only: key_j, key_k
   use sgmp_space, only: space_axisymmetric
-  use sgmp_sums, only: nodes_external, nodes_friction, nodes_pressed, nodes_pulled, nodes_sums
+  use sgmp_sums, only: nodes_external, nodes_friction, nodes_pressed, nodes_pulled, nodes_sums, &
+                       wall_entry
   use sgmp_wall_work, only: holding_wall
   use sgmp_walls, only: ghost_point
   implicit none
@@ -151,6 +152,11 @@ contains
                              mesh%wall_motion(a, side, axis, wall_speed)
     end do
     call wall_friction_force(mass*slip/dt, mesh%wall_friction(side, axis)*pressing, force, sticks)
+    if (mesh%walls_weigh) then
+      associate (reaction => sums(wall_entry(side, axis):wall_entry(side, axis) + 2))
+        reaction = reaction + force
+      end associate
+    end if
     do a = 1, field%ndim
       if (.not. abs(force(a)) > 0.0_dp) cycle
       associate (acceleration => field%node(record, node_acceleration + a - 1), &
