@@ -126,7 +126,7 @@ def stored(sgmp, cards):
 def names(sgmp, card):
     """The words of the card's key `kind`."""
     text = subprocess.run([sgmp, "help", card], capture_output=True, text=True, check=True).stdout
-    return re.search(r"\n  kind .*\n *one of ([a-z0-9_ ]+);", text).group(1).split()
+    return re.search(r"(?s)\n  kind .*?\n +one of ([a-z0-9_\s]+);", text).group(1).split()
 
 
 def measure(sgmp):
