@@ -175,7 +175,7 @@ def tables(sgmp):
         _, goes_with, equation, compared = EQUATIONS[name]
         text += row(f"`{name}`", goes_with, equation, price("eos", name), compared)
     if prices:
-        text += (f"\nTime: of a particle-step over that of `elastic`, {prices['elastic_ns']} ns (3D, one thread). `johnson_cook` with rate, temperature and damage, `fluid` with a viscosity; "
+        text += (f"\nTime: of a particle-step over that of `elastic`, {prices['elastic_ns']} ns (3D, one thread). `johnson_cook` with rate, temperature and\ndamage, `fluid` with a viscosity; "
                  "equations of state with an inviscid `fluid`, `jwl` with `explosive`.\n")
     return text
 
