@@ -15,13 +15,14 @@ module sgmp_method
     logical :: relaxed = .false.            !! volumes are kept (doc/volumes.md)
     real(dp) :: split = 0.0_dp              !! longest side (cells) of a particle that is not split;
                                             !! 0: none is
+    !> Fastest sound in the bulk of what may fail; 0: nothing does, or its debris does not collide.
+    real(dp) :: debris_speed = 0.0_dp
     logical :: rotation = .false.           !! rigid rotation strains nothing
     !> Of fields without a solid the stress is not normalised, rotation not exact, surfaces are not
     !! corrected.
     logical :: normalised_solids = .false., rotation_solids = .false., surfaces_solids = .false.
     logical :: surfaces = .false.           !! strains are corrected at surfaces
     logical :: swirl = .false.              !! axisymmetric: with a velocity around the axis
-    integer :: spins = 0                    !! components of the spin that particles carry
     real(dp) :: cutoff = 0.0_dp             !! node mass below which a node is ignored
     logical :: erodes = .false.             !! particles may be removed by their material's card
     logical :: removes = .false.            !! bodies are removed by a card

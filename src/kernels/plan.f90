@@ -11,6 +11,8 @@ module sgmp_plan
     logical :: swirl = .false.             !! with the velocity around the axis
     logical :: probe = .false.  !! nothing advances: particles answer with the stress or momentum of
                                 !! what they read, per wave modulus and mass (sgmp_stability)
+    logical :: loose = .false.   !! nothing advances: particles give what debris will collide by
+    logical :: collide = .false.           !! with the kick, debris collides
     logical :: kick = .false.              !! v += a dt_kick
     logical :: drift = .false.             !! x += v_grid dt
     logical :: strain = .false.            !! stress update over dt
@@ -22,8 +24,6 @@ module sgmp_plan
                                            !! there is none
     integer, allocatable :: vectors(:)     !! node columns gathered: acceleration and velocity as
                                            !! the sweep needs them
-    real(dp) :: spin_keep = 1.0_dp, spin_gain = 0.0_dp
-      !! spin = keep spin + gain (rotation of the vector that `gradient` names)
     integer :: gradient = 0  !! node column of the vector whose gradient strains the particles
     real(dp) :: dt_kick = 0.0_dp           !! velocity step
     real(dp) :: dt = 0.0_dp                !! position step

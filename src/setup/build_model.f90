@@ -16,6 +16,7 @@ module sgmp_build_model
                                 contact_no_surface, contact_pairs
   use sgmp_driven_build, only: driven_add_columns, driven_declare, driven_fill, driven_number
   use sgmp_energy, only: ledger_open
+  use sgmp_debris, only: debris_possible
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_expression, only: expression_places
   use sgmp_field, only: field_init
@@ -80,6 +81,7 @@ contains
     model%wall_motion%velocity = scene%grid%wall_velocity
     call wall_motion_start(model%wall_motion, model%mesh)
     call set_method(scene, model%method)
+    if (model%mesh%walls_act) model%method%debris_speed = 0.0_dp
     kernel = method_kernel(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%totals%bodies(size(scene%bodies)))
     call partition_make(model%ranks%partition, model%mesh, kernel, model%method%normalised, &
@@ -135,13 +137,13 @@ contains
     method%normalised = scene%method%normalised
     method%interior = scene%method%interior
     method%relaxed = scene%method%volumes_kept
+    method%debris_speed = debris_speed(scene)
     method%split = scene%method%split
     method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
     method%surfaces = scene%method%surfaces .and. scene%dimension > 1
     method%normalised_solids = scene%method%normalised_auto
     method%rotation_solids = scene%method%rotation_auto
     method%surfaces_solids = scene%method%surfaces_auto
-    method%spins = spin_components(scene)
     method%swirl = scene%swirl
     method%erodes = any([(scene%materials(m)%law%erosion%given, m=1, size(scene%materials))])
     method%damped = scene%damping%rate > 0.0_dp .or. scene%damping%kinetic
@@ -156,6 +158,21 @@ contains
       method%removed = removed_causes*removed_sums
     end if
   end subroutine set_method
+
+  !> Fastest sound in the bulk of what may become debris that collides: where volumes are kept all
+  !! matter does so already, and walls that move or rub are not made for it.
+  pure function debris_speed(scene) result(speed)
+    type(scene_t), intent(in) :: scene
+    real(dp) :: speed
+    integer :: m
+    speed = 0.0_dp
+    if (scene%method%volumes_kept) return
+    do m = 1, size(scene%materials)
+      if (debris_possible(scene%materials(m)%law)) then
+        speed = max(speed, scene%materials(m)%law%bulk_speed)
+      end if
+    end do
+  end function debris_speed
 
   !> Particles that may leave the grid keep the energy that they then take along.
   pure subroutine keep_energy(scene, body)
@@ -231,7 +248,7 @@ contains
       call keep_energy(scene, body)
       call law_slots(body%law, tensor_axes(scene), &
                      stretch=merge(mesh%ndim, 0, body%sides_stretch .or. splits(scene, body)), &
-                     initial=merge(mesh%ndim, 0, needs_initial(body)), spin=spin_components(scene))
+                     initial=merge(mesh%ndim, 0, needs_initial(body)))
       call contact_add_slot(scene, number, body%law%slots)
       call add_columns(scene, body%law)
       if (splits(scene, body)) call add_column(body%law%slots, body%law%slots%path)
@@ -353,14 +370,6 @@ contains
       yes = yes .or. load_is_bound(body%loads(i))
     end do
   end function needs_initial
-
-  !> Components of the spin that particles carry: one in the plane, three in space.
-  pure function spin_components(scene) result(n)
-    type(scene_t), intent(in) :: scene
-    integer :: n
-    n = 0
-    if (scene%method%spin) n = merge(1, 3, scene%dimension == 2)
-  end function spin_components
 
   !> First values of the history columns behind the volume: what the law says, and the card's own.
   pure function first_history(card, body, ndim) result(history)

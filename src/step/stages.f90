@@ -16,11 +16,11 @@
 !!                     meet                contact
 !!                     forces              free rigid bodies, contact
 !!                     place               rotation
-!!                     after_solve         walls that move
+!!                     after_solve         walls that move, debris
 !!   re-map            strain_velocity     contact
 !!                     place               rotation
 !!                     after_remap         rotation, kept volumes
-!!   sweeps            plan                spin, kept volumes, splitting
+!!   sweeps            plan                kept volumes, splitting
 !!                     sweep               surfaces
 !!   sums known        close               rigid bodies, driven parts
 !!   books closed      finish              damping (stress last)
@@ -31,6 +31,8 @@ module sgmp_stages
   use sgmp_contact_stages, only: phase_contact_force, phase_contact_velocity, phase_find_contact
   use sgmp_damping_account, only: damping_account, damping_book_kick
   use sgmp_damping_stages, only: damping_factor, damping_slow
+  use sgmp_debris_account, only: debris_account
+  use sgmp_debris_stages, only: phase_collisions, phase_debris_mass
   use sgmp_driven_parts, only: driven_any, driven_book, driven_choose, driven_publish
   use sgmp_erosion_account, only: erosion_account
   use sgmp_kinds, only: dp
@@ -61,9 +63,6 @@ module sgmp_stages
             stage_brings_stress, stage_close, stage_finish, stage_forces, stage_meet, stage_open, &
             stage_place, stage_plan, stage_project, stage_strain_velocity, stage_sweep, stage_terms
 
-  !> Part of the carried spin that each step replaces by the rotation of the grid, so that errors
-  !! are forgotten (doc/rotation.md). The first step takes all of it from there.
-  real(dp), parameter :: spin_relaxation = 0.02_dp
 
 contains
 
@@ -73,6 +72,7 @@ contains
     type(model_t), intent(inout) :: model
     associate (method => model%method, terms => model%ledger%terms)
       if (method%relaxed) call volumes_account(terms)
+      if (method%debris_speed > 0.0_dp) call debris_account(terms)
       if (method%split > 0.0_dp) call splitting_account(terms)
       if (method%swirl) call swirl_account(terms)
       if (method%damped) call damping_account(terms)
@@ -136,6 +136,14 @@ contains
   !> Where bodies meet: once a step, before the first velocity that has to obey it.
   subroutine stage_meet(model)
     type(model_t), intent(inout) :: model
+    type(plan_t) :: plan
+    if (model%method%debris_speed > 0.0_dp .and. size(model%contact%pairs) > 0) then
+      plan%loose = .true.
+      plan%step = model%clock%step + 1
+      allocate (plan%vectors(0))
+      call phase_debris_mass(plan, model%totals, model%mesh, model%fields, model%bodies, &
+                             model%team, model%ranks, model%findings, model%timers)
+    end if
     call phase_find_contact(model%clock%step + 1, model%method%cutoff, model%mesh, model%fields, &
                             model%bodies, model%contact, model%team%threads, model%ranks, &
                             model%findings, model%timers)
@@ -173,7 +181,23 @@ contains
       call phase_wall_work(model%mesh, model%fields, model%bodies, model%ranks%partition%own, &
                            dt_kick, model%findings%tally)
     end if
+    if (model%method%debris_speed > 0.0_dp) call collide(model, dt_kick)
   end subroutine stage_after_solve
+
+  !> By how much debris collides in the kick to come.
+  subroutine collide(model, dt_kick)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt_kick              !! velocity step
+    type(plan_t) :: plan
+    plan%loose = .true.
+    plan%dt_kick = dt_kick
+    plan%step = model%clock%step + 1
+    plan%vectors = [node_acceleration, node_velocity(model%mesh%ndim)]
+    plan%gradient = node_velocity(model%mesh%ndim)
+    call phase_collisions(plan, model%method%debris_speed, model%totals, model%mesh, model%fields, &
+                          model%bodies, model%team, model%ranks, model%findings, model%timers)
+    call timers_stop(model%timers, phase_grid)
+  end subroutine collide
 
   !> The velocity that strains the particles, of the nodes before the kick or re-mapped after it.
   subroutine stage_strain_velocity(model, before_kick)
@@ -211,18 +235,8 @@ contains
   subroutine stage_plan(model, plan)
     type(model_t), intent(in) :: model
     type(plan_t), intent(inout) :: plan
-    logical :: remapped
-    remapped = plan%gradient == node_remapped
     if (plan%drift .and. plan%strain) plan%split = model%method%split
-    if (remapped) plan%relax = model%method%relaxed
-    if (model%method%spins == 0) return
-    if (remapped) then
-      plan%spin_gain = merge(1.0_dp, spin_relaxation, model%clock%step == 0)
-      plan%spin_keep = 1.0_dp - plan%spin_gain
-    else if (plan%kick .and. .not. plan%drift) then
-      plan%spin_gain = plan%dt_kick
-      plan%gradient = node_acceleration
-    end if
+    if (plan%gradient == node_remapped) plan%relax = model%method%relaxed
   end subroutine stage_plan
 
   !> Before a sweep: what particles will read is at the nodes, those behind walls included.

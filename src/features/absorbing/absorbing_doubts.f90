@@ -32,7 +32,7 @@ contains
         if (.not. model%mesh%absorbs(side, axis)) cycle
         moved(side, axis) = parallel_max(moved(side, axis))
         if (moved(side, axis) <= largest_way) cycle
-        call opinion%object('matter at the absorbing edge '// &
+        call opinion%object('material at the absorbing edge '// &
                             axis_names(axis, model%mesh%space)//merge('-', '+', side == 1)// &
                             ' has moved by '//real_text(moved(side, axis))//' cells across it: '// &
                             'such an edge holds nothing but the stress at the start '// &
