@@ -5,8 +5,10 @@ module sgmp_build_columns
   use sgmp_absorbing_columns, only: absorbing_ask
   use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, stage_moment, &
                           stage_stress
+  use sgmp_debris_columns, only: debris_ask
   use sgmp_images, only: image_lever, image_t
   use sgmp_kernels, only: kernel_centred
+  use sgmp_kinds, only: dp
   use sgmp_loads_columns, only: loads_ask, loads_ask_faces
   use sgmp_model, only: model_t
   use sgmp_surface_columns, only: surfaces_ask, surfaces_ask_faces
@@ -40,6 +42,7 @@ contains
       if (method%rotation .and. (solid .or. .not. method%rotation_solids)) then
         call columns_ask(columns, block_t('offset', stage_moment, [(image_lever(a), a=1, ndim)]))
       end if
+      if (method%debris_speed > 0.0_dp) call debris_ask(columns, ndim)
     end associate
   end function columns_build
 

@@ -19,6 +19,10 @@ from _runs import ENVIRONMENT, SCRATCH, SGMP, SOURCE, Report
 
 COMMANDS = ["README.md", "doc/methods.md", "doc/tasks.md", "doc/user-guide.md", "doc/damping.md", "doc/contact.md", "doc/rotation.md", "doc/time-step.md", "doc/results.md", "input/gallery/README.md",
             "packaging/README.md"]
+# Pages that are still to be wrapped (make wrap).
+NOT_WRAPPED = ("CHANGELOG.md", "tests/README.md", *(f"doc/{name}.md" for name in (
+    "cluster", "contact", "damping", "developer-guide", "loads", "material-library", "results", "rotation", "surfaces", "user-guide", "verdict",
+    "volumes")))
 OWN = """
 parameter h = 0.25
 parameter cfl = 0.5
@@ -139,6 +143,21 @@ def understood(report):
     report.check(count > (30 if draws else 20), f"only {count} commands")
 
 
+def lines(report):
+    """No line of a page is longer than 120 letters, but for rows of tables; `make wrap` wraps them. doc/verification is written by a program."""
+    sys.path.insert(0, os.path.join(SOURCE, "scripts", "dev"))
+    from wrap import too_long
+    pages = [path for pattern in ("*.md", "doc/*.md", "input/**/*.md", "tests/**/*.md", "python/*.md", "packaging/*.md", "verification/**/*.md")
+             for path in glob.glob(os.path.join(SOURCE, pattern), recursive=True)]
+    report.check(len(pages) > 40, f"only {len(pages)} pages")
+    report.check(too_long("a " * 61) == [1] and not too_long("| " + "a " * 80), "wrap.py does not see a long line, or counts rows of tables")
+    for path in pages:
+        name = os.path.relpath(path, SOURCE)
+        if name in NOT_WRAPPED:
+            continue
+        report.check(not too_long(read(name)), f"{name}: more than 120 letters in lines {too_long(read(name))}: make wrap")
+
+
 def tasks(report):
     """Each task of doc/tasks.md has a command, what to look at, how accurate it is, and a page to go on with; `sgmp new` knows its decks."""
     parts = re.split(r"^### ", read("doc/tasks.md"), flags=re.MULTILINE)[1:]
@@ -180,6 +199,7 @@ def main():
     links(report)
     understood(report)
     tasks(report)
+    lines(report)
     tecplot(report)
     return report.end()
 
