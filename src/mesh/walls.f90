@@ -60,46 +60,18 @@ contains
         do q = q1, q2
           if (nint(parity(q)) /= 0) call fold(n, parity(q), field%moment(from, q), field%moment(to, q))
         end do
-        call fold_behind(field, axis, q1, q2, parity, from, to, n)
       end do
     end do
   end subroutine walls_fold
-
-  !> Mass, momentum and force, which are kept of points behind walls.
-  pure function kept_columns(field) result(columns)
-    type(field_t), intent(in) :: field
-    integer :: columns(1 + 2*field%ndim)
-    integer :: a
-    columns = [field%columns%mass, (field%columns%momentum + a - 1, a=1, field%ndim), &
-               (field%columns%force + a - 1, a=1, field%ndim)]
-  end function kept_columns
-
-  !> Folds what is kept of points behind the walls of axes before this one: beside an edge, a part
-  !! of it lay behind both walls.
-  pure subroutine fold_behind(field, axis, q1, q2, parity, ghost, image, n)
-    type(field_t), intent(inout) :: field
-    integer, intent(in) :: axis, q1, q2          !! columns that are folded
-    real(dp), intent(in) :: parity(q1:q2)
-    integer, intent(in) :: ghost, image, n       !! first records, how many
-    integer :: c, columns(1 + 2*field%ndim), other, q
-    columns = kept_columns(field)
-    do other = 1, axis - 1
-      if (field%columns%behind(other) == 0) cycle
-      do c = 1, size(columns)
-        if (columns(c) < q1 .or. columns(c) > q2) cycle
-        q = field%columns%behind(other) + c - 1
-        call fold(n, parity(columns(c)), field%moment(ghost, q), field%moment(image, q))
-      end do
-    end do
-  end subroutine fold_behind
 
   !> Keeps what points behind a wall hold: mass, momentum and force as far as they are folded.
   pure subroutine keep_behind(field, axis, q1, q2, ghost, n)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: axis, q1, q2          !! columns that are folded
     integer, intent(in) :: ghost, n              !! first record, how many
-    integer :: c, columns(1 + 2*field%ndim)
-    columns = kept_columns(field)
+    integer :: a, c, columns(1 + 2*field%ndim)
+    columns = [field%columns%mass, (field%columns%momentum + a - 1, a=1, field%ndim), &
+               (field%columns%force + a - 1, a=1, field%ndim)]
     do c = 1, size(columns)
       if (columns(c) < q1 .or. columns(c) > q2) cycle
       field%moment(ghost:ghost + n - 1, field%columns%behind(axis) + c - 1) = &
