@@ -16,6 +16,7 @@ module sgmp_deck_table
   use sgmp_cards_surface, only: register_surface
   use sgmp_registry, only: registry_t
   use sgmp_removal_card, only: register_removal
+  use sgmp_section_card, only: register_section
   use sgmp_splitting_card, only: register_splitting
   implicit none
   private
@@ -55,6 +56,7 @@ contains
     call register_contact(table)
     table%group = 'Output'
     call register_output(table)
+    call register_section(table)
   end subroutine build
 
 end module sgmp_deck_table
