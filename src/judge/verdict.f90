@@ -20,6 +20,7 @@ module sgmp_verdict
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: combine_union, shape_block, shape_cylinder, shape_ring, shape_t
   use sgmp_spelling, only: string_t
+  use sgmp_stages, only: stage_objection
   use sgmp_summary, only: summary_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_time_step, only: limit_names
@@ -122,6 +123,7 @@ contains
     type(model_t), intent(in) :: model
     type(string_t), allocatable :: reasons(:)
     integer :: r
+    if (stage_objection(model) /= '') call self%object(stage_objection(model))
     call wall_objections(model, reasons)
     do r = 1, size(reasons)
       call self%object(reasons(r)%text)

@@ -1,7 +1,9 @@
-!> What walls with friction do in a step that strains before the kick.
-module sgmp_wall_stages
+!> What walls with friction do in a step that strains before the kick, and what is doubtful about
+!! them after a run (doc/loads.md).
+module sgmp_wall_friction_stages
   use sgmp_body, only: body_t
   use sgmp_columns, only: node_remapped, node_velocity
+  use sgmp_energy_terms, only: energy_terms_t, terms_value
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
@@ -12,9 +14,13 @@ module sgmp_wall_stages
   use sgmp_sums, only: nodes_sums, sweep_sums
   use sgmp_tally, only: tally_reset, tally_t
   use sgmp_team, only: team_t
+  use sgmp_text, only: real_text
+  use sgmp_wall_friction_account, only: wall_pressed, wall_pulled
   implicit none
   private
-  public :: wall_velocity_rubbed
+  public :: wall_friction_objection, wall_velocity_rubbed
+
+  real(dp), parameter :: largest_pull = 0.05_dp  !! over what presses
 
 contains
 
@@ -32,7 +38,7 @@ contains
     integer :: f, a, b
     call tally_reset(unused, size(bodies)*sweep_sums + nodes_sums)
     call phase_solve(method, dt, mesh, fields, bodies, team, partition, unused)
-    call phase_remap(mesh, fields, bodies, team, partition)
+    call phase_remap(method, mesh, fields, bodies, team, partition)
     do f = 1, size(fields)
       b = rigid_field(bodies, f)
       if (b > 0) then
@@ -45,4 +51,21 @@ contains
     end do
   end subroutine wall_velocity_rubbed
 
-end module sgmp_wall_stages
+  !> Walls that pull hold what would leave them: what pulls elsewhere presses here all the more, and
+  !! friction knows of that alone. '': nothing is doubtful.
+  pure function wall_friction_objection(terms) result(reason)
+    type(energy_terms_t), intent(in) :: terms
+    character(:), allocatable :: reason
+    reason = ''
+    associate (pressed => terms_value(terms, wall_pressed), &
+               pulled => terms_value(terms, wall_pulled))
+      if (pulled > largest_pull*pressed) then
+        reason = 'walls with friction have held back by '// &
+                 real_text(pulled)//' what would leave them, and bear '//real_text(pressed)// &
+                 ' (impulses): they rub too much (doc/loads.md); take a rigid body and a '// &
+                 'card contact'
+      end if
+    end associate
+  end function wall_friction_objection
+
+end module sgmp_wall_friction_stages
