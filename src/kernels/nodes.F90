@@ -33,6 +33,7 @@ module DIM(sgmp_nodes)
                        nodes_mass_aa, nodes_mass_av, nodes_sums
   use sgmp_voigt, only: flux_between
   use sgmp_wall_friction, only: wall_nodes_rub, wall_nodes_stick
+  use sgmp_wall_reaction, only: wall_nodes_weigh
   use sgmp_wall_work, only: wall_nodes_book
   use sgmp_walls, only: walls_hold
   implicit none
@@ -116,6 +117,7 @@ contains
           call wall_nodes_rub(field, mesh, method%features%wall_friction, s, first, n, m, &
                               external, dt, sums)
         end if
+        if (mesh%walls_weigh) call wall_nodes_weigh(field, mesh, s, first, n, m, sums)
         call walls_hold(field, mesh, s, first, n, node_acceleration, wall_kick)
         call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
         if (field%columns%driven > 0) call driven_nodes_solve(field, mesh, s, first, n, m, dt, &

@@ -38,6 +38,7 @@ module sgmp_mesh
     logical :: absorbs(2, 3) = .false.   !! edges that let waves out: open faces
     integer :: edge(2, 3) = 0            !! nodes where these lie
     logical :: walls_move = .false.      !! some fixed wall moves along itself
+    logical :: walls_weigh = .false.     !! reactions of walls are asked for
     logical :: walls_act = .false.       !! or does more than to hold what comes
     real(dp) :: wall_motion(3, 2, 3, 2) = 0.0_dp
       !! (component, lower|upper, axis, wall_kick|wall_speed), 0 where a wall is at rest; images

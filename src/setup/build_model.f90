@@ -77,6 +77,7 @@ contains
                              grid%wall)
     end associate
     model%mesh%hoop = scene%method%hoop
+    model%mesh%walls_weigh = scene%grid%reactions
     model%wall_motion%velocity = scene%grid%wall_velocity
     call wall_motion_start(model%wall_motion, features_walls_act(scene%features), model%mesh)
     call set_method(scene, model%method)

@@ -17,7 +17,7 @@
 !!                     meet                contact
 !!                     forces              free rigid bodies, contact
 !!                     place               rotation
-!!                     after_solve         walls that move, debris
+!!                     after_solve         walls that move, reactions of walls, debris
 !!   re-map            strain_velocity     contact
 !!                     place               rotation
 !!                     after_remap         rotation, kept volumes
@@ -62,6 +62,7 @@ module sgmp_stages
   use sgmp_wall_friction_account, only: wall_friction_account
   use sgmp_wall_friction_stages, only: wall_friction_objection, wall_velocity_rubbed
   use sgmp_wall_motion, only: wall_motion_choose
+  use sgmp_wall_reaction, only: phase_wall_reaction, reaction_account
   use sgmp_wall_work, only: phase_wall_work
   implicit none
   private
@@ -94,6 +95,7 @@ contains
       if (method%loses) call loss_account(terms)
       if (method%removes) call removal_account(terms)
       if (method%features%wall_friction%rubs) call wall_friction_account(terms)
+      if (model%mesh%walls_weigh) call reaction_account(terms, model%mesh)
       if (any(model%mesh%absorbs)) call absorbing_account(terms)
     end associate
   end subroutine stage_terms
@@ -195,6 +197,10 @@ contains
       call phase_wall_work(model%mesh, model%fields, model%bodies, model%ranks%partition%own, &
                            dt_kick, model%findings%tally)
     end if
+    if (model%mesh%walls_weigh) then
+      call phase_wall_reaction(model%mesh, model%fields, model%bodies, &
+                               model%ranks%partition%own, model%findings%tally)
+    end if
     if (model%method%debris_speed > 0.0_dp) call collide(model, dt_kick)
   end subroutine stage_after_solve
 
@@ -289,15 +295,17 @@ contains
     if (model%method%features%splitting%limit > 0.0_dp) call splitting_guard(model)
   end subroutine stage_guard
 
-  !> After the run: what is doubtful about it; '': nothing.
-  function stage_objection(model) result(reason)
+  !> After the run: by which part its numbers are inexact, and why; 1: the run is doubtful.
+  subroutine stage_objection(model, inexact, reason)
     type(model_t), intent(in) :: model
-    character(:), allocatable :: reason
+    real(dp), intent(out) :: inexact
+    character(:), allocatable, intent(out) :: reason
+    inexact = 0.0_dp
     reason = ''
     if (model%method%features%wall_friction%rubs) then
-      reason = wall_friction_objection(model%ledger%terms)
+      call wall_friction_objection(model%ledger%terms, inexact, reason)
     end if
-  end function stage_objection
+  end subroutine stage_objection
 
   !> Damping. What strains the particles must be the velocity that has moved them: where the step to
   !! come strains with it they keep it until then, or they would go further than they are strained.

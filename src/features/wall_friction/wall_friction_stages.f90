@@ -14,13 +14,15 @@ module sgmp_wall_friction_stages
   use sgmp_sums, only: nodes_sums, sweep_sums
   use sgmp_tally, only: tally_reset, tally_t
   use sgmp_team, only: team_t
-  use sgmp_text, only: real_text
+  use sgmp_text, only: percent_text, real_text
   use sgmp_wall_friction_account, only: wall_pressed, wall_pulled
   implicit none
   private
   public :: wall_friction_objection, wall_velocity_rubbed
 
-  real(dp), parameter :: largest_pull = 0.05_dp  !! over what presses
+  real(dp), parameter :: largest_pull = 0.1_dp   !! over what presses
+  real(dp), parameter :: coarse_pull = 0.05_dp   !! beyond which numbers are inexact
+  real(dp), parameter :: pull_error = 0.1_dp     !! of them
 
 contains
 
@@ -52,20 +54,28 @@ contains
   end subroutine wall_velocity_rubbed
 
   !> Walls that pull hold what would leave them: what pulls elsewhere presses here all the more, and
-  !! friction knows of that alone. '': nothing is doubtful.
-  pure function wall_friction_objection(terms) result(reason)
+  !! friction knows of that alone. By which part numbers are inexact, and why; 1: a doubt.
+  pure subroutine wall_friction_objection(terms, inexact, reason)
     type(energy_terms_t), intent(in) :: terms
-    character(:), allocatable :: reason
+    real(dp), intent(out) :: inexact
+    character(:), allocatable, intent(out) :: reason
+    inexact = 0.0_dp
     reason = ''
     associate (pressed => terms_value(terms, wall_pressed), &
                pulled => terms_value(terms, wall_pulled))
       if (pulled > largest_pull*pressed) then
+        inexact = 1.0_dp
         reason = 'walls with friction have held back by '// &
                  real_text(pulled)//' what would leave them, and bear '//real_text(pressed)// &
                  ' (impulses): they rub too much (doc/loads.md); take a rigid body and a '// &
                  'card contact'
+      else if (pulled > coarse_pull*pressed) then
+        inexact = pull_error
+        reason = 'walls with friction have held back '//percent_text(pulled/pressed)// &
+                 ' of what they bear: they rub too much (doc/loads.md); take a rigid body '// &
+                 'and a card contact'
       end if
     end associate
-  end function wall_friction_objection
+  end subroutine wall_friction_objection
 
 end module sgmp_wall_friction_stages

@@ -3,6 +3,7 @@ module sgmp_wall_doubts
   use sgmp_kernels, only: kernel_folds
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
+  use sgmp_opinion, only: opinion_t
   use sgmp_spelling, only: string_t
   use sgmp_wall_motion, only: wall_motion_meets_walls
   implicit none
@@ -33,17 +34,14 @@ contains
   end subroutine wall_warnings
 
   !> Matter that is dragged through walls.
-  subroutine wall_objections(model, reasons)
+  subroutine wall_objections(opinion, model)
+    type(opinion_t), intent(inout) :: opinion
     type(model_t), intent(in) :: model
-    type(string_t), allocatable, intent(out) :: reasons(:)
-    type(string_t) :: found(1)
-    integer :: n
-    n = 0
     if (lid_leaks(model)) then
-      call note(found, n, 'a wall moves towards one across its way: beside their edge '// &
-                'material is dragged into the wall at rest (doc/loads.md); use method mpm')
+      call opinion%object('a wall moves towards one across its way: beside their edge '// &
+                          'material is dragged into the wall at rest (doc/loads.md); use '// &
+                          'method mpm')
     end if
-    reasons = found(:n)
   end subroutine wall_objections
 
   pure subroutine note(found, n, text)
