@@ -32,9 +32,9 @@ dimension axisymmetric swirl=yes
 grid cell=0.5 r=0:8 z=0:4
 lost remove
 method {method}
-time end=6 cfl=0.3
+time end=6 dt=0.01
 material m elastic density=3 young=1e-4 poisson=0
-body b cylinder material=m inner=1 radius=2 bottom=1 length=1 ppc=2
+body b block material=m lower=(1,1) upper=(2,2) ppc=2
 velocity b z=1 spin=1
 history steps=1
 """
@@ -97,10 +97,13 @@ def thrown(report):
         # Half of m (z'^2 + (omega r)^2) of a ring: r^2 has the mean (1 + 4)/2, but for the points of particles.
         known = 0.5*3*pi*(4 - 1)*(1 + 2.5)
         report.check(abs(first["kinetic_energy"]/known - 1) < 0.02, f"{method}: {first['kinetic_energy']} at the start, not {known}")
+        # Radial motion is made of swirl step by step: an error of the first order, 2.9e-4 with this step and half with its half.
         gone = result["lost.kinetic_energy"] + result["lost.internal_energy"]
-        report.check(abs(gone/first["kinetic_energy"] - 1) < 2e-3, f"{method}: {gone} of {first['kinetic_energy']} is booked")
-        report.check(abs(result["energy.drift"]) < 2e-3, f"{method}: drift {result['energy.drift']}")
+        report.check(abs(gone/first["kinetic_energy"] - 1) < 1e-3, f"{method}: {gone} of {first['kinetic_energy']} is booked")
+        report.check(abs(result["energy.drift"]) < 1e-3, f"{method}: drift {result['energy.drift']}")
         report.check(abs(last["angular_momentum"]) < 1e-12*first["angular_momentum"], f"{method}: {last['angular_momentum']} left about the axis")
+        booked, written = result["lost.momentum"], [last["lost_momentum_" + axis] for axis in "xyz"]
+        report.check(booked == written and abs(written[2]/(3*3*pi) - 1) < 1e-12 and written[1] == 0, f"{method}: momentum {booked}, {written}")
 
 
 def main():
