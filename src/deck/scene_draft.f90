@@ -9,10 +9,10 @@ module sgmp_scene_draft
   use sgmp_text, only: integer_text
   implicit none
   private
-  public :: draft_t, named_bodies, named_materials, named_gauges
+  public :: draft_t, named_bodies, named_materials, named_gauges, named_sections
 
-  integer, parameter :: named_bodies = 1, named_materials = 2, named_gauges = 3
-  character(9), parameter :: plurals(*) = [character(9) :: 'bodies', 'materials', 'gauges']
+  integer, parameter :: named_bodies = 1, named_materials = 2, named_gauges = 3, named_sections = 4
+  character(9), parameter :: plurals(*) = [character(9) :: 'bodies', 'materials', 'gauges', 'sections']
 
   !> Scene and errors, and how names in cards become numbers in the scene.
   type :: draft_t
@@ -82,7 +82,7 @@ contains
   logical function new_name(self, card, kind) result(new)
     class(draft_t), intent(inout) :: self
     type(deck_card_t), intent(in) :: card
-    integer, intent(in) :: kind  !! named_bodies, named_materials or named_gauges
+    integer, intent(in) :: kind  !! one of the named_...
     new = card%word('name') /= ''
     if (.not. new) return
     new = .not. self%names(kind)%has(card%word('name'))
