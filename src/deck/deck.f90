@@ -174,7 +174,7 @@ contains
         associate (definition => registry%cards(cards(i)%definition))
           if (definition%turn /= turn) cycle
           if (turn == read_last .and. cards(i)%failed) cycle
-          if (associated(definition%read)) call definition%read(cards(i), draft)
+          call definition%do_read(cards(i), draft)
         end associate
       end do
       if (turn == read_second) draft%scene%bodies = draft%scene%bodies(:draft%bodies)
@@ -192,7 +192,7 @@ contains
       if (cards(i)%failed) cycle
       associate (definition => registry%cards(cards(i)%definition))
         call check_plane(definition%keys, cards(i), draft)
-        if (associated(definition%check)) call definition%check(cards(i), draft)
+        call definition%do_check(cards(i), draft)
         if (draft%scene%units(1) == '') cycle
         call units_check(definition%keys, cards(i), draft%scene%units, draft%errors)
       end associate
