@@ -165,8 +165,9 @@ contains
     integer :: i, turn
     associate (scene => draft%scene)
       allocate (scene%contacts(0), scene%materials(0), scene%bodyforces(0), scene%detonations(0), &
-                scene%gauges(0), scene%sections(0), scene%loads(0), scene%motions(0), scene%output%fields(0))
+                scene%sections(0), scene%loads(0), scene%motions(0), scene%output%fields(0))
       allocate (scene%bodies(count(registry%cards(cards%definition)%turn == read_second)))
+      allocate (scene%gauges(count([(cards(i)%name == 'gauge', i=1, size(cards))])))
     end associate
     do turn = read_first, read_last
       do i = 1, size(cards)
@@ -178,6 +179,7 @@ contains
       end do
       if (turn == read_second) draft%scene%bodies = draft%scene%bodies(:draft%bodies)
     end do
+    draft%scene%gauges = draft%scene%gauges(:draft%gauges)
   end subroutine read_cards
 
   !> Relations between cards, and orders of magnitude; cards that failed are left alone.
