@@ -16,6 +16,9 @@ module sgmp_deck_table
   use sgmp_cards_surface, only: register_surface
   use sgmp_registry, only: registry_t
   use sgmp_removal_card, only: register_removal
+  use sgmp_section_card, only: register_section
+  use sgmp_splitting_card, only: register_splitting
+  use sgmp_wall_friction_card, only: register_wall_friction
   implicit none
   private
   public :: deck_table
@@ -37,8 +40,10 @@ contains
     call register_general(table)
     table%group = 'Space'
     call register_grid(table)
+    call register_wall_friction(table)
     table%group = 'Method and time'
     call register_method(table)
+    call register_splitting(table)
     table%group = 'Materials'
     call register_material(table)
     table%group = 'Bodies'
@@ -53,6 +58,7 @@ contains
     call register_contact(table)
     table%group = 'Output'
     call register_output(table)
+    call register_section(table)
   end subroutine build
 
 end module sgmp_deck_table

@@ -9,6 +9,7 @@ module sgmp_scene
   use sgmp_constitutive, only: constitutive_t
   use sgmp_contact_pairs, only: normal_separating
   use sgmp_expression, only: expression_free, expression_t
+  use sgmp_features, only: features_t
   use sgmp_kernels, only: method_sgmp
   use sgmp_kinds, only: dp
   use sgmp_load, only: load_force
@@ -25,7 +26,7 @@ module sgmp_scene
   public :: balance_card_t, body_card_t, bodyforce_card_t, checkpoint_card_t, contact_card_t, &
             damping_card_t, detonation_card_t, gauge_card_t, grid_card_t, &
             initial_stress_card_t, load_card_t, material_card_t, method_card_t, motion_card_t, &
-            output_card_t, statement_text_t, stop_card_t, &
+            output_card_t, section_card_t, statement_text_t, stop_card_t, &
             time_card_t
   public :: contact_lambda_default
   public :: dump_formats, dump_names, dump_tecplot, dump_vtkhdf, dump_vtu
@@ -53,8 +54,8 @@ module sgmp_scene
       !! (lower|upper, axis): wall_free, wall_slip, wall_fixed, wall_absorbing
     character(:), allocatable :: walls_location  !! file:line:column of the card, for messages
     type(expression_t) :: wall_velocity(3, 2, 3)
-      !! (component, lower|upper, axis) of fixed walls and of those with friction, functions of t
-    real(dp) :: wall_friction(2, 3) = 0.0_dp  !! (lower|upper, axis): coefficient, of slip walls
+      !! (component, lower|upper, axis) of fixed walls and of those that drag, functions of t
+    logical :: reactions = .false.            !! what walls bear is booked
     integer :: lost = lost_error
       !! what happens to a particle that leaves through a closed free face
   end type grid_card_t
@@ -68,8 +69,6 @@ module sgmp_scene
       !! nodes lighter than this times the largest particle mass are ignored
     logical :: normalised = .false.   !! volume-normalised stress (sgmp only)
     logical :: volumes_kept = .false.  !! particles keep the volume of the space they fill (sgmp)
-    real(dp) :: split = 0.0_dp        !! longest side (cells) of a particle that stays whole; 0: all
-    integer :: split_most = 0         !! particles that splitting may lead to
     logical :: rotation = .false.     !! rigid rotation strains nothing (sgmp only)
     logical :: surfaces = .false.     !! strains are corrected at surfaces (sgmp only)
     !> The program chooses (sgmp_deck).
@@ -237,6 +236,14 @@ module sgmp_scene
     character(name_length), allocatable :: fields(:)  !! besides those of every gauge
   end type gauge_card_t
 
+  !> A plane through which forces are measured.
+  type :: section_card_t
+    character(name_length) :: name = ''
+    real(dp) :: point(3) = 0.0_dp, normal(3) = 0.0_dp
+    real(dp) :: width = 0.0_dp   !! of the layer of particles on either side (length)
+    integer :: body = 0          !! that is cut; 0: all
+  end type section_card_t
+
   !> What slows all bodies down.
   type :: damping_card_t
     real(dp) :: rate = 0.0_dp                     !! of the velocities' decay
@@ -268,6 +275,7 @@ module sgmp_scene
     logical :: swirl = .false.                    !! there is a velocity around the axis
     type(grid_card_t) :: grid
     type(method_card_t) :: method
+    type(features_t) :: features
     type(time_card_t) :: time
     type(material_card_t), allocatable :: materials(:)
     type(body_card_t), allocatable :: bodies(:)
@@ -280,6 +288,7 @@ module sgmp_scene
     type(detonation_card_t), allocatable :: detonations(:)
     type(output_card_t) :: output
     type(gauge_card_t), allocatable :: gauges(:)
+    type(section_card_t), allocatable :: sections(:)
     type(stop_card_t) :: stop
     type(checkpoint_card_t) :: checkpoint
     type(balance_card_t) :: balance

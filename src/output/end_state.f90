@@ -2,7 +2,8 @@
 !! is not: extremes, particles apart from their bodies, volumes without room.
 module sgmp_end_state
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: law_gaseous, material_explosive, material_fluid
+  use sgmp_constitutive, only: law_gaseous, material_crushable_foam, material_explosive, &
+                               material_fluid
   use sgmp_filling, only: filling_measure
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp, i8, lanes
@@ -10,7 +11,8 @@ module sgmp_end_state
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_gather, parallel_max, parallel_min, parallel_sum
-  use sgmp_particle_fields, only: particle_field_find, particle_field_t, particle_place_t
+  use sgmp_particle_fields, only: particle_field_find, particle_field_t, particle_field_values, &
+                                  particle_place_t
   use sgmp_particles, only: first_cell, particles_t
   use sgmp_pieces, only: pieces_find
   use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_t
@@ -30,6 +32,8 @@ module sgmp_end_state
     real(dp) :: expansion = 1.0_dp           !! largest volume over the initial one
     real(dp) :: per_cell = huge(1.0_dp)      !! least particles per cell: a cell over the largest
     integer(i8) :: stretched = 0_i8          !! particles larger than a cell
+    integer(i8) :: thinned = 0_i8            !! of them, those of gases
+    real(dp) :: crushed = 1.0_dp             !! largest density over the initial one, of foams
     real(dp) :: pressure(2) = 0.0_dp         !! least and largest
     real(dp) :: room = 0.0_dp  !! sum of volumes over the box between walls; 0: not closed
     real(dp) :: reached = 0.0_dp             !! part of that box that particles give volume to
@@ -42,7 +46,7 @@ module sgmp_end_state
     real(dp) :: inside_part = 0.0_dp         !! largest part of any body
     integer :: inside_bodies(2) = 0          !! whose, and in which
     real(dp) :: gaps = 0.0_dp
-      !! largest number of gaps of one cell along an axis over the cells with particles, of any body
+    !! largest number of gaps of one cell along an axis over the cells with particles, of any body
     integer :: gaps_body = 0
   end type end_state_t
 
@@ -68,6 +72,8 @@ contains
     state%expansion = parallel_max(state%expansion)
     state%per_cell = parallel_min(state%per_cell)
     state%stretched = parallel_sum(state%stretched)
+    state%thinned = parallel_sum(state%thinned)
+    state%crushed = parallel_max(state%crushed)
     state%pressure = [parallel_min(state%pressure(1)), parallel_max(state%pressure(2))]
     if (state%particles == 0_i8) state%pressure = 0.0_dp
     call filling_measure(model, state%room, state%excess, state%reached)
@@ -89,13 +95,19 @@ contains
         if (body%particles%id(l, c) == 0) cycle
         volume = body%particles%state(l, body%law%slots%volume, c)
         ratio = volume*body%law%density/body%particles%motion(l, motion_mass(nd), c)
-        pressure = sum(field%take(body, particle_place_t(nd, l, c)))
+        pressure = sum(particle_field_values(field, body, particle_place_t(nd, l, c)))
         state%compression = max(state%compression, 1.0_dp/ratio)
         if (.not. law_gaseous(body%law)) state%condensed = max(state%condensed, 1.0_dp/ratio)
         state%expansion = max(state%expansion, ratio)
         cells = mesh_occupied(mesh, body%particles%motion(l, :nd, c), volume)
         state%per_cell = min(state%per_cell, 1.0_dp/cells)
-        if (cells > 1.0_dp) state%stretched = state%stretched + 1
+        if (cells > 1.0_dp) then
+          state%stretched = state%stretched + 1
+          if (law_gaseous(body%law)) state%thinned = state%thinned + 1
+        end if
+        if (body%law%kind == material_crushable_foam) then
+          state%crushed = max(state%crushed, 1.0_dp/ratio)
+        end if
         state%pressure = [min(state%pressure(1), pressure), max(state%pressure(2), pressure)]
       end do
     end do
