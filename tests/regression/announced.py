@@ -166,7 +166,7 @@ def main():
     eroded(report)
     leaving(report)
     family(report, "sod", SOD, ({"courant": 0.4}, {"courant": 0.2}, {"courant": 0.3}), between, 0.05)
-    family(report, "bars", BARS, ({"gap": 0.5}, {"gap": 2.3, "cells": 10}, {"gap": 1.5}), velocities(0.01), 0.1)
+    family(report, "bars", BARS, ({"gap": 0.5}, {"gap": 2.3, "cells": 8}, {"gap": 1.5, "cells": 40}, {"gap": 0.3, "cells": 4}, {"gap": 0.5, "cells": 12}), velocities(0.01), 0.05)
     family(report, "pressed", PRESSED, ({"angle": 27}, {"angle": 0}, {"angle": 63}), stresses, 0.05)
     report.end()
 
