@@ -4,7 +4,7 @@ module sgmp_sums
   private
   public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, &
             sum_moment, sum_angular, sum_edge_impulse, sum_edge_work, sum_filter, &
-            sum_swirl, sum_volume, sum_split, &
+            sum_swirl, sum_volume, sum_features, &
             sum_applied, sum_collisions, sum_loose
   public :: removed_by_card, removed_by_erosion, removed_by_loss, removed_causes
   public :: removed_sums, removed_count, removed_mass, removed_momentum, removed_moment, &
@@ -26,7 +26,7 @@ module sgmp_sums
   !> Kinetic energy that swirl, which is not there where volumes are kept, loses as rings widen.
   integer, parameter :: sum_swirl = sum_filter
   integer, parameter :: sum_volume = 12  !! sum |dV| p of volumes that are put right
-  integer, parameter :: sum_split = 13   !! kinetic energy of the halves of particles apart
+  integer, parameter :: sum_features = 13  !! first of those of features (sgmp_features); 1
   integer, parameter :: sum_edge_work = 14   !! work of what absorbing edges bear at rest
   integer, parameter :: sum_edge_impulse = 15  !! first of its impulse (3 components)
   integer, parameter :: sum_applied = 18     !! work of forces on faces of particles

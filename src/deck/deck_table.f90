@@ -17,6 +17,7 @@ module sgmp_deck_table
   use sgmp_registry, only: registry_t
   use sgmp_removal_card, only: register_removal
   use sgmp_section_card, only: register_section
+  use sgmp_splitting_card, only: register_splitting
   implicit none
   private
   public :: deck_table
@@ -40,6 +41,7 @@ contains
     call register_grid(table)
     table%group = 'Method and time'
     call register_method(table)
+    call register_splitting(table)
     table%group = 'Materials'
     call register_material(table)
     table%group = 'Bodies'

@@ -9,6 +9,7 @@ module sgmp_scene
   use sgmp_constitutive, only: constitutive_t
   use sgmp_contact_pairs, only: normal_separating
   use sgmp_expression, only: expression_free, expression_t
+  use sgmp_features, only: features_t
   use sgmp_kernels, only: method_sgmp
   use sgmp_kinds, only: dp
   use sgmp_load, only: load_force
@@ -69,8 +70,6 @@ module sgmp_scene
       !! nodes lighter than this times the largest particle mass are ignored
     logical :: normalised = .false.   !! volume-normalised stress (sgmp only)
     logical :: volumes_kept = .false.  !! particles keep the volume of the space they fill (sgmp)
-    real(dp) :: split = 0.0_dp        !! longest side (cells) of a particle that stays whole; 0: all
-    integer :: split_most = 0         !! particles that splitting may lead to
     logical :: rotation = .false.     !! rigid rotation strains nothing (sgmp only)
     logical :: surfaces = .false.     !! strains are corrected at surfaces (sgmp only)
     !> The program chooses (sgmp_deck).
@@ -277,6 +276,7 @@ module sgmp_scene
     logical :: swirl = .false.                    !! there is a velocity around the axis
     type(grid_card_t) :: grid
     type(method_card_t) :: method
+    type(features_t) :: features
     type(time_card_t) :: time
     type(material_card_t), allocatable :: materials(:)
     type(body_card_t), allocatable :: bodies(:)
