@@ -18,6 +18,7 @@ module sgmp_deck_table
   use sgmp_removal_card, only: register_removal
   use sgmp_section_card, only: register_section
   use sgmp_splitting_card, only: register_splitting
+  use sgmp_wall_friction_card, only: register_wall_friction
   implicit none
   private
   public :: deck_table
@@ -39,6 +40,7 @@ contains
     call register_general(table)
     table%group = 'Space'
     call register_grid(table)
+    call register_wall_friction(table)
     table%group = 'Method and time'
     call register_method(table)
     call register_splitting(table)

@@ -54,8 +54,7 @@ module sgmp_scene
       !! (lower|upper, axis): wall_free, wall_slip, wall_fixed, wall_absorbing
     character(:), allocatable :: walls_location  !! file:line:column of the card, for messages
     type(expression_t) :: wall_velocity(3, 2, 3)
-      !! (component, lower|upper, axis) of fixed walls and of those with friction, functions of t
-    real(dp) :: wall_friction(2, 3) = 0.0_dp  !! (lower|upper, axis): coefficient, of slip walls
+      !! (component, lower|upper, axis) of fixed walls and of those that drag, functions of t
     logical :: reactions = .false.            !! what walls bear is booked
     integer :: lost = lost_error
       !! what happens to a particle that leaves through a closed free face

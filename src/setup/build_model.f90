@@ -17,6 +17,7 @@ module sgmp_build_model
   use sgmp_energy, only: ledger_open
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_expression, only: expression_places
+  use sgmp_features, only: features_walls_act
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
   use sgmp_kernels, only: bin_span, method_band, method_cpgimp, method_half_size, method_kernel, &
@@ -76,10 +77,9 @@ contains
                              grid%wall)
     end associate
     model%mesh%hoop = scene%method%hoop
-    model%mesh%wall_friction = scene%grid%wall_friction
     model%mesh%walls_weigh = scene%grid%reactions
     model%wall_motion%velocity = scene%grid%wall_velocity
-    call wall_motion_start(model%wall_motion, model%mesh)
+    call wall_motion_start(model%wall_motion, features_walls_act(scene%features), model%mesh)
     call set_method(scene, model%method)
     if (model%mesh%walls_act) model%method%debris_speed = 0.0_dp
     kernel = method_kernel(scene%method%kind)

@@ -26,6 +26,7 @@
 !!   sums known        close               rigid bodies, driven parts
 !!   books closed      finish              damping (stress last)
 !!                     guard               splitting
+!!   after the run     objection           walls that rub
 module sgmp_stages
   use sgmp_absorbing_account, only: absorbing_account
   use sgmp_body, only: body_t
@@ -58,17 +59,17 @@ module sgmp_stages
   use sgmp_timers, only: phase_grid, phase_kick, timers_stop
   use sgmp_update, only: update_strains_before, update_usavg, update_usl
   use sgmp_volumes_account, only: volumes_account
-  use sgmp_wall_account, only: wall_account
+  use sgmp_wall_friction_account, only: wall_friction_account
+  use sgmp_wall_friction_stages, only: wall_friction_objection, wall_velocity_rubbed
   use sgmp_wall_motion, only: wall_motion_choose
   use sgmp_wall_reaction, only: phase_wall_reaction, reaction_account
-  use sgmp_wall_stages, only: wall_velocity_rubbed
   use sgmp_wall_work, only: phase_wall_work
   implicit none
   private
-  public :: stage_after_remap, stage_after_solve, stage_before_solve, &
-            stage_brings_stress, stage_close, stage_columns, stage_finish, stage_forces, &
-            stage_guard, stage_meet, stage_open, &
-            stage_place, stage_plan, stage_project, stage_strain_velocity, stage_sweep, stage_terms
+  public :: stage_after_remap, stage_after_solve, stage_before_solve, stage_brings_stress, &
+            stage_close, stage_columns, stage_finish, stage_forces, stage_guard, &
+            stage_meet, stage_objection, stage_open, stage_place, stage_plan, stage_project, &
+            stage_strain_velocity, stage_sweep, stage_terms
 
 contains
 
@@ -93,7 +94,7 @@ contains
       if (method%erodes) call erosion_account(terms)
       if (method%loses) call loss_account(terms)
       if (method%removes) call removal_account(terms)
-      if (model%mesh%walls_rub) call wall_account(terms)
+      if (method%features%wall_friction%rubs) call wall_friction_account(terms)
       if (model%mesh%walls_weigh) call reaction_account(terms, model%mesh)
       if (any(model%mesh%absorbs)) call absorbing_account(terms)
     end associate
@@ -120,7 +121,7 @@ contains
     type(model_t), intent(inout) :: model
     associate (mesh => model%mesh, fields => model%fields, bodies => model%bodies, &
                team => model%team)
-      if (mesh%walls_rub) then
+      if (model%method%features%wall_friction%rubs) then
         call wall_velocity_rubbed(model%method, clock_kick_step(model%clock), mesh, fields, &
                                   bodies, team, model%ranks%partition)
       else
@@ -293,6 +294,18 @@ contains
     type(model_t), intent(inout) :: model
     if (model%method%features%splitting%limit > 0.0_dp) call splitting_guard(model)
   end subroutine stage_guard
+
+  !> After the run: by which part its numbers are inexact, and why; 1: the run is doubtful.
+  subroutine stage_objection(model, inexact, reason)
+    type(model_t), intent(in) :: model
+    real(dp), intent(out) :: inexact
+    character(:), allocatable, intent(out) :: reason
+    inexact = 0.0_dp
+    reason = ''
+    if (model%method%features%wall_friction%rubs) then
+      call wall_friction_objection(model%ledger%terms, inexact, reason)
+    end if
+  end subroutine stage_objection
 
   !> Damping. What strains the particles must be the velocity that has moved them: where the step to
   !! come strains with it they keep it until then, or they would go further than they are strained.
