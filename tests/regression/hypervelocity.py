@@ -104,8 +104,8 @@ def announced(report):
     """What cannot be cured is said before a step is taken."""
     for settings, words in (({"update": "usl"}, "update=usl strains"), ({"carries": "everything"}, "carries everything"), ({}, "")):
         result = run("announced", CLOUD, options=("--check",), **settings)
-        said = "update=usl strains" in result.output, "carries everything" in result.output
-        report.check(said == ("usl" in words, "everything" in words), f"announced {settings}: {result.output[-400:]}")
+        said = "update=usl strains" in result.text, "carries everything" in result.text
+        report.check(said == ("usl" in words, "everything" in words), f"announced {settings}: {result.text[-400:]}")
 
 
 def momentum(report):
