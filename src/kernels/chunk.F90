@@ -9,7 +9,7 @@ module DIM(sgmp_chunk)
   use CARTESIAN(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t
   use sgmp_columns, only: columns_before, columns_t, pair_sums, relax_stiffness, relax_total, &
-                          stage_moment, twist_takes, twists
+                          stage_behind, twist_takes, twists
   use sgmp_constitutive, only: constitutive_t
   use sgmp_debris, only: debris_room
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
@@ -27,7 +27,7 @@ module DIM(sgmp_chunk)
   use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_scatter), only: column_sums, linear_scatter, linear_scatter_force, &
-                                     linear_scatter_moment, linear_scatter_pairs
+                                     linear_scatter_pairs
   use CARTESIAN(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
   use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
@@ -74,9 +74,8 @@ module DIM(sgmp_chunk)
                                   !! they fill it
     integer :: span = 1                  !! cells of a bin
     integer :: nq = 0                    !! columns of the moments that are scattered
-    integer :: pairs = 0                 !! of these, the first: volume moments of pairs of centres
-    integer :: plain = 0                 !! of these, all but the first and the last, which are the
-                                         !! mass's first moments
+    integer :: pairs = 0                 !! of these, the first: moments of pairs of centres
+    integer :: plain = 0                 !! of these, all others
     ! Columns of the values that particles bring, 0 for those that this sweep does not fill; of what
     ! says `before`, the columns before it.
     integer :: momentum = 0              !! before: the momentum
@@ -84,7 +83,7 @@ module DIM(sgmp_chunk)
                                          !! of pairs among them
     integer :: drives = 0                !! mass of driven particles
     integer :: driven = 0                !! how many
-    integer :: room = 0                  !! volume, for pairs
+    integer :: room = 0                  !! volume of what has not come apart
     integer :: spin = 0                  !! the spin
     integer :: swirl = 0                 !! moments of swirl
     integer :: square = 0                !! m |v|^2
@@ -160,7 +159,7 @@ contains
     before = columns_before(columns, plan%first_column)
     task%nq = plan%last_column - plan%first_column + 1
     task%pairs = before - plan%first_column + 1
-    task%plain = min(plan%last_column, columns%first(stage_moment) - 1) - before
+    task%plain = min(plan%last_column, columns%first(stage_behind) - 1) - before
     task%momentum = columns%momentum - 1 - before
     task%masses = columns%momentum - columns%mass
     task%driven = columns%driven
@@ -941,13 +940,9 @@ contains
         call spin_to_corners(task%h, xi, cell, values(1, task%spin), task%span, task%nq, &
                              stencil(1, momentum + 1, 1))
       end if
-      if (task%pairs > 0) call linear_scatter_pairs(xi, cell, values(1, task%masses), task%nq, &
+      if (task%pairs > 0) call linear_scatter_pairs(task%pairs, xi, cell, values, task%nq, &
                                                     stencil)
       call linear_scatter(task%plain, xi, cell, values, task%nq, stencil(1, task%pairs + 1, 1))
-      if (task%nq > task%pairs + task%plain) then
-        call linear_scatter_moment(xi, cell, values, task%nq, &
-                                   stencil(1, task%pairs + task%plain + 1, 1))
-      end if
       return
     end if
     plain = task%forces

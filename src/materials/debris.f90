@@ -33,7 +33,7 @@ module sgmp_debris
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
-  public :: debris_begin, debris_lanes, debris_room, debris_t, debris_torn, tear_lanes
+  public :: debris_begin, debris_lanes, debris_possible, debris_room, debris_t, debris_torn, tear_lanes
 
   real(dp), parameter :: largest = 8.0_dp     !! volume of fragments and their room over the first
   real(dp), parameter :: closing = 0.95_dp    !! least part of a dense volume after a step
@@ -67,6 +67,13 @@ contains
     if (law%slots%energy > 0) before%energy = b(:, law%slots%energy)
   end subroutine debris_begin
 
+  !> Whether a material can come apart.
+  pure function debris_possible(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    logical :: yes
+    yes = law%slots%damage > 0 .and. law%failure%carries /= carries_everything
+  end function debris_possible
+
   !> Volume of the lanes that bear stress as a body does: none of what has failed and come apart,
   !! whose surfaces are nowhere (doc/surfaces.md).
   pure subroutine debris_room(law, live, mass, nb, b, room)
@@ -76,7 +83,7 @@ contains
     real(dp), intent(in) :: b(lanes, nb)
     real(dp), intent(out) :: room(lanes)
     room = live*b(:, 1)
-    if (law%slots%damage == 0 .or. law%failure%carries == carries_everything) return
+    if (.not. debris_possible(law)) return
     where (b(:, law%slots%damage) >= 1.0_dp .and. b(:, 1)*law%density > mass) room = 0.0_dp
   end subroutine debris_room
 

@@ -3,13 +3,13 @@
 !! The order in which they ask is that of the columns of a stage.
 module sgmp_build_columns
   use sgmp_absorbing_columns, only: absorbing_ask
-  use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, stage_moment, &
+  use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, &
                           stage_momentum, stage_stress
-  use sgmp_images, only: image_axial, image_lever, image_t
+  use sgmp_images, only: image_axial, image_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_loads_columns, only: loads_ask, loads_ask_faces
   use sgmp_model, only: model_t
-  use sgmp_surface_columns, only: surfaces_ask, surfaces_ask_faces
+  use sgmp_surface_columns, only: pairs_ask, surfaces_ask, surfaces_ask_faces
   use sgmp_swirl_columns, only: swirl_ask
   use sgmp_volumes_columns, only: volumes_ask
   implicit none
@@ -19,18 +19,21 @@ module sgmp_build_columns
 contains
 
   !> Columns of a field in which solids move, or none, and so many parts of bodies are driven.
-  pure function columns_build(model, kernel, solid, parts) result(columns)
+  pure function columns_build(model, kernel, solid, crumbles, parts) result(columns)
     type(model_t), intent(in) :: model
     integer, intent(in) :: kernel, parts
-    logical, intent(in) :: solid
+    logical, intent(in) :: solid, crumbles       !! something in it can come apart
     type(columns_t) :: columns
-    logical :: corrected
+    logical :: corrected, turns
     integer :: a
     associate (method => model%method, ndim => model%mesh%ndim, space => model%mesh%space)
       corrected = method%surfaces .and. (solid .or. .not. method%surfaces_solids) .and. ndim > 1
+      turns = method%rotation .and. (solid .or. .not. method%rotation_solids)
       columns = columns_make(space, kernel)
       if (parts > 0) call columns_ask(columns, block_t('drives', stage_mass, [(image_t(), a=1, parts)]))
-      if (corrected) call surfaces_ask(columns, ndim)
+      if (corrected .or. turns) call pairs_ask(columns, ndim)
+      if (corrected) call surfaces_ask(columns, ndim, crumbles)
+      columns%turns = turns
       if (method%spins > 0) then
         call columns_ask(columns, block_t('spin', stage_momentum, &
                                           [(image_axial(a, space), a=1, method%spins)], probed=.true.))
@@ -41,9 +44,6 @@ contains
         call columns_ask(columns, block_t('volume', stage_stress, [image_t()]))
       end if
       if (method%relaxed) call volumes_ask(columns)
-      if (method%rotation .and. (solid .or. .not. method%rotation_solids)) then
-        call columns_ask(columns, block_t('offset', stage_moment, [(image_lever(a), a=1, ndim)]))
-      end if
     end associate
   end function columns_build
 

@@ -13,6 +13,7 @@ module sgmp_build_model
                                law_slots, slots_t
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
+  use sgmp_debris, only: debris_possible
   use sgmp_driven_build, only: driven_add_columns, driven_declare, driven_fill, driven_number
   use sgmp_energy, only: ledger_open
   use sgmp_errors, only: error_make, error_t, exit_deck
@@ -521,7 +522,7 @@ contains
     do f = 1, size(model%fields)
       solid = field_solid(model, f)
       call field_init(model%fields(f), model%mesh, kernel, &
-                      columns_build(model, kernel, solid, parts(f)))
+                      columns_build(model, kernel, solid, field_crumbles(model, f), parts(f)))
       model%fields(f)%drive_terms = terms(f)
       model%fields(f)%gaps = solid .and. .not. model%method%relaxed
     end do
@@ -545,6 +546,20 @@ contains
       end associate
     end do
   end function field_solid
+
+  !> Whether something in a field can come apart, and then bears no stress as a body does.
+  pure function field_crumbles(model, f) result(yes)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: f
+    logical :: yes
+    integer :: b
+    yes = .false.
+    do b = 1, size(model%bodies)
+      associate (body => model%bodies(b))
+        if (body%field == f .and. .not. body%rigid) yes = yes .or. debris_possible(body%law)
+      end associate
+    end do
+  end function field_crumbles
 
   !> The clock's settings.
   subroutine build_clock(scene, model)
