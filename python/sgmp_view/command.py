@@ -7,7 +7,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 
-from . import (compare, convergence, error, fragments, gauges, history, impact, movie, picture, profile, report, revolve, slice_,  # noqa: E402
+from . import (compare, convergence, error, fragments, gauges, history, impact, map_, movie, picture, profile, report, revolve, slice_,  # noqa: E402
                solids, status, sweep, work_precision)
 from .files import SgmpFileError  # noqa: E402
 
@@ -15,7 +15,7 @@ from .files import SgmpFileError  # noqa: E402
 COMMANDS = {
     "status": status, "report": report, "impact": impact, "fragments": fragments, "history": history, "gauges": gauges, "picture": picture, "slice": slice_,
     "profile": profile, "movie": movie, "revolve": revolve, "compare": compare, "error": error, "sweep": sweep, "convergence": convergence,
-    "work-precision": work_precision, "solids": solids,
+    "work-precision": work_precision, "solids": solids, "map": map_,
 }
 
 

@@ -29,31 +29,39 @@ def distance_of_rings(points):
     return float(np.sqrt(np.median(squares.min(axis=1))))
 
 
-def revolve(particles, degrees, spacing):
-    """Particles on the circles of rings about the axis z, half of the angle to each side of the axis y: the open side looks along -y."""
+def revolve(particles, degrees, spacing, middle=90.0):
+    """Particles on the circles of rings about the axis z, half of the angle to each side of a direction: of y, so that the open side looks along -y."""
     radius = particles.points[:, 0]
     copies = np.maximum(np.ceil(np.radians(degrees) * radius / spacing), 4).astype(int)
     ring = np.repeat(np.arange(len(radius)), copies)
     place = np.arange(len(ring)) - np.repeat(np.cumsum(copies) - copies, copies)
-    angle = np.radians(90 + degrees * ((place + 0.5) / copies[ring] - 0.5))
+    angle = np.radians(middle + degrees * ((place + 0.5) / copies[ring] - 0.5))
     turn = np.zeros((len(ring), 3, 3))
     turn[:, 0, 0] = turn[:, 1, 1] = np.cos(angle)
     turn[:, 1, 0] = np.sin(angle)
     turn[:, 0, 1] = -turn[:, 1, 0]
     turn[:, 2, 2] = 1
-    result = Particles(particles.path, np.einsum("nij,nj->ni", turn, particles.points[ring]), components=particles.components, time=particles.time)
+    result = turned(particles, turn, ring)
+    for name in SHARED:
+        if name in result.fields:
+            result.fields[name] = result.fields[name] * degrees / 360 / copies[ring]
+    return result
+
+
+def turned(particles, turn, chosen):
+    """Particles (chosen, by number) with places, vectors and tensors turned by matrices (n, 3, 3)."""
+    result = Particles(particles.path, np.einsum("nij,nj->ni", turn, particles.points[chosen]), components=particles.components, time=particles.time,
+                       body_names=particles.body_names)
     for name, values in particles.fields.items():
-        values = values[ring]
+        values = values[chosen]
         if values.ndim == 2 and values.shape[1] == 3:
             values = np.einsum("nij,nj->ni", turn, values)
         elif values.ndim == 2 and values.shape[1] == 6:
-            full = np.empty((len(ring), 3, 3))
+            full = np.empty((len(values), 3, 3))
             for component, (i, j) in enumerate(TENSOR):
                 full[:, i, j] = full[:, j, i] = values[:, component]
             full = turn @ full @ turn.transpose(0, 2, 1)
             values = np.column_stack([full[:, i, j] for i, j in TENSOR])
-        elif name in SHARED:
-            values = values * degrees / 360 / copies[ring]
         result.fields[name] = values
     return result
 

@@ -7,14 +7,12 @@ module sgmp_contents
   use sgmp_load, only: load_force, load_t
   use sgmp_mesh, only: mesh_t
   use sgmp_model, only: model_t
-  use sgmp_particle_fields, only: particle_field_components, particle_field_find
   use sgmp_space, only: axes_in_output
+  use sgmp_state_columns, only: state_column_names, state_name_length
   use sgmp_text, only: integer_text, real_text_short
   implicit none
   private
   public :: contents_text
-
-  integer, parameter :: name_length = 16
 
 contains
 
@@ -65,13 +63,14 @@ contains
     type(body_t), intent(in) :: body
     type(mesh_t), intent(in) :: mesh
     character(:), allocatable :: text
-    character(name_length), allocatable :: names(:)
+    character(state_name_length), allocatable :: names(:)
     integer :: q
     names = column_names(body%law%slots, body%loads, mesh)
     do q = 1, body_parts(body)
       names(body%driven(q)%mark) = 'driven'//integer_text(q)
     end do
     text = '{"name": "'//trim(body%name)//'", "first_id": '//integer_text(body%first_id)// &
+           ', "density": '//real_text_short(body%law%density)// &
            ', "columns": "position velocity mass'
     do q = 1, size(names)
       text = text//' '//trim(names(q))
@@ -79,57 +78,25 @@ contains
     text = text//'"}'
   end function body_text
 
-  !> Names of the history columns as output has them; the mean stress where it is the only one, and
-  !! `spin+2` for the third component of the spin; of the loads of a body, by number, shares in a
-  !! force and area vectors.
+  !> Names of the columns of a body's particles; of its loads, by number, shares in a force and area
+  !! vectors; of further components name+1, name+2.
   function column_names(slots, loads, mesh) result(names)
     type(slots_t), intent(in) :: slots
     type(load_t), intent(in) :: loads(:)
     type(mesh_t), intent(in) :: mesh
-    character(name_length) :: names(slots%total)
+    character(state_name_length) :: names(slots%total)
     integer :: q, first
-    names = ''
-    names(slots%volume) = 'volume'
-    if (slots%stresses > 1) then
-      names(slots%stress:slots%stress + slots%stresses - 1) = &
-        particle_field_components(particle_field_find('stress'), mesh%space, slots%stresses)
-    else
-      call name_column(slots%stress, 'mean_stress')
-    end if
-    call name_column(slots%plastic, 'plastic_strain')
-    call name_column(slots%temperature, 'temperature')
-    call name_column(slots%damage, 'damage')
-    call name_column(slots%energy, 'energy')
-    call name_column(slots%distention, 'distention')
-    call name_column(slots%pore_shift, 'pore_shift')
-    call name_column(slots%bulking, 'bulking')
-    call name_column(slots%preconsolidation, 'preconsolidation')
-    call name_column(slots%lighting, 'lighting_time')
-    call name_column(slots%deformation, 'deformation')
-    call name_column(slots%stretch, 'stretch')
-    call name_column(slots%initial, 'initial')
-    call name_column(slots%spin, 'spin')
-    call name_column(slots%swirl, 'swirl')
-    call name_column(slots%surface, 'surface')
-    call name_column(slots%compliance, 'compliance')
-    call name_column(slots%strength, 'strength')
-    call name_column(slots%yield_factor, 'yield_factor')
-    call name_column(slots%path, 'path')
+    names = state_column_names(slots, mesh%space)
     do q = 1, size(loads)
-      call name_column(loads(q)%column, trim(merge('share', 'area ', &
-                                                   loads(q)%kind == load_force))//integer_text(q))
+      if (loads(q)%column == 0) cycle
+      names(loads(q)%column) = trim(merge('share', 'area ', loads(q)%kind == load_force))// &
+                               integer_text(q)
     end do
     first = 1
     do q = 1, slots%total
       if (names(q) /= '') first = q
       if (names(q) == '') names(q) = trim(names(first))//'+'//integer_text(q - first)
     end do
-  contains
-    subroutine name_column(column, name)
-      integer, intent(in) :: column
-      character(*), intent(in) :: name
-      if (column > 0) names(column) = name
-    end subroutine name_column
   end function column_names
 
 end module sgmp_contents

@@ -15,6 +15,7 @@ module sgmp_cards_body
                          shape_names, shape_ogive, shape_polygon, shape_revolved, shape_ring, &
                          shape_sphere, shape_t
   use sgmp_spelling, only: word_position, words_joined
+  use sgmp_state_columns, only: state_columns_of_files
   use sgmp_text, only: integer_text, real_text_plain
   use sgmp_turn, only: turn_make, turn_t
   implicit none
@@ -45,7 +46,7 @@ contains
     call register_shape_keys(registry)
     call registry%key('file', kind_text, 'text file with a line per particle: '// &
                       particle_file_columns//', or columns that its first line names, '// &
-                      'among them id and material; a relative path starts at the deck', &
+                      'among them id, material and a state (doc/user-guide.md); a relative path starts at the deck', &
                       when=from_file, required=.true.)
     call registry%key('layout', kind_word, 'uniform: particles in the middle of cubes; gauss: '// &
                       'Gauss points of each grid cell', choices=words_joined(layout_names), &
@@ -436,6 +437,7 @@ contains
       body%choice%known = words_joined(materials%name)
       body%choice%material = card%word('material')
       body%choice%others = ''
+      body%choice%state = state_columns_of_files()
       do b = 1, size(bodies)
         if (b == number .or. .not. allocated(bodies(b)%file) .or. bodies(b)%material == 0) cycle
         if (bodies(b)%file /= body%file) cycle

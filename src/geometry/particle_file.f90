@@ -9,18 +9,22 @@ module sgmp_particle_file
   use sgmp_number_rows, only: number_looks_so, number_read, number_row_next, number_separators
   use sgmp_sorting, only: sort_order
   use sgmp_space, only: axis_names, space_dimensions
-  use sgmp_spelling, only: suggestion, word_in_list, word_items, word_lower, word_position, &
+  use sgmp_spelling, only: string_t, suggestion, word_in_list, word_items, word_lower, word_position, &
                            words_joined
   use sgmp_text, only: integer_text
   implicit none
   private
-  public :: file_particles_t, material_choice_t, particle_file_columns, particle_file_read
+  public :: file_particles_t, material_choice_t, particle_file_columns, particle_file_names, &
+            particle_file_read
+
+  integer, parameter :: name_length = 16
 
   !> Which particles of a file a body takes, where the file says what each is made of.
   type :: material_choice_t
     character(:), allocatable :: material    !! those of this material
     character(:), allocatable :: others      !! blank-separated: what other bodies take from it
     character(:), allocatable :: known       !! blank-separated: all materials of the deck
+    character(:), allocatable :: state       !! blank-separated: further columns of a file
   end type material_choice_t
 
   !> Particles of a file in its order, or in that of their ids where it gives some.
@@ -29,11 +33,14 @@ module sgmp_particle_file
     real(dp), allocatable :: volume(:)       !! (n)
     real(dp), allocatable :: velocity(:, :)  !! (3, n), allocated if the file has velocities
     integer(i4), allocatable :: id(:)        !! (n) ascending; empty if the file has no ids
+    character(name_length), allocatable :: names(:)  !! (columns) of the state
+    real(dp), allocatable :: state(:, :)     !! (columns, n) what particles keep, at the start
   end type file_particles_t
 
-  !> Quantities that a column may hold, behind the axes.
-  integer, parameter :: in_volume = 4, in_velocity = 5, in_id = 8, in_material = 9, quantities = 9
+  !> Quantities that a column may hold, behind the axes; the last are those of the state.
+  integer, parameter :: in_volume = 4, in_velocity = 5, in_id = 8, in_material = 9
   integer, parameter :: in_line = 10         !! the line that a particle stands in
+  integer, parameter :: in_state = 11, quantities = 40
   character(*), parameter :: particle_file_columns = &
     'x y z volume [velocity_x velocity_y velocity_z]'
   integer, parameter :: with_velocity = 7, without = 4  !! columns of a file without names
@@ -41,8 +48,9 @@ module sgmp_particle_file
   !> What the columns of a file are.
   type :: columns_t
     integer :: ndim = 3                      !! axes of the space
-    character(10) :: names(quantities) = ''
+    character(name_length) :: names(quantities) = ''
     integer :: place(quantities) = 0         !! column of each quantity, 0: not in the file
+    integer :: known = in_line               !! quantities that have a name
     integer :: n = 0                         !! columns; 0: not known yet
   end type columns_t
 
@@ -82,6 +90,7 @@ contains
     columns%names(in_velocity:in_velocity + 2) = 'velocity_'//axis_names(:, space)
     columns%names(in_id) = 'id'
     columns%names(in_material) = 'material'
+    call name_state(choice, columns)
     call read_rows(unit, file, choice, columns, rows, error)
     close (unit)
     if (allocated(error)) return
@@ -102,13 +111,44 @@ contains
     end if
   end subroutine particle_file_read
 
+  !> Whether the first line of a file names its columns, so that a state may be among them.
+  function particle_file_names(file) result(named)
+    character(*), intent(in) :: file
+    logical :: named
+    type(line_t) :: line
+    integer :: unit, status
+    named = .false.
+    open (newunit=unit, file=file, status='old', action='read', iostat=status)
+    if (status /= 0) return
+    do while (next_line(unit, line))
+      if (line%words == 0) cycle
+      named = .not. number_looks_so(word(line, 1))
+      exit
+    end do
+    close (unit)
+  end function particle_file_names
+
+  !> Names of the columns of the state that a file may have.
+  pure subroutine name_state(choice, columns)
+    type(material_choice_t), intent(in) :: choice
+    type(columns_t), intent(inout) :: columns
+    type(string_t), allocatable :: names(:)
+    integer :: q
+    if (.not. allocated(choice%state)) return
+    names = word_items(choice%state)
+    do q = 1, size(names)
+      columns%names(in_state + q - 1) = names(q)%text
+    end do
+    columns%known = in_line + size(names)
+  end subroutine name_state
+
   !> The rows that a body takes as particles.
   pure subroutine take_rows(rows, columns, particles)
     real(dp), intent(in) :: rows(:, :)
     type(columns_t), intent(in) :: columns
     type(file_particles_t), intent(out) :: particles
-    integer, allocatable :: taken(:)
-    integer :: p
+    integer, allocatable :: taken(:), kept(:)
+    integer :: p, q
     taken = pack([(p, p=1, size(rows, 2))], rows(in_material, :) > 0.0_dp)
     particles%position = rows(1:3, taken)
     particles%volume = rows(in_volume, taken)
@@ -117,6 +157,9 @@ contains
     end if
     allocate (particles%id(0))
     if (columns%place(in_id) > 0) particles%id = nint(rows(in_id, taken), i4)
+    kept = pack([(q, q=in_state, columns%known)], columns%place(in_state:columns%known) > 0)
+    particles%names = columns%names(kept)
+    particles%state = rows(kept, taken)
   end subroutine take_rows
 
   !> Puts rows into the order of their ids; an error where two have the same.
@@ -146,13 +189,13 @@ contains
     character(*), intent(in) :: file
     type(material_choice_t), intent(in) :: choice
     type(columns_t), intent(inout) :: columns
-    real(dp), allocatable, intent(out) :: rows(:, :)  !! (10, n)
+    real(dp), allocatable, intent(out) :: rows(:, :)  !! (quantities, n)
     type(error_t), allocatable, intent(out) :: error
     type(line_t) :: line
-    real(dp) :: row(in_line)
+    real(dp) :: row(columns%known)
     logical :: named
     integer :: n
-    allocate (rows(in_line, 0))
+    allocate (rows(columns%known, 0))
     n = 0
     line%file = file
     do while (next_line(unit, line))
@@ -186,11 +229,16 @@ contains
       columns%place(:columns%n) = [(q, q=1, columns%n)]
       return
     end if
-    do w = 1, min(line%words, quantities)
-      q = word_position(word(line, w), columns%names)
+    if (line%words > quantities) then
+      call refuse(line, 1, 'there are '//integer_text(line%words)//' columns', &
+                  'known are '//words_joined(known_names(columns)), error)
+      return
+    end if
+    do w = 1, line%words
+      q = word_position(word(line, w), columns%names(:columns%known))
       if (q == 0) then
         call refuse(line, w, "a particle has no '"//word(line, w)//"'", suggestion( &
-                    word(line, w), word_items(words_joined(columns%names)), 'columns'), error)
+                    word(line, w), word_items(words_joined(known_names(columns))), 'columns'), error)
       else if (columns%place(q) > 0) then
         call refuse(line, w, "there are two columns '"//word(line, w)//"'", 'remove one', error)
       end if
@@ -198,11 +246,6 @@ contains
       columns%place(q) = w
     end do
     columns%n = line%words
-    if (columns%n > quantities) then
-      call refuse(line, 1, 'there are '//integer_text(columns%n)//' columns', &
-                  'known are '//words_joined(columns%names), error)
-      return
-    end if
     do q = 1, in_volume
       if (columns%place(q) > 0 .or. (q > columns%ndim .and. q < in_volume)) cycle
       call refuse(line, 1, "there is no column '"//trim(columns%names(q))//"'", &
@@ -211,11 +254,18 @@ contains
     end do
   end subroutine choose_columns
 
+  !> Names of all quantities that a column may hold.
+  pure function known_names(columns) result(names)
+    type(columns_t), intent(in) :: columns
+    character(name_length), allocatable :: names(:)
+    names = pack(columns%names(:columns%known), columns%names(:columns%known) /= '')
+  end function known_names
+
   !> The numbers of a line, or why it is no particle.
   subroutine read_row(line, columns, row, error)
     type(line_t), intent(in) :: line
     type(columns_t), intent(in) :: columns
-    real(dp), intent(out) :: row(in_line)
+    real(dp), intent(out) :: row(:)
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: wrong
     integer :: q
@@ -226,8 +276,8 @@ contains
                   integer_text(columns%n)//'): '//trim(line%text), expected, error)
       return
     end if
-    do q = 1, in_id
-      if (columns%place(q) == 0) cycle
+    do q = 1, columns%known
+      if (columns%place(q) == 0 .or. q == in_material) cycle
       call number_read(word(line, columns%place(q)), row(q), wrong)
       if (wrong == '') wrong = objection(q, row(q), columns%ndim)
       if (wrong == '') cycle
@@ -252,6 +302,8 @@ contains
           abs(value - aint(value)) > 0.0_dp) then
         text = 'an id is a whole number from 0 to '//integer_text(huge(1_i4))
       end if
+    else if (quantity >= in_state) then
+      return
     else if (abs(value) > 0.0_dp .and. ndim < merge(quantity, quantity - in_velocity + 1, &
                                                     quantity < in_velocity)) then
       text = 'a component beyond the dimension is not 0'

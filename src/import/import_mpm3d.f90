@@ -1,8 +1,8 @@
 !> Import of MPM3D decks: text -> words -> entries -> particles -> bodies and cards -> files.
 module sgmp_import_mpm3d
-  use sgmp_deck_errors, only: deck_errors_t
+  use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_errors, only: error_make, error_t, exit_io
-  use sgmp_file_tools, only: directory_make, file_exists, file_lines, output_file_t
+  use sgmp_file_tools, only: directory_make, file_exists, file_lines, line_t, output_file_t
   use sgmp_import_notes, only: import_notes_t, note_approximated, note_honoured
   use sgmp_kinds, only: dp
   use sgmp_mpm3d_bodies, only: piece_file, piece_t, pieces_make
@@ -15,7 +15,8 @@ module sgmp_import_mpm3d
   use sgmp_text, only: integer_text, real_text_tidy
   implicit none
   private
-  public :: imported_t, import_is_mpm3d, import_path, import_read, import_summary, import_write
+  public :: imported_t, import_is_mpm3d, import_locate, import_path, import_place, import_read, &
+            import_summary, import_write
 
   character(*), parameter :: suffix = '.mpm'
 
@@ -26,6 +27,7 @@ module sgmp_import_mpm3d
     type(native_deck_t) :: native
     type(piece_t), allocatable :: pieces(:)
     type(import_notes_t) :: notes
+    type(line_t), allocatable :: lines(:)  !! of the deck that it comes from
   end type imported_t
 
 contains
@@ -68,7 +70,67 @@ contains
                         imported%native, imported%notes)
     end if
     errors = words%errors
+    call move_alloc(words%lines, imported%lines)
   end subroutine import_read
+
+  !> Errors of the native deck at the places of the deck that it comes from.
+  subroutine import_place(imported, native, found, errors)
+    type(imported_t), intent(in) :: imported
+    character(*), intent(in) :: native          !! path of the native deck
+    type(deck_errors_t), intent(in) :: found    !! in it
+    type(deck_errors_t), intent(out) :: errors
+    type(position_t) :: place
+    integer :: i
+    if (.not. allocated(found%entries)) return
+    do i = 1, size(found%entries)
+      associate (entry => found%entries(i))
+        if (entry%warning) cycle
+        place = entry%position
+        if (place%file == native) place = origin_of(imported, place%line)
+        call errors%add(place, entry%message//' ('//entry%position%text()//': '// &
+                        trim(adjustl(source_of(entry%position)))//')', entry%remedy)
+      end associate
+    end do
+  end subroutine import_place
+
+  !> The same for an error that names its place in a text.
+  subroutine import_locate(imported, native, error)
+    type(imported_t), intent(in) :: imported
+    character(*), intent(in) :: native          !! path of the native deck
+    type(error_t), allocatable, intent(inout) :: error
+    type(position_t) :: place
+    integer :: line, colon, status
+    if (.not. allocated(error)) return
+    if (index(error%location, native//':') /= 1) return
+    associate (numbers => error%location(len(native) + 2:))
+      colon = index(numbers//':', ':')
+      read (numbers(:colon - 1), *, iostat=status) line
+    end associate
+    if (status /= 0) return
+    place = origin_of(imported, line)
+    error%message = error%message//' ('//error%location//')'
+    error%location = place%text()
+  end subroutine import_locate
+
+  !> The place that a line of the native deck comes from.
+  function origin_of(imported, line) result(place)
+    type(imported_t), intent(in) :: imported
+    integer, intent(in) :: line
+    type(position_t) :: place
+    place%file = imported%source
+    if (line < 1 .or. line > size(imported%native%origin, 2)) return
+    place%line = imported%native%origin(1, line)
+    place%column = imported%native%origin(2, line)
+    if (place%line > 0) place%source = imported%lines(place%line)%text
+  end function origin_of
+
+  !> The line of a place, '' where it has none.
+  pure function source_of(place) result(text)
+    type(position_t), intent(in) :: place
+    character(:), allocatable :: text
+    text = ''
+    if (allocated(place%source)) text = place%source
+  end function source_of
 
   !> Name of a file without folders and suffix.
   pure function stem_of(path) result(stem)

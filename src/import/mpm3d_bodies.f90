@@ -4,7 +4,8 @@ module sgmp_mpm3d_bodies
   use sgmp_import_notes, only: import_notes_t, note_honoured
   use sgmp_kinds, only: dp
   use sgmp_mpm3d_deck, only: mpm3d_deck_t, mpm3d_part_t
-  use sgmp_mpm3d_particles, only: beam_velocity, cloud_t, cloud_uniform, pi_there
+  use sgmp_mpm3d_particles, only: beam_velocity, cloud_t, cloud_uniform, &
+                                  lattice_tolerance, pi_there
   use sgmp_mpm3d_space, only: space_t
   use sgmp_mpm3d_words, only: mpm3d_words_t
   use sgmp_text, only: integer_text, real_text_plain
@@ -252,7 +253,7 @@ contains
     n = 0
     do p = 1, size(mine)
       if (.not. mine(p)) cycle
-      first_row = cloud%position(:, p) < least + 0.5_dp*cloud%spacing
+      first_row = cloud%position(:, p) <= least + lattice_tolerance*cloud%spacing
       if (.not. all([(first_row(axis) .or. any(space%axes == axis), axis=1, 3)])) cycle
       n = n + 1
       rows(:d, n) = cloud%position(space%axes, p)

@@ -35,8 +35,11 @@ contains
                          'left out: no body is made of it')
           cycle
         end if
+        call native%from(material%place)
         call write_law(material, name, words, native, notes)
+        call native%from(material%eos_place)
         call write_eos(material, name, words, native, notes)
+        call native%from(material%place)
         call write_viscosity(deck, material, name, native, notes)
       end associate
     end do
@@ -187,7 +190,7 @@ contains
       case (eos_polynomial)
         card = 'polynomial'//keys(c, 'a0 a1 a2 a3 b0 b1 b2 energy0')
       case (eos_gruneisen)
-        card = 'gruneisen'//keys(c(:4), 'c0 s gamma0 energy0')
+        card = 'gruneisen'//keys(c(:4), 'c0 s gamma0 energy0')//' expansion=cold'
       case (eos_jwl)
         card = 'jwl'//keys(c(:6), 'a b r1 r2 omega energy0')
       case default
@@ -218,40 +221,61 @@ contains
       status = note_approximated
       also = '; it acts, where MPM3D takes the pressure of '//trim(material%kind)// &
              ' from its moduli'
-    else if (material%eos == eos_gruneisen) then
+    else if (material%eos /= eos_weak .and. material%kind == 'null') then
       status = note_approximated
-      also = '; in expansion the energy counts, too'
+      also = '; as it is given: MPM3D overwrites its first constant with the speed of sound'
+    else if (material%eos == eos_gruneisen) then
+      also = '; expansion=cold: in expansion the energy does not count, as in MPM3D'
     else if (material%eos == eos_weak .and. material%kind == 'null') then
       also = ', a1 the bulk modulus of the material: MPM3D overwrites the speed that is given'
     end if
     call notes%add(status, material%eos_place, 'seos', kind//also)
   end subroutine note_eos
 
-  !> The card viscosity. MPM3D has it in every deck.
+  !> The card viscosity. MPM3D has it whether `bulk` is given or not, but not in every law: not
+  !! where the pressure is of `seos` 1 or 3, nor in total Lagrangian steps; and its linear term only
+  !! where particles have a speed of sound.
   subroutine write_viscosity(deck, material, name, native, notes)
     type(mpm3d_deck_t), intent(in) :: deck
     type(mpm3d_material_t), intent(in) :: material
     character(*), intent(in) :: name
     type(native_deck_t), intent(inout) :: native
     type(import_notes_t), intent(inout) :: notes
-    real(dp) :: linear
-    logical :: solid
+    real(dp) :: terms(2)
+    character(37), parameter :: words(0:2) = [character(37) :: 'no bulk viscosity', &
+                                              'the quadratic term of bulk viscosity', &
+                                              'both terms of bulk viscosity']
     character(:), allocatable :: text
-    solid = .not. (material%kind == 'hiex' .or. material%kind == 'null')
-    linear = merge(0.0_dp, deck%viscosity(2), solid)
-    if (deck%viscosity(1) > 0.0_dp .or. linear > 0.0_dp) call native%add( &
-      'viscosity '//name//keys([deck%viscosity(1), linear], 'quadratic linear'))
-    text = name//': of '//trim(material%kind)//' MPM3D has '// &
-           'only the quadratic term, whether bulk is given or not'
-    if (.not. solid) text = name//': both terms act, of '//trim(material%kind)//' neither in MPM3D'
+    integer :: n
+    n = viscosity_terms(material, mpm3d_given(deck, 'tlmp'))
+    terms = deck%viscosity
+    terms(n + 1:) = 0.0_dp
+    if (any(terms > 0.0_dp)) call native%add('viscosity '//name// &
+                                             keys(terms, 'quadratic linear'))
+    text = name//': of '//trim(material%kind)//' MPM3D has '//trim(words(n))
+    if (n > 0) text = text//' (there only where the mean stress is compressive)'
     if (mpm3d_given(deck, 'bulk')) then
-      call notes%add(merge(note_honoured, note_approximated, solid), mpm3d_place(deck, 'bulk'), &
-                     'bulk', text)
+      call notes%add(note_honoured, mpm3d_place(deck, 'bulk'), 'bulk', text)
     else
-      call notes%add(merge(note_honoured, note_approximated, solid), material%place, &
-                     trim(material%kind), 'bulk viscosity as by default: '//text)
+      call notes%add(note_honoured, material%place, trim(material%kind), text)
     end if
   end subroutine write_viscosity
+
+  !> Terms of bulk viscosity that act in MPM3D: 2 quadratic and linear, 1 quadratic, 0 none.
+  pure integer function viscosity_terms(material, total_lagrangian) result(terms)
+    type(mpm3d_material_t), intent(in) :: material
+    logical, intent(in) :: total_lagrangian
+    terms = 1
+    select case (material%kind)
+    case ('elas', 'neoh')
+      terms = 2
+    case ('sjc', 'sjcf', 'jcf', 'hiex', 'null')  ! their pressure is that of seos
+      if (material%kind == 'null') terms = 2
+      if (material%eos == eos_polynomial .or. material%eos == eos_jwl) terms = 0
+    case default  ! their pressure is that of their moduli
+    end select
+    if (total_lagrangian) terms = 0
+  end function viscosity_terms
 
   !> ` name=value` for each value.
   pure function keys(values, names) result(text)

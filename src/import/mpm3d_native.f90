@@ -1,5 +1,6 @@
 !> From what an MPM3D deck says to the cards of a native deck, with a note for every keyword.
 module sgmp_mpm3d_native
+  use sgmp_deck_errors, only: position_t
   use sgmp_import_notes, only: import_notes_t, note_approximated, note_honoured
   use sgmp_kinds, only: dp
   use sgmp_mpm3d_bodies, only: piece_block, piece_cylinder, piece_file, piece_sphere, piece_t
@@ -35,6 +36,7 @@ contains
     call refuse(deck, words)
     title = deck%title(verify(deck%title//'x', '* "'):)
     if (title == '') title = stem
+    call native%from(mpm3d_place(deck, 'mpm3'))
     call native%add('title "'//without_quotes(title)//'"')
     call write_parameters(deck, pieces, native, notes)
     call write_space(deck, space, native, notes)
@@ -86,11 +88,13 @@ contains
     type(native_deck_t), intent(inout) :: native
     type(import_notes_t), intent(inout) :: notes
     call native%section('parameters: --set h=… replaces one')
+    call native%from(mpm3d_place(deck, 'dcel'))
     call native%parameter('h', real_text_tidy(deck%cell), 'side of a grid cell')
     if (common_spacing(pieces) > 0.0_dp) then
       call native%parameter('spacing', real_text_tidy(common_spacing(pieces)), &
                             'distance of particles')
     end if
+    call native%from(mpm3d_place(deck, 'endt'))
     if (mpm3d_given(deck, 'qulo')) then
       call native%parameter('t_end', real_text_tidy(max(deck%end, earliest_rest)), &
                             'earliest end: when at rest')
@@ -100,6 +104,7 @@ contains
     else
       call native%parameter('t_end', real_text_tidy(deck%end), 'end time')
     end if
+    if (mpm3d_given(deck, 'dtsc')) call native%from(mpm3d_place(deck, 'dtsc'))
     call native%parameter('cfl', real_text_tidy(deck%courant), 'Courant number')
     call notes%add(note_honoured, mpm3d_place(deck, 'dcel'), 'dcell', 'grid cell=h')
     call notes%add(note_honoured, mpm3d_place(deck, 'endt'), 'endtime', 'time end=t_end')
@@ -132,6 +137,7 @@ contains
     character(:), allocatable :: grid, wall, free
     integer :: k, axis, side
     call native%section('space: walls lie where they act')
+    call native%from(mpm3d_place(deck, 'dcel'))
     call native%add('dimension '//integer_text(size(space%axes)))
     grid = 'grid cell=h'
     wall = ''
@@ -150,6 +156,7 @@ contains
       end do
     end do
     call native%add(grid)
+    if (mpm3d_given(deck, 'fixe')) call native%from(mpm3d_place(deck, 'fixe'))
     if (wall /= '') call native%add('wall'//wall)
     if (free /= '') call native%add('lost remove  ! through'//free)
     call note_space(deck, wall /= '', free, notes)
@@ -203,7 +210,9 @@ contains
     if (deck%on(word_position('usl', mpm3d_keywords))) update = 'usl'
     if (deck%on(word_position('musl', mpm3d_keywords))) update = 'musl'
     call native%section('numerics')
+    call native%from(method_place(deck))
     call native%add('method '//method//' update='//update)
+    call native%from(mpm3d_place(deck, 'endt'))
     if (mpm3d_given(deck, 'qulo')) then
       call native%add('time end=10*t_end cfl=$cfl')
       call native%add('stop at_rest=0.005 after=t_end')
@@ -221,10 +230,23 @@ contains
       'method gimp: a particle is as wide as its own volume; in MPM3D always half a cell')
     if (mpm3d_given(deck, 'tlmp')) call notes%add( &
       note_approximated, mpm3d_place(deck, 'tlmp'), 'TLmp', &
-      'runs updated-Lagrangian: particles cross cells, and bodies can separate numerically')
+      'runs updated-Lagrangian: particles cross cells, and bodies can separate numerically; '// &
+      'faces and walls that nothing touches at the start give way, as there')
     if (mpm3d_given(deck, 'uvfp')) call notes%add( &
       note_honoured, mpm3d_place(deck, 'uvfp'), 'UVFp', 'volumes follow the deformation anyway')
   end subroutine write_method
+
+  !> Where the method is said.
+  pure function method_place(deck) result(place)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(position_t) :: place
+    character(4), parameter :: keywords(*) = ['musl', 'usf ', 'usl ', 'gimp', 'bimp', 'sgmp']
+    integer :: i
+    place = mpm3d_place(deck, 'dcel')
+    do i = 1, size(keywords)
+      if (mpm3d_given(deck, trim(keywords(i)))) place = mpm3d_place(deck, trim(keywords(i)))
+    end do
+  end function method_place
 
   subroutine note_switches(deck, update, notes)
     type(mpm3d_deck_t), intent(in) :: deck
@@ -261,6 +283,7 @@ contains
     if (common_spacing(pieces) > 0.0_dp) spacing = ' spacing=spacing'
     do i = 1, size(pieces)
       associate (piece => pieces(i), part => deck%parts(pieces(i)%first))
+        call native%from(part%place)
         tail = ' material=material_'//integer_text(part%material)
         if (piece%shape /= piece_file .and. spacing == '') then
           tail = tail//' spacing='//real_text_tidy(piece%spacing)
@@ -342,6 +365,7 @@ contains
       card = card//' kinetic=yes'
       call notes%add(note_honoured, mpm3d_place(deck, 'drda'), 'drda', 'damping kinetic=yes')
     end if
+    call native%from(mpm3d_place(deck, merge('drda', 'damp', mpm3d_given(deck, 'drda'))))
     if (card /= '') call native%add('damping'//card)
   end subroutine write_damping
 
@@ -364,6 +388,7 @@ contains
     end do
     if (size(deck%loads) == 0) return
     call native%section('loads: forces per mass')
+    call native%from(deck%loads(1)%place)
     if (mpm3d_given(deck, 'qulo')) then
       call native%parameter('t_ramp', real_text_tidy(deck%ramp), 'forces rise over this time')
     end if
@@ -410,17 +435,25 @@ contains
         note_honoured, mpm3d_place(deck, 'cont'), 'cont', 'nothing to do: there is one component')
       return
     end if
-    if (.not. deck%contact) then
-      i = findloc(component == component(1), .false., 1)
+    i = findloc(component == component(1), .false., 1)
+    if (.not. mpm3d_given(deck, 'cont')) then
+      call notes%add(note_honoured, deck%parts(pieces(i)%first)%place, 'particle', 'without '// &
+                     'cont all components share one field: their bodies stick together where '// &
+                     'they meet, as in MPM3D')
+      return
+    else if (.not. deck%contact) then
       call words%errors%add( &
-        deck%parts(pieces(i)%first)%place, 'bodies of different components without contact '// &
-        'go through each other in MPM3D, which they cannot here', &
-        'add `cont lagr 0 0`, or give them one component')
+        deck%parts(pieces(i)%first)%place, 'with cont othe bodies of different components go '// &
+        'through each other in MPM3D, which they cannot here', &
+        'use `cont lagr 0 0`, or leave cont out: then they stick together')
       return
     end if
+    call native%from(mpm3d_place(deck, 'cont'))
     call notes%add(note_approximated, mpm3d_place(deck, 'cont'), 'cont', 'contact normal='// &
                    trim(normals(deck%normal))//': bodies touch where their particles are '// &
-                   'closer than the mean of their spacings; in MPM3D as soon as they share a node')
+                   'closer than the mean of their spacings; in MPM3D as soon as they share a node'// &
+                   trim(merge(', and only components 1 and 2', repeat(' ', 29), &
+                              any(component > 2))))
     call native%section('contact')
     do i = 1, size(pieces)
       do k = i + 1, size(pieces)
@@ -443,6 +476,7 @@ contains
     call native%add('')
     do i = 1, size(deck%detonations)
       associate (setting => deck%detonations(i))
+        call native%from(setting%place)
         call native%add('detonation point='//native_vector(setting%value(space%axes)))
         if (size(space%axes) == 3) then
           call notes%add(note_honoured, setting%place, 'deto', 'detonation')

@@ -31,6 +31,7 @@ contains
     if (fields /= '') fields = ' fields='//fields
     every = ''
     if (deck%interval < deck%end) every = ' every='//real_text_tidy(deck%interval)
+    if (size(deck%outputs) > 0) call native%from(deck%outputs(1)%place)
     if (mpm3d_given(deck, 'para')) then
       call native%add('output vtu'//every//fields)
       call notes%add(note_honoured, mpm3d_place(deck, 'para'), 'para', &
@@ -153,6 +154,7 @@ contains
         end if
         if (word_in_list(name, done) > 0) cycle
         done = done//' '//name
+        call native%from(setting%place)
         call native%add('gauge '//name//' point='//native_vector(point(space%axes)))
       end associate
     end do

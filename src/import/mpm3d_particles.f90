@@ -1,13 +1,14 @@
 !> The particles of an MPM3D deck: where they are, their mass, velocity and force, in its own three
 !! axes and order.
 module sgmp_mpm3d_particles
-  use sgmp_kinds, only: dp
+  use sgmp_kinds, only: dp, i8
   use sgmp_mpm3d_deck, only: mpm3d_deck_t, mpm3d_part_t, mpm3d_setting_t
   use sgmp_mpm3d_words, only: mpm3d_words_t
+  use sgmp_sorting, only: sort_order, sort_order_within
   use sgmp_text, only: integer_text
   implicit none
   private
-  public :: cloud_t, clouds_make, cloud_uniform, cloud_block, beam_velocity, pi_there
+  public :: cloud_t, clouds_make, lattice_tolerance, cloud_uniform, cloud_rows, beam_velocity, pi_there
 
   real(dp), parameter :: pi_there = 3.1415926535_dp   !! as MPM3D has it
   real(dp), parameter :: lattice_tolerance = 1.0e-5_dp  !! of a particle's place, in spacings
@@ -248,38 +249,69 @@ contains
                   1.0e-12_dp*maxval(abs(vectors)))
   end function cloud_uniform
 
-  !> Whether a body can be seen along an axis as one row of particles: all rows are the same.
-  pure function cloud_block(part, cloud, axis) result(rows_alike)
-    type(mpm3d_part_t), intent(in) :: part
+  !> Number of rows of a body along an axis, if they are all alike: the same places across it,
+  !! masses, velocities and forces; 0 where they are not.
+  pure function cloud_rows(cloud, axis) result(rows)
     type(cloud_t), intent(in) :: cloud
     integer, intent(in) :: axis
-    logical :: rows_alike
-    real(dp) :: extent
-    extent = maxval(cloud%position(axis, :)) - minval(cloud%position(axis, :))
-    rows_alike = extent <= lattice_tolerance*cloud%spacing
-    if (rows_alike) return
-    if (part%form == 'bloc') then
-      rows_alike = same_along(cloud, axis)
-    else if (cloud%cubic .or. (part%form == 'blod' .and. axis == 3)) then
-      rows_alike = cloud_uniform(cloud%velocity) .and. cloud_uniform(cloud%force)
+    integer :: rows
+    integer :: across(2), p, length
+    integer, allocatable :: order(:)
+    integer(i8), allocatable :: layer(:), first(:), second(:)
+    across = pack([1, 2, 3], [1, 2, 3] /= axis)
+    call find_levels(cloud, axis, layer)
+    rows = int(maxval(layer))
+    length = size(cloud%mass)/rows
+    if (rows == 1) return
+    if (rows*length == size(cloud%mass)) then
+      call find_levels(cloud, across(1), first)
+      call find_levels(cloud, across(2), second)
+      allocate (order(size(layer)))
+      call sort_order_within(layer, first*(size(layer) + 1_i8) + second, order)
+      do p = 1, size(order)
+        if (.not. alike(cloud, across, order(p), order(mod(p - 1, length) + 1))) exit
+      end do
+      if (p > size(order)) return
     end if
-  end function cloud_block
+    rows = 0
+  end function cloud_rows
 
-  !> Whether velocity and force in a block, numbered along x, then y, then z, do not change along an
-  !! axis.
-  pure function same_along(cloud, axis) result(same)
+  !> Whether two particles differ in nothing but their place along the third axis.
+  pure function alike(cloud, across, p, q) result(yes)
+    type(cloud_t), intent(in) :: cloud
+    integer, intent(in) :: across(2), p, q
+    logical :: yes
+    real(dp), parameter :: round_off = 1.0e-9_dp
+    yes = all(abs(cloud%position(across, p) - cloud%position(across, q)) <= &
+              lattice_tolerance*cloud%spacing) .and. &
+          abs(cloud%mass(p) - cloud%mass(q)) <= round_off*cloud%mass(q) .and. &
+          all(abs(cloud%velocity(:, p) - cloud%velocity(:, q)) <= &
+              round_off*maxval(abs(cloud%velocity(:, q)))) .and. &
+          all(abs(cloud%force(:, p) - cloud%force(:, q)) <= &
+              round_off*maxval(abs(cloud%force(:, q))))
+  end function alike
+
+  !> Numbers the different coordinates along an axis from the lowest; those closer than the
+  !! tolerance are one.
+  pure subroutine find_levels(cloud, axis, level)
     type(cloud_t), intent(in) :: cloud
     integer, intent(in) :: axis
-    logical :: same
-    integer :: p, stride, first
-    stride = product(cloud%rows(:axis - 1))
-    same = .false.
-    do p = 1, size(cloud%mass)
-      first = p - stride*mod((p - 1)/stride, cloud%rows(axis))
-      if (any(abs(cloud%velocity(:, p) - cloud%velocity(:, first)) > 0.0_dp)) return
-      if (any(abs(cloud%force(:, p) - cloud%force(:, first)) > 0.0_dp)) return
+    integer(i8), allocatable, intent(out) :: level(:)
+    real(dp), parameter :: steps = 1.0e8_dp        !! per spacing, for the order alone
+    real(dp), parameter :: most_steps = 1.0e18_dp  !! that an integer holds
+    integer, allocatable :: order(:)
+    real(dp) :: least, unit
+    integer :: p
+    least = minval(cloud%position(axis, :))
+    unit = max(cloud%spacing/steps, (maxval(cloud%position(axis, :)) - least)/most_steps)
+    allocate (level(size(cloud%mass)), order(size(cloud%mass)))
+    call sort_order(nint((cloud%position(axis, :) - least)/unit, i8), order)
+    level(order(1)) = 1
+    do p = 2, size(order)
+      level(order(p)) = level(order(p - 1))
+      if (cloud%position(axis, order(p)) - cloud%position(axis, order(p - 1)) > &
+          lattice_tolerance*cloud%spacing) level(order(p)) = level(order(p)) + 1
     end do
-    same = .true.
-  end function same_along
+  end subroutine find_levels
 
 end module sgmp_mpm3d_particles

@@ -7,9 +7,9 @@ module sgmp_mpm3d_space
   use sgmp_import_notes, only: import_notes_t, note_approximated, note_honoured
   use sgmp_kinds, only: dp
   use sgmp_mpm3d_deck, only: mpm3d_deck_t, mpm3d_given, mpm3d_place
-  use sgmp_mpm3d_particles, only: cloud_block, cloud_t
+  use sgmp_mpm3d_particles, only: cloud_rows, cloud_t
   use sgmp_mpm3d_words, only: mpm3d_words_t
-  use sgmp_text, only: real_text
+  use sgmp_text, only: integer_text, real_text
   implicit none
   private
   public :: space_t, space_make, face_free
@@ -31,34 +31,70 @@ contains
   !> Decides on axes and faces.
   subroutine space_make(deck, clouds, keep_3d, words, space, notes)
     type(mpm3d_deck_t), intent(in) :: deck
-    type(cloud_t), intent(in) :: clouds(:)
+    type(cloud_t), intent(inout) :: clouds(:)    !! rows along directions that are left out are set
     logical, intent(in) :: keep_3d
     type(mpm3d_words_t), intent(inout) :: words
     type(space_t), intent(out) :: space
     type(import_notes_t), intent(inout) :: notes
     logical :: thin(3)
-    integer :: axis, cells, margin, k
+    integer :: axis, k
     do axis = 1, 3
-      cells = box_cells(deck, axis)
       space%lower(axis) = deck%box(1, axis)
-      space%upper(axis) = deck%box(1, axis) + cells*deck%cell
+      space%upper(axis) = deck%box(1, axis) + box_cells(deck, axis)*deck%cell
       space%face(:, axis) = deck%fixed(:, axis)
-      thin(axis) = is_thin(deck, clouds, axis, cells, keep_3d, notes)
+      thin(axis) = is_thin(deck, clouds, axis, keep_3d, notes)
     end do
     if (all(thin)) thin(1) = .false.
     space%axes = pack([1, 2, 3], .not. thin)
     do k = 1, size(space%axes)
       axis = space%axes(k)
       space%name(axis) = 'xyz'(k:k)
-      margin = merge(1, 0, two_layers(deck))
-      if (space%face(1, axis) /= face_free) space%lower(axis) = space%lower(axis) + &
-                                                                margin*deck%cell
-      if (space%face(2, axis) /= face_free) space%upper(axis) = space%upper(axis) - &
-                                                                margin*deck%cell
+      call find_walls(deck, axis, space, notes)
       call check_faces(deck, clouds, axis, words, space, notes)
+      if (mpm3d_given(deck, 'tlmp')) call free_space(deck, clouds, axis, space)
+    end do
+    do axis = 1, 3
+      if (thin(axis)) call warn_off_middle(deck, clouds, axis, words, notes)
     end do
     call find_thickness(deck, clouds, thin, space, notes)
   end subroutine space_make
+
+  !> Where walls truly are: with two layers of nodes one cell within the box; where fewer than three
+  !! cells lie between two walls, at the box.
+  subroutine find_walls(deck, axis, space, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    integer, intent(in) :: axis
+    type(space_t), intent(inout) :: space
+    type(import_notes_t), intent(inout) :: notes
+    if (.not. two_layers(deck)) return
+    if (all(space%face(:, axis) /= face_free) .and. box_cells(deck, axis) < 3) then
+      if (box_cells(deck, axis) == 2) call notes%add( &
+        note_approximated, mpm3d_place(deck, 'fixe'), 'fixed', 'two cells between walls along '// &
+        'xyz'(axis:axis)//': the plane of nodes between them moves here, there it is held, too')
+      return
+    end if
+    if (space%face(1, axis) /= face_free) space%lower(axis) = space%lower(axis) + deck%cell
+    if (space%face(2, axis) /= face_free) space%upper(axis) = space%upper(axis) - deck%cell
+  end subroutine find_walls
+
+  !> Total Lagrangian motion knows neither the box nor walls that the matter does not touch at the
+  !! start: such faces give way.
+  pure subroutine free_space(deck, clouds, axis, space)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(cloud_t), intent(in) :: clouds(:)
+    integer, intent(in) :: axis
+    type(space_t), intent(inout) :: space
+    real(dp), parameter :: reach = 2.0_dp  !! of the widest kernel, in cells
+    real(dp) :: gap(2)
+    integer :: b
+    gap = huge(gap)
+    do b = 1, size(clouds)
+      gap(1) = min(gap(1), minval(clouds(b)%position(axis, :)) - space%lower(axis))
+      gap(2) = min(gap(2), space%upper(axis) - maxval(clouds(b)%position(axis, :)))
+    end do
+    where (gap > reach*deck%cell) space%face(:, axis) = face_free
+    space%open(:, axis) = space%face(:, axis) == face_free
+  end subroutine free_space
 
   !> Cells along an axis; MPM3D moves the upper end to fit.
   pure integer function box_cells(deck, axis) result(cells)
@@ -73,18 +109,18 @@ contains
     yes = mpm3d_given(deck, 'gimp') .or. mpm3d_given(deck, 'bimp') .or. mpm3d_given(deck, 'sgmp')
   end function two_layers
 
-  !> Whether a direction can be left out.
-  function is_thin(deck, clouds, axis, cells, keep_3d, notes) result(thin)
+  !> Whether a direction can be left out: all its nodes are held, and nothing differs along it.
+  function is_thin(deck, clouds, axis, keep_3d, notes) result(thin)
     type(mpm3d_deck_t), intent(in) :: deck
-    type(cloud_t), intent(in) :: clouds(:)
-    integer, intent(in) :: axis, cells
+    type(cloud_t), intent(inout) :: clouds(:)
+    integer, intent(in) :: axis
     logical, intent(in) :: keep_3d
     type(import_notes_t), intent(inout) :: notes
     logical :: thin, moves, pushed
-    integer :: b
+    integer :: b, rows(size(clouds))
     character(:), allocatable :: why
     thin = .false.
-    if (.not. (cells == 1 .or. (cells == 3 .and. two_layers(deck)))) return
+    if (box_cells(deck, axis) > merge(3, 1, two_layers(deck))) return
     if (any(deck%fixed(:, axis) /= face_symmetric)) return
     why = ''
     if (keep_3d) why = '--keep-3d'
@@ -93,13 +129,40 @@ contains
       pushed = any(abs(clouds(b)%force(axis, :)) > 0.0_dp) .or. &
                abs(clouds(b)%gravity(axis)) > 0.0_dp
       if (moves .or. pushed) why = 'something moves or pushes along it'
-      if (.not. cloud_block(deck%parts(b), clouds(b), axis)) why = 'rows differ along it'
+      rows(b) = cloud_rows(clouds(b), axis)
+      if (rows(b) == 0) why = 'rows differ along it'
     end do
     thin = why == ''
+    if (thin) clouds%rows(axis) = rows
     if (.not. thin) call notes%add(note_honoured, mpm3d_place(deck, 'fixe'), 'fixed', &
                                    'the direction '//'xyz'(axis:axis)// &
                                    ', one cell thick between planes of symmetry, is kept: '//why)
   end function is_thin
+
+  !> Rows that do not lie about the middle of a direction that is left out. MPM3D is wrong there.
+  subroutine warn_off_middle(deck, clouds, axis, words, notes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(cloud_t), intent(in) :: clouds(:)
+    integer, intent(in) :: axis
+    type(mpm3d_words_t), intent(inout) :: words
+    type(import_notes_t), intent(inout) :: notes
+    character(:), allocatable :: text
+    real(dp) :: middle
+    integer :: b
+    middle = deck%box(1, axis) + 0.5_dp*box_cells(deck, axis)*deck%cell
+    do b = 1, size(clouds)
+      associate (x => clouds(b)%position(axis, :))
+        if (abs(0.5_dp*(minval(x) + maxval(x)) - middle) <= 1.0e-3_dp*deck%cell) cycle
+      end associate
+      text = 'the rows of body '//integer_text(b)//' lie off the middle ('//real_text(middle)// &
+             ') of the direction '//'xyz'(axis:axis)//', which is one cell thick: MPM3D itself '// &
+             'gives other results there than with rows in the middle'
+      call words%errors%warn(deck%parts(b)%place, text, 'here it makes no difference; before '// &
+                             'results are compared, move the rows there')
+      call notes%add(note_approximated, deck%parts(b)%place, 'particle', text)
+      return
+    end do
+  end subroutine warn_off_middle
 
   !> Particles beyond a wall are an error; a free face gives way to them.
   subroutine check_faces(deck, clouds, axis, words, space, notes)

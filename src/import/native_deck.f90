@@ -1,5 +1,6 @@
 !> Text of a native deck while it is put together: cards, comments, numbers as one would write them.
 module sgmp_native_deck
+  use sgmp_deck_errors, only: position_t
   use sgmp_kinds, only: dp
   use sgmp_spelling, only: string_t
   use sgmp_text, only: real_text_tidy
@@ -9,10 +10,13 @@ module sgmp_native_deck
 
   integer, parameter :: longest_line = 100, column_of_rules = 90
 
-  !> The lines of a deck.
+  !> The lines of a deck, each with the place of what it comes from.
   type :: native_deck_t
     type(string_t), allocatable :: lines(:)
+    integer, allocatable :: origin(:, :)       !! (2, lines): line and column in the deck there
+    integer, private :: current(2) = 0         !! what the next lines come from; 0: the whole file
   contains
+    procedure :: from => native_from
     procedure :: add => native_add
     procedure :: section => native_section
     procedure :: parameter => native_parameter
@@ -20,18 +24,26 @@ module sgmp_native_deck
 
 contains
 
+  !> Says what the lines that are added next come from.
+  subroutine native_from(self, place)
+    class(native_deck_t), intent(inout) :: self
+    type(position_t), intent(in) :: place
+    self%current = [place%line, place%column]
+  end subroutine native_from
+
   !> Adds a card, continued where it is long; quotes are not cut.
   subroutine native_add(self, card)
     class(native_deck_t), intent(inout) :: self
     character(*), intent(in) :: card
     type(string_t) :: line
     integer :: cut
-    if (.not. allocated(self%lines)) allocate (self%lines(0))
+    if (.not. allocated(self%lines)) allocate (self%lines(0), self%origin(2, 0))
     cut = 0
     if (len(card) > longest_line .and. index(card, '!') /= 1) cut = place_to_cut(card)
     line%text = card
     if (cut > 0) line%text = card(:cut)//'&'
     self%lines = [self%lines, line]
+    self%origin = reshape([self%origin, self%current], [2, size(self%lines)])
     if (cut > 0) call self%add('  '//card(cut + 1:))
   end subroutine native_add
 

@@ -3,13 +3,14 @@
 !!
 !!     compression  p = (C1 mu + C2 mu^2 + C3 mu^3) (1 - gamma0 (1 - v)/2) + gamma0 E  (G1)
 !!     expansion    p = C1 mu + gamma0 E                                               (G2)
+!!                  p = C1 mu, with expansion=cold                                     (G2c)
 !!     C1 = rho0 c0^2,  C2 = C1 (2 s - 1),  C3 = C1 (s - 1)(3 s - 1)
 !!
 !! with v = V/V0 and E the energy per initial volume. 1 - v = rho0 mu/rho, so that the bracket in
 !! (G1) is exactly what puts the Hugoniot E = p (1 - v)/2 on the cubic; the cubic is
 !! rho0 c0^2 eta/(1 - s eta)^2, eta = 1 - v, up to an error of order mu^4.
 module sgmp_eos_gruneisen
-  use sgmp_keys, only: key, key_t, kind_real, values_t
+  use sgmp_keys, only: key, key_t, kind_real, kind_word, values_t
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
@@ -23,6 +24,7 @@ module sgmp_eos_gruneisen
     real(dp) :: c2 = 0.0_dp     !! C2 (stress)
     real(dp) :: c3 = 0.0_dp     !! C3 (stress)
     real(dp) :: gamma0 = 0.0_dp  !! Grueneisen's parameter, gamma rho constant
+    real(dp) :: gamma_expanded = 0.0_dp  !! the same in expansion: gamma0, or 0 in (G2c)
   end type gruneisen_t
 
 contains
@@ -35,7 +37,10 @@ contains
             key('s', kind_real, &
                 'slope of the shock speed over the particle speed, Us = c0 + s up', &
                 range='[0,inf)', required=.true.), &
-            key('gamma0', kind_real, 'Grueneisen coefficient', range='[0,inf)', required=.true.)]
+            key('gamma0', kind_real, 'Grueneisen coefficient', range='[0,inf)', required=.true.), &
+            key('expansion', kind_word, 'pressure below the initial density: thermal counts the '// &
+                'energy, cold does not, so that the pressure of hot matter jumps there', &
+                choices='thermal cold', default='thermal')]
   end function gruneisen_keys
 
   !> Equation from the values of its keys.
@@ -44,6 +49,7 @@ contains
     class(values_t), intent(in) :: values
     type(gruneisen_t) :: law
     law = gruneisen_init(density, values%number('c0'), values%number('s'), values%number('gamma0'))
+    if (values%word('expansion') == 'cold') law%gamma_expanded = 0.0_dp
   end function gruneisen_read
 
   !> Constants from initial density, sound speed, slope of the shock velocity, and Grueneisen's
@@ -58,6 +64,7 @@ contains
     law%c2 = law%c1*(2.0_dp*s - 1.0_dp)
     law%c3 = law%c1*(s - 1.0_dp)*(3.0_dp*s - 1.0_dp)
     law%gamma0 = gamma0
+    law%gamma_expanded = gamma0
   end function gruneisen_init
 
   !> Terms of p = a0 + b0 E and their derivatives with respect to v; v <= 0 (an empty lane) is taken
@@ -80,7 +87,7 @@ contains
     bracket = 1.0_dp - half*(1.0_dp - volume)
     a0 = cubic*bracket
     da = cubic*half - slope*bracket*(inverse*inverse)
-    b0 = law%gamma0
+    b0 = merge(law%gamma0, law%gamma_expanded, mu > 0.0_dp)
     db = 0.0_dp
   end subroutine gruneisen_terms
 

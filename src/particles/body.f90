@@ -29,6 +29,7 @@ module sgmp_body
     logical :: sides_stretch = .false.         !! and it follows the particle's stretch (cpGIMP)
     real(dp) :: spacing = 0.0_dp               !! particle spacing (length)
     logical :: stressed = .false.              !! at the start, as its card says
+    logical :: lit = .false.                   !! its file says when its particles are lit
     logical :: absorbs = .false.               !! faces lie on edges that let waves out
     logical :: forced = .false.                !! a body force or a load acts
     type(expression_t) :: force(3)             !! force per unit mass

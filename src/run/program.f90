@@ -9,9 +9,10 @@ module sgmp_program
   use sgmp_deck, only: deck_read
   use sgmp_deck_errors, only: deck_errors_t
   use sgmp_errors, only: error_t, exit_deck, exit_ok, exit_stopped
+  use sgmp_file_tools, only: file_remove
   use sgmp_gallery, only: gallery_copy, gallery_list
-  use sgmp_import_mpm3d, only: import_is_mpm3d, import_path, import_read, import_summary, &
-                               import_write, imported_t
+  use sgmp_import_mpm3d, only: import_is_mpm3d, import_locate, import_path, import_place, import_read, &
+                               import_summary, import_write, imported_t
   use sgmp_kinds, only: dp
   use sgmp_material_library, only: material_list, material_show
   use sgmp_options, only: options_completion, options_man, options_markdown, options_usage
@@ -19,7 +20,7 @@ module sgmp_program
   use sgmp_posix, only: signals_watch
   use sgmp_registry_help, only: registry_write_help, registry_write_markdown
   use sgmp_scene, only: scene_free, scene_t
-  use sgmp_simulation, only: simulation_check, simulation_run
+  use sgmp_simulation, only: simulation_check, simulation_run, simulation_try
   use sgmp_thread_choice, only: thread_choice_read, thread_choice_t
   use sgmp_version, only: commit_hash, compiler_string, version_string
   implicit none
@@ -35,6 +36,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer, intent(out) :: status         !! exit code, where there is no error
     character(:), allocatable :: native
+    type(imported_t) :: imported
     logical :: speaks
     status = exit_ok
     speaks = parallel_rank() == 0
@@ -61,7 +63,10 @@ contains
       if (speaks) write (output_unit, '(a)') 'sgmp '//version_string//' ('//commit_hash//') '// &
         compiler_string
     case (action_import)
-      call import_deck(options, options%output, .false., native, error, status)
+      call import_deck(options, options%output, .false., imported, native, error, status)
+      if (allocated(error) .or. status /= exit_ok) return
+      call try_native(imported, native, error)
+      if (.not. allocated(error)) call announce(options, imported, native)
     case default
       call run_deck(options, started, error, status)
     end select
@@ -93,33 +98,82 @@ contains
     end if
   end subroutine show_materials
 
-  !> Makes a native deck of an MPM3D deck, in a folder.
-  subroutine import_deck(options, folder, replace, native, error, status)
+  !> Makes a native deck of an MPM3D deck, in a folder, and reads it.
+  subroutine import_deck(options, folder, replace, imported, native, error, status)
     type(command_line_t), intent(in) :: options
     character(*), intent(in) :: folder
     logical, intent(in) :: replace  !! files that are there already
+    type(imported_t), intent(out) :: imported
     character(:), allocatable, intent(out) :: native  !! path of the new deck
     type(error_t), allocatable, intent(out) :: error
     integer, intent(out) :: status
-    type(imported_t) :: imported
     type(deck_errors_t) :: errors
-    status = exit_ok
     native = ''
     call import_read(options%deck, options%keep_3d, imported, errors, error)
     if (allocated(error)) return
-    if (errors%count() > 0) then
-      if (parallel_rank() == 0) call errors%print(error_unit)
-      status = exit_deck
-      return
-    end if
+    call tell(options, errors, status)
+    if (status /= exit_ok) return
     if (parallel_rank() == 0) call import_write(imported, folder, replace, error)
     call parallel_agree(error)
     if (allocated(error)) return
     native = import_path(imported, folder)
-    if (.not. options%quiet .and. parallel_rank() == 0) then
-      write (output_unit, '(a)') import_summary(imported, native)
-    end if
+    call read_native(imported, native, errors)
+    call tell(options, errors, status)
+    if (status /= exit_ok .and. parallel_rank() == 0) call file_remove(native, error)
+    call parallel_agree(error)
   end subroutine import_deck
+
+  !> Says what has become of a deck.
+  subroutine announce(options, imported, native)
+    type(command_line_t), intent(in) :: options
+    type(imported_t), intent(in) :: imported
+    character(*), intent(in) :: native
+    if (options%quiet .or. parallel_rank() /= 0) return
+    write (output_unit, '(a)') import_summary(imported, native)
+  end subroutine announce
+
+  !> Prints what is wrong with a deck.
+  subroutine tell(options, errors, status)
+    type(command_line_t), intent(in) :: options
+    type(deck_errors_t), intent(in) :: errors
+    integer, intent(out) :: status
+    status = merge(exit_deck, exit_ok, errors%count() > 0)
+    if (parallel_rank() /= 0) return
+    if (errors%count() > 0 .or. (errors%warnings() > 0 .and. .not. options%quiet)) then
+      call errors%print(error_unit)
+    end if
+  end subroutine tell
+
+  !> Errors of a native deck, at the places of the deck that it comes from.
+  subroutine read_native(imported, native, errors)
+    type(imported_t), intent(in) :: imported
+    character(*), intent(in) :: native
+    type(deck_errors_t), intent(out) :: errors
+    type(deck_errors_t) :: found
+    type(scene_t) :: scene
+    character(1) :: settings(0)
+    call deck_read(native, settings, scene, found)
+    call import_place(imported, native, found, errors)
+    call scene_free(scene)
+  end subroutine read_native
+
+  !> Builds what a native deck describes, which finds what reading does not: bodies without
+  !! particles, for example. A deck that cannot be built is not left behind.
+  subroutine try_native(imported, native, error)
+    type(imported_t), intent(in) :: imported
+    character(*), intent(in) :: native
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: problem
+    type(deck_errors_t) :: errors
+    type(scene_t) :: scene
+    character(1) :: settings(0)
+    call deck_read(native, settings, scene, errors)
+    call simulation_try(scene, omp_get_max_threads(), error)
+    call scene_free(scene)
+    if (.not. allocated(error)) return
+    call import_locate(imported, native, error)
+    if (parallel_rank() == 0) call file_remove(native, problem)
+  end subroutine try_native
 
   !> Reads a deck, then checks or runs it.
   subroutine run_deck(options, started, error, status)
@@ -130,22 +184,18 @@ contains
     type(scene_t) :: scene
     type(deck_errors_t) :: errors
     character(:), allocatable :: deck
+    type(imported_t) :: imported
     type(thread_choice_t) :: threads
     status = exit_ok
     deck = options%deck
     if (import_is_mpm3d(deck)) then
-      call import_deck(options, output_folder(options), .true., deck, error, status)
+      call import_deck(options, output_folder(options), .true., imported, deck, error, status)
       if (allocated(error) .or. status /= exit_ok) return
+      call announce(options, imported, deck)
     end if
     call deck_read(deck, options%settings, scene, errors)
-    if (errors%count() > 0) then
-      if (parallel_rank() == 0) call errors%print(error_unit)
-      status = exit_deck
-      return
-    end if
-    if (errors%warnings() > 0 .and. .not. options%quiet .and. parallel_rank() == 0) then
-      call errors%print(error_unit)
-    end if
+    call tell(options, errors, status)
+    if (status /= exit_ok) return
     call thread_choice_read(merge(options%threads, omp_get_max_threads(), options%threads > 0), &
                             threads, error)
     if (allocated(error)) return
@@ -156,6 +206,7 @@ contains
       call simulation_run(scene, options, threads, output_folder(options), started, error)
     end if
     call scene_free(scene)
+    if (import_is_mpm3d(options%deck)) call import_locate(imported, deck, error)
   end subroutine run_deck
 
   !> Folder of the output: as asked for, or the deck's name with .out in the current folder.

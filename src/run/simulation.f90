@@ -39,7 +39,7 @@ module sgmp_simulation
   use sgmp_verdict, only: verdict_t
   implicit none
   private
-  public :: simulation_run, simulation_check
+  public :: simulation_run, simulation_check, simulation_try
 
   ! Energy over what was given at which a run ends, where the deck does not say.
   real(dp), parameter :: beginning = 0.05_dp     !! part of the run
@@ -76,6 +76,22 @@ contains
       write (error_unit, '(a)') 'warning: '//warnings(w)%text
     end do
   end subroutine simulation_check
+
+  !> Builds a scene's model and forgets it: an error where that cannot be. What needs over half of
+  !! the memory is not built.
+  subroutine simulation_try(scene, threads, error)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: threads
+    type(error_t), allocatable, intent(out) :: error
+    type(model_t), allocatable :: model
+    real(dp) :: need, available
+    call memory_need_here(scene, need, available, error)
+    if (allocated(error)) return
+    if (parallel_any(need > 0.5_dp*available)) return
+    allocate (model)
+    call model_build(scene, threads, model, error)
+    call parallel_agree(error)
+  end subroutine simulation_try
 
   !> Runs a scene from its initial state, or a checkpoint, to its end.
   subroutine simulation_run(scene, options, threads, folder, started, error)

@@ -40,7 +40,7 @@ contains
     place = 0.0_dp
     do b = 1, size(bodies)
       associate (particles => bodies(b)%particles, column => bodies(b)%law%slots%lighting)
-        if (column == 0) cycle
+        if (column == 0 .or. bodies(b)%lit) cycle
         do c = 1, particles%chunks
           do l = 1, lanes
             if (particles%id(l, c) == 0) cycle

@@ -7,6 +7,7 @@ module sgmp_build_model
   use sgmp_body, only: body_t
   use sgmp_build_burn, only: burn_light
   use sgmp_build_columns, only: columns_build
+  use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
   use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_is_spherical, &
                                law_set_length, &
@@ -267,6 +268,8 @@ contains
       if (seeded) call set_rotation(card, mesh, body)
       call set_strength(body)
       if (seeded) call stress_fill(card, scene%gravity, mesh, body, error)
+      if (allocated(error)) return
+      if (seeded) call file_state_fill(card, mesh%space, body, error)
       if (allocated(error)) return
       call fill_positions(mesh, body)
       call contact_fill_slot(card, mesh, body)
