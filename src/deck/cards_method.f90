@@ -68,9 +68,9 @@ contains
                       'that lie at an angle to the grid (sgmp only); auto: corrected for '// &
                       'solids in plane and space where the rest of the deck allows it', &
                       choices='auto plain corrected', default='auto', source='doc/surfaces.md')
-    call registry%key('spin', kind_word, 'whether particles carry the rotation of what is '// &
-                      'around them to the grid, so that what turns keeps turning (sgmp, musl)', &
-                      choices='none carried', default='none', source='doc/rotation.md')
+    call registry%key('spin', kind_word, 'taken out: rotation=exact keeps what turns turning; '// &
+                      'none is accepted, with a warning', choices='none carried', &
+                      default='none', source='doc/rotation.md')
     call register_time(registry)
   end subroutine register_method
 
@@ -136,7 +136,6 @@ contains
       method%hoop = card%number('hoop', absent=method%hoop)
       method%rotation = card%word('rotation') == 'exact'
       method%surfaces = card%word('surfaces') == 'corrected'
-      method%spin = card%word('spin') == 'carried'
     end associate
   end subroutine read_method
 
@@ -145,6 +144,7 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     associate (method => draft%scene%method, errors => draft%errors)
+      call check_spin(card, errors)
       if (method%split > 0.0_dp) call check_split(card, draft%scene, errors)
       if (card%has('split_most') .and. .not. method%split > 0.0_dp) then
         call errors%add(card%place('split_most'), 'split_most bounds what split makes of the '// &
@@ -152,6 +152,20 @@ contains
       end if
     end associate
   end subroutine check_method
+
+  !> A word of former releases.
+  subroutine check_spin(card, errors)
+    type(deck_card_t), intent(in) :: card
+    type(deck_errors_t), intent(inout) :: errors
+    if (.not. card%values(card%at('spin'))%given) return
+    if (card%word('spin') == 'carried') then
+      call errors%add(card%place('spin'), 'spin=carried has been taken out: it damped bending '// &
+                      'and rolled worse than rotation=exact', 'write rotation=exact instead')
+    else
+      call errors%warn(card%place('spin'), 'spin says nothing any more: nothing is carried', &
+                       'remove it')
+    end if
+  end subroutine check_spin
 
   !> Particles that would be split at once.
   subroutine check_split(card, scene, errors)

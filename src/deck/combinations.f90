@@ -65,7 +65,6 @@ module sgmp_combinations
     feature_t('kept', 'volumes=kept', 'method', 'volumes', ask_word, 'kept', 0), &
     feature_t('rotation', 'rotation=exact', 'method', 'rotation', ask_word, 'exact', 0), &
     feature_t('surfaces', 'surfaces=corrected', 'method', 'surfaces', ask_word, 'corrected', 0), &
-    feature_t('spin', 'spin=carried', 'method', 'spin', ask_word, 'carried', 0), &
     feature_t('split', 'split=…', 'method', 'split', ask_above, '', 0), &
     feature_t('hoop', 'hoop=…', 'method', 'hoop', ask_given, '', 0), &
     feature_t('cfl=auto', '', 'time', 'cfl', ask_word, 'auto', 0), &
@@ -119,15 +118,12 @@ module sgmp_combinations
     refusal_t('kept', 'usf usl usavg', '', &
               'particles relax to cell centres between the two sweeps of musl', &
               'remove volumes=kept or use update=musl'), &
-    refusal_t('kept', 'rotation spin', '', &
-              'relaxing velocities are means over cells, which turn with neither', &
+    refusal_t('kept', 'rotation', '', &
+              'relaxing velocities are means over cells, which do not turn', &
               'remove the one or the other'), &
     refusal_t('rotation', 'mpm gimp cpgimp bspline', '', &
               'it corrects the strain of the auxiliary grid, which only sgmp has', &
               'remove rotation=exact or use method sgmp'), &
-    refusal_t('rotation', 'spin', '', &
-              'both restore the rotation of what turns', &
-              'remove spin=carried: rotation=exact needs no help'), &
     refusal_t('rotation', 'flip<1', '', &
               'velocities of the grid, which PIC takes, lose rotation', &
               'remove flip or rotation=exact'), &
@@ -140,21 +136,6 @@ module sgmp_combinations
     refusal_t('surfaces', 'absorbing', '', &
               'not worked out: edges are spread for strains that are not corrected', &
               'remove surfaces=corrected'), &
-    refusal_t('spin', 'mpm gimp cpgimp bspline', '', &
-              'only sgmp projects the spin of particles', &
-              'remove spin=carried or use method sgmp'), &
-    refusal_t('spin', 'usf usl usavg', '', &
-              'particles take the spin of the grid in the sweeps of musl', &
-              'remove spin=carried or use update=musl'), &
-    refusal_t('spin', '1D', '', &
-              'nothing turns on a line', &
-              'remove spin=carried'), &
-    refusal_t('spin', 'axisymmetric', '', &
-              'a ring turns about no point', &
-              'remove spin=carried'), &
-    refusal_t('spin', 'flip<1', '', &
-              'velocities of the grid, which PIC takes, lose rotation', &
-              'remove flip or spin=carried'), &
     refusal_t('split', 'usf', '', &
               'they are split in the sweep that moves and strains them, which usf has not', &
               'remove split or use update=musl, usl or usavg'), &
@@ -173,22 +154,16 @@ module sgmp_combinations
     refusal_t('wallfriction', '1D', '', &
               'nothing slides along a wall', &
               'remove this card'), &
-    refusal_t('wallfriction', 'rotation spin', '', &
+    refusal_t('wallfriction', 'rotation', '', &
               'not worked out: what the force of the wall does to rotation', &
               'let bodies roll on a rigid body, with a card contact'), &
     refusal_t('wallmotion', 'kept', '', &
               'not worked out: relaxation beside a wall that drags', &
               'remove one of them'), &
-    refusal_t('wallmotion', 'spin', '', &
-              'not worked out: spin beside a wall that drags', &
-              'remove one of them'), &
     refusal_t('wallmotion', 'damping damping-kinetic', '', &
               'damping slows everything down to rest', &
               'remove one of them'), &
     refusal_t('motion', 'rotation', '1D', &
-              'not worked out: rotation where a part is moved', &
-              'remove one of them'), &
-    refusal_t('motion', 'spin', '', &
               'not worked out: rotation where a part is moved', &
               'remove one of them'), &
     refusal_t('motion', 'kept', '', &

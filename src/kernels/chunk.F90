@@ -28,7 +28,6 @@ module DIM(sgmp_chunk)
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_scatter), only: column_sums, linear_scatter, linear_scatter_force, &
                                      linear_scatter_pairs
-  use CARTESIAN(sgmp_spin), only: spin_collect, spin_to_corners, spin_to_origin
   use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use sgmp_sums, only: sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
@@ -51,7 +50,7 @@ module DIM(sgmp_chunk)
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
-  integer, parameter :: most_columns = 2 + NMASS + NDIM*(5 + 2*NDIM + twists(NDIM)) + NSPIN + NFLUX + 5 + &
+  integer, parameter :: most_columns = 2 + NMASS + NDIM*(5 + 2*NDIM + twists(NDIM)) + NFLUX + 5 + &
                                      most_drives + pair_sums(NDIM)
   integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
@@ -78,13 +77,11 @@ module DIM(sgmp_chunk)
     integer :: plain = 0                 !! of these, all others
     ! Columns of the values that particles bring, 0 for those that this sweep does not fill; of what
     ! says `before`, the columns before it.
-    integer :: momentum = 0              !! before: the momentum
     integer :: masses = NMASS            !! columns of mass, those of driven particles and the room
                                          !! of pairs among them
     integer :: drives = 0                !! mass of driven particles
     integer :: driven = 0                !! how many
     integer :: room = 0                  !! volume of what has not come apart
-    integer :: spin = 0                  !! the spin
     integer :: swirl = 0                 !! moments of swirl
     integer :: square = 0                !! m |v|^2
     integer :: forces = 0                !! before: the forces (MPM, GIMP)
@@ -160,12 +157,10 @@ contains
     task%nq = plan%last_column - plan%first_column + 1
     task%pairs = before - plan%first_column + 1
     task%plain = min(plan%last_column, columns%first(stage_behind) - 1) - before
-    task%momentum = columns%momentum - 1 - before
     task%masses = columns%momentum - columns%mass
     task%driven = columns%driven
     task%drives = place(columns%drives)
     task%room = place(columns%room)
-    task%spin = place(columns%spin)
     task%swirl = place(columns%swirl)
     task%square = place(columns%square)
     task%forces = min(plan%last_column, columns%force - 1) - before
@@ -291,9 +286,6 @@ contains
                                            state(1, body%law%slots%swirl), &
                                            values(1, task%swirl))
 #endif
-    if (task%spin > 0) call spin_collect(plan%spin_keep, plan%spin_gain, task%live(1, nl), &
-                                         got(1, task%gradient), motion(1, mass_at), &
-                                         state(1, body%law%slots%spin), values(1, task%spin))
     if (task%square > 0) then
       call relaxation_square(task%live(1, nl), motion, values(1, task%square))
     end if
@@ -420,7 +412,6 @@ contains
       do d = 1, NDIM
         values(:, d) = mass*got(:, d)
       end do
-      if (task%spin > 0) values(:, NDIM + 1:NDIM + NSPIN) = 0.0_dp
     end if
   end subroutine probe
 
@@ -932,14 +923,8 @@ contains
     real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     type(product_spread_t) :: spread
-    integer :: plain, rest, momentum
+    integer :: plain, rest
     if (task%centred) then
-      momentum = task%pairs + task%momentum
-      if (task%spin > 0) then
-        call spin_to_origin(task%h, xi, values(1, task%spin), values(1, task%momentum + 1))
-        call spin_to_corners(task%h, xi, cell, values(1, task%spin), task%span, task%nq, &
-                             stencil(1, momentum + 1, 1))
-      end if
       if (task%pairs > 0) call linear_scatter_pairs(task%pairs, xi, cell, values, task%nq, &
                                                     stencil)
       call linear_scatter(task%plain, xi, cell, values, task%nq, stencil(1, task%pairs + 1, 1))

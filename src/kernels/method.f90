@@ -21,7 +21,6 @@ module sgmp_method
     logical :: normalised_solids = .false., rotation_solids = .false., surfaces_solids = .false.
     logical :: surfaces = .false.           !! strains are corrected at surfaces
     logical :: swirl = .false.              !! axisymmetric: with a velocity around the axis
-    integer :: spins = 0                    !! components of the spin that particles carry
     real(dp) :: cutoff = 0.0_dp             !! node mass below which a node is ignored
     logical :: erodes = .false.             !! particles may be removed by their material's card
     logical :: removes = .false.            !! bodies are removed by a card

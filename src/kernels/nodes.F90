@@ -72,7 +72,6 @@ contains
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         call node_moments(field, s, first, n, .true., m, p)
-        if (field%columns%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
         idx = field%neighbour(0, 0, s) + first
         if (field%columns%turns) then  ! they are known
           f(:n, :) = field%rotation%force(idx:idx + n - 1, :)
@@ -140,7 +139,6 @@ contains
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         call node_moments(field, s, first, n, .true., m, p)
-        if (field%columns%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
         idx = field%neighbour(0, 0, s) + first
 #ifdef AXISYMMETRIC
         call radial_inertia(field, s, first, n, m, field%node(idx, node_inertia))
@@ -169,7 +167,6 @@ contains
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         call node_moments(field, s, first, n, .false., m, p)
-        if (field%columns%spins > 0) call add_spin(field, mesh%h, s, first, n, p)
         idx = field%neighbour(0, 0, s) + first
 #ifdef AXISYMMETRIC
         call divide_radial(n, field%node(idx, node_inertia), p)
@@ -289,42 +286,6 @@ contains
       end do
     end if
   end subroutine node_moments
-
-  !> Adds to the momentum of a tile of nodes what the spin of the centres around them makes of the
-  !! way from centre to node: sum over the centres of 2^-d s_c x (x_I - x_c), doc/rotation.md.
-  pure subroutine add_spin(field, h, s, first, n, p)
-    type(field_t), intent(in) :: field
-    real(dp), intent(in) :: h
-    integer, intent(in) :: s, first, n
-    real(dp), intent(inout) :: p(tile, NDIM)
-#if NDIM > 1
-    real(dp) :: scale
-    integer :: i, b(NROW)
-    b = centre_rows(field, s, first)
-    scale = 0.5_dp**(NDIM + 1)*h
-#if NDIM == 2
-    associate (z => field%moment(:, field%columns%spin))
-      do i = 1, n
-        p(i, 1) = p(i, 1) + scale*(corner_slope_2(z, b, i - 1) + corner_slope_2(z, b, i))
-        p(i, 2) = p(i, 2) - scale*(corner_sum(z, b, i) - corner_sum(z, b, i - 1))
-      end do
-    end associate
-#else
-    associate (x => field%moment(:, field%columns%spin), &
-               y => field%moment(:, field%columns%spin + 1), &
-               z => field%moment(:, field%columns%spin + 2))
-      do i = 1, n
-        p(i, 1) = p(i, 1) + scale*((corner_slope_2(z, b, i - 1) + corner_slope_2(z, b, i)) &
-                                   - (corner_slope_3(y, b, i - 1) + corner_slope_3(y, b, i)))
-        p(i, 2) = p(i, 2) + scale*((corner_slope_3(x, b, i - 1) + corner_slope_3(x, b, i)) &
-                                   - (corner_sum(z, b, i) - corner_sum(z, b, i - 1)))
-        p(i, 3) = p(i, 3) + scale*((corner_sum(y, b, i) - corner_sum(y, b, i - 1)) &
-                                   - (corner_slope_2(x, b, i - 1) + corner_slope_2(x, b, i)))
-      end do
-    end associate
-#endif
-#endif
-  end subroutine add_spin
 
 #ifdef AXISYMMETRIC
   !> Radial mass of a tile of nodes over its mass.

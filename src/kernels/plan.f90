@@ -22,8 +22,6 @@ module sgmp_plan
                                            !! there is none
     integer, allocatable :: vectors(:)     !! node columns gathered: acceleration and velocity as
                                            !! the sweep needs them
-    real(dp) :: spin_keep = 1.0_dp, spin_gain = 0.0_dp
-      !! spin = keep spin + gain (rotation of the vector that `gradient` names)
     integer :: gradient = 0  !! node column of the vector whose gradient strains the particles
     real(dp) :: dt_kick = 0.0_dp           !! velocity step
     real(dp) :: dt = 0.0_dp                !! position step

@@ -16,8 +16,7 @@ module DIM(sgmp_sweep_movers)
   use sgmp_movers, only: movers_t
   use sgmp_plan, only: plan_t
   use sgmp_rebinning, only: arrivals_t
-  use CARTESIAN(sgmp_scatter), only: pair_spans, pair_ends, stride_of
-  use CARTESIAN(sgmp_spin), only: spin_lever
+  use CARTESIAN(sgmp_scatter), only: pair_ends, pair_spans, stride_of
   use CARTESIAN(sgmp_transfer), only: flux_of, linear_gradients, linear_weights
   use CARTESIAN(sgmp_transfer_product), only: product_gradients, product_weights
   implicit none
@@ -90,8 +89,6 @@ contains
         call add_mover(task, forces, l, w, g, movers%values(1, at(l)), pile%sums)
         if (task%pairs > 0) call add_mover_pairs(task, xi(l, :), w(l, :), &
                                                  movers%values(1, at(l)), pile%sums)
-        if (task%spin > 0) call add_mover_spin(task, xi(l, :), w(l, :), movers%values(1, at(l)), &
-                                               pile%sums)
         if (allocated(force)) call add_mover_faces(task, plan, l, force, w_face, levers, g_face, &
                                                    pile%sums)
       end associate
@@ -238,39 +235,6 @@ contains
       sums(:NCORNER, q) = sums(:NCORNER, q) + pair_ends(:, q)*(w(:NCORNER)*part)
     end do
   end subroutine add_mover_pairs
-
-  !> What the spin of one particle adds to the momentum of its stencil's points: m h spin x (way
-  !! from the particle to the point).
-  pure subroutine add_mover_spin(task, xi, w, values, sums)
-    type(task_t), intent(in) :: task
-    real(dp), intent(in) :: xi(NDIM), w(largest_stencil)
-    real(dp), intent(in) :: values(task%values)
-    real(dp), intent(inout) :: sums(largest_stencil, most_columns)
-    real(dp) :: here
-    integer :: e, d, q
-    q = task%pairs + task%momentum
-    do d = 1, NDIM
-      here = -own_lever(values(task%spin:), xi, d)
-      do e = 1, NCORNER
-        sums(e, q + d) = sums(e, q + d) + &
-            w(e)*(task%h*(here + spin_lever(values(task%spin:), e, d)))
-      end do
-    end do
-  end subroutine add_mover_spin
-
-  !> Component d of spin x xi.
-  pure function own_lever(spin, xi, d) result(t)
-    real(dp), intent(in) :: spin(:), xi(NDIM)
-    integer, intent(in) :: d
-    real(dp) :: t
-#if NDIM == 1
-    t = 0.0_dp*spin(1)*xi(d)
-#elif NDIM == 2
-    t = spin(1)*merge(-xi(2), xi(1), d == 1)
-#else
-    t = spin(mod(d, 3) + 1)*xi(mod(d + 1, 3) + 1) - spin(mod(d + 1, 3) + 1)*xi(mod(d, 3) + 1)
-#endif
-  end function own_lever
 
   !> One particle.
   pure subroutine add_mover(task, forces, lane, w, g, values, sums)

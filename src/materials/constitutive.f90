@@ -115,7 +115,6 @@ module sgmp_constitutive
     integer :: deformation = 0   !! deformation gradient, row by row
     integer :: stretch = 0       !! its diagonal alone, for cpGIMP and to split particles
     integer :: initial = 0       !! initial position, for body forces that use it
-    integer :: spin = 0          !! first component of the spin that particles carry
     integer :: swirl = 0         !! velocity around the axis times radius (cells)
     integer :: surface = 0       !! distance to the body's surface, for contact
     integer :: compliance = 0    !! by which volume is exchanged, for kept volumes
@@ -699,10 +698,10 @@ contains
   end function law_gaseous
 
   !> Columns for what a law keeps and what the scene adds to it.
-  pure subroutine law_slots(law, ndim, stretch, initial, spin)
+  pure subroutine law_slots(law, ndim, stretch, initial)
     type(constitutive_t), intent(inout) :: law
     integer, intent(in) :: ndim
-    integer, intent(in) :: stretch, initial, spin  !! components wanted
+    integer, intent(in) :: stretch, initial  !! components wanted
     associate (keeps => law%history)
       law%slots = slots_make(stresses=merge(1, stress_components(ndim), keeps%mean_stress), &
                              plastic=keeps%plastic, temperature=keeps%temperature, &
@@ -712,7 +711,7 @@ contains
                              preconsolidation=keeps%preconsolidation, &
                              lighting=keeps%lighting, &
                              deformation=merge(ndim**2, 0, keeps%deformation), &
-                             stretch=stretch, initial=initial, spin=spin)
+                             stretch=stretch, initial=initial)
     end associate
   end subroutine law_slots
 
@@ -737,12 +736,12 @@ contains
 
   !> Assigns columns to the fields that are wanted, in a fixed order.
   pure function slots_make(stresses, plastic, temperature, damage, energy, lighting, deformation, &
-                           stretch, initial, spin, distention, pore_shift, bulking, &
+                           stretch, initial, distention, pore_shift, bulking, &
                            preconsolidation) &
     result(slots)
     integer, intent(in) :: stresses            !! stress components
     logical, intent(in) :: plastic, temperature, damage, energy, lighting
-    integer, intent(in) :: deformation, stretch, initial, spin  !! components wanted
+    integer, intent(in) :: deformation, stretch, initial  !! components wanted
     logical, intent(in), optional :: distention, pore_shift, bulking, preconsolidation
     type(slots_t) :: slots
     slots%volume = 1
@@ -763,7 +762,6 @@ contains
     call take(slots%total, deformation, slots%deformation)
     call take(slots%total, stretch, slots%stretch)
     call take(slots%total, initial, slots%initial)
-    call take(slots%total, spin, slots%spin)
   end function slots_make
 
   !> The next n columns, 0 where none is wanted.

@@ -64,8 +64,6 @@ module sgmp_columns
     integer :: driven = 0        !! how many
     integer :: room = 0          !! volume of what has not come apart
     integer :: momentum = 0
-    integer :: spin = 0          !! the spin that particles carry, times their mass
-    integer :: spins = 0         !! components of it
     integer :: swirl = 0         !! v_theta times mass and radius, and mass times radius^2 (cells)
     integer :: square = 0        !! m |v|^2, where something relaxes (doc/volumes.md)
     integer :: force = 0         !! sigma V at auxiliary nodes, or the force at nodes
@@ -203,7 +201,6 @@ contains
     call find(columns, 'drives', columns%drives, columns%driven)
     call find(columns, 'room', columns%room)
     call find(columns, 'momentum', columns%momentum)
-    call find(columns, 'spin', columns%spin, columns%spins)
     call find(columns, 'swirl', columns%swirl)
     call find(columns, 'square', columns%square)
     call find(columns, 'force', columns%force, columns%forces)

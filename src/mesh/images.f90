@@ -8,7 +8,7 @@ module sgmp_images
   use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
   private
-  public :: image_t, image_axial, image_beside, image_product, image_radial, &
+  public :: image_t, image_beside, image_product, image_radial, &
             image_shear, image_sign, image_stress, image_vector, vector_parity
 
   !> Signs of a column: (axis of the wall's normal, kind of wall). 0: the number reaches across the
@@ -52,17 +52,6 @@ contains
     type(image_t) :: image
     image%sign(:, wall_axis) = -1
   end function image_radial
-
-  !> Component of an axial vector: a mirror keeps only the rotation about its normal.
-  pure function image_axial(component, space) result(image)
-    integer, intent(in) :: component, space
-    type(image_t) :: image
-    integer :: normal
-    do normal = 1, 3
-      if (component /= normal .or. space == 2) image%sign(normal, :) = -1
-    end do
-    image%sign(:, wall_fixed) = 1
-  end function image_axial
 
   !> Component of the stress: shear stresses at a mirror are odd.
   pure function image_stress(flux, space) result(image)

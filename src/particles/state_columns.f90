@@ -43,7 +43,6 @@ contains
     call name_column(slots%deformation, 'deformation')
     call name_column(slots%stretch, 'stretch')
     call name_column(slots%initial, 'initial')
-    call name_column(slots%spin, 'spin')
     call name_column(slots%swirl, 'swirl')
     call name_column(slots%surface, 'surface')
     call name_column(slots%compliance, 'compliance')

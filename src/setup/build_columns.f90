@@ -3,9 +3,8 @@
 !! The order in which they ask is that of the columns of a stage.
 module sgmp_build_columns
   use sgmp_absorbing_columns, only: absorbing_ask
-  use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, &
-                          stage_momentum, stage_stress
-  use sgmp_images, only: image_axial, image_t
+  use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, stage_stress
+  use sgmp_images, only: image_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_loads_columns, only: loads_ask, loads_ask_faces
   use sgmp_model, only: model_t
@@ -34,10 +33,6 @@ contains
       if (corrected .or. turns) call pairs_ask(columns, ndim)
       if (corrected) call surfaces_ask(columns, ndim, crumbles)
       columns%turns = turns
-      if (method%spins > 0) then
-        call columns_ask(columns, block_t('spin', stage_momentum, &
-                                          [(image_axial(a, space), a=1, method%spins)], probed=.true.))
-      end if
       if (method%swirl) call swirl_ask(columns)
       call ask_forces(model, kernel, corrected, columns)
       if (method%normalised .and. (solid .or. .not. method%normalised_solids)) then

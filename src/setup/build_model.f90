@@ -142,7 +142,6 @@ contains
     method%normalised_solids = scene%method%normalised_auto
     method%rotation_solids = scene%method%rotation_auto
     method%surfaces_solids = scene%method%surfaces_auto
-    method%spins = spin_components(scene)
     method%swirl = scene%swirl
     method%erodes = any([(scene%materials(m)%law%erosion%given, m=1, size(scene%materials))])
     method%damped = scene%damping%rate > 0.0_dp .or. scene%damping%kinetic
@@ -232,7 +231,7 @@ contains
       call keep_energy(scene, body)
       call law_slots(body%law, tensor_axes(scene), &
                      stretch=merge(mesh%ndim, 0, body%sides_stretch .or. splits(scene, body)), &
-                     initial=merge(mesh%ndim, 0, needs_initial(body)), spin=spin_components(scene))
+                     initial=merge(mesh%ndim, 0, needs_initial(body)))
       call contact_add_slot(scene, number, body%law%slots)
       call add_columns(scene, body%law)
       if (splits(scene, body)) call add_column(body%law%slots, body%law%slots%path)
@@ -354,14 +353,6 @@ contains
       yes = yes .or. load_is_bound(body%loads(i))
     end do
   end function needs_initial
-
-  !> Components of the spin that particles carry: one in the plane, three in space.
-  pure function spin_components(scene) result(n)
-    type(scene_t), intent(in) :: scene
-    integer :: n
-    n = 0
-    if (scene%method%spin) n = merge(1, 3, scene%dimension == 2)
-  end function spin_components
 
   !> First values of the history columns behind the volume: what the law says, and the card's own.
   pure function first_history(card, body, ndim) result(history)

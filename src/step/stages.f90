@@ -20,13 +20,13 @@
 !!   re-map            strain_velocity     contact
 !!                     place               rotation
 !!                     after_remap         rotation, kept volumes
-!!   sweeps            plan                spin, kept volumes, splitting
+!!   sweeps            plan                kept volumes, splitting
 !!                     sweep               surfaces
 !!   sums known        close               rigid bodies, driven parts
 !!   books closed      finish              damping (stress last)
 module sgmp_stages
   use sgmp_absorbing_account, only: absorbing_account
-  use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
+  use sgmp_columns, only: node_remapped, node_velocity
   use sgmp_contact, only: contact_step_t
   use sgmp_contact_stages, only: phase_contact_force, phase_contact_velocity, phase_find_contact
   use sgmp_damping_account, only: damping_account, damping_book_kick
@@ -61,9 +61,6 @@ module sgmp_stages
             stage_brings_stress, stage_close, stage_finish, stage_forces, stage_meet, stage_open, &
             stage_place, stage_plan, stage_project, stage_strain_velocity, stage_sweep, stage_terms
 
-  !> Part of the carried spin that each step replaces by the rotation of the grid, so that errors
-  !! are forgotten (doc/rotation.md). The first step takes all of it from there.
-  real(dp), parameter :: spin_relaxation = 0.02_dp
 
 contains
 
@@ -211,18 +208,8 @@ contains
   subroutine stage_plan(model, plan)
     type(model_t), intent(in) :: model
     type(plan_t), intent(inout) :: plan
-    logical :: remapped
-    remapped = plan%gradient == node_remapped
     if (plan%drift .and. plan%strain) plan%split = model%method%split
-    if (remapped) plan%relax = model%method%relaxed
-    if (model%method%spins == 0) return
-    if (remapped) then
-      plan%spin_gain = merge(1.0_dp, spin_relaxation, model%clock%step == 0)
-      plan%spin_keep = 1.0_dp - plan%spin_gain
-    else if (plan%kick .and. .not. plan%drift) then
-      plan%spin_gain = plan%dt_kick
-      plan%gradient = node_acceleration
-    end if
+    if (plan%gradient == node_remapped) plan%relax = model%method%relaxed
   end subroutine stage_plan
 
   !> Before a sweep: what particles will read is at the nodes, those behind walls included.

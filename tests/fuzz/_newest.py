@@ -39,7 +39,7 @@ def keyed(luck, lines, axes):
         words = line.split(" ", 3)
         named = words[0] in ("material", "eos")
         begins = " ".join(words[0:3:2] if named else words[:2])
-        turns = "swirl=yes" in lines[0] or "rotation=" in line or "spin=" in line  # takes flip=1
+        turns = "swirl=yes" in lines[0] or "rotation=" in line  # takes flip=1
         fits = [key for first, needs, key in KEYS if first in (begins, words[0]) and needs in line and not (turns and "flip" in key)]
         key = luck.choice(fits) if fits and luck.random() < 0.4 else ""
         if key == " normal=axis":

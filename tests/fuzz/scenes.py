@@ -63,7 +63,7 @@ class Scene:
         self.steps = STEPS[self.dimension]
         self.method = self.luck.choice(("sgmp", "sgmp", "sgmp", "gimp", "mpm", "cpgimp", "bspline"))
         self.update = self.luck.choice(("musl", "musl", "usf", "usl", "usavg"))
-        self.walls = self.rigid = self.floats = self.carried = self.removes = False
+        self.walls = self.rigid = self.floats = self.removes = False
         # What follows has streams of its own, so that the choices of old seeds stay what they were.
         self.split = self.stream("split").random() < 0.3
         self.rich = self.stream("rich").random() < 0.6
@@ -179,18 +179,15 @@ class Scene:
         """Method, update and step."""
         words = [f"method {self.method} update={self.update}"]
         if self.method == "sgmp":
-            extra = self.luck.choice(("", "", " rotation=exact", " stress=normalised", " spin=carried"))
-            if extra == " spin=carried" and (self.update != "musl" or self.dimension == 1):
-                extra = ""
-            if self.axisymmetric and extra in (" rotation=exact", " spin=carried") or self.moving and extra == " spin=carried":
+            extra = self.luck.choice(("", "", " rotation=exact", " stress=normalised"))
+            if self.axisymmetric and extra == " rotation=exact":
                 extra = ""
             if self.update == "musl" and extra in ("", " stress=normalised") and not (self.swirl or self.moving) and self.has("kept", 0.2):
                 extra += " volumes=kept"
             if self.has_further("words", 0.7):
                 extra = further.words(self.stream("words of the method"), self.dimension, self.axisymmetric, self.swirl, self.absorbs, self.rubs)
-            elif self.rubs and (extra == " rotation=exact" or extra == " spin=carried"):
+            elif self.rubs and extra == " rotation=exact":
                 extra = ""
-            self.carried = extra == " spin=carried"
             words.append(extra)
         if self.update != "usf" and self.split:
             words.append(" split=1")
@@ -369,7 +366,7 @@ class Scene:
     def motions(self):
         """Parts of bodies that are moved, where the method allows it."""
         method = next(line for line in self.lines if line.startswith("method"))
-        if self.swirl or self.moving or self.rubs or any(word in method for word in ("rotation=exact", "spin=", "volumes=")) or \
+        if self.swirl or self.moving or self.rubs or any(word in method for word in ("rotation=exact", "volumes=")) or \
                 any(line.startswith("contact") for line in self.lines):
             return
         for name, block in self.deforming.items():
@@ -475,8 +472,8 @@ def physics_problems(scene, result):
         yield "a history that is not of numbers"
         return
     supplied = max(max(abs(row[key]) for row in rows) for key in ("kinetic_energy", "internal_energy", "external_work"))
-    # Spin that particles carry has an energy of its own, which the identity does not know; a free body that has left the grid in part moves as the whole.
-    if not (scene.carried or scene.floats and result.summary["particles_lost"]) and abs(energy["remainder"]) > 1e-10*max(supplied, 1e-300):
+    # A free body that has left the grid in part moves as the whole.
+    if not (scene.floats and result.summary["particles_lost"]) and abs(energy["remainder"]) > 1e-10*max(supplied, 1e-300):
         yield f"the ledger misses {energy['remainder']/supplied:.1e} of the energy"
     particles = result.table("particles_end.csv")
     if any(not math.isfinite(value) for row in particles for value in row.values()):

@@ -30,7 +30,7 @@ gauge middle point=0.5
 FLIGHT = """
 dimension 2
 grid cell=1
-method sgmp spin=carried
+method sgmp rotation=exact
 time end=4 dt=0.05
 material stiff elastic density=2 young=10 poisson=0.3
 body free block lower=(0,0) upper=(4,4) material=stiff
@@ -87,7 +87,7 @@ damping rate=slow
 TUMBLING = """
 dimension 2
 grid cell=1/4
-method sgmp spin=carried
+method sgmp rotation=exact
 time end=12 cfl=0.4
 material rubber elastic density=1 young=10 poisson=0.3
 body block block material=rubber lower=(-1,-1) upper=(1,1)
@@ -210,7 +210,7 @@ def rest(report):
 
 
 def bits(report):
-    """The same for threads, ranks and restarts, where velocities have companions: kept volumes, swirl, carried spin, halves."""
+    """The same for threads, ranks and restarts, where velocities have companions: kept volumes, swirl, exact rotation, halves."""
     scenes = {"kept": KEPT_PLANE + "velocity gas x=0.3*y\ndamping rate=0.05\n", "swirl": SWIRL + "damping rate=0.2 kinetic=yes\n",
               "split": SPLIT + "damping rate=0.1\n", "tumbling": TUMBLING.replace("end=12", "steps=80").replace("kinetic=yes", "rate=0.3")}
     for name, text in scenes.items():

@@ -339,7 +339,6 @@ def mistakes(report):
              ("no such time", "until=5", "until=0", "'until' = 0 is out of range"),
              ("contact", "load ball", "contact all\nload ball", "takes part in contact"),
              ("exact rotation", "update=$update", "update=$update rotation=exact", "rotation=exact"),
-             ("carried spin", "update=$update", "update=$update spin=carried", "spin=carried"),
              ("kept volumes", "update=$update", "update=$update volumes=kept", "volumes=kept"),
              ("walls that move", "method $method", "wall y-=fixed\nwallmotion y- x=1\nmethod $method", "motion does not go with wallmotion"),
              ("too many", "load ball", "".join(f'motion ball where="y>-3+0.5*{k} && y<-3+0.5*{k + 1}" x={k}\n' for k in range(8)) + "load ball", "more than 8 cards motion"))

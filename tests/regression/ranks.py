@@ -173,7 +173,7 @@ SCENES = [
     ("mpm", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "method": "mpm", "update": "usl"}, FEW),
     ("cpgimp", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "method": "cpgimp", "update": "usavg"}, FEW),
     ("johnson_cook", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "material": "johnson_cook"}, FEW),
-    ("carried", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "jitter": 0.4, "carry": "carried"}, FEW),
+    ("rotation", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "jitter": 0.4, "rotation": "exact"}, FEW),
     ("taylor_bar", "taylor_bar.inp", {"h": 1.9, "t_end": 0.01}, LAYOUTS),
     ("taylor_bar_axisymmetric", "taylor_bar_axisymmetric.inp", {"h": 0.76, "t_end": 0.01}, FEW),
     ("hoops", RINGS, {"height": 16}, LAYOUTS),

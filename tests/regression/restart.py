@@ -103,7 +103,6 @@ SCENES = [
     ("block", deck("block.inp", EVERYTHING), {"cells": 5, "steps": 40, "drift": 0.3, "jitter": 0.4}, 40, 2),
     ("johnson_cook", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "material": "johnson_cook"}, 30, 1),
     ("normalised", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "stress": "normalised"}, 30, 2),
-    ("carried", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "jitter": 0.4, "carry": "carried"}, 30, 2),
     ("rotation", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "jitter": 0.4, "rotation": "exact"}, 30, 2),
     ("rotation_usf", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "jitter": 0.4, "rotation": "exact", "update": "usf"}, 30, 2),
     ("taylor_bar", deck("taylor_bar.inp"), {"h": 1.9, "t_end": 0.01, "cfl": 1, "material": "full"}, 26, 2),

@@ -55,7 +55,6 @@ SCENES = [
     ("seat", SEAT, {}),
     ("bar", "bar.inp", {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1}),
     ("normalised_block", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3, "jitter": 0.4, "stress": "normalised"}),
-    ("carried_block", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3, "jitter": 0.4, "carry": "carried"}),
     ("rotation_block", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3, "jitter": 0.4, "rotation": "exact"}),
     ("normalised_beam", "beam.inp", {"h": 1.25, "t_end": 0.003, "stress": "normalised"}),
     ("normalised_bar", "bar.inp", {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1, "stress": "normalised"}),

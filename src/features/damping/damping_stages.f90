@@ -35,7 +35,7 @@ contains
     if (method%kinetic_damping .and. kinetic < kinetic_before) factor = 0.0_dp
   end function damping_factor
 
-  !> Multiplies velocities, spins and momenta by a factor and books the energy that this takes.
+  !> Multiplies velocities and momenta by a factor and books the energy that this takes.
   subroutine damping_slow(factor, threads, fields, bodies, sums, ledger)
     real(dp), intent(in) :: factor
     integer, intent(in) :: threads
@@ -51,8 +51,7 @@ contains
         sums(b)%kinetic = factor**2*sums(b)%kinetic
       end if
       if (bodies(b)%rigid) cycle
-      call slow_particles(factor, threads, bodies(b)%law%slots%spin, bodies(b)%law%slots%swirl, &
-                          fields(bodies(b)%field)%columns%spins, bodies(b)%particles)
+      call slow_particles(factor, threads, bodies(b)%law%slots%swirl, bodies(b)%particles)
       sums(b)%momentum = factor*sums(b)%momentum
       sums(b)%kinetic = factor**2*sums(b)%kinetic
     end do
@@ -63,21 +62,18 @@ contains
   end subroutine damping_slow
 
   !> All that is a velocity in the particles of a body.
-  subroutine slow_particles(factor, threads, spin, swirl, spins, particles)
+  subroutine slow_particles(factor, threads, swirl, particles)
     real(dp), intent(in) :: factor
     integer, intent(in) :: threads
-    integer, intent(in) :: spin, swirl         !! columns of the state, 0: none
-    integer, intent(in) :: spins               !! components of the spin
+    integer, intent(in) :: swirl               !! column of the state, 0: none
     type(particles_t), intent(inout) :: particles
     integer :: c, first, last
     first = motion_velocity(particles%ndim)
     last = first + particles%ndim - 1
     !$omp parallel do schedule(static) num_threads(threads) if(threads > 1) default(none) &
-    !$omp& shared(particles, first, last, factor, spin, spins, swirl) private(c)
+    !$omp& shared(particles, first, last, factor, swirl) private(c)
     do c = 1, particles%chunks
       particles%motion(:, first:last, c) = factor*particles%motion(:, first:last, c)
-      if (spins > 0) particles%state(:, spin:spin + spins - 1, c) = &
-        factor*particles%state(:, spin:spin + spins - 1, c)
       if (swirl > 0) particles%state(:, swirl, c) = factor*particles%state(:, swirl, c)
     end do
     !$omp end parallel do
@@ -89,7 +85,6 @@ contains
     type(field_t), intent(inout) :: field
     associate (columns => field%columns)
       call scale(columns%momentum, field%ndim, factor)
-      if (columns%spins > 0) call scale(columns%spin, columns%spins, factor)
       if (columns%swirl > 0) call scale(columns%swirl, 1, factor)
       if (columns%square > 0) call scale(columns%square, 1, factor**2)
     end associate
