@@ -22,7 +22,7 @@ export OMP_WAIT_POLICY ?= passive
 
 GALLERY = $(wildcard input/gallery/*.inp) input/taylor_bar_axisymmetric.inp
 
-.PHONY: gallery help setup setup-test setup-dev build build-all run verify verify-full hard test test-full test-slurm sanitize fuzz truth mutate debug test-debug bench speed lint format coverage doc install clean
+.PHONY: gallery help setup setup-test setup-dev build build-all run verify verify-full hard test test-full test-slurm test-serial sanitize fuzz truth mutate debug test-debug bench speed wrap lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
 
 help: ## List the targets
@@ -69,6 +69,7 @@ verify-full: build ## The same with all sizes and figures, and the copy in doc/v
 
 hard: build ## Run the hard cases by four methods (minutes): build/hard/results.json, doc/hard-cases.md
 	$(PYTHON) verification/hard/hard.py --publish
+	$(PYTHON) scripts/dev/wrap.py doc/hard-cases.md
 
 test: build-all ## Build and run all tests
 	ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
@@ -78,6 +79,10 @@ test-full: build-all ## The same with all layouts, more kills and random scenes,
 	$(MAKE) fuzz INPUTS=$(or $(INPUTS),8000) SCENES=$(or $(SCENES),120) SEED=$(or $(SEED),$(shell date +%s))
 	$(MAKE) sanitize
 	$(MAKE) mutate SAMPLE=$(or $(SAMPLE),20) LEAST=0.7
+
+test-serial: build build/serial/.configured ## Build sgmp without MPI (build/serial/sgmp) and compare its results with those of the build with MPI, bit by bit
+	cmake --build build/serial --parallel $(JOBS) --target sgmp
+	$(PYTHON) tests/serial/serial.py build/serial/sgmp . build/serial/scratch build/release/sgmp
 
 sanitize: setup setup-test build/sanitize/.configured ## Run units, broken decks and some scenes with address and undefined-behaviour sanitizers
 	cmake --build build/sanitize --parallel $(JOBS)
@@ -110,6 +115,10 @@ bench: build-all ## Measure nanoseconds per particle and step beside targets and
 
 speed: build ## Error against CPU seconds of all methods on seven scenes (ten minutes, may be stopped and started again): doc/speed-and-accuracy.md
 	$(PYTHON) verification/speed/speed.py
+	$(PYTHON) scripts/dev/wrap.py doc/speed-and-accuracy.md
+
+wrap: ## Wrap lines of the documents that are longer than 120 letters
+	@$(PYTHON) scripts/dev/wrap.py $$(git ls-files '*.md' | grep -v '^doc/verification/')
 
 lint: setup-dev ## Check the sources against the house style
 	@$(PYTHON) scripts/dev/lint.py --fortitude build/venv/bin/fortitude src

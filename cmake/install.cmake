@@ -1,5 +1,6 @@
-# What `make install` puts where: the program, its decks (sgmp new finds them there), manual page and completion as the
-# program itself writes them, and a CMake package, so that find_package(sgmp) knows the program and the decks.
+# What `make install` puts where: the program and sgmp-view; decks, gallery and materials (sgmp new finds them there), job
+# scripts, documents; manual page and completion as the program itself writes them; a CMake package, so that
+# find_package(sgmp) knows the program and the decks.
 
 include(CMakePackageConfigHelpers)
 
@@ -13,8 +14,15 @@ add_custom_command(OUTPUT ${sgmp_documents}
 add_custom_target(sgmp_manual ALL DEPENDS ${sgmp_documents})
 
 install(TARGETS sgmp EXPORT sgmp RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
-install(DIRECTORY input DESTINATION "${CMAKE_INSTALL_DATADIR}/sgmp" FILES_MATCHING PATTERN "*.inp")
-install(FILES README.md LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(DIRECTORY input DESTINATION "${CMAKE_INSTALL_DATADIR}/sgmp" FILES_MATCHING PATTERN "*.inp" PATTERN "*.md")
+# sgmp-view looks for its package in ../share/sgmp/python.
+install(PROGRAMS scripts/sgmp-view DESTINATION "${CMAKE_INSTALL_BINDIR}")
+install(DIRECTORY python DESTINATION "${CMAKE_INSTALL_DATADIR}/sgmp" FILES_MATCHING PATTERN "*.py" PATTERN "pyproject.toml"
+        PATTERN "README.md" PATTERN "__pycache__" EXCLUDE PATTERN "build" EXCLUDE PATTERN "*.egg-info" EXCLUDE)
+install(DIRECTORY scripts/hpc DESTINATION "${CMAKE_INSTALL_DATADIR}/sgmp" USE_SOURCE_PERMISSIONS)
+install(PROGRAMS scripts/ballistic_limit.py scripts/largest_cfl.py DESTINATION "${CMAKE_INSTALL_DATADIR}/sgmp/scripts")
+install(FILES README.md CHANGELOG.md LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(DIRECTORY doc DESTINATION "${CMAKE_INSTALL_DOCDIR}" FILES_MATCHING PATTERN "*.md" PATTERN "*.png")
 install(FILES "${PROJECT_BINARY_DIR}/generated/sgmp.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1")
 install(FILES "${PROJECT_BINARY_DIR}/generated/completion" RENAME sgmp
         DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions")

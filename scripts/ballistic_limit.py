@@ -3,9 +3,11 @@
 
     python scripts/ballistic_limit.py input/gallery/ball_plate.inp --body ball --low 200 --high 800 --tolerance 10
 
-The deck has a parameter for the impact velocity. A body has passed when at the end it is faster than --passing in the direction in
-which it came; the run has to last until it is stopped or through. The residual velocity jumps or rises like a root at the
-limit, so halves are taken and no slopes. Runs are kept in --folder: a search that is repeated or refined takes what is there. Needs scipy.
+The deck has a parameter for the impact velocity. A body has passed when at the end it is faster than --passing in the
+direction in which it came; the run has to last until it is stopped or through. A body that is stuck in a plate that
+nothing holds drifts on with it, so a hundredth of the impact velocity counts as stopped. The residual velocity jumps or
+rises like a root at the limit, so halves are taken and no slopes. Runs are kept in --folder: a search that is repeated
+or refined takes what is there. Needs scipy.
 """
 import argparse
 import pathlib
@@ -28,6 +30,14 @@ def residual(options, speed):
     return value
 
 
+def beyond(options, speed):
+    """Residual velocity over that of a body which counts as stopped."""
+    if speed not in options.known:
+        stopped = 0.01 * speed if options.passing is None else options.passing
+        options.known[speed] = residual(options, speed) - stopped
+    return options.known[speed]
+
+
 def main():
     """Searches and prints the limit."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -37,14 +47,18 @@ def main():
     parser.add_argument("--direction", choices="xyz", default="z", help="axis along which it flies (default: z)")
     parser.add_argument("--low", type=float, required=True, help="velocity at which it is stopped")
     parser.add_argument("--high", type=float, required=True, help="velocity at which it passes")
-    parser.add_argument("--passing", type=float, default=0.0, metavar="V", help="residual velocity above which it has passed (default: 0)")
+    parser.add_argument("--passing", type=float, metavar="V",
+                        help="residual velocity above which it has passed (default: a hundredth of the impact velocity)")
     parser.add_argument("--tolerance", type=float, required=True, help="of the limit")
     parser.add_argument("--threads", type=int)
     parser.add_argument("--folder", type=pathlib.Path, help="of the runs (default: DECK.limit)")
     options = parser.parse_args()
     options.folder = options.folder or options.deck.with_suffix(".limit")
+    options.known = {}
     print("     speed     residual   verdict")
-    limit = bisect(lambda speed: residual(options, speed) - options.passing, options.low, options.high, xtol=options.tolerance)
+    if beyond(options, options.low) > 0 or beyond(options, options.high) <= 0:
+        sys.exit(f"--low {options.low:g} must be stopped and --high {options.high:g} must pass")
+    limit = bisect(lambda speed: beyond(options, speed), options.low, options.high, xtol=options.tolerance)
     print(f"ballistic limit {limit:.5g}, to {options.tolerance:g}")
 
 

@@ -110,6 +110,7 @@ def publish(book, folder, command, version, took):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     lines = ["# Verification report", "", f"Written by `{command}` on {time.strftime('%Y-%m-%d')} in {took}, {version}; do not edit.",
+             "The program has changed since that day: `make verify` runs today's. [Results](../results.md) are kept up to date.",
              "The run also leaves `build/verification/report.html`, one page with all of this.", ""]
     for section in book.sections:
         lines += [f"## {section.title}", ""]

@@ -10,6 +10,7 @@ class Sgmp(CMakePackage):
     license("BSD-3-Clause")
 
     version("main", branch="main")
+    version("1.0.0", tag="v1.0.0")
 
     depends_on("c", type="build")
     depends_on("cxx", type="build")

@@ -59,10 +59,11 @@ def table_of(results, column, units):
         label("impulse", f"{unit} {units['time']}".strip()),
     )
     width = max([5, *map(len, results)])
-    yield f"{'gauge':{width}}" + "".join(f"{head:>20}" for head in heads)
+    wide = [max(20, len(head) + 2) for head in heads]
+    yield f"{'gauge':{width}}" + "".join(f"{head:>{size}}" for head, size in zip(heads, wide))
     for name, found in results.items():
         numbers = (found["largest"], found["time_of_largest"], found["least"], found["impulse"])
-        yield f"{name:{width}}" + "".join(f"{number:>20.5g}" for number in numbers)
+        yield f"{name:{width}}" + "".join(f"{number:>{size}.5g}" for number, size in zip(numbers, wide))
 
 
 def arguments(parser):

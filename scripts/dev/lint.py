@@ -17,6 +17,7 @@ import sys
 import tempfile
 
 FILE_LINES, PROCEDURE_LINES = 400, 60
+LINE_LETTERS = 120
 
 STRING = re.compile(r"'[^']*'|\"[^\"]*\"")
 GENERIC = re.compile(r"^! dimension-generic", re.MULTILINE)
@@ -50,6 +51,14 @@ def module_errors(path, lines):
 
 def stop_errors(lines):
     return [(number, "only main.f90 may stop; return an error instead") for number, line in lines if STOP.match(line)]
+
+
+def long_lines(folder):
+    """Lines of sources that are no Fortran (whose lines fortitude counts) and are longer than a screen."""
+    for path in sorted(p for p in folder.rglob("*") if p.suffix in (".c", ".cpp", ".h", ".inc")):
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            if len(line) > LINE_LETTERS:
+                yield f"{path}:{number}: {len(line)} letters in a line, more than {LINE_LETTERS}"
 
 
 def procedure_sizes(lines):
@@ -134,6 +143,7 @@ def main():
     arguments = parser.parse_args()
     paths = sorted(p for p in arguments.folder.rglob("*") if p.suffix in (".f90", ".F90"))
     errors, large = own_rules(paths)
+    errors += long_lines(arguments.folder)
     if arguments.fortitude:
         errors = fortitude_errors(arguments.fortitude, arguments.folder, paths) + errors
     if large:

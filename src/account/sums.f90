@@ -5,14 +5,14 @@ module sgmp_sums
   public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, &
             sum_moment, sum_angular, sum_edge_impulse, sum_edge_work, sum_filter, &
             sum_swirl, sum_volume, sum_split, &
-            sum_applied
+            sum_applied, sum_collisions, sum_loose
   public :: removed_by_card, removed_by_erosion, removed_by_loss, removed_causes
   public :: removed_sums, removed_count, removed_mass, removed_momentum, removed_moment, &
             removed_kinetic, removed_internal
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_edge_push, &
             nodes_edge_taken, nodes_friction, nodes_lost, nodes_pressed, nodes_pulled
 
-  integer, parameter :: sweep_sums = 18    !! entries of a plane's sums over particles
+  integer, parameter :: sweep_sums = 20    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
   integer, parameter :: sum_mass_aa = 2    !! sum m_p |a_p|^2
   integer, parameter :: sum_internal = 3   !! growth of internal energy
@@ -29,6 +29,8 @@ module sgmp_sums
   integer, parameter :: sum_edge_work = 14   !! work of what absorbing edges bear at rest
   integer, parameter :: sum_edge_impulse = 15  !! first of its impulse (3 components)
   integer, parameter :: sum_applied = 18     !! work of forces on faces of particles
+  integer, parameter :: sum_collisions = 19  !! kinetic energy that debris loses by collisions
+  integer, parameter :: sum_loose = 20       !! particles that have failed and are open
 
   !> Why particles go for good: their material's card erode, that they have left the grid, or their
   !! body's card remove. A body has sums for each, those of a cause after cause*removed_sums others.

@@ -1,5 +1,5 @@
-// Numbers as decimal text, some ten times as fast as a formatted WRITE. Called from module sgmp_decimals, which says what each
-// function is for. std::to_chars rounds as printf does, so the text is that of es24.16e3 without blanks.
+// Numbers as decimal text, some ten times as fast as a formatted WRITE. Called from module sgmp_decimals, which says
+// what each function is for. std::to_chars rounds as printf does, so the text is that of es24.16e3 without blanks.
 #include <charconv>
 #include <cmath>
 #include <cstring>

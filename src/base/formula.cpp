@@ -1,6 +1,7 @@
-// Formulas: muParser compiles them, and what it has compiled is worked off here for several particles at a time, so that each instruction is
-// looked at once for all of them (muParser's own bulk mode starts threads). Called from module sgmp_expression, which says what each function
-// is for. Every operation is muParser's, in its order, so that the bits are those of mu::Parser::Eval.
+// Formulas: muParser compiles them, and what it has compiled is worked off here for several particles at a time, so
+// that each instruction is looked at once for all of them (muParser's own bulk mode starts threads). Called from module
+// sgmp_expression, which says what each function is for. Every operation is muParser's, in its order, so that the
+// bits are those of mu::Parser::Eval.
 #include <muParser.h>
 
 #include <algorithm>
@@ -49,8 +50,9 @@ bool knows(const Token &token)
 {
   switch (token.Cmd) {
   case mu::cmFUNC: return token.Fun.argc != 0 && token.Fun.argc <= 2;
-  case mu::cmLE: case mu::cmGE: case mu::cmNEQ: case mu::cmEQ: case mu::cmLT: case mu::cmGT: case mu::cmADD: case mu::cmSUB: case mu::cmMUL:
-  case mu::cmDIV: case mu::cmPOW: case mu::cmLAND: case mu::cmLOR: case mu::cmIF: case mu::cmELSE: case mu::cmENDIF: case mu::cmVAR: case mu::cmVAL:
+  case mu::cmLE: case mu::cmGE: case mu::cmNEQ: case mu::cmEQ: case mu::cmLT: case mu::cmGT:
+  case mu::cmADD: case mu::cmSUB: case mu::cmMUL: case mu::cmDIV: case mu::cmPOW: case mu::cmLAND: case mu::cmLOR:
+  case mu::cmIF: case mu::cmELSE: case mu::cmENDIF: case mu::cmVAR: case mu::cmVAL:
   case mu::cmVARPOW2: case mu::cmVARPOW3: case mu::cmVARPOW4: case mu::cmVARMUL: case mu::cmEND: return true;
   default: return false;
   }
@@ -178,8 +180,8 @@ void sgmp_formula_table(void *handle, const char *name, const double *rows, int 
   formula.parser.DefineFunUserData(name, table_value, &table);
 }
 
-int sgmp_formula_compile(void *handle, const char *text, double *value, char *message, int message_length, char *token, int token_length,
-                         int *position)
+int sgmp_formula_compile(void *handle, const char *text, double *value, char *message, int message_length,
+                         char *token, int token_length, int *position)
 {
   Formula &formula = formula_of(handle);
   *value = 0;
@@ -191,7 +193,8 @@ int sgmp_formula_compile(void *handle, const char *text, double *value, char *me
     *value = values[0];
     const mu::ParserByteCode &code = formula.parser.GetByteCode();
     formula.stack.resize(lanes*(code.GetMaxStackSize() + 1));
-    if (std::any_of(code.GetBase(), code.GetBase() + code.GetSize(), [](const Token &part) { return part.Cmd == mu::cmASSIGN; })) {
+    if (std::any_of(code.GetBase(), code.GetBase() + code.GetSize(),
+                    [](const Token &part) { return part.Cmd == mu::cmASSIGN; })) {
       put_text("a formula assigns nothing: write == to compare", message, message_length);
       put_text("=", token, token_length);
       return 0;

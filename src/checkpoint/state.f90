@@ -121,6 +121,7 @@ contains
     call archive%pass(sums%kinetic)
     call archive%pass(sums%internal)
     call archive%pass(sums%taken)
+    call archive%pass(sums%loose)
   end subroutine pass_body
 
   !> How far the files of the run had come.

@@ -46,7 +46,8 @@ contains
     call register_shape_keys(registry)
     call registry%key('file', kind_text, 'text file with a line per particle: '// &
                       particle_file_columns//', or columns that its first line names, '// &
-                      'among them id, material and a state (doc/user-guide.md); a relative path starts at the deck', &
+                      'among them id, material and a state (doc/user-guide.md); a relative '// &
+                      'path starts at the deck', &
                       when=from_file, required=.true.)
     call registry%key('layout', kind_word, 'uniform: particles in the middle of cubes; gauss: '// &
                       'Gauss points of each grid cell', choices=words_joined(layout_names), &
@@ -63,7 +64,7 @@ contains
                       'a corner of the cubes of the lattice; default: lower corner of the '// &
                       'first shape, or the axis of a round one', unit='length')
     call registry%key('temperature', kind_real, 'initial temperature, of '// &
-                      'matter that keeps one; default: room temperature', &
+                      'material that keeps one; default: room_temperature', &
                       unit='temperature', range='[0,inf)')
     call registry%key('overlap', kind_word, 'allow: bodies may share space at the start', &
                       choices='error allow', default='error')

@@ -1,4 +1,4 @@
-!> The cards `title`, `units`, `dimension` and `table`.
+!> The cards `deck_version`, `title`, `units`, `dimension` and `table`.
 module sgmp_cards_general
   use sgmp_deck_card, only: deck_card_t
   use sgmp_keys, only: kind_integer, kind_logical, kind_name_word, kind_points, kind_text, kind_word
@@ -11,11 +11,19 @@ module sgmp_cards_general
   private
   public :: register_general
 
+  integer, parameter :: language_version = 1  !! of decks
+
 contains
 
   !> Registers the cards of this group.
   subroutine register_general(registry)
     type(registry_t), intent(inout) :: registry
+    call registry%card('deck_version', 'The version of the deck language in which the deck is '// &
+                       'written. The language is stable: within a version words are added and '// &
+                       'keep their meaning, and a word that is replaced goes on with a warning.', &
+                       'deck_version 1', check=check_version, once=.true., free=.true.)
+    call registry%key('number', kind_integer, 'version; a deck of a later one is refused', slot=1, &
+                      default='1', range='[1,inf)')
     call registry%card('title', 'What the run is called in its output.', 'title "Taylor bar"', &
                        read_title, once=.true., free=.true.)
     call registry%key('text', kind_text, 'the title', slot=1, required=.true.)
@@ -58,6 +66,16 @@ contains
     call registry%key('checksum', kind_text, 'of the rows of the file, as the complete deck in '// &
                       'run.log says it: rows with another one are refused')
   end subroutine register_general
+
+  !> A deck of a later version may say what this program would misunderstand.
+  subroutine check_version(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    if (card%whole('number') <= language_version) return
+    call draft%errors%add(card%place('number'), 'the deck is of a later version of the deck '// &
+                          'language than this sgmp knows', 'take a newer sgmp, or write '// &
+                          'deck_version 1 and see what is not understood')
+  end subroutine check_version
 
   subroutine read_title(card, draft)
     type(deck_card_t), intent(in) :: card

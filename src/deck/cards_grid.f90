@@ -46,7 +46,7 @@ contains
       do side = 1, 2
         call registry%key(axis_names(axis, 3)//sides(side), kind_word, &
                           'fixed: no velocity; slip: no normal velocity; free: nothing; '// &
-                          'absorbing: lets waves out', &
+                          'absorbing: absorbs waves', &
                           choices=words_joined(wall_names), default=trim(wall_names(wall_free)))
       end do
     end do
@@ -64,7 +64,7 @@ contains
 
   subroutine register_friction(registry)
     type(registry_t), intent(inout) :: registry
-    call registry%card('wallfriction', 'A slip wall that rubs: what is pressed against it is '// &
+    call registry%card('wallfriction', 'A frictional wall: what is pressed against it is '// &
                        'held back along it by up to friction times the force that presses.', &
                        'wallfriction y- friction=0.3', read_friction, check_friction)
     call registry%key('face', kind_word, 'the face of the grid', choices='x- x+ y- y+ z- z+ r+', &

@@ -3,6 +3,7 @@ module sgmp_combinations_help
   use sgmp_combinations, only: combinations_features, combinations_refusals, feature_label, &
                                feature_of_card, feature_t, refusal_t
   use sgmp_spelling, only: string_t, word_items
+  use sgmp_text_fill, only: text_filled
   implicit none
   private
   public :: combinations_write_json, combinations_write_markdown, combinations_write_text
@@ -23,9 +24,9 @@ contains
       if (.not. concerns(refusals(r), card)) cycle
       if (.not. some) write (unit, '(/, a)') 'What does not go together:'
       some = .true.
-      write (unit, '(2x, a)') feature_label(trim(refusals(r)%feature))//' not with '// &
-        labels(refusals(r)%with, ' or ', '')//except(refusals(r))
-      write (unit, '(6x, a)') trim(refusals(r)%reason)
+      write (unit, '(a)') text_filled(feature_label(trim(refusals(r)%feature))//' not with '// &
+                          labels(refusals(r)%with, ' or ', '')//except(refusals(r)), 100, '  ', &
+                          '    '), text_filled(trim(refusals(r)%reason), 100, '      ', '      ')
     end do
   end subroutine combinations_write_text
 
@@ -53,7 +54,7 @@ contains
     refusals = combinations_refusals()
     write (unit, '(a)') '### What goes with what', '', &
       'These exclude each other; whatever is not named here goes together. `sgmp help '// &
-      'combinations` prints the list, `sgmp help --json` writes it for programs.', '', &
+      'combinations` prints', 'the list, `sgmp help --json` writes it for programs.', '', &
       '| this | not with | because | instead |', '|---|---|---|---|'
     do r = 1, size(refusals)
       associate (refusal => refusals(r))

@@ -247,7 +247,8 @@ contains
       parameters%axisymmetric = card%word('value') == 'axisymmetric'
       if (.not. parameters%axisymmetric) return
       do i = 1, size(cards) - 1
-        if (any(cards(i)%name == [character(5) :: 'title', 'units', 'table'])) cycle
+        if (any(cards(i)%name == [character(12) :: 'deck_version', 'title', 'units', &
+                                  'table'])) cycle
         call errors%add(card%position, "'dimension axisymmetric' comes after the card '"// &
                         cards(i)%name//"'", 'put it first: it names the axes of all other cards')
         return

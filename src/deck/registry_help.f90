@@ -8,11 +8,14 @@ module sgmp_registry_help
   use sgmp_registry, only: card_definition_t, registry_t
   use sgmp_spelling, only: suggestion, word_lower
   use sgmp_text, only: text_with_backslashes
+  use sgmp_text_fill, only: text_filled
   implicit none
   private
   public :: registry_write_help, registry_write_markdown
 
   character(*), parameter :: topic_combinations = 'combinations'  !! sgmp help combinations
+  integer, parameter :: terminal = 100  !! letters of a line of help
+  integer, parameter :: page = 120      !! of a line of the reference
 
 contains
 
@@ -50,15 +53,28 @@ contains
     call write_card(unit, registry%cards(i))
   end subroutine registry_write_help
 
+  !> What stands before the help of a key: its name, on a line of its own where it is long.
+  pure function beside(name) result(text)
+    character(*), intent(in) :: name
+    character(:), allocatable :: text
+    if (len(name) > 20) then
+      text = '  '//name//new_line('a')//repeat(' ', 23)
+    else
+      text = '  '//name//repeat(' ', 21 - len(name))
+    end if
+  end function beside
+
   subroutine write_card(unit, card)
     integer, intent(in) :: unit
     type(card_definition_t), intent(in) :: card
     integer :: i
-    write (unit, '(a)') card%name//': '//card%help, ''
+    write (unit, '(a)') text_filled(card%name//': '//card%help, terminal, '', ''), ''
     write (unit, '(a)') '  e.g. '//card%example, ''
     do i = 1, size(card%keys)
-      write (unit, '(2x, a, t24, a)') card%keys(i)%name, card%keys(i)%help
-      write (unit, '(t26, a)') facts(card%keys(i))
+      associate (key => card%keys(i))
+        write (unit, '(a)') text_filled(key%help, terminal, beside(key%name), repeat(' ', 23)), &
+          text_filled(facts(key), terminal, repeat(' ', 25), repeat(' ', 25))
+      end associate
     end do
     if (card%once) write (unit, '(/, a)') 'At most one such card.'
     if (card%free) write (unit, '(/, a)') 'May be changed when a run is restarted.'
@@ -115,40 +131,47 @@ contains
       'formula that', &
       '  contains x, y, z or t is kept as text when its value is in quotes, for use as `$name`.', &
       '* A vector is `(a,b,c)`, `a,b,c`, or shorter: missing components are 0. One number '// &
-      'alone, if it is not 0, is for scenes in 1D.', &
+      'alone, if it is', &
+      '  not 0, is for scenes in 1D.', &
       '* Units are those of the deck: length, mass, time and what follows from them. '// &
       'Temperatures are in kelvin.', &
       '* Kan, Liang and Zhang 2021 is the paper that describes the method: '// &
       '[README](../README.md#citation).', &
       '* The value *formula* is a formula that is evaluated while the program runs; the key '// &
-      'says of what it is a function. It may use the variables and constants', &
+      'says of what it is', &
+      '  a function. It may use the variables and constants', &
       '  `'//expression_variables//'` and the functions', &
-      '  `'//expression_functions//'`.'
+      text_filled('`'//expression_functions//'`.', page, '  ', '  ')
   end subroutine write_preface
 
-  !> The cards with links to their sections, a line for each group.
+  !> The cards with links to their sections, group by group.
   subroutine write_contents(unit, registry)
     integer, intent(in) :: unit
     type(registry_t), intent(in) :: registry
-    character(:), allocatable :: group
+    character(:), allocatable :: group, links
     integer :: i
-    write (unit, '(a)') '', 'All cards:'
-    group = ''
-    do i = 1, size(registry%cards)
-      associate (card => registry%cards(i))
-        if (card%group /= group) write (unit, '(/, a)', advance='no') '* '//card%group//':'
-        group = card%group
-        write (unit, '(a)', advance='no') ' ['//card%name//'](#'//card%name//')'
-      end associate
+    write (unit, '(a)') '', 'All cards:', ''
+    i = 1
+    do while (i <= size(registry%cards))
+      group = registry%cards(i)%group
+      links = ''
+      do while (i <= size(registry%cards))
+        if (registry%cards(i)%group /= group) exit
+        associate (name => registry%cards(i)%name)
+          links = links//' ['//name//'](#'//name//')'
+        end associate
+        i = i + 1
+      end do
+      write (unit, '(a)') text_filled(group//':'//links, page, '* ', '  ')
     end do
-    write (unit, '(a)') '', ''
+    write (unit, '(a)') ''
   end subroutine write_contents
 
   subroutine write_section(unit, card)
     integer, intent(in) :: unit
     type(card_definition_t), intent(in) :: card
     integer :: i
-    write (unit, '(a)') '## '//card%name, '', card%help
+    write (unit, '(a)') '## '//card%name, '', text_filled(card%help, page, '', '')
     if (card%once) write (unit, '(a)') 'At most one such card.'
     if (card%free) write (unit, '(a)') 'May be changed when a run is restarted.'
     write (unit, '(a)') '', '    '//card%example, '', &

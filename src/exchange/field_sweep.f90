@@ -106,6 +106,12 @@ contains
     type(field_t), intent(in) :: field
     integer :: range(2)
     associate (columns => field%columns)
+      plan%collide = plan%kick .and. field%collides
+      if (plan%loose) then
+        plan%first_column = columns%debris
+        plan%last_column = columns%debris + merge(field%ndim + 2, 0, plan%gradient > 0)
+        return
+      end if
       range = columns_range(columns, plan%mass, plan%momentum, plan%stress, plan%probe)
       plan%first_column = range(1)
       plan%last_column = range(2)

@@ -1,4 +1,5 @@
-!> HDF5 files, written and read by one rank or by all of them; the only module that knows HDF5.
+!> HDF5 files, written and read by one rank or by all of them; the only module that knows HDF5 (but
+!! for what MPI adds, hdf5_shared.f90).
 !!
 !! Data sets are contiguous and unfiltered. Every rank puts or gets its own columns, independently
 !! of the others; opening, declaring and closing are done by all together. Like `output_file_t` a
@@ -21,20 +22,19 @@ module sgmp_hdf5_file
                   h5gcreate_f, h5kind_to_type, h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, &
                   h5p_dataset_create_f, h5p_file_access_f, h5p_file_create_f, h5p_group_create_f, &
                   h5pclose_f, h5pcreate_f, h5pset_alloc_time_f, h5pset_chunk_f, &
-                  h5pset_fapl_mpio_f, h5pset_fill_time_f, h5pset_libver_bounds_f, &
-                  h5pset_obj_track_times_f, h5s_scalar_f, h5s_select_set_f, h5sclose_f, &
-                  h5screate_f, h5screate_simple_f, h5sget_simple_extent_dims_f, &
+                  h5pset_fill_time_f, h5pset_libver_bounds_f, h5pset_obj_track_times_f, &
+                  h5s_scalar_f, h5s_select_set_f, h5sclose_f, h5screate_f, &
+                  h5screate_simple_f, h5sget_simple_extent_dims_f, &
                   h5sget_simple_extent_ndims_f, h5sselect_hyperslab_f, h5t_float_f, &
                   h5t_fortran_s1, h5t_ieee_f64le, h5t_std_i32le, h5t_std_i64le, h5t_std_u8le, &
                   h5t_str_nullpad_f, h5t_string_f, h5tclose_f, h5tcopy_f, h5tget_class_f, &
                   h5tget_size_f, h5tset_size_f, h5tset_strpad_f, hid_t, hsize_t, size_t
-  use mpi_f08, only: mpi_comm, mpi_info_null
   use sgmp_checksum, only: checksum_sums, checksum_words
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: io_error, newline, system_message
+  use sgmp_hdf5_shared, only: hdf5_share
   use sgmp_kinds, only: dp, i4, i8
-  use sgmp_parallel, only: parallel_any, parallel_communicator, parallel_rank, parallel_ranks, &
-                           parallel_sum
+  use sgmp_parallel, only: parallel_any, parallel_rank, parallel_ranks, parallel_sum
   use sgmp_spelling, only: string_t
   implicit none
   private
@@ -157,13 +157,10 @@ contains
   function access_list(shared, latest) result(list)
     logical, intent(in) :: shared, latest
     integer(hid_t) :: list
-    type(mpi_comm) :: all
     integer :: status
     call h5pcreate_f(h5p_file_access_f, list, status)
     if (latest) call h5pset_libver_bounds_f(list, h5f_libver_latest_f, h5f_libver_latest_f, status)
-    if (.not. shared .or. parallel_ranks() == 1) return
-    all = parallel_communicator()
-    call h5pset_fapl_mpio_f(list, all%mpi_val, mpi_info_null%mpi_val, status)
+    if (shared .and. parallel_ranks() > 1) call hdf5_share(list)
   end function access_list
 
   !> Properties of a new object that does not tell when it was made: equal contents, equal bytes.

@@ -9,8 +9,8 @@ module sgmp_particle_file
   use sgmp_number_rows, only: number_looks_so, number_read, number_row_next, number_separators
   use sgmp_sorting, only: sort_order
   use sgmp_space, only: axis_names, space_dimensions
-  use sgmp_spelling, only: string_t, suggestion, word_in_list, word_items, word_lower, word_position, &
-                           words_joined
+  use sgmp_spelling, only: string_t, suggestion, word_in_list, word_items, word_lower, &
+                           word_position, words_joined
   use sgmp_text, only: integer_text
   implicit none
   private
@@ -238,7 +238,8 @@ contains
       q = word_position(word(line, w), columns%names(:columns%known))
       if (q == 0) then
         call refuse(line, w, "a particle has no '"//word(line, w)//"'", suggestion( &
-                    word(line, w), word_items(words_joined(known_names(columns))), 'columns'), error)
+                    word(line, w), word_items(words_joined(known_names(columns))), &
+                    'columns'), error)
       else if (columns%place(q) > 0) then
         call refuse(line, w, "there are two columns '"//word(line, w)//"'", 'remove one', error)
       end if

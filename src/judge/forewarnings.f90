@@ -253,7 +253,7 @@ contains
           call warn(warnings, "the particles of body '"//trim(card%name)//"' are "// &
                     real_text_plain(model%bodies(b)%spacing)// &
                     ' apart, more than a cell of '//real_text_plain(h)// &
-                    ': matter between them is not seen; use ppc=2 or a smaller spacing')
+                    ': material between them is not seen; use ppc=2 or a smaller spacing')
         else
           cells = parallel_sum(cells_of(model%bodies(b)%particles))
           filled = real(parallel_sum(volume_of(model, b)), dp)/real(unit, dp)

@@ -8,10 +8,11 @@
 module DIM(sgmp_chunk)
   use CARTESIAN(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t
-  use sgmp_columns, only: columns_before, columns_t, pair_sums, relax_stiffness, relax_total, &
-                          stage_behind, twist_takes, twists
+  use CARTESIAN(sgmp_collisions), only: collisions_apply, collisions_collect, collisions_plan
+  use sgmp_columns, only: collide_total, columns_before, columns_t, pair_sums, relax_stiffness, &
+                          relax_total, stage_debris, twist_takes, twists
   use sgmp_constitutive, only: constitutive_t
-  use sgmp_debris, only: debris_room
+  use sgmp_debris, only: debris_loose, debris_possible, debris_room
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
                                   departures_outside, departures_take_out
   use sgmp_drive, only: most_drives
@@ -30,8 +31,8 @@ module DIM(sgmp_chunk)
                                      linear_scatter_pairs
   use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
-  use sgmp_sums, only: sum_internal, sum_kinetic, sum_mass_aa, sum_moment, sum_momentum, &
-                       sum_split, sum_viscous, sweep_sums
+  use sgmp_sums, only: sum_collisions, sum_internal, sum_kinetic, sum_loose, sum_mass_aa, &
+                       sum_moment, sum_momentum, sum_split, sum_viscous, sweep_sums
 #ifdef AXISYMMETRIC
   use sgmp_swirl, only: swirl_collect, swirl_drift, swirl_flux, swirl_kick, swirl_strain
 #endif
@@ -52,7 +53,8 @@ module DIM(sgmp_chunk)
   integer, parameter :: most_rows = NACROSS
   integer, parameter :: most_columns = 2 + NMASS + NDIM*(5 + 2*NDIM + twists(NDIM)) + NFLUX + 5 + &
                                      most_drives + pair_sums(NDIM)
-  integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1
+  integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group - 1 + &
+                                      collide_total(NDIM)
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
   real(dp), parameter :: beyond = 1.0e150_dp     !! no particle whose state makes sense is as fast
@@ -95,6 +97,8 @@ module DIM(sgmp_chunk)
     integer :: velocity = 1              !! first component of the grid velocity in a record
     integer :: gradient = 1              !! and of the velocity gradient
     integer :: relax = 0                 !! and of what particles relax to; 0: nothing
+    integer :: collide = 0               !! and of what debris collides by; 0: there is none
+    integer :: read = 1                  !! components of a record without those
     integer :: swirl_read = 0            !! and of what they read of swirl: slopes
     integer :: swirl_kick = 0            !! the acceleration
     real(dp) :: h = 1.0_dp, inverse_h = 1.0_dp
@@ -136,9 +140,15 @@ contains
       task%swirl_kick = task%swirl_read + merge(NDIM, 0, plan%gradient > 0)
       task%stride = task%swirl_kick - merge(0, 1, plan%kick)
     end if
+    task%read = task%stride
+    if (plan%collide) then
+      task%collide = task%stride + 1
+      task%stride = task%stride + collide_total(NDIM)
+    end if
     task%by_cell = NDIM == 2 .and. .not. task%wide .and. task%vectors == NDIM &
                    .and. task%stride == NDIM
     task%stride = record_group*((task%stride + record_group - 1)/record_group)
+    if (.not. plan%collide) task%read = task%stride
     task%inverse_h = mesh%inverse_h
     task%h = mesh%h
     task%dt_cells = plan%dt*mesh%inverse_h
@@ -155,8 +165,13 @@ contains
     integer :: before
     before = columns_before(columns, plan%first_column)
     task%nq = plan%last_column - plan%first_column + 1
+    if (plan%loose) then
+      task%plain = task%nq
+      task%values = task%nq
+      return
+    end if
     task%pairs = before - plan%first_column + 1
-    task%plain = min(plan%last_column, columns%first(stage_behind) - 1) - before
+    task%plain = min(plan%last_column, columns%first(stage_debris) - 1) - before
     task%masses = columns%momentum - columns%mass
     task%driven = columns%driven
     task%drives = place(columns%drives)
@@ -210,7 +225,12 @@ contains
 #ifdef AXISYMMETRIC
     real(dp) :: radius(lanes)
 #endif
-    logical :: outside, erodes, eroded(lanes)
+    real(dp) :: change(lanes, NDIM), heat(lanes)
+    logical :: outside, erodes, eroded(lanes), collides
+    if (plan%loose) then
+      call chunk_loose(body, plan, task, origin, nl, row, records, nb, motion, state, stencil)
+      return
+    end if
     outside = .false.
     erodes = plan%drift .and. (body%law%erosion%given .or. body%leaves) .and. .not. body%law%rigid
     call locate(motion, origin, xi)
@@ -223,7 +243,7 @@ contains
                        got(1, task%gradient + NGRAD - 1))
     end if
 #endif
-    if (nl < lanes .and. .not. task%by_cell) call hold_pads(task%stride, task%live(1, nl), got)
+    if (nl < lanes .and. .not. task%by_cell) call hold_pads(task%read, task%live(1, nl), got)
     if (plan%probe) then
       call probe(body%law, plan%stress, task, task%live(1, nl), motion(1, mass_at), got, values)
 #ifdef AXISYMMETRIC
@@ -238,8 +258,19 @@ contains
     if ((plan%kick .or. plan%drift) .and. body%faced) then
       call book_faces(mesh, body, plan, task, task%live(1, nl), got, nb, motion, state, lane_sums)
     end if
+    collides = .false.
+    if (task%collide > 0) then
+      call gather_collide(task, xi, cell, axes, row, records, got(1, task%collide), collides)
+      if (collides) call collisions_plan(got(1, task%collide), task%live(1, nl), motion, change, &
+                                         heat)
+    end if
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
                              got(1, task%velocity), motion, lane_sums)
+    if (collides) then
+      call collisions_apply(body%law, change, plan%dt_kick*got(:, :NDIM), task%live(1, nl), nb, &
+                            heat, motion, state, lane_sums(1, sum_momentum), &
+                            lane_sums(1, sum_collisions), lane_sums(1, sum_internal))
+    end if
 #ifdef AXISYMMETRIC
     if (plan%swirl) then
       radius = motion(:, 1)
@@ -260,6 +291,11 @@ contains
 #endif
     call update_stress(body%law, plan, task, task%live(1, nl), motion, got, nb, &
                        state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
+    if (plan%strain .and. body%law%slots%damage > 0) then
+      lane_sums(:, sum_loose) = lane_sums(:, sum_loose) + &
+                                debris_loose(body%law, task%live(1, nl), motion(1, mass_at), nb, &
+                                             state)
+    end if
     if (body%faced .and. plan%strain) then
       call loads_strain(body, plan%dt_strain, got(1, task%gradient), nb, state)
       call loads_book_strain(mesh, body, plan%time, plan%dt_strain, task%live(1, nl), &
@@ -316,6 +352,64 @@ contains
       call scatter_faces(mesh, body, plan, task, id, nb, motion, state, xi, cell, axes, stencil)
     end if
   end subroutine chunk_advance
+
+  !> What a chunk gives to the sums by which debris collides (sgmp_collisions).
+  subroutine chunk_loose(body, plan, task, origin, nl, row, records, nb, motion, state, stencil)
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: origin(NDIM)         !! lower corner of the bin
+    integer, intent(in) :: nl                    !! particles in the chunk
+    integer, intent(in) :: row(most_rows)        !! as in chunk_advance
+    real(dp), intent(in) :: records(task%stride, *)
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
+    real(dp) :: xi(lanes, NDIM), got(lanes, most_gathered), axes(lanes, 3, NDIM, 2)
+    real(dp) :: values(lanes, most_columns + NFLUX), loose(lanes)
+    integer :: cell(lanes)
+    loose = 0.0_dp
+    if (.not. body%is_driven) loose = debris_loose(body%law, task%live(1, nl), &
+                                                   motion(1, mass_at), nb, state)
+    call locate(motion, origin, xi)
+    call enter_cells(task%span, xi, cell)
+    if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
+    if (plan%gradient == 0) then
+      if (all(loose < 0.5_dp)) return
+      values(:, 1) = loose*motion(:, mass_at)
+      if (NDIM < 3) cell(nl + 1:) = -1
+      call scatter(task, .false., xi, cell, axes, values, stencil)
+      return
+    end if
+    got(:, :2*NDIM + NDIM**2) = 0.0_dp
+    if (any(loose > 0.5_dp)) call gather(task, .true., task%live(1, nl), xi, cell, axes, row, &
+                                         records, got)
+    call collisions_collect(loose, task%live(1, nl), task%h, body%law%bulk_speed, &
+                            got(:, NDIM + 1:2*NDIM) - plan%dt_kick*got(:, :NDIM), &
+                            got(1, task%gradient), motion, values)
+    if (NDIM < 3) cell(nl + 1:) = -1
+    call scatter(task, .false., xi, cell, axes, values, stencil)
+  end subroutine chunk_loose
+
+  !> What the points around a chunk let it collide by, and whether they do.
+  pure subroutine gather_collide(task, xi, cell, axes, row, records, got, collides)
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
+    integer, intent(in) :: cell(lanes), row(most_rows)
+    real(dp), intent(in) :: records(task%stride, *)
+    real(dp), intent(out) :: got(lanes, collide_total(NDIM))
+    logical, intent(out) :: collides
+    real(dp) :: w(lanes, NCORNER)
+    if (task%wide) then
+      call product_gather(collide_total(NDIM), axes, task%stride, records(task%collide, 1), row, &
+                          got)
+    else
+      call linear_weights(xi, w)
+      call linear_gather(collide_total(NDIM), w, cell, task%stride, records(task%collide, 1), &
+                         row, got)
+    end if
+    collides = any(got(:, 1) > 0.0_dp)
+  end subroutine gather_collide
 
   !> Books the work of forces on faces: on the way that particles drift, at the velocity in the
   !! middle of the kick.
@@ -524,7 +618,7 @@ contains
     end if
 #endif
     if (task%centred) then
-      call linear_gather(task%stride, w, cell, task%stride, records, row, got)
+      call linear_gather(task%read, w, cell, task%stride, records, row, got)
       return
     end if
     call linear_gather(task%vectors, w, cell, task%stride, records, row, got)

@@ -15,6 +15,8 @@ module sgmp_method
     logical :: relaxed = .false.            !! volumes are kept (doc/volumes.md)
     real(dp) :: split = 0.0_dp              !! longest side (cells) of a particle that is not split;
                                             !! 0: none is
+    !> Fastest sound in the bulk of what may fail; 0: nothing does, or its debris does not collide.
+    real(dp) :: debris_speed = 0.0_dp
     logical :: rotation = .false.           !! rigid rotation strains nothing
     !> Of fields without a solid the stress is not normalised, rotation not exact, surfaces are not
     !! corrected.

@@ -11,6 +11,8 @@ module sgmp_plan
     logical :: swirl = .false.             !! with the velocity around the axis
     logical :: probe = .false.  !! nothing advances: particles answer with the stress or momentum of
                                 !! what they read, per wave modulus and mass (sgmp_stability)
+    logical :: loose = .false.   !! nothing advances: particles give what debris will collide by
+    logical :: collide = .false.           !! with the kick, debris collides
     logical :: kick = .false.              !! v += a dt_kick
     logical :: drift = .false.             !! x += v_grid dt
     logical :: strain = .false.            !! stress update over dt

@@ -9,7 +9,7 @@
 !!
 !! Longer than 500 lines: the buffers of planes, their joints included, are nobody else's.
 module DIM(sgmp_sweep)
-  use DIM(sgmp_auxmesh), only: auxmesh_fill, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
+  use DIM(sgmp_auxmesh), only: auxmesh_collide, auxmesh_fill, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
 #if NDIM == 2
   use DIM(sgmp_auxmesh), only: auxmesh_fill_cells
 #endif
@@ -176,6 +176,8 @@ contains
         call auxmesh_mirror(field, mesh, p, plan%swirl, NDIM*size(plan%vectors), &
                             task%stride, work%records(first))
       end if
+      if (plan%collide) call auxmesh_collide(field, p, task%collide - 1, task%stride, &
+                                             work%records(first))
       if (plan%relax) then
         call auxmesh_relax(field, p, NDIM*size(plan%vectors), task%stride, work%records(first))
       end if

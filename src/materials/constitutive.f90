@@ -107,7 +107,7 @@ module sgmp_constitutive
     integer :: temperature = 0
     integer :: damage = 0
     integer :: energy = 0        !! internal energy per initial volume, for an equation of state
-    integer :: distention = 0    !! of porous matter, behind the energy
+    integer :: distention = 0    !! of porous material, behind the energy
     integer :: pore_shift = 0    !! of the curve of elastic pores, behind the distention
     integer :: bulking = 0       !! pressure of broken ceramics
     integer :: preconsolidation = 0  !! of clays
@@ -152,7 +152,7 @@ module sgmp_constitutive
     type(tillotson_t) :: tillotson
     type(porosity_t) :: porosity
     integer :: kept = 1                        !! columns of an equation of state: energy,
-                                               !! distention of porous matter, shift of pores
+                                               !! distention of porous material, shift of pores
     real(dp) :: fluid_viscosity = 0.0_dp       !! Newton's, of a fluid (stress times time)
     logical :: small_strain = .false.          !! the linear theory: constant volume, no spin
     logical :: rigid = .false.                 !! prescribed motion: no stress
@@ -332,7 +332,7 @@ contains
       call start_state(values, law, fault)
     end if
     if (law%porosity%porous .and. law%heating%warms .and. .not. allocated(fault)) then
-      call fault_make(fault, 'distention', 'the temperature of porous matter is not known', &
+      call fault_make(fault, 'distention', 'the temperature of porous material is not known', &
                       'remove specific_heat of the material')
     end if
   end subroutine eos_read

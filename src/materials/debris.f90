@@ -33,7 +33,8 @@ module sgmp_debris
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
-  public :: debris_begin, debris_lanes, debris_possible, debris_room, debris_t, debris_torn, tear_lanes
+  public :: debris_begin, debris_lanes, debris_loose, debris_possible, &
+            debris_room, debris_t, debris_torn, tear_lanes
 
   real(dp), parameter :: largest = 8.0_dp     !! volume of fragments and their room over the first
   real(dp), parameter :: closing = 0.95_dp    !! least part of a dense volume after a step
@@ -67,13 +68,6 @@ contains
     if (law%slots%energy > 0) before%energy = b(:, law%slots%energy)
   end subroutine debris_begin
 
-  !> Whether a material can come apart.
-  pure function debris_possible(law) result(yes)
-    type(constitutive_t), intent(in) :: law
-    logical :: yes
-    yes = law%slots%damage > 0 .and. law%failure%carries /= carries_everything
-  end function debris_possible
-
   !> Volume of the lanes that bear stress as a body does: none of what has failed and come apart,
   !! whose surfaces are nowhere (doc/surfaces.md).
   pure subroutine debris_room(law, live, mass, nb, b, room)
@@ -86,6 +80,25 @@ contains
     if (.not. debris_possible(law)) return
     where (b(:, law%slots%damage) >= 1.0_dp .and. b(:, 1)*law%density > mass) room = 0.0_dp
   end subroutine debris_room
+
+  !> Whether particles of a law may become debris: fail, and come apart.
+  pure function debris_possible(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    logical :: yes
+    yes = law%fails .and. law%history%damage .and. law%failure%carries /= carries_everything
+  end function debris_possible
+
+  !> 1 for particles that have failed and come apart, 0 for all others and for pads.
+  pure function debris_loose(law, live, mass, nb, b) result(loose)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: live(lanes), mass(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: b(lanes, nb)
+    real(dp) :: loose(lanes)
+    loose = 0.0_dp
+    if (.not. debris_possible(law)) return
+    where (b(:, law%slots%damage) >= 1.0_dp .and. b(:, 1)*law%density > mass) loose = live
+  end function debris_loose
 
   !> Failed lanes: volume, energy, mean stress, speed, viscosity and work after the step.
   pure subroutine debris_lanes(law, dt, failed, mass, trace, before, nb, b, mean, speed2, q, work)

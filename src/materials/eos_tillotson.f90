@@ -43,8 +43,8 @@ contains
             key('bulk2', kind_real, 'B of it', unit='stress', range='[0,inf)', required=.true.), &
             key('e0', kind_real, 'E0 of it per mass', unit='speed^2', range='(0,inf)', &
                 required=.true.), &
-            key('e_incipient', kind_real, 'energy per mass at which expanded matter begins to '// &
-                'evaporate', unit='speed^2', range='(0,inf)', required=.true.), &
+            key('e_incipient', kind_real, 'energy per mass at which expanded material begins '// &
+                'to evaporate', unit='speed^2', range='(0,inf)', required=.true.), &
             key('e_complete', kind_real, 'energy per mass at which all of it has, above '// &
                 'e_incipient', unit='speed^2', range='(0,inf)', required=.true.), &
             key('alpha', kind_real, 'of the expanded gas', range='(0,inf)', default='5'), &

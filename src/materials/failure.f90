@@ -71,7 +71,8 @@ contains
                 unit='stress', range='(0,inf)'), &
             key('plastic_strain', kind_real, 'equivalent plastic strain at which it fails', &
                 range='(0,inf)'), &
-            key('carries', kind_word, 'what failed matter carries; everything: damage is only '// &
+            key('carries', kind_word, 'post-failure strength: what failed material carries; '// &
+                'everything: damage is only '// &
                 'a mark', choices=words_joined(carries_names), &
                 default=trim(carries_names(carries_pressure))), &
             key('fracture_energy', kind_real, 'energy per area that a crack takes while '// &

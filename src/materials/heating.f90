@@ -34,7 +34,7 @@ contains
             key('melt_temperature', kind_real, 'melting temperature, where no strength is '// &
                 'left; johnson_cook: needed if thermal', unit='temperature', range='(0,inf)'), &
             key('specific_heat', kind_real, 'specific heat; johnson_cook: needed if thermal, '// &
-                'others: without it the temperature stays at that of the room', &
+                'others: without it the temperature stays at the ambient one', &
                 unit='specific heat', range='(0,inf)'), &
             key('taylor_quinney', kind_real, 'part of the plastic work that becomes heat', &
                 range='[0,1]', default='0.9')]

@@ -84,7 +84,7 @@ contains
             key('reference_rate', kind_real, 'rate', unit='1/time', range='(0,inf)', &
                 default='1'), &
             key('tension_limit', kind_real, 'Johnson-Holmquist T: greatest tension of intact '// &
-                'matter', unit='stress', range='[0,inf)', required=.true.), &
+                'material', unit='stress', range='[0,inf)', required=.true.), &
             key('bulking', kind_real, 'Johnson-Holmquist beta: part of the lost elastic energy '// &
                 'of the deviator that becomes pressure', range='[0,1]', default='1'), &
             key('damage_strain', kind_real, 'Johnson-Holmquist D1: damage grows by plastic '// &

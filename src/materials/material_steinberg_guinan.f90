@@ -49,7 +49,7 @@ contains
             key('hardening_factor', kind_real, 'Steinberg-Guinan beta: yield stress '// &
                 'min(yield (1 + beta (e + initial_strain))^hardening_exponent, yield_limit) '// &
                 'G/G0, e: plastic strain', range='[0,inf)', default='0'), &
-            key('initial_strain', kind_real, 'plastic strain of the matter before the start', &
+            key('initial_strain', kind_real, 'plastic strain of the material before the start', &
                 range='[0,inf)', default='0'), &
             key('yield_limit', kind_real, 'greatest yield stress at G = G0; default: none', &
                 unit='stress', range='(0,inf)'), &

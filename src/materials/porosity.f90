@@ -6,11 +6,11 @@
 !!
 !! alpha is the distention, volume over that of the solid, alpha0 that of the start, when v = V/V0
 !! is 1; ps the equation of state of the solid, whose energy is counted per volume of the solid, E
-!! per initial volume of the porous matter. Below p0 and when it is unloaded the pores stay as they
+!! per initial volume of the porous material. Below p0 and when it is unloaded pores stay as they
 !! are, and waves have the speed of the solid; under p1 there are none left. Pores that have closed
 !! do not open again, in tension neither.
 !!
-!! With a speed ce of sound in the porous matter what is left of them is compressed elastically
+!! With a speed ce of sound in the porous material what is left of them is compressed elastically
 !! (Herrmann 1969, with the 1/alpha of Carroll and Holt),
 !!
 !!     dalpha/dp = alpha^2/K0 (1 - 1/h^2),  h = 1 + (alpha - 1)(ce/c0 - 1)/(alpha0 - 1)   (PA3)
@@ -52,15 +52,15 @@ contains
   !> Keys beside those of the solid's equation of state.
   function porosity_keys() result(keys)
     type(key_t), allocatable :: keys(:)
-    keys = [key('distention', kind_real, 'volume over that of the solid, of porous matter: '// &
-                "density is that of the porous matter, the other constants are the solid's", &
+    keys = [key('distention', kind_real, 'volume over that of the solid, of porous material: '// &
+                "density is that of the porous material, the other constants are the solid's", &
                 range='(1,inf)', source='P-alpha, Herrmann 1969'), &
             key('crush_start', kind_real, 'pressure at which pores begin to close; needed with '// &
                 'distention', unit='stress', range='[0,inf)'), &
             key('crush_end', kind_real, 'pressure at which none is left; in between distention '// &
                 'a follows (a - 1)/(distention - 1) = ((crush_end - p)/(crush_end - '// &
                 'crush_start))^2; needed with distention', unit='stress', range='(0,inf)'), &
-            key('pore_speed', kind_real, 'speed of sound in the bulk of the porous matter: '// &
+            key('pore_speed', kind_real, 'speed of sound in the bulk of the porous material: '// &
                 'pores are compressed elastically below crush_start and when it is unloaded; '// &
                 'without it they stay, and waves have the speed c0 of the solid', unit='speed', &
                 range='(0,inf)')]
@@ -68,7 +68,7 @@ contains
 
   !> Porosity from the values of those keys; none where they are not given.
   pure subroutine porosity_read(density, values, porosity, history, fault)
-    real(dp), intent(in) :: density  !! of the porous matter at the start
+    real(dp), intent(in) :: density  !! of the porous material at the start
     class(values_t), intent(in) :: values
     type(porosity_t), intent(out) :: porosity
     type(history_t), intent(inout) :: history
@@ -80,7 +80,7 @@ contains
       call fault_make(fault, '', 'distention, crush_start and crush_end belong together', &
                       'give all of them, or none')
     else if (history%pore_shift .and. .not. porosity%porous) then
-      call fault_make(fault, 'pore_speed', 'pore_speed is that of porous matter', &
+      call fault_make(fault, 'pore_speed', 'pore_speed is that of porous material', &
                       'add distention, crush_start and crush_end')
     end if
     if (.not. porosity%porous) return
@@ -92,7 +92,7 @@ contains
       call fault_make(fault, 'crush_end', 'pores have closed before they begin to', &
                       'give a pressure above crush_start')
     else if (values%number('energy0') > 0.0_dp .or. values%has('pressure0')) then
-      call fault_make(fault, '', 'porous matter starts without pressure and heat', &
+      call fault_make(fault, '', 'porous material starts without pressure and heat', &
                       'remove energy0 and pressure0')
     else if (history%pore_shift) then
       call read_elastic(density, values, porosity, fault)
@@ -108,8 +108,8 @@ contains
     real(dp) :: ratio, crushed
     ratio = values%number('pore_speed')/values%number('c0')
     if (.not. ratio < 1.0_dp) then
-      call fault_make(fault, 'pore_speed', 'waves in porous matter are slower than in the solid', &
-                      'give a speed below c0, or none')
+      call fault_make(fault, 'pore_speed', 'waves in porous material are slower than in the '// &
+                      'solid', 'give a speed below c0, or none')
       return
     end if
     call porosity_set_elastic(porosity, density*porosity%distention*values%number('c0')**2, ratio)

@@ -17,7 +17,8 @@ module sgmp_columns
   public :: block_t, columns_t, column_image, column_name, columns_ask, columns_before, &
             columns_keep_behind, columns_make, columns_range, columns_turn_back
   public :: pair_sums, twist_takes, twists
-  public :: stage_pairs, stage_mass, stage_momentum, stage_stress, stage_behind
+  public :: stage_pairs, stage_mass, stage_momentum, stage_stress, stage_debris, stage_behind
+  public :: collide_rate, collide_square, collide_total, collide_velocity
   public :: node_acceleration, node_gyration, node_inertia, node_inverse_mass, node_remapped, &
             node_swirl, node_total, node_velocity
   public :: relax_dilation, relax_exchange, relax_filling, relax_filter, relax_stiffness, &
@@ -29,7 +30,8 @@ module sgmp_columns
   integer, parameter :: stage_mass = 2
   integer, parameter :: stage_momentum = 3
   integer, parameter :: stage_stress = 4
-  integer, parameter :: stage_behind = 5    !! by walls, not by sweeps
+  integer, parameter :: stage_debris = 5    !! by a sweep of their own
+  integer, parameter :: stage_behind = 6    !! by walls, not by sweeps
 
   integer, parameter :: name_length = 12
   character(name_length), parameter :: behind_names(3) = ['behind_x    ', 'behind_y    ', &
@@ -81,6 +83,8 @@ module sgmp_columns
     integer :: volume = 0
     integer :: stiffness = 0     !! bulk modulus times volume, where something relaxes
     integer :: compliance = 0    !! the compliance w; behind it w p and w p^2
+    integer :: debris = 0        !! by which debris collides: mass and momentum of all, mass of what
+                                 !! collides, and that times the square of its velocity
     integer :: apart(2) = 0      !! first and last of those that scatters of their own fill
     integer :: normalised = 0    !! the last of those that are normalised, from the force on
     integer :: behind(3) = 0     !! by axis, what lay behind its walls before it was folded: mass,
@@ -108,6 +112,12 @@ module sgmp_columns
   !> With swirl, v_theta over the radius beside the vector that begins in a column, and the moment
   !! of inertia over the mass.
   integer, parameter :: node_swirl(3) = node_inertia + [1, 0, 2], node_gyration = node_inertia + 3
+
+  ! By how much particles collide, at the points of the stencils (sgmp_debris_rates); by dimension.
+  integer, parameter :: collide_rate = 1      !! a
+  integer, parameter :: collide_square = 2    !! a |v|^2
+  integer, parameter :: collide_velocity = 3  !! first component of a v
+  integer, parameter :: collide_total(3) = collide_velocity + [0, 1, 2]
 
   ! What particles relax to, at the centres of the auxiliary grid (sgmp_centres_relax); by dimension
   ! where there are two numbers of columns.
@@ -213,6 +223,7 @@ contains
     call find(columns, 'volume', columns%volume)
     call find(columns, 'stiffness', columns%stiffness)
     call find(columns, 'compliance', columns%compliance)
+    call find(columns, 'debris', columns%debris)
     do axis = 1, size(behind_names)
       call find(columns, behind_names(axis), columns%behind(axis))
     end do

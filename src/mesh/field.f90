@@ -6,7 +6,8 @@
 !! point's record is base + i.
 module sgmp_field
   use sgmp_axis, only: axis_hoop_weights
-  use sgmp_columns, only: columns_keep_behind, columns_make, columns_t, relax_total
+  use sgmp_columns, only: collide_total, columns_keep_behind, columns_make, &
+                          columns_t, relax_total
   use sgmp_drive, only: drive_t
   use sgmp_kernels, only: kernel_centred, kernel_folds, kernel_sgmp, stencil_width
   use sgmp_kinds, only: dp, i8
@@ -50,6 +51,9 @@ module sgmp_field
                                          !! where there is an axis and values are at centres
     real(dp), allocatable :: relax(:, :)  !! (points, relax_total) what particles relax to, at the
                                           !! centres; not allocated: nothing relaxes
+    logical :: collides = .false.        !! there is debris in this step
+    real(dp), allocatable :: collide(:, :)  !! (points, collide_total) by how much it collides, for
+                                            !! columns%debris > 0
     type(drive_t), allocatable :: drives(:)  !! prescribed motions; not allocated: none
     integer :: drive_terms = 0           !! entries of a step's sums before those of the drives
     real(dp), allocatable :: drive_sums(:, :, :)  !! (drive_sums, drives, planes) of the step
@@ -112,6 +116,9 @@ contains
     new%node(new%points + 1:, :) = 0.0_dp
     if (new%columns%square > 0) then
       allocate (new%relax(new%points, relax_total(new%ndim)), source=0.0_dp)
+    end if
+    if (new%columns%debris > 0) then
+      allocate (new%collide(new%points, collide_total(new%ndim)), source=0.0_dp)
     end if
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))
@@ -180,6 +187,7 @@ contains
             4_i8*size(field%neighbour, kind=i8) + &
             16_i8*(size(field%work%key, kind=i8) + size(field%store%key, kind=i8))
     if (allocated(field%relax)) bytes = bytes + 8_i8*size(field%relax, kind=i8)
+    if (allocated(field%collide)) bytes = bytes + 8_i8*size(field%collide, kind=i8)
     if (field%columns%corrected) then
       bytes = bytes + 8_i8*(size(field%pairs%weight, kind=i8) + &
                             size(field%pairs%centre, kind=i8) + size(field%pairs%gain, kind=i8))
@@ -290,6 +298,7 @@ contains
     call move_alloc(new%moment, field%moment)
     call move_alloc(new%node, field%node)
     if (allocated(new%relax)) call move_alloc(new%relax, field%relax)
+    if (allocated(new%collide)) call move_alloc(new%collide, field%collide)
     if (allocated(new%hoop)) call move_alloc(new%hoop, field%hoop)
     call rotation_points_move(new%rotation, field%rotation)
     call pair_points_move(new%pairs, field%pairs)

@@ -10,7 +10,7 @@
 !! (sgmp_wall_work). Friction changes nothing of this: it is a force on the nodes of a slip wall
 !! (sgmp_wall_friction).
 module sgmp_walls
-  use sgmp_columns, only: column_image, node_swirl, relax_velocity
+  use sgmp_columns, only: collide_velocity, column_image, node_swirl, relax_velocity
   use sgmp_field, only: field_base, field_t
   use sgmp_images, only: vector_parity
   use sgmp_kernels, only: kernel_centred, kernel_folds
@@ -19,7 +19,7 @@ module sgmp_walls
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: walls_fold, walls_mirror, walls_mirror_centres, walls_hold, has_walls
+  public :: walls_fold, walls_mirror, walls_mirror_collide, walls_mirror_centres, walls_hold, has_walls
   public :: ghost_intervals, ghost_point, ghost_records
 
   integer, parameter :: around = 3   !! component of a vector around the axis
@@ -227,6 +227,30 @@ contains
       end do
     end do
   end subroutine walls_mirror_centres
+
+  !> The same in what debris collides by, at the points of any stencil.
+  pure subroutine walls_mirror_collide(field, mesh, axis)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis
+    integer :: side, s, first, last, ghost, image, a, n, from, to
+    if (.not. kernel_folds(field%kernel)) return
+    do side = 1, 2
+      if (mesh%wall(side, axis) == wall_free) cycle
+      call ghost_point(mesh, axis, side, kernel_centred(field%kernel), ghost, image)
+      call ghost_intervals(field, axis, ghost, 1, field%planes, first, last)
+      do s = first, last
+        call ghost_records(field, s, axis, ghost, image, to, from, n)
+        if (n == 0) cycle
+        field%collide(to:to + n - 1, :) = field%collide(from:from + n - 1, :)
+        do a = 1, field%ndim
+          field%collide(to:to + n - 1, collide_velocity + a - 1) = &
+            vector_parity(a, axis, mesh%wall(side, axis))* &
+            field%collide(from:from + n - 1, collide_velocity + a - 1)
+        end do
+      end do
+    end do
+  end subroutine walls_mirror_collide
 
   !> Index of the point behind a wall and of its mirror image, for centres or for nodes.
   pure subroutine ghost_point(mesh, axis, side, centres, ghost, image)

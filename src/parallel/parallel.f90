@@ -44,7 +44,8 @@ contains
 
   !> Starts MPI, which takes some tenths of a second, where a launcher has started the program; only
   !! the thread that calls it talks to other ranks.
-  subroutine parallel_start()
+  subroutine parallel_start(error)
+    type(error_t), allocatable, intent(out) :: error  !! of builds without MPI only
     integer :: provided, n, length
     do n = 1, size(launched)
       call get_environment_variable(trim(launched(n)), length=length)

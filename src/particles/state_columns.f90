@@ -11,7 +11,8 @@ module sgmp_state_columns
   integer, parameter :: state_name_length = 16
 
   !> A column of the material, which a particle file may give at the start.
-  character(state_name_length), parameter :: material_columns(*) = [character(state_name_length) :: &
+  character(state_name_length), parameter :: material_columns(*) = [ &
+    character(state_name_length) :: &
     'plastic_strain', 'temperature', 'damage', 'energy', 'distention', 'pore_shift', 'bulking', &
     'preconsolidation', 'lighting_time', 'strength', 'yield_factor']
 

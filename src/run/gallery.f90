@@ -29,11 +29,19 @@ module sgmp_gallery
            'a rod with an ogive nose goes into aluminium; axisymmetric, friction'), &
     deck_t('impact_3d', 'rod_plate.inp', &
            'a steel rod makes a crater in a copper plate; a quarter of it in 3D'), &
+    deck_t('oblique', 'gallery/oblique.inp', &
+           'a hard core hits a plate at an angle; half of it in 3D, failure, two minutes'), &
     deck_t('detonation', 'tnt_slab.inp', 'a slab of TNT is lit at one end; 1D'), &
     deck_t('cylinder_test', 'gallery/cylinder_test.inp', &
            'TNT drives a copper tube; axisymmetric'), &
     deck_t('blast', 'gallery/blast_wall.inp', &
            'a charge of TNT bursts in air before a wall; axisymmetric'), &
+    deck_t('blast_plate', 'gallery/blast_plate.inp', &
+           'a clamped plate under a charge, the air is not computed; axisymmetric'), &
+    deck_t('underwater', 'gallery/underwater.inp', &
+           'a charge of TNT bursts in water; axisymmetric'), &
+    deck_t('cushion', 'gallery/cushion.inp', &
+           'a head falls onto a cushion of foam; axisymmetric, contact'), &
     deck_t('dam_break', 'gallery/dam_break.inp', 'a column of water collapses in a tank; 2D'), &
     deck_t('slope', 'gallery/slope.inp', 'a slope of soil slides; 2D'), &
     deck_t('collapse', 'gallery/column_collapse.inp', &

@@ -31,9 +31,9 @@ program sgmp
   started = wall_time()
   ! Open MPI's own module for files loses data in one of its components (vulcan).
   call environment_default('OMPI_MCA_io', '^ompio')
-  call parallel_start()
   status = exit_ok
-  call command_line_read(options, error)
+  call parallel_start(error)
+  if (.not. allocated(error)) call command_line_read(options, error)
   if (.not. allocated(error)) call program_act(options, started, error, status)
   call parallel_agree(error)
   if (allocated(error)) then

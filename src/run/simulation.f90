@@ -352,7 +352,7 @@ contains
     else if (model%clock%step > 1 .and. model%ledger%supplied > 0.0_dp .and. &
              drift > most_growth(scene, model%clock) - 1.0_dp) then
       call error_make(model%findings%failure, exit_numerical, 'the energy has grown to '// &
-                      real_text(1.0_dp + drift)//' times what the scene was given in step '// &
+                      real_text(1.0_dp + drift)//' times the input energy in step '// &
                       integer_text(model%clock%step)//' at time '// &
                       real_text(model%clock%time)//'; the fastest is '// &
                       fastest_particle(scene, model), &

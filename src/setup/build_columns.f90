@@ -4,8 +4,10 @@
 module sgmp_build_columns
   use sgmp_absorbing_columns, only: absorbing_ask
   use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, stage_stress
+  use sgmp_debris_columns, only: debris_ask
   use sgmp_images, only: image_t
   use sgmp_kernels, only: kernel_centred
+  use sgmp_kinds, only: dp
   use sgmp_loads_columns, only: loads_ask, loads_ask_faces
   use sgmp_model, only: model_t
   use sgmp_surface_columns, only: pairs_ask, surfaces_ask, surfaces_ask_faces
@@ -39,6 +41,7 @@ contains
         call columns_ask(columns, block_t('volume', stage_stress, [image_t()]))
       end if
       if (method%relaxed) call volumes_ask(columns)
+      if (method%debris_speed > 0.0_dp) call debris_ask(columns, ndim)
     end associate
   end function columns_build
 

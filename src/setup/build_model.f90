@@ -14,9 +14,9 @@ module sgmp_build_model
                                law_slots, slots_t
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_no_surface, contact_pairs
-  use sgmp_debris, only: debris_possible
   use sgmp_driven_build, only: driven_add_columns, driven_declare, driven_fill, driven_number
   use sgmp_energy, only: ledger_open
+  use sgmp_debris, only: debris_possible
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_expression, only: expression_places
   use sgmp_field, only: field_init
@@ -81,6 +81,7 @@ contains
     model%wall_motion%velocity = scene%grid%wall_velocity
     call wall_motion_start(model%wall_motion, model%mesh)
     call set_method(scene, model%method)
+    if (model%mesh%walls_act) model%method%debris_speed = 0.0_dp
     kernel = method_kernel(scene%method%kind)
     allocate (model%bodies(size(scene%bodies)), model%totals%bodies(size(scene%bodies)))
     call partition_make(model%ranks%partition, model%mesh, kernel, model%method%normalised, &
@@ -136,6 +137,7 @@ contains
     method%normalised = scene%method%normalised
     method%interior = scene%method%interior
     method%relaxed = scene%method%volumes_kept
+    method%debris_speed = debris_speed(scene)
     method%split = scene%method%split
     method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
     method%surfaces = scene%method%surfaces .and. scene%dimension > 1
@@ -156,6 +158,21 @@ contains
       method%removed = removed_causes*removed_sums
     end if
   end subroutine set_method
+
+  !> Fastest sound in the bulk of what may become debris that collides: where volumes are kept all
+  !! matter does so already, and walls that move or rub are not made for it.
+  pure function debris_speed(scene) result(speed)
+    type(scene_t), intent(in) :: scene
+    real(dp) :: speed
+    integer :: m
+    speed = 0.0_dp
+    if (scene%method%volumes_kept) return
+    do m = 1, size(scene%materials)
+      if (debris_possible(scene%materials(m)%law)) then
+        speed = max(speed, scene%materials(m)%law%bulk_speed)
+      end if
+    end do
+  end function debris_speed
 
   !> Particles that may leave the grid keep the energy that they then take along.
   pure subroutine keep_energy(scene, body)

@@ -243,11 +243,13 @@ contains
   !> Columns of the moments that the next step reads: where it begins with a stress update, the
   !! stresses are those of the last one, for bins that particles have left. The first moments of the
   !! mass, and what lies behind walls that act, are the last columns and bring the stresses along.
+  !! The sums by which debris collides are formed anew before they are read.
   pure function columns_alive(model, f) result(columns)
     type(model_t), intent(in) :: model
     integer, intent(in) :: f
     integer :: columns(2)
     columns = [1, model%fields(f)%columns%total]
+    if (model%fields(f)%columns%debris > 0) columns(2) = model%fields(f)%columns%debris - 1
     if (any(model%method%update == [update_usf, update_usavg]) .and. &
         .not. stage_brings_stress(model)) then
       columns(2) = model%fields(f)%columns%first(stage_stress) - 1

@@ -16,7 +16,7 @@
 !!                     meet                contact
 !!                     forces              free rigid bodies, contact
 !!                     place               rotation
-!!                     after_solve         walls that move
+!!                     after_solve         walls that move, debris
 !!   re-map            strain_velocity     contact
 !!                     place               rotation
 !!                     after_remap         rotation, kept volumes
@@ -26,11 +26,13 @@
 !!   books closed      finish              damping (stress last)
 module sgmp_stages
   use sgmp_absorbing_account, only: absorbing_account
-  use sgmp_columns, only: node_remapped, node_velocity
+  use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_step_t
   use sgmp_contact_stages, only: phase_contact_force, phase_contact_velocity, phase_find_contact
   use sgmp_damping_account, only: damping_account, damping_book_kick
   use sgmp_damping_stages, only: damping_factor, damping_slow
+  use sgmp_debris_account, only: debris_account
+  use sgmp_debris_stages, only: phase_collisions, phase_debris_mass
   use sgmp_driven_parts, only: driven_any, driven_book, driven_choose, driven_publish
   use sgmp_erosion_account, only: erosion_account
   use sgmp_kinds, only: dp
@@ -70,6 +72,7 @@ contains
     type(model_t), intent(inout) :: model
     associate (method => model%method, terms => model%ledger%terms)
       if (method%relaxed) call volumes_account(terms)
+      if (method%debris_speed > 0.0_dp) call debris_account(terms)
       if (method%split > 0.0_dp) call splitting_account(terms)
       if (method%swirl) call swirl_account(terms)
       if (method%damped) call damping_account(terms)
@@ -133,6 +136,14 @@ contains
   !> Where bodies meet: once a step, before the first velocity that has to obey it.
   subroutine stage_meet(model)
     type(model_t), intent(inout) :: model
+    type(plan_t) :: plan
+    if (model%method%debris_speed > 0.0_dp .and. size(model%contact%pairs) > 0) then
+      plan%loose = .true.
+      plan%step = model%clock%step + 1
+      allocate (plan%vectors(0))
+      call phase_debris_mass(plan, model%totals, model%mesh, model%fields, model%bodies, &
+                             model%team, model%ranks, model%findings, model%timers)
+    end if
     call phase_find_contact(model%clock%step + 1, model%method%cutoff, model%mesh, model%fields, &
                             model%bodies, model%contact, model%team%threads, model%ranks, &
                             model%findings, model%timers)
@@ -170,7 +181,23 @@ contains
       call phase_wall_work(model%mesh, model%fields, model%bodies, model%ranks%partition%own, &
                            dt_kick, model%findings%tally)
     end if
+    if (model%method%debris_speed > 0.0_dp) call collide(model, dt_kick)
   end subroutine stage_after_solve
+
+  !> By how much debris collides in the kick to come.
+  subroutine collide(model, dt_kick)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt_kick              !! velocity step
+    type(plan_t) :: plan
+    plan%loose = .true.
+    plan%dt_kick = dt_kick
+    plan%step = model%clock%step + 1
+    plan%vectors = [node_acceleration, node_velocity(model%mesh%ndim)]
+    plan%gradient = node_velocity(model%mesh%ndim)
+    call phase_collisions(plan, model%method%debris_speed, model%totals, model%mesh, model%fields, &
+                          model%bodies, model%team, model%ranks, model%findings, model%timers)
+    call timers_stop(model%timers, phase_grid)
+  end subroutine collide
 
   !> The velocity that strains the particles, of the nodes before the kick or re-mapped after it.
   subroutine stage_strain_velocity(model, before_kick)

@@ -17,8 +17,8 @@ module sgmp_totals
   use sgmp_sums, only: nodes_external, nodes_friction, nodes_lost, nodes_mass_aa, &
                        nodes_mass_av, nodes_sums, removed_internal, removed_kinetic, &
                        removed_mass, removed_moment, removed_momentum, removed_sums, &
-                       sum_applied, sum_internal, sum_kinetic, sum_mass_aa, sum_moment, &
-                       sum_momentum, sum_viscous, sweep_sums
+                       sum_applied, sum_internal, sum_kinetic, sum_loose, sum_mass_aa, &
+                       sum_moment, sum_momentum, sum_viscous, sweep_sums
   use sgmp_tally, only: tally_reset, tally_total
   implicit none
   private
@@ -31,6 +31,7 @@ module sgmp_totals
     real(dp) :: momentum(3) = 0.0_dp
     real(dp) :: kinetic = 0.0_dp, internal = 0.0_dp
     real(dp) :: taken = 0.0_dp         !! internal energy that removed particles took along
+    real(dp) :: loose = 0.0_dp         !! particles that have failed and are open
   end type body_sums_t
 
   !> Sums over all ranks.
@@ -161,6 +162,7 @@ contains
     own%kinetic = terms_gain(terms, sums(sum_kinetic), sums)
     if (body%rigid) return  ! its energy and momentum belong to whoever moves it
     own%internal = own%internal + sums(sum_internal)
+    own%loose = sums(sum_loose)
     all%kinetic = all%kinetic + sums(sum_kinetic)
     all%particles_aa = all%particles_aa + sums(sum_mass_aa)
     all%momentum = all%momentum + sums(sum_momentum:sum_momentum + 2)

@@ -5,7 +5,7 @@
 !!
 !! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
 module DIM(sgmp_auxmesh)
-  use sgmp_columns, only: node_acceleration, node_swirl, relax_dilation, relax_total
+  use sgmp_columns, only: collide_total, node_acceleration, node_swirl, relax_dilation, relax_total
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
@@ -13,7 +13,7 @@ module DIM(sgmp_auxmesh)
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: auxmesh_fill, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
+  public :: auxmesh_collide, auxmesh_fill, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
   public :: node_rows
 #if NDIM == 2
   public :: auxmesh_fill_cells
@@ -194,6 +194,23 @@ contains
       end do
     end do
   end subroutine auxmesh_relax
+
+  !> Adds to the records of one plane what debris collides by.
+  pure subroutine auxmesh_collide(field, plane, before, stride, records)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: plane                 !! plane of the field
+    integer, intent(in) :: before                !! components of a record before it
+    integer, intent(in) :: stride                !! components of a record
+    real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
+    integer :: s, i, from, to
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do i = field%work%first(s), field%work%last(s)
+        from = field%neighbour(0, 0, s) + i
+        to = from - field%plane_start(plane) + 1
+        records(before + 1:before + collide_total(NDIM), to) = field%collide(from, :)
+      end do
+    end do
+  end subroutine auxmesh_collide
 
   !> Changes the sign of all derivatives but those along `axis`.
   pure subroutine reverse_along(axis, n, swirl, before, stride, records)

@@ -31,12 +31,13 @@ program fuzz_driver
   end interface
   integer(c_int), parameter :: is_child = -1000_c_int
   type(string_t), allocatable :: words(:)
+  type(error_t), allocatable :: error
   type(registry_t) :: table
   character(4096) :: line
   integer(c_int) :: ended
   integer :: status
   call environment_default('OMPI_MCA_io', '^ompio')
-  call parallel_start()
+  call parallel_start(error)
   table = deck_table()  ! built here, every child finds it
   do
     read (input_unit, '(a)', iostat=status) line

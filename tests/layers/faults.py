@@ -28,6 +28,7 @@ FAULTS = {
     "a file in no folder": ("alone.f90", "module sgmp_alone\n", "src/alone.f90: in no folder"),
     "a module that is nowhere": (KINDS, "  use sgmp_nowhere\n", "has the module sgmp_nowhere"),
     "a library in the wrong place": (KINDS, "  use mpi_f08, only: MPI_Comm\n", "mpi_f08 belongs to parallel"),
+    "a serial file without one above it": ("files/serial/alone.f90", "module sgmp_alone\n", "of the folder above has not the same"),
     "a module twice": ("run/twice.f90", "module sgmp_mesh\n", "module sgmp_mesh is also in"),
 }
 

@@ -45,6 +45,7 @@ class Source:
         parts = path.relative_to(root).parts
         self.folder = parts[0] if len(parts) > 1 else ""
         self.rank = self.folder
+        self.serial = path.parent.name == "serial"
         if self.folder == "features":
             self.rank = next((folder for end, folder in PARTS.items() if path.stem.endswith(end)), self.folder)
         self.modules, self.uses, self.includes = set(), [], []
@@ -72,11 +73,16 @@ def arrows(sources, errors):
     """From each file to those that it uses: {name: [(line, name)]}."""
     owner = {}
     for source in sources:
+        if source.serial:  # the file above it without MPI: what others use is that one
+            above = source.path.parent.parent / source.path.name
+            if not any(other.path == above and other.modules == source.modules for other in sources):
+                errors.append(f"{source.name}: {above.name} of the folder above has not the same module")
+            continue
         for module in source.modules:
             if module in owner:
                 errors.append(f"{source.name}: module {module} is also in {owner[module].name}")
             owner[module] = source
-    files = {source.path.name: source for source in sources}
+    files = {source.path.name: source for source in sources if not source.serial}
     found = collections.defaultdict(list)
     for source in sources:
         for number, module in source.uses:

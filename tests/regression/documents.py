@@ -17,8 +17,12 @@ import sys
 
 from _runs import ENVIRONMENT, SCRATCH, SGMP, SOURCE, Report
 
-COMMANDS = ["README.md", "doc/user-guide.md", "doc/damping.md", "doc/contact.md", "doc/rotation.md", "doc/time-step.md", "doc/results.md", "input/gallery/README.md",
+COMMANDS = ["README.md", "doc/methods.md", "doc/tasks.md", "doc/user-guide.md", "doc/damping.md", "doc/contact.md", "doc/rotation.md", "doc/time-step.md", "doc/results.md", "input/gallery/README.md",
             "packaging/README.md"]
+# Pages that are still to be wrapped (make wrap).
+NOT_WRAPPED = ("CHANGELOG.md", "tests/README.md", *(f"doc/{name}.md" for name in (
+    "cluster", "contact", "damping", "developer-guide", "loads", "material-library", "results", "rotation", "surfaces", "user-guide", "verdict",
+    "volumes")))
 OWN = """
 parameter h = 0.25
 parameter cfl = 0.5
@@ -130,12 +134,47 @@ def understood(report):
                     continue
                 words = checked(words)
                 if words is None:
-                    report.check(line.split()[1].endswith((".mpm", ".inp")), f"{page}: {line}: no such deck")
+                    named = line.split()[2 if line.split()[1] == "import" else 1]
+                    report.check(named.endswith((".mpm", ".inp")), f"{page}: {line}: no such deck")
                     continue
                 code, text = call([SGMP, *words], SCRATCH)
                 report.check(code == 0, f"{page}: {line}: exit code {code}: {text[-300:]}")
             count += 1
     report.check(count > (30 if draws else 20), f"only {count} commands")
+
+
+def lines(report):
+    """No line of a page is longer than 120 letters, but for rows of tables; `make wrap` wraps them. doc/verification is written by a program."""
+    sys.path.insert(0, os.path.join(SOURCE, "scripts", "dev"))
+    from wrap import too_long
+    pages = [path for pattern in ("*.md", "doc/*.md", "input/**/*.md", "tests/**/*.md", "python/*.md", "packaging/*.md", "verification/**/*.md")
+             for path in glob.glob(os.path.join(SOURCE, pattern), recursive=True)]
+    report.check(len(pages) > 40, f"only {len(pages)} pages")
+    report.check(too_long("a " * 61) == [1] and not too_long("| " + "a " * 80), "wrap.py does not see a long line, or counts rows of tables")
+    for path in pages:
+        name = os.path.relpath(path, SOURCE)
+        if name in NOT_WRAPPED:
+            continue
+        report.check(not too_long(read(name)), f"{name}: more than 120 letters in lines {too_long(read(name))}: make wrap")
+
+
+def tasks(report):
+    """Each task of doc/tasks.md has a command, what to look at, how accurate it is, and a page to go on with; `sgmp new` knows its decks."""
+    parts = re.split(r"^### ", read("doc/tasks.md"), flags=re.MULTILINE)[1:]
+    report.check(len(parts) >= 20, f"doc/tasks.md: {len(parts)} tasks")
+    known = call([SGMP, "new"], SCRATCH)[1]
+    for part in parts:
+        name = part.splitlines()[0]
+        part = re.split(r"^## ", part, flags=re.MULTILINE)[0]
+        report.check(re.search(r"^    (sgmp|build/venv)", part, flags=re.MULTILINE), f"doc/tasks.md: {name}: no command")
+        for word in ("*Look at*", "*Accuracy*"):
+            report.check(word in part, f"doc/tasks.md: {name}: nothing about {word}")
+        report.check(re.search(r"\]\([^)]*\.md", part), f"doc/tasks.md: {name}: no page to go on with")
+        for deck in re.findall(r"^    sgmp new (\w+)", part, flags=re.MULTILINE):
+            report.check(re.search(rf"^  {deck} ", known, flags=re.MULTILINE), f"doc/tasks.md: {name}: sgmp new knows no {deck}")
+            report.check(re.search(rf"\b{deck}\.(inp|out)|SCRATCH", part), f"doc/tasks.md: {name}: {deck} is copied and not used")
+        for script in re.findall(r"(?:python|sbatch) (scripts/\S+)", part):
+            report.check(os.path.exists(os.path.join(SOURCE, script)), f"doc/tasks.md: {name}: no {script}")
 
 
 def tecplot(report):
@@ -159,6 +198,8 @@ def main():
         shutil.rmtree(old)
     links(report)
     understood(report)
+    tasks(report)
+    lines(report)
     tecplot(report)
     return report.end()
 

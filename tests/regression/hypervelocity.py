@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Debris of hypervelocity impacts (doc/materials.md): energy that does not grow, in all methods and updates; a Whipple shield that is computed to its end; torn
-matter without a card; the same bits.
+"""Debris of hypervelocity impacts (doc/materials.md): energy that does not grow, in all methods and updates; collisions that keep momentum; a Whipple shield that is
+computed to its end, with and without contact, and through whose whole wall nothing leaks; torn matter without a card; the same bits.
 
 usage: hypervelocity.py SGMP SOURCE_DIR SCRATCH_DIR
 
@@ -36,11 +36,12 @@ checkpoint every=100
 """
 # Bumper and rear wall at a fourth of the usual distance, coarse.
 SHIELD = """
+parameter t_end = 0.014
 units mm g ms
 dimension axisymmetric
 grid cell=0.5 r=0:open
 method sgmp
-time end=0.014 cfl=0.4
+time end=t_end cfl=0.4
 material al johnson_cook density=2.7e-3 young=70e3 poisson=0.33 yield=265 hardening_modulus=426 hardening_exponent=0.34
 eos al gruneisen c0=5240 s=1.4 gamma0=1.97
 failure al pmin=-1500 plastic_strain=1.5
@@ -51,8 +52,10 @@ body rear cylinder material=al centre=(0,-27) axis=(0,1) radius=20 length=5 spac
 velocity ball z=-6000
 {contact}
 history every=0.001
-output csv at=end
+output csv at=end fields=mass
+checkpoint every=100
 """
+WALL = -27, 20  # its back and its radius
 # Lead that is torn without a card `failure`.
 LEAD = """
 units mm g ms
@@ -82,18 +85,42 @@ def energies(report, name, result, drift, speed):
 
 
 def cloud(report):
-    # What carries nothing flies on: none is faster than the fastest of the start, 7500 m/s.
+    # The fastest of the start has 7500 m/s. What carries nothing flies on.
     for settings in ({"cfl": 0.1}, {"cfl": 0.8}, {"method": "mpm"}, {"method": "gimp"}, {"method": "bspline"}, {"update": "usf"}, {"update": "usl"}, {"update": "usavg"}):
         name = "_".join(["cloud", *map(str, settings.values())])
         energies(report, name, run(name, CLOUD, **settings), 0.001, 7600)
-    for settings in ({"cfl": 0.25}, {"cfl": 0.8}, {"update": "usavg"}):
+    # mpm and usl exceed 3 % with pressure (doc/materials.md); their fragments do not fly.
+    for settings, drift in (({"cfl": 0.25}, 0.03), ({"cfl": 0.8}, 0.03), ({"method": "gimp"}, 0.03), ({"method": "bspline"}, 0.03), ({"update": "usf"}, 0.03),
+                            ({"update": "usavg"}, 0.03), ({"method": "mpm"}, 1.0), ({"update": "usl"}, 1.0)):
         name = "_".join(["pressure", *map(str, settings.values())])
-        energies(report, name, run(name, CLOUD, carries="pressure", **settings), 0.03, 30000)
+        result = run(name, CLOUD, carries="pressure", **settings)
+        energies(report, name, result, drift, 1.5*7500)
+        heat = result["energy.collision_heat"]/result["energy.initial_total"]
+        report.check(0.3 < heat < 1, f"{name}: collisions turn {heat} of the energy to heat")
+
+
+def momentum(report):
+    """Without walls collisions keep it; the spread of the axial velocities must be there to be lost."""
+    for method in ("sgmp", "mpm", "gimp"):
+        free = CLOUD.replace("wall z-=slip\n", "").replace("2500*z/2-5000", "2500*z/2+3000*sin(40*z+31*r)")
+        result = run(f"momentum_{method}", free, carries="pressure", method=method, t_end=0.001)
+        if not report.finished(result, f"momentum {method}"):
+            continue
+        first, last = (float(result.table("history.csv")[row]["momentum_z"]) for row in (0, -1))
+        report.check(abs(last - first) < 1e-9*9e4*1e-3, f"momentum {method}: {first} becomes {last}")
+        report.check(result["energy.collision_heat"] > 1e-3*result["energy.initial_total"], f"momentum {method}: nothing collides")
+        report.check(abs(result["energy.remainder"]) < 1e-10*result["energy.initial_total"], f"momentum {method}: remainder {result['energy.remainder']}")
 
 
 def shields(report):
-    for name, contact, drift in (("shield", "", 0.03), ("shield_contact", "contact all", 0.1)):
-        energies(report, name, run(name, SHIELD.format(contact=contact)), drift, 2*6000)
+    for name, contact in (("shield", ""), ("shield_contact", "contact all")):
+        result = run(name, SHIELD.format(contact=contact))
+        energies(report, name, result, 0.03, 9000)
+        rows = result.table("particles_end.csv")
+        ball = sum(row["mass"] for row in rows if row["body"] == 1)
+        leaked = sum(row["mass"] for row in rows if row["body"] < 3 and row["z"] < WALL[0] and row["x"] < WALL[1])
+        report.check(leaked < 1e-4*ball, f"{name}: {leaked/ball} of the ball's mass is behind the wall")
+        report.check(result["energy.collision_heat"] > 0.1*result["energy.initial_total"], f"{name}: nothing collides")
 
 
 def torn(report):
@@ -102,17 +129,20 @@ def torn(report):
 
 
 def bits(report):
-    settings = {"carries": "pressure", "t_end": 0.004}
-    reference = straight(report, "bits", CLOUD, **settings)
-    for title, threads, launcher in (("bits_threads", 2, ()), ("bits_ranks", 1, mpirun(3))):
-        other = straight(report, title, CLOUD, threads=threads, launcher=launcher, **settings)
-        report.check(other["checksum"] == reference["checksum"], f"{title}: checksum {other['checksum']}, not {reference['checksum']}")
-    goes_on(report, reference, "bits_again", CLOUD, checkpoints(f"{SCRATCH}/bits")[0], **settings)
+    for title, deck, settings in (("bits", CLOUD, {"carries": "pressure", "t_end": 0.007}),
+                                  ("bits_contact", SHIELD.format(contact="contact all friction=0.2"), {"t_end": 0.007})):
+        reference = straight(report, title, deck, **settings)
+        report.check(reference["energy.collision_heat"] > 0, f"{title}: nothing collides")
+        for how, threads, launcher in (("threads", 2, ()), ("ranks", 1, mpirun(3))):
+            other = straight(report, f"{title}_{how}", deck, threads=threads, launcher=launcher, **settings)
+            report.check(other["checksum"] == reference["checksum"], f"{title} {how}: checksum {other['checksum']}, not {reference['checksum']}")
+        goes_on(report, reference, f"{title}_again", deck, checkpoints(f"{SCRATCH}/{title}")[-2], **settings)
 
 
 if __name__ == "__main__":
     REPORT = Report()
     cloud(REPORT)
+    momentum(REPORT)
     shields(REPORT)
     torn(REPORT)
     bits(REPORT)

@@ -4,8 +4,10 @@
 usage: installed.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import os
+import re
 import shutil
 import subprocess
+import sys
 
 from _runs import ENVIRONMENT, INPUT, SCRATCH, SGMP, Report
 
@@ -13,7 +15,7 @@ PREFIX = os.path.join(SCRATCH, "prefix")
 PROJECT = """
 cmake_minimum_required(VERSION 3.21)
 project(consumer NONE)
-find_package(sgmp 0.1 REQUIRED)
+find_package(sgmp 1.0 REQUIRED)
 enable_testing()
 add_test(NAME deck COMMAND sgmp::sgmp ${sgmp_INPUT_DIR}/bar.inp --check)
 """
@@ -101,6 +103,22 @@ def materials(report, program):
     report.check(code == 3 and "looked for beside" in text and "share/sgmp/input" in text, f"missing include: {code} {text}")
 
 
+def what_else(report):
+    """The viewer, the job scripts, the documents and the gallery."""
+    code, text = call(sys.executable, os.path.join(PREFIX, "bin", "sgmp-view"), "--help")
+    missing = "numpy and matplotlib are missing" in text
+    report.check(code == 0 and "sgmp-view" in text or missing, f"installed sgmp-view: {code} {text[-300:]}")
+    for place in ("share/sgmp/python/sgmp_view/command.py", "share/sgmp/hpc/slurm.sh", "share/sgmp/scripts/ballistic_limit.py",
+                  "share/sgmp/input/gallery/README.md", "share/sgmp/input/gallery/whipple.inp", "share/doc/sgmp/README.md",
+                  "share/doc/sgmp/CHANGELOG.md", "share/doc/sgmp/doc/tasks.md", "share/doc/sgmp/doc/images/taylor_bar.png"):
+        report.check(os.path.exists(os.path.join(PREFIX, place)), f"not installed: {place}")
+    report.check(os.access(os.path.join(PREFIX, "share/sgmp/hpc/slurm.sh"), os.X_OK), "slurm.sh is installed without its permission")
+    page = open(os.path.join(PREFIX, "share/doc/sgmp/README.md"), encoding="utf-8").read()
+    for target in re.findall(r"\]\((doc/[^)#]+)|^\[\w+\]: (doc/\S+)", page, flags=re.MULTILINE):
+        target = "".join(target)
+        report.check(os.path.exists(os.path.join(PREFIX, "share/doc/sgmp", target)), f"README.md where it is installed: no {target}")
+
+
 def main():
     report = Report()
     build = os.path.dirname(SGMP)
@@ -114,6 +132,7 @@ def main():
     program = os.path.join(PREFIX, "bin", "sgmp")
     decks(report, program)
     materials(report, program)
+    what_else(report)
     with open(os.path.join(PREFIX, "share", "man", "man1", "sgmp.1"), encoding="utf-8") as page:
         manual = page.read()
     for word in call(program, "help", "options")[1].split():

@@ -40,8 +40,8 @@ Where particle methods break: nineteen cases, four methods, each beside a refere
 * **Free flight, rotation.** What flies through the grid keeps its shape best with SGMP ([flight](#free-flight-through-100-cells)). What [spins](#free-disk-and-ring-that-turn) or [rolls](#cylinder-on-a-slope) wants
   `method sgmp rotation=exact` ([rotation.md](rotation.md)).
 * **Thin parts** want at least [two particles](#plate-one-particle-thick) across, four to be safe.
-* **Nearly incompressible matter.** SGMP does not lock, but pressures of particles are rough from nu = 0.499 on ([Cook's membrane](#cooks-membrane-nearly-incompressible)).
-* **Matter stretched many times over**: [gas](#expansion-into-vacuum) and [solids](#bar-pulled-to-ten-times-its-length) want `split=0.75`; gas and explosives [between](#explosive-in-a-box-that-it-half-fills)
+* **Nearly incompressible material.** SGMP does not lock, but pressures of particles are rough from nu = 0.499 on ([Cook's membrane](#cooks-membrane-nearly-incompressible)).
+* **Material stretched many times over**: [gas](#expansion-into-vacuum) and [solids](#bar-pulled-to-ten-times-its-length) want `split=0.75`; gas and explosives [between](#explosive-in-a-box-that-it-half-fills)
   [walls](#gas-that-expands-into-ten-times-its-room) `volumes=kept`, too ([volumes.md](volumes.md)).
 * **Contact** keeps energy and momentum ([ratios](#density-ratio-104-stiffness-ratio-105), [blocks at rest](#blocks-at-rest-on-each-other), [penetrator](#sharp-penetrator-in-soft-metal)); bodies that [graze](#grazing-disks)
   each other with SGMP are deflected a tenth too little.

@@ -35,7 +35,7 @@ contains
         moved(side, axis) = parallel_max(moved(side, axis))
         if (moved(side, axis) <= largest_way) cycle
         n = n + 1
-        found(n)%text = 'matter at the absorbing edge '//axis_names(axis, model%mesh%space)// &
+        found(n)%text = 'material at the absorbing edge '//axis_names(axis, model%mesh%space)// &
                         merge('-', '+', side == 1)//' has moved by '// &
                         real_text(moved(side, axis))//' cells across it: such an edge holds '// &
                         'nothing but the stress at the start (doc/loads.md); hold what bears a '// &

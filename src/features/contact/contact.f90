@@ -22,7 +22,7 @@ module sgmp_contact
   use sgmp_mesh, only: mesh_t
   use sgmp_rigid_motion, only: motion_kick
   use sgmp_shared_nodes, only: node_terms_t, shared_build, shared_mark, shared_meet, &
-                               shared_nodes_t, shared_place
+                               shared_nodes_t, shared_place, shared_share
   use sgmp_space, only: space_axisymmetric
   use sgmp_surface_exposure, only: exposure_steps, surface_expose
   use sgmp_surface_particles, only: surface_count, surface_pack
@@ -120,6 +120,7 @@ contains
     !$omp& shared(contact, mesh, fields, bodies) private(n, clouds)
     !$omp do schedule(dynamic, 16)
     do n = 1, contact%shared%nodes
+      call shared_share(contact%shared, n, fields)
       call distance_detect(contact%shared, n, mesh, fields, bodies, contact%pairs, clouds)
     end do
     !$omp end do nowait

@@ -47,6 +47,10 @@ contains
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       shared%near(l) = .false.
       if (.not. shared%meets(l)) cycle
+      if (shared%link(l)%shares) then
+        call touch(shared, l)
+        cycle
+      end if
       at = shared_members(shared, n, l)
       call cloud_around(shared, n, at(1), balls(1), clouds%first)
       call cloud_around(shared, n, at(2), balls(2), clouds%second)
@@ -54,6 +58,16 @@ contains
       call measure(shared, n, l, at, mesh, fields, bodies, pairs(shared%pair(l)), balls, clouds)
     end do
   end subroutine distance_detect
+
+  !> Debris touches whatever it meets; all directions are alike, and any is the normal.
+  pure subroutine touch(shared, l)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: l
+    shared%near(l) = .true.
+    shared%gap(l) = 0.0_dp
+    shared%middle(l) = 0.0_dp
+    shared%link(l)%normal = [1.0_dp, 0.0_dp, 0.0_dp]
+  end subroutine touch
 
   !> Normal of a link and whether its bodies touch. The normal is that of the shortest line between
   !! the surface particles around the node, or where they overlap, or by the deck's choice, that of

@@ -108,7 +108,7 @@ contains
     integer :: l, side, at(2)
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       levers%response(l) = 0.0_dp
-      if (.not. shared%near(l)) cycle
+      if (.not. shared%near(l) .or. shared%link(l)%shares) cycle
       at = shared_members(shared, n, l)
       do side = 1, 2
         levers%nodes(side, l) = 0

@@ -10,7 +10,8 @@ module sgmp_contact_reaction
   use sgmp_columns, only: node_acceleration, node_velocity
   use sgmp_contact, only: contact_gather, contact_step_t, contact_t
   use sgmp_contact_levers, only: tangential
-  use sgmp_contact_resolve, only: contact_link_t, link_closed, link_sticking, resolve_trial
+  use sgmp_contact_resolve, only: contact_link_t, link_closed, link_sharing, link_sticking, &
+                                  resolve_trial
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
@@ -183,7 +184,8 @@ contains
     if (link%state > link_closed .and. weight(3) > 0.0_dp) then
       normal_weight = weight(3) + dot_product(link%normal**2, weight - weight(3))
       answer = spread(link%normal, 2, 3)*spread(link%normal, 1, 3)
-      if (link%state == link_sticking .and. .not. link%at_surface) then
+      if ((link%state == link_sticking .and. .not. link%at_surface) .or. &
+          link%state == link_sharing) then
         slip_weight = weight(1) + weight(2) - normal_weight
         answer = answer*(1.0_dp/normal_weight - 1.0_dp/slip_weight)
         do d = 1, 3

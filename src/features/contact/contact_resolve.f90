@@ -20,13 +20,14 @@ module sgmp_contact_resolve
   implicit none
   private
   public :: contact_link_t, resolve_trial, resolve_strain, link_dissipation
-  public :: link_free, link_closed, link_sliding, link_sticking
+  public :: link_free, link_closed, link_sharing, link_sliding, link_sticking
 
   ! What the trial has found out about a pair, from loose to tight.
   integer, parameter :: link_free = 0      !! the bodies go their ways
   integer, parameter :: link_closed = 1    !! they would come too close, but nothing presses them
   integer, parameter :: link_sliding = 2   !! they are pressed together and slide
   integer, parameter :: link_sticking = 3  !! they are pressed together and do not slide
+  integer, parameter :: link_sharing = 4   !! debris meets something: they have one velocity
 
   integer, parameter :: most_rounds = 500
   real(dp), parameter :: settled = 1.0e-15_dp
@@ -47,6 +48,7 @@ module sgmp_contact_resolve
     real(dp) :: correction(3) = 0.0_dp
       !! momentum that makes the straining velocity obey; no particle receives it
     real(dp) :: dissipation = 0.0_dp       !! energy that contact has taken in this step
+    logical :: shares = .false.            !! most of one body is debris here
     logical :: at_surface = .false.
       !! friction does not act at the node but at the surface (sgmp_contact_levers), where
     real(dp) :: rub(3) = 0.0_dp            !! is its impulse in this step, on the second body
@@ -85,23 +87,37 @@ contains
       closing(l) = condition_t(.true., links(l)%first, links(l)%second, links(l)%normal, &
                                links(l)%approach)
     end do
+    where (links%shares)
+      closing%least = -huge(1.0_dp)
+      closing%friction = huge(1.0_dp)
+    end where
     pressing = closing
     part = velocity
     call relax(closing, inverse_mass, part)
-    pressing%active = closing%along > 0.0_dp
+    pressing%active = closing%along > 0.0_dp .or. links%shares
     pressing%approach = 0.0_dp
     part = kick
     call relax(pressing, inverse_mass, part)
     do l = 1, size(links)
       was_free = links(l)%state == link_free
       links(l)%state = link_free
+      if (links(l)%shares) cycle
       if (pressing(l)%active) links(l)%state = link_closed
       if (was_free) pressing(l)%along = max(pressing(l)%along, closing(l)%along)
       if (.not. links(l)%at_surface) closing(l)%friction = links(l)%friction*pressing(l)%along
     end do
     closing%along = 0.0_dp
+    where (links%shares)
+      closing%across(1) = 0.0_dp
+      closing%across(2) = 0.0_dp
+      closing%across(3) = 0.0_dp
+    end where
     call relax(closing, inverse_mass, velocity)
     do l = 1, size(links)
+      if (links(l)%shares) then
+        call share(links(l), pressing(l), closing(l))
+        cycle
+      end if
       if (pressing(l)%along > 0.0_dp) then
         links(l)%state = merge(link_sliding, link_sticking, closing(l)%slides)
       end if
@@ -110,6 +126,18 @@ contains
       links(l)%correction = (closing(l)%along - pressing(l)%along)*links(l)%normal
     end do
   end subroutine resolve_trial
+
+  !> A pair of which one is debris: all forces act on both, as on one body, and what else makes its
+  !! velocity one does no work.
+  pure subroutine share(link, pressing, closing)
+    type(contact_link_t), intent(inout) :: link
+    type(condition_t), intent(in) :: pressing    !! of what forces do
+    type(condition_t), intent(in) :: closing     !! of the velocity
+    link%state = link_sharing
+    link%held_normal = link%normal
+    link%impulse = pressing%along*link%normal + pressing%across
+    link%correction = closing%along*link%normal + closing%across - link%impulse
+  end subroutine share
 
   !> Makes a straining velocity obey the state of each pair: pressed bodies neither approach nor
   !! part, those that stick do not slide, those that are only closed do not approach.
@@ -123,7 +151,8 @@ contains
       condition(l) = condition_t(links(l)%state > link_free, links(l)%first, links(l)%second, &
                                  links(l)%held_normal)
       if (links(l)%state > link_closed) condition(l)%least = -huge(1.0_dp)
-      if (links(l)%state == link_sticking .and. .not. links(l)%at_surface) then
+      if ((links(l)%state == link_sticking .and. .not. links(l)%at_surface) .or. &
+          links(l)%state == link_sharing) then
         condition(l)%friction = huge(1.0_dp)
       end if
     end do

@@ -18,8 +18,9 @@ module sgmp_shared_nodes
   implicit none
   private
   public :: node_terms_t, shared_nodes_t, shared_body, shared_build, shared_mark, shared_meet, &
-            shared_members, shared_parts, shared_place, most_rows, row_axis
+            shared_members, shared_parts, shared_place, shared_share, most_rows, row_axis
 
+  real(dp), parameter :: half = 0.5_dp
   integer, parameter :: most_rows = 9          !! rows of bins whose particles give to a node
 
   !> What contact at a node adds to the sums of the step, besides impulse and dissipation of its
@@ -319,28 +320,50 @@ contains
       shared%meets(l) = .true.
       do side = 1, 2
         shared%meets(l) = shared%meets(l) .and. &
-          node_mass(fields(shared%field(at(side))), shared, at(side), n) > cutoff
+          node_mass(fields(shared%field(at(side))), shared, at(side), n, &
+                    fields(shared%field(at(side)))%columns%mass) > cutoff
       end do
     end do
   end subroutine shared_meet
 
-  !> Mass of a member at a node (Eq. 17).
-  pure function node_mass(field, shared, m, n) result(mass)
+  !> Which links of a node share their velocity: where debris is more than half of one body's mass.
+  pure subroutine shared_share(shared, n, fields)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n                     !! the node
+    type(field_t), intent(in) :: fields(:)       !! those that collide know the mass of their debris
+    integer :: at(2), l, side
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      shared%link(l)%shares = .false.
+      if (.not. shared%meets(l)) cycle
+      at = shared_members(shared, n, l)
+      do side = 1, 2
+        associate (field => fields(shared%field(at(side))))
+          if (.not. field%collides) cycle
+          shared%link(l)%shares = shared%link(l)%shares .or. &
+            node_mass(field, shared, at(side), n, field%columns%debris) > &
+            half*node_mass(field, shared, at(side), n, field%columns%mass)
+        end associate
+      end do
+    end do
+  end subroutine shared_share
+
+  !> Mass of a member at a node (Eq. 17), or of a part of it.
+  pure function node_mass(field, shared, m, n, column) result(mass)
     type(field_t), intent(in) :: field
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: m, n
+    integer, intent(in) :: column                !! of the moments
     real(dp) :: mass
     integer :: dj, dk, base
     if (.not. kernel_centred(field%kernel)) then
-      mass = field%moment(shared%record(m), field%columns%mass)
+      mass = field%moment(shared%record(m), column)
       return
     end if
     mass = 0.0_dp
     do dk = -merge(1, 0, field%ndim >= 2), 0
       do dj = -merge(1, 0, field%ndim == 3), 0
         base = field%neighbour(dj, dk, shared%interval(m)) + shared%point(1, n)
-        mass = mass + (field%moment(base - 1, field%columns%mass) + &
-                       field%moment(base, field%columns%mass))
+        mass = mass + (field%moment(base - 1, column) + field%moment(base, column))
       end do
     end do
     mass = mass*0.5_dp**field%ndim

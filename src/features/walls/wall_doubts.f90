@@ -25,12 +25,12 @@ contains
     n = 0
     if (model%mesh%walls_move .and. lid_leaks(model)) then
       call note(found, n, 'a wall moves towards one across its way, as a lid does: '// &
-                 'within a cell of the edge matter is dragged into the wall at rest, and may '// &
+                 'within a cell of the edge material is dragged into the wall at rest, and may '// &
                  'pass it (doc/loads.md); use method mpm, or leave the face open')
     end if
     if (model%mesh%walls_move .and. model%clock%step == 0 .and. &
         model%ledger%kinetic > 0.0_dp) then
-      call note(found, n, 'walls are at rest before t = 0: matter that moves with '// &
+      call note(found, n, 'walls are at rest before t = 0: material that moves with '// &
                  'them from the start is kicked by a velocity that is not 0 then; let both '// &
                  'begin at rest')
     end if
@@ -57,7 +57,7 @@ contains
     end associate
     if (lid_leaks(model)) then
       call note(found, n, 'a wall moves towards one across its way: beside their edge '// &
-                'matter is dragged into the wall at rest (doc/loads.md); use method mpm')
+                'material is dragged into the wall at rest (doc/loads.md); use method mpm')
     end if
     reasons = found(:n)
   end subroutine wall_objections
