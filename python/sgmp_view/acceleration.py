@@ -80,9 +80,42 @@ def contact_forces(folder, channel_class=None, bodies=None):
             raise SgmpFileError(
                 f"{folder}: contact.csv has {len(time)} rows of '{name}'; write more by `history every=…`"
             )
+        for words, column in ((name, "force"), (f"{name}, friction", "friction")):
+            if f"{column}_x" not in table or (column == "friction" and not any(np.any(table[f"friction_{axis}"][rows]) for axis in AXES)):
+                continue
+            force = np.column_stack([table[f"{column}_{axis}"][rows] for axis in AXES]) * kilogram * metre / second**2
+            even, values = in_even_steps(folder, time, force[1:], channel_class)
+            yield words, even / second, values, np.ones(len(even))
+
+
+def wall_forces(folder, channel_class=None, faces=None):
+    """Of each wall whose reaction is in history.csv: name, time (deck's units), force on the matter (N, 3 columns), ones."""
+    table = read_table(folder / "history.csv")
+    second, metre, kilogram = in_si(folder)
+    walls = [column[5:-10] for column in table if column.startswith("wall_") and column.endswith("_impulse_x")]
+    if not walls:
+        raise SgmpFileError(f"{folder}: history.csv has no reactions of walls: write `wall … reactions=yes`")
+    time = table["time"] * second
+    for wall in walls:
+        if faces and wall not in faces:
+            continue
+        impulse = np.column_stack([table[f"wall_{wall}_impulse_{axis}"] for axis in AXES]) * kilogram * metre / second
+        even, values = in_even_steps(folder, time, np.diff(impulse, axis=0) / np.diff(time)[:, None], channel_class)
+        yield f"wall {wall}", even / second, values, np.ones(len(even))
+
+
+def section_forces(folder, channel_class=None, names=None):
+    """Of each plane in sections.csv: name, time (deck's units), force through it (N, 3 columns), ones."""
+    table = read_table(folder / "sections.csv")
+    second, metre, kilogram = in_si(folder)
+    for name in dict.fromkeys(str(name) for name in table["name"]):
+        if names and name not in names:
+            continue
+        rows = table["name"] == name
         force = np.column_stack([table[f"force_{axis}"][rows] for axis in AXES]) * kilogram * metre / second**2
-        even, values = in_even_steps(folder, time, force[1:], channel_class)
-        yield name, even / second, values, np.ones(len(even))
+        time = table["time"][rows] * second
+        even, values = in_even_steps(folder, time, 0.5 * (force[1:] + force[:-1]), channel_class)
+        yield f"section {name}", even / second, values, np.ones(len(even))
 
 
 def accelerations(folder, channel_class=None, bodies=None):

@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 
 from .files import SgmpFileError, field_label, folder_of, label, plot_style, read_history, read_summary, read_units, run_name
 
-ROWS = ("exit_status", "verdict", "method", "update", "dimension", "cfl", "h", "particles", "particles_lost", "steps", "time",
+ROWS = ("exit_status", "verdict", "verdict_error", "method", "update", "dimension", "cfl", "h", "particles", "particles_lost", "steps", "time",
         "energy.kinetic", "energy.internal", "energy.total", "energy.drift", "energy.contact_dissipation", "solve_seconds",
         "ns_per_particle_step", "threads", "ranks", "checksum")
 

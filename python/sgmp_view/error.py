@@ -275,7 +275,7 @@ class Study:
         units = read_units(self.runner.output(self.own))
         own, unit = values["deck"][0][1], unit_of(quantity, units)
         borne = tolerance_of(tolerance, self.scale(quantity, own))
-        words = verdict_of(widths, borne, spoken(tolerance, unit), self.summary["verdict"] == "sound")
+        words = verdict_of(widths, borne, spoken(tolerance, unit), self.summary["verdict"] != "doubtful")
         errors, costs = dict(errors_of_runs(values, widths, found)), dict(self.costs())
         runs = [{"part": part, "setting": setting, "value": value, "expected_error": errors[part, setting], "cpu_seconds": costs[part, setting]}
                 for part, pairs in values.items() for setting, value in pairs]

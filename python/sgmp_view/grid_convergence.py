@@ -2,16 +2,22 @@
 
 Roache, Perspective: a method for uniform reporting of grid refinement studies, J. Fluids Eng. 116 (1994) 405-413:
 1.25 |f - f0| where three sizes show an order, f0 by Richardson's extrapolation; 3 |f2 - f1|/(r^p - 1) where they show none, here with p = 1.
+Four sizes and more are fitted by least squares (Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104-130): the last digits of fine runs need not
+follow the order that all of them show, and what they miss it by is added.
 """
 
 import math
 from dataclasses import dataclass
 from typing import Optional
 
+import numpy as np
+
 LEAST_ORDER, LARGEST_ORDER = 0.5, 2.0                  # claimed; what is steeper is counted as 2, the order of the methods,
 ABSURD_ORDER = 3.0                                      # and beyond this one is none: the finest are alike by chance
 REGULAR, IRREGULAR = 1.25, 3.0                         # safety factors
 ROUND_OFF = 1e-12                                       # of a value: no difference
+SCATTER = 0.05                                          # about the fit, of all that the values span: more is no order
+ORDERS = np.linspace(0.25, 3.5, 66)                     # tried in a fit
 
 
 @dataclass
@@ -53,18 +59,38 @@ def monotonic(values):
     return all(step > 0 for step in steps) or all(step < 0 for step in steps)
 
 
-def regular_part(series, cell):
-    """All sizes, or all but some of the coarsest, which may be beyond what a cell can show: four at least, with `cell`, that rise or fall throughout."""
+def fit(sizes, values, order):
+    """Limit, what is missed in the mean, and the fit at the sizes, of q0 + C h^p with a given order by least squares."""
+    matrix = np.column_stack([np.ones(len(sizes)), np.array(sizes) ** order])
+    found, *_ = np.linalg.lstsq(matrix, np.array(values), rcond=None)
+    misses = matrix @ found - values
+    return float(found[0]), float(np.sqrt(np.sum(misses**2) / (len(sizes) - 2))), matrix @ found
+
+
+def fitted(series, cell):
+    """Error of the run with this cell by a fit of all sizes, or all but some of the coarsest, four at least; None where they show no order."""
     for count in range(len(series), 3, -1):
-        if monotonic([value for _, value in series[:count]]) and any(h == cell for h, _ in series[:count]):
-            return series[:count]
-    return series
+        sizes, values = zip(*series[:count])
+        order = min(ORDERS, key=lambda trial: fit(sizes, values, trial)[1])
+        if cell not in sizes or not LEAST_ORDER <= order <= ABSURD_ORDER:
+            continue
+        counted = min(order, LARGEST_ORDER)
+        limit, scatter, smooth = fit(sizes, values, counted)
+        if scatter <= SCATTER * (max(values) - min(values)):
+            own = sizes.index(cell)
+            width = REGULAR * abs(smooth[own] - limit) + scatter + abs(values[own] - smooth[own])
+            return Convergence(float(width), order_words(order), float(counted), limit)
+    return None
+
+
+def order_words(order):
+    """An order in words."""
+    return f"order {order:.1f}" + (" (counted as 2)" if order > LARGEST_ORDER else "")
 
 
 def convergence_of(series, cell):
     """Error of the run with this cell, from pairs (cell, value) of all runs."""
     series = sorted(series)
-    series = regular_part(series, cell)
     sizes, values = [h for h, _ in series], [value for _, value in series]
     value = dict(series)[cell]
     spread = max(values) - min(values)
@@ -72,6 +98,8 @@ def convergence_of(series, cell):
         return Convergence(math.nan, "one size only")
     if spread <= ROUND_OFF * max(abs(each) for each in values):
         return Convergence(0.0, "all sizes give the same")
+    if len(series) > 3 and (found := fitted(series, cell)):
+        return found
     found = richardson(sizes, values) if len(series) > 2 and monotonic(values) else None
     if found and found[0] > ABSURD_ORDER:
         index = IRREGULAR * abs(values[1] - values[0]) / (sizes[1] / sizes[0] - 1)
@@ -79,7 +107,8 @@ def convergence_of(series, cell):
     if found and found[0] >= LEAST_ORDER:
         order = min(found[0], LARGEST_ORDER)
         limit = limit_of(sizes, values, order)
-        return Convergence(REGULAR * abs(value - limit), f"order {found[0]:.1f}" + (" (counted as 2)" if found[0] > 2 else ""), order, limit)
+        return Convergence(REGULAR * abs(value - limit), order_words(found[0]), order, limit)
     words = ("two sizes, no order" if len(series) < 3 else "no order: slower than h^0.5" if found else
              "no order: away from each other as cells shrink" if monotonic(values) else "no order: up and down")
-    return Convergence(IRREGULAR * spread / (sizes[-1] / sizes[0] - 1), words)
+    finer = max(abs(value - each) for h, each in series if h <= cell)  # what finer cells give must lie within
+    return Convergence(max(IRREGULAR * spread / (sizes[-1] / sizes[0] - 1), finer), words)

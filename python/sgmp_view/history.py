@@ -9,7 +9,9 @@ Reads history.csv of each output folder. Energies: kinetic, internal, total. Dri
 
 --acceleration draws the accelerations of bodies instead and prints their peaks, --cfc filters them first as SAE J211
 and ISO 6487 have it: channel frequency class 60, 180, 600, 1000 or another; it needs units and rows of bodies.csv
-(`history every=…`) ten times as dense as the class, in hertz. --contact does so with the forces of pairs in contact.
+(`history every=…`) ten times as dense as the class, in hertz. --contact does so with the forces of pairs in contact and
+the friction in them, --walls with the reactions of walls, --sections with the forces through planes. --energies draws
+and prints the energies of bodies and of materials.
 """
 
 import itertools
@@ -20,7 +22,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from .acceleration import AXES, accelerations, contact_forces, peaks_of
+from .acceleration import AXES, accelerations, contact_forces, peaks_of, section_forces, wall_forces
+from .energies import draw_energies
 from .files import SgmpFileError, folder_of, label, plot_style, read_history, read_table, read_units, run_name
 
 ENERGIES = (
@@ -121,7 +124,8 @@ def plot(folders, output):
 
 def draw_signals(folders, options, output):
     """Accelerations of bodies, or forces of contact, over time, and a line for each with its peaks; all as a dict."""
-    result, read = {}, contact_forces if options.contact else accelerations
+    result, read = {}, reader_of(options)
+    force = read is not accelerations
     style, units = plot_style(), read_units(folder_of(folders[0]))
     filtered = f", CFC {options.cfc:g}" if options.cfc else ", not filtered"
     with plt.rc_context(style):
@@ -136,20 +140,30 @@ def draw_signals(folders, options, output):
                 if options.cfc:
                     faint = {"color": line.get_color(), "alpha": 0.25, "linewidth": 0.6, "zorder": 1}
                     axis.plot(*shown(raw[name], AXES.index(along)), **faint)
-        what = "force of contact (N" if options.contact else "acceleration (m/s²"
+        what = "force (N" if force else "acceleration (m/s²"
         axis.set(xlabel=label("time", units["time"]), ylabel=f"{what}{filtered})")
         axis.legend()
         drawing.savefig(output)
         plt.close(drawing)
     for words, peak in result.items():
-        print(f"{words}: {line_of(peak, units['time'], options.contact)}{filtered}")
-    return {"cfc": options.cfc, "pairs" if options.contact else "bodies": result}
+        print(f"{words}: {line_of(peak, units['time'], force)}{filtered}")
+    kind = "walls" if options.walls else "sections" if options.sections else "pairs" if options.contact else "bodies"
+    return {"cfc": options.cfc, kind: result}
 
 
-def line_of(peak, time, contact):
+def reader_of(options):
+    """What gives the signals that are asked for."""
+    if options.walls:
+        return wall_forces
+    if options.sections:
+        return section_forces
+    return contact_forces if options.contact else accelerations
+
+
+def line_of(peak, time, force):
     """Peaks in words."""
     along = ", ".join(f"{k} {peak['along'][k]:.5g}" for k in AXES if peak["along"][k]) or "none"
-    if contact:
+    if force:
         impulse = ", ".join(f"{v:.5g}" for v in peak["impulse"])
         return f"peak {peak['peak']:.5g} N at {peak['time']:.5g} {time}; along {along}; impulse ({impulse}) N {time}"
     return (
@@ -183,20 +197,29 @@ def arguments(parser):
         help="accelerations filtered by a channel frequency class: 60, 180, 600, 1000",
     )
     parser.add_argument(
-        "--body", action="append", metavar="NAME", help="accelerations of this body; may be repeated (default: all)"
+        "--body", action="append", metavar="NAME", help="of this body, wall or section; may be repeated (default: all)"
     )
     parser.add_argument("--contact", action="store_true", help="forces of the pairs in contact, as accelerations are")
+    parser.add_argument("--walls", action="store_true", help="reactions of walls (`wall … reactions=yes`), as accelerations are")
+    parser.add_argument("--sections", action="store_true", help="forces through planes (card `section`), as accelerations are")
+    parser.add_argument("--energies", action="store_true", help="energies of bodies and materials over time, and a table")
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="with --energies: write them, a column for each")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the peaks of accelerations")
 
 
 def run(options):
     """Draws the figure and prints its name."""
-    wants = options.acceleration or options.cfc is not None or options.body or options.json or options.contact
+    wants = options.acceleration or options.cfc is not None or options.body or options.json or options.contact or options.walls or options.sections
     if options.cfc is not None and not options.cfc > 0:
         raise ValueError(f"--cfc {options.cfc:g} is not positive")
     output = options.output or folder_of(options.folders[0]) / (
-        ("contact.png" if options.contact else "acceleration.png") if wants else "history.png"
+        "energies.png" if options.energies else "walls.png" if options.walls else "sections.png" if options.sections else
+        "contact.png" if options.contact else "acceleration.png" if wants else "history.png"
     )
+    if options.energies:
+        draw_energies(options, output)
+        print(output)
+        return
     if wants:
         result = draw_signals(options.folders, options, output)
         if options.json:

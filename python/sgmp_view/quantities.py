@@ -1,6 +1,6 @@
 """Numbers that a run has: by names, with units.
 
-    bodies.NAME.COLUMN, gauges.NAME.COLUMN, history.COLUMN    the last row of bodies.csv, gauges.csv, history.csv
+    bodies.NAME.COLUMN, gauges.NAME.COLUMN, sections.NAME.COLUMN, history.COLUMN    the last row of bodies.csv, gauges.csv, …
     … with :max, :min, :mean, :integral, :time_of_max, :change of all rows instead (gauges.foot.pressure:max); change: last less first
     extent.NAME.x_max (x_min, x_length, y…, z…, r…)           reach of a body's matter at the end, half a particle around its centres with it
     impact.NAME.crater.depth, impact.NAME.opening.diameter, … what `sgmp-view impact` measures of a wall at the end
@@ -19,8 +19,8 @@ from .shapes import Shape, distance
 from .turning import cloud_of, table_of
 
 OF_ROWS = ("max", "min", "mean", "integral", "time_of_max", "change")
-KEYS = {"bodies": "body", "gauges": "gauge"}
-NO_RESULTS = ("step", "time", "body", "gauge", "particle", "particles", "name", "dt")
+KEYS = {"bodies": "body", "gauges": "gauge", "sections": "section"}
+NO_RESULTS = ("step", "time", "body", "gauge", "section", "particle", "particles", "name", "dt")
 ENDS = ("min", "max", "length")
 DISTANCES = ("mean", "largest")                         # of surfaces: root mean square and largest
 KEPT = "impact.json"
@@ -72,7 +72,7 @@ def matter_at_end(folder, name):
     own, dimension = cloud.fields["body"] == names.index(name) + 1, summary["dimension"]
     points, axes = cloud.points[own], {"axisymmetric": 2}.get(dimension, dimension)
     if "volume" in cloud.fields:
-        sizes = cloud.fields["volume"][own] / (points[:, 0] if dimension == "axisymmetric" else 1)
+        sizes = cloud.fields["volume"][own] / (2 * np.pi * points[:, 0] if dimension == "axisymmetric" else 1)
     else:
         sizes = np.full(len(points), float(summary["spacing"]) ** axes)
     return points, sizes, axes, dimension == "axisymmetric"
@@ -175,7 +175,9 @@ def unit_of(quantity, units):
     unit = field_unit(column, units)
     if column.startswith(("kinetic_energy", "internal_energy", "total_energy", "external_work", "energy_remainder")) or column.endswith("dissipation"):
         unit = units["energy"]
-    elif column.startswith("momentum"):
+    elif column.startswith("force_"):
+        unit = units["momentum"] and f"{units['momentum']}/{units['time']}"
+    elif column.startswith("momentum") or "_impulse_" in column:
         unit = units["momentum"]
     elif column.endswith("pressure") or column == "von_mises":
         unit = units["stress"]

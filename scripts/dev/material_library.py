@@ -44,18 +44,31 @@ flow stresses in [materials, Metals](materials.md#metals).
 
 `weald_clay`: M, λ and the void ratio were found in one other print, which takes κ = 0.025 for the same clay.
 
-Johnson and Cook's damage is off in `copper`, `iron` and `steel_4340`; `--set copper_failure=yes`, `iron_failure=yes` or `steel_4340_failure=yes` switches that of the metal on. There is no concrete: no law here describes it.
+Johnson and Cook's damage is off in `copper`, `iron`, `steel_4340`, `steel_mild`, `weldox_460e`, `aluminium_2024_t3` and `aluminium_6061_t6`; `--set copper_failure=yes`, and so on with the name of each, switches that of the metal on.
+
+At second hand: `steel_mild`, `steel_ap_core`, `glass_soda_lime`, `pmma`, `polyethylene` and the damage of the aluminium alloys are as papers that use these materials quote their sources; neither the originals nor, but for what
+follows, other prints could be seen. d1, d2 and d4 of `aluminium_2024_t3`, d1 to d3 of `aluminium_6061_t6` and all of `weldox_460e` were found in one other print; that of 2024-T3 has another d3 (-0.5).
+Signs: d3 is negative here where some codes print it positive.
+
+What is missing, and why: no damage constants of `tungsten_alloy` (two sets are quoted in the literature, neither with a source that could be seen); no concrete (no law here describes its crushing and its pores under impact); of glass soda-lime glass
+alone; of polyethylene no measured strength (its moduli and yield stress are representative); of the steel of bullets the hardened core alone (`steel_ap_core`; lead and brass are `lead` and `brass`).
 
 """
 
 SOURCES = """
 ## Sources
 
+* Borvik and others 2001: Borvik, Hopperstad, Berstad and Langseth, A computational model of viscoplasticity and ductile damage for impact and penetration, Eur. J. Mech. A/Solids 20, 685-712.
+* Borvik, Dey and Clausen 2009: Perforation resistance of five different high-strength steel plates subjected to small-arms projectiles, Int. J. Impact Engng 36, 948-964.
 * Cole 1948: Underwater Explosions, Princeton University Press.
+* Corbett 2006: Numerical simulations of target hole diameters for hypervelocity impacts into elevated and room temperature bumpers, Int. J. Impact Engng 33, 431-440.
 * Dobratz and Crawford 1985: LLNL Explosives Handbook, UCRL-52997 Change 2.
+* Holmquist and others 1995: Holmquist, Johnson, Grady, Lopatin and Hertel, High strain rate properties and constitutive modeling of glass, 15th International Symposium on Ballistics, Jerusalem, 237-244.
+* Iqbal and others 2015: Iqbal, Senthil, Bhargava and Gupta, The characterization and ballistic evaluation of mild steel, Int. J. Impact Engng 78, 98-113.
 * Johnson and Cook 1983: A constitutive model and data for metals, 7th International Symposium on Ballistics, The Hague, 541-547.
 * Johnson and Cook 1985: Fracture characteristics of three metals, Engineering Fracture Mechanics 21, 31-48.
 * Johnson and Holmquist 1994: An improved computational constitutive model for brittle materials, AIP Conf. Proc. 309, 981-984.
+* Kay 2003: Failure modeling of titanium 6Al-4V and aluminum 2024-T3 with the Johnson-Cook material model, DOT/FAA/AR-03/57.
 * Lange and Ahrens 1983: The dynamic tensile strength of ice and ice-silicate mixtures, J. Geophys. Res. 88, 1197-1208.
 * Lesuer 2000: Experimental investigations of material models for Ti-6Al-4V titanium and 2024-T3 aluminum, DOT/FAA/AR-00/25.
 * Lesuer, Kay and LeBlanc 2001: Modeling large-strain, high-rate deformation in metals, UCRL-JC-134118.

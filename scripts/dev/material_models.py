@@ -126,7 +126,7 @@ def stored(sgmp, cards):
 def names(sgmp, card):
     """The words of the card's key `kind`."""
     text = subprocess.run([sgmp, "help", card], capture_output=True, text=True, check=True).stdout
-    return re.search(r"\n  kind .*\n *one of ([a-z0-9_ ]+);", text).group(1).split()
+    return re.search(r"(?s)\n  kind .*?\n +one of ([a-z0-9_\s]+);", text).group(1).split()
 
 
 def measure(sgmp):
@@ -175,7 +175,7 @@ def tables(sgmp):
         _, goes_with, equation, compared = EQUATIONS[name]
         text += row(f"`{name}`", goes_with, equation, price("eos", name), compared)
     if prices:
-        text += (f"\nTime: of a particle-step over that of `elastic`, {prices['elastic_ns']} ns (3D, one thread). `johnson_cook` with rate, temperature and damage, `fluid` with a viscosity; "
+        text += (f"\nTime: of a particle-step over that of `elastic`, {prices['elastic_ns']} ns (3D, one thread). `johnson_cook` with rate, temperature and\ndamage, `fluid` with a viscosity; "
                  "equations of state with an inviscid `fluid`, `jwl` with `explosive`.\n")
     return text
 

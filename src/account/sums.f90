@@ -10,7 +10,8 @@ module sgmp_sums
   public :: removed_sums, removed_count, removed_mass, removed_momentum, removed_moment, &
             removed_kinetic, removed_internal
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_edge_push, &
-            nodes_edge_taken, nodes_friction, nodes_lost, nodes_pressed, nodes_pulled
+            nodes_edge_taken, nodes_friction, nodes_lost, nodes_pressed, nodes_pulled, nodes_walls, &
+            wall_entry
 
   integer, parameter :: sweep_sums = 20    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
@@ -44,7 +45,7 @@ module sgmp_sums
   integer, parameter :: removed_kinetic = 9
   integer, parameter :: removed_internal = 10
 
-  integer, parameter :: nodes_sums = 11    !! entries of a plane's sums over nodes
+  integer, parameter :: nodes_sums = 29    !! entries of a plane's sums over nodes
   integer, parameter :: nodes_mass_aa = 1  !! sum m_I |a_I|^2
   integer, parameter :: nodes_mass_av = 2  !! sum m_I a_I . v_I at the velocity before the kick
   integer, parameter :: nodes_external = 3  !! power of gravity, body forces, and absorbing edges
@@ -56,5 +57,14 @@ module sgmp_sums
   integer, parameter :: nodes_pulled = 7   !! those by which such walls hold others back
   integer, parameter :: nodes_edge_taken = 8  !! power that absorbing edges take from waves
   integer, parameter :: nodes_edge_push = 9  !! first of their force against waves (3 components)
+  integer, parameter :: nodes_walls = 12  !! first of the forces of walls (wall_entry)
+
+contains
+
+  !> Entry of the sums over nodes where the force of a wall on the matter begins (3 components).
+  pure integer function wall_entry(side, axis) result(entry)
+    integer, intent(in) :: side, axis      !! lower 1, upper 2
+    entry = nodes_walls + 3*(2*(axis - 1) + side - 1)
+  end function wall_entry
 
 end module sgmp_sums

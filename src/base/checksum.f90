@@ -88,18 +88,20 @@ contains
     hash = ieor(hash, ishft(hash, -31))
   end function mix
 
-  !> Product modulo 2^64 from 32 x 16 bit products, none of which can overflow.
+  !> Product modulo 2^64 from products of 32 x 16 bits, none of which can overflow.
   elemental function multiply(a, b) result(product)
     integer(i8), intent(in) :: a, b
     integer(i8) :: product
-    integer(i8) :: limb
-    integer :: j
-    product = 0
-    do j = 0, 3
-      limb = iand(ishft(b, -16*j), int(z'FFFF', i8))
-      product = checksum_add(product, ishft(iand(a, int(z'FFFFFFFF', i8))*limb, 16*j))
-      if (j < 2) product = checksum_add(product, ishft(ishft(a, -32)*limb, 32 + 16*j))
-    end do
+    integer(i8), parameter :: half = int(z'FFFF', i8), word = int(z'FFFFFFFF', i8)
+    integer(i8) :: a0, a1, a2, a3, low, high, upper
+    a0 = iand(a, half)               ! a = a0 + 2^16 a1 + 2^32 a2 + 2^48 a3
+    a1 = iand(ishft(a, -16), half)
+    a2 = iand(ishft(a, -32), half)
+    a3 = ishft(a, -48)
+    low = iand(b, word)              ! b = low + 2^32 high
+    high = ishft(b, -32)
+    upper = a2*low + ishft(iand(a3*low, half), 16) + a0*high + ishft(iand(a1*high, half), 16)
+    product = checksum_add(checksum_add(a0*low, ishft(a1*low, 16)), ishft(upper, 32))
   end function multiply
 
 end module sgmp_checksum

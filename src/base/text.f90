@@ -5,7 +5,7 @@ module sgmp_text
   use sgmp_kinds, only: dp, i4, i8
   implicit none
   private
-  public :: integer_text, real_text, real_text_about, real_text_full, real_text_plain, &
+  public :: integer_text, percent_text, real_text, real_text_about, real_text_full, real_text_plain, &
             real_text_short, real_text_tidy, row_text, text_with_backslashes
 
   !> Decimal text of an integer of either kind.
@@ -28,6 +28,15 @@ contains
     write (buffer, '(i0)') value
     text = trim(buffer)
   end function integer_text_i8
+
+  !> A part of a whole as a percentage with two decimals.
+  pure function percent_text(part) result(text)
+    real(dp), intent(in) :: part
+    character(:), allocatable :: text
+    character(24) :: number
+    write (number, '(f24.2)') max(-1.0e12_dp, min(1.0e12_dp, 100.0_dp*part))
+    text = trim(adjustl(number))//' %'
+  end function percent_text
 
   !> A real with six significant digits, for messages.
   pure function real_text(x) result(text)

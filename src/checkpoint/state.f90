@@ -5,6 +5,7 @@
 module sgmp_state
   use sgmp_archive, only: archive_t
   use sgmp_body, only: body_parts, body_t
+  use sgmp_contact_output, only: contact_impulses
   use sgmp_contact_state, only: contact_state_pass
   use sgmp_driven_output, only: motion_rows_t
   use sgmp_driven_part, only: driven_totals
@@ -150,7 +151,9 @@ contains
     end if
     if (any(bodies%is_driven)) call pass_motion(archive, outputs%motion, bodies)
     if (pairs == 0) return
-    if (.not. allocated(outputs%contact%impulse)) allocate (outputs%contact%impulse(6, pairs))
+    if (.not. allocated(outputs%contact%impulse)) then
+      allocate (outputs%contact%impulse(contact_impulses, pairs))
+    end if
     call archive%pass(outputs%contact%impulse)
   end subroutine pass_outputs
 

@@ -4,7 +4,7 @@ module sgmp_cards_grid
   use sgmp_deck_errors, only: position_t
   use sgmp_expression, only: expression_clone, expression_t
   use sgmp_grid_fit, only: grid_fit_extend, grid_fit_held, grid_fit_sizes, grid_fit_whole
-  use sgmp_keys, only: kind_expression, kind_interval, kind_real, kind_word
+  use sgmp_keys, only: kind_expression, kind_interval, kind_logical, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_lost_policy, only: lost_error, lost_names
   use sgmp_mesh, only: wall_fixed, wall_free, wall_names, wall_slip
@@ -53,6 +53,9 @@ contains
     call registry%key(axis_names(1, space_axisymmetric)//sides(2), kind_word, 'outer wall of '// &
                       'an axisymmetric scene, in the place of x+; the axis needs no card', &
                       choices=words_joined(wall_names))
+    call registry%key('reactions', kind_logical, 'yes: what each slip or fixed wall does to '// &
+                      'the bodies, its impulse since the start, is in history.csv', default='no', &
+                      source='doc/loads.md')
     call register_friction(registry)
     call register_motion(registry)
     call registry%card('lost', 'What happens to a particle that leaves through a closed face '// &
@@ -189,6 +192,7 @@ contains
     type(draft_t), intent(inout) :: draft
     integer :: axis, side
     draft%scene%grid%walls_location = card%position%text()
+    draft%scene%grid%reactions = card%flag('reactions')
     do axis = 1, 3
       do side = 1, 2
         if (axis == 1 .and. side == 1 .and. draft%scene%axisymmetric) cycle

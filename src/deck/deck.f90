@@ -165,7 +165,7 @@ contains
     integer :: i, turn
     associate (scene => draft%scene)
       allocate (scene%contacts(0), scene%materials(0), scene%bodyforces(0), scene%detonations(0), &
-                scene%gauges(0), scene%loads(0), scene%motions(0), scene%output%fields(0))
+                scene%gauges(0), scene%sections(0), scene%loads(0), scene%motions(0), scene%output%fields(0))
       allocate (scene%bodies(count(registry%cards(cards%definition)%turn == read_second)))
     end associate
     do turn = read_first, read_last

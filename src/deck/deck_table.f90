@@ -16,6 +16,7 @@ module sgmp_deck_table
   use sgmp_cards_surface, only: register_surface
   use sgmp_registry, only: registry_t
   use sgmp_removal_card, only: register_removal
+  use sgmp_section_card, only: register_section
   implicit none
   private
   public :: deck_table
@@ -53,6 +54,7 @@ contains
     call register_contact(table)
     table%group = 'Output'
     call register_output(table)
+    call register_section(table)
   end subroutine build
 
 end module sgmp_deck_table

@@ -25,7 +25,7 @@ module sgmp_scene
   public :: balance_card_t, body_card_t, bodyforce_card_t, checkpoint_card_t, contact_card_t, &
             damping_card_t, detonation_card_t, gauge_card_t, grid_card_t, &
             initial_stress_card_t, load_card_t, material_card_t, method_card_t, motion_card_t, &
-            output_card_t, statement_text_t, stop_card_t, &
+            output_card_t, section_card_t, statement_text_t, stop_card_t, &
             time_card_t
   public :: contact_lambda_default
   public :: dump_formats, dump_names, dump_tecplot, dump_vtkhdf, dump_vtu
@@ -55,6 +55,7 @@ module sgmp_scene
     type(expression_t) :: wall_velocity(3, 2, 3)
       !! (component, lower|upper, axis) of fixed walls and of those with friction, functions of t
     real(dp) :: wall_friction(2, 3) = 0.0_dp  !! (lower|upper, axis): coefficient, of slip walls
+    logical :: reactions = .false.            !! what walls bear is booked
     integer :: lost = lost_error
       !! what happens to a particle that leaves through a closed free face
   end type grid_card_t
@@ -237,6 +238,14 @@ module sgmp_scene
     character(name_length), allocatable :: fields(:)  !! besides those of every gauge
   end type gauge_card_t
 
+  !> A plane through which forces are measured.
+  type :: section_card_t
+    character(name_length) :: name = ''
+    real(dp) :: point(3) = 0.0_dp, normal(3) = 0.0_dp
+    real(dp) :: width = 0.0_dp   !! of the layer of particles on either side (length)
+    integer :: body = 0          !! that is cut; 0: all
+  end type section_card_t
+
   !> What slows all bodies down.
   type :: damping_card_t
     real(dp) :: rate = 0.0_dp                     !! of the velocities' decay
@@ -280,6 +289,7 @@ module sgmp_scene
     type(detonation_card_t), allocatable :: detonations(:)
     type(output_card_t) :: output
     type(gauge_card_t), allocatable :: gauges(:)
+    type(section_card_t), allocatable :: sections(:)
     type(stop_card_t) :: stop
     type(checkpoint_card_t) :: checkpoint
     type(balance_card_t) :: balance

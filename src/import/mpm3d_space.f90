@@ -130,6 +130,8 @@ contains
                abs(clouds(b)%gravity(axis)) > 0.0_dp
       if (moves .or. pushed) why = 'something moves or pushes along it'
       rows(b) = cloud_rows(clouds(b), axis)
+      ! A hole runs along z: a plane across it would need a slot in its place.
+      if (deck%parts(b)%form == 'blod' .and. axis < 3) rows(b) = 0
       if (rows(b) == 0) why = 'rows differ along it'
     end do
     thin = why == ''

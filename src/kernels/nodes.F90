@@ -32,6 +32,7 @@ module DIM(sgmp_nodes)
                        nodes_mass_aa, nodes_mass_av, nodes_sums
   use sgmp_voigt, only: flux_between
   use sgmp_wall_friction, only: wall_nodes_rub, wall_nodes_stick
+  use sgmp_wall_reaction, only: wall_nodes_weigh
   use sgmp_wall_work, only: wall_nodes_book
   use sgmp_walls, only: walls_hold
   implicit none
@@ -114,6 +115,7 @@ contains
                                                             dt)
         if (mesh%walls_move) call wall_nodes_book(field, mesh, s, first, n, m, dt, sums)
         if (mesh%walls_rub) call wall_nodes_rub(field, mesh, s, first, n, m, external, dt, sums)
+        if (mesh%walls_weigh) call wall_nodes_weigh(field, mesh, s, first, n, m, sums)
         call walls_hold(field, mesh, s, first, n, node_acceleration, wall_kick)
         call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
         if (field%columns%driven > 0) call driven_nodes_solve(field, mesh, s, first, n, m, dt, &

@@ -40,7 +40,8 @@ module sgmp_mesh
     real(dp) :: wall_friction(2, 3) = 0.0_dp  !! Coulomb's coefficient of slip walls
     logical :: walls_move = .false.      !! some fixed wall moves along itself
     logical :: walls_rub = .false.       !! some slip wall has friction
-    logical :: walls_act = .false.       !! either of the two
+    logical :: walls_weigh = .false.     !! reactions of walls are asked for
+    logical :: walls_act = .false.       !! any of the three
     real(dp) :: wall_motion(3, 2, 3, 2) = 0.0_dp
       !! (component, lower|upper, axis, wall_kick|wall_speed), 0 where a wall is at rest; images
       !! behind walls know of it where a component is odd, which it is at fixed walls

@@ -2,7 +2,8 @@
 !! is not: extremes, particles apart from their bodies, volumes without room.
 module sgmp_end_state
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: law_gaseous, material_explosive, material_fluid
+  use sgmp_constitutive, only: law_gaseous, material_crushable_foam, material_explosive, &
+                               material_fluid
   use sgmp_filling, only: filling_measure
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp, i8, lanes
@@ -30,6 +31,8 @@ module sgmp_end_state
     real(dp) :: expansion = 1.0_dp           !! largest volume over the initial one
     real(dp) :: per_cell = huge(1.0_dp)      !! least particles per cell: a cell over the largest
     integer(i8) :: stretched = 0_i8          !! particles larger than a cell
+    integer(i8) :: thinned = 0_i8            !! of them, those of gases
+    real(dp) :: crushed = 1.0_dp             !! largest density over the initial one, of foams
     real(dp) :: pressure(2) = 0.0_dp         !! least and largest
     real(dp) :: room = 0.0_dp  !! sum of volumes over the box between walls; 0: not closed
     real(dp) :: reached = 0.0_dp             !! part of that box that particles give volume to
@@ -42,7 +45,7 @@ module sgmp_end_state
     real(dp) :: inside_part = 0.0_dp         !! largest part of any body
     integer :: inside_bodies(2) = 0          !! whose, and in which
     real(dp) :: gaps = 0.0_dp
-      !! largest number of gaps of one cell along an axis over the cells with particles, of any body
+    !! largest number of gaps of one cell along an axis over the cells with particles, of any body
     integer :: gaps_body = 0
   end type end_state_t
 
@@ -68,6 +71,8 @@ contains
     state%expansion = parallel_max(state%expansion)
     state%per_cell = parallel_min(state%per_cell)
     state%stretched = parallel_sum(state%stretched)
+    state%thinned = parallel_sum(state%thinned)
+    state%crushed = parallel_max(state%crushed)
     state%pressure = [parallel_min(state%pressure(1)), parallel_max(state%pressure(2))]
     if (state%particles == 0_i8) state%pressure = 0.0_dp
     call filling_measure(model, state%room, state%excess, state%reached)
@@ -95,7 +100,13 @@ contains
         state%expansion = max(state%expansion, ratio)
         cells = mesh_occupied(mesh, body%particles%motion(l, :nd, c), volume)
         state%per_cell = min(state%per_cell, 1.0_dp/cells)
-        if (cells > 1.0_dp) state%stretched = state%stretched + 1
+        if (cells > 1.0_dp) then
+          state%stretched = state%stretched + 1
+          if (law_gaseous(body%law)) state%thinned = state%thinned + 1
+        end if
+        if (body%law%kind == material_crushable_foam) then
+          state%crushed = max(state%crushed, 1.0_dp/ratio)
+        end if
         state%pressure = [min(state%pressure(1), pressure), max(state%pressure(2), pressure)]
       end do
     end do

@@ -56,31 +56,73 @@ contains
     type(model_t), intent(in) :: model
     integer(i8), allocatable, intent(out) :: cell(:), share(:)
     integer(i8), allocatable :: new_cell(:), new_share(:)
-    integer :: b, c, l, n, m, nd
+    integer :: b, m
+    m = 0
+    allocate (cell(0), share(0))
+    do b = 1, size(model%bodies)
+      if (model%bodies(b)%rigid) cycle
+      !$omp parallel default(none) shared(model, b, cell, share, m) private(new_cell, new_share)
+      call spread_body(model, b, new_cell, new_share)
+      !$omp critical (fillings)
+      call grow(cell, m, m + size(new_cell))
+      call grow(share, m, m + size(new_cell))
+      cell(m + 1:m + size(new_cell)) = new_cell
+      share(m + 1:m + size(new_cell)) = new_share
+      m = m + size(new_cell)
+      !$omp end critical (fillings)
+      !$omp end parallel
+    end do
+    cell = cell(:m)
+    share = share(:m)
+    call merge_cells(cell, share)  ! sums of whole numbers: the order of the threads is not seen
+  end subroutine spread_volumes
+
+  !> Shares of the particles of a body that fall to this thread. Particles that follow each other
+  !! give to the same cells more often than not: these are added up first.
+  subroutine spread_body(model, b, cell, share)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    integer(i8), allocatable, intent(out) :: cell(:), share(:)
+    integer(i8), allocatable :: new_cell(:), new_share(:)
+    integer(i8), dimension(2**model%mesh%ndim) :: cells, shares, sums, at
+    integer :: c, l, n, m, nd, corners
     nd = model%mesh%ndim
+    corners = 2**nd
     allocate (cell(0), share(0), new_cell(batch), new_share(batch))
     n = 0
     m = 0
-    do b = 1, size(model%bodies)
-      if (model%bodies(b)%rigid) cycle
-      associate (particles => model%bodies(b)%particles)
-        do c = 1, particles%chunks
-          do l = 1, lanes
-            if (particles%id(l, c) == 0) cycle
-            call spread_one(model%mesh, particles%motion(l, :nd, c), &
-                            particles%state(l, model%bodies(b)%law%slots%volume, c), &
-                            new_cell(n + 1:n + 2**nd), new_share(n + 1:n + 2**nd))
-            n = n + 2**nd
-            if (n + 2**nd > batch) call append(new_cell, new_share, n, cell, share, m)
-          end do
+    at = -1_i8
+    sums = 0_i8
+    associate (particles => model%bodies(b)%particles, &
+               volume => model%bodies(b)%law%slots%volume)
+      !$omp do
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          call spread_one(model%mesh, particles%motion(l, :nd, c), particles%state(l, volume, c), &
+                          cells, shares)
+          if (any(cells /= at)) then
+            if (n + corners > batch) call append(new_cell, new_share, n, cell, share, m)
+            new_cell(n + 1:n + corners) = at
+            new_share(n + 1:n + corners) = sums
+            if (at(1) >= 0_i8) n = n + corners
+            at = cells
+            sums = 0_i8
+          end if
+          sums = sums + shares
         end do
-      end associate
-    end do
+      end do
+      !$omp end do
+    end associate
     call append(new_cell, new_share, n, cell, share, m)
-    cell = cell(:m)
-    share = share(:m)
-    call merge_cells(cell, share)
-  end subroutine spread_volumes
+    if (at(1) >= 0_i8) then
+      cell = [cell(:m), at]
+      share = [share(:m), sums]
+    else
+      cell = cell(:m)
+      share = share(:m)
+    end if
+  end subroutine spread_body
 
   !> Adds n new shares to m, each cell of them named once, and forgets them.
   pure subroutine append(new_cell, new_share, n, cell, share, m)

@@ -39,11 +39,12 @@ module sgmp_history
   character(column_length), parameter :: gauges_integers(*) = [character(column_length) :: &
     'gauge', 'particle']
 
-  !> Columns of contact.csv after `step`: the force on the pair's first body and its torque about
-  !> the origin, means over the time since the row before; dissipation since the start.
+  !> Columns of contact.csv after `step`: the force on the pair's first body, its torque about the
+  !> origin and the friction in it, means over the time since the row before; dissipation since the
+  !> start.
   character(column_length), parameter :: contact_columns(*) = [character(column_length) :: &
     'time', 'pair', 'force_x', 'force_y', 'force_z', 'torque_x', 'torque_y', 'torque_z', &
-    'shared_nodes', 'contact_nodes', 'dissipation']
+    'friction_x', 'friction_y', 'friction_z', 'shared_nodes', 'contact_nodes', 'dissipation']
   character(column_length), parameter :: contact_integers(3) = [character(column_length) :: &
     'pair', 'shared_nodes', 'contact_nodes']
 

@@ -18,6 +18,8 @@ module sgmp_outputs
   use sgmp_particle_table, only: particle_table_write
   use sgmp_rigid_output, only: rigid_rows_open, rigid_rows_t, rigid_rows_write
   use sgmp_scene, only: dump_formats, dump_tecplot, dump_vtkhdf, dump_vtu, name_length, scene_t
+  use sgmp_section_output, only: section_rows_open, section_rows_start, section_rows_t, &
+                                 section_rows_write
   use sgmp_snapshot, only: snapshot_t
   use sgmp_snapshot_make, only: snapshot_give_ids, snapshot_initial_positions, &
                                 snapshot_slice, snapshot_whole
@@ -34,6 +36,7 @@ module sgmp_outputs
     character(:), allocatable :: folder
     type(history_t) :: history, bodies
     type(gauges_t) :: gauges
+    type(section_rows_t) :: sections
     type(contact_rows_t) :: contact
     type(rigid_rows_t) :: rigid
     type(motion_rows_t) :: motion
@@ -68,6 +71,7 @@ contains
     real(dp), allocatable :: time  !! not allocated in a new run: an absent argument below
     outputs%folder = folder
     call gauges_start(outputs%gauges, scene%gauges)
+    call section_rows_start(outputs%sections, scene%sections, model)
     if (restarted) call count_anew(outputs, scene, model)
     outputs%dump_interval = scene%output%every
     outputs%row_interval = scene%output%history_every
@@ -143,6 +147,8 @@ contains
     call motion_rows_open(outputs%motion, model, folder//'/motion.csv', error, step)
     if (allocated(error)) return
     call gauges_open(outputs%gauges, model, folder//'/gauges.csv', error, step)
+    if (allocated(error)) return
+    call section_rows_open(outputs%sections, folder//'/sections.csv', error, step)
   end subroutine open_tables
 
   !> Files of all particles.
@@ -266,6 +272,8 @@ contains
     call parallel_agree(error)
     if (allocated(error)) return
     call gauges_write(outputs%gauges, model, outputs%initial, error)
+    if (allocated(error)) return
+    call section_rows_write(outputs%sections, model, error)
   end subroutine write_rows
 
   !> Columns of history.csv of the terms of the energy balance that have any.
@@ -379,6 +387,7 @@ contains
     if (.not. allocated(error)) call outputs%rigid%file%flush(error, .true.)
     if (.not. allocated(error)) call outputs%motion%file%flush(error, .true.)
     if (.not. allocated(error)) call outputs%gauges%file%flush(error, .true.)
+    if (.not. allocated(error)) call outputs%sections%file%flush(error, .true.)
   end subroutine outputs_flush
 
   !> Writes the final state and closes all files.
@@ -415,6 +424,8 @@ contains
     if (outputs%motion%file%is_open()) call outputs%motion%file%close(error)
     if (allocated(error)) return
     if (outputs%gauges%file%is_open()) call outputs%gauges%file%close(error)
+    if (allocated(error)) return
+    if (outputs%sections%file%is_open()) call outputs%sections%file%close(error)
     if (allocated(error)) return
     call outputs%tecplot%close(error)
   end subroutine outputs_stop

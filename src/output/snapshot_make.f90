@@ -17,8 +17,8 @@ module sgmp_snapshot_make
   use sgmp_voigt, only: stress_components
   implicit none
   private
-  public :: snapshot_own, snapshot_gather, snapshot_give_ids, snapshot_whole, snapshot_slice, &
-            snapshot_initial_positions
+  public :: snapshot_own, snapshot_some, snapshot_position, snapshot_gather, snapshot_give_ids, &
+            snapshot_whole, snapshot_slice, snapshot_initial_positions
 
 contains
 
@@ -30,58 +30,134 @@ contains
     real(dp), allocatable, intent(in) :: initial(:, :)  !! (3, ids), where a field needs it
     type(snapshot_t), intent(out) :: snapshot
     type(particle_field_t), allocatable :: kinds(:)
-    type(particle_place_t) :: at
-    real(dp) :: values(most_components)
-    integer, allocatable :: axes(:), place(:)
-    integer :: b, c, l, p, f, n, nd, visited
-    n = sum(model%bodies%particles%count)
-    nd = model%mesh%ndim
-    axes = axes_in_output(:nd, model%mesh%space)
-    snapshot%dimension = maxval(axes)
-    snapshot%step = model%clock%step
-    snapshot%time = model%clock%time
+    integer, allocatable :: place(:), before(:)
+    integer :: b, c, l, p
     call order_of_ids(model, place)  ! first, while there is little else
-    if (any(model%bodies%particles%path > 0)) allocate (snapshot%path(n))
-    allocate (snapshot%id(n), snapshot%body(n), snapshot%position(3, n), snapshot%velocity(3, n))
-    snapshot%position = 0.0_dp
-    snapshot%velocity = 0.0_dp
-    snapshot%body_names = model%bodies%name
-    call declare_fields(names, model%mesh%space, stress_components(merge(3, nd, &
-                        model%method%swirl)), n, kinds, snapshot%fields)
-    at%ndim = nd
-    visited = 0
+    call prepare(model, names, size(place), kinds, snapshot)
     do b = 1, size(model%bodies)
-      associate (body => model%bodies(b))
-        do c = 1, body%particles%chunks
-          do l = 1, lanes
-            if (body%particles%id(l, c) == 0) cycle
-            visited = visited + 1
-            p = place(visited)
-            snapshot%id(p) = body%particles%id(l, c)
-            snapshot%body(p) = b
-            if (allocated(snapshot%path)) snapshot%path(p) = path_of(body, l, c)
-            snapshot%position(axes, p) = mesh_position(model%mesh%origin(:nd), model%mesh%h, &
-                                                      body%particles%motion(l, :nd, c))
-            snapshot%velocity(axes, p) = &
-              body%particles%motion(l, motion_velocity(nd):motion_velocity(nd) + nd - 1, c)
-            if (model%method%swirl) snapshot%velocity(2, p) = &
-              body%particles%state(l, body%law%slots%swirl, c)/body%particles%motion(l, 1, c)
-            at%lane = l
-            at%chunk = c
-            at%position = snapshot%position(:, p)
-            if (allocated(initial)) at%initial = initial(:, snapshot%id(p))
-            do f = 1, size(kinds)
-              values = kinds(f)%take(body, at)
-              snapshot%fields(f)%values(:, p) = values(:size(snapshot%fields(f)%values, 1))
-            end do
-          end do
+      call count_before(model%bodies, b, before)
+      !$omp parallel do default(none) shared(model, kinds, initial, place, before, b, snapshot) &
+      !$omp   private(l, p)
+      do c = 1, model%bodies(b)%particles%chunks
+        p = before(c)
+        do l = 1, lanes
+          if (model%bodies(b)%particles%id(l, c) == 0) cycle
+          p = p + 1
+          call take_particle(model, kinds, initial, [b, l, c], place(p), snapshot)
         end do
-      end associate
+      end do
+      !$omp end parallel do
     end do
     if (allocated(initial) .and. any(names == 'initial_position')) then
       snapshot%initial_position = initial(:, snapshot%id)
     end if
   end subroutine snapshot_own
+
+  !> The same of some of them, each named by body, lane and chunk.
+  subroutine snapshot_some(model, names, initial, where_, snapshot)
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: names(:)
+    real(dp), allocatable, intent(in) :: initial(:, :)
+    integer, intent(in) :: where_(:, :)                 !! (3, n)
+    type(snapshot_t), intent(out) :: snapshot
+    type(particle_field_t), allocatable :: kinds(:)
+    integer(i8) :: ids(size(where_, 2)), paths(size(where_, 2))
+    integer :: order(size(where_, 2)), p
+    do p = 1, size(ids)
+      associate (body => model%bodies(where_(1, p)), l => where_(2, p), c => where_(3, p))
+        ids(p) = body%particles%id(l, c)
+        paths(p) = nint(path_of(body, l, c), i8)
+      end associate
+    end do
+    call sort_order_within(ids, paths, order)
+    call prepare(model, names, size(ids), kinds, snapshot)
+    do p = 1, size(order)
+      call take_particle(model, kinds, initial, where_(:, order(p)), p, snapshot)
+    end do
+    if (allocated(initial) .and. any(names == 'initial_position')) then
+      snapshot%initial_position = initial(:, snapshot%id)
+    end if
+  end subroutine snapshot_some
+
+  !> Makes room for n particles.
+  subroutine prepare(model, names, n, kinds, snapshot)
+    type(model_t), intent(in) :: model
+    character(*), intent(in) :: names(:)
+    integer, intent(in) :: n
+    type(particle_field_t), allocatable, intent(out) :: kinds(:)
+    type(snapshot_t), intent(inout) :: snapshot
+    snapshot%dimension = maxval(axes_in_output(:model%mesh%ndim, model%mesh%space))
+    snapshot%step = model%clock%step
+    snapshot%time = model%clock%time
+    if (any(model%bodies%particles%path > 0)) allocate (snapshot%path(n))
+    allocate (snapshot%id(n), snapshot%body(n), snapshot%position(3, n), snapshot%velocity(3, n))
+    snapshot%body_names = model%bodies%name
+    call declare_fields(names, model%mesh%space, &
+                        stress_components(merge(3, model%mesh%ndim, model%method%swirl)), n, &
+                        kinds, snapshot%fields)
+  end subroutine prepare
+
+  !> Position of a particle, along the axes of the output; unused ones are 0.
+  pure function snapshot_position(model, where_) result(position)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: where_(3)                   !! body, lane, chunk
+    real(dp) :: position(3)
+    integer :: axes(3), nd
+    nd = model%mesh%ndim
+    axes = axes_in_output(:, model%mesh%space)
+    position = 0.0_dp
+    position(axes(:nd)) = mesh_position(model%mesh%origin(:nd), model%mesh%h, model%bodies( &
+                                        where_(1))%particles%motion(where_(2), :nd, where_(3)))
+  end function snapshot_position
+
+  !> Everything of one particle, to its place in a snapshot.
+  pure subroutine take_particle(model, kinds, initial, where_, p, snapshot)
+    type(model_t), intent(in) :: model
+    type(particle_field_t), intent(in) :: kinds(:)
+    real(dp), allocatable, intent(in) :: initial(:, :)
+    integer, intent(in) :: where_(3)                   !! body, lane, chunk
+    integer, intent(in) :: p
+    type(snapshot_t), intent(inout) :: snapshot
+    type(particle_place_t) :: at
+    real(dp) :: values(most_components)
+    integer :: axes(3), f, nd, v
+    nd = model%mesh%ndim
+    axes = axes_in_output(:, model%mesh%space)
+    associate (body => model%bodies(where_(1)), l => where_(2), c => where_(3))
+      snapshot%id(p) = body%particles%id(l, c)
+      snapshot%body(p) = where_(1)
+      if (allocated(snapshot%path)) snapshot%path(p) = path_of(body, l, c)
+      v = motion_velocity(nd)
+      snapshot%position(:, p) = snapshot_position(model, where_)
+      snapshot%velocity(:, p) = 0.0_dp
+      snapshot%velocity(axes(:nd), p) = body%particles%motion(l, v:v + nd - 1, c)
+      if (model%method%swirl) snapshot%velocity(2, p) = &
+        body%particles%state(l, body%law%slots%swirl, c)/body%particles%motion(l, 1, c)
+      at%ndim = nd
+      at%lane = l
+      at%chunk = c
+      at%position = snapshot%position(:, p)
+      if (allocated(initial)) at%initial = initial(:, snapshot%id(p))
+      do f = 1, size(kinds)
+        values = kinds(f)%take(body, at)
+        snapshot%fields(f)%values(:, p) = values(:size(snapshot%fields(f)%values, 1))
+      end do
+    end associate
+  end subroutine take_particle
+
+  !> Particles of a body and the bodies before it in the chunks before each.
+  pure subroutine count_before(bodies, number, before)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: number
+    integer, allocatable, intent(out) :: before(:)
+    integer :: c, n
+    n = sum(bodies(:number - 1)%particles%count)
+    allocate (before(bodies(number)%particles%chunks))
+    do c = 1, size(before)
+      before(c) = n
+      n = n + count(bodies(number)%particles%id(:, c) /= 0)
+    end do
+  end subroutine count_before
 
   !> A snapshot on the first rank of all ranks' particles; empty on the others. All ranks must call
   !! it.
@@ -220,18 +296,38 @@ contains
 
   !> Place in the output of each of the rank's particles, in the order of their chunks: ids
   !! ascending, in each of them the paths.
-  pure subroutine order_of_ids(model, place)
+  subroutine order_of_ids(model, place)
     type(model_t), intent(in) :: model
     integer, allocatable, intent(out) :: place(:)
     integer(i8), allocatable :: ids(:), paths(:)
     integer, allocatable :: order(:)
+    integer :: n
+    call list_ids(model, ids, paths)
+    n = size(ids)
+    allocate (place(n))
+    if (allocated(paths)) then
+      allocate (order(n))
+      call sort_order_within(ids, paths, order)
+      place(order) = [(n, n=1, size(order))]
+    else if (n > 0) then
+      call rank_of_ids(ids, place)
+    end if
+  end subroutine order_of_ids
+
+  !> Ids, and paths where particles are split, in the order of the chunks.
+  subroutine list_ids(model, ids, paths)
+    type(model_t), intent(in) :: model
+    integer(i8), allocatable, intent(out) :: ids(:), paths(:)
+    integer, allocatable :: before(:)
     integer :: b, c, l, n
     n = sum(model%bodies%particles%count)
-    allocate (ids(n), order(n), place(n))
+    allocate (ids(n))
     if (any(model%bodies%particles%path > 0)) allocate (paths(n))
-    n = 0
     do b = 1, size(model%bodies)
+      call count_before(model%bodies, b, before)
+      !$omp parallel do default(none) shared(model, ids, paths, before, b) private(l, n)
       do c = 1, model%bodies(b)%particles%chunks
+        n = before(c)
         do l = 1, lanes
           if (model%bodies(b)%particles%id(l, c) == 0) cycle
           n = n + 1
@@ -239,16 +335,38 @@ contains
           if (allocated(paths)) paths(n) = nint(path_of(model%bodies(b), l, c), i8)
         end do
       end do
+      !$omp end parallel do
     end do
-    if (allocated(paths)) then
-      call sort_order_within(ids, paths, order)
-    else
-      call sort_order(ids, order)
+  end subroutine list_ids
+
+  !> Place of each of some different ids among them: by counting where they lie close, by sorting
+  !! where not.
+  subroutine rank_of_ids(ids, place)
+    integer(i8), intent(in) :: ids(:)
+    integer, intent(out) :: place(:)   !! (size(ids))
+    integer, parameter :: thin = 8     !! ids per particle from which sorting takes less
+    integer, allocatable :: number(:)
+    integer(i8) :: least
+    integer :: n, i, width
+    least = minval(ids)
+    if (maxval(ids) - least > thin*size(ids, kind=i8)) then
+      allocate (number(size(ids)))
+      call sort_order(ids, number)
+      place(number) = [(n, n=1, size(ids))]
+      return
     end if
-    do n = 1, size(order)
-      place(order(n)) = n
+    width = int(maxval(ids) - least) + 1
+    allocate (number(width), source=0)
+    do n = 1, size(ids)
+      number(ids(n) - least + 1) = 1
     end do
-  end subroutine order_of_ids
+    do i = 2, width
+      number(i) = number(i) + number(i - 1)
+    end do
+    do n = 1, size(ids)
+      place(n) = number(ids(n) - least + 1)
+    end do
+  end subroutine rank_of_ids
 
   !> Makes room for the fields asked for; initial positions have a place of their own.
   subroutine declare_fields(names, space, stresses, n, kinds, fields)

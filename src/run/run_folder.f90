@@ -17,7 +17,8 @@ module sgmp_run_folder
   !> What a run leaves besides its log, its checkpoints and the numbered files of the series.
   character(20), parameter :: results(*) = [character(20) :: &
     'summary.json', 'history.csv', 'bodies.csv', 'contact.csv', 'motion.csv', 'rigid.csv', &
-    'gauges.csv', 'particles_end.csv', 'particles.vtkhdf', 'particles.pvd', 'particles.dat']
+    'gauges.csv', 'sections.csv', 'particles_end.csv', 'particles.vtkhdf', 'particles.pvd', &
+    'particles.dat']
   character(*), parameter :: series_prefix = 'particles_', series_suffix = '.vtu'
 
 contains

@@ -78,6 +78,7 @@ contains
     end associate
     model%mesh%hoop = scene%method%hoop
     model%mesh%wall_friction = scene%grid%wall_friction
+    model%mesh%walls_weigh = scene%grid%reactions
     model%wall_motion%velocity = scene%grid%wall_velocity
     call wall_motion_start(model%wall_motion, model%mesh)
     call set_method(scene, model%method)

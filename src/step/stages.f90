@@ -16,7 +16,7 @@
 !!                     meet                contact
 !!                     forces              free rigid bodies, contact
 !!                     place               rotation
-!!                     after_solve         walls that move, debris
+!!                     after_solve         walls that move, reactions of walls, debris
 !!   re-map            strain_velocity     contact
 !!                     place               rotation
 !!                     after_remap         rotation, kept volumes
@@ -55,6 +55,7 @@ module sgmp_stages
   use sgmp_volumes_account, only: volumes_account
   use sgmp_wall_account, only: wall_account
   use sgmp_wall_motion, only: wall_motion_choose
+  use sgmp_wall_reaction, only: phase_wall_reaction, reaction_account
   use sgmp_wall_stages, only: wall_velocity_rubbed
   use sgmp_wall_work, only: phase_wall_work
   implicit none
@@ -80,6 +81,7 @@ contains
       if (method%loses) call loss_account(terms)
       if (method%removes) call removal_account(terms)
       if (model%mesh%walls_rub) call wall_account(terms)
+      if (model%mesh%walls_weigh) call reaction_account(terms, model%mesh)
       if (any(model%mesh%absorbs)) call absorbing_account(terms)
     end associate
   end subroutine stage_terms
@@ -180,6 +182,10 @@ contains
     if (model%mesh%walls_move) then
       call phase_wall_work(model%mesh, model%fields, model%bodies, model%ranks%partition%own, &
                            dt_kick, model%findings%tally)
+    end if
+    if (model%mesh%walls_weigh) then
+      call phase_wall_reaction(model%mesh, model%fields, model%bodies, &
+                               model%ranks%partition%own, model%findings%tally)
     end if
     if (model%method%debris_speed > 0.0_dp) call collide(model, dt_kick)
   end subroutine stage_after_solve

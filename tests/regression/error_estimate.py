@@ -266,6 +266,12 @@ def shapes(report):
     """The final shape beside another run, and between the runs of a study."""
     words = ("error", "flying.inp", "--sgmp", SGMP, "--threads", "1", "--set", "speed=3", "--quantity", "shape.arrow.mean", "--quantity", "shape.arrow.largest")
     code, text = view(*words)
+    from sgmp_view.quantities import quantity_of
+    write("round.inp", FLYING.replace("dimension 2", "dimension axisymmetric").replace("x=$speed", "z=$speed").replace("grid cell=h", "grid cell=h r=0:open z=open"))
+    subprocess.run([SGMP, "round.inp", "--set", "speed=0", "--quiet"], check=True, env=ENVIRONMENT)
+    for name, value in (("x_max", 6), ("x_min", 0), ("z_length", 4)):
+        seen = quantity_of("round.out", f"extent.arrow.{name}")
+        check(report, abs(seen - value) < 1e-9, f"{name} of a cylinder is {value}", str(seen))
     found = estimates("flying.error/error.json")
     check(report, code == 0 and "surface of arrow (mean) = " in text and "converged to 5 %" in text, "beside the deck's own", text)
     check(report, found["shape.arrow.largest"]["half_width"] < 0.05 and math.isclose(found["shape.arrow.mean"]["tolerance"], 0.05 * 6), "the same shape with all cells", text)

@@ -35,7 +35,7 @@ history steps={every}
 # m kg s of one unit of length, mass, time; strain rate of the path (1/s).
 SYSTEMS = (("m kg s", (1.0, 1.0, 1.0), 1.0), ("cm mg us", (1e-2, 1e-6, 1e-6), 1e3))
 CUSTOMARY = ("mm g ms", (1e-3, 1e-3, 1e-3), 1e3)  # in which the decks of input/ are
-COUNT = 30
+COUNT = 36
 
 
 class Eos:
@@ -221,6 +221,26 @@ def soil(report, name, file, cards, system):
         report.check(abs(rows[-1]["pressure"]) < 1e-9*bulk, f"{name}: bears {rows[-1]['pressure']} in tension")
 
 
+def damaged(report, name, file, cards):
+    """With `--set NAME_failure=yes` a metal that is drawn slowly in uniaxial strain is damaged by (d1 + d2 exp(d3 s)) (1 + d4 ln r) (1 + d5 T*), worked out
+    here from the plastic strain, the pressure and the von Mises stress of the steps; the temperature is that of the room to within a degree or two."""
+    c, steps = cards["material"], 100
+    deck = (PATH.format(units="m kg s", dimension=1, h=200.0, dt=2e-4, steps=steps, every=1, file=file, name=name, lower=-3000.0, upper=3000.0, middle=50.0,
+                        velocity='x="x"', more="").replace("point=50.0", "point=50.0 fields=plastic_strain,damage"))
+    result = run(name + "_damaged", deck, options=["--set", f"{name}_failure=yes"])
+    if not report.finished(result, name + " with damage"):
+        return
+    rows, damage = result.table("gauges.csv"), 0.0
+    for before, row in zip(rows, rows[1:]):
+        plastic = row["plastic_strain"] - before["plastic_strain"]
+        if plastic > 0 and damage < 1:
+            rate = plastic/(row["time"] - before["time"])/c.get("reference_rate", 1.0)
+            strain = (c["d1"] + c["d2"]*math.exp(c["d3"]*min(1.5, -row["pressure"]/row["von_mises"])))*(1 + c.get("d4", 0.0)*math.log(max(1.0, rate)))
+            damage += plastic/strain if strain > 0 else 1.0
+    found = rows[-1]["damage"]
+    report.check(found > 0 and abs(min(found, 1.0)/min(damage, 1.0) - 1) < 0.1, f"{name}: damage {found}, by its constants {damage}")
+
+
 def mistakes(report):
     """A file with units of its own in decks that cannot take it."""
     library = os.path.join(INPUT, "materials", "copper.inp")
@@ -277,6 +297,8 @@ def main():
                 same_path(report, name, cards, rows, f"{name}, {system[0]}")
         if name in EXPLOSIVES:
             detonation(report, name, file, cards)
+        if "d1" in cards["material"]:
+            damaged(report, name, file, cards)
     same_metal(report, "copper_zerilli", "copper")
     same_metal(report, "iron_zerilli", "iron")
     mistakes(report)

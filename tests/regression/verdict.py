@@ -6,7 +6,9 @@ usage: verdict.py SGMP SOURCE_DIR SCRATCH_DIR
 That the decks are unsound is known from outside: a bar that flies apart uniformly to ten times its length has no gaps; gas between
 walls fills the box once; a block under its weight has the density that its modulus allows; energy is conserved.
 """
+import math
 import os
+import re
 import subprocess
 
 from _runs import ENVIRONMENT, INCLINED, SCRATCH, SGMP, Report, Run, run
@@ -53,6 +55,36 @@ gravity (0,-1,0)
 material soft elastic density=1 young=young poisson=0.3
 body heap block material=soft lower=(0,0) upper=(2,2) ppc=2
 history steps=100
+"""
+SOD = """
+parameter method = sgmp
+dimension 1
+grid cell=0.01 x=0:1
+wall x-=slip x+=slip
+method $method
+time end=0.2 cfl=0.4
+material a fluid density=1
+eos a ideal_gas gamma=1.4 energy0=2.5
+material b fluid density=0.125
+eos b ideal_gas gamma=1.4 energy0=0.25
+viscosity all
+body a block material=a lower=0 upper=0.5 ppc=2
+body b block material=b lower=0.5 upper=1 ppc=2
+history steps=20
+output csv at=end fields=velocity,pressure
+"""
+FOAM = """
+parameter method = sgmp
+dimension 1
+grid cell=0.25 x=0:open
+wall x-=slip
+method $method
+time end=60 cfl=0.5
+material m crushable_foam density=1 young=1 poisson=0 plateau=0.01 linear_hardening=0.01 densification_strain=1.5
+body m block material=m lower=0 upper=2.25 ppc=2
+motion m where="x>2" x="-0.8/60*(1-cos(pi/30*t))"
+history steps=50
+output csv at=end fields=displacement,initial_position,stress
 """
 # Falls flat under its own velocity, nearly without force: exact is a tenth of its height, less than a cell.
 FLAT = """
@@ -198,9 +230,22 @@ def doubts(report, name, deck, words, **settings):
     """A run that ends with exit code 0 and is called doubtful for a reason with these words."""
     result = run(name, deck, **settings)
     if report.finished(result, name):
-        report.check(result["verdict"] == "doubtful", f"{name}: {result['verdict']}")
+        report.check(result["verdict"] == "doubtful" and "verdict_error" not in result.summary, f"{name}: {result['verdict']}")
         report.check(any(words in reason for reason in result["verdict_reasons"]), f"{name}: {result['verdict_reasons']}")
         report.check(f"verdict: doubtful: {result['verdict_reasons'][0]}" in result.text, f"{name}: not in words: {result.text}")
+    return result
+
+
+def coarse(report, name, deck, words, least, **settings):
+    """A run that is right in kind: coarse for a reason with these words, and says which error to expect, not below `least`."""
+    result = run(name, deck, **settings)
+    if report.finished(result, name):
+        report.check(result["verdict"] == "coarse" and result["verdict_error"] >= least, f"{name}: {result['verdict']} {result.summary.get('verdict_error')}")
+        reason = next((reason for reason in result["verdict_reasons"] if words in reason), "no such reason")
+        told = re.search(r"verdict: coarse: expect errors of (\d+) %: " + re.escape(reason), result.text)
+        report.check(told and 100*least <= float(told[1]) <= 100*result["verdict_error"] + 1, f"{name}: not in words: {result.text}")
+        with open(os.path.join(result.folder, "run.log"), encoding="utf-8") as log:
+            report.check("verdict: coarse: expect errors of" in log.read(), f"{name}: not in run.log")
     return result
 
 
@@ -208,7 +253,7 @@ def sound(report, name, deck, **settings):
     """A run that is not doubted."""
     result = run(name, deck, **settings)
     if report.finished(result, name):
-        report.check(result["verdict"] == "sound" and result["verdict_reasons"] == [], f"{name}: {result['verdict_reasons']}")
+        report.check(result["verdict"] == "sound" and result["verdict_reasons"] == [] and result["verdict_error"] == 0.05, f"{name}: {result['verdict_reasons']}")
         with open(os.path.join(result.folder, "run.log"), encoding="utf-8") as log:
             report.check("verdict: sound" in log.read(), f"{name}: not in run.log")
     return result
@@ -251,7 +296,7 @@ def criteria(report):
         result = doubts(report, f"lid_{method}", LID, "moves towards one across its way", method=method)
         report.check("a wall moves towards one across its way" in result.text.split("verdict")[0], f"lid {method}: no warning at the start: {result.text}")
     sound(report, "lid_mpm", LID, method="mpm")
-    sound(report, "plate", LID, sides="free")
+    coarse(report, "plate", LID, "of the energy that the scene was given is gone", 0.1, sides="free")
     doubts(report, "pulled", PULLED, "walls with friction have held back by")
     sound(report, "pressed", PULLED, pull=-0.2)
     doubts(report, "dilating", DILATING, "energy that it never had")
@@ -259,25 +304,45 @@ def criteria(report):
     report.check(not any("never had" in reason for reason in result["verdict_reasons"]), f"dilating: {result['verdict_reasons']}")
     faces(report)
     plain = INCLINED.replace("rotation=$rotation", "rotation=$rotation stress=plain surfaces=plain")
-    taken = doubts(report, "inclined_sgmp", plain, "forces that no particle feels", method="sgmp")
+    taken = coarse(report, "inclined_sgmp", plain, "forces that no particle feels", 0.15, method="sgmp")
     chosen = sound(report, "inclined_corrected", INCLINED, method="sgmp")
     for result, words in ((taken, ("plain", "plain", "plain")), (chosen, ("normalised", "plain", "corrected"))):
         found = tuple(result[key] for key in ("stress", "rotation", "surfaces"))
         report.check(found == words, f"inclined: the run says it took {found}, not {words}")
-    sound(report, "inclined_bspline", INCLINED, method="bspline")
-    doubts(report, "inclined_let_go", plain.replace("rate=0.1", "rate=0.1 until=790"), "forces that no particle feels", method="sgmp")
+    coarse(report, "inclined_bspline", INCLINED, "cells thick", 0.15, method="bspline")
+    coarse(report, "inclined_let_go", plain.replace("rate=0.1", "rate=0.1 until=790"), "forces that no particle feels", 0.15, method="sgmp")
     gone = doubts(report, "gone", GONE, "no particle is left")
     report.check(gone["particles_lost"] == 16, f"gone: {gone.text}")
     leaving(report)
+    foam(report)
+    for method in ("sgmp", "gimp", "bspline"):  # the fan leaves gaps; between it and the shock by Riemann's solution
+        tube = coarse(report, f"sod_{method}", SOD, "larger than a cell", 0.1, method=method)
+        rows = [row for row in tube.table("particles_end.csv") if 0.54 < row["x"] < 0.8]
+        for column, exact in (("velocity_x", 0.92745), ("pressure", 0.30313)):
+            found = sum(row[column] for row in rows)/len(rows)
+            report.check(abs(found/exact - 1) < 0.1, f"sod {method}: {column} {found}, not {exact}")
     doubts(report, "ringing_usl", RINGING, "is gone", update="usl")
     sound(report, "ringing", RINGING)
+
+
+def foam(report):
+    """Foam that a part squeezes slowly to 0.6 of its length between walls: stress by its curve, and the error is not larger than what is told."""
+    for method, error in (("sgmp", 0.15), ("mpm", 0.4)):
+        result = coarse(report, f"foam_{method}", FOAM, "mpm jump" if method == "mpm" else "foam was crushed", error, method=method)
+        rows = [row for row in result.table("particles_end.csv") if 0.5 < row["x0"] < 1.5]
+        ends = [(row["x0"], row["displacement_x"]) for row in (min(rows, key=lambda row: row["x0"]), max(rows, key=lambda row: row["x0"]))]
+        strain = -math.log(1 + (ends[1][1] - ends[0][1])/(ends[1][0] - ends[0][0]))
+        plastic = (strain - 0.01)/(1 + 0.01/1.5)
+        off = sum(row["stress_xx"] for row in rows)/len(rows)/(plastic - strain) - 1
+        report.check(-error < off < 0.02, f"foam {method}: {off}")
 
 
 def leaving(report):
     """A block of 2 x 2 flies out of the grid with the velocity 2: when half of it is out, so are half of its mass 4, momentum 8 and energy 8, and what is left flies on."""
     for method, update, steps in (("sgmp", "musl", 225), ("sgmp", "usf", 225), ("mpm", "usl", 200), ("gimp", "usavg", 225)):
         name = f"leaving_{method}_{update}"
-        result = sound(report, name, GONE, steps=steps, method=method, update=update)
+        result = run(name, GONE, steps=steps, method=method, update=update)
+        report.check(result["verdict"] != "doubtful", f"{name}: {result['verdict_reasons']}")
         lost = result["lost"]
         for found, expected in ((lost["mass"], 2), (lost["momentum"][0], 4), (lost["kinetic_energy"], 4), (result["energy.total"], 4)):
             report.check(abs(found/expected - 1) < 1e-12, f"{name}: {lost}, {found}, not {expected}")
@@ -325,7 +390,8 @@ def turning(report):
         expected = loss_of_spin(result.table("particles_end.csv"))
         report.check(abs(result["end_state.angular_momentum_change"] - expected) < 2e-3*expected,
                      f"turning {space}: {result['end_state.angular_momentum_change']}, expected {expected}")
-    sound(report, "turning_exact", TURNING, rotation="exact")
+    exact = coarse(report, "turning_exact", TURNING, "of the energy that the scene was given is gone", 0.1, rotation="exact")
+    report.check(exact["end_state.angular_momentum_change"] < 0.01, f"turning exact: {exact['end_state']}")
     result = sound(report, "falling", TURNING, spin=0)
     report.check("angular_momentum_change" not in result["end_state"], f"nothing turns: {result['end_state']}")
     result = sound(report, "turning_wall", TURNING, wall="slip")

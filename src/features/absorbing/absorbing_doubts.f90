@@ -5,9 +5,9 @@ module sgmp_absorbing_doubts
   use sgmp_load, only: load_absorbing
   use sgmp_mesh, only: mesh_t
   use sgmp_model, only: model_t
+  use sgmp_opinion, only: opinion_t
   use sgmp_parallel, only: parallel_max
   use sgmp_space, only: axis_names
-  use sgmp_spelling, only: string_t
   use sgmp_text, only: real_text
   implicit none
   private
@@ -18,13 +18,11 @@ module sgmp_absorbing_doubts
 contains
 
   !> Edges that have moved: what pushes them without end they do not hold. All ranks must call it.
-  subroutine absorbing_objections(model, reasons)
+  subroutine absorbing_objections(opinion, model)
+    type(opinion_t), intent(inout) :: opinion
     type(model_t), intent(in) :: model
-    type(string_t), allocatable, intent(out) :: reasons(:)
-    type(string_t) :: found(size(model%mesh%absorbs))
     real(dp) :: moved(2, 3)
-    integer :: axis, b, n, side
-    n = 0
+    integer :: axis, b, side
     moved = 0.0_dp
     do b = 1, size(model%bodies)
       if (model%bodies(b)%absorbs) call look_at(model%mesh, model%bodies(b), moved)
@@ -34,15 +32,14 @@ contains
         if (.not. model%mesh%absorbs(side, axis)) cycle
         moved(side, axis) = parallel_max(moved(side, axis))
         if (moved(side, axis) <= largest_way) cycle
-        n = n + 1
-        found(n)%text = 'material at the absorbing edge '//axis_names(axis, model%mesh%space)// &
-                        merge('-', '+', side == 1)//' has moved by '// &
-                        real_text(moved(side, axis))//' cells across it: such an edge holds '// &
-                        'nothing but the stress at the start (doc/loads.md); hold what bears a '// &
-                        'load for long elsewhere, or put the edge further away'
+        call opinion%object('material at the absorbing edge '// &
+                            axis_names(axis, model%mesh%space)//merge('-', '+', side == 1)// &
+                            ' has moved by '//real_text(moved(side, axis))//' cells across it: '// &
+                            'such an edge holds nothing but the stress at the start '// &
+                            '(doc/loads.md); hold what bears a load for long elsewhere, or put '// &
+                            'the edge further away')
       end do
     end do
-    reasons = found(:n)
   end subroutine absorbing_objections
 
   !> How far particles that bear the edges have moved across them (cells).

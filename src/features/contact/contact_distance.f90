@@ -82,8 +82,8 @@ contains
     type(contact_pair_t), intent(in) :: pair
     integer, intent(in) :: balls(2)
     type(clouds_t), intent(in) :: clouds
-    real(dp) :: line(3), gradient(3, 2), length, above, below, near2
-    integer :: side
+    real(dp) :: line(3), gradient(3, 2), length, above, below, near2(2)
+    integer :: axes, side
     length = 0.0_dp
     if (pair%normal == normal_separating) then
       call separation(mesh%ndim, balls(1), clouds%first, balls(2), clouds%second, &
@@ -104,7 +104,9 @@ contains
         normal = contact_normal(pair%normal, gradient(:, 1), gradient(:, 2))
         if (all(abs(normal) <= 0.0_dp)) return
       end if
-      near2 = reach_squared(pair%spacing, mesh%ndim - 1 - count(shared%held(:mesh%ndim, n)))
+      axes = mesh%ndim - 1 - count(shared%held(:mesh%ndim, n))
+      near2 = [reach_squared(aside, pair%spacing, axes), &
+               reach_squared(2.0_dp*aside, pair%spacing, axes)]
       above = -reach(size(clouds%second, 1), balls(2), clouds%second, -normal, near2)
       below = reach(size(clouds%first, 1), balls(1), clouds%first, normal, near2)
       shared%gap(l) = max(0.0_dp, above - below - pair%lambda)
@@ -135,14 +137,14 @@ contains
     mean = sum(part, dim=1)/sum(number)
   end function middle
 
-  !> Square of the distance (cells) from a node's normal within which the outermost particles are
-  !! looked for: three quarters of a spacing in a plane; along each further axis the nearest layer
-  !! of particles may lie half a spacing aside.
-  pure function reach_squared(spacing, axes) result(near2)
-    real(dp), intent(in) :: spacing
+  !> Square of the distance (cells) from a node's normal within which particles are looked for that
+  !! lie within some spacings of it in a plane: along each further axis the nearest layer of
+  !! particles may lie half a spacing aside.
+  pure function reach_squared(spacings, spacing, axes) result(near2)
+    real(dp), intent(in) :: spacings, spacing
     integer, intent(in) :: axes                  !! across the normal that no wall holds
     real(dp) :: near2
-    near2 = (aside**2 + 0.25_dp*max(0, axes - 1))*spacing**2*(1.0_dp + edge)
+    near2 = (spacings**2 + 0.25_dp*max(0, axes - 1))*spacing**2*(1.0_dp + edge)
   end function reach_squared
 
   !> How far balls that are near the axis through the origin reach along it; minus a lot where there
@@ -150,7 +152,8 @@ contains
   pure function reach(stride, n, balls, axis, near2) result(furthest)
     integer, intent(in) :: stride, n
     real(dp), intent(in) :: balls(stride, 4), axis(3)
-    real(dp), intent(in) :: near2                !! square of the distance from the axis
+    real(dp), intent(in) :: near2(2)
+      !! squares of distances from the axis: the outermost within the first count, else the second
     real(dp) :: furthest
     real(dp) :: top(lanes), along, across
     integer :: p, l
@@ -161,23 +164,24 @@ contains
         along = balls(p + l, 1)*axis(1) + balls(p + l, 2)*axis(2) + balls(p + l, 3)*axis(3)
         across = (balls(p + l, 1)**2 + balls(p + l, 2)**2 + balls(p + l, 3)**2) - along**2
         along = along + balls(p + l, 4)
-        top(l) = merge(along, top(l), across <= near2 .and. along > top(l))
+        top(l) = merge(along, top(l), across <= near2(1) .and. along > top(l))
       end do
     end do
     furthest = maxval(top)
     if (furthest > nowhere) return
-    furthest = reach_between(stride, n, balls, axis, sqrt(near2))
+    furthest = reach_between(stride, n, balls, axis, near2)
   end function reach
 
   !> Mean reach along the axis of the balls around it, for a surface that has been stretched until
-  !! the axis passes between its particles; minus a lot beyond the body's edge, where those within
-  !! twice `near` lie on one side of it.
-  pure function reach_between(stride, n, balls, axis, near) result(mean)
+  !! the axis passes between its particles; minus a lot beyond the body's edge, where those that are
+  !! near lie on one side of it. In a slice of space these are those of a plane, layer by layer.
+  pure function reach_between(stride, n, balls, axis, near2) result(mean)
     integer, intent(in) :: stride, n
-    real(dp), intent(in) :: balls(stride, 4), axis(3), near
+    real(dp), intent(in) :: balls(stride, 4), axis(3), near2(2)
     real(dp) :: mean
-    real(dp) :: along, across(3), middle(3)
+    real(dp) :: along, across(3), middle(3), near
     integer :: p, found
+    near = sqrt((near2(2) - near2(1))/3.0_dp)  ! what both allow in a plane
     found = 0
     middle = 0.0_dp
     mean = 0.0_dp
@@ -185,7 +189,7 @@ contains
       if (balls(p, 4) <= nowhere) cycle
       along = dot_product(balls(p, :3), axis)
       across = balls(p, :3) - along*axis
-      if (dot_product(across, across) > (2.0_dp*near)**2) cycle
+      if (dot_product(across, across) > near2(2)) cycle
       found = found + 1
       middle = middle + across
       mean = mean + (along + balls(p, 4))

@@ -37,11 +37,12 @@ module sgmp_contact_ledger
     integer :: shared = 0, touching = 0    !! nodes
     real(dp) :: impulse(3) = 0.0_dp        !! on the first body
     real(dp) :: angular_impulse(3) = 0.0_dp
+    real(dp) :: rubbed(3) = 0.0_dp         !! the part of the impulse along the surfaces
     real(dp) :: dissipation = 0.0_dp
     type(node_terms_t) :: node             !! of all pairs: with the first one at the node
   end type terms_t
 
-  integer, parameter :: entry = 14         !! numbers of an entry: the terms and their pair
+  integer, parameter :: entry = 17         !! numbers of an entry: the terms and their pair
 
 contains
 
@@ -212,16 +213,25 @@ contains
         impulse = link%passed(axes)
         terms%impulse = terms%impulse - impulse
         terms%angular_impulse = terms%angular_impulse - cross(position, impulse)
+        terms%rubbed = terms%rubbed - along_surface(impulse, link%normal(axes))
         if (link%at_surface) then
           impulse = link%rub(axes)
           terms%impulse = terms%impulse - impulse
           terms%angular_impulse = terms%angular_impulse - &
             cross(position + mesh%h*shared%middle(l)*link%normal(axes), impulse)
+          terms%rubbed = terms%rubbed - along_surface(impulse, link%normal(axes))
         end if
         if (link%state > link_closed) terms%touching = terms%touching + 1
       end associate
     end do
   end subroutine add_node
+
+  !> A vector without its part along a normal.
+  pure function along_surface(vector, normal) result(part)
+    real(dp), intent(in) :: vector(3), normal(3)
+    real(dp) :: part(3)
+    part = vector - dot_product(vector, normal)*normal
+  end function along_surface
 
   pure subroutine add_terms(terms, total)
     type(node_terms_t), intent(in) :: terms
@@ -239,7 +249,7 @@ contains
     call buffer_put(buffer, [real([pair, terms%shared, terms%touching], dp), &
                              terms%impulse, terms%angular_impulse, terms%dissipation, &
                              terms%node%rigid_work, terms%node%nodes_aa, terms%node%power_before, &
-                             terms%node%external_power])
+                             terms%node%external_power, terms%rubbed])
   end subroutine write_terms
 
   !> Adds the terms of all ranks to the pairs and to the sums of the step.
@@ -278,6 +288,7 @@ contains
     sums%nodes_aa = sums%nodes_aa + values(12)
     sums%power_before = sums%power_before + values(13)
     sums%external_power = sums%external_power + values(14)
+    pair%friction_impulse = pair%friction_impulse + values(15:17)
   end subroutine add_entry
 
 end module sgmp_contact_ledger

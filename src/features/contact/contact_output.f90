@@ -1,7 +1,8 @@
 !> contact.csv: one row per pair of bodies in contact, with their names.
 !!
 !! The force is that on the pair's first body; on the second it is the opposite. It is the mean over
-!! the time since the row before, so that no impulse is lost between rows.
+!! the time since the row before, so that no impulse is lost between rows. Its part along the
+!! surfaces, node by node, is friction's.
 module sgmp_contact_output
   use sgmp_body, only: body_group
   use sgmp_errors, only: error_t
@@ -10,16 +11,16 @@ module sgmp_contact_output
   use sgmp_model, only: model_t
   implicit none
   private
-  public :: contact_rows_t, contact_rows_open, contact_rows_write
+  public :: contact_rows_t, contact_rows_open, contact_rows_write, contact_impulses
 
-  integer, parameter :: impulses = 6  !! components, linear and angular
+  integer, parameter :: contact_impulses = 9  !! components, linear, angular, of friction
 
   !> The table, and what its last rows counted up to.
   type :: contact_rows_t
     type(history_t) :: file
     integer :: step = -1
     real(dp) :: time = 0.0_dp
-    real(dp), allocatable :: impulse(:, :)   !! (impulses, pairs)
+    real(dp), allocatable :: impulse(:, :)   !! (contact_impulses, pairs)
   end type contact_rows_t
 
 contains
@@ -33,7 +34,7 @@ contains
     integer, intent(in), optional :: keep_to_step  !! see history_t; sums are there already
     if (size(model%contact%pairs) == 0) return
     if (.not. allocated(rows%impulse)) then
-      allocate (rows%impulse(impulses, size(model%contact%pairs)), source=0.0_dp)
+      allocate (rows%impulse(contact_impulses, size(model%contact%pairs)), source=0.0_dp)
     end if
     call rows%file%open(path, contact_columns, error, contact_integers, keep_to_step, 'bodies')
   end subroutine contact_rows_open
@@ -43,14 +44,14 @@ contains
     type(contact_rows_t), intent(inout) :: rows
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
-    real(dp) :: impulse(impulses), span
+    real(dp) :: impulse(contact_impulses), span
     integer :: p
     if (size(model%contact%pairs) == 0 .or. rows%step == model%clock%step) return
     span = model%clock%time - rows%time
     if (model%clock%step == 0) span = 1.0_dp
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
-        impulse = [pair%impulse, pair%angular_impulse]
+        impulse = [pair%impulse, pair%angular_impulse, pair%friction_impulse]
         call rows%file%write_row(model%clock%step, &
                                  [model%clock%time, real(p, dp), &
                                   (impulse - rows%impulse(:, p))/span, real(pair%shared, dp), &

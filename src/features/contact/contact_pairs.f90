@@ -31,6 +31,7 @@ module sgmp_contact_pairs
     ! what has happened since the start, vectors along the axes of output
     real(dp) :: impulse(3) = 0.0_dp        !! on the first body
     real(dp) :: angular_impulse(3) = 0.0_dp  !! on the first body, about the origin
+    real(dp) :: friction_impulse(3) = 0.0_dp  !! the part of `impulse` along the surfaces
     real(dp) :: dissipation = 0.0_dp
     integer :: shared = 0, touching = 0    !! nodes in the last step: with both masses, in contact
   end type contact_pair_t

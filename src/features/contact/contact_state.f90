@@ -27,6 +27,7 @@ contains
     type(contact_pair_t), intent(inout) :: pair
     call archive%pass(pair%impulse)
     call archive%pass(pair%angular_impulse)
+    call archive%pass(pair%friction_impulse)
     call archive%pass(pair%dissipation)
     call archive%pass(pair%shared)
     call archive%pass(pair%touching)

@@ -18,12 +18,14 @@ module sgmp_wall_friction
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, &
                           node_remapped, node_velocity
   use sgmp_field, only: field_base, field_t
+  use sgmp_images, only: vector_parity
   use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t, wall_kick, wall_speed
+  use sgmp_mesh, only: mesh_t, wall_free, wall_kick, wall_speed
   use sgmp_rows, only: key_j, key_k
   use sgmp_space, only: space_axisymmetric
-  use sgmp_sums, only: nodes_external, nodes_friction, nodes_pressed, nodes_pulled, nodes_sums
+  use sgmp_sums, only: nodes_external, nodes_friction, nodes_pressed, nodes_pulled, nodes_sums, &
+                       wall_entry
   use sgmp_wall_work, only: holding_wall
   use sgmp_walls, only: ghost_point
   implicit none
@@ -151,6 +153,11 @@ contains
                              mesh%wall_motion(a, side, axis, wall_speed)
     end do
     call wall_friction_force(mass*slip/dt, mesh%wall_friction(side, axis)*pressing, force, sticks)
+    if (mesh%walls_weigh) then
+      associate (reaction => sums(wall_entry(side, axis):wall_entry(side, axis) + 2))
+        reaction = reaction + force
+      end associate
+    end if
     do a = 1, field%ndim
       if (.not. abs(force(a)) > 0.0_dp) cycle
       associate (acceleration => field%node(record, node_acceleration + a - 1), &
@@ -190,15 +197,49 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: point(3), axis, side
     real(dp) :: force
-    integer :: there(3), base, image
+    integer :: there(3), image
     force = 0.0_dp
     if (kernel_centred(field%kernel) .or. .not. kernel_folds(field%kernel)) return
     there = point
     call ghost_point(mesh, axis, side, .false., there(axis), image)
-    if (field%ndim == 2) there = [there(1), 0, there(2)]
+    force = 2.0_dp*kept_force(field, mesh, there, axis, axis + 1)
+  end function force_behind
+
+  !> Force along the normal that was kept of a point behind a wall, and of the points behind it and
+  !! the walls of later axes: beside an edge, their part has been folded after it was kept.
+  pure recursive function kept_force(field, mesh, point, axis, later) result(force)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: point(3), axis
+    integer, intent(in) :: later                 !! the first axis whose walls are looked behind
+    real(dp) :: force
+    integer :: other, side, ghost, image, beyond(3)
+    force = force_at(field, point, axis)
+    do other = later, mesh%ndim
+      do side = 1, 2
+        if (mesh%wall(side, other) == wall_free) cycle
+        call ghost_point(mesh, other, side, .false., ghost, image)
+        if (point(other) /= image) cycle
+        beyond = point
+        beyond(other) = ghost
+        force = force + vector_parity(axis, other, mesh%wall(side, other))* &
+                kept_force(field, mesh, beyond, axis, other + 1)
+      end do
+    end do
+  end function kept_force
+
+  !> The same of one point; 0 where the field has none.
+  pure function force_at(field, point, axis) result(force)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: point(3), axis
+    real(dp) :: force
+    integer :: there(3), base
+    force = 0.0_dp
+    there = point
+    if (field%ndim == 2) there = [point(1), 0, point(2)]
     base = field_base(field, there(2), there(3), there(1))
     if (base == huge(1)) return
-    force = 2.0_dp*field%moment(base + there(1), field%columns%behind(axis) + field%ndim + axis)
-  end function force_behind
+    force = field%moment(base + there(1), field%columns%behind(axis) + field%ndim + axis)
+  end function force_at
 
 end module sgmp_wall_friction

@@ -34,7 +34,7 @@ contains
         end do
       end do
     end do
-    mesh%walls_act = mesh%walls_move .or. mesh%walls_rub
+    mesh%walls_act = mesh%walls_move .or. mesh%walls_rub .or. mesh%walls_weigh
   end subroutine wall_motion_start
 
   !> Whether a fixed wall moves towards one across its way, as the lid of a cavity does.

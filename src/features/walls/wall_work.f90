@@ -28,7 +28,7 @@ module sgmp_wall_work
   use sgmp_walls, only: ghost_intervals, ghost_point, ghost_records
   implicit none
   private
-  public :: holding_wall, phase_wall_work, wall_nodes_book
+  public :: ghost_force, holding_wall, phase_wall_work, wall_nodes_book
 
 contains
 
@@ -128,12 +128,13 @@ contains
     integer, intent(in) :: image                 !! place of its image along the axis
     real(dp), intent(in) :: dt
     real(dp) :: terms(nodes_mass_av:nodes_external)
-    real(dp) :: here, there, parity, force, middle, before
+    real(dp) :: here, there, parity, middle, before, force(3)
     integer :: a, point(3), mirrored(3)
     terms = 0.0_dp
     point = [record - field%neighbour(0, 0, s), key_j(field%work%key(s)), key_k(field%work%key(s))]
     mirrored = point
     mirrored(merge(3, axis, axis == field%ndim .and. axis > 1)) = image
+    force = ghost_force(mesh, field, axis, side, s, record, image)
     associate (behind => field%moment(record, field%columns%behind(axis):))
       if (.not. behind(1) > 0.0_dp) return
       do a = 1, field%ndim
@@ -145,15 +146,37 @@ contains
           before = speed - dt*kick
           middle = speed - 0.5_dp*dt*kick
         end associate
-        force = behind(1)*(here - there)
-        if (.not. kernel_centred(field%kernel)) force = force - (1.0_dp - parity)* &
-                                                                  behind(1 + field%ndim + a)
         terms(nodes_mass_av) = terms(nodes_mass_av) + behind(1 + a)*(here - parity*there) - &
                                (1.0_dp - parity)*behind(1)*before*there
-        terms(nodes_external) = terms(nodes_external) + middle*force
+        terms(nodes_external) = terms(nodes_external) + middle*force(a)
       end do
     end associate
   end function ghost_terms
+
+  !> Force of a wall on matter by one point behind it.
+  pure function ghost_force(mesh, field, axis, side, s, record, image) result(force)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: axis, side            !! of the wall
+    integer, intent(in) :: s, record             !! work interval and record of the point
+    integer, intent(in) :: image                 !! place of its image along the axis
+    real(dp) :: force(3)
+    integer :: a, point(3), mirrored(3)
+    force = 0.0_dp
+    point = [record - field%neighbour(0, 0, s), key_j(field%work%key(s)), key_k(field%work%key(s))]
+    mirrored = point
+    mirrored(merge(3, axis, axis == field%ndim .and. axis > 1)) = image
+    associate (behind => field%moment(record, field%columns%behind(axis):))
+      if (.not. behind(1) > 0.0_dp) return
+      do a = 1, field%ndim
+        force(a) = behind(1)*(value_at(field, point, node_acceleration + a - 1) - &
+                              value_at(field, mirrored, node_acceleration + a - 1))
+        if (kernel_centred(field%kernel)) cycle
+        force(a) = force(a) - (1.0_dp - vector_parity(a, axis, mesh%wall(side, axis)))* &
+                   behind(1 + field%ndim + a)
+      end do
+    end associate
+  end function ghost_force
 
   !> What particles read at a point (i, j, k): the node, or the mean of the nodes around a centre.
   pure function value_at(field, point, column) result(value)

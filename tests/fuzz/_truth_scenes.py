@@ -1,0 +1,20 @@
+"""All classes of random scenes whose truth is known, and the scene of a seed."""
+import random
+
+import _truths
+import _truths_flows
+import _truths_solids
+
+CLASSES = {one.__name__.lower(): one for one in (*_truths.CLASSES, *_truths_solids.CLASSES, *_truths_flows.CLASSES)}
+
+
+def scene(seed, only=None):
+    """The class, the scene and the method card of a seed; of one class, if told."""
+    luck = random.Random(f"truth {seed}")
+    name = only or luck.choice(sorted(CLASSES))
+    truth = CLASSES[name](luck)
+    card = "method sgmp"
+    if luck.random() < 0.5:
+        kind = luck.choice(("mpm", "gimp", "cpgimp", "bspline", "sgmp stress=plain rotation=plain surfaces=plain"))
+        card = f"method {kind} update={luck.choice(('musl', 'musl', 'usf', 'usl', 'usavg'))}"
+    return name, truth, truth.card or card
