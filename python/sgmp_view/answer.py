@@ -31,8 +31,21 @@ def cloud_of(cloud, of_body, axes, units, round_axis):
         yield f"extent, {name}", f"{along.min():.5g} … {along.max():.5g}", units["length"]
     if "damage" in cloud.fields:
         yield "failed, share of its particles", float(np.mean(cloud.fields["damage"][of_body] >= 1)), ""
-    if "temperature" in cloud.fields:
+    if "temperature" in cloud.fields and cloud.fields["temperature"][of_body].max() > 0:  # 0 where the material has none
         yield "largest temperature", float(cloud.fields["temperature"][of_body].max()), "K"
+
+
+def wide_axes(clouds):
+    """The axes along which the particles of some dumps lie apart."""
+    return [axis for k, axis in enumerate(AXES) if any(np.ptp(cloud.points[:, k]) > 0 for cloud in clouds)]
+
+
+def no_temperature(cards, clouds):
+    """What to add to the deck where materials heat up and the dumps do not say how far; empty where there is nothing to add."""
+    heats = any(card.startswith("material ") and "thermal=yes" in card for card in cards)
+    if heats and clouds and not any("temperature" in cloud.fields for cloud in clouds):
+        return "the dumps have no temperature: add temperature to the fields of `output`"
+    return ""
 
 
 def moving_axes(bodies):
@@ -65,11 +78,11 @@ def bodies_table(folder, units, clouds=()):
     """Per body: rows of label, value at the start, value at the end, unit; `clouds`: first and last dump, where there are two or more."""
     bodies = Run(folder).bodies
     round_axis = read_summary_if_any(folder).get("dimension") == "axisymmetric"  # the mean of radial velocities says nothing
-    axes = moving_axes(bodies.values())
+    axes, wide = moving_axes(bodies.values()), wide_axes(clouds)
     for number, (name, body) in enumerate(bodies.items(), 1):
         sides = [list(state_of(at, units, axes, round_axis)) for at in (body.start, body.end)]
         for side, cloud in zip(sides, clouds):
-            side += cloud_of(cloud, cloud.fields["body"] == number, axes, units, round_axis)
+            side += cloud_of(cloud, cloud.fields["body"] == number, wide, units, round_axis)
         then, now = ({label: value for label, value, _ in side} for side in sides)
         unit_of = {label: unit for side in sides for label, _, unit in side}
         rows = [(label, then.get(label, ""), now.get(label, ""), unit) for label, unit in unit_of.items()]

@@ -1,4 +1,4 @@
-"""All dumps of a run as pictures with one colour scale, or as a film.
+"""All dumps of a run as pictures with one colour scale, a scale bar and the time, or as a film of them.
 
     sgmp-view movie taylor_bar.out --field plastic_strain            # taylor_bar.out/movie.gif
     sgmp-view movie taylor_bar.out -o impact.mp4                     # needs ffmpeg
@@ -12,10 +12,12 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.transforms import ScaledTranslation
+from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
 from PIL import Image
 
-from .files import SgmpFileError, dumps_of, folder_of, plot_style
-from .picture import draw, drawing_arguments, field_of
+from .files import SgmpFileError, dumps_of, folder_of, plot_style, read_units
+from .picture import DIVERGING, dimension_of, draw, drawing_arguments, field_of
 
 
 def common_limits(dumps, field):
@@ -32,16 +34,34 @@ def limits_of(columns):
     return (low, high) if high > low else (low - 0.5, high + 0.5)
 
 
+def round_length(width):
+    """The largest of 1, 2, 5, 10, … that is at most a fourth of a width."""
+    power = 10.0 ** np.floor(np.log10(width / 4))
+    return float(max(step for step in (1, 2, 5) if step * power <= width / 4 * (1 + 1e-9)) * power)
+
+
+def add_scale_bar(axis, unit):
+    """A bar of a round length, on the right of the label below the picture."""
+    length = round_length(np.ptp(axis.get_xlim()))
+    below = axis.transAxes + ScaledTranslation(0, -21 / 72, axis.figure.dpi_scale_trans)
+    bar = AnchoredSizeBar(axis.transData, length, f"{length:g} {unit}".strip(), "upper right", pad=0, borderpad=0, sep=2, frameon=False,
+                          bbox_to_anchor=(1.0, 0.0), bbox_transform=below, size_vertical=np.ptp(axis.get_ylim()) / 200)
+    bar.set_in_layout(False)
+    axis.add_artist(bar)
+
+
 def draw_frames(dumps, folder, options):
     """One picture for each dump, all of one size; their files."""
     options.limits = options.limits or common_limits(dumps, options.field)
     if options.limits[0] == -options.limits[1]:
-        options.cmap = options.cmap or "RdBu_r"
+        options.cmap = options.cmap or DIVERGING
     files, points = [], [dump.read().points for dump in dumps]
     low, high = np.min([p.min(axis=0) for p in points], axis=0), np.max([p.max(axis=0) for p in points], axis=0)
     with plt.rc_context({**plot_style(), "savefig.dpi": options.dpi}):
         for number, dump in enumerate(dumps):
             figure = draw(dump.read(), options.source, options, box=(low, high))
+            if max(map(dimension_of, points)) > 1:
+                add_scale_bar(figure.axes[0], read_units(folder_of(options.source))["length"])
             files.append(folder / f"frame_{number:04d}.png")
             figure.savefig(files[-1])
             plt.close(figure)

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.colors import ListedColormap, Normalize, TwoSlopeNorm
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize, TwoSlopeNorm
 
 from .files import (PLASTIC_STRAIN, SgmpFileError, field_label, first_dump, folder_of, label, lookup, plot_style, read_dump,
                     read_summary_if_any, read_units, run_name)
@@ -26,6 +26,9 @@ from .matter import planes_of
 VIEWS = {"x": (1, 2, 0, 1.0), "y": (0, 2, 1, -1.0), "z": (0, 1, 2, 1.0)}  # horizontal, vertical, depth, towards the viewer
 LIGHT = np.array([-0.45, 0.55, 0.70]) / np.linalg.norm([-0.45, 0.55, 0.70])
 SEQUENTIAL = ListedColormap(plt.get_cmap("viridis")(np.linspace(0.1, 1.0, 256)))  # its dark end would hide the shading
+# Grey in the middle: with white, as in RdBu, what is at rest could not be seen on the page.
+DIVERGING = LinearSegmentedColormap.from_list("blue_grey_red", ["#08306b", "#3a7fbd", "#c4c4c4", "#d65f4a", "#67000d"])
+LEAST_BALL = 0.0035  # radius of a particle that flies alone, over the longer side of the picture
 OUTLINE = dict(colors="0.35", linewidths=1.0, linestyles=[(0, (5, 3))])
 
 
@@ -148,7 +151,7 @@ def choose_norm(values, limits=None):
     low, high = np.percentile(values, [0.2, 99.8])
     if low < 0 < high and min(-low, high) > 0.05 * max(-low, high):
         top = max(-low, high)
-        return TwoSlopeNorm(0.0, -top, top), "RdBu_r"
+        return TwoSlopeNorm(0.0, -top, top), DIVERGING
     if high <= low:
         low, high = low - 0.5, high + 0.5
     if 0 <= low < 0.1 * high:
@@ -239,18 +242,17 @@ def surface_of(canvas, plane, depth, values, mappable, spacing, flat, whole_numb
 
 
 def draw_balls(canvas, plane, depth, values, mappable, spacing, flat, image, front):
-    """Particles that fly alone, as shaded balls (in the plane as dots) in front of a surface, into its picture."""
+    """Particles that fly alone, as shaded balls in front of a surface (in the plane beside it), into its picture."""
     if len(plane) == 0:
         return
-    radius = max(0.6 * spacing, max(2.5, 0.0025 * max(canvas.shape)) * canvas.size)
+    radius = max(0.6 * spacing, max(2.5, LEAST_BALL * max(canvas.shape)) * canvas.size)
     nearest, which = canvas.splat(plane, np.zeros(len(plane)) if flat else depth, np.arange(len(plane)), radius, square=False)
     row, column = np.nonzero(np.isfinite(which) & (np.isinf(front) if flat else ~(nearest < front)))
     own = which[row, column].astype(int)
     colours = mappable.to_rgba(values[own])
-    if not flat:
-        offset = (canvas.lower + (np.column_stack([column, row]) + 0.5) * canvas.size - plane[own]) / radius
-        normal = np.column_stack([offset, np.sqrt(np.maximum(0, 1 - (offset**2).sum(axis=1)))])
-        colours[:, :3] = np.clip(colours[:, :3] * (0.62 + 0.52 * np.clip(normal @ LIGHT, 0, 1))[:, None], 0, 1)
+    offset = (canvas.lower + (np.column_stack([column, row]) + 0.5) * canvas.size - plane[own]) / radius
+    normal = np.column_stack([offset, np.sqrt(np.maximum(0, 1 - (offset**2).sum(axis=1)))])
+    colours[:, :3] = np.clip(colours[:, :3] * (0.62 + 0.52 * np.clip(normal @ LIGHT, 0, 1))[:, None], 0, 1)
     image[row, column] = colours
 
 

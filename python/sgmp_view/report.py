@@ -31,7 +31,7 @@ from .files import (
     read_units,
     run_name,
 )
-from .matter import matter_of
+from .matter import cards_of, matter_of
 from .movie import limits_of
 from .picture import field_of
 from .wall import Shot
@@ -200,11 +200,9 @@ def answers(folder, units, dumps):
                 yield f"<tr><td>{words}</td><td>{text_of(then)}</td><td>{text_of(last)}</td><td>{unit}</td></tr>"
             yield "</table>"
         yield "</div>"
-        if now is not None:
-            yield "".join(
-                f"<p>{html.escape(note[0].upper() + note[1:])}.</p>"
-                for note in impact.model_note(["xyz"[k] for k in sorted(now.planes)])
-            )
+        notes = [] if now is None else impact.model_note(["xyz"[k] for k in sorted(now.planes)])
+        notes += [note for note in [answer.no_temperature(cards_of(folder), ends)] if note]
+        yield "".join(f"<p>{html.escape(note[0].upper() + note[1:])}.</p>" for note in notes)
     if now is not None:
         yield from pieces(folder, now, units, *broken)
 

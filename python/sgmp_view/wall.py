@@ -313,12 +313,14 @@ def cloud_before(dumps, first, start, name, shot, matter_of_dump):
         return None
     following = min(behind, key=behind.get)
     flying = [start.names.index(other) + 1 for other in start.names if other not in behind]
-    for dump in reversed(dumps):
+    last = None
+    for dump in dumps:  # forwards: what has met the next body and bounced off it is no longer the cloud
         now = matter_of_dump(dump.read(), first)
-        if (now.points[np.isin(now.body, flying)] @ normal).max(initial=-np.inf) < behind[following] - now.cell:
-            found = wall_of(start, now, name, shot).get("cloud")
-            return {"time": now.time, "next": following, **found} if found else None
-    return None
+        if (now.points[np.isin(now.body, flying)] @ normal).max(initial=-np.inf) >= behind[following] - now.cell:
+            break
+        last = now
+    found = last and wall_of(start, last, name, shot).get("cloud")
+    return {"time": last.time, "next": following, **found} if found else None
 
 
 def surfaces(start, now, wall, name, normal, across, middle, result):

@@ -27,7 +27,7 @@ module sgmp_energy
     real(dp) :: internal = 0.0_dp           !! growth of internal energy
     real(dp) :: viscous = 0.0_dp  !! bulk-viscous dissipation (part of the internal energy)
     real(dp) :: contact = 0.0_dp     !! kinetic energy that contact took (friction, impact)
-    real(dp) :: friction_power = 0.0_dp  !! that friction at walls takes at the mid-step velocity
+    real(dp) :: taken_power = 0.0_dp  !! that walls take for good, at the mid-step velocity
     real(dp) :: rigid_work = 0.0_dp  !! work of rigid bodies on the others, and on free ones that of
                                      !! gravity and body forces
     real(dp) :: free_growth = 0.0_dp  !! of the kinetic energy of free rigid bodies
@@ -98,14 +98,14 @@ contains
     type(step_sums_t), intent(in) :: sums
     real(dp), intent(in) :: dt_kick
     logical, intent(in) :: exact
-    real(dp) :: explained, rubbed, external
-    rubbed = sums%contact + dt_kick*sums%friction_power
+    real(dp) :: explained, taken, external
+    taken = sums%contact + dt_kick*sums%taken_power
     explained = dt_kick*sums%power_before + 0.5_dp*dt_kick**2*sums%particles_aa + sums%free_growth
     if (exact) ledger%remainder = ledger%remainder + (sums%kinetic - ledger%kinetic) - explained
     external = dt_kick*sums%external_power + sums%applied_work + sums%rigid_work
     ledger%external_work = ledger%external_work + external
-    ledger%contact_dissipation = ledger%contact_dissipation + rubbed
-    ledger%predicted = ledger%predicted + explained + sums%internal + rubbed - external
+    ledger%contact_dissipation = ledger%contact_dissipation + taken
+    ledger%predicted = ledger%predicted + explained + sums%internal + taken - external
     ledger%interpolation_error = ledger%interpolation_error + &
                                  0.5_dp*dt_kick**2*(sums%nodes_aa - sums%particles_aa)
     ledger%kinetic_before = ledger%kinetic

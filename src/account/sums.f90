@@ -4,14 +4,13 @@ module sgmp_sums
   private
   public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, &
             sum_moment, sum_angular, sum_edge_impulse, sum_edge_work, sum_filter, &
-            sum_swirl, sum_volume, sum_split, &
+            sum_swirl, sum_volume, sum_features, &
             sum_applied, sum_collisions, sum_loose
   public :: removed_by_card, removed_by_erosion, removed_by_loss, removed_causes
   public :: removed_sums, removed_count, removed_mass, removed_momentum, removed_moment, &
             removed_kinetic, removed_internal
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_edge_push, &
-            nodes_edge_taken, nodes_friction, nodes_lost, nodes_pressed, nodes_pulled, nodes_walls, &
-            wall_entry
+            nodes_edge_taken, nodes_features, nodes_lost, nodes_taken, nodes_walls, wall_entry
 
   integer, parameter :: sweep_sums = 20    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
@@ -26,7 +25,7 @@ module sgmp_sums
   !> Kinetic energy that swirl, which is not there where volumes are kept, loses as rings widen.
   integer, parameter :: sum_swirl = sum_filter
   integer, parameter :: sum_volume = 12  !! sum |dV| p of volumes that are put right
-  integer, parameter :: sum_split = 13   !! kinetic energy of the halves of particles apart
+  integer, parameter :: sum_features = 13  !! first of those of features (sgmp_features); 1
   integer, parameter :: sum_edge_work = 14   !! work of what absorbing edges bear at rest
   integer, parameter :: sum_edge_impulse = 15  !! first of its impulse (3 components)
   integer, parameter :: sum_applied = 18     !! work of forces on faces of particles
@@ -52,9 +51,8 @@ module sgmp_sums
                                            !! against waves, at the mid-step velocity
   !> Forces on nodes below the mass cut-off, which move nothing: sum |f_x| + |f_y| + |f_z|.
   integer, parameter :: nodes_lost = 4
-  integer, parameter :: nodes_friction = 5  !! power that friction at walls takes
-  integer, parameter :: nodes_pressed = 6  !! forces that press nodes against walls with friction
-  integer, parameter :: nodes_pulled = 7   !! those by which such walls hold others back
+  integer, parameter :: nodes_taken = 5  !! power that walls take from nodes for good
+  integer, parameter :: nodes_features = 6  !! first of those of features (sgmp_features), 2 entries
   integer, parameter :: nodes_edge_taken = 8  !! power that absorbing edges take from waves
   integer, parameter :: nodes_edge_push = 9  !! first of their force against waves (3 components)
   integer, parameter :: nodes_walls = 12  !! first of the forces of walls (wall_entry)

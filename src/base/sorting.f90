@@ -3,7 +3,7 @@ module sgmp_sorting
   use sgmp_kinds, only: i8
   implicit none
   private
-  public :: sort_order, sort_order_within
+  public :: sort_order, sort_order_within, sorted_first
 
   integer, parameter :: digit_bits = 11
   integer, parameter :: few = 32  !! keys that are sorted before a radix sort has cleared its counts
@@ -81,5 +81,21 @@ contains
     integer :: digit
     digit = int(ibits(key, shift, min(digit_bits, 64 - shift)))
   end function digit_of
+
+  !> Place of the first of some ascending numbers that is not below a value; size + 1: none.
+  pure integer function sorted_first(sorted, value) result(first)
+    integer, intent(in) :: sorted(:), value
+    integer :: last, middle
+    first = 1
+    last = size(sorted) + 1
+    do while (first < last)
+      middle = first + (last - first)/2
+      if (sorted(middle) < value) then
+        first = middle + 1
+      else
+        last = middle
+      end if
+    end do
+  end function sorted_first
 
 end module sgmp_sorting

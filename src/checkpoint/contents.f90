@@ -1,10 +1,8 @@
 !> What a checkpoint says of itself to readers other than a restart: time, grid, bodies, and what
 !! the columns of their particles and of the grid's sums are, as JSON.
 module sgmp_contents
-  use sgmp_body, only: body_parts, body_t
+  use sgmp_body, only: body_t
   use sgmp_columns, only: column_name, columns_t
-  use sgmp_constitutive, only: slots_t
-  use sgmp_load, only: load_force, load_t
   use sgmp_mesh, only: mesh_t
   use sgmp_model, only: model_t
   use sgmp_space, only: axes_in_output
@@ -65,10 +63,7 @@ contains
     character(:), allocatable :: text
     character(state_name_length), allocatable :: names(:)
     integer :: q
-    names = column_names(body%law%slots, body%loads, mesh)
-    do q = 1, body_parts(body)
-      names(body%driven(q)%mark) = 'driven'//integer_text(q)
-    end do
+    names = state_column_names(body%law%slots, mesh%space)
     text = '{"name": "'//trim(body%name)//'", "first_id": '//integer_text(body%first_id)// &
            ', "density": '//real_text_short(body%law%density)// &
            ', "columns": "position velocity mass'
@@ -77,26 +72,5 @@ contains
     end do
     text = text//'"}'
   end function body_text
-
-  !> Names of the columns of a body's particles; of its loads, by number, shares in a force and area
-  !! vectors; of further components name+1, name+2.
-  function column_names(slots, loads, mesh) result(names)
-    type(slots_t), intent(in) :: slots
-    type(load_t), intent(in) :: loads(:)
-    type(mesh_t), intent(in) :: mesh
-    character(state_name_length) :: names(slots%total)
-    integer :: q, first
-    names = state_column_names(slots, mesh%space)
-    do q = 1, size(loads)
-      if (loads(q)%column == 0) cycle
-      names(loads(q)%column) = trim(merge('share', 'area ', loads(q)%kind == load_force))// &
-                               integer_text(q)
-    end do
-    first = 1
-    do q = 1, slots%total
-      if (names(q) /= '') first = q
-      if (names(q) == '') names(q) = trim(names(first))//'+'//integer_text(q - first)
-    end do
-  end function column_names
 
 end module sgmp_contents

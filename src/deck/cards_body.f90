@@ -9,7 +9,7 @@ module sgmp_cards_body
   use sgmp_polygon, only: polygon_is_simple
   use sgmp_registry, only: read_second, registry_t
   use sgmp_scene, only: body_card_t, layout_file, layout_gauss, layout_lattice, layout_names
-  use sgmp_scene_draft, only: draft_t
+  use sgmp_scene_draft, only: draft_t, named_bodies
   use sgmp_shapes, only: combine_intersection, combine_names, combine_union, most_corners, &
                          shape_block, shape_cone, shape_cylinder, shape_halfspace, shape_moved, &
                          shape_names, shape_ogive, shape_polygon, shape_revolved, shape_ring, &
@@ -143,7 +143,7 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     type(body_card_t) :: new
-    if (.not. draft%new_name(card, draft%scene%bodies(:draft%bodies)%name, 'bodies')) return
+    if (.not. draft%new_name(card, named_bodies)) return
     new%name = card%word('name')
     new%location = card%position%text()
     if (.not. card%failed) call fill_body(card, draft, new)

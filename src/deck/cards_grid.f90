@@ -1,13 +1,14 @@
-!> The cards `grid`, `wall`, `wallfriction`, `wallmotion` and `lost`: where material may be.
+!> The cards `grid`, `wall`, `wallmotion` and `lost`: where material may be.
 module sgmp_cards_grid
   use sgmp_deck_card, only: deck_card_t
   use sgmp_deck_errors, only: position_t
   use sgmp_expression, only: expression_clone, expression_t
+  use sgmp_features, only: features_drag, features_drag_words
   use sgmp_grid_fit, only: grid_fit_extend, grid_fit_held, grid_fit_sizes, grid_fit_whole
   use sgmp_keys, only: kind_expression, kind_interval, kind_logical, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_lost_policy, only: lost_error, lost_names
-  use sgmp_mesh, only: wall_fixed, wall_free, wall_names, wall_slip
+  use sgmp_mesh, only: wall_fixed, wall_free, wall_names
   use sgmp_registry, only: read_first, registry_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_space, only: axis_names, space_axisymmetric
@@ -15,7 +16,7 @@ module sgmp_cards_grid
   use sgmp_text, only: real_text_plain, real_text_tidy
   implicit none
   private
-  public :: register_grid
+  public :: find_face, find_wall, register_grid
 
   character(1), parameter :: sides(2) = ['-', '+']
 
@@ -56,7 +57,6 @@ contains
     call registry%key('reactions', kind_logical, 'yes: what each slip or fixed wall does to '// &
                       'the bodies, its impulse since the start, is in history.csv', default='no', &
                       source='doc/loads.md')
-    call register_friction(registry)
     call register_motion(registry)
     call registry%card('lost', 'What happens to a particle that leaves through a closed face '// &
                        'without a wall.', 'lost remove', read_lost, once=.true.)
@@ -64,17 +64,6 @@ contains
                       'back', choices=words_joined(lost_names), &
                       default=trim(lost_names(lost_error)), slot=1)
   end subroutine register_grid
-
-  subroutine register_friction(registry)
-    type(registry_t), intent(inout) :: registry
-    call registry%card('wallfriction', 'A frictional wall: what is pressed against it is '// &
-                       'held back along it by up to friction times the force that presses.', &
-                       'wallfriction y- friction=0.3', read_friction, check_friction)
-    call registry%key('face', kind_word, 'the face of the grid', choices='x- x+ y- y+ z- z+ r+', &
-                      slot=1, required=.true.)
-    call registry%key('friction', kind_real, "Coulomb's coefficient of friction", &
-                      range='[0,inf)', required=.true., source='doc/loads.md')
-  end subroutine register_friction
 
   subroutine register_motion(registry)
     type(registry_t), intent(inout) :: registry
@@ -246,39 +235,6 @@ contains
                           draft%in_space(), 'name one that has a card wall')
   end subroutine find_wall
 
-  subroutine read_friction(card, draft)
-    type(deck_card_t), intent(in) :: card
-    type(draft_t), intent(inout) :: draft
-    integer :: side, axis
-    call find_wall(card, draft, side, axis)
-    if (axis == 0) return
-    associate (friction => draft%scene%grid%wall_friction(side, axis))
-      if (friction > 0.0_dp) then
-        call draft%errors%add(card%position, 'the wall on '//card%word('face')//' has two '// &
-                              'frictions', 'remove one of the cards')
-        return
-      end if
-      friction = card%number('friction')
-    end associate
-  end subroutine read_friction
-
-  !> What rubs is a slip wall, along which something can slide.
-  subroutine check_friction(card, draft)
-    type(deck_card_t), intent(in) :: card
-    type(draft_t), intent(inout) :: draft
-    character(:), allocatable :: face
-    integer :: side, axis
-    call find_face(card, draft, side, axis)
-    if (axis == 0) return
-    face = card%word('face')
-    associate (scene => draft%scene, errors => draft%errors)
-      if (scene%grid%wall(side, axis) /= wall_slip) then
-        call errors%add(card%place('face'), 'the wall on '//face//' does not slip', &
-                        'write wall '//face//'=slip; at a fixed wall everything sticks')
-      end if
-    end associate
-  end subroutine check_friction
-
   subroutine read_motion(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
@@ -318,9 +274,9 @@ contains
     face = card%word('face')
     associate (grid => draft%scene%grid, errors => draft%errors)
       if (grid%wall(side, axis) /= wall_fixed .and. &
-          .not. grid%wall_friction(side, axis) > 0.0_dp) then
+          .not. features_drag(draft%scene%features, side, axis)) then
         call errors%add(card%place('face'), 'the wall on '//face//' is not fixed', &
-                        'write wall '//face//'=fixed, or a card wallfriction; nothing else is '// &
+                        'write wall '//face//'=fixed'//features_drag_words//'; nothing else is '// &
                         'dragged along')
       end if
       if (.not. rests(grid%wall_velocity(axis:axis, side, axis))) then

@@ -13,7 +13,7 @@ module sgmp_cards_material
   use sgmp_kinds, only: dp
   use sgmp_registry, only: read_first, registry_t
   use sgmp_scene, only: material_card_t
-  use sgmp_scene_draft, only: draft_t
+  use sgmp_scene_draft, only: draft_t, named_materials
   use sgmp_spelling, only: word_position, words_joined
   use sgmp_text, only: real_text
   use sgmp_viscosity, only: viscosity_keys
@@ -79,7 +79,7 @@ contains
     type(material_card_t) :: new
     type(fault_t), allocatable :: fault
     integer :: kind
-    if (.not. draft%new_name(card, draft%scene%materials%name, 'materials')) return
+    if (.not. draft%new_name(card, named_materials)) return
     new%name = card%word('name')
     kind = card%pick('kind', material_names)
     if (.not. card%failed) then

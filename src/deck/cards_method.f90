@@ -6,10 +6,8 @@ module sgmp_cards_method
   use sgmp_keys, only: kind_integer, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
-  use sgmp_scene, only: scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: words_joined
-  use sgmp_text, only: real_text
   use sgmp_update, only: update_musl, update_names
   implicit none
   private
@@ -49,12 +47,6 @@ contains
                       'the space they fill, for gases and explosives that walls enclose '// &
                       '(sgmp, musl)', choices='plain kept', default='plain', &
                       source='doc/volumes.md')
-    call registry%key('split', kind_real, 'particles whose longest side is stretched beyond so '// &
-                      'many cells are split in two along it, fluids by their volume; 0.75 '// &
-                      'leaves no gaps (musl, usl, usavg)', range='[0.25,2]', choices='none', &
-                      default='none', source='doc/volumes.md, 5')
-    call registry%key('split_most', kind_integer, 'more particles than these after splitting '// &
-                      'end the run; default: 1e7', range='[1,inf)')
     call registry%key('hoop', kind_real, 'axisymmetric: correction C of the hoop strain next '// &
                       'to the axis; the default is that of particles anywhere, 1/8 that of a '// &
                       'lattice of two per cell that stays (sgmp only)', range='[0,1]', &
@@ -131,26 +123,17 @@ contains
       method%volumes_kept = card%word('volumes') == 'kept'
       if (method%volumes_kept) method%normalised = .true.
       if (method%volumes_kept) method%normalised_auto = .false.
-      if (card%word('split') /= 'none') method%split = card%number('split')
-      method%split_most = card%whole('split_most', absent=10000000)
       method%hoop = card%number('hoop', absent=method%hoop)
       method%rotation = card%word('rotation') == 'exact'
       method%surfaces = card%word('surfaces') == 'corrected'
     end associate
   end subroutine read_method
 
-  !> Numbers that depend on other cards; what goes with what is in `sgmp_combinations`.
+  !> What goes with what is in `sgmp_combinations`.
   subroutine check_method(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
-    associate (method => draft%scene%method, errors => draft%errors)
-      call check_spin(card, errors)
-      if (method%split > 0.0_dp) call check_split(card, draft%scene, errors)
-      if (card%has('split_most') .and. .not. method%split > 0.0_dp) then
-        call errors%add(card%place('split_most'), 'split_most bounds what split makes of the '// &
-                        'particles, and none is split', 'add split=0.75 or remove split_most')
-      end if
-    end associate
+    call check_spin(card, draft%errors)
   end subroutine check_method
 
   !> A word of former releases.
@@ -166,24 +149,6 @@ contains
                        'remove it')
     end if
   end subroutine check_spin
-
-  !> Particles that would be split at once.
-  subroutine check_split(card, scene, errors)
-    type(deck_card_t), intent(in) :: card
-    type(scene_t), intent(in) :: scene
-    type(deck_errors_t), intent(inout) :: errors
-    real(dp) :: spacing
-    integer :: b
-    do b = 1, size(scene%bodies)
-      if (scene%bodies(b)%rigid) cycle
-      spacing = scene%bodies(b)%spacing/scene%grid%cell
-      if (spacing <= 0.0_dp) spacing = 1.0_dp/scene%bodies(b)%ppc
-      if (spacing <= scene%method%split) cycle
-      call errors%add(card%place('split'), "particles of body '"//trim(scene%bodies(b)%name)// &
-                      "' have sides of "//real_text(spacing)//' cells at the start', &
-                      'use more of them, or a larger split')
-    end do
-  end subroutine check_split
 
   subroutine read_time(card, draft)
     type(deck_card_t), intent(in) :: card

@@ -7,7 +7,7 @@ module sgmp_cards_output
   use sgmp_particle_fields, only: particle_field_names
   use sgmp_registry, only: registry_t
   use sgmp_scene, only: dump_names, gauge_card_t, name_length
-  use sgmp_scene_draft, only: draft_t
+  use sgmp_scene_draft, only: draft_t, named_gauges
   use sgmp_spelling, only: word_count, word_in_list, word_item, word_position, words_joined
   implicit none
   private
@@ -126,7 +126,7 @@ contains
     type(gauge_card_t) :: new
     character(:), allocatable :: fields
     integer :: i
-    if (.not. draft%new_name(card, draft%scene%gauges%name, 'gauges')) return
+    if (.not. draft%new_name(card, named_gauges)) return
     new%name = card%word('name')
     new%point = card%vector('point')
     new%radius = card%number('radius')
@@ -138,7 +138,8 @@ contains
     fields = card%word('fields')
     new%fields = [character(name_length) :: &
                   (word_item(fields, i), i=1, word_count(fields))]
-    draft%scene%gauges = [draft%scene%gauges, new]
+    draft%gauges = draft%gauges + 1
+    draft%scene%gauges(draft%gauges) = new
   end subroutine read_gauge
 
   subroutine read_checkpoint(card, draft)

@@ -165,19 +165,21 @@ contains
     integer :: i, turn
     associate (scene => draft%scene)
       allocate (scene%contacts(0), scene%materials(0), scene%bodyforces(0), scene%detonations(0), &
-                scene%gauges(0), scene%sections(0), scene%loads(0), scene%motions(0), scene%output%fields(0))
+                scene%sections(0), scene%loads(0), scene%motions(0), scene%output%fields(0))
       allocate (scene%bodies(count(registry%cards(cards%definition)%turn == read_second)))
+      allocate (scene%gauges(count([(cards(i)%name == 'gauge', i=1, size(cards))])))
     end associate
     do turn = read_first, read_last
       do i = 1, size(cards)
         associate (definition => registry%cards(cards(i)%definition))
           if (definition%turn /= turn) cycle
           if (turn == read_last .and. cards(i)%failed) cycle
-          if (associated(definition%read)) call definition%read(cards(i), draft)
+          call definition%do_read(cards(i), draft)
         end associate
       end do
       if (turn == read_second) draft%scene%bodies = draft%scene%bodies(:draft%bodies)
     end do
+    draft%scene%gauges = draft%scene%gauges(:draft%gauges)
   end subroutine read_cards
 
   !> Relations between cards, and orders of magnitude; cards that failed are left alone.
@@ -190,7 +192,7 @@ contains
       if (cards(i)%failed) cycle
       associate (definition => registry%cards(cards(i)%definition))
         call check_plane(definition%keys, cards(i), draft)
-        if (associated(definition%check)) call definition%check(cards(i), draft)
+        call definition%do_check(cards(i), draft)
         if (draft%scene%units(1) == '') cycle
         call units_check(definition%keys, cards(i), draft%scene%units, draft%errors)
       end associate

@@ -17,6 +17,8 @@ module sgmp_deck_table
   use sgmp_registry, only: registry_t
   use sgmp_removal_card, only: register_removal
   use sgmp_section_card, only: register_section
+  use sgmp_splitting_card, only: register_splitting
+  use sgmp_wall_friction_card, only: register_wall_friction
   implicit none
   private
   public :: deck_table
@@ -38,8 +40,10 @@ contains
     call register_general(table)
     table%group = 'Space'
     call register_grid(table)
+    call register_wall_friction(table)
     table%group = 'Method and time'
     call register_method(table)
+    call register_splitting(table)
     table%group = 'Materials'
     call register_material(table)
     table%group = 'Bodies'

@@ -29,6 +29,12 @@ module sgmp_registry
     end subroutine card_action
   end interface
 
+  !> What else a card does, for a feature whose keys it has.
+  type :: card_extension_t
+    procedure(card_action), pointer, nopass :: read => null()
+    procedure(card_action), pointer, nopass :: check => null()
+  end type card_extension_t
+
   !> One card.
   type :: card_definition_t
     character(:), allocatable :: name
@@ -45,7 +51,10 @@ module sgmp_registry
     integer :: turn = read_last           !! one of read_*
     procedure(card_action), pointer, nopass :: read => null()
     procedure(card_action), pointer, nopass :: check => null()
+    type(card_extension_t), allocatable :: extensions(:)
   contains
+    procedure :: do_read
+    procedure :: do_check
     procedure :: find_key
     procedure :: find_slot
     procedure :: key_names
@@ -55,8 +64,10 @@ module sgmp_registry
   type :: registry_t
     type(card_definition_t), allocatable :: cards(:)
     character(:), allocatable :: group    !! of the cards registered next
+    integer :: current = 0                !! card to which the keys belong that are registered next
   contains
     procedure :: card => register_card
+    procedure :: extend => extend_card
     procedure :: key => register_key
     procedure :: keys => register_keys
     procedure :: find_card
@@ -88,12 +99,53 @@ contains
     if (present(once)) new%once = once
     if (present(free)) new%free = free
     if (present(turn)) new%turn = turn
-    allocate (new%keys(0))
+    allocate (new%keys(0), new%extensions(0))
     if (.not. allocated(self%cards)) allocate (self%cards(0))
     self%cards = [self%cards, new]
+    self%current = size(self%cards)
   end subroutine register_card
 
-  !> Registers a key of the card registered last.
+  !> Adds to a card that is registered already: the keys that follow belong to it, and these
+  !! procedures read and check them.
+  subroutine extend_card(self, name, read, check)
+    class(registry_t), intent(inout) :: self
+    character(*), intent(in) :: name
+    procedure(card_action) :: read
+    procedure(card_action), optional :: check
+    type(card_extension_t) :: new
+    self%current = self%find_card(name)
+    new%read => read
+    if (present(check)) new%check => check
+    associate (card => self%cards(self%current))
+      card%extensions = [card%extensions, new]
+    end associate
+  end subroutine extend_card
+
+  !> Reads a card, and what features have added to it.
+  subroutine do_read(self, card, draft)
+    class(card_definition_t), intent(in) :: self
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: i
+    if (associated(self%read)) call self%read(card, draft)
+    do i = 1, size(self%extensions)
+      call self%extensions(i)%read(card, draft)
+    end do
+  end subroutine do_read
+
+  !> Checks a card, and what features have added to it.
+  subroutine do_check(self, card, draft)
+    class(card_definition_t), intent(in) :: self
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: i
+    if (associated(self%check)) call self%check(card, draft)
+    do i = 1, size(self%extensions)
+      if (associated(self%extensions(i)%check)) call self%extensions(i)%check(card, draft)
+    end do
+  end subroutine do_check
+
+  !> Registers a key of the card registered or extended last.
   subroutine register_key(self, name, kind, help, unit, default, range, choices, when, source, &
                           required, slot, free)
     class(registry_t), intent(inout) :: self
@@ -103,7 +155,7 @@ contains
     character(*), intent(in), optional :: unit, default, range, choices, when, source
     logical, intent(in), optional :: required, free
     integer, intent(in), optional :: slot
-    associate (card => self%cards(size(self%cards)))
+    associate (card => self%cards(self%current))
       card%keys = [card%keys, key(name, kind, help, unit, default, range, choices, when, source, &
                                   required, slot, free)]
     end associate
@@ -116,7 +168,7 @@ contains
     type(key_t), intent(in) :: keys(:)
     character(*), intent(in), optional :: selected
     integer :: i, known
-    associate (card => self%cards(size(self%cards)))
+    associate (card => self%cards(self%current))
       do i = 1, size(keys)
         known = card%find_key(keys(i)%name)
         if (known == 0) then

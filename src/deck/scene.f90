@@ -9,6 +9,7 @@ module sgmp_scene
   use sgmp_constitutive, only: constitutive_t
   use sgmp_contact_pairs, only: normal_separating
   use sgmp_expression, only: expression_free, expression_t
+  use sgmp_features, only: features_t
   use sgmp_kernels, only: method_sgmp
   use sgmp_kinds, only: dp
   use sgmp_load, only: load_force
@@ -53,8 +54,7 @@ module sgmp_scene
       !! (lower|upper, axis): wall_free, wall_slip, wall_fixed, wall_absorbing
     character(:), allocatable :: walls_location  !! file:line:column of the card, for messages
     type(expression_t) :: wall_velocity(3, 2, 3)
-      !! (component, lower|upper, axis) of fixed walls and of those with friction, functions of t
-    real(dp) :: wall_friction(2, 3) = 0.0_dp  !! (lower|upper, axis): coefficient, of slip walls
+      !! (component, lower|upper, axis) of fixed walls and of those that drag, functions of t
     logical :: reactions = .false.            !! what walls bear is booked
     integer :: lost = lost_error
       !! what happens to a particle that leaves through a closed free face
@@ -69,8 +69,6 @@ module sgmp_scene
       !! nodes lighter than this times the largest particle mass are ignored
     logical :: normalised = .false.   !! volume-normalised stress (sgmp only)
     logical :: volumes_kept = .false.  !! particles keep the volume of the space they fill (sgmp)
-    real(dp) :: split = 0.0_dp        !! longest side (cells) of a particle that stays whole; 0: all
-    integer :: split_most = 0         !! particles that splitting may lead to
     logical :: rotation = .false.     !! rigid rotation strains nothing (sgmp only)
     logical :: surfaces = .false.     !! strains are corrected at surfaces (sgmp only)
     !> The program chooses (sgmp_deck).
@@ -277,6 +275,7 @@ module sgmp_scene
     logical :: swirl = .false.                    !! there is a velocity around the axis
     type(grid_card_t) :: grid
     type(method_card_t) :: method
+    type(features_t) :: features
     type(time_card_t) :: time
     type(material_card_t), allocatable :: materials(:)
     type(body_card_t), allocatable :: bodies(:)

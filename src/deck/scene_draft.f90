@@ -2,18 +2,24 @@
 module sgmp_scene_draft
   use sgmp_deck_card, only: deck_card_t
   use sgmp_deck_errors, only: deck_errors_t
+  use sgmp_name_set, only: name_set_t
   use sgmp_scene, only: scene_space, scene_t
   use sgmp_space, only: axis_names
   use sgmp_spelling, only: suggestion, word_items, word_position, words_joined
   use sgmp_text, only: integer_text
   implicit none
   private
-  public :: draft_t
+  public :: draft_t, named_bodies, named_materials, named_gauges, named_sections
+
+  integer, parameter :: named_bodies = 1, named_materials = 2, named_gauges = 3, named_sections = 4
+  character(9), parameter :: plurals(*) = [character(9) :: 'bodies', 'materials', 'gauges', 'sections']
 
   !> Scene and errors, and how names in cards become numbers in the scene.
   type :: draft_t
     type(scene_t) :: scene
     integer :: bodies = 0  !! read so far; the scene has room for all, since to move one costs a lot
+    integer :: gauges = 0  !! so, too
+    type(name_set_t) :: names(size(plurals))  !! of what is named
     type(deck_errors_t) :: errors
   contains
     procedure :: axis_key
@@ -72,17 +78,20 @@ contains
     call unknown(self, card, key, 'body', self%scene%bodies%name)
   end function body_of
 
-  !> Whether the name that a card gives is one, and not among those of its kind; else an error.
-  logical function new_name(self, card, names, plural) result(new)
+  !> Whether the name that a card gives is one, and new among those of its kind; else an error.
+  logical function new_name(self, card, kind) result(new)
     class(draft_t), intent(inout) :: self
     type(deck_card_t), intent(in) :: card
-    character(*), intent(in) :: names(:)
-    character(*), intent(in) :: plural  !! what they name
+    integer, intent(in) :: kind  !! one of the named_...
     new = card%word('name') /= ''
     if (.not. new) return
-    new = word_position(card%word('name'), names) == 0
-    if (.not. new) call self%errors%add(card%place('name'), 'there are two '//plural//" '"// &
-                                        card%word('name')//"'", 'rename one of them')
+    new = .not. self%names(kind)%has(card%word('name'))
+    if (new) then
+      call self%names(kind)%add(card%word('name'))
+    else
+      call self%errors%add(card%place('name'), 'there are two '//trim(plurals(kind))//" '"// &
+                           card%word('name')//"'", 'rename one of them')
+    end if
   end function new_name
 
   subroutine unknown(draft, card, key, what, names)

@@ -62,10 +62,11 @@ contains
   end subroutine field_relax
 
   !> Momentum equation (Eqs. 33, 34).
-  subroutine field_solve(field, mesh, dt, lag, gravity, cutoff, forced, team, partition, sums)
+  subroutine field_solve(field, mesh, method, dt, forced, team, partition, sums)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: dt, lag, gravity(3), cutoff  !! as in nodes_solve
+    type(method_t), intent(in) :: method
+    real(dp), intent(in) :: dt                   !! velocity step
     logical, intent(in) :: forced                !! the moments carry an external force
     type(team_t), intent(in) :: team
     type(partition_t), intent(in) :: partition
@@ -75,10 +76,9 @@ contains
     if (field%columns%turns) call field_rotation_forces(field, mesh, forced, team, partition)
     call field_node_planes(field, partition, p1, p2)
     !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
-    !$omp& default(none) shared(field, mesh, dt, lag, gravity, cutoff, forced, team, sums, p1, &
-    !$omp& p2) private(p)
+    !$omp& default(none) shared(field, mesh, method, dt, forced, team, sums, p1, p2) private(p)
     do p = p1, p2
-      call team%passes%solve(field, mesh, p, dt, lag, gravity, cutoff, forced, sums(:, p))
+      call team%passes%solve(field, mesh, p, method, dt, forced, sums(:, p))
     end do
     !$omp end parallel do
   end subroutine field_solve
@@ -101,17 +101,18 @@ contains
   end subroutine field_velocity
 
   !> Velocity re-mapped from the updated particles, in the place of the acceleration (MUSL).
-  subroutine field_remap(field, mesh, team, partition)
+  subroutine field_remap(field, mesh, method, team, partition)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
+    type(method_t), intent(in) :: method
     type(team_t), intent(in) :: team
     type(partition_t), intent(in) :: partition
     integer :: p, p1, p2
     call field_node_planes(field, partition, p1, p2)
     !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
-    !$omp& default(none) shared(field, mesh, team, p1, p2) private(p)
+    !$omp& default(none) shared(field, mesh, method, team, p1, p2) private(p)
     do p = p1, p2
-      call team%passes%remap(field, mesh, p)
+      call team%passes%remap(field, mesh, p, method)
     end do
     !$omp end parallel do
   end subroutine field_remap

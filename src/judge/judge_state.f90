@@ -3,6 +3,7 @@
 module sgmp_judge_state
   use sgmp_constitutive, only: material_explosive, material_fluid
   use sgmp_end_state, only: end_state_t
+  use sgmp_features, only: features_remedy_stretched
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
@@ -86,9 +87,7 @@ contains
     integer, intent(in) :: lost            !! particles that have left the grid
     logical, intent(in) :: mpm             !! it is the method
     character(:), allocatable :: reason, remedy
-    remedy = ''
-    if (.not. scene%method%split > 0.0_dp) remedy = '; method … split=0.75 splits what is '// &
-                                                    'stretched'
+    remedy = features_remedy_stretched(scene%features)
     if (found%particles == 0 .and. lost > 0) then
       call opinion%object('no particle is left: all have left the grid; enlarge it, or '// &
                          'end earlier')

@@ -20,6 +20,7 @@ module sgmp_verdict
   use sgmp_run_log, only: log_t
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: shape_sphere
+  use sgmp_stages, only: stage_objection
   use sgmp_summary, only: summary_t
   use sgmp_text, only: integer_text, percent_text, real_text
   use sgmp_thickness, only: body_thickness
@@ -57,7 +58,8 @@ contains
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(in) :: error  !! what ended the run early
     real(dp) :: supplied
-    character(:), allocatable :: name
+    character(:), allocatable :: name, reason
+    real(dp) :: inexact
     integer :: b, thinnest
     logical :: ball, mpm
     call self%opinion%open()
@@ -90,6 +92,12 @@ contains
     call judge_erosion(self%opinion, model)
     call judge_impulse(self%opinion, model)
     call judge_turning(self%opinion, scene, model, self%turn)
+    call stage_objection(model, inexact, reason)
+    if (inexact >= 1.0_dp) then
+      call self%opinion%object(reason)
+    else if (inexact > 0.0_dp) then
+      call self%opinion%expect(inexact, reason)
+    end if
     call wall_objections(self%opinion, model)
     call absorbing_objections(self%opinion, model)
     call judge_volumes(self%opinion, self%state, scene%method%volumes_kept)

@@ -17,6 +17,7 @@ module DIM(sgmp_chunk)
                                   departures_outside, departures_take_out
   use sgmp_drive, only: most_drives
   use CARTESIAN(sgmp_driven_particles), only: driven_masses, driven_read
+  use sgmp_features, only: sum_split
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_absorbing, load_force, load_t
@@ -32,7 +33,7 @@ module DIM(sgmp_chunk)
   use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use sgmp_sums, only: sum_collisions, sum_internal, sum_kinetic, sum_loose, sum_mass_aa, &
-                       sum_moment, sum_momentum, sum_split, sum_viscous, sweep_sums
+                       sum_moment, sum_momentum, sum_viscous, sweep_sums
 #ifdef AXISYMMETRIC
   use sgmp_swirl, only: swirl_collect, swirl_drift, swirl_flux, swirl_kick, swirl_strain
 #endif
@@ -334,7 +335,8 @@ contains
     if (plan%stress .and. (.not. task%centred .or. task%plain > task%forces + NFLUX)) then
       call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, motion, state, values)
     end if
-    if (plan%split > 0.0_dp .and. body%law%slots%path > 0) then
+    if (plan%drift .and. plan%strain .and. plan%features%splitting%limit > 0.0_dp &
+        .and. body%law%slots%path > 0) then
       call split_particles(mesh, body, plan, task, s, extent, nl, got(1, task%gradient), nb, &
                            motion, state, id, xi, values, lane_sums, movers)
     end if
@@ -985,8 +987,8 @@ contains
     real(dp) :: offset(lanes), live(lanes), share(lanes), half(lanes, most_columns + NFLUX)
     real(dp) :: half_motion(lanes, motion_total(NDIM)), half_state(lanes, nb)
     integer :: axis(lanes), side, l
-    call splitting_choose(body%law, mesh, plan%split, body%half_size(:NDIM), extent, nl, xi, nb, &
-                          motion, state, axis, offset)
+    call splitting_choose(body%law, mesh, plan%features%splitting%limit, body%half_size(:NDIM), &
+                          extent, nl, xi, nb, motion, state, axis, offset)
     if (all(axis == 0)) return
     live = merge(1.0_dp, 0.0_dp, axis > 0)
     do side = -1, 1, 2

@@ -1,5 +1,6 @@
 !> What the deck says about the method, and no step changes.
 module sgmp_method
+  use sgmp_features, only: features_t
   use sgmp_kinds, only: dp
   implicit none
   private
@@ -8,13 +9,12 @@ module sgmp_method
   !> The scheme and its options.
   type :: method_t
     integer :: update = 0                   !! one of update_*
+    type(features_t) :: features            !! that have a place of their own
     real(dp) :: flip = 1.0_dp               !! weight of FLIP against PIC
     real(dp) :: gravity(3) = 0.0_dp
     logical :: normalised = .false.         !! volume-normalised stress
     real(dp) :: interior = 0.0_dp           !! filling of interior cells, for normalised stress
     logical :: relaxed = .false.            !! volumes are kept (doc/volumes.md)
-    real(dp) :: split = 0.0_dp              !! longest side (cells) of a particle that is not split;
-                                            !! 0: none is
     !> Fastest sound in the bulk of what may fail; 0: nothing does, or its debris does not collide.
     real(dp) :: debris_speed = 0.0_dp
     logical :: rotation = .false.           !! rigid rotation strains nothing

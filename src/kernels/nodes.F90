@@ -28,6 +28,7 @@ module DIM(sgmp_nodes)
 #if NDIM > 1
   use DIM(sgmp_surfaces), only: surfaces_push, surfaces_push_twists
 #endif
+  use sgmp_method, only: method_t
   use sgmp_sums, only: nodes_edge_push, nodes_edge_taken, nodes_external, nodes_lost, &
                        nodes_mass_aa, nodes_mass_av, nodes_sums
   use sgmp_voigt, only: flux_between
@@ -50,14 +51,12 @@ contains
 
   !> Acceleration and trial velocity of the nodes of one plane (Eqs. 33, 34).
   ! allow(S901)
-  pure subroutine nodes_solve(field, mesh, plane, dt, lag, gravity, cutoff, forced, sums)
+  pure subroutine nodes_solve(field, mesh, plane, method, dt, forced, sums)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane              !! plane of the field
+    type(method_t), intent(in) :: method
     real(dp), intent(in) :: dt                !! velocity step dt^k
-    real(dp), intent(in) :: lag               !! of work: see method_t
-    real(dp), intent(in) :: gravity(3)
-    real(dp), intent(in) :: cutoff            !! nodes lighter than this are ignored
     logical, intent(in) :: forced             !! the moments carry an external force
     real(dp), intent(inout) :: sums(nodes_sums)  !! of the plane, added to
     real(dp) :: m(tile), p(tile, NDIM), f(tile, NDIM), external(tile, NDIM)
@@ -66,8 +65,8 @@ contains
     real(dp) :: lane_sums(lanes, nodes_sums)
     integer :: s, first, n, idx
     logical :: driven
-    driven = forced .or. any(abs(gravity) > 0.0_dp)
-    if (mesh%walls_rub) external = 0.0_dp
+    driven = forced .or. any(abs(method%gravity) > 0.0_dp)
+    if (method%features%wall_friction%rubs) external = 0.0_dp
     lane_sums = 0.0_dp
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
@@ -84,7 +83,7 @@ contains
                                                           field%rotation%couple, f)
 #endif
         if (driven) then
-          call external_forces(field, s, first, n, m, gravity, forced, external)
+          call external_forces(field, s, first, n, m, method%gravity, forced, external)
           booked(:n, :) = external(:n, :)
           if (forced .and. field%columns%faces > 0) then
             call face_forces(field, mesh, s, first, n, pressed)
@@ -102,26 +101,29 @@ contains
         call radial_inertia(field, s, first, n, m, field%node(idx, node_inertia))
 #endif
         if (forced .and. field%columns%impedance > 0) then
-          call edge_forces(field, mesh, s, first, n, dt, cutoff, m, p, f, external, booked, &
-                          sums)
+          call edge_forces(field, mesh, s, first, n, dt, method%cutoff, m, p, f, external, &
+                          booked, sums)
         end if
 #ifdef AXISYMMETRIC
         call divide_radial(n, field%node(idx, node_inertia), p)
         call divide_radial(n, field%node(idx, node_inertia), f)
 #endif
-        call solve_tile(n, size(field%node, 1), field%kernel, m, p, f, dt, cutoff, &
+        call solve_tile(n, size(field%node, 1), field%kernel, m, p, f, dt, method%cutoff, &
                         field%node(idx, 1))
         if (field%columns%swirl > 0) call nodes_swirl_solve(field, mesh%inverse_h, s, first, n, m, &
                                                             dt)
         if (mesh%walls_move) call wall_nodes_book(field, mesh, s, first, n, m, dt, sums)
-        if (mesh%walls_rub) call wall_nodes_rub(field, mesh, s, first, n, m, external, dt, sums)
+        if (method%features%wall_friction%rubs) then
+          call wall_nodes_rub(field, mesh, method%features%wall_friction, s, first, n, m, &
+                              external, dt, sums)
+        end if
         if (mesh%walls_weigh) call wall_nodes_weigh(field, mesh, s, first, n, m, sums)
         call walls_hold(field, mesh, s, first, n, node_acceleration, wall_kick)
         call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
         if (field%columns%driven > 0) call driven_nodes_solve(field, mesh, s, first, n, m, dt, &
                                                               plane)
-        call book_energies(n, first, driven, size(field%node, 1), m, f, booked, dt, lag, &
-                           field%node(idx, 1), lane_sums)
+        call book_energies(n, first, driven, size(field%node, 1), m, f, booked, dt, &
+                           method%work_lag, field%node(idx, 1), lane_sums)
         if (field%columns%swirl > 0) call nodes_swirl_book(field, s, first, n, m, dt, lane_sums)
       end do
     end do
@@ -159,10 +161,11 @@ contains
   end subroutine nodes_velocity
 
   !> MUSL: velocity re-mapped from the updated particle momenta, in the place of the acceleration.
-  pure subroutine nodes_remap(field, mesh, plane)
+  pure subroutine nodes_remap(field, mesh, plane, method)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane
+    type(method_t), intent(in) :: method
     real(dp) :: m(tile), p(tile, NDIM)
     integer :: s, first, n, idx
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
@@ -176,7 +179,9 @@ contains
         call divide_tile(n, size(field%node, 1), p, field%node(idx, 1))
         if (field%columns%swirl > 0) call nodes_swirl_remap(field, s, first, n)
         call walls_hold(field, mesh, s, first, n, node_remapped, wall_speed)
-        if (mesh%walls_rub) call wall_nodes_stick(field, mesh, s, first, n)
+        if (method%features%wall_friction%rubs) then
+          call wall_nodes_stick(field, mesh, method%features%wall_friction, s, first, n)
+        end if
         if (field%columns%driven > 0) call driven_nodes_velocity(field, mesh, s, first, n, &
                                                                  node_remapped, .false.)
       end do

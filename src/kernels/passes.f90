@@ -104,13 +104,14 @@ module sgmp_passes
     end subroutine centres_relax
 
     !> See sgmp_nodes: momentum equation of one plane.
-    pure subroutine nodes_solve(field, mesh, plane, dt, lag, gravity, cutoff, forced, sums)
-      import :: dp, field_t, mesh_t, nodes_sums
+    pure subroutine nodes_solve(field, mesh, plane, method, dt, forced, sums)
+      import :: dp, field_t, mesh_t, method_t, nodes_sums
       implicit none
       type(field_t), intent(inout) :: field
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: plane
-      real(dp), intent(in) :: dt, lag, gravity(3), cutoff
+      type(method_t), intent(in) :: method
+      real(dp), intent(in) :: dt
       logical, intent(in) :: forced
       real(dp), intent(inout) :: sums(nodes_sums)
     end subroutine nodes_solve
@@ -126,12 +127,13 @@ module sgmp_passes
     end subroutine nodes_velocity
 
     !> See sgmp_nodes: re-mapped velocity of one plane.
-    pure subroutine nodes_remap(field, mesh, plane)
-      import :: field_t, mesh_t
+    pure subroutine nodes_remap(field, mesh, plane, method)
+      import :: field_t, mesh_t, method_t
       implicit none
       type(field_t), intent(inout) :: field
       type(mesh_t), intent(in) :: mesh
       integer, intent(in) :: plane
+      type(method_t), intent(in) :: method
     end subroutine nodes_remap
 
     !> See sgmp_nodes_rotation: one stage of exact rotation of one plane.

@@ -1,5 +1,6 @@
 !> What a sweep over the particles does, and the buffers a thread needs for it.
 module sgmp_plan
+  use sgmp_features, only: features_t
   use sgmp_kinds, only: dp, i4
   implicit none
   private
@@ -36,8 +37,7 @@ module sgmp_plan
     integer :: lost_policy = 1             !! one of lost_*: what those do that leave the grid
     logical :: loses = .false.           !! particles may leave the grid and be removed
     real(dp) :: flip = 1.0_dp              !! weight of FLIP against PIC
-    real(dp) :: split = 0.0_dp             !! longest side (cells) of a particle that is not split;
-                                           !! 0: none is
+    type(features_t) :: features           !! that have a place of their own
   end type plan_t
 
   !> Buffers and findings of one slab of planes.

@@ -35,7 +35,7 @@ module sgmp_constitutive
   use sgmp_material_elastic, only: elastic_keys, elastic_read, elastic_t, moduli_keys, &
                                    moduli_read, neo_hookean_read
   use sgmp_material_fluid, only: fluid_keys, fluid_read
-  use sgmp_material_history, only: history_t
+  use sgmp_material_history, only: history_t, slots_ask_history, slots_t
   use sgmp_material_j2, only: j2_keys, j2_read, j2_t, j2_yield_stress
   use sgmp_material_jc, only: jc_keys, jc_read, jc_t, jc_yield_stress
   use sgmp_material_johnson_holmquist, only: johnson_holmquist_keys, johnson_holmquist_read, &
@@ -55,7 +55,7 @@ module sgmp_constitutive
   use sgmp_voigt, only: stress_components
   implicit none
   private
-  public :: constitutive_t, slots_t, slots_make
+  public :: constitutive_t
   public :: material_elastic, material_neo_hookean, material_j2, material_johnson_cook, &
             material_explosive, material_fluid, material_drucker_prager, material_mohr_coulomb, &
             material_mooney_rivlin, material_steinberg_guinan, material_zerilli_armstrong, &
@@ -63,7 +63,7 @@ module sgmp_constitutive
             material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_shock, eos_tillotson, eos_names
-  public :: law_keys, law_read, law_slots, law_first_history, law_check, law_set_length, &
+  public :: law_keys, law_read, law_slots, law_check, law_set_length, &
             law_widest_band
   public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
@@ -97,33 +97,6 @@ module sgmp_constitutive
   real(dp), parameter :: slowest_part = 1.0e-3_dp
 
   integer, parameter :: most_tangents = 30     !! to a first energy
-
-  !> Columns of the particles' second stream; 0: not stored, because nothing of the scene uses it.
-  type :: slots_t
-    integer :: volume = 1        !! current volume
-    integer :: stress = 0        !! first of the stress components (or the mean stress alone)
-    integer :: stresses = 0      !! how many
-    integer :: plastic = 0       !! equivalent plastic strain
-    integer :: temperature = 0
-    integer :: damage = 0
-    integer :: energy = 0        !! internal energy per initial volume, for an equation of state
-    integer :: distention = 0    !! of porous material, behind the energy
-    integer :: pore_shift = 0    !! of the curve of elastic pores, behind the distention
-    integer :: bulking = 0       !! pressure of broken ceramics
-    integer :: preconsolidation = 0  !! of clays
-    integer :: lighting = 0      !! lighting time of an explosive
-    integer :: deformation = 0   !! deformation gradient, row by row
-    integer :: stretch = 0       !! its diagonal alone, for cpGIMP and to split particles
-    integer :: initial = 0       !! initial position, for body forces that use it
-    integer :: swirl = 0         !! velocity around the axis times radius (cells)
-    integer :: surface = 0       !! distance to the body's surface, for contact
-    integer :: compliance = 0    !! by which volume is exchanged, for kept volumes
-    integer :: strength = 0      !! factor on the limits of failure, where they scatter
-    integer :: yield_factor = 0  !! factor on the yield stress, where it scatters
-    integer :: path = 0          !! from the particle that it comes from, where particles are split:
-                                 !! 1, and of the halves of b 2 b and 2 b + 1
-    integer :: total = 1
-  end type slots_t
 
   !> Law and constants of one material.
   type :: constitutive_t
@@ -697,80 +670,12 @@ contains
           (law%kind == material_fluid .and. law%eos == eos_ideal_gas)
   end function law_gaseous
 
-  !> Columns for what a law keeps and what the scene adds to it.
-  pure subroutine law_slots(law, ndim, stretch, initial)
+  !> Columns for what a law keeps.
+  pure subroutine law_slots(law, ndim)
     type(constitutive_t), intent(inout) :: law
     integer, intent(in) :: ndim
-    integer, intent(in) :: stretch, initial  !! components wanted
-    associate (keeps => law%history)
-      law%slots = slots_make(stresses=merge(1, stress_components(ndim), keeps%mean_stress), &
-                             plastic=keeps%plastic, temperature=keeps%temperature, &
-                             damage=keeps%damage, energy=keeps%energy, &
-                             distention=keeps%distention, pore_shift=keeps%pore_shift, &
-                             bulking=keeps%bulking, &
-                             preconsolidation=keeps%preconsolidation, &
-                             lighting=keeps%lighting, &
-                             deformation=merge(ndim**2, 0, keeps%deformation), &
-                             stretch=stretch, initial=initial)
-    end associate
+    call slots_ask_history(law%slots, law%history, ndim, &
+                           merge(1, stress_components(ndim), law%history%mean_stress))
   end subroutine law_slots
-
-  !> First values of the columns behind the volume.
-  pure function law_first_history(law, ndim) result(first)
-    type(constitutive_t), intent(in) :: law
-    integer, intent(in) :: ndim
-    real(dp) :: first(2:law%slots%total)
-    integer :: d
-    first = 0.0_dp
-    associate (slots => law%slots)
-      if (slots%temperature > 0) first(slots%temperature) = law%history%first_temperature
-      if (slots%energy > 0) first(slots%energy) = law%history%first_energy
-      if (slots%distention > 0) first(slots%distention) = law%porosity%distention
-      first(slots%stress:slots%stress + min(3, slots%stresses) - 1) = law%history%first_mean_stress
-      do d = 1, ndim
-        if (slots%deformation > 0) first(slots%deformation + (d - 1)*(ndim + 1)) = 1.0_dp
-        if (slots%stretch > 0) first(slots%stretch + d - 1) = 1.0_dp
-      end do
-    end associate
-  end function law_first_history
-
-  !> Assigns columns to the fields that are wanted, in a fixed order.
-  pure function slots_make(stresses, plastic, temperature, damage, energy, lighting, deformation, &
-                           stretch, initial, distention, pore_shift, bulking, &
-                           preconsolidation) &
-    result(slots)
-    integer, intent(in) :: stresses            !! stress components
-    logical, intent(in) :: plastic, temperature, damage, energy, lighting
-    integer, intent(in) :: deformation, stretch, initial  !! components wanted
-    logical, intent(in), optional :: distention, pore_shift, bulking, preconsolidation
-    type(slots_t) :: slots
-    slots%volume = 1
-    slots%total = 1
-    slots%stresses = stresses
-    call take(slots%total, stresses, slots%stress)
-    call take(slots%total, merge(1, 0, plastic), slots%plastic)
-    call take(slots%total, merge(1, 0, temperature), slots%temperature)
-    call take(slots%total, merge(1, 0, damage), slots%damage)
-    call take(slots%total, merge(1, 0, energy), slots%energy)
-    if (present(distention)) call take(slots%total, merge(1, 0, distention), slots%distention)
-    if (present(pore_shift)) call take(slots%total, merge(1, 0, pore_shift), slots%pore_shift)
-    if (present(bulking)) call take(slots%total, merge(1, 0, bulking), slots%bulking)
-    if (present(preconsolidation)) then
-      call take(slots%total, merge(1, 0, preconsolidation), slots%preconsolidation)
-    end if
-    call take(slots%total, merge(1, 0, lighting), slots%lighting)
-    call take(slots%total, deformation, slots%deformation)
-    call take(slots%total, stretch, slots%stretch)
-    call take(slots%total, initial, slots%initial)
-  end function slots_make
-
-  !> The next n columns, 0 where none is wanted.
-  pure subroutine take(total, n, column)
-    integer, intent(inout) :: total   !! columns given so far
-    integer, intent(in) :: n
-    integer, intent(out) :: column
-    column = merge(total + 1, 0, n > 0)
-    total = total + n
-  end subroutine take
 
 end module sgmp_constitutive

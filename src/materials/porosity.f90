@@ -85,6 +85,7 @@ contains
     end if
     if (.not. porosity%porous) return
     porosity%distention = values%number('distention')
+    history%first_distention = porosity%distention
     porosity%start = values%number('crush_start')
     porosity%finish = values%number('crush_end')
     if (allocated(fault)) return

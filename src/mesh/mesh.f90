@@ -37,11 +37,9 @@ module sgmp_mesh
     integer :: wall(2, 3) = wall_free    !! (lower|upper, axis)
     logical :: absorbs(2, 3) = .false.   !! edges that let waves out: open faces
     integer :: edge(2, 3) = 0            !! nodes where these lie
-    real(dp) :: wall_friction(2, 3) = 0.0_dp  !! Coulomb's coefficient of slip walls
     logical :: walls_move = .false.      !! some fixed wall moves along itself
-    logical :: walls_rub = .false.       !! some slip wall has friction
     logical :: walls_weigh = .false.     !! reactions of walls are asked for
-    logical :: walls_act = .false.       !! any of the three
+    logical :: walls_act = .false.       !! or does more than to hold what comes
     real(dp) :: wall_motion(3, 2, 3, 2) = 0.0_dp
       !! (component, lower|upper, axis, wall_kick|wall_speed), 0 where a wall is at rest; images
       !! behind walls know of it where a component is odd, which it is at fixed walls

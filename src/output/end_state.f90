@@ -11,7 +11,8 @@ module sgmp_end_state
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_gather, parallel_max, parallel_min, parallel_sum
-  use sgmp_particle_fields, only: particle_field_find, particle_field_t, particle_place_t
+  use sgmp_particle_fields, only: particle_field_find, particle_field_t, particle_field_values, &
+                                  particle_place_t
   use sgmp_particles, only: first_cell, particles_t
   use sgmp_pieces, only: pieces_find
   use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_t
@@ -94,7 +95,7 @@ contains
         if (body%particles%id(l, c) == 0) cycle
         volume = body%particles%state(l, body%law%slots%volume, c)
         ratio = volume*body%law%density/body%particles%motion(l, motion_mass(nd), c)
-        pressure = sum(field%take(body, particle_place_t(nd, l, c)))
+        pressure = sum(particle_field_values(field, body, particle_place_t(nd, l, c)))
         state%compression = max(state%compression, 1.0_dp/ratio)
         if (.not. law_gaseous(body%law)) state%condensed = max(state%condensed, 1.0_dp/ratio)
         state%expansion = max(state%expansion, ratio)

@@ -7,10 +7,15 @@
 !! any number of threads and ranks.
 !!
 !! A row costs what its gauges look at: the place of a gauge's particle is remembered and looked for
-!! anew only when another particle is there.
+!! anew only when another particle is there; spheres are looked up in bins.
 module sgmp_gauges
   use sgmp_body, only: body_given_id
+  use sgmp_boxes, only: boxes_make, boxes_nearest, boxes_t
   use sgmp_errors, only: error_make, error_t, exit_deck
+  use sgmp_gauge_means, only: gauge_means
+  use sgmp_gauge_spheres, only: gauge_spheres_any, gauge_spheres_holding, gauge_spheres_make, &
+                                gauge_spheres_t
+  use sgmp_growing, only: grow
   use sgmp_history, only: column_length, gauges_columns, gauges_integers, history_t
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_model, only: model_t
@@ -19,7 +24,7 @@ module sgmp_gauges
   use sgmp_scene, only: gauge_card_t, name_length
   use sgmp_snapshot, only: snapshot_t
   use sgmp_snapshot_make, only: snapshot_gather, snapshot_position, snapshot_some, snapshot_whole
-  use sgmp_sorting, only: sort_order
+  use sgmp_sorting, only: sort_order, sorted_first
   use sgmp_space, only: axes_in_output
   use sgmp_spelling, only: word_position
   use sgmp_text, only: integer_text
@@ -36,14 +41,16 @@ module sgmp_gauges
     integer, allocatable :: ids(:)       !! of the particle nearest to each at the start
     integer, allocatable :: kept(:, :)
       !! (3, gauges) body, lane and chunk where that particle was last, 0: not on this rank
+    type(gauge_spheres_t) :: staying, following
   end type gauges_t
 
 contains
 
   !> Which gauges there are, and what they record.
-  pure subroutine gauges_start(gauges, cards)
+  subroutine gauges_start(gauges, cards, model)
     type(gauges_t), intent(inout) :: gauges
     type(gauge_card_t), intent(in) :: cards(:)
+    type(model_t), intent(in) :: model
     integer :: f, g
     gauges%cards = cards
     gauges%fields = [character(name_length) :: 'pressure', 'von_mises', 'density']
@@ -54,6 +61,7 @@ contains
         gauges%fields = [character(name_length) :: gauges%fields, cards(g)%fields(f)]
       end do
     end do
+    call make_spheres(gauges, model)
   end subroutine gauges_start
 
   !> Whether some gauge needs the initial positions of particles.
@@ -101,28 +109,58 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(snapshot_t) :: snapshot
     character(name_length) :: none(0)
-    integer :: g
     allocate (gauges%ids(size(gauges%cards)))
     gauges%ids = 0
     if (size(gauges%cards) == 0) return
     call snapshot_whole(model, none, initial, snapshot)
-    if (parallel_rank() == 0) then
-      do g = 1, size(gauges%cards)
-        associate (card => gauges%cards(g))
-          gauges%ids(g) = snapshot%id(minloc(distance2(snapshot%position, centre(card, model), &
-                                                       snapshot%dimension), 1))
-          if (card%radius <= 0.0_dp .or. card%fixed) cycle
-          if (any(distance2(snapshot%position, centre(card, model), snapshot%dimension) <= &
-                  card%radius**2)) cycle
-          call error_make(error, exit_deck, "no particle is within the radius of gauge '"// &
-                          trim(card%name)//"' at the start", 'move its point, make the radius '// &
-                          'larger, or make it frame=fixed')
-        end associate
-      end do
-    end if
+    if (parallel_rank() == 0) call find_nearest(gauges, model, snapshot, error)
     call parallel_agree(error)
     gauges%ids = int(parallel_sum(int(gauges%ids, i8)))
   end subroutine gauges_find
+
+  !> Puts the spheres of gauges into bins.
+  subroutine make_spheres(gauges, model)
+    type(gauges_t), intent(inout) :: gauges
+    type(model_t), intent(in) :: model
+    real(dp), allocatable :: centres(:, :)
+    integer :: g, nd
+    allocate (centres(3, size(gauges%cards)))
+    do g = 1, size(gauges%cards)
+      centres(:, g) = centre(gauges%cards(g), model)
+    end do
+    nd = maxval(axes_in_output(:model%mesh%ndim, model%mesh%space))
+    associate (cards => gauges%cards)
+      call gauge_spheres_make(gauges%staying, cards%radius > 0.0_dp .and. cards%fixed, centres, &
+                              cards%radius, nd)
+      call gauge_spheres_make(gauges%following, cards%radius > 0.0_dp .and. .not. cards%fixed, &
+                              centres, cards%radius, nd)
+    end associate
+  end subroutine make_spheres
+
+  !> The nearest of all particles of a snapshot to each gauge.
+  subroutine find_nearest(gauges, model, snapshot, error)
+    type(gauges_t), intent(inout) :: gauges
+    type(model_t), intent(in) :: model
+    type(snapshot_t), intent(in) :: snapshot
+    type(error_t), allocatable, intent(out) :: error
+    type(boxes_t) :: boxes
+    real(dp) :: distance2
+    integer :: g, nearest
+    call boxes_make(boxes, snapshot%position, snapshot%position)
+    do g = 1, size(gauges%cards)
+      associate (card => gauges%cards(g))
+        call boxes_nearest(boxes, snapshot%position, snapshot%dimension, centre(card, model), &
+                           nearest, distance2)
+        gauges%ids(g) = snapshot%id(nearest)
+        if (card%radius <= 0.0_dp .or. card%fixed) cycle
+        if (distance2 <= card%radius**2) cycle
+        call error_make(error, exit_deck, "no particle is within the radius of gauge '"// &
+                        trim(card%name)//"' at the start", 'move its point, make the radius '// &
+                        'larger, or make it frame=fixed')
+        return
+      end associate
+    end do
+  end subroutine find_nearest
 
   !> Point of a gauge in the order of axes of the output.
   pure function centre(card, model) result(point)
@@ -132,16 +170,6 @@ contains
     point = card%point(axes_in_output(:, model%mesh%space))
   end function centre
 
-  pure function distance2(position, point, ndim) result(d)
-    real(dp), intent(in) :: position(:, :), point(3)
-    integer, intent(in) :: ndim
-    real(dp) :: d(size(position, 2))
-    integer :: p
-    do p = 1, size(d)
-      d(p) = sum((position(:ndim, p) - point(:ndim))**2)
-    end do
-  end function distance2
-
   !> One row per gauge; none for a gauge without particles.
   subroutine gauges_write(gauges, model, initial, error)
     type(gauges_t), intent(inout) :: gauges
@@ -150,7 +178,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(snapshot_t) :: snapshot
     character(name_length), allocatable :: names(:)
-    integer, allocatable :: looked_at(:, :), members(:)
+    integer, allocatable :: looked_at(:, :), members(:), first(:)
     integer :: g, p
     if (size(gauges%cards) == 0) return
     names = gauges%fields
@@ -167,11 +195,14 @@ contains
     if (model%ranks%partition%ranks > 1) then
       call snapshot_gather(snapshot, [(.true., p=1, size(snapshot%id))])
     end if
-    do g = 1, merge(size(gauges%cards), 0, parallel_rank() == 0)
-      call find_members(gauges, g, model, snapshot, members)
-      if (size(members) > 0) call write_row(gauges, g, model, snapshot, members, error)
-      if (allocated(error)) exit
-    end do
+    if (parallel_rank() == 0) then
+      call find_members(gauges, snapshot, first, members)
+      do g = 1, size(gauges%cards)
+        if (first(g + 1) == first(g)) cycle
+        call write_row(gauges, g, model, snapshot, members(first(g):first(g + 1) - 1), error)
+        if (allocated(error)) exit
+      end do
+    end if
     call parallel_agree(error)
   end subroutine gauges_write
 
@@ -215,7 +246,7 @@ contains
     integer, allocatable :: sorted(:), gauge(:)
     integer :: b, c, l, id, k
     gauge = pack([(k, k=1, size(gauges%ids))], gauges%kept(1, :) == 0)
-    gauge = gauge(order_of(gauges%ids(gauge)))
+    gauge = gauge(ids_order(gauges%ids(gauge)))
     sorted = gauges%ids(gauge)
     do b = 1, size(model%bodies)
       associate (particles => model%bodies(b)%particles)
@@ -223,7 +254,7 @@ contains
           do l = 1, lanes
             id = particles%id(l, c)
             if (id < sorted(1) .or. id > sorted(size(sorted))) cycle
-            k = first_of(sorted, id)
+            k = sorted_first(sorted, id)
             do while (k <= size(sorted))
               if (sorted(k) /= id) exit
               gauges%kept(:, gauge(k)) = [b, l, c]
@@ -235,28 +266,12 @@ contains
     end do
   end subroutine search
 
-  !> Order of ids, ascending.
-  pure function order_of(ids) result(order)
+  !> The order that puts ids into an ascending one.
+  pure function ids_order(ids) result(order)
     integer, intent(in) :: ids(:)
     integer :: order(size(ids))
     call sort_order(int(ids, i8), order)
-  end function order_of
-
-  !> Place of the first of some ascending numbers that is not below a value; size + 1: none.
-  pure integer function first_of(sorted, value) result(first)
-    integer, intent(in) :: sorted(:), value
-    integer :: last, middle
-    first = 1
-    last = size(sorted) + 1
-    do while (first < last)
-      middle = first + (last - first)/2
-      if (sorted(middle) < value) then
-        first = middle + 1
-      else
-        last = middle
-      end if
-    end do
-  end function first_of
+  end function ids_order
 
   !> All particles that some gauge looks at, by one pass over all.
   subroutine look_at_all(gauges, model, initial, looked_at)
@@ -267,7 +282,7 @@ contains
     integer, allocatable :: sorted(:), longer(:, :)
     integer :: b, c, l, n
     sorted = pack(gauges%ids, gauges%cards%radius <= 0.0_dp)
-    sorted = sorted(order_of(sorted))
+    sorted = sorted(ids_order(sorted))
     allocate (looked_at(3, 64))
     n = 0
     do b = 1, size(model%bodies)
@@ -296,66 +311,62 @@ contains
     integer, intent(in) :: sorted(:)   !! ids of the gauges without a radius
     integer, intent(in) :: place(3)    !! body, lane, chunk
     real(dp), parameter :: round_off = 1.0e-12_dp  !! find_members decides
-    real(dp) :: x(3), at_start(3)
-    integer :: g, id, k, nd
+    integer :: id, k
     id = id_at(model, place)
-    k = first_of(sorted, id)
+    k = sorted_first(sorted, id)
     yes = .false.
     if (k <= size(sorted)) yes = sorted(k) == id
-    if (yes .or. .not. any(gauges%cards%radius > 0.0_dp)) return
-    nd = maxval(axes_in_output(:model%mesh%ndim, model%mesh%space))
-    x = snapshot_position(model, place)
-    at_start = x
-    if (allocated(initial)) at_start = initial(:, id)
-    do g = 1, size(gauges%cards)
-      associate (card => gauges%cards(g))
-        if (card%radius <= 0.0_dp) cycle
-        yes = sum((merge(x(:nd), at_start(:nd), card%fixed) - leading(centre(card, model), nd))**2) &
-              <= (1.0_dp + round_off)*card%radius**2
-      end associate
-      if (yes) return
-    end do
+    if (yes) return
+    yes = gauge_spheres_any(gauges%staying, snapshot_position(model, place), round_off)
+    if (yes .or. .not. allocated(initial)) return
+    yes = gauge_spheres_any(gauges%following, initial(:, id), round_off)
   end function seen
 
-  !> The first components of a vector.
-  pure function leading(x, n) result(first)
-    real(dp), intent(in) :: x(3)
-    integer, intent(in) :: n
-    real(dp) :: first(n)
-    first = x(:n)
-  end function leading
-
-  !> The particles of a snapshot that belong to a gauge.
-  pure subroutine find_members(gauges, g, model, snapshot, members)
+  !> The particles of a snapshot that belong to each gauge.
+  subroutine find_members(gauges, snapshot, first, members)
     type(gauges_t), intent(in) :: gauges
-    integer, intent(in) :: g
-    type(model_t), intent(in) :: model
     type(snapshot_t), intent(in) :: snapshot
-    integer, allocatable, intent(out) :: members(:)  !! ascending
-    integer :: p
-    associate (card => gauges%cards(g))
-      if (card%radius <= 0.0_dp) then
-        p = first_of(snapshot%id, gauges%ids(g))  ! the first of those that it was split into
-        members = [integer ::]
-        if (p > size(snapshot%id)) return
-        if (snapshot%id(p) == gauges%ids(g)) members = [p]
-      else if (card%fixed) then
-        members = within(snapshot%position, centre(card, model), snapshot%dimension, card%radius)
-      else
-        members = within(snapshot%initial_position, centre(card, model), snapshot%dimension, &
-                         card%radius)
+    integer, allocatable, intent(out) :: first(:)    !! (gauges + 1) place of a gauge's first
+    integer, allocatable, intent(out) :: members(:)  !! gauge by gauge, in each ascending
+    integer, allocatable :: owner(:)
+    integer :: g, n, p, holding(size(gauges%cards))
+    allocate (owner(64), members(64))
+    n = 0
+    do g = 1, size(gauges%cards)
+      if (gauges%cards(g)%radius > 0.0_dp) cycle
+      p = sorted_first(snapshot%id, gauges%ids(g))  ! the first of those that it was split into
+      if (p > size(snapshot%id)) cycle
+      if (snapshot%id(p) == gauges%ids(g)) call append([g], p)
+    end do
+    do p = 1, size(snapshot%id)
+      g = 0
+      call gauge_spheres_holding(gauges%staying, snapshot%position(:, p), holding, g)
+      if (allocated(snapshot%initial_position)) then
+        call gauge_spheres_holding(gauges%following, snapshot%initial_position(:, p), holding, g)
       end if
-    end associate
+      call append(holding(:g), p)
+    end do
+    owner = owner(:n)
+    members = members(ids_order(owner))
+    allocate (first(size(gauges%cards) + 1), source=0)
+    do p = 1, n
+      first(owner(p) + 1) = first(owner(p) + 1) + 1
+    end do
+    first(1) = 1
+    do g = 1, size(gauges%cards)
+      first(g + 1) = first(g) + first(g + 1)
+    end do
+  contains
+    !> Particle p belongs to some more gauges.
+    subroutine append(to, p)
+      integer, intent(in) :: to(:), p
+      call grow(owner, n, n + size(to))
+      call grow(members, n, n + size(to))
+      owner(n + 1:n + size(to)) = to
+      members(n + 1:n + size(to)) = p
+      n = n + size(to)
+    end subroutine append
   end subroutine find_members
-
-  !> Positions that are not further from a point than a radius.
-  pure function within(position, point, ndim, radius) result(members)
-    real(dp), intent(in) :: position(:, :), point(3), radius
-    integer, intent(in) :: ndim
-    integer, allocatable :: members(:)
-    integer :: p
-    members = pack([(p, p=1, size(position, 2))], distance2(position, point, ndim) <= radius**2)
-  end function within
 
   !> Row of one gauge.
   subroutine write_row(gauges, g, model, snapshot, members, error)
@@ -369,7 +380,7 @@ contains
     integer :: f, p, particle
     if (gauges%cards(g)%radius > 0.0_dp) then
       particle = 0
-      call means(gauges, snapshot, members, values)
+      call gauge_means(gauges%fields, snapshot, members, values)
     else
       p = members(1)
       particle = body_given_id(model%bodies(snapshot%body(p)), snapshot%id(p))
@@ -381,48 +392,5 @@ contains
                                                   real(particle, dp), values], error, &
                                trim(gauges%cards(g)%name))
   end subroutine write_row
-
-  !> Means over the members: position, velocity, fields.
-  pure subroutine means(gauges, snapshot, members, values)
-    type(gauges_t), intent(in) :: gauges
-    type(snapshot_t), intent(in) :: snapshot
-    integer, intent(in) :: members(:)
-    real(dp), allocatable, intent(out) :: values(:)
-    real(dp) :: motion(2*3), total_mass, total_volume
-    integer :: f, m, n, p
-    motion = 0.0_dp
-    n = size(gauges%fields)
-    associate (mass => snapshot%fields(n + 1)%values(1, :), &
-               volume => snapshot%fields(n + 2)%values(1, :))
-      total_mass = 0.0_dp
-      total_volume = 0.0_dp
-      do m = 1, size(members)
-        p = members(m)
-        total_mass = total_mass + mass(p)
-        total_volume = total_volume + volume(p)
-        motion = motion + mass(p)*[snapshot%position(:, p), snapshot%velocity(:, p)]
-      end do
-      values = motion/total_mass
-      do f = 1, n
-        if (gauges%fields(f) == 'density') then
-          values = [values, total_mass/total_volume]
-        else
-          values = [values, mean_of(snapshot%fields(f)%values, volume, members)/total_volume]
-        end if
-      end do
-    end associate
-  end subroutine means
-
-  !> Sum of the members' values, each times its volume, in the order of the particles.
-  pure function mean_of(values, volume, members) result(total)
-    real(dp), intent(in) :: values(:, :), volume(:)
-    integer, intent(in) :: members(:)
-    real(dp) :: total(size(values, 1))
-    integer :: m
-    total = 0.0_dp
-    do m = 1, size(members)
-      total = total + volume(members(m))*values(:, members(m))
-    end do
-  end function mean_of
 
 end module sgmp_gauges

@@ -70,7 +70,7 @@ contains
     logical, intent(in) :: restarted             !! the counts come from a checkpoint
     real(dp), allocatable :: time  !! not allocated in a new run: an absent argument below
     outputs%folder = folder
-    call gauges_start(outputs%gauges, scene%gauges)
+    call gauges_start(outputs%gauges, scene%gauges, model)
     call section_rows_start(outputs%sections, scene%sections, model)
     if (restarted) call count_anew(outputs, scene, model)
     outputs%dump_interval = scene%output%every

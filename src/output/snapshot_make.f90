@@ -8,7 +8,8 @@ module sgmp_snapshot_make
   use sgmp_motion, only: motion_velocity
   use sgmp_parallel, only: parallel_deal, parallel_max, parallel_scan, parallel_sum
   use sgmp_particle_fields, only: most_components, particle_field_components, &
-                                  particle_field_find, particle_field_t, particle_place_t
+                                  particle_field_find, particle_field_t, particle_field_values, &
+                                  particle_place_t
   use sgmp_scene, only: scene_t
   use sgmp_seeding, only: seeding_generate
   use sgmp_snapshot, only: snapshot_field_t, snapshot_t
@@ -139,7 +140,7 @@ contains
       at%position = snapshot%position(:, p)
       if (allocated(initial)) at%initial = initial(:, snapshot%id(p))
       do f = 1, size(kinds)
-        values = kinds(f)%take(body, at)
+        values = particle_field_values(kinds(f), body, at)
         snapshot%fields(f)%values(:, p) = values(:size(snapshot%fields(f)%values, 1))
       end do
     end associate

@@ -1,14 +1,16 @@
 !> The fields of particles that can be written, each a line of one table: name, components, whether
-!! the initial position is needed, and the procedure that takes the values from a particle.
+!! the initial position is needed, and the procedure that takes the values from a particle; behind
+!! them the columns that particles keep and that may be written (sgmp_material_history).
 module sgmp_particle_fields
   use sgmp_body, only: body_t
   use sgmp_kinds, only: dp
+  use sgmp_material_history, only: kept_columns, slots_column
   use sgmp_motion, only: motion_mass
   use sgmp_voigt, only: voigt_name, voigt_names
   implicit none
   private
   public :: particle_field_t, particle_place_t, particle_field_find, particle_field_names, &
-            particle_field_components, most_components
+            particle_field_components, particle_field_values, most_components
 
   integer, parameter :: scalar = 1, vector = 2, tensor = 3
   integer, parameter :: most_components = size(voigt_names)
@@ -31,12 +33,12 @@ module sgmp_particle_fields
     end function take_values
   end interface
 
-  !> One field; nothing has a default, so that a line without a procedure does not compile.
+  !> One field.
   type :: particle_field_t
     character(16) :: name
     integer :: kind                        !! scalar, vector or tensor
     logical :: from_start                  !! the initial position must be known
-    procedure(take_values), pointer, nopass :: take
+    procedure(take_values), pointer, nopass :: take  !! null: the column of its name
   end type particle_field_t
 
 contains
@@ -44,6 +46,7 @@ contains
   !> The table, in the order in which the deck reference lists the names.
   function field_table() result(fields)
     type(particle_field_t), allocatable :: fields(:)
+    integer :: k
     fields = [particle_field_t('initial_position', vector, .true., initial_position), &
               particle_field_t('displacement', vector, .true., displacement), &
               particle_field_t('stress', tensor, .false., stress), &
@@ -51,19 +54,25 @@ contains
               particle_field_t('von_mises', scalar, .false., von_mises), &
               particle_field_t('density', scalar, .false., density), &
               particle_field_t('volume', scalar, .false., volume), &
-              particle_field_t('mass', scalar, .false., mass), &
-              particle_field_t('plastic_strain', scalar, .false., plastic_strain), &
-              particle_field_t('temperature', scalar, .false., temperature), &
-              particle_field_t('damage', scalar, .false., damage), &
-              particle_field_t('energy', scalar, .false., energy), &
-              particle_field_t('distention', scalar, .false., distention), &
-              particle_field_t('bulking', scalar, .false., bulking), &
-              particle_field_t('preconsolidation', scalar, .false., preconsolidation), &
-              particle_field_t('lighting_time', scalar, .false., lighting_time), &
-              particle_field_t('strength', scalar, .false., strength), &
-              particle_field_t('yield_factor', scalar, .false., yield_factor), &
-              particle_field_t('path', scalar, .false., path)]
+              particle_field_t('mass', scalar, .false., mass)]
+    do k = 1, size(kept_columns)
+      if (kept_columns(k)%written) fields = [fields, particle_field_t(kept_columns(k)%name, scalar, &
+                                                                      .false., null())]
+    end do
   end function field_table
+
+  !> Values of a field at one particle; a scalar fills the first of them.
+  pure function particle_field_values(field, body, at) result(values)
+    type(particle_field_t), intent(in) :: field
+    type(body_t), intent(in) :: body
+    type(particle_place_t), intent(in) :: at
+    real(dp) :: values(most_components)
+    if (associated(field%take)) then
+      values = field%take(body, at)
+    else
+      values = stored(body, at, slots_column(body%law%slots, field%name))
+    end if
+  end function particle_field_values
 
   !> All names with blanks between them.
   function particle_field_names() result(names)
@@ -178,84 +187,6 @@ contains
     real(dp) :: values(most_components)
     values = stored(body, at, body%law%slots%volume)
   end function volume
-
-  pure function plastic_strain(body, at) result(values)
-    type(body_t), intent(in) :: body
-    type(particle_place_t), intent(in) :: at
-    real(dp) :: values(most_components)
-    values = stored(body, at, body%law%slots%plastic)
-  end function plastic_strain
-
-  pure function temperature(body, at) result(values)
-    type(body_t), intent(in) :: body
-    type(particle_place_t), intent(in) :: at
-    real(dp) :: values(most_components)
-    values = stored(body, at, body%law%slots%temperature)
-  end function temperature
-
-  pure function damage(body, at) result(values)
-    type(body_t), intent(in) :: body
-    type(particle_place_t), intent(in) :: at
-    real(dp) :: values(most_components)
-    values = stored(body, at, body%law%slots%damage)
-  end function damage
-
-  pure function energy(body, at) result(values)
-    type(body_t), intent(in) :: body
-    type(particle_place_t), intent(in) :: at
-    real(dp) :: values(most_components)
-    values = stored(body, at, body%law%slots%energy)
-  end function energy
-
-  pure function distention(body, at) result(values)
-    type(body_t), intent(in) :: body
-    type(particle_place_t), intent(in) :: at
-    real(dp) :: values(most_components)
-    values = stored(body, at, body%law%slots%distention)
-  end function distention
-
-  pure function bulking(body, at) result(values)
-    type(body_t), intent(in) :: body
-    type(particle_place_t), intent(in) :: at
-    real(dp) :: values(most_components)
-    values = stored(body, at, body%law%slots%bulking)
-  end function bulking
-
-  !> When the detonation arrives.
-  pure function lighting_time(body, at) result(values)
-    type(body_t), intent(in) :: body
-    type(particle_place_t), intent(in) :: at
-    real(dp) :: values(most_components)
-    values = stored(body, at, body%law%slots%lighting)
-  end function lighting_time
-
-  pure function preconsolidation(body, at) result(values)
-    type(body_t), intent(in) :: body
-    type(particle_place_t), intent(in) :: at
-    real(dp) :: values(most_components)
-    values = stored(body, at, body%law%slots%preconsolidation)
-  end function preconsolidation
-
-  pure function strength(body, at) result(values)
-    type(body_t), intent(in) :: body
-    type(particle_place_t), intent(in) :: at
-    real(dp) :: values(most_components)
-    values = stored(body, at, body%law%slots%strength)
-  end function strength
-
-  pure function yield_factor(body, at) result(values)
-    type(body_t), intent(in) :: body
-    type(particle_place_t), intent(in) :: at
-    real(dp) :: values(most_components)
-    values = stored(body, at, body%law%slots%yield_factor)
-  end function yield_factor
-
-  pure function path(body, at) result(values)
-    type(body_t), intent(in) :: body
-    type(particle_place_t), intent(in) :: at
-    real(dp) :: values(most_components)
-    values = stored(body, at, body%law%slots%path)
-  end function path
 
   !> A column of the second stream; zero where the body's material has no such history.
   pure function stored(body, at, column) result(values)

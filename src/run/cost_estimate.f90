@@ -5,13 +5,14 @@ module sgmp_cost_estimate
   use sgmp_air_blast, only: air_blast_wave, blast_arrival, blast_duration, blast_incident, &
                             blast_incident_impulse, blast_reflected, blast_reflected_impulse
   use sgmp_body, only: body_group, body_particle, body_t
-  use sgmp_constitutive, only: material_names, slots_t
+  use sgmp_constitutive, only: material_names
   use sgmp_field, only: field_bytes
   use sgmp_forewarnings, only: shape_mass
   use sgmp_grid_fit, only: grid_fit_moved
   use sgmp_kernels, only: method_names
   use sgmp_kinds, only: dp, i8
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_t
+  use sgmp_material_history, only: kept_columns, slots_t
   use sgmp_model, only: model_t
   use sgmp_particles, only: particles_bytes
   use sgmp_rigid_motion, only: rigid_motion_t
@@ -147,25 +148,16 @@ contains
   !> Fields of the second stream with the card that asked for them.
   subroutine put_slots(slots)
     type(slots_t), intent(in) :: slots
-    call put_slot(slots%stress, integer_text(slots%stresses)// &
-                  ' stress components (dimension, material)')
-    call put_slot(slots%plastic, 'plastic strain (material)')
-    call put_slot(slots%temperature, 'temperature (material with thermal softening)')
-    call put_slot(slots%damage, 'damage (failure, material)')
-    call put_slot(slots%energy, 'internal energy (eos, erode)')
-    call put_slot(slots%distention, 'distention (eos)')
-    call put_slot(slots%pore_shift, 'shift of the curve of elastic pores (eos pore_speed)')
-    call put_slot(slots%bulking, 'bulking pressure (material)')
-    call put_slot(slots%preconsolidation, 'preconsolidation (material)')
-    call put_slot(slots%lighting, 'lighting time (explosive, detonation)')
-    call put_slot(slots%deformation, 'deformation gradient (neo-Hookean material)')
-    call put_slot(slots%stretch, 'diagonal of the deformation gradient (method cpgimp, split)')
-    call put_slot(slots%initial, 'initial position (bodyforce or load that uses it)')
-    call put_slot(slots%swirl, 'velocity around the axis (dimension axisymmetric swirl=yes)')
-    call put_slot(slots%compliance, 'compliance (volumes=kept, eos)')
-    call put_slot(slots%strength, 'strength (failure weibull)')
-    call put_slot(slots%yield_factor, 'factor of the yield stress (material yield_weibull)')
-    call put_slot(slots%path, 'path from the particle that was split (split)')
+    integer :: i, k
+    do i = 1, size(slots%list)
+      k = findloc(kept_columns%name == slots%list(i)%name, .true., 1)
+      if (k == 0) cycle
+      if (kept_columns(k)%name == 'stress') then
+        call put_slot(1, integer_text(slots%stresses)//' '//trim(kept_columns(k)%said))
+      else if (kept_columns(k)%said /= '') then
+        call put_slot(1, trim(kept_columns(k)%said))
+      end if
+    end do
   end subroutine put_slots
 
   !> What is stored for the loads of a body.

@@ -1,6 +1,7 @@
 !> What a run says of itself: the lines of its log and summary.json.
 module sgmp_report
   use sgmp_body, only: body_given_id, body_number
+  use sgmp_body_rows, only: momentum_in_output
   use sgmp_checksum, only: checksum_text
   use sgmp_command_line, only: command_line_t
   use sgmp_energy, only: ledger_drift, ledger_total
@@ -371,16 +372,17 @@ contains
     call summary%set('energy.drift', ledger_drift(model%ledger))
     call summary%set('energy.viscous_dissipation', model%ledger%viscous_dissipation)
     do t = 1, model%ledger%terms%n
-      call summarise_term(summary, model%ledger%terms%term(t))
+      call summarise_term(summary, model, model%ledger%terms%term(t))
     end do
     call summary%set('energy.interpolation_error', model%ledger%interpolation_error)
     call summary%set('energy.predicted_error', model%ledger%predicted)
     call summary%set('energy.remainder', model%ledger%remainder)
   end subroutine summarise_energy
 
-  !> A term of the energy balance, under its name if it has one.
-  subroutine summarise_term(summary, term)
+  !> A term of the energy balance, under its name if it has one; vectors along the axes of output.
+  subroutine summarise_term(summary, model, term)
     type(summary_t), intent(inout) :: summary
+    type(model_t), intent(in) :: model
     type(energy_term_t), intent(in) :: term
     if (term%name == '') return
     if (term%whole) then
@@ -388,7 +390,7 @@ contains
     else if (term%components == 1) then
       call summary%set(trim(term%name), term%value(1))
     else
-      call summary%set(trim(term%name), term%value)
+      call summary%set(trim(term%name), momentum_in_output(model, term%value))
     end if
   end subroutine summarise_term
 

@@ -28,6 +28,7 @@ module sgmp_simulation
   use sgmp_scene, only: scene_t
   use sgmp_spelling, only: string_t
   use sgmp_stability, only: stability_choose
+  use sgmp_stages, only: stage_guard
   use sgmp_step, only: step_take
   use sgmp_stopping, only: stopping_t
   use sgmp_text, only: integer_text, real_text
@@ -337,14 +338,9 @@ contains
     real(dp) :: drift
     if (allocated(model%findings%failure)) return
     drift = ledger_drift(model%ledger)
-    if (model%method%split > 0.0_dp .and. &
-        sum(model%totals%particles) > scene%method%split_most) then
-      call error_make(model%findings%failure, exit_numerical, 'splitting has led to '// &
-                      integer_text(sum(model%totals%particles))//' particles in step '// &
-                      integer_text(model%clock%step)//', more than split_most='// &
-                      integer_text(scene%method%split_most), &
-                      'raise split: particles stay larger; or raise split_most')
-    else if (drift /= drift) then
+    call stage_guard(model)
+    if (allocated(model%findings%failure)) return
+    if (drift /= drift) then
       call error_make(model%findings%failure, exit_numerical, &
                       'the total energy is not a number in step '// &
                       integer_text(model%clock%step), &

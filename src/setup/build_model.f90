@@ -9,16 +9,15 @@ module sgmp_build_model
   use sgmp_build_columns, only: columns_build
   use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
-  use sgmp_constitutive, only: constitutive_t, eos_none, law_first_history, law_is_spherical, &
-                               law_set_length, &
-                               law_slots, slots_t
+  use sgmp_constitutive, only: eos_none, law_is_spherical, law_set_length, law_slots
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
-                                contact_no_surface, contact_pairs
+                                contact_pairs
+  use sgmp_debris, only: debris_possible
   use sgmp_driven_build, only: driven_add_columns, driven_declare, driven_fill, driven_number
   use sgmp_energy, only: ledger_open
-  use sgmp_debris, only: debris_possible
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_expression, only: expression_places
+  use sgmp_features, only: features_walls_act
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
   use sgmp_kernels, only: bin_span, method_band, method_cpgimp, method_half_size, method_kernel, &
@@ -27,6 +26,7 @@ module sgmp_build_model
   use sgmp_load, only: load_is_bound
   use sgmp_loads_build, only: loads_add_columns, loads_declare, loads_fill
   use sgmp_lost_policy, only: lost_reflect, lost_remove
+  use sgmp_material_history, only: slots_ask, slots_first_values
   use sgmp_material_weight, only: stress_energy
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_method, only: method_t
@@ -42,7 +42,7 @@ module sgmp_build_model
   use sgmp_rigid_motion, only: motion_energy
   use sgmp_scene, only: body_card_t, scene_space, scene_t, time_card_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
-  use sgmp_stages, only: stage_terms
+  use sgmp_stages, only: stage_columns, stage_terms
   use sgmp_step, only: step_start
   use sgmp_strength, only: strength_factor
   use sgmp_sums, only: removed_causes, removed_sums
@@ -77,10 +77,9 @@ contains
                              grid%wall)
     end associate
     model%mesh%hoop = scene%method%hoop
-    model%mesh%wall_friction = scene%grid%wall_friction
     model%mesh%walls_weigh = scene%grid%reactions
     model%wall_motion%velocity = scene%grid%wall_velocity
-    call wall_motion_start(model%wall_motion, model%mesh)
+    call wall_motion_start(model%wall_motion, features_walls_act(scene%features), model%mesh)
     call set_method(scene, model%method)
     if (model%mesh%walls_act) model%method%debris_speed = 0.0_dp
     kernel = method_kernel(scene%method%kind)
@@ -139,7 +138,7 @@ contains
     method%interior = scene%method%interior
     method%relaxed = scene%method%volumes_kept
     method%debris_speed = debris_speed(scene)
-    method%split = scene%method%split
+    method%features = scene%features
     method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
     method%surfaces = scene%method%surfaces .and. scene%dimension > 1
     method%normalised_solids = scene%method%normalised_auto
@@ -247,12 +246,9 @@ contains
       call law_set_length(body%law, mesh%h, method_band(scene%method%kind)*mesh%h)
       body%law%rigid = body%rigid
       call keep_energy(scene, body)
-      call law_slots(body%law, tensor_axes(scene), &
-                     stretch=merge(mesh%ndim, 0, body%sides_stretch .or. splits(scene, body)), &
-                     initial=merge(mesh%ndim, 0, needs_initial(body)))
-      call contact_add_slot(scene, number, body%law%slots)
-      call add_columns(scene, body%law)
-      if (splits(scene, body)) call add_column(body%law%slots, body%law%slots%path)
+      call law_slots(body%law, tensor_axes(scene))
+      call add_columns(scene, number, mesh%ndim, body)
+      call stage_columns(scene%features, mesh%ndim, body)
       call loads_add_columns(mesh%ndim, body)
       call driven_add_columns(body)
       do d = 1, mesh%ndim
@@ -262,7 +258,7 @@ contains
       if (allocated(error)) return
       call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, &
                           material%law%density, volume, &
-                          first_history(card, body, tensor_axes(scene)), first_id, ids, &
+                          first_history(card, body), first_id, ids, &
                           bin_span(kernel, mesh%ndim))
       body%particles%path = body%law%slots%path
       call ranks_hold(model%ranks%partition, body%particles)
@@ -315,37 +311,27 @@ contains
     n = merge(3, scene%dimension, scene%swirl)
   end function tensor_axes
 
-  !> Columns for swirl, for limits of failure and yield stresses that scatter, and for the
-  !! compliance of matter whose pressure follows its volume.
-  pure subroutine add_columns(scene, law)
+  !> Columns that the method needs, those of limits of failure and yield stresses that scatter, and
+  !! of the compliance of matter whose pressure follows its volume.
+  pure subroutine add_columns(scene, number, ndim, body)
     type(scene_t), intent(in) :: scene
-    type(constitutive_t), intent(inout) :: law
-    if (scene%swirl) call add_column(law%slots, law%slots%swirl)
-    if (law%failure%weibull > 0.0_dp .and. .not. law%rigid) then
-      call add_column(law%slots, law%slots%strength)
-    end if
-    if (law%scatter%weibull > 0.0_dp .and. .not. law%rigid) then
-      call add_column(law%slots, law%slots%yield_factor)
-    end if
-    if (.not. scene%method%volumes_kept .or. law%eos == eos_none .or. law%rigid) return
-    call add_column(law%slots, law%slots%compliance)
+    integer, intent(in) :: number, ndim
+    type(body_t), intent(inout) :: body
+    real(dp), parameter :: one(1) = 1.0_dp, none(3) = 0.0_dp
+    associate (law => body%law, slots => body%law%slots)
+      if (body%sides_stretch) call slots_ask(slots, 'stretch', spread(1.0_dp, 1, ndim))
+      if (needs_initial(body)) call slots_ask(slots, 'initial', none(:ndim))
+      call contact_add_slot(scene, number, slots)
+      if (scene%swirl) call slots_ask(slots, 'swirl', none(:1))
+      if (law%failure%weibull > 0.0_dp .and. .not. law%rigid) call slots_ask(slots, 'strength', one)
+      if (law%scatter%weibull > 0.0_dp .and. .not. law%rigid) then
+        call slots_ask(slots, 'yield_factor', one)
+      end if
+      if (scene%method%volumes_kept .and. law%eos /= eos_none .and. .not. law%rigid) then
+        call slots_ask(slots, 'compliance', none(:1))
+      end if
+    end associate
   end subroutine add_columns
-
-  !> One more column of the particles' second stream.
-  pure subroutine add_column(slots, column)
-    type(slots_t), intent(inout) :: slots
-    integer, intent(inout) :: column
-    slots%total = slots%total + 1
-    column = slots%total
-  end subroutine add_column
-
-  !> Whether particles of a body are split where they are stretched.
-  pure function splits(scene, body) result(yes)
-    type(scene_t), intent(in) :: scene
-    type(body_t), intent(in) :: body
-    logical :: yes
-    yes = scene%method%split > 0.0_dp .and. .not. body%rigid
-  end function splits
 
   !> Body forces that act on a body; a card for the body itself comes before one for all.
   subroutine attach_force(scene, number, body)
@@ -373,20 +359,13 @@ contains
   end function needs_initial
 
   !> First values of the history columns behind the volume: what the law says, and the card's own.
-  pure function first_history(card, body, ndim) result(history)
+  pure function first_history(card, body) result(history)
     type(body_card_t), intent(in) :: card
     type(body_t), intent(in) :: body
-    integer, intent(in) :: ndim                  !! of stress and deformation
     real(dp) :: history(2:body%law%slots%total)
-    history = law_first_history(body%law, ndim)
-    associate (slots => body%law%slots)
-      if (slots%surface > 0) history(slots%surface) = contact_no_surface
-      if (slots%path > 0) history(slots%path) = 1.0_dp
-      if (slots%strength > 0) history(slots%strength) = 1.0_dp
-      if (slots%yield_factor > 0) history(slots%yield_factor) = 1.0_dp
-      if (slots%temperature > 0 .and. card%temperature >= 0.0_dp) then
-        history(slots%temperature) = card%temperature
-      end if
+    history = slots_first_values(body%law%slots)
+    associate (temperature => body%law%slots%temperature)
+      if (temperature > 0 .and. card%temperature >= 0.0_dp) history(temperature) = card%temperature
     end associate
   end function first_history
 

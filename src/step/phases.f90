@@ -327,7 +327,7 @@ contains
       end if
       allocate (sums(nodes_sums, fields(f)%planes), source=0.0_dp)
       if (fields(f)%columns%driven > 0) call clear_drives(fields(f))
-      call field_solve(fields(f), mesh, dt, method%work_lag, method%gravity, method%cutoff, &
+      call field_solve(fields(f), mesh, method, dt, &
                        body_forced(bodies, f), team, partition, sums)
       call halo_own_planes(fields(f), partition, p1, p2)
       do p = p1, p2
@@ -368,7 +368,8 @@ contains
   end subroutine phase_velocity
 
   !> Nodal velocity re-mapped from the updated particles (MUSL).
-  subroutine phase_remap(mesh, fields, bodies, team, partition)
+  subroutine phase_remap(method, mesh, fields, bodies, team, partition)
+    type(method_t), intent(in) :: method
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
@@ -380,7 +381,7 @@ contains
       if (b > 0) then
         call rigid_velocity(bodies(b), mesh, .false., node_remapped, fields(f))
       else
-        call field_remap(fields(f), mesh, team, partition)
+        call field_remap(fields(f), mesh, method, team, partition)
       end if
     end do
   end subroutine phase_remap

@@ -117,6 +117,7 @@ contains
     type(plan_t) :: plan
     plan%step = model%clock%step + 1
     plan%began = model%clock%time
+    plan%features = model%method%features
     plan%dt_work = clock_kick_step(model%clock)
     plan%work_lag = model%method%work_lag
     plan%lost_policy = model%method%lost_policy

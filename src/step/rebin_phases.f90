@@ -60,7 +60,7 @@ contains
       do b = 1, size(bodies)
         if (bodies(b)%rigid) cycle
         if (.not. (plan%loses .or. bodies(b)%law%erosion%given .or. bodies(b)%leaves)) cycle
-        call book_removed(plan, b, bodies, team%movers(b, :size(team%movers, 2) - 1), findings)
+        call book_removed(b, bodies, team%movers(b, :size(team%movers, 2) - 1), findings)
       end do
       if (ranks%partition%ranks > 1) then
         call exchange_movers(plan, mesh, bodies, team%movers, ranks, findings, timers)
@@ -118,8 +118,7 @@ contains
   end subroutine report_escaped
 
   !> Adds what particles of a body that are removed take along to the sums of the step.
-  subroutine book_removed(plan, b, bodies, lists, findings)
-    type(plan_t), intent(in) :: plan
+  subroutine book_removed(b, bodies, lists, findings)
     integer, intent(in) :: b                     !! the body
     type(body_t), intent(in) :: bodies(:)
     type(movers_t), intent(in) :: lists(:)       !! of the body, of its own slabs
@@ -131,18 +130,17 @@ contains
         if (lists(s)%eroded(m)) then
           call tally_add(findings%tally, first + removed_sums*merge( &
                          removed_by_card, removed_by_erosion, bodies(b)%leaves), &
-                         taken_along(plan, bodies(b), lists(s)%particle(:, m)))
+                         taken_along(bodies(b), lists(s)%particle(:, m)))
         else if (lists(s)%gone(m)) then
           call tally_add(findings%tally, first + removed_by_loss*removed_sums, &
-                         taken_along(plan, bodies(b), lists(s)%particle(:, m)))
+                         taken_along(bodies(b), lists(s)%particle(:, m)))
         end if
       end do
     end do
   end subroutine book_removed
 
   !> What a particle takes along; with swirl its third momentum is that about the axis.
-  pure function taken_along(plan, body, particle) result(terms)
-    type(plan_t), intent(in) :: plan
+  pure function taken_along(body, particle) result(terms)
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: particle(:)          !! columns of motion, then of state
     real(dp) :: terms(removed_sums)
@@ -160,10 +158,11 @@ contains
         terms(removed_kinetic) = 0.5_dp*mass*sum(velocity**2)
       end associate
       terms(removed_internal) = mass/law%density*particle(columns + law%slots%energy)
-      if (.not. plan%swirl) return
-      around = particle(columns + law%slots%swirl)
-      terms(removed_momentum + 2) = mass*around*particle(1)
-      terms(removed_kinetic) = terms(removed_kinetic) + 0.5_dp*mass*around**2
+      if (law%slots%swirl == 0) return
+      around = particle(columns + law%slots%swirl)  ! v_theta X
+      terms(removed_momentum + 2) = mass*around
+      terms(removed_kinetic) = terms(removed_kinetic) + &
+                               0.5_dp*mass*(around/max(particle(1), tiny(1.0_dp)))**2
     end associate
   end function taken_along
 

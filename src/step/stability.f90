@@ -22,6 +22,7 @@ module sgmp_stability
   use sgmp_kernels, only: stencil_reach
   use sgmp_kinds, only: dp, i8
   use sgmp_mesh, only: wall_kick
+  use sgmp_method, only: method_t
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_exact_sums
   use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_rotation, &
@@ -83,13 +84,11 @@ contains
     real(dp) :: alpha(most_iterations), beta(most_iterations), square, largest
     integer :: f, j, n
     real(dp) :: wall_motion(3, 2, 3, 2)
-    logical :: smoothing, walls_rub
+    logical :: smoothing
     smoothing = model%method%update /= update_usl
     allocate (saved, source=model%fields)
     wall_motion = model%mesh%wall_motion
     model%mesh%wall_motion = 0.0_dp  ! waves run as if walls were at rest, and smooth
-    walls_rub = model%mesh%walls_rub
-    model%mesh%walls_rub = .false.
     do f = 1, size(model%fields)  ! and of parts that are moved as if they were free
       if (model%fields(f)%columns%driven > 0) model%fields(f)%drives%acts = .false.
     end do
@@ -119,7 +118,6 @@ contains
     end do
     call move_alloc(saved, model%fields)
     model%mesh%wall_motion = wall_motion
-    model%mesh%walls_rub = walls_rub
     courant = 2.0_dp*stencil_reach(model%fields(1)%kernel)
     if (n == 0) return
     largest = largest_eigenvalue(alpha(:n), beta(2:n))
@@ -181,8 +179,11 @@ contains
   subroutine accelerate(model)
     type(model_t), intent(inout) :: model
     type(plan_t) :: plan
+    type(method_t) :: still                      !! no gravity, no features: stresses alone
     real(dp), allocatable :: sums(:, :)
     integer :: f
+    still%cutoff = model%method%cutoff
+    still%work_lag = 0.0_dp
     plan%probe = .true.
     plan%stress = .true.
     plan%gradient = node_acceleration
@@ -192,8 +193,8 @@ contains
     do f = 1, size(model%fields)
       if (rigid_field(model%bodies, f) > 0) cycle
       allocate (sums(nodes_sums, model%fields(f)%planes), source=0.0_dp)  ! ledger: unused
-      call field_solve(model%fields(f), model%mesh, 0.0_dp, 0.0_dp, [0.0_dp, 0.0_dp, 0.0_dp], &
-                       model%method%cutoff, .false., model%team, model%ranks%partition, sums)
+      call field_solve(model%fields(f), model%mesh, still, 0.0_dp, .false., model%team, &
+                       model%ranks%partition, sums)
       deallocate (sums)
     end do
   end subroutine accelerate
@@ -202,6 +203,7 @@ contains
   subroutine smooth(model)
     type(model_t), intent(inout) :: model
     type(plan_t) :: plan
+    type(method_t) :: still
     integer :: f
     plan%probe = .true.
     plan%momentum = .true.
@@ -209,7 +211,7 @@ contains
     call probe(model, plan)
     do f = 1, size(model%fields)
       if (rigid_field(model%bodies, f) > 0) cycle
-      call field_remap(model%fields(f), model%mesh, model%team, model%ranks%partition)
+      call field_remap(model%fields(f), model%mesh, still, model%team, model%ranks%partition)
     end do
   end subroutine smooth
 

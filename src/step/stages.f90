@@ -5,7 +5,8 @@
 !! the model that they read or change. A feature that the scene does not ask for is not called.
 !!
 !!   step              stage               features
-!!   before the run    terms               all that change the energy after the kick
+!!   before the run    columns             splitting
+!!                     terms               all that change the energy after the kick
 !!   start             open                bodies that are removed, driven parts, rotation, surfaces
 !!   stress first      project             walls that rub
 !!                     meet                contact
@@ -20,12 +21,15 @@
 !!   re-map            strain_velocity     contact
 !!                     place               rotation
 !!                     after_remap         rotation, kept volumes
-!!   sweeps            plan                kept volumes, splitting
+!!   sweeps            plan                kept volumes
 !!                     sweep               surfaces
 !!   sums known        close               rigid bodies, driven parts
 !!   books closed      finish              damping (stress last)
+!!                     guard               splitting
+!!   after the run     objection           walls that rub
 module sgmp_stages
   use sgmp_absorbing_account, only: absorbing_account
+  use sgmp_body, only: body_t
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_step_t
   use sgmp_contact_stages, only: phase_contact_force, phase_contact_velocity, phase_find_contact
@@ -35,6 +39,7 @@ module sgmp_stages
   use sgmp_debris_stages, only: phase_collisions, phase_debris_mass
   use sgmp_driven_parts, only: driven_any, driven_book, driven_choose, driven_publish
   use sgmp_erosion_account, only: erosion_account
+  use sgmp_features, only: features_t
   use sgmp_kinds, only: dp
   use sgmp_loss_account, only: loss_account
   use sgmp_mesh, only: wall_speed
@@ -48,24 +53,33 @@ module sgmp_stages
   use sgmp_rigid_bodies, only: rigid_advance, rigid_choose_speed
   use sgmp_rigid_stages, only: free_any, free_close, free_open, free_settle
   use sgmp_splitting_account, only: splitting_account
+  use sgmp_splitting_stages, only: splitting_columns, splitting_guard
   use sgmp_swirl_account, only: swirl_account
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_grid, phase_kick, timers_stop
   use sgmp_update, only: update_strains_before, update_usavg, update_usl
   use sgmp_volumes_account, only: volumes_account
-  use sgmp_wall_account, only: wall_account
+  use sgmp_wall_friction_account, only: wall_friction_account
+  use sgmp_wall_friction_stages, only: wall_friction_objection, wall_velocity_rubbed
   use sgmp_wall_motion, only: wall_motion_choose
   use sgmp_wall_reaction, only: phase_wall_reaction, reaction_account
-  use sgmp_wall_stages, only: wall_velocity_rubbed
   use sgmp_wall_work, only: phase_wall_work
   implicit none
   private
-  public :: stage_after_remap, stage_after_solve, stage_before_solve, &
-            stage_brings_stress, stage_close, stage_finish, stage_forces, stage_meet, stage_open, &
-            stage_place, stage_plan, stage_project, stage_strain_velocity, stage_sweep, stage_terms
-
+  public :: stage_after_remap, stage_after_solve, stage_before_solve, stage_brings_stress, &
+            stage_close, stage_columns, stage_finish, stage_forces, stage_guard, &
+            stage_meet, stage_objection, stage_open, stage_place, stage_plan, stage_project, &
+            stage_strain_velocity, stage_sweep, stage_terms
 
 contains
+
+  !> Before the run: columns of the particles of a body beside those of its law and of the method.
+  pure subroutine stage_columns(features, ndim, body)
+    type(features_t), intent(in) :: features
+    integer, intent(in) :: ndim
+    type(body_t), intent(inout) :: body
+    call splitting_columns(features%splitting, ndim, body)
+  end subroutine stage_columns
 
   !> Before the run: terms of the energy balance beside those of the scheme, in the order in which a
   !! step books them and history.csv shows them.
@@ -74,13 +88,13 @@ contains
     associate (method => model%method, terms => model%ledger%terms)
       if (method%relaxed) call volumes_account(terms)
       if (method%debris_speed > 0.0_dp) call debris_account(terms)
-      if (method%split > 0.0_dp) call splitting_account(terms)
+      if (method%features%splitting%limit > 0.0_dp) call splitting_account(terms)
       if (method%swirl) call swirl_account(terms)
       if (method%damped) call damping_account(terms)
       if (method%erodes) call erosion_account(terms)
       if (method%loses) call loss_account(terms)
       if (method%removes) call removal_account(terms)
-      if (model%mesh%walls_rub) call wall_account(terms)
+      if (method%features%wall_friction%rubs) call wall_friction_account(terms)
       if (model%mesh%walls_weigh) call reaction_account(terms, model%mesh)
       if (any(model%mesh%absorbs)) call absorbing_account(terms)
     end associate
@@ -107,7 +121,7 @@ contains
     type(model_t), intent(inout) :: model
     associate (mesh => model%mesh, fields => model%fields, bodies => model%bodies, &
                team => model%team)
-      if (mesh%walls_rub) then
+      if (model%method%features%wall_friction%rubs) then
         call wall_velocity_rubbed(model%method, clock_kick_step(model%clock), mesh, fields, &
                                   bodies, team, model%ranks%partition)
       else
@@ -241,7 +255,6 @@ contains
   subroutine stage_plan(model, plan)
     type(model_t), intent(in) :: model
     type(plan_t), intent(inout) :: plan
-    if (plan%drift .and. plan%strain) plan%split = model%method%split
     if (plan%gradient == node_remapped) plan%relax = model%method%relaxed
   end subroutine stage_plan
 
@@ -275,6 +288,24 @@ contains
     call damping_book_kick(model%ledger, dt_kick, model%totals%sums%power_before)
     if (.not. strains_first(model%method)) call slow_down(model, dt_kick)
   end subroutine stage_finish
+
+  !> After each step: what must not go on is a failure.
+  subroutine stage_guard(model)
+    type(model_t), intent(inout) :: model
+    if (model%method%features%splitting%limit > 0.0_dp) call splitting_guard(model)
+  end subroutine stage_guard
+
+  !> After the run: by which part its numbers are inexact, and why; 1: the run is doubtful.
+  subroutine stage_objection(model, inexact, reason)
+    type(model_t), intent(in) :: model
+    real(dp), intent(out) :: inexact
+    character(:), allocatable, intent(out) :: reason
+    inexact = 0.0_dp
+    reason = ''
+    if (model%method%features%wall_friction%rubs) then
+      call wall_friction_objection(model%ledger%terms, inexact, reason)
+    end if
+  end subroutine stage_objection
 
   !> Damping. What strains the particles must be the velocity that has moved them: where the step to
   !! come strains with it they keep it until then, or they would go further than they are strained.

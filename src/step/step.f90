@@ -147,7 +147,8 @@ contains
   !> Velocity of the nodes from the updated particles (MUSL).
   subroutine remap(model)
     type(model_t), intent(inout) :: model
-    call phase_remap(model%mesh, model%fields, model%bodies, model%team, model%ranks%partition)
+    call phase_remap(model%method, model%mesh, model%fields, model%bodies, model%team, &
+                     model%ranks%partition)
     call stage_strain_velocity(model, .false.)
     call stage_place(model, [node_remapped, node_velocity(model%mesh%ndim)], 0.0_dp)
     call phase_mirror(model%mesh, model%fields, model%bodies, [node_remapped], [wall_speed], &

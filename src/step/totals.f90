@@ -14,7 +14,7 @@ module sgmp_totals
   use sgmp_parallel, only: parallel_agree, parallel_max_place
   use sgmp_partition, only: partition_t
   use sgmp_rigid_motion, only: freedoms
-  use sgmp_sums, only: nodes_external, nodes_friction, nodes_lost, nodes_mass_aa, &
+  use sgmp_sums, only: nodes_external, nodes_lost, nodes_mass_aa, nodes_taken, &
                        nodes_mass_av, nodes_sums, removed_internal, removed_kinetic, &
                        removed_mass, removed_moment, removed_momentum, removed_sums, &
                        sum_applied, sum_internal, sum_kinetic, sum_loose, sum_mass_aa, &
@@ -192,7 +192,7 @@ contains
     all%power_before = all%power_before + sums(nodes_mass_av)
     all%external_power = all%external_power + sums(nodes_external)
     all%lost_force = all%lost_force + sums(nodes_lost)
-    all%friction_power = all%friction_power + sums(nodes_friction)
+    all%taken_power = all%taken_power + sums(nodes_taken)
   end subroutine add_nodes
 
   !> Adds what contact did.

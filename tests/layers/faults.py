@@ -17,7 +17,7 @@ FAULTS = {
     "an arrow upwards": (KINDS, "  USE, non_intrinsic :: sgmp_mesh, only: mesh_t\n", "base may not use mesh"),
     "an arrow upwards to a generic module": (KINDS, "  use sgmp_auxmesh_3d\n", "base may not use"),
     "an arrow upwards by inclusion": (KINDS, "#include \"above.inc\"\n", "base may not use run (src/run/above.inc)"),
-    "a kernel that uses a feature's stages": ("kernels/nodes.F90", "  use sgmp_wall_stages\n", "kernels may not use step"),
+    "a kernel that uses a feature's stages": ("kernels/nodes.F90", "  use sgmp_wall_friction_stages\n", "kernels may not use step"),
     "a feature's point procedures that use the step": ("features/swirl/swirl.f90", "  use sgmp_model\n", "features may not use step"),
     "a feature's stages that use the setup": (STAGES, "  use sgmp_build_model\n", "step may not use setup"),
     "a feature's card that uses the step": ("features/swirl/new_card.f90", "  use sgmp_model\n", "deck may not use step"),

@@ -11,6 +11,8 @@ os.makedirs(SCRATCH, exist_ok=True)
 # Open MPI starts faster without a daemon of its own, but then needs a folder that no other script uses.
 ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive", "OMPI_MCA_ess_singleton_isolated": "1",
                "OMPI_MCA_orte_tmpdir_base": SCRATCH, "SGMP_THREADS": "exact"}
+# Long scripts are run in pieces, side by side (tests/CMakeLists.txt): number of this one, and how many there are.
+PIECE, PIECES = (int(number) for number in os.environ.get("SGMP_TEST_PIECE", "1/1").split("/"))
 # The mutation tool asks whether anything fails, not what.
 FIRST_ENDS = os.environ.get("SGMP_TEST_FIRST_ENDS", "") not in ("", "0")
 
@@ -337,6 +339,11 @@ def number(text):
         return float(text)
     except ValueError:
         return float(re.sub(r"(\d)([+-]\d{3})$", r"\1E\2", text)) if re.match(r"[-+.\d]", text) else text
+
+
+def own(items):
+    """Those that belong to this piece of the script."""
+    return list(items)[PIECE - 1::PIECES]
 
 
 def run(name, deck, threads=1, options=(), timeout=300, **settings):

@@ -6,7 +6,7 @@ usage: decks.py SGMP SOURCE_DIR SCRATCH_DIR
 import math
 import os
 
-from _runs import INPUT, Report, run
+from _runs import INPUT, Report, own, run
 
 # deck: parameters that shorten it; the total energy may change by these fractions of its reference, the second with usl. They
 # are regression values, twice the largest drift of any method: velocities belong to the middle of steps, stresses to their
@@ -63,21 +63,21 @@ def main():
     decks = {name for name in os.listdir(INPUT) if name.endswith(".inp")}
     for deck in sorted(decks ^ set(SHORT)):
         report.check(False, f"{deck}: in input/ or in this test, but not in both")
-    for deck in sorted(decks & set(SHORT)):
+    for deck in own(sorted(decks & set(SHORT))):
         result = run("check", deck, options=["--check"])
         report.check(result.code == 0 and "memory" in result.text, f"{deck} --check: {result.code}\n{result.text}")
         for method in ("mpm", "gimp", "cpgimp", "bspline", "sgmp"):
             for update in ("usf", "musl", "usl"):
                 check(report, deck, method, update, {})
-    for deck in sorted(decks & set(SHORT)):
+    for deck in own(sorted(decks & set(SHORT))):
         check(report, deck, "sgmp", "usavg", {})
         with open(os.path.join(INPUT, deck), encoding="utf-8") as file:
             if "parameter stress" in file.read():
                 check(report, deck, "sgmp", "musl", {"stress": "normalised"})
-    for deck, more in VARIANTS:
+    for deck, more in own(VARIANTS):
         for method in ("mpm", "gimp", "sgmp"):
             check(report, deck, method, "musl", more)
-    for deck in sorted(os.listdir(os.path.join(INPUT, "gallery"))):
+    for deck in own(sorted(os.listdir(os.path.join(INPUT, "gallery")))):
         if deck.endswith(".inp"):
             result = run("check", os.path.join("gallery", deck), options=["--check"])
             report.check(result.code == 0 and "memory" in result.text, f"gallery/{deck} --check: {result.code}\n{result.text}")

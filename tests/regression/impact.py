@@ -264,6 +264,8 @@ def debris(report):
         )
         for time in (0, 0.05, 0.074, 0.2)
     ]
+    back = Cloud((0, 0, -20) - 0.01 * velocity, -velocity, failed=True)  # what has bounced is not the cloud that came
+    dumps.append((0.3, {"ball": back, "bumper": Cloud(points), "wall": rear_wall}))
     folder = os.path.join(SCRATCH, "cloud")
     write_run(folder, dumps, spacing=S, cell=H)
     code, text = view("impact", folder, "--step", "1", "--json", "cloud.json", "--csv", "cloud.csv")
@@ -301,7 +303,7 @@ def debris(report):
     with open("cloud.csv", encoding="utf-8") as file:
         rows = file.read().splitlines()
     report.check(
-        len(rows) == 1 + 2 * 4 and rows[0].startswith("time,name,") and "cloud.front_speed" in rows[0],
+        len(rows) == 1 + 2 * 5 and rows[0].startswith("time,name,") and "cloud.front_speed" in rows[0],
         f"a row for each wall of each dump: {rows[:2]}",
     )
 

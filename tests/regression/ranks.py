@@ -13,7 +13,7 @@ import re
 import subprocess
 
 from _runs import (CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, METALS, RUBBED, SCRATCH, SCATTERED, SEAT, SGMP,
-                   SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run)
+                   SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run, own)
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]
@@ -372,10 +372,10 @@ def main():
     report = Report()
     scenes = [*every_way(), *piles(), *SCENES] if FULL else SCENES
     with concurrent.futures.ThreadPoolExecutor(2 if FULL else 1) as lanes:
-        for own in lanes.map(lambda scene: same_everywhere(*scene), scenes):
-            report.add(own)
-    balanced(report)
-    one_message(report)
+        for part in lanes.map(lambda scene: same_everywhere(*scene), own(scenes)):
+            report.add(part)
+    for other in own((balanced, one_message)):
+        other(report)
     report.end()
 
 

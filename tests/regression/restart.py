@@ -6,7 +6,7 @@ usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 import os
 
 from _restarts import FULL, checkpoints, command, deck, execute, goes_on, mpirun, same_files, straight
-from _runs import CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, RUBBED, SCATTERED, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report
+from _runs import CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, RUBBED, SCATTERED, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report, own
 
 EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
 # Particles leave the grid on two sides, where they are dropped or turned back.
@@ -197,18 +197,16 @@ def other_fields(report):
 def main():
     """Straight and interrupted runs of all scenes."""
     report = Report()
-    kept(report)
-    other_fields(report)
-    other_ranks(report)
-    for name, text, settings, steps, threads in SCENES:
-        for method, update in variants(name):
-            choice = {"method": method, "update": update} if "include" in text else {}
-            title = f"{name}_{method}_{update}"
-            card = text + f"checkpoint every={max(2, steps//5)} keep=100\n"
-            reference = straight(report, title, card, **{**choice, **settings})
-            saved = checkpoints(reference.folder)
-            if report.check(len(saved) > 2, f"{title}: {reference.text} only the checkpoints {saved} of {steps} steps"):
-                goes_on(report, reference, title + "_restarted", card, saved[len(saved)//2 - 1], threads, **{**choice, **settings})
+    for other in own((other_ranks, kept, other_fields)):
+        other(report)
+    for (name, text, settings, steps, threads), (method, update) in own((scene, variant) for scene in SCENES for variant in variants(scene[0])):
+        choice = {"method": method, "update": update} if "include" in text else {}
+        title = f"{name}_{method}_{update}"
+        card = text + f"checkpoint every={max(2, steps//5)} keep=100\n"
+        reference = straight(report, title, card, **{**choice, **settings})
+        saved = checkpoints(reference.folder)
+        if report.check(len(saved) > 2, f"{title}: {reference.text} only the checkpoints {saved} of {steps} steps"):
+            goes_on(report, reference, title + "_restarted", card, saved[len(saved)//2 - 1], threads, **{**choice, **settings})
     report.end()
 
 

@@ -5,7 +5,7 @@ usage: threads.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import os
 
-from _runs import CONE, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, METALS, SCATTERED, SEAT, SPLIT, SPLIT_GAS, SPLIT_SPACE, SWIRL, Report, run
+from _runs import CONE, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, METALS, SCATTERED, SEAT, SPLIT, SPLIT_GAS, SPLIT_SPACE, SWIRL, Report, own, run
 
 # Detonation from a corner of a charge in two or three dimensions, walls on two sides.
 CHARGE = """
@@ -63,7 +63,7 @@ SCENES = [
 
 def same_for_threads(report):
     """1, 2 and 3 threads, once 7; all methods and updates with the block that drifts through the grid."""
-    for name, deck, settings in SCENES:
+    for name, deck, settings in own(SCENES):
         everything = name in ("jittered", "rings", "rotated_bar")
         for method in ("sgmp", "gimp", "mpm", "cpgimp", "bspline") if everything else ("sgmp",):
             for update in ("musl", "usf", "usl", "usavg") if everything and method in ("sgmp", "gimp") else ("musl",):
@@ -101,8 +101,8 @@ def same_for_output(report):
 def main():
     """All of it."""
     report = Report()
-    other_state_other_sum(report)
-    same_for_output(report)
+    for other in own((other_state_other_sum, same_for_output)):
+        other(report)
     same_for_threads(report)
     report.end()
 

@@ -23,9 +23,13 @@ if not all(importlib.util.find_spec(name) for name in ("numpy", "matplotlib")):
 sys.path.insert(0, os.path.join(SOURCE, "python"))
 import numpy as np  # noqa: E402
 import sgmp_view  # noqa: E402
+from matplotlib import pyplot as plt  # noqa: E402
+from matplotlib.text import Text  # noqa: E402
 from sgmp_view import command  # noqa: E402
 from sgmp_view.gauges import summary_of  # noqa: E402
 from sgmp_view.grid_convergence import richardson  # noqa: E402
+from sgmp_view.movie import add_scale_bar, round_length  # noqa: E402
+from sgmp_view.picture import choose_norm, draw_particles  # noqa: E402
 from sgmp_view.profile import layers  # noqa: E402
 from sgmp_view.revolve import revolve  # noqa: E402
 from sgmp_view.slice_ import mirrored  # noqa: E402
@@ -179,6 +183,29 @@ def figures(report):
         check(report, code == 1 and saying in text and "Traceback" not in text, f"{' '.join(words)} is refused in words", text)
 
 
+def drawing(report):
+    """Nothing is drawn in the colour of the page; films have a bar of a round length."""
+    for norm, colours in (choose_norm(np.array([-1.0, 0.0, 1.0])), choose_norm(np.array([0.0, 1.0]))):
+        shades = plt.get_cmap(colours)(np.linspace(0, 1, 201))[:, :3]
+        darkest = shades.min(axis=1).max()
+        check(report, darkest < 0.85, "all colours of a map differ from white", f"{darkest} of {norm.vmin} to {norm.vmax}")
+    check(report, [round_length(width) for width in (4, 7.9, 8, 20, 100, 0.03)] == [1, 1, 2, 5, 20, 0.005], "lengths of scale bars",
+          str([round_length(width) for width in (4, 7.9, 8, 20, 100, 0.03)]))
+    figure, axis = plt.subplots()
+    axis.set(xlim=(0, 100), ylim=(0, 50))
+    add_scale_bar(axis, "mm")
+    words = [text.get_text() for text in figure.findobj(Text)]
+    check(report, "20 mm" in words, "a bar of 20 mm below a picture of 100 mm", str(words))
+    plt.close(figure)
+    spots = np.array([(x, y, 0.0) for x in (0.0, 100.0) for y in (0.0, 100.0)])
+    figure, axis = plt.subplots()
+    draw_particles(axis, spots, np.zeros(4) + [0, 0, 0, 1], 0.5)
+    image = axis.get_images()[0].get_array()
+    seen = image[image[..., 3] > 0]
+    check(report, len(seen) > 4 * 50 and len(np.unique(np.round(seen[:, 0], 3))) > 10, "single particles in the plane are shaded balls", f"{len(seen)} pixels")
+    plt.close(figure)
+
+
 def numbers(report):
     """Closed forms of the arithmetic."""
     cells = (0.1, 0.25, 0.4)
@@ -236,6 +263,7 @@ def main():
     study(report)
     door(report)
     figures(report)
+    drawing(report)
     numbers(report)
     states(report)
     report.end()

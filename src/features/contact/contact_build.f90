@@ -1,9 +1,10 @@
 !> From the cards `contact` and `rigid` to pairs of bodies and the fields that they need.
 module sgmp_contact_build
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: material_explosive, material_fluid, slots_t
+  use sgmp_constitutive, only: material_explosive, material_fluid
   use sgmp_contact_pairs, only: contact_pair_t, normal_first, normal_second, normal_stiffer
   use sgmp_kinds, only: dp, lanes
+  use sgmp_material_history, only: slots_ask, slots_t
   use sgmp_mesh, only: mesh_position, mesh_t
   use sgmp_model, only: model_t
   use sgmp_scene, only: body_card_t, contact_card_t, layout_file, scene_t
@@ -126,8 +127,7 @@ contains
     integer :: c
     do c = 1, size(scene%contacts)
       if (.not. any(scene%contacts(c)%body == number .or. scene%contacts(c)%body == 0)) cycle
-      slots%total = slots%total + 1
-      slots%surface = slots%total
+      call slots_ask(slots, 'surface', [contact_no_surface])
       return
     end do
   end subroutine contact_add_slot

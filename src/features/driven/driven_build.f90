@@ -6,12 +6,14 @@ module sgmp_driven_build
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_kinds, only: dp, lanes
   use sgmp_loads_build, only: chosen
+  use sgmp_material_history, only: slots_ask
   use sgmp_mesh, only: mesh_position, mesh_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums
   use sgmp_scene, only: motion_card_t, scene_t
   use sgmp_sums, only: nodes_sums, sweep_sums
+  use sgmp_text, only: integer_text
   implicit none
   private
   public :: driven_add_columns, driven_declare, driven_fill, driven_number
@@ -52,7 +54,7 @@ contains
     type(body_t), intent(inout) :: body
     integer :: i
     do i = 1, body_parts(body)
-      body%law%slots%total = body%law%slots%total + 1
+      call slots_ask(body%law%slots, 'driven'//integer_text(i), [0.0_dp])
       body%driven(i)%mark = body%law%slots%total
     end do
   end subroutine driven_add_columns

@@ -8,12 +8,13 @@ module sgmp_loads_build
   use sgmp_kinds, only: dp, lanes
   use sgmp_lattice, only: lattice_tolerance
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_t
+  use sgmp_material_history, only: slots_ask
   use sgmp_mesh, only: mesh_position, mesh_t, wall_free
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums, parallel_min
   use sgmp_scene, only: body_card_t, load_card_t, scene_t
   use sgmp_shapes, only: shapes_inside
-  use sgmp_text, only: real_text_about
+  use sgmp_text, only: integer_text, real_text_about
   use sgmp_turn, only: turn_back, turn_forth
   use sgmp_units, only: units_sizes
   implicit none
@@ -59,20 +60,20 @@ contains
   pure subroutine loads_add_columns(ndim, body)
     integer, intent(in) :: ndim
     type(body_t), intent(inout) :: body
+    real(dp), parameter :: none(6) = 0.0_dp
     integer :: i
-    associate (total => body%law%slots%total)
-      do i = 1, size(body%loads)
-        body%loads(i)%column = total + 1
-        select case (body%loads(i)%kind)
-        case (load_force)
-          total = total + 1
-        case (load_absorbing)
-          total = total + 2*ndim  ! the traction at rest, too
-        case default
-          total = total + ndim
-        end select
-      end do
-    end associate
+    do i = 1, size(body%loads)
+      body%loads(i)%column = body%law%slots%total + 1
+      select case (body%loads(i)%kind)
+      case (load_force)
+        call slots_ask(body%law%slots, 'share'//integer_text(i), none(:1))
+      case (load_absorbing)
+        ! The traction at rest, too.
+        call slots_ask(body%law%slots, 'area'//integer_text(i), none(:2*ndim))
+      case default
+        call slots_ask(body%law%slots, 'area'//integer_text(i), none(:ndim))
+      end select
+    end do
   end subroutine loads_add_columns
 
   !> Fills these columns; an error where nothing bears a load. All ranks must call it.

@@ -5,7 +5,7 @@ module sgmp_section_card
   use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
   use sgmp_scene, only: section_card_t
-  use sgmp_scene_draft, only: draft_t
+  use sgmp_scene_draft, only: draft_t, named_sections
   implicit none
   private
   public :: register_section
@@ -35,7 +35,7 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     type(section_card_t) :: new
-    if (.not. draft%new_name(card, draft%scene%sections%name, 'sections')) return
+    if (.not. draft%new_name(card, named_sections)) return
     new%name = card%word('name')
     new%point = card%vector('point')
     new%normal = card%vector('normal')

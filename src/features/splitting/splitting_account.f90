@@ -3,7 +3,7 @@
 module sgmp_splitting_account
   use sgmp_energy_terms, only: changes_kinetic, energy_term_t, energy_terms_t, from_particles, &
                                terms_add
-  use sgmp_sums, only: sum_split
+  use sgmp_features, only: sum_split
   implicit none
   private
   public :: splitting_account

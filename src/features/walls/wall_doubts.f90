@@ -1,21 +1,14 @@
-!> What is doubtful about walls that move or rub (doc/loads.md): before a run, and after it.
+!> What is doubtful about walls that move (doc/loads.md): before a run, and after it.
 module sgmp_wall_doubts
-  use sgmp_energy_terms, only: terms_value
   use sgmp_kernels, only: kernel_folds
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_opinion, only: opinion_t
   use sgmp_spelling, only: string_t
-  use sgmp_text, only: percent_text, real_text
-  use sgmp_wall_account, only: wall_pressed, wall_pulled
   use sgmp_wall_motion, only: wall_motion_meets_walls
   implicit none
   private
   public :: wall_objections, wall_warnings
-
-  real(dp), parameter :: largest_pull = 0.1_dp   !! of walls with friction, over what presses
-  real(dp), parameter :: coarse_pull = 0.05_dp   !! beyond which numbers are inexact
-  real(dp), parameter :: pull_error = 0.1_dp     !! of them
 
 contains
 
@@ -40,25 +33,10 @@ contains
     warnings = found(:n)
   end subroutine wall_warnings
 
-  !> Walls with friction that pull, and matter that is dragged through walls.
+  !> Matter that is dragged through walls.
   subroutine wall_objections(opinion, model)
     type(opinion_t), intent(inout) :: opinion
     type(model_t), intent(in) :: model
-    ! They hold what would leave them: what pulls elsewhere presses here all the more, and friction
-    ! knows of that alone.
-    associate (pressed => terms_value(model%ledger%terms, wall_pressed), &
-               pulled => terms_value(model%ledger%terms, wall_pulled))
-      if (pulled > largest_pull*pressed) then
-        call opinion%object('walls with friction have held back by '// &
-                            real_text(pulled)//' what would leave them, and bear '// &
-                            real_text(pressed)//' (impulses): they rub too much '// &
-                            '(doc/loads.md); take a rigid body and a card contact')
-      else if (pulled > coarse_pull*pressed) then
-        call opinion%expect(pull_error, 'walls with friction have held back '// &
-                            percent_text(pulled/pressed)//' of what they bear: they rub too '// &
-                            'much (doc/loads.md); take a rigid body and a card contact')
-      end if
-    end associate
     if (lid_leaks(model)) then
       call opinion%object('a wall moves towards one across its way: beside their edge '// &
                           'material is dragged into the wall at rest (doc/loads.md); use '// &

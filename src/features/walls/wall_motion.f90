@@ -16,13 +16,13 @@ contains
 
   !> Walls before the start: fixed ones are at rest. Matter takes changes of their velocity, and the
   !! first of them is in the first kick. What rubs only has always moved.
-  subroutine wall_motion_start(motion, mesh)
+  subroutine wall_motion_start(motion, others_act, mesh)
     type(wall_motion_t), intent(in) :: motion
+    logical, intent(in) :: others_act            !! walls do for other reasons
     type(mesh_t), intent(inout) :: mesh
     integer :: a, side, axis
     mesh%wall_motion = 0.0_dp
     mesh%walls_move = .false.
-    mesh%walls_rub = any(mesh%wall_friction > 0.0_dp)
     do axis = 1, 3
       do side = 1, 2
         do a = 1, 3
@@ -34,7 +34,7 @@ contains
         end do
       end do
     end do
-    mesh%walls_act = mesh%walls_move .or. mesh%walls_rub .or. mesh%walls_weigh
+    mesh%walls_act = mesh%walls_move .or. mesh%walls_weigh .or. others_act
   end subroutine wall_motion_start
 
   !> Whether a fixed wall moves towards one across its way, as the lid of a cavity does.

@@ -18,14 +18,15 @@ module sgmp_wall_friction
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, &
                           node_remapped, node_velocity
   use sgmp_field, only: field_base, field_t
+  use sgmp_features, only: nodes_pressed, nodes_pulled
   use sgmp_images, only: vector_parity
   use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_free, wall_kick, wall_speed
   use sgmp_rows, only: key_j, key_k
   use sgmp_space, only: space_axisymmetric
-  use sgmp_sums, only: nodes_external, nodes_friction, nodes_pressed, nodes_pulled, nodes_sums, &
-                       wall_entry
+  use sgmp_sums, only: nodes_external, nodes_sums, nodes_taken, wall_entry
+  use sgmp_wall_friction_type, only: wall_friction_t
   use sgmp_wall_work, only: holding_wall
   use sgmp_walls, only: ghost_point
   implicit none
@@ -36,9 +37,10 @@ contains
 
   !> Lets walls rub on the nodes of a tile that lie on them, which have their accelerations and
   !! velocities as if there were no wall.
-  pure subroutine wall_nodes_rub(field, mesh, s, first, n, m, external, dt, sums)
+  pure subroutine wall_nodes_rub(field, mesh, friction, s, first, n, m, external, dt, sums)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
+    type(wall_friction_t), intent(in) :: friction
     integer, intent(in) :: s, first, n           !! work interval, first node, nodes
     real(dp), intent(in) :: m(n)                 !! mass of the nodes
     real(dp), intent(in) :: external(:, :)       !! (n or more, axes) gravity and body forces
@@ -47,11 +49,12 @@ contains
     integer :: axis, side, i, nodes(2), point(3)
     do axis = 1, field%ndim
       do side = 1, 2
+        if (.not. friction%coefficient(side, axis) > 0.0_dp) cycle
         call nodes_there(field, mesh, s, first, n, axis, side, nodes, point)
         do i = nodes(1), nodes(2)
           point(1) = first + i - 1
-          call rub_node(field, mesh, s, point, axis, side, m(i), external(i, :), dt, &
-                        sums)
+          call rub_node(field, mesh, friction%coefficient(side, axis), s, point, axis, side, &
+                        m(i), external(i, :), dt, sums)
         end do
       end do
     end do
@@ -59,13 +62,15 @@ contains
 
   !> Gives nodes of a tile that stick to a wall its velocity after the re-map, too, so that what
   !! strains is what moves.
-  pure subroutine wall_nodes_stick(field, mesh, s, first, n)
+  pure subroutine wall_nodes_stick(field, mesh, friction, s, first, n)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
+    type(wall_friction_t), intent(in) :: friction
     integer, intent(in) :: s, first, n           !! work interval, first node, nodes
     integer :: axis, side, i, nodes(2), point(3)
     do axis = 1, field%ndim
       do side = 1, 2
+        if (.not. friction%coefficient(side, axis) > 0.0_dp) cycle
         call nodes_there(field, mesh, s, first, n, axis, side, nodes, point)
         do i = nodes(1), nodes(2)
           point(1) = first + i - 1
@@ -75,7 +80,7 @@ contains
     end do
   end subroutine wall_nodes_stick
 
-  !> Those nodes of a tile that lie on a wall with friction.
+  !> Those nodes of a tile that lie on a wall.
   pure subroutine nodes_there(field, mesh, s, first, n, axis, side, nodes, point)
     type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh
@@ -86,7 +91,6 @@ contains
     nodes = [1, 0]
     point = [first, key_j(field%work%key(s)), key_k(field%work%key(s))]
     if (field%ndim == 2) point(2) = point(3)
-    if (.not. mesh%wall_friction(side, axis) > 0.0_dp) return
     at = merge(mesh%lower(axis), mesh%upper(axis), side == 1)
     if (axis == 1) then
       nodes = [max(1, at - first + 1), min(n, at - first + 1)]
@@ -128,9 +132,10 @@ contains
   end subroutine stick_node
 
   !> The same for one node and one wall.
-  pure subroutine rub_node(field, mesh, s, point, axis, side, m, external, dt, sums)
+  pure subroutine rub_node(field, mesh, coefficient, s, point, axis, side, m, external, dt, sums)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: coefficient          !! of friction
     integer, intent(in) :: s, point(3), axis, side
     real(dp), intent(in) :: m, external(:), dt
     real(dp), intent(inout) :: sums(nodes_sums)
@@ -152,7 +157,7 @@ contains
       if (free(a)) slip(a) = field%node(record, node_velocity(field%ndim) + a - 1) - &
                              mesh%wall_motion(a, side, axis, wall_speed)
     end do
-    call wall_friction_force(mass*slip/dt, mesh%wall_friction(side, axis)*pressing, force, sticks)
+    call wall_friction_force(mass*slip/dt, coefficient*pressing, force, sticks)
     if (mesh%walls_weigh) then
       associate (reaction => sums(wall_entry(side, axis):wall_entry(side, axis) + 2))
         reaction = reaction + force
@@ -171,7 +176,7 @@ contains
                     0.5_dp*dt*mesh%wall_motion(a, side, axis, wall_kick)
       sums(nodes_external) = sums(nodes_external) + force(a)*wall_middle
       if (sticks) force(a) = mass(a)*field%node(record, node_acceleration + a - 1) - external(a)
-      sums(nodes_friction) = sums(nodes_friction) - force(a)*(middle - wall_middle)
+      sums(nodes_taken) = sums(nodes_taken) - force(a)*(middle - wall_middle)
     end do
   end subroutine rub_node
 

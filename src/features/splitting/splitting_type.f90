@@ -1,0 +1,14 @@
+!> What the card `method` says about splitting.
+module sgmp_splitting_type
+  use sgmp_kinds, only: dp
+  implicit none
+  private
+  public :: splitting_t
+
+  !> Particles that are stretched too far are split (doc/volumes.md, 5).
+  type :: splitting_t
+    real(dp) :: limit = 0.0_dp    !! longest side (cells) of a particle that stays whole; 0: all do
+    integer :: most = 0           !! particles that splitting may lead to
+  end type splitting_t
+
+end module sgmp_splitting_type

@@ -1,0 +1,14 @@
+!> What the cards `wallfriction` say.
+module sgmp_wall_friction_type
+  use sgmp_kinds, only: dp
+  implicit none
+  private
+  public :: wall_friction_t
+
+  !> Slip walls that rub.
+  type :: wall_friction_t
+    logical :: rubs = .false.                     !! some wall does
+    real(dp) :: coefficient(2, 3) = 0.0_dp        !! Coulomb's, (lower|upper, axis)
+  end type wall_friction_t
+
+end module sgmp_wall_friction_type
