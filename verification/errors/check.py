@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Does `sgmp-view error` tell the truth? Its intervals on five decks beside references that it does not know.
 
-    build/venv/bin/python verification/errors/check.py [--budget 3m] [--only rings] [--publish]
+    build/venv/bin/python verification/errors/check.py [--budget 10m] [--only rings] [--publish]
 
 Runs are kept in build/verification/errors and gone on with. --publish writes doc/error-estimates.md and its figure. References: references.py.
 """
@@ -118,7 +118,7 @@ def document(rows, told, held, wide):
 def main():
     """Runs the studies, prints the table, says whether the rates are kept."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--budget", default="3m", help="wall time of each study")
+    parser.add_argument("--budget", default="10m", help="wall time of each study")
     parser.add_argument("--only", choices=DECKS, help="one deck")
     parser.add_argument("--program", type=Path, default=SOLVER, help="another build of sgmp")
     parser.add_argument("--publish", action="store_true", help="write doc/error-estimates.md")

@@ -83,7 +83,7 @@ def taylor():
     """Converged shape: length, and radius of the foot."""
     from bar_surface import REFERENCE
     (length, band), (foot, foot_band) = REFERENCE["L"], REFERENCE["D"]
-    return {"extent.bar.z_max": [length, band], "extent.bar.x_max": [foot / 2, foot_band / 2]}
+    return {"extent.bar.z_max": [length, band], "extent.bar.r_max": [foot / 2, foot_band / 2]}
 
 
 def ball():
