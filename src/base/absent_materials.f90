@@ -1,4 +1,5 @@
-!> Materials that people ask for and that no law here describes, with the reason and what to do instead.
+!> Materials that people ask for and that no law here describes, with the reason and what to do
+!! instead.
 module sgmp_absent_materials
   implicit none
   private
@@ -16,8 +17,8 @@ contains
     select case (word)
     case ('concrete', 'mortar', 'cement', 'rock', 'granite')
       text = 'no constitutive model here describes crushing, pores and cracks of '//word// &
-             ' together; johnson_holmquist and mohr_coulomb run with constants of your own, but '// &
-             'were compared with no shot at it'
+             ' together; johnson_holmquist and mohr_coulomb run with constants of your own, '// &
+             'but were compared with no shot at it'
     case ('wood', 'composite', 'cfrp', 'kevlar')
       text = 'no constitutive model here has different strengths along and across fibres'
     case default

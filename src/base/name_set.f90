@@ -21,11 +21,11 @@ module sgmp_name_set
 contains
 
   !> Whether a name is in the set.
-  pure logical function has(self, name)
+  pure logical function has(self, name) result(yes)
     class(name_set_t), intent(in) :: self
     character(*), intent(in) :: name
-    has = .false.
-    if (self%count > 0) has = self%table(place(self, name)) > 0
+    yes = .false.
+    if (self%count > 0) yes = self%table(place(self, name)) > 0
   end function has
 
   !> Puts a name into the set, where it is not there.
@@ -56,23 +56,23 @@ contains
   end subroutine make_room
 
   !> Where a name is in the table, or where it would go.
-  pure integer function place(self, name)
+  pure integer function place(self, name) result(at)
     type(name_set_t), intent(in) :: self
     character(*), intent(in) :: name
-    place = 1 + int(modulo(hash(name), size(self%table, kind=i8)))
-    do while (self%table(place) > 0)
-      if (self%names(self%table(place))%text == name) return
-      place = 1 + modulo(place, size(self%table))
+    at = 1 + int(modulo(hash(name), size(self%table, kind=i8)))
+    do while (self%table(at) > 0)
+      if (self%names(self%table(at))%text == name) return
+      at = 1 + modulo(at, size(self%table))
     end do
   end function place
 
   !> A number below 2^31 from the letters of a name (trailing blanks do not count).
-  pure integer(i8) function hash(name)
+  pure integer(i8) function hash(name) result(number)
     character(*), intent(in) :: name
     integer :: i
-    hash = 5381_i8
+    number = 5381_i8
     do i = 1, len_trim(name)
-      hash = modulo(33_i8*hash + iachar(name(i:i)), 2147483647_i8)
+      number = modulo(33_i8*number + iachar(name(i:i)), 2147483647_i8)
     end do
   end function hash
 

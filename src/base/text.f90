@@ -5,7 +5,8 @@ module sgmp_text
   use sgmp_kinds, only: dp, i4, i8
   implicit none
   private
-  public :: integer_text, percent_text, real_text, real_text_about, real_text_full, real_text_plain, &
+  public :: integer_text, percent_text, real_text, real_text_about, real_text_full, &
+            real_text_plain, &
             real_text_short, real_text_tidy, row_text, text_with_backslashes
 
   !> Decimal text of an integer of either kind.

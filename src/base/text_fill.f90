@@ -13,7 +13,7 @@ contains
     integer, intent(in) :: width       !! of a line, what it begins with included
     character(*), intent(in) :: first  !! what the first line begins with
     character(*), intent(in) :: later  !! what the others begin with
-    character(:), allocatable :: lines !! with a line feed between two lines
+    character(:), allocatable :: lines  !! with a line feed between two lines
     integer :: start, length, used
     logical :: begins
     lines = first

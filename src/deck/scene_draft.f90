@@ -12,7 +12,8 @@ module sgmp_scene_draft
   public :: draft_t, named_bodies, named_materials, named_gauges, named_sections
 
   integer, parameter :: named_bodies = 1, named_materials = 2, named_gauges = 3, named_sections = 4
-  character(9), parameter :: plurals(*) = [character(9) :: 'bodies', 'materials', 'gauges', 'sections']
+  character(9), parameter :: plurals(*) = [character(9) :: 'bodies', 'materials', 'gauges', &
+                                                          'sections']
 
   !> Scene and errors, and how names in cards become numbers in the scene.
   type :: draft_t

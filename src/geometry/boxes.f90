@@ -76,9 +76,9 @@ contains
       boxes%bins = int(extent/boxes%width) + 1
     end do
   contains
-    pure real(dp) function bins(width)
+    pure real(dp) function bins(width) result(number)
       real(dp), intent(in) :: width
-      bins = product(1.0_dp + aint(extent/width))
+      number = product(1.0_dp + aint(extent/width))
     end function bins
   end subroutine choose_width
 
@@ -91,10 +91,10 @@ contains
   end function bin_of
 
   !> Number of a bin, from 1.
-  pure integer function place(boxes, bin)
+  pure integer function place(boxes, bin) result(number)
     type(boxes_t), intent(in) :: boxes
     integer, intent(in) :: bin(3)
-    place = 1 + bin(1) + boxes%bins(1)*(bin(2) + boxes%bins(2)*bin(3))
+    number = 1 + bin(1) + boxes%bins(1)*(bin(2) + boxes%bins(2)*bin(3))
   end function place
 
   !> The boxes that may hold a point - all that do, and others close by -: these places of `items`.

@@ -305,7 +305,8 @@ contains
       end if
     else if (quantity >= in_state) then
       return
-    else if (abs(value) > 0.0_dp .and. ndim < merge(quantity, quantity - in_velocity + 1, &
+    end if
+    if (abs(value) > 0.0_dp .and. ndim < merge(quantity, quantity - in_velocity + 1, &
                                                     quantity < in_velocity)) then
       text = 'a component beyond the dimension is not 0'
     end if

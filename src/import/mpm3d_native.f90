@@ -441,7 +441,8 @@ contains
                      'cont all components share one field: their bodies stick together where '// &
                      'they meet, as in MPM3D')
       return
-    else if (.not. deck%contact) then
+    end if
+    if (.not. deck%contact) then
       call words%errors%add( &
         deck%parts(pieces(i)%first)%place, 'with cont othe bodies of different components go '// &
         'through each other in MPM3D, which they cannot here', &
@@ -451,8 +452,8 @@ contains
     call native%from(mpm3d_place(deck, 'cont'))
     call notes%add(note_approximated, mpm3d_place(deck, 'cont'), 'cont', 'contact normal='// &
                    trim(normals(deck%normal))//': bodies touch where their particles are '// &
-                   'closer than the mean of their spacings; in MPM3D as soon as they share a node'// &
-                   trim(merge(', and only components 1 and 2', repeat(' ', 29), &
+                   'closer than the mean of their spacings; in MPM3D as soon as they share a '// &
+                   'node'//trim(merge(', and only components 1 and 2', repeat(' ', 29), &
                               any(component > 2))))
     call native%section('contact')
     do i = 1, size(pieces)

@@ -8,7 +8,8 @@ module sgmp_mpm3d_particles
   use sgmp_text, only: integer_text
   implicit none
   private
-  public :: cloud_t, clouds_make, lattice_tolerance, cloud_uniform, cloud_rows, beam_velocity, pi_there
+  public :: cloud_t, clouds_make, lattice_tolerance, cloud_uniform, cloud_rows, beam_velocity, &
+            pi_there
 
   real(dp), parameter :: pi_there = 3.1415926535_dp   !! as MPM3D has it
   real(dp), parameter :: lattice_tolerance = 1.0e-5_dp  !! of a particle's place, in spacings

@@ -84,18 +84,18 @@ contains
   end subroutine judge_walls
 
   !> Whether a body is elastic and has faces that are flat.
-  pure logical function bounces(scene, model, b)
+  pure logical function bounces(scene, model, b) result(yes)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
-    bounces = .false.
+    yes = .false.
     if (model%bodies(b)%rigid .or. .not. allocated(scene%bodies(b)%shapes)) return
-    bounces = springy(model%bodies(b)%law) .and. all(scene%bodies(b)%shapes%kind == shape_block)
+    yes = springy(model%bodies(b)%law) .and. all(scene%bodies(b)%shapes%kind == shape_block)
   end function bounces
 
-  pure logical function springy(law)
+  pure logical function springy(law) result(yes)
     type(constitutive_t), intent(in) :: law
-    springy = law%eos == eos_none .and. any(law%kind == [material_elastic, material_neo_hookean, &
+    yes = law%eos == eos_none .and. any(law%kind == [material_elastic, material_neo_hookean, &
                                                          material_mooney_rivlin])
   end function springy
 

@@ -71,6 +71,15 @@ contains
                           'room in the cells around them: volumes have drifted, or neighbours '// &
                           'are gone'//remedy)
     end if
+    call expect_room(opinion, found, kept, remedy)
+  end subroutine judge_volumes
+
+  !> Volumes of gas that miss the room a little.
+  subroutine expect_room(opinion, found, kept, remedy)
+    type(opinion_t), intent(inout) :: opinion
+    type(end_state_t), intent(in) :: found
+    logical, intent(in) :: kept            !! by the method
+    character(*), intent(in) :: remedy
     if (.not. found%gas .or. .not. found%room > 0.0_dp .or. found%reached < least_room) return
     if (abs(found%room/found%reached - 1.0_dp) > coarse_room .or. &
         (found%excess > coarse_excess .and. .not. kept)) then
@@ -78,7 +87,7 @@ contains
                           ' times the closed box, and '//percent_text(found%excess)// &
                           ' of them has no room in its cells: pressures have drifted'//remedy)
     end if
-  end subroutine judge_volumes
+  end subroutine expect_room
 
   !> Particles that no longer stand for the space around them.
   subroutine judge_particles(opinion, found, scene, lost, mpm)
@@ -138,7 +147,8 @@ contains
                           'particles change cells: use method sgmp, gimp or bspline')
     end if
     if (found%crushed > foam_compression) then
-      call opinion%expect(merge(mpm_error, foam_error, mpm), 'foam was crushed to '//real_text(found%crushed)// &
+      call opinion%expect(merge(mpm_error, foam_error, mpm), &
+                          'foam was crushed to '//real_text(found%crushed)// &
                           ' times its density: noise of the strains takes it off its yield '// &
                           'surface, and it is too weak; use smaller cells, viscosity linear=1')
     end if

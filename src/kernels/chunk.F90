@@ -428,7 +428,8 @@ contains
       call gather_one(task, xi, cell, axes, row, records(task%square_read, 1), &
                       got(1, task%square_read))
     end if
-    call settling_chunk(body%law, plan%by_halves, plan%dt_kick, task%live(1, nl), got(1, task%gradient), got, &
+    call settling_chunk(body%law, plan%by_halves, plan%dt_kick, task%live(1, nl), &
+                        got(1, task%gradient), got, &
                         got(1, task%square_read), motion, nb, state, internal)
   end subroutine settle
 

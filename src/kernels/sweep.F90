@@ -26,8 +26,8 @@ module DIM(sgmp_sweep)
   use sgmp_particles, only: chunk_prefetch, first_cell, particles_t
   use sgmp_plan, only: plan_t, workspace_t
   use sgmp_rows, only: key_j, key_k
-  use DIM(sgmp_settling), only: settling_part
   use CARTESIAN(sgmp_scatter), only: accumulators, linear_carry
+  use DIM(sgmp_settling), only: settling_part
 #if NDIM > 1
   use DIM(sgmp_surfaces), only: surfaces_add_gains
 #endif
@@ -166,7 +166,8 @@ contains
       call auxmesh_fill(field, mesh, p, plan%vectors, plan%gradient, &
                         task%stride, work%records(first))
       if (task%square_read > 0) then
-        call auxmesh_midway(field, mesh, p, (1.0_dp - settling_part(plan%by_halves))*plan%dt_kick, task%vectors, task%stride, &
+        call auxmesh_midway(field, mesh, p, (1.0_dp - settling_part(plan%by_halves))*plan%dt_kick, &
+                            task%vectors, task%stride, &
                             work%records(first))
       end if
       if (plan%swirl) then

@@ -8,10 +8,10 @@
 !!     E' = E + w - p dv/2 - p' dv'/2                                                 (DB1)
 !!
 !! with the pressure p' that it then has, bounds included. dv' is dv where it opens, whatever volume
-!! it is then taken to have; where it closes, as far as its volume does. What is taken for p' and for
-!! q is an advance on what they will do in the kick to come; where that is settled with what they do
-!! (sgmp_settling) the term of p is no longer there in the next step. So what its stress gives to
-!! the grid is what its internal energy loses, in every step and to round-off. Further
+!! it is then taken to have; where it closes, as far as its volume does. What is taken for p' and
+!! for q is an advance on what they will do in the kick to come; where that is settled with what
+!! they do (sgmp_settling) the term of p is no longer there in the next step. So what its stress
+!! gives to the grid is what its internal energy loses, in every step and to round-off. Further
 !!
 !! * in open matter (v > 1) heat presses as that of a gas: b0 E is b0 E/v, and is spent when
 !!   fragments are far apart;
@@ -22,9 +22,9 @@
 !!   than a lone particle's closing: q <= rho h^2 |tr D|/(6 dt).
 !!
 !! **Torn.** Mie-Grueneisen's pressure falls with the volume to its largest tension, where the speed
-!! of sound is 0, and would rise beyond. Matter that has a card `failure` fails there, and, however hot
-!! it is, at the volume at which that happens to cold matter. Without one
-!! the tension falls from its largest value with further opening,
+!! of sound is 0, and would rise beyond. Matter that has a card `failure` fails there, and, however
+!! hot it is, at the volume at which that happens to cold matter. Without one the tension falls from
+!! its largest value with further opening,
 !!
 !!     p = p_c exp(-(v - v_c)/opening)                                                (DB2)
 !!

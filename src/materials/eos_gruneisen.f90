@@ -38,8 +38,8 @@ contains
                 'slope of the shock speed over the particle speed, Us = c0 + s up', &
                 range='[0,inf)', required=.true.), &
             key('gamma0', kind_real, 'Grueneisen coefficient', range='[0,inf)', required=.true.), &
-            key('expansion', kind_word, 'pressure below the initial density: thermal counts the '// &
-                'energy, cold does not, so that the pressure of hot matter jumps there', &
+            key('expansion', kind_word, 'pressure below the initial density: thermal counts '// &
+                'the energy, cold does not, so that the pressure of hot matter jumps there', &
                 choices='thermal cold', default='thermal')]
   end function gruneisen_keys
 

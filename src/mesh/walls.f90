@@ -1,9 +1,9 @@
 !> Walls by the folding rule: what particles gave to a point behind a wall is folded onto its mirror
 !! image, and before particles read, points behind the wall are filled with the mirror image again.
 !!
-!! Both use one table of signs (sgmp_images), so that what particles give and what they get are transposes of
-!! each other; Eq. 42 (energy) rests on that. Axes are folded one after the other, which takes care
-!! of edges and corners.
+!! Both use one table of signs (sgmp_images), so that what particles give and what they get are
+!! transposes of each other; Eq. 42 (energy) rests on that. Axes are folded one after the other,
+!! which takes care of edges and corners.
 !!
 !! A fixed wall may move along itself: velocities are odd as seen from the wall, and so is momentum,
 !! v -> 2 V - v and p -> 2 m V - p. What lay behind it is kept for the work of the wall
@@ -19,7 +19,8 @@ module sgmp_walls
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: walls_fold, walls_mirror, walls_mirror_collide, walls_mirror_centres, walls_hold, has_walls
+  public :: walls_fold, walls_mirror, walls_mirror_collide, walls_mirror_centres, walls_hold, &
+            has_walls
   public :: ghost_intervals, ghost_point, ghost_records
 
   integer, parameter :: around = 3   !! component of a vector around the axis

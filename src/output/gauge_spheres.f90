@@ -72,11 +72,11 @@ contains
     end do
   end subroutine gauge_spheres_holding
 
-  pure real(dp) function distance2(spheres, s, point)
+  pure real(dp) function distance2(spheres, s, point) result(square)
     type(gauge_spheres_t), intent(in) :: spheres
     integer, intent(in) :: s
     real(dp), intent(in) :: point(3)
-    distance2 = sum((point(:spheres%ndim) - spheres%centre(:spheres%ndim, s))**2)
+    square = sum((point(:spheres%ndim) - spheres%centre(:spheres%ndim, s))**2)
   end function distance2
 
 end module sgmp_gauge_spheres

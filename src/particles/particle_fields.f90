@@ -56,7 +56,8 @@ contains
               particle_field_t('volume', scalar, .false., volume), &
               particle_field_t('mass', scalar, .false., mass)]
     do k = 1, size(kept_columns)
-      if (kept_columns(k)%written) fields = [fields, particle_field_t(kept_columns(k)%name, scalar, &
+      if (kept_columns(k)%written) fields = [fields, &
+                                             particle_field_t(kept_columns(k)%name, scalar, &
                                                                       .false., null())]
     end do
   end function field_table

@@ -11,7 +11,8 @@ module sgmp_program
   use sgmp_errors, only: error_t, exit_deck, exit_ok, exit_stopped
   use sgmp_file_tools, only: file_remove
   use sgmp_gallery, only: gallery_copy, gallery_list
-  use sgmp_import_mpm3d, only: import_is_mpm3d, import_locate, import_path, import_place, import_read, &
+  use sgmp_import_mpm3d, only: import_is_mpm3d, import_locate, import_path, &
+                                import_place, import_read, &
                                import_summary, import_write, imported_t
   use sgmp_kinds, only: dp
   use sgmp_material_library, only: material_list, material_show

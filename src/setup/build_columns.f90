@@ -28,22 +28,30 @@ contains
     logical :: corrected, turns
     integer :: a
     associate (method => model%method, ndim => model%mesh%ndim, space => model%mesh%space)
-      corrected = method%surfaces .and. (solid .or. .not. method%surfaces_solids) .and. ndim > 1
-      turns = method%rotation .and. (solid .or. .not. method%rotation_solids)
+      corrected = ndim > 1 .and. applies(method%surfaces, method%surfaces_solids, solid)
+      turns = applies(method%rotation, method%rotation_solids, solid)
       columns = columns_make(space, kernel)
-      if (parts > 0) call columns_ask(columns, block_t('drives', stage_mass, [(image_t(), a=1, parts)]))
+      if (parts > 0) then
+        call columns_ask(columns, block_t('drives', stage_mass, [(image_t(), a=1, parts)]))
+      end if
       if (corrected .or. turns) call pairs_ask(columns, ndim)
       if (corrected) call surfaces_ask(columns, ndim, crumbles)
       columns%turns = turns
       if (method%swirl) call swirl_ask(columns)
       call ask_forces(model, kernel, corrected, columns)
-      if (method%normalised .and. (solid .or. .not. method%normalised_solids)) then
+      if (applies(method%normalised, method%normalised_solids, solid)) then
         call columns_ask(columns, block_t('volume', stage_stress, [image_t()]))
       end if
       if (method%relaxed) call volumes_ask(columns)
       if (method%debris_speed > 0.0_dp) call debris_ask(columns, ndim)
     end associate
   end function columns_build
+
+  !> Whether a field has what a method uses, which may be for solids only.
+  pure logical function applies(used, solids_only, solid) result(yes)
+    logical, intent(in) :: used, solids_only, solid
+    yes = used .and. (solid .or. .not. solids_only)
+  end function applies
 
   !> What forces from outside need.
   pure subroutine ask_forces(model, kernel, corrected, columns)

@@ -48,8 +48,8 @@ module sgmp_build_model
   use sgmp_sums, only: removed_causes, removed_sums
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
-  use sgmp_vectors, only: cross
   use sgmp_update, only: update_usavg
+  use sgmp_vectors, only: cross
   use sgmp_wall_motion, only: wall_motion_start
   implicit none
   private

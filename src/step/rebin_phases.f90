@@ -24,7 +24,8 @@ module sgmp_rebin_phases
   use sgmp_rebinning, only: arrivals_t, particles_close_lists, particles_extend_bins, &
                             particles_receive, particles_receive_rest
   use sgmp_space, only: axis_names
-  use sgmp_sums, only: nodes_sums, removed_by_card, removed_by_erosion, removed_by_loss, removed_causes, &
+  use sgmp_sums, only: nodes_sums, removed_by_card, removed_by_erosion, removed_by_loss, &
+                       removed_causes, &
                        removed_count, removed_internal, removed_kinetic, removed_mass, &
                        removed_moment, removed_momentum, removed_sums, sweep_sums
   use sgmp_tally, only: tally_add

@@ -5,7 +5,8 @@
 !!
 !! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
 module DIM(sgmp_auxmesh)
-  use sgmp_columns, only: collide_kick, collide_total, node_acceleration, node_swirl, relax_dilation, relax_total
+  use sgmp_columns, only: collide_kick, collide_total, node_acceleration, node_swirl, &
+                          relax_dilation, relax_total
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
@@ -13,7 +14,8 @@ module DIM(sgmp_auxmesh)
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: auxmesh_collide, auxmesh_fill, auxmesh_midway, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
+  public :: auxmesh_collide, auxmesh_fill, auxmesh_midway, auxmesh_mirror, auxmesh_relax, &
+            auxmesh_swirl
   public :: node_rows
 #if NDIM == 2
   public :: auxmesh_fill_cells
@@ -207,7 +209,8 @@ contains
       do i = field%work%first(s), field%work%last(s)
         from = field%neighbour(0, 0, s) + i
         to = from - field%plane_start(plane) + 1
-        records(before + 1:before + collide_total(NDIM), to) = field%collide(from, :collide_total(NDIM))
+        records(before + 1:before + collide_total(NDIM), to) = &
+          field%collide(from, :collide_total(NDIM))
       end do
     end do
   end subroutine auxmesh_collide
@@ -237,7 +240,8 @@ contains
                                                - back*slopes(:read, i)
       end do
       if (kernel_centred(field%kernel)) then
-        call fill_mean(n, field%collide(1, collide_kick(NDIM)), node_rows(field, s, first), stride, &
+        call fill_mean(n, field%collide(1, collide_kick(NDIM)), node_rows(field, s, first), &
+                       stride, &
                        records(before + NGRAD + 1, to))
       else
         records(before + NGRAD + 1, to:to + n - 1) = &

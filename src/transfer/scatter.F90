@@ -259,9 +259,9 @@ contains
   end subroutine across_weights
 #endif
 
-  !> Adds the mass moments of the pairs of the stencil's points, m N_perp x (1 - x) of every axis, to
-  !! the upper point of each, and in space those of its quads, with one such factor for each of two
-  !! axes, to the uppermost (doc/surfaces.md); pads must bring zeros.
+  !> Adds the mass moments of the pairs of the stencil's points, m N_perp x (1 - x) of every axis,
+  !! to the upper point of each, and in space those of its quads, with one such factor for each of
+  !! two axes, to the uppermost (doc/surfaces.md); pads must bring zeros.
   pure subroutine linear_scatter_pairs(pairs, xi, cell, mass, columns, sums)
     integer, intent(in) :: pairs                   !! pairs and quads
     real(dp), intent(in) :: xi(lanes, NDIM), mass(lanes)

@@ -1,7 +1,7 @@
 ! dimension-generic
 #include "dimension.inc"
-!> Inelastic collisions of debris, the particles' part (doc/materials.md, Debris): what a chunk gives
-!! to the points around it, and the velocities that it takes on there.
+!> Inelastic collisions of debris, the particles' part (doc/materials.md, Debris): what a chunk
+!! gives to the points around it, and the velocities that it takes on there.
 module DIM(sgmp_collisions)
   use sgmp_columns, only: collide_rate, collide_square, collide_velocity
   use sgmp_constitutive, only: constitutive_t
@@ -67,9 +67,9 @@ contains
   end subroutine collisions_plan
 
   !> Changes the velocity of a chunk that has been kicked since; `kicked` is by how much, or half of
-  !! that where the strain of the step has the change in it: what pushes then takes a half of the work
-  !! of the kick on the change. The heat is all other kinetic energy that is lost by the change; what
-  !! the materials keep no energy for is booked alone.
+  !! that where the strain of the step has the change in it: what pushes then takes a half of the
+  !! work of the kick on the change. The heat is all other kinetic energy that is lost by the
+  !! change; what the materials keep no energy for is booked alone.
   pure subroutine collisions_apply(law, change, kicked, live, nb, heat, motion, state, momentum, &
                                    kinetic, internal)
     type(constitutive_t), intent(in) :: law

@@ -3,8 +3,8 @@
 module sgmp_debris_account
   use sgmp_energy_terms, only: changes_kinetic, energy_term_t, energy_terms_t, from_particles, &
                                terms_add
-  use sgmp_sums, only: sum_collisions
   use sgmp_kinds, only: dp
+  use sgmp_sums, only: sum_collisions
   implicit none
   private
   public :: debris_account

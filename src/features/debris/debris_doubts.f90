@@ -25,16 +25,16 @@ contains
     if (fast_impact(model)) then
       if (model%method%update == update_usl) then
         n = n + 1
-        found(n)%text = 'update=usl strains with the whole kick of the nodes, of which particles '// &
-                        'follow a part: in a fast impact a fifth of the energy may get lost; '// &
-                        'leave update away (musl)'
+        found(n)%text = 'update=usl strains with the whole kick of the nodes, of which '// &
+                        'particles follow a part: in a fast impact a fifth of the energy may '// &
+                        'get lost; leave update away (musl)'
       end if
       b = findloc(stays_whole(model%bodies%law), .true., 1)
       if (b > 0) then
         n = n + 1
-        found(n)%text = "body '"//trim(model%bodies(b)%name)//"' carries everything when it has "// &
-                        'failed (failure carries=everything), however far it opens: hot debris '// &
-                        'presses the more the larger it gets, gains energy, and makes steps '// &
+        found(n)%text = "body '"//trim(model%bodies(b)%name)//"' carries everything when it "// &
+                        'has failed (failure carries=everything), however far it opens: hot '// &
+                        'debris presses the more the larger it gets, gains energy, and makes steps '// &
                         'shrink; use carries=pressure'
       end if
     end if

@@ -19,8 +19,8 @@
 !!
 !!     E_p <- E_p + advance + (g_p + s_p)/V0                                           (DB6)
 !!
-!! MUSL strains with w, the particles' velocity after the kick. There v + k in g_p is w and s_p is 0:
-!! before the kick the half with v is settled, and the stress update settles that with w.
+!! MUSL strains with w, the particles' velocity after the kick. There v + k in g_p is w and s_p is
+!! 0: before the kick the half with v is settled, and the stress update settles that with w.
 module DIM(sgmp_settling)
   use sgmp_constitutive, only: constitutive_t
   use sgmp_debris, only: debris_mark, debris_settled

@@ -60,7 +60,8 @@ contains
   pure subroutine loads_add_columns(ndim, body)
     integer, intent(in) :: ndim
     type(body_t), intent(inout) :: body
-    real(dp), parameter :: none(6) = 0.0_dp
+    integer, parameter :: most = 6   !! an area vector and a traction in space
+    real(dp), parameter :: none(most) = 0.0_dp
     integer :: i
     do i = 1, size(body%loads)
       body%loads(i)%column = body%law%slots%total + 1

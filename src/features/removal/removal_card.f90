@@ -15,8 +15,8 @@ contains
   subroutine register_removal(registry)
     type(registry_t), intent(inout) :: registry
     call registry%card('remove', 'Takes a body out of the scene at a time: gas whose pulse is '// &
-                       'over, so that a plate can ring on alone at its own time step. Its mass, '// &
-                       'momentum and energy are booked in history.csv and summary.json.', &
+                       'over, so that a plate can ring on alone at its own time step. Its '// &
+                       'mass, momentum and energy are booked in history.csv and summary.json.', &
                        'remove air time=2', read_remove, check_remove)
     call registry%key('body', kind_name_word, 'the body', slot=1, required=.true.)
     call registry%key('time', kind_real, 'its particles go in the first step that begins then', &

@@ -26,8 +26,8 @@ contains
                       required=.true.)
     call registry%key('body', kind_name_word, 'the body that is cut; default: all', default='all')
     call registry%key('width', kind_real, 'particles count that are nearer to the plane than '// &
-                      'this, less the farther they are; the plane should be farther from ends of '// &
-                      'the body; default: a cell', unit='length', range='(0,inf)', &
+                      'this, less the farther they are; the plane should be farther from '// &
+                      'ends of the body; default: a cell', unit='length', range='(0,inf)', &
                       source='doc/loads.md')
   end subroutine register_section
 

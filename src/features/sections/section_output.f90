@@ -5,11 +5,11 @@
 !! d_p the distance from the plane, w the width of the card. W has the area 1 and, on a lattice
 !! whose spacing divides w, the sum 1 over each column of particles: a force that varies linearly
 !! along the normal is exact then. With sgmp and w = h this is, at planes of centres, what the grid
-!! passes on: the forces of all nodes on one side. Between two of them their forces are interpolated,
-!! for stresses of single particles have parts that no node feels. The same with 1 for the stress is the area, with the place its
-!! centroid; the moment is about that. What particles carry through the plane as they fly is not
-!! counted. Particles are added up in the order of their ids, so that the sums have the same bits on
-!! any number of threads and ranks.
+!! passes on: the forces of all nodes on one side. Between two of them their forces are
+!! interpolated, for stresses of single particles have parts that no node feels. The same with 1 for
+!! the stress is the area, with the place its centroid; the moment is about that. What particles
+!! carry through the plane as they fly is not counted. Particles are added up in the order of their
+!! ids, so that the sums have the same bits on any number of threads and ranks.
 module sgmp_section_output
   use sgmp_errors, only: error_t
   use sgmp_history, only: column_length, history_t
@@ -128,16 +128,16 @@ contains
   end function near_any
 
   !> Weight of a particle in a plane, per length.
-  pure real(dp) function weight(plane, snapshot, p)
+  pure real(dp) function weight(plane, snapshot, p) result(share)
     type(section_t), intent(in) :: plane
     type(snapshot_t), intent(in) :: snapshot
     integer, intent(in) :: p
     real(dp) :: away
-    weight = 0.0_dp
+    share = 0.0_dp
     associate (card => plane%card)
       if (card%body > 0 .and. card%body /= snapshot%body(p)) return
       away = dot_product(snapshot%position(:, p) - card%point, card%normal)
-      weight = dot_product(plane%share, max(0.0_dp, 1.0_dp - abs(away - plane%away)/card%width))/ &
+      share = dot_product(plane%share, max(0.0_dp, 1.0_dp - abs(away - plane%away)/card%width))/ &
                card%width
     end associate
   end function weight

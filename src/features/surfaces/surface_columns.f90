@@ -9,8 +9,8 @@ module sgmp_surface_columns
 
 contains
 
-  !> Mass moments of pairs of centres, stored at the upper one of each. Those that reach across a wall
-  !! are their own images.
+  !> Mass moments of pairs of centres, stored at the upper one of each. Those that reach across a
+  !! wall are their own images.
   pure subroutine pairs_ask(columns, ndim)
     type(columns_t), intent(inout) :: columns
     integer, intent(in) :: ndim

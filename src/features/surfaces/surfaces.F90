@@ -177,8 +177,8 @@ contains
     one_over = 1.0_dp/merge(volume, 1.0_dp, volume > 0.0_dp)
   end function inverse
 
-  !> Across fixed walls there is no pair: what lies behind them is no mirrored body. Across others the
-  !! mass of its image is not there, which would halve the weight.
+  !> Across fixed walls there is no pair: what lies behind them is no mirrored body. Across others
+  !! the mass of its image is not there, which would halve the weight.
   pure subroutine part_at_walls(field, mesh, s)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh

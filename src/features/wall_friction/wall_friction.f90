@@ -17,8 +17,8 @@
 module sgmp_wall_friction
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, &
                           node_remapped, node_velocity
-  use sgmp_field, only: field_base, field_t
   use sgmp_features, only: nodes_pressed, nodes_pulled
+  use sgmp_field, only: field_base, field_t
   use sgmp_images, only: vector_parity
   use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp

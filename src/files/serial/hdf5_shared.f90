@@ -1,5 +1,5 @@
-!> Files of HDF5 that all ranks write, in a build without MPI: there is one rank, and HDF5 may be one
-!! without MPI, too.
+!> Files of HDF5 that all ranks write, in a build without MPI: there is one rank, and HDF5 may be
+!! one without MPI, too.
 module sgmp_hdf5_shared
   use hdf5, only: hid_t
   implicit none
