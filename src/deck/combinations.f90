@@ -88,15 +88,9 @@ module sgmp_combinations
     refusal_t('swirl', 'mpm gimp cpgimp bspline', '', &
               'only sgmp has the terms of the motion around the axis', &
               'use method sgmp, or remove swirl'), &
-    refusal_t('swirl', 'kept', '', &
-              'particles do not exchange angular momentum where they relax', &
-              'remove the one or the other'), &
     refusal_t('swirl', 'flip<1', '', &
               'its velocity knows increments only, no velocity of the grid', &
               'remove flip or swirl'), &
-    refusal_t('swirl', 'split', '', &
-              'the halves of a particle would turn at other rates', &
-              'remove split or swirl'), &
     refusal_t('swirl', 'friction', '', &
               'it would act along the half-plane only, and not against the whole slip', &
               'remove friction: bodies then slip past each other around the axis'), &
@@ -106,21 +100,15 @@ module sgmp_combinations
     refusal_t('motion', 'swirl', '', &
               'the motion of a part prescribes none around the axis', &
               'remove one of them'), &
-    refusal_t('erode', 'swirl', '', &
-              'the balance does not count the swirl of what is eroded', &
-              'remove one of them'), &
     refusal_t('normalised', 'mpm gimp cpgimp bspline', '', &
               'it divides by what fills the cells of the auxiliary grid, which only sgmp has', &
               'remove stress=normalised or use method sgmp'), &
     refusal_t('kept', 'mpm gimp cpgimp bspline', '', &
               'particles relax to the centres of the auxiliary grid, which only sgmp has', &
               'remove volumes=kept or use method sgmp'), &
-    refusal_t('kept', 'usf usl usavg', '', &
-              'particles relax to cell centres between the two sweeps of musl', &
-              'remove volumes=kept or use update=musl'), &
-    refusal_t('kept', 'rotation', '', &
-              'relaxing velocities are means over cells, which do not turn', &
-              'remove the one or the other'), &
+    refusal_t('kept', 'usf usl', '', &
+              'particles relax to means of velocities after the kick, which take a sweep of their own', &
+              'remove volumes=kept or use update=musl or usavg'), &
     refusal_t('rotation', 'mpm gimp cpgimp bspline', '', &
               'it corrects the strain of the auxiliary grid, which only sgmp has', &
               'remove rotation=exact or use method sgmp'), &
@@ -134,11 +122,8 @@ module sgmp_combinations
               'it corrects the strain of the auxiliary grid, which only sgmp has', &
               'remove surfaces=corrected or use method sgmp'), &
     refusal_t('surfaces', 'absorbing', '', &
-              'not worked out: edges are spread for strains that are not corrected', &
+              'forces of edges are not spread for corrected strains: ground at rest on one comes apart', &
               'remove surfaces=corrected'), &
-    refusal_t('split', 'usf', '', &
-              'they are split in the sweep that moves and strains them, which usf has not', &
-              'remove split or use update=musl, usl or usavg'), &
     refusal_t('hoop', '1D 2D 3D', '', &
               'hoop strains are those of axisymmetric scenes', &
               'remove hoop'), &
@@ -154,20 +139,8 @@ module sgmp_combinations
     refusal_t('wallfriction', '1D', '', &
               'nothing slides along a wall', &
               'remove this card'), &
-    refusal_t('wallfriction', 'rotation', '', &
-              'not worked out: what the force of the wall does to rotation', &
-              'let bodies roll on a rigid body, with a card contact'), &
-    refusal_t('wallmotion', 'kept', '', &
-              'not worked out: relaxation beside a wall that drags', &
-              'remove one of them'), &
     refusal_t('wallmotion', 'damping damping-kinetic', '', &
               'damping slows everything down to rest', &
-              'remove one of them'), &
-    refusal_t('motion', 'rotation', '1D', &
-              'not worked out: rotation where a part is moved', &
-              'remove one of them'), &
-    refusal_t('motion', 'kept', '', &
-              'not worked out: relaxation where a part is moved', &
               'remove one of them'), &
     refusal_t('motion', 'wallmotion wallfriction', '', &
               'not worked out: nodes that a wall and a part move', &

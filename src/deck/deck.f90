@@ -110,10 +110,15 @@ contains
   subroutine settle_method(cards, method)
     type(deck_card_t), intent(in) :: cards(:)
     type(method_card_t), intent(inout) :: method
-    if (method%surfaces_auto) method%surfaces = combinations_allow(cards, 'surfaces') .and. &
-                                                .not. asks('axisymmetric')
-    if (method%rotation_auto) method%rotation = combinations_allow(cards, 'rotation') .and. &
-                                                .not. (asks('friction') .or. asks('absorbing'))
+    if (method%surfaces_auto) then
+      method%surfaces = combinations_allow(cards, 'surfaces') .and. &
+                        .not. (asks('axisymmetric') .or. asks('absorbing'))
+    end if
+    if (method%rotation_auto) then
+      method%rotation = combinations_allow(cards, 'rotation') .and. &
+                        .not. (asks('friction') .or. asks('absorbing') .or. asks('kept') .or. &
+                               asks('wallfriction') .or. asks('motion'))
+    end if
     if (method%normalised_auto) then
       method%normalised = combinations_allow(cards, 'normalised') .and. &
                           .not. (asks('axisymmetric') .or. asks('motion') .or. asks('absorbing'))
