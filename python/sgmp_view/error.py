@@ -4,8 +4,8 @@
     sgmp-view error impact.inp --list                        # the quantities, with units and their values after one step
 
 Prints the number with its error and the parts of it, and which cell reaches the tolerance for the least CPU time; draws error.png. Costs are
-told before, and the budget of wall time is kept: what does not fit is left out, coarse cells come first, finer ones last. The same call with a
-larger budget goes on. Results: DECK.error/error.json, `error_estimate` in summary.json of the deck's own run (DECK.error/deck), and of
+told before, and the budget of wall time is kept: coarse cells come first, finer ones last; a part whose run does not fit is looked at with coarser
+cells, where its change is larger, if anything. The same call with a larger budget goes on. Results: DECK.error/error.json, `error_estimate` in summary.json of the deck's own run (DECK.error/deck), and of
 DECK.out if that is the same run; `sgmp-view report` shows it. Any deck runs: no parameter is needed.
 
 Cells: grid convergence index (Roache 1994), 1.25 |f - f0| where three sizes and more show an order, else 3 times the spread over the ratio of
@@ -83,6 +83,7 @@ class Study:
         self.folder = options.output or Path(options.deck.stem + ".error")
         self.runner = Runner(self.folder, program_of(options.sgmp), options.threads, seconds_of(options.budget))
         self.members, self.notes = [], []
+        self.coarse = None                              # factor of the cells of the copies that are made
         asked = variations.cell_of(self.deck)
         fitted = variations.with_own_cell(self.deck)
         if fitted:
@@ -110,6 +111,9 @@ class Study:
     def add(self, part, name, work, change, *values):
         """A copy that `change` makes of the deck, kept if the program accepts it."""
         deck = deepcopy(self.deck)
+        if self.coarse:
+            variations.with_cells(deck, self.coarse)
+            name, work = f"{name}_coarse", work * self.coarse ** -(self.dimension + 1)
         variations.with_final_state(deck)
         variations.until(deck, self.summary["time"])
         words = change(deck, *values)
@@ -129,6 +133,7 @@ class Study:
         for factor in variations.fitting(self.deck, target):
             member = self.add("cells", f"cells_{factor:.4g}", factor ** -(self.dimension + 1), variations.with_cells, factor)
             if member is not None and not any(member.name == other.name for other in self.members):
+                member.factor = factor
                 tried[member.fault + AWAY * abs(math.log(factor / target))] = member
                 if member.fault < MASS_FAULT:
                     break
@@ -154,7 +159,7 @@ class Study:
         lowest = self.lowest()
         places = [self.add("grid's place", f"place_{k}", 1.0, variations.with_shift, lowest, sign) for k, sign in enumerate((1, -1), 1)]
         if not any(places):
-            near = variations.fitting(self.deck, NEARBY, close=True)
+            near = variations.fitting(self.base(), NEARBY, close=True)
             places = [self.add("grid's place", "place", 1.0, variations.with_other_lines, near[0])] if near else [None]
         yield places[0]
         slower = courant / variations.SAFE if courant > variations.SAFE else 1.0
@@ -164,13 +169,13 @@ class Study:
         yield self.turned()
         yield from places[1:]
         if others[0]:
-            yield self.method(1.5 * slower, courant, others[0].name)
+            yield self.method(1.5 * slower, courant, name_of_method(others[0]))
 
     def method(self, work, courant, *tried):
         """The copy with another method than the deck's and those tried."""
         member = self.add("method", "method", work, variations.with_other_method, lambda deck: self.runner.check(deck.text()).accepted, courant, tried)
         if member is not None:
-            member.name = member.words.split()[1].rstrip(",")  # its method
+            member.name = name_of_method(member) + ("_coarse" if self.coarse else "")
         return member
 
     def turned(self):
@@ -182,6 +187,42 @@ class Study:
         else:
             member.axes = self.dimension
         return member
+
+    def base(self):
+        """The deck with the cells of the copies that are made."""
+        deck = deepcopy(self.deck)
+        if self.coarse:
+            variations.with_cells(deck, self.coarse)
+        return deck
+
+    def coarsest(self):
+        """The run with the coarsest cells that has come to its end, None where there is none."""
+        return min((member for member in self.members if member.part == "cells" and member.code == 0), key=lambda member: member.work, default=None)
+
+    def pairs(self):
+        """The copies with another step, place, method and number of particles; where not all fit, with each the same with the coarsest cells."""
+        full, beside = [member for member in self.others() if member], self.coarsest()
+        if beside is None or beside.factor <= 1.0 or sum(map(self.runner.expected, full)) <= self.runner.left():
+            return [(member, None) for member in full]
+        self.coarse = beside.factor
+        coarse = {member.name: member for member in self.others() if member}
+        self.coarse = None
+        for member in coarse.values():
+            member.beside, member.words = beside.name, f"{member.words}, with cells of {beside.words.split()[1]}"
+        return [(member, coarse.get(f"{member.name}_coarse")) for member in full]
+
+    def take_parts(self):
+        """Runs the copies of each part, with coarser cells where the budget does not bear the deck's, so that something is left for those to come."""
+        pairs, looked = self.pairs(), set()
+        for number, (full, coarse) in enumerate(pairs):
+            to_come = {member.part: self.runner.expected(member) for _, member in reversed(pairs[number + 1:]) if member and member.part not in looked | {full.part}}
+            room = self.runner.is_done(full) or self.runner.fits(full, sum(to_come.values()))
+            if room or coarse is None or not self.runner.fits(coarse):
+                self.take(full)
+            elif full.part not in looked:
+                self.take(coarse)
+            if self.members[-1].code == 0:
+                looked.add(self.members[-1].part)
 
     def lowest(self):
         """A corner below all bodies, as far as their centroids and size tell."""
@@ -223,8 +264,7 @@ class Study:
         self.tell(self.own)
         for target in CELLS:
             self.take(self.cells(target))
-        for member in self.others():
-            self.take(member)
+        self.take_parts()
         for number, target in enumerate(FINER):
             if number > 1 and self.is_enough(options):
                 return
@@ -234,13 +274,31 @@ class Study:
     # ------------------------------------------------------------ what they say
 
     def values(self, quantity):
-        """By part, pairs of what was set and the value; for cells and the deck's own run what was set is the side of a cell."""
-        values = {"deck": [(self.cell, self.value(self.own, quantity))]}
+        """By part, pairs of what was set and the value; for cells and the deck's own run what was set is the side of a cell. What was run with
+        coarser cells is taken by its change from the run with these cells."""
+        own = self.value(self.own, quantity)
+        values = {"deck": [(self.cell, own)]}
         for member in self.members:
             if member.code == 0:
                 setting = float(self.runner.summary(member)["h"]) if member.part == "cells" else member.words
-                values.setdefault(member.part, []).append((setting, self.value(member, quantity)))
+                values.setdefault(member.part, []).append((setting, self.value(member, quantity) + self.coarser(member, quantity, own)))
         return values
+
+    def coarser(self, member, quantity, own):
+        """By how much the deck's value is above that of the run with coarser cells beside which a copy was run; 0 where it was run beside the deck's own."""
+        if not member.beside or quantity.startswith("shape.") and self.against is None:
+            return 0.0
+        return own - self.value(self.named(member.beside), quantity)
+
+    def named(self, name):
+        """A run by its name."""
+        return next(member for member in self.members if member.name == name)
+
+    def coarse_parts(self):
+        """Parts that were looked at with coarser cells only."""
+        done = [member for member in self.members if member.code == 0]
+        return {member.part: f"with cells of {self.named(member.beside).words.split()[1]}" for member in done
+                if member.beside and not any(other.part == member.part and not other.beside for other in done)}
 
     def value(self, member, quantity):
         """What a run gives. Of a shape that is compared with the deck's own: its distance, below zero where cells are finer, so that it is an error of one sign."""
@@ -251,6 +309,8 @@ class Study:
             return quantity_of(folder, quantity, self.against)
         if member is self.own:
             return 0.0
+        if member.beside:
+            return quantity_of(folder, quantity, self.runner.output(self.named(member.beside)))
         finer = member.part == "cells" and float(self.runner.summary(member)["h"]) < self.cell
         return (-1 if finer else 1) * quantity_of(folder, quantity, self.runner.output(self.own))
 
@@ -261,12 +321,20 @@ class Study:
         body, folder = quantity.split(".", 1)[1].rpartition(".")[0], self.runner.output(self.own)
         return max(quantity_of(folder, f"extent.{body}.{axis}_length") for axis in variations.axes_of(self.deck))
 
-    def costs(self):
-        """CPU seconds by part and what was set."""
+    def ended(self):
+        """The runs that have come to their end, with part and what was set, as `values` has them, and their summaries."""
         for member in [self.own, *self.members]:
             if member.code == 0:
                 summary = self.runner.summary(member)
-                yield (member.part, float(summary["h"]) if member.part in ("cells", "deck") else member.words), float(summary["cpu_seconds"])
+                yield member, (member.part, float(summary["h"]) if member.part in ("cells", "deck") else member.words), summary
+
+    def rows(self, quantity, values, widths, found):
+        """What is kept of each run: its value, the error to be expected, that of the run beside it where it has coarser cells, its cost."""
+        errors, ended = dict(errors_of_runs(values, widths, found)), list(self.ended())
+        keys = {member.name: key for member, key, _ in ended}
+        for member, key, summary in ended:
+            yield {"part": key[0], "setting": key[1], "value": self.value(member, quantity), "cell": float(summary["h"]), "coarser": bool(member.beside),
+                   "expected_error": errors[keys[member.beside] if member.beside else key], "cpu_seconds": float(summary["cpu_seconds"])}
 
     def estimate(self, quantity, tolerance):
         """The estimate of one quantity as summary.json has it."""
@@ -276,17 +344,15 @@ class Study:
         own, unit = values["deck"][0][1], unit_of(quantity, units)
         borne = tolerance_of(tolerance, self.scale(quantity, own))
         words = verdict_of(widths, borne, spoken(tolerance, unit), self.summary["verdict"] != "doubtful")
-        errors, costs = dict(errors_of_runs(values, widths, found)), dict(self.costs())
-        runs = [{"part": part, "setting": setting, "value": value, "expected_error": errors[part, setting], "cpu_seconds": costs[part, setting]}
-                for part, pairs in values.items() for setting, value in pairs]
+        runs, coarse = list(self.rows(quantity, values, widths, found)), self.coarse_parts()
         failed = [f"{member.words}: {member.note}" for member in self.members if member.code not in (0, -1)]
         return {"quantity": quantity, "value": own, "unit": unit, "cell_unit": units["length"], "half_width": total_of(widths), "parts": widths, "cells": found.words,
                 "order": found.order, "limit": found.limit, "tolerance": borne, "verdict": words, "runs": runs, "failed": failed,
-                "line": line_of(short_name(quantity), own, unit, widths, words), "advice": self.advice(runs, widths, found, borne)}
+                "line": line_of(short_name(quantity), own, unit, widths, words, coarse), "coarse_parts": coarse, "advice": self.advice(runs, widths, found, borne)}
 
     def advice(self, runs, widths, found, borne):
         """Which setting reaches the tolerance for the least CPU time."""
-        choices = [run for run in runs if run["part"] != "grid's place"]  # no setting of anybody
+        choices = [run for run in runs if run["part"] != "grid's place" and not run["coarser"]]  # no setting of anybody
         enough = min((run for run in choices if run["expected_error"] <= borne), key=lambda run: run["cpu_seconds"], default=None)
         if math.isnan(widths["cells"]):
             return "no cells but the deck's were run: give a larger --budget"
@@ -323,6 +389,11 @@ def keep(study, estimates):
             path = folder / "summary.json"
             path.with_suffix(".part").write_text(json.dumps({**summary, "error_estimate": kept}, indent=2, ensure_ascii=False) + "\n")
             path.with_suffix(".part").replace(path)
+
+
+def name_of_method(member):
+    """The method of a copy with another one."""
+    return member.words.split()[1].rstrip(",")
 
 
 def known(folder, quantity):

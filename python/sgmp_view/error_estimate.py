@@ -77,10 +77,11 @@ def rounded(value, width):
     return f"{value / power:.{places}f}e{math.log10(power):.0f}", f"{width / power:.{places}f}e{math.log10(power):.0f}"
 
 
-def line_of(name, value, unit, widths, words):
-    """The answer in one line."""
+def line_of(name, value, unit, widths, words, coarse):
+    """The answer in one line. coarse: what is said of parts that were looked at with coarser cells."""
     number, width = rounded(value, total_of(widths))
-    parts = ", ".join(f"{part} ±{shortly(part_width)}" for part, part_width in widths.items() if not math.isnan(part_width))
+    parts = ", ".join(f"{part} ±{shortly(part_width)}" + (f" {coarse[part]}" if part in coarse else "")
+                      for part, part_width in widths.items() if not math.isnan(part_width))
     return f"{name} = {number}{f' {unit}' if unit else ''} ± {width} ({parts}): {words}"
 
 

@@ -37,11 +37,11 @@ def by_part(estimate):
 
 def draw_values(axis, estimate):
     """Values over the cell."""
-    cell = next(run["setting"] for run in estimate["runs"] if run["part"] == "deck")
+    cell = next(run["cell"] for run in estimate["runs"] if run["part"] == "deck")
     axis.axhspan(estimate["value"] - estimate["half_width"], estimate["value"] + estimate["half_width"], color="0.85", label="interval")
     axis.errorbar([cell], [estimate["value"]], yerr=[estimate["half_width"]], color="black", capsize=4, zorder=3)
     for number, (colour, mark, words, runs) in enumerate(by_part(estimate)):
-        sides = [run["setting"] if isinstance(run["setting"], (int, float)) else cell * (1 + 0.03 * number) for run in runs]  # not upon each other
+        sides = [run["cell"] * (1 if isinstance(run["setting"], (int, float)) else 1 + 0.03 * number) for run in runs]  # not upon each other
         axis.plot(sides, [run["value"] for run in runs], mark, color=colour, label=words, zorder=4)
     if estimate["limit"] is not None:
         axis.axhline(estimate["limit"], color="0.5", linestyle="--", label=f"h = 0, {estimate['cells']}")

@@ -2,6 +2,8 @@
 
 Roache, Perspective: a method for uniform reporting of grid refinement studies, J. Fluids Eng. 116 (1994) 405-413:
 1.25 |f - f0| where three sizes show an order, f0 by Richardson's extrapolation; 3 |f2 - f1|/(r^p - 1) where they show none, here with p = 1.
+An order above that of the methods is no sign of small errors: it counts as 2, with the factor 3 (Oberkampf and Roy, Verification and Validation
+in Scientific Computing, Cambridge 2010, section 8.3.4; Eça and Hoekstra below do the same beyond 2.1).
 Four sizes and more are fitted by least squares (Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104-130): the last digits of fine runs need not
 follow the order that all of them show, and what they miss it by is added.
 """
@@ -13,6 +15,7 @@ from typing import Optional
 import numpy as np
 
 LEAST_ORDER, LARGEST_ORDER = 0.5, 2.0                  # claimed; what is steeper is counted as 2, the order of the methods,
+RELIABLE_ORDER = 2.1                                    # up to here the small safety factor is enough
 ABSURD_ORDER = 3.0                                      # and beyond this one is none: the finest are alike by chance
 REGULAR, IRREGULAR = 1.25, 3.0                         # safety factors
 ROUND_OFF = 1e-12                                       # of a value: no difference
@@ -78,9 +81,14 @@ def fitted(series, cell):
         limit, scatter, smooth = fit(sizes, values, counted)
         if scatter <= SCATTER * (max(values) - min(values)):
             own = sizes.index(cell)
-            width = REGULAR * abs(smooth[own] - limit) + scatter + abs(values[own] - smooth[own])
+            width = factor_of(order) * abs(smooth[own] - limit) + scatter + abs(values[own] - smooth[own])
             return Convergence(float(width), order_words(order), float(counted), limit)
     return None
+
+
+def factor_of(order):
+    """Safety factor of an order that was observed."""
+    return REGULAR if order <= RELIABLE_ORDER else IRREGULAR
 
 
 def order_words(order):
@@ -107,7 +115,7 @@ def convergence_of(series, cell):
     if found and found[0] >= LEAST_ORDER:
         order = min(found[0], LARGEST_ORDER)
         limit = limit_of(sizes, values, order)
-        return Convergence(REGULAR * abs(value - limit), order_words(found[0]), order, limit)
+        return Convergence(factor_of(found[0]) * abs(value - limit), order_words(found[0]), order, limit)
     words = ("two sizes, no order" if len(series) < 3 else "no order: slower than h^0.5" if found else
              "no order: away from each other as cells shrink" if monotonic(values) else "no order: up and down")
     finer = max(abs(value - each) for h, each in series if h <= cell)  # what finer cells give must lie within

@@ -17,6 +17,7 @@ from .runs import version_of
 DONE = (0, 4)                                           # exit codes of runs that would end the same way again
 STOPPED = 6                                             # after a checkpoint
 NS_FIRST = 400.0                                        # per particle and step before any run has told
+LEAST_WORK = 0.5                                        # over that of the deck's own run: what is shorter tells of start and end
 DUMPS = ("particles_*.vtu", "particles.pvd", "particles.vtkhdf", "particles.dat")
 STAMP = "study.json"                                    # in each run's folder: what it was run with
 
@@ -34,6 +35,8 @@ class Member:
     note: str = ""
     fault: float = 0.0                                  # of the bodies' mass
     axes: int = 0                                       # of a scene that was turned; 0: it was not
+    factor: float = 1.0                                 # of the deck's cells
+    beside: str = ""                                    # name of the run with coarser cells that it differs from; empty: the deck's own
 
 
 class Checked:
@@ -102,13 +105,17 @@ class Runner:
         """Whether it has been run to its end."""
         return self.is_same(member) and read_summary_if_any(self.output(member)).get("exit_status") in DONE
 
+    def fits(self, member, kept=0.0):
+        """Whether it is there or fits in what is left of the budget beside what is kept for others."""
+        return self.expected(member) + kept <= max(0.0, self.left())
+
     def run(self, member):
         """Runs it, goes on with it, or takes what is there; whether it has ended."""
         summary = read_summary_if_any(self.output(member))
         if self.is_done(member):
             member.code, member.note = summary["exit_status"], "done before"
             return member.code == 0
-        if self.expected(member) > max(0.0, self.left()):
+        if not self.fits(member):
             member.note = f"left out: about {clock(self.expected(member))}"
             return False
         limit = max(1, int(self.left()))
@@ -125,7 +132,7 @@ class Runner:
                 keep_matrix(self.output(member), member.axes == 2)
             keep_impact(self.output(member))
             self.remove_dumps(member)
-        if member.code == 0 and "--restart" not in more and self.base_work * member.work > 0:
+        if member.code == 0 and "--restart" not in more and self.base_work > 0 and member.work >= LEAST_WORK:
             self.seconds_per_work = max((time.monotonic() - begun) / (self.base_work * member.work), 1e-10)
         member.note = {0: "", STOPPED: "stopped at the budget"}.get(member.code, first_line(done.stderr or done.stdout))
         return member.code == 0

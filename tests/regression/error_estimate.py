@@ -136,8 +136,10 @@ def index(report):
         found = convergence_of([(h, 5 + 0.3 * h**order) for h in cells], 0.1)
         check(report, abs(found.order - counted) < 1e-6 and math.isclose(found.half_width, 1.25 * 0.3 * 0.1**order, rel_tol=1e-6), f"order {order}", str(found))
     found = convergence_of([(h, 5 + 0.3 * h**3) for h in cells], 0.1)
-    check(report, found.order == 2 and math.isclose(found.half_width, 1.25 * 0.3 * (0.14**3 - 0.1**3) / (0.14**2 - 0.1**2) * 0.01, rel_tol=1e-6),
-          "what is steeper counts as 2", str(found))
+    check(report, found.order == 2 and math.isclose(found.half_width, 3 * 0.3 * (0.14**3 - 0.1**3) / (0.14**2 - 0.1**2) * 0.01, rel_tol=1e-6),
+          "what is steeper counts as 2, with the factor 3", str(found))
+    found = convergence_of([(h, 5 + 0.3 * h**2.8) for h in (0.1, 0.14, 0.2, 0.28)], 0.1)
+    check(report, found.order == 2 and found.half_width > 3 * 0.3 * 0.1**2.8, "of four sizes, too", str(found))
     found = convergence_of([(0.1, 5), (0.2, 5.01), (0.3, 6)], 0.1)
     check(report, found.order is None and math.isclose(found.half_width, 0.03, rel_tol=1e-9), "an order that no method has is none", str(found))
     coarse = convergence_of([(h, 5 + 0.3 * h**2) for h in cells], 0.2)
@@ -274,7 +276,7 @@ def shapes(report):
         check(report, abs(seen - value) < 1e-9, f"{name} of a cylinder is {value}", str(seen))
     found = estimates("flying.error/error.json")
     check(report, code == 0 and "surface of arrow (mean) = " in text and "converged to 5 %" in text, "beside the deck's own", text)
-    check(report, found["shape.arrow.largest"]["half_width"] < 0.05 and math.isclose(found["shape.arrow.mean"]["tolerance"], 0.05 * 6), "the same shape with all cells", text)
+    check(report, found["shape.arrow.largest"]["half_width"] < 0.1 and math.isclose(found["shape.arrow.mean"]["tolerance"], 0.05 * 6), "the same shape with all cells", text)
     check(report, found["shape.arrow.mean"]["unit"] == "mm", "in mm")
     write("behind.inp", FLYING.replace("end=2", "end=1.8"))
     subprocess.run([SGMP, "behind.inp", "--set", "speed=3", "--quiet"], check=True, env=ENVIRONMENT)
@@ -375,6 +377,28 @@ def budget(report):
     check(report, second.summary(member)["restarted_from"] != "", "from its checkpoint", str(second.summary(member)))
 
 
+def coarse(report):
+    """Parts whose runs do not fit are looked at with coarser cells: counted is the change from the run with these cells. The budget is counted in
+    particle-steps here, so that the machine does not matter."""
+    write("bar.inp", BAR)
+    spent = []
+    taken, expected, left = Runner.run, Runner.expected, Runner.left
+    Runner.run = lambda runner, member: taken(runner, member) and (spent.append(member.work) or True)
+    Runner.expected = lambda runner, member: 0.0 if runner.is_done(member) else member.work
+    Runner.left = lambda runner: 5.5 - sum(spent)  # the deck, cells twice and 1.4 times as large, half the step, another place: 1 + 0.25 + 0.47 + 2 + 1
+    try:
+        code, text = view("error", "bar.inp", "--sgmp", SGMP, "--threads", "1", "--quantity", "bodies.bar.velocity_x")
+    finally:
+        Runner.run, Runner.expected, Runner.left = taken, expected, left
+    found = estimates("bar.error/error.json")["bodies.bar.velocity_x"]
+    check(report, code == 0 and all(width is not None for width in found["parts"].values()), "all parts are looked at", text)
+    check(report, set(found["coarse_parts"]) == {"method", "particles"} and "with cells of 0.125" in found["line"], "two of them with coarser cells, as is said", text)
+    values = {run["setting"]: run["value"] for run in found["runs"]}
+    change = abs(values["3 particles per cell and axis, with cells of 0.125"] - values[0.125])
+    check(report, 0 < change and math.isclose(found["parts"]["particles"], change), "counted is the change with these cells", str(values))
+    check(report, abs(found["value"] - MEAN) <= found["half_width"] < 0.3 * abs(MEAN), "the interval holds the closed form", text)
+
+
 def words_of_errors(report):
     """What is said of mistakes."""
     for words, said in ((("--quantity", "bodies.arow.x"), "near it: bodies.arrow.x"), (("--quantity", "bodies.arrow.x:maxx"), "there is none"),
@@ -391,7 +415,7 @@ def main():
     os.environ.update(ENVIRONMENT)
     os.chdir(SCRATCH)
     report = Report()
-    for part in (index, surfaces, copies, intervals, narrow, misfit, flight, shapes, turned, budget, words_of_errors):
+    for part in (index, surfaces, copies, intervals, narrow, misfit, flight, shapes, turned, budget, coarse, words_of_errors):
         part(report)
     report.end()
 

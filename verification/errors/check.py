@@ -11,6 +11,7 @@ import json
 import os
 import subprocess
 import sys
+import textwrap
 import time
 from pathlib import Path
 
@@ -86,19 +87,31 @@ def figure(rows, path):
         plt.close(drawn)
 
 
+def wrapped(text, indent=""):
+    """Lines of at most 120 letters."""
+    return textwrap.wrap(text, 120, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+
+
+def as_typed(command, cpu):
+    """A command over as many lines as it needs, with what it takes."""
+    lines = textwrap.wrap(command, 110, initial_indent="    ", subsequent_indent="        ", break_long_words=False, break_on_hyphens=False)
+    return [*(f"{line} \\" for line in lines[:-1]), lines[-1], f"    # {cpu:.1f} minutes"]
+
+
 def document(rows, told, held, wide):
     """The page with table, commands and figure."""
     lines = ["# How good the error estimates are", "",
-             f"`sgmp-view error` ([how](user-guide.md#how-wrong-is-my-number)) on five decks, with the default `method sgmp`: {held} of {len(rows)} intervals hold the reference, "
-             f"{wide} of {len(rows)} are wider than ten times the true error.", "",
+             *wrapped(f"`sgmp-view error` ([how](user-guide.md#how-wrong-is-my-number)) on five decks, with the default `method sgmp`: {held} of {len(rows)} "
+                      f"intervals hold the reference, {wide} of {len(rows)} are wider than ten times the true error."), "",
              "![Reference less value over the half-width of the interval, for each number](images/error_estimates.png)", "",
              "| deck | number | value with its error | reference | held | width over error | parts of the half-width |", "|---|---|---|---|---|---|---|",
              *(line_of(name, row) for name, row in rows), "",
-             "Width over error: half-width over the distance from the reference, or over what the reference is good to where that is more. What the references are:", ""]
+             *wrapped("Width over error: half-width over the distance from the reference, or over what the reference is good to where that is more. "
+                      "What the references are:"), ""]
     lines += [f"* {WORDS[name][0]}: {WORDS[name][1]}." for name in told]
-    lines += ["", "Commands, with CPU minutes of all runs (one thread each):", ""]
-    lines += [f"    {command}      # {cpu:.1f} min" for command, cpu in told.values()]
-    lines += ["", "All of it: `build/venv/bin/python verification/errors/check.py --publish`; references: `verification/errors/references.py`."]
+    lines += ["", "Commands, with the CPU time of all runs (one thread each):", ""]
+    lines += [line for command, cpu in told.values() for line in as_typed(command, cpu)]
+    lines += ["", *wrapped("All of it: `build/venv/bin/python verification/errors/check.py --publish`; references: `verification/errors/references.py`.")]
     return "\n".join(lines) + "\n"
 
 
