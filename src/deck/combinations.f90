@@ -11,7 +11,7 @@ module sgmp_combinations
   use sgmp_spelling, only: string_t, word_in_list, word_items
   implicit none
   private
-  public :: feature_t, refusal_t, combinations_allow, combinations_ask, combinations_check, &
+  public :: feature_t, refusal_t, combinations_check, combinations_choose, &
             combinations_features, combinations_refusals, feature_label, feature_of_card
 
   !> How the value of a key shows that a card asks for the feature.
@@ -43,6 +43,12 @@ module sgmp_combinations
     character(128) :: reason = ''
     character(96) :: remedy = ''
   end type refusal_t
+
+  !> What `auto` leaves out beside others, though it goes with them.
+  type :: caution_t
+    character(16) :: feature = ''
+    character(48) :: with = ''        !! names of the others
+  end type caution_t
 
   type(feature_t), parameter :: features(*) = [ &
     feature_t('1D', 'dimension 1', 'dimension', 'value', ask_number, '', 1), &
@@ -158,6 +164,13 @@ module sgmp_combinations
               'the blast of a charge is a sphere, not a cylinder', &
               'write dimension axisymmetric or dimension 3')]
 
+  ! Loads on faces and friction are found with plain strains, axisymmetric scenes are not normalised
+  ! (doc/surfaces.md, 6); the rest is not measured widely enough to be a default.
+  type(caution_t), parameter :: cautions(*) = [ &
+    caution_t('surfaces', 'axisymmetric'), &
+    caution_t('rotation', 'friction absorbing kept wallfriction motion'), &
+    caution_t('normalised', 'axisymmetric motion absorbing')]
+
 contains
 
   !> All features.
@@ -183,26 +196,40 @@ contains
     end do
   end subroutine combinations_check
 
-  !> Whether a deck asks for a feature.
-  pure function combinations_ask(cards, name) result(yes)
+  !> Whether `auto` takes a feature: it goes with all that a deck asks for, and nothing of that is
+  !! among the cautions.
+  function combinations_choose(cards, name) result(yes)
     type(deck_card_t), intent(in) :: cards(:)      !! of the deck, defaults among them
     character(*), intent(in) :: name               !! of the feature
     logical :: yes
-    integer :: asker(size(features))
-    asker = askers(cards)
-    yes = asker(feature_number(name)) > 0
-  end function combinations_ask
+    logical :: asked(size(features))
+    integer :: q
+    asked = askers(cards) > 0
+    asked(feature_number(name)) = .true.
+    yes = allowed(asked, name)
+    do q = 1, size(cautions)
+      if (cautions(q)%feature == name) yes = yes .and. .not. asks_any(asked, cautions(q)%with)
+    end do
+  end function combinations_choose
 
-  !> Whether a feature goes with all that a deck asks for, of whatever the program may choose.
-  function combinations_allow(cards, name) result(yes)
-    type(deck_card_t), intent(in) :: cards(:)      !! of the deck, defaults among them
+  !> Whether one of some features is asked for.
+  function asks_any(asked, names) result(yes)
+    logical, intent(in) :: asked(:)
+    character(*), intent(in) :: names
+    logical :: yes
+    type(string_t), allocatable :: others(:)
+    integer :: i
+    others = word_items(trim(names))
+    yes = any([(asked(feature_number(others(i)%text)), i=1, size(others))])
+  end function asks_any
+
+  !> Whether a feature goes with all that are asked for.
+  function allowed(asked, name) result(yes)
+    logical, intent(in) :: asked(:)
     character(*), intent(in) :: name               !! of the feature
     logical :: yes
     type(string_t), allocatable :: others(:)
-    logical :: asked(size(features))
     integer :: r, i
-    asked = askers(cards) > 0
-    asked(feature_number(name)) = .true.
     yes = .true.
     do r = 1, size(refusals)
       if (.not. asked(feature_number(trim(refusals(r)%feature)))) cycle
@@ -215,7 +242,7 @@ contains
         yes = yes .and. .not. asked(feature_number(others(i)%text))
       end do
     end do
-  end function combinations_allow
+  end function allowed
 
   !> Reports the others of a refusal that the deck asks for.
   subroutine check_refusal(refusal, asker, cards, errors)
