@@ -43,6 +43,7 @@ module sgmp_judge_state
   real(dp), parameter :: thin_thickness = 4.01_dp      !! of other methods
   real(dp), parameter :: thin_error = 0.15_dp
   real(dp), parameter :: ball_thickness = 13.0_dp      !! cells across a ball, of sgmp
+  real(dp), parameter :: small_ball = 10.0_dp          !! of other methods
   real(dp), parameter :: ball_error = 0.1_dp
 
 contains
@@ -155,8 +156,8 @@ contains
     if (any(model%bodies(thinnest)%law%kind == [material_explosive, material_fluid])) return
     thin = "body '"//trim(model%bodies(thinnest)%name)//"' is "//real_text(thickness)// &
            ' cells thick'
-    if (kernel_centred(model%fields(1)%kernel) .and. thickness < ball_thickness .and. &
-        ball .and. model%mesh%space /= 2) then
+    if (ball .and. model%mesh%space /= 2 .and. thickness < &
+        merge(ball_thickness, small_ball, kernel_centred(model%fields(1)%kernel))) then
       call opinion%expect(ball_error, thin//', and a ball: use smaller cells')
     end if
     if (model%method%surfaces) return

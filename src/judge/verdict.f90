@@ -10,6 +10,7 @@ module sgmp_verdict
   use sgmp_errors, only: error_t, exit_stopped
   use sgmp_judge_balance, only: judge_energy, judge_erosion, judge_impulse, judge_noise, &
                                 judge_turning
+  use sgmp_judge_collisions, only: judge_collisions
   use sgmp_judge_state, only: judge_particles, judge_pressed, judge_resolution, judge_thin, &
                               judge_volumes
   use sgmp_kernels, only: kernel_mpm
@@ -92,6 +93,7 @@ contains
     call judge_erosion(self%opinion, model)
     call judge_impulse(self%opinion, model)
     call judge_turning(self%opinion, scene, model, self%turn)
+    call judge_collisions(self%opinion, scene, model)
     call stage_objection(model, inexact, reason)
     if (inexact >= 1.0_dp) then
       call self%opinion%object(reason)

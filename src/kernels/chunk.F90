@@ -30,6 +30,7 @@ module DIM(sgmp_chunk)
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_scatter), only: column_sums, linear_scatter, linear_scatter_force, &
                                      linear_scatter_moment, linear_scatter_pairs
+  use DIM(sgmp_settling), only: settling_chunk
   use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use sgmp_sums, only: sum_collisions, sum_internal, sum_kinetic, sum_loose, sum_mass_aa, &
@@ -54,8 +55,8 @@ module DIM(sgmp_chunk)
   integer, parameter :: most_rows = NACROSS
   integer, parameter :: most_columns = 2 + NMASS + NDIM*(5 + 2*NDIM + twists(NDIM)) + NFLUX + 5 + &
                                      most_drives + pair_sums(NDIM)
-  integer, parameter :: most_gathered = 3*NDIM + 1 + NGRAD + relax_total(NDIM) + &
-                                      record_group - 1 + collide_total(NDIM)
+  integer, parameter :: most_gathered = 3*NDIM + 1 + NGRAD + relax_total(NDIM) + record_group + &
+                                      collide_total(NDIM)
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
   real(dp), parameter :: beyond = 1.0e150_dp     !! no particle whose state makes sense is as fast
@@ -101,6 +102,7 @@ module DIM(sgmp_chunk)
     integer :: relax = 0                 !! and of what particles relax to; 0: nothing
     integer :: collide = 0               !! and of what debris collides by; 0: there is none
     integer :: read = 1                  !! components of a record without those
+    integer :: square_read = 0           !! and of the square of the acceleration, where it is read
     integer :: swirl_read = 0            !! and of what they read of swirl: slopes
     integer :: swirl_kick = 0            !! the acceleration
     real(dp) :: h = 1.0_dp, inverse_h = 1.0_dp
@@ -141,6 +143,10 @@ contains
     if (plan%relax) then
       task%relax = task%stride + 1
       task%stride = task%stride + relax_total(NDIM)
+    end if
+    if (plan%loose .and. plan%gradient > 0) then
+      task%square_read = task%stride + 1
+      task%stride = task%stride + 1
     end if
     task%read = task%stride
     if (plan%collide) then
@@ -230,7 +236,8 @@ contains
     real(dp) :: change(lanes, NDIM), heat(lanes)
     logical :: outside, erodes, eroded(lanes), collides
     if (plan%loose) then
-      call chunk_loose(body, plan, task, origin, nl, row, records, nb, motion, state, stencil)
+      call chunk_loose(body, plan, task, origin, nl, row, records, nb, motion, state, stencil, &
+                       lane_sums)
       return
     end if
     outside = .false.
@@ -269,7 +276,9 @@ contains
     if (plan%kick) call kick(plan%dt_kick, task%live(1, nl), got, plan%flip, &
                              got(1, task%velocity), motion, lane_sums)
     if (collides) then
-      call collisions_apply(body%law, change, plan%dt_kick*got(:, :NDIM), task%live(1, nl), nb, &
+      call collisions_apply(body%law, change, &
+                            merge(0.5_dp, 1.0_dp, plan%by_halves)*plan%dt_kick*got(:, :NDIM), &
+                            task%live(1, nl), nb, &
                             heat, motion, state, lane_sums(1, sum_momentum), &
                             lane_sums(1, sum_collisions), lane_sums(1, sum_internal))
     end if
@@ -357,7 +366,8 @@ contains
   end subroutine chunk_advance
 
   !> What a chunk gives to the sums by which debris collides (sgmp_collisions).
-  subroutine chunk_loose(body, plan, task, origin, nl, row, records, nb, motion, state, stencil)
+  subroutine chunk_loose(body, plan, task, origin, nl, row, records, nb, motion, state, stencil, &
+                         lane_sums)
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
@@ -366,11 +376,13 @@ contains
     integer, intent(in) :: row(most_rows)        !! as in chunk_advance
     real(dp), intent(in) :: records(task%stride, *)
     integer, intent(in) :: nb
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp), intent(inout) :: state(lanes, nb), lane_sums(lanes, sweep_sums)
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     real(dp) :: xi(lanes, NDIM), got(lanes, most_gathered), axes(lanes, 3, NDIM, 2)
     real(dp) :: values(lanes, most_columns + NFLUX), loose(lanes)
     integer :: cell(lanes)
+    logical :: settles
     loose = 0.0_dp
     if (.not. body%is_driven) loose = debris_loose(body%law, task%live(1, nl), &
                                                    motion(1, mass_at), nb, state)
@@ -384,15 +396,58 @@ contains
       call scatter(task, .false., xi, cell, axes, values, stencil)
       return
     end if
-    got(:, :2*NDIM + NDIM**2) = 0.0_dp
-    if (any(loose > 0.5_dp)) call gather(task, .true., task%live(1, nl), xi, cell, axes, row, &
-                                         records, got)
+    got(:, :task%square_read) = 0.0_dp
+    settles = body%law%slots%viscous > 0 .and. .not. body%is_driven
+    if (settles) settles = any(state(:nl, body%law%slots%damage) >= 1.0_dp)
+    if (settles .or. any(loose > 0.5_dp)) then
+      call gather(task, .true., task%live(1, nl), xi, cell, axes, row, records, got)
+    end if
+    if (settles) call settle(body, plan, task, nl, xi, cell, axes, row, records, motion, nb, got, &
+                             state, lane_sums(1, sum_internal))
     call collisions_collect(loose, task%live(1, nl), task%h, body%law%bulk_speed, &
                             got(:, NDIM + 1:2*NDIM) - plan%dt_kick*got(:, :NDIM), &
                             got(1, task%gradient), motion, values)
     if (NDIM < 3) cell(nl + 1:) = -1
     call scatter(task, .false., xi, cell, axes, values, stencil)
   end subroutine chunk_loose
+
+  !> Settles what the stress of a chunk's debris does in the kick to come (sgmp_settling).
+  subroutine settle(body, plan, task, nl, xi, cell, axes, row, records, motion, nb, got, state, &
+                    internal)
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: nl, cell(lanes), row(most_rows), nb
+    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2), records(task%stride, *)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp), intent(inout) :: got(lanes, most_gathered), state(lanes, nb), internal(lanes)
+    if (.not. task%centred) then
+#ifdef AXISYMMETRIC
+      call gather_hoop(task, xi, cell, axes, row, records, motion, &
+                       got(1, task%gradient + NGRAD - 1))
+#endif
+      call gather_one(task, xi, cell, axes, row, records(task%square_read, 1), &
+                      got(1, task%square_read))
+    end if
+    call settling_chunk(body%law, plan%by_halves, plan%dt_kick, task%live(1, nl), got(1, task%gradient), got, &
+                        got(1, task%square_read), motion, nb, state, internal)
+  end subroutine settle
+
+  !> One component of the records, read at nodes.
+  pure subroutine gather_one(task, xi, cell, axes, row, records, got)
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
+    integer, intent(in) :: cell(lanes), row(most_rows)
+    real(dp), intent(in) :: records(task%stride, *)
+    real(dp), intent(out) :: got(lanes)
+    real(dp) :: w(lanes, NCORNER)
+    if (task%wide) then
+      call product_gather(1, axes, task%stride, records, row, got)
+    else
+      call linear_weights(xi, w)
+      call linear_gather(1, w, cell, task%stride, records, row, got)
+    end if
+  end subroutine gather_one
 
   !> What the points around a chunk let it collide by, and whether they do.
   pure subroutine gather_collide(task, xi, cell, axes, row, records, got, collides)
@@ -637,13 +692,7 @@ contains
     integer, intent(in) :: cell(lanes), row(most_rows)
     real(dp), intent(in) :: records(task%stride, *), motion(lanes, motion_total(NDIM))
     real(dp), intent(out) :: rate(lanes)
-    real(dp) :: w(lanes, NCORNER)
-    if (task%wide) then
-      call product_gather(1, axes, task%stride, records(task%gradient, 1), row, rate)
-    else
-      call linear_weights(xi, w)
-      call linear_gather(1, w, cell, task%stride, records(task%gradient, 1), row, rate)
-    end if
+    call gather_one(task, xi, cell, axes, row, records(task%gradient, 1), rate)
     rate = task%inverse_h*rate/max(motion(:, 1), least_radius)
   end subroutine gather_hoop
 

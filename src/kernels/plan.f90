@@ -14,6 +14,8 @@ module sgmp_plan
                                 !! what they read, per wave modulus and mass (sgmp_stability)
     logical :: loose = .false.   !! nothing advances: particles give what debris will collide by
     logical :: collide = .false.           !! with the kick, debris collides
+    logical :: by_halves = .false.         !! strains are those of the velocity that particles have
+                                           !! after the kick: the work of stresses goes by halves
     logical :: kick = .false.              !! v += a dt_kick
     logical :: drift = .false.             !! x += v_grid dt
     logical :: strain = .false.            !! stress update over dt

@@ -9,7 +9,8 @@
 !!
 !! Longer than 500 lines: the buffers of planes, their joints included, are nobody else's.
 module DIM(sgmp_sweep)
-  use DIM(sgmp_auxmesh), only: auxmesh_collide, auxmesh_fill, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
+  use DIM(sgmp_auxmesh), only: auxmesh_collide, auxmesh_fill, auxmesh_midway, auxmesh_mirror, &
+                              auxmesh_relax, auxmesh_swirl
 #if NDIM == 2
   use DIM(sgmp_auxmesh), only: auxmesh_fill_cells
 #endif
@@ -25,6 +26,7 @@ module DIM(sgmp_sweep)
   use sgmp_particles, only: chunk_prefetch, first_cell, particles_t
   use sgmp_plan, only: plan_t, workspace_t
   use sgmp_rows, only: key_j, key_k
+  use DIM(sgmp_settling), only: settling_part
   use CARTESIAN(sgmp_scatter), only: accumulators, linear_carry
 #if NDIM > 1
   use DIM(sgmp_surfaces), only: surfaces_add_gains
@@ -163,6 +165,10 @@ contains
 #endif
       call auxmesh_fill(field, mesh, p, plan%vectors, plan%gradient, &
                         task%stride, work%records(first))
+      if (task%square_read > 0) then
+        call auxmesh_midway(field, mesh, p, (1.0_dp - settling_part(plan%by_halves))*plan%dt_kick, task%vectors, task%stride, &
+                            work%records(first))
+      end if
       if (plan%swirl) then
         call auxmesh_swirl(field, mesh, p, plan%kick, plan%gradient, task%swirl_read - 1, &
                            task%stride, work%records(first))

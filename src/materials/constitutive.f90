@@ -133,6 +133,7 @@ module sgmp_constitutive
     logical :: fails = .false.                 !! by damage, or a fluid's tension is bounded
     type(failure_t) :: failure
     logical :: softens = .false.               !! it fails little by little
+    real(dp) :: apart = 1.0e30_dp               !! volume over the first at which it fails in any case
     type(softening_t) :: softening
     type(erosion_t) :: erosion
     type(scatter_t) :: scatter                 !! of the yield stress

@@ -8,7 +8,9 @@
 !!     E' = E + w - p dv/2 - p' dv'/2                                                 (DB1)
 !!
 !! with the pressure p' that it then has, bounds included. dv' is dv where it opens, whatever volume
-!! it is then taken to have; where it closes, as far as its volume does. So what its stress gives to
+!! it is then taken to have; where it closes, as far as its volume does. What is taken for p' and for
+!! q is an advance on what they will do in the kick to come; where that is settled with what they do
+!! (sgmp_settling) the term of p is no longer there in the next step. So what its stress gives to
 !! the grid is what its internal energy loses, in every step and to round-off. Further
 !!
 !! * in open matter (v > 1) heat presses as that of a gas: b0 E is b0 E/v, and is spent when
@@ -20,7 +22,8 @@
 !!   than a lone particle's closing: q <= rho h^2 |tr D|/(6 dt).
 !!
 !! **Torn.** Mie-Grueneisen's pressure falls with the volume to its largest tension, where the speed
-!! of sound is 0, and would rise beyond. Matter that has a card `failure` fails there. Without one
+!! of sound is 0, and would rise beyond. Matter that has a card `failure` fails there, and, however hot
+!! it is, at the volume at which that happens to cold matter. Without one
 !! the tension falls from its largest value with further opening,
 !!
 !!     p = p_c exp(-(v - v_c)/opening)                                                (DB2)
@@ -33,8 +36,8 @@ module sgmp_debris
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
-  public :: debris_begin, debris_lanes, debris_loose, debris_possible, &
-            debris_room, debris_t, debris_torn, tear_lanes
+  public :: debris_begin, debris_lanes, debris_loose, debris_mark, debris_possible, debris_room, &
+            debris_set_apart, debris_settled, debris_t, debris_torn, tear_lanes
 
   real(dp), parameter :: largest = 8.0_dp     !! volume of fragments and their room over the first
   real(dp), parameter :: closing = 0.95_dp    !! least part of a dense volume after a step
@@ -42,6 +45,7 @@ module sgmp_debris
   real(dp), parameter :: lone = 1.0_dp/6.0_dp  !! of the closing of a lone particle, in a step
   real(dp), parameter :: least_whole = 0.5_dp  !! as in eos_energy
   real(dp), parameter :: opening = 0.3_dp     !! of (DB2)
+  real(dp), parameter :: half_settled = -1.0_dp, whole_settled = -0.5_dp  !! marks
   integer, parameter :: halvings = 40
   integer, parameter :: tangents = 8          !! where the pressure is not linear in the energy
 
@@ -51,6 +55,8 @@ module sgmp_debris
     real(dp) :: pressure(lanes) = 0.0_dp
     real(dp) :: energy(lanes) = 0.0_dp        !! per initial volume
     real(dp) :: heat(lanes) = 0.0_dp          !! work of deviators per old volume
+    real(dp) :: acting(lanes) = 0.0_dp        !! pressure that does work by the change of volume
+    real(dp) :: settling(lanes) = 0.0_dp      !! pressure, q included, of which a half is settled
   end type debris_t
 
 contains
@@ -66,7 +72,29 @@ contains
     before%pressure = -mean
     before%heat = heat
     if (law%slots%energy > 0) before%energy = b(:, law%slots%energy)
+    before%acting = before%pressure
+    before%settling = 0.0_dp
+    if (law%slots%viscous == 0) return
+    where (debris_settled(b(:, law%slots%viscous))) before%acting = 0.0_dp
+    where (b(:, law%slots%viscous) <= half_settled)
+      before%settling = before%pressure + (half_settled - b(:, law%slots%viscous))
+    end where
   end subroutine debris_begin
+
+  !> What takes the place of the viscous pressure once its work has been settled, half or whole.
+  elemental function debris_mark(half, q) result(mark)
+    logical, intent(in) :: half
+    real(dp), intent(in) :: q
+    real(dp) :: mark
+    mark = merge(half_settled - q, whole_settled, half)
+  end function debris_mark
+
+  !> Whether it is such a mark.
+  elemental function debris_settled(q) result(yes)
+    real(dp), intent(in) :: q
+    logical :: yes
+    yes = q < 0.0_dp
+  end function debris_settled
 
   !> Volume of the lanes that bear stress as a body does: none of what has failed and come apart,
   !! whose surfaces are nowhere (doc/surfaces.md).
@@ -109,7 +137,7 @@ contains
     type(debris_t), intent(in) :: before
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb), mean(lanes), speed2(lanes), q(lanes), work(lanes)
-    real(dp) :: scale, v_old, v, dv, p, most, gone, other, rate
+    real(dp) :: scale, v_old, v, dv, p, most, gone, other, rate, advance, settled
     integer :: l
     most = merge(0.0_dp, failure_none, law%failure%carries == carries_nothing)
     do l = 1, lanes
@@ -124,13 +152,18 @@ contains
         rate = abs(trace(l))/dt
         q(l) = min(q(l), lone*law%density/v*law%h**2*rate/dt)
       end if
-      other = v_old*(before%heat(l) - q(l)*trace(l))
-      call debris_pressure(law, v, dv, before%pressure(l), before%energy(l) + other, most, p, &
+      settled = 0.5_dp*before%settling(l)*v_old*trace(l)
+      other = v_old*(before%heat(l) - q(l)*trace(l)) - settled
+      call debris_pressure(law, v, dv, before%acting(l), before%energy(l) + other, most, p, &
                            speed2(l))
-      gone = 0.5_dp*(before%pressure(l)*dv + p*merge(dv, v - v_old, dv > 0.0_dp))
+      advance = 0.5_dp*p*merge(dv, v - v_old, dv > 0.0_dp)
+      gone = 0.5_dp*before%acting(l)*dv + advance
       if (law%eos /= eos_none) b(l, law%slots%energy) = before%energy(l) + other - gone
-      work(l) = before%heat(l) - gone/v_old
+      work(l) = before%heat(l) - (gone + settled)/v_old
       mean(l) = -p
+      if (law%slots%viscous == 0) cycle
+      b(l, law%slots%advanced) = advance + v_old*q(l)*trace(l)
+      b(l, law%slots%viscous) = q(l)
     end do
   end subroutine debris_lanes
 
@@ -228,10 +261,21 @@ contains
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: v, energy
     real(dp) :: pressure
-    real(dp) :: low, high, middle, a0, b0, da, db
+    real(dp) :: critical, a0, b0, da, db
+    critical = critical_volume(law, v, energy)
+    call eos_terms(law, critical, energy, a0, b0, da, db)
+    pressure = (a0 + b0*energy)*exp(-(v - critical)/opening)
+  end function torn_pressure
+
+  !> Largest volume up to a given one at which there are waves, at an energy.
+  pure function critical_volume(law, most, energy) result(low)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: most, energy
+    real(dp) :: low
+    real(dp) :: high, middle, a0, b0, da, db
     integer :: i
     low = 1.0_dp
-    high = v
+    high = most
     do i = 1, halvings
       middle = 0.5_dp*(low + high)
       call eos_terms(law, middle, energy, a0, b0, da, db)
@@ -242,8 +286,20 @@ contains
         low = middle
       end if
     end do
-    call eos_terms(law, low, energy, a0, b0, da, db)
-    pressure = (a0 + b0*energy)*exp(-(v - low)/opening)
-  end function torn_pressure
+  end function critical_volume
+
+  !> Volume beyond which matter with a card `failure` is no body any more: the one at which cold
+  !! matter loses its waves. What is hot keeps a pressure there that grows with the volume, without
+  !! bound, and its speed of sound with it.
+  pure subroutine debris_set_apart(law)
+    type(constitutive_t), intent(inout) :: law
+    real(dp) :: a0, b0, da, db
+    law%apart = 1.0e30_dp
+    if (.not. debris_possible(law) .or. law%eos == eos_none .or. law%softens .or. &
+        law%porosity%porous) return
+    if (.not. eos_linear(law)) return
+    call eos_terms(law, largest, 0.0_dp, a0, b0, da, db)
+    if (debris_torn(law, largest, a0, 0.0_dp)) law%apart = critical_volume(law, largest, 0.0_dp)
+  end subroutine debris_set_apart
 
 end module sgmp_debris

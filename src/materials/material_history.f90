@@ -44,6 +44,8 @@ module sgmp_material_history
     kept_t('strength', .true., .true., 'strength (failure weibull)'), &
     kept_t('yield_factor', .true., .true., 'factor of the yield stress (material yield_weibull)'), &
     kept_t('compliance', .false., .false., 'compliance (volumes=kept, eos)'), &
+    kept_t('advanced_energy', .false., .false., 'energy of debris paid in advance (failure)'), &
+    kept_t('viscous_pressure', .false., .false., 'viscous pressure of debris (failure)'), &
     kept_t('path', .true., .false., 'path from the particle that was split (split)')]
 
   !> Columns that a law wants besides volume and stress, with their first values where not 0.
@@ -94,6 +96,8 @@ module sgmp_material_history
     integer :: compliance = 0    !! by which volume is exchanged, for kept volumes
     integer :: strength = 0      !! factor on the limits of failure, where they scatter
     integer :: yield_factor = 0  !! factor on the yield stress, where it scatters
+    integer :: advanced = 0      !! debris: energy taken for its stress before that has acted
+    integer :: viscous = 0       !! debris: viscous pressure that acts next; negative: settled
     integer :: path = 0          !! from the particle that it comes from, where particles are split:
                                  !! 1, and of the halves of b 2 b and 2 b + 1
     integer :: total = 1
@@ -181,6 +185,8 @@ contains
     slots%compliance = slots_column(slots, 'compliance')
     slots%strength = slots_column(slots, 'strength')
     slots%yield_factor = slots_column(slots, 'yield_factor')
+    slots%advanced = slots_column(slots, 'advanced_energy')
+    slots%viscous = slots_column(slots, 'viscous_pressure')
     slots%path = slots_column(slots, 'path')
     if (slots%stress > 0) slots%stresses = size(slots%list(1)%start)
   end subroutine name_slots

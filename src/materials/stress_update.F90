@@ -641,7 +641,11 @@ contains
     real(dp), intent(inout) :: work(lanes)
     logical :: lets_go
     lets_go = law%failure%carries /= carries_everything
-    if (lets_go .and. any(speed2 < 0.0_dp)) call tear(law, mass, nb, b, speed2, failed)
+    if (lets_go) then
+      if (any(speed2 < 0.0_dp .or. b(:, 1)*law%density > law%apart*mass)) then
+        call tear(law, mass, nb, b, speed2, failed)
+      end if
+    end if
     if (law%softens) then
       call soften(law, left, mass, before%volume, trace, late, nb, b, mean, speed2, work)
     end if
@@ -656,7 +660,8 @@ contains
     end if
   end subroutine come_apart
 
-  !> Matter with a card `failure` whose equation of state has no waves left in expansion fails.
+  !> Matter with a card `failure` whose equation of state has no waves left in expansion, or would
+  !! have none if it were cold, fails.
   pure subroutine tear(law, mass, nb, b, speed2, failed)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: mass(lanes), speed2(lanes)
@@ -664,7 +669,8 @@ contains
     real(dp), intent(inout) :: b(lanes, nb), failed(lanes)
     integer :: l
     do l = 1, lanes
-      if (speed2(l) >= 0.0_dp .or. b(l, 1)*law%density <= mass(l)) cycle
+      if (b(l, 1)*law%density <= mass(l)) cycle
+      if (speed2(l) >= 0.0_dp .and. b(l, 1)*law%density <= law%apart*mass(l)) cycle
       b(l, law%slots%damage) = 1.0_dp
       failed(l) = 1.0_dp
       b(l, law%slots%stress:law%slots%stress + NSTRESS - 1) = 0.0_dp

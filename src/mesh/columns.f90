@@ -19,7 +19,7 @@ module sgmp_columns
   public :: pair_sums, twist_takes, twists
   public :: stage_pairs, stage_mass, stage_momentum, stage_stress, stage_moment, stage_debris, &
             stage_behind
-  public :: collide_rate, collide_square, collide_total, collide_velocity
+  public :: collide_kick, collide_rate, collide_square, collide_total, collide_velocity
   public :: node_acceleration, node_gyration, node_inertia, node_inverse_mass, node_remapped, &
             node_swirl, node_total, node_velocity
   public :: relax_dilation, relax_exchange, relax_filling, relax_filter, relax_stiffness, &
@@ -120,6 +120,7 @@ module sgmp_columns
   integer, parameter :: collide_square = 2    !! a |v|^2
   integer, parameter :: collide_velocity = 3  !! first component of a v
   integer, parameter :: collide_total(3) = collide_velocity + [0, 1, 2]
+  integer, parameter :: collide_kick(3) = collide_total + 1  !! at nodes: square of the acceleration
 
   ! What particles relax to, at the centres of the auxiliary grid (sgmp_centres_relax); by dimension
   ! where there are two numbers of columns.

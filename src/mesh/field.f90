@@ -6,7 +6,7 @@
 !! point's record is base + i.
 module sgmp_field
   use sgmp_axis, only: axis_hoop_weights
-  use sgmp_columns, only: collide_total, columns_keep_behind, columns_make, &
+  use sgmp_columns, only: collide_kick, columns_keep_behind, columns_make, &
                           columns_t, relax_total
   use sgmp_drive, only: drive_t
   use sgmp_kernels, only: kernel_centred, kernel_folds, kernel_sgmp, stencil_width
@@ -52,7 +52,7 @@ module sgmp_field
     real(dp), allocatable :: relax(:, :)  !! (points, relax_total) what particles relax to, at the
                                           !! centres; not allocated: nothing relaxes
     logical :: collides = .false.        !! there is debris in this step
-    real(dp), allocatable :: collide(:, :)  !! (points, collide_total) by how much it collides, for
+    real(dp), allocatable :: collide(:, :)  !! (points, collide_kick) by how much it collides, for
                                             !! columns%debris > 0
     type(drive_t), allocatable :: drives(:)  !! prescribed motions; not allocated: none
     integer :: drive_terms = 0           !! entries of a step's sums before those of the drives
@@ -118,7 +118,7 @@ contains
       allocate (new%relax(new%points, relax_total(new%ndim)), source=0.0_dp)
     end if
     if (new%columns%debris > 0) then
-      allocate (new%collide(new%points, collide_total(new%ndim)), source=0.0_dp)
+      allocate (new%collide(new%points, collide_kick(new%ndim)), source=0.0_dp)
     end if
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))

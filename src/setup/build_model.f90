@@ -9,10 +9,10 @@ module sgmp_build_model
   use sgmp_build_columns, only: columns_build
   use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
-  use sgmp_constitutive, only: eos_none, law_is_spherical, law_set_length, law_slots
+  use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, law_set_length, law_slots
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_pairs
-  use sgmp_debris, only: debris_possible
+  use sgmp_debris, only: debris_possible, debris_set_apart
   use sgmp_driven_build, only: driven_add_columns, driven_declare, driven_fill, driven_number
   use sgmp_energy, only: ledger_open
   use sgmp_errors, only: error_make, error_t, exit_deck
@@ -49,6 +49,7 @@ module sgmp_build_model
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
   use sgmp_vectors, only: cross
+  use sgmp_update, only: update_usavg
   use sgmp_wall_motion, only: wall_motion_start
   implicit none
   private
@@ -244,6 +245,7 @@ contains
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
       call law_set_length(body%law, mesh%h, method_band(scene%method%kind)*mesh%h)
+      call debris_set_apart(body%law)
       body%law%rigid = body%rigid
       call keep_energy(scene, body)
       call law_slots(body%law, tensor_axes(scene))
@@ -330,8 +332,26 @@ contains
       if (scene%method%volumes_kept .and. law%eos /= eos_none .and. .not. law%rigid) then
         call slots_ask(slots, 'compliance', none(:1))
       end if
+      if (settles(scene, law)) then
+        call slots_ask(slots, 'advanced_energy', none(:1))
+        call slots_ask(slots, 'viscous_pressure', none(:1))
+      end if
     end associate
   end subroutine add_columns
+
+  !> Whether the stress of debris is settled with its energy in each kick (sgmp_settling): what it
+  !! does must be the transpose of the gradient that particles read, and act once a step.
+  pure function settles(scene, law) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(constitutive_t), intent(in) :: law
+    logical :: yes
+    yes = debris_possible(law) .and. .not. (law%rigid .or. law%softens .or. law%porosity%porous)
+    associate (method => scene%method)
+      yes = yes .and. debris_speed(scene) > 0.0_dp .and. method%update /= update_usavg .and. &
+            .not. (scene%swirl .or. method%normalised)
+      if (scene%dimension > 1) yes = yes .and. .not. (method%rotation .or. method%surfaces)
+    end associate
+  end function settles
 
   !> Body forces that act on a body; a card for the body itself comes before one for all.
   subroutine attach_force(scene, number, body)

@@ -57,7 +57,7 @@ module sgmp_stages
   use sgmp_swirl_account, only: swirl_account
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_grid, phase_kick, timers_stop
-  use sgmp_update, only: update_strains_before, update_usavg, update_usl
+  use sgmp_update, only: update_musl, update_strains_before, update_usavg, update_usl
   use sgmp_volumes_account, only: volumes_account
   use sgmp_wall_friction_account, only: wall_friction_account
   use sgmp_wall_friction_stages, only: wall_friction_objection, wall_velocity_rubbed
@@ -214,10 +214,18 @@ contains
     plan%step = model%clock%step + 1
     plan%vectors = [node_acceleration, node_velocity(model%mesh%ndim)]
     plan%gradient = node_velocity(model%mesh%ndim)
+    plan%by_halves = by_halves(model%method)
     call phase_collisions(plan, model%method%debris_speed, model%totals, model%mesh, model%fields, &
                           model%bodies, model%team, model%ranks, model%findings, model%timers)
     call timers_stop(model%timers, phase_grid)
   end subroutine collide
+
+  !> Whether a stress is updated with the velocity that particles have after the kick.
+  pure function by_halves(method) result(yes)
+    type(method_t), intent(in) :: method
+    logical :: yes
+    yes = any(method%update == [update_musl, update_usavg])
+  end function by_halves
 
   !> The velocity that strains the particles, of the nodes before the kick or re-mapped after it.
   subroutine stage_strain_velocity(model, before_kick)
@@ -261,6 +269,7 @@ contains
       plan%gradient = node_velocity(model%mesh%ndim)
     end if
     if (plan%gradient == node_remapped) plan%relax = model%method%relaxed
+    if (plan%kick) plan%by_halves = by_halves(model%method)
   end subroutine stage_plan
 
   !> Before a sweep: what particles will read is at the nodes, those behind walls included.

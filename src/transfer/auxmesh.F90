@@ -5,7 +5,7 @@
 !!
 !! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
 module DIM(sgmp_auxmesh)
-  use sgmp_columns, only: collide_total, node_acceleration, node_swirl, relax_dilation, relax_total
+  use sgmp_columns, only: collide_kick, collide_total, node_acceleration, node_swirl, relax_dilation, relax_total
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
@@ -13,7 +13,7 @@ module DIM(sgmp_auxmesh)
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: auxmesh_collide, auxmesh_fill, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
+  public :: auxmesh_collide, auxmesh_fill, auxmesh_midway, auxmesh_mirror, auxmesh_relax, auxmesh_swirl
   public :: node_rows
 #if NDIM == 2
   public :: auxmesh_fill_cells
@@ -207,10 +207,44 @@ contains
       do i = field%work%first(s), field%work%last(s)
         from = field%neighbour(0, 0, s) + i
         to = from - field%plane_start(plane) + 1
-        records(before + 1:before + collide_total(NDIM), to) = field%collide(from, :)
+        records(before + 1:before + collide_total(NDIM), to) = field%collide(from, :collide_total(NDIM))
       end do
     end do
   end subroutine auxmesh_collide
+
+  !> Takes gradients in the records of one plane, which are those of the velocity after a kick, back
+  !! by a part of it, and adds the square of the acceleration behind them.
+  pure subroutine auxmesh_midway(field, mesh, plane, back, before, stride, records)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: plane                 !! plane of the field
+    real(dp), intent(in) :: back                 !! part of the velocity step
+    integer, intent(in) :: before                !! components of a record before the gradient
+    integer, intent(in) :: stride                !! components of a record
+    real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
+    real(dp) :: slopes(NGRAD, field%largest_plane)
+    integer :: s, i, first, n, to, read
+    integer, parameter :: none(0) = 0
+    call auxmesh_fill(field, mesh, plane, none, node_acceleration, NGRAD, slopes)
+    read = merge(NGRAD, NDIM, kernel_centred(field%kernel))
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      first = field%work%first(s)
+      n = field%work%last(s) - first + 1
+      to = field%neighbour(0, 0, s) + first - field%plane_start(plane) + 1
+      do i = to, to + n - 1
+        records(before + 1:before + read, i) = records(before + 1:before + read, i) &
+                                               - back*slopes(:read, i)
+      end do
+      if (kernel_centred(field%kernel)) then
+        call fill_mean(n, field%collide(1, collide_kick(NDIM)), node_rows(field, s, first), stride, &
+                       records(before + NGRAD + 1, to))
+      else
+        records(before + NGRAD + 1, to:to + n - 1) = &
+          field%collide(field%neighbour(0, 0, s) + first:field%neighbour(0, 0, s) + first + n - 1, &
+                        collide_kick(NDIM))
+      end if
+    end do
+  end subroutine auxmesh_midway
 
   !> Changes the sign of all derivatives but those along `axis`.
   pure subroutine reverse_along(axis, n, swirl, before, stride, records)

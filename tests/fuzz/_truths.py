@@ -252,8 +252,8 @@ history steps=10
 """]
 
     def errors(self, results):
-        return [("velocity of the first", body_end(results[0], "a", "velocity_x")/self.v, 0.1),
-                ("velocity of the second", body_end(results[0], "b", "velocity_x")/self.v - 1, 0.1)]
+        return [("velocity of the first", body_end(results[0], "a", "velocity_x")/self.v, 0.05),
+                ("velocity of the second", body_end(results[0], "b", "velocity_x")/self.v - 1, 0.05)]
 
 
 class Breathing(Truth):

@@ -66,9 +66,10 @@ contains
     heat = live*motion(:, mass_at)*heat
   end subroutine collisions_plan
 
-  !> Changes the velocity of a chunk that has been kicked since; `kicked` is by how much. The heat
-  !! is all kinetic energy that it loses by the change, work of the kick on it included, so that
-  !! nothing is lost; what the materials keep no energy for is booked alone.
+  !> Changes the velocity of a chunk that has been kicked since; `kicked` is by how much, or half of
+  !! that where the strain of the step has the change in it: what pushes then takes a half of the work
+  !! of the kick on the change. The heat is all other kinetic energy that is lost by the change; what
+  !! the materials keep no energy for is booked alone.
   pure subroutine collisions_apply(law, change, kicked, live, nb, heat, motion, state, momentum, &
                                    kinetic, internal)
     type(constitutive_t), intent(in) :: law

@@ -10,17 +10,32 @@
 !! which is 0 to the bit where no debris is, and belongs to the point: all particles around it see
 !! the same, so momentum is kept and kinetic energy lost.
 module sgmp_debris_rates
-  use sgmp_columns, only: collide_rate, collide_square, collide_velocity
+  use sgmp_columns, only: collide_kick, collide_rate, collide_square, collide_velocity, &
+                          node_acceleration, node_inertia
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rows, only: key_j, key_k
+  use sgmp_space, only: space_axisymmetric
   implicit none
   private
-  public :: debris_rates, debris_rate
+  public :: debris_kicks, debris_rates, debris_rate
 
 contains
+
+  !> Square of the acceleration at each node, with the inertia of its radial component.
+  pure subroutine debris_kicks(field)
+    type(field_t), intent(inout) :: field
+    integer :: a
+    associate (square => field%collide(:, collide_kick(field%ndim)), n => field%points)
+      square = field%node(:n, node_acceleration)**2
+      if (field%space == space_axisymmetric) square = field%node(:n, node_inertia)*square
+      do a = 1, field%ndim - 1
+        square = square + field%node(:n, node_acceleration + a)**2
+      end do
+    end associate
+  end subroutine debris_kicks
 
   !> Rates of one field.
   pure subroutine debris_rates(fields, f, mesh, dt, speed)

@@ -2,7 +2,7 @@
 !! before the kick, of those fields that have debris, and the rates from its sums.
 module sgmp_debris_stages
   use sgmp_body, only: body_t
-  use sgmp_debris_rates, only: debris_rates
+  use sgmp_debris_rates, only: debris_kicks, debris_rates
   use sgmp_field, only: field_t
   use sgmp_field_sweep, only: field_sweep
   use sgmp_findings, only: findings_t
@@ -37,8 +37,9 @@ contains
     do f = 1, size(fields)
       fields(f)%collides = any(totals%bodies%loose > 0.0_dp) .and. &
                            any(bodies%field == f .and. .not. bodies%rigid)
-      if (fields(f)%collides) call field_sweep(plan, f, mesh, fields(f), bodies, team, ranks, &
-                                               findings, timers)
+      if (.not. fields(f)%collides) cycle
+      if (plan%gradient > 0) call debris_kicks(fields(f))
+      call field_sweep(plan, f, mesh, fields(f), bodies, team, ranks, findings, timers)
     end do
     if (any(fields%collides)) call phase_fold(plan, mesh, fields, team%threads)
   end subroutine phase_debris_mass
