@@ -3,6 +3,7 @@
 import numpy as np
 
 from .files import read_summary_if_any
+from .quantities import reach_of, sizes_of
 from .runs import Run
 
 AXES = "xyz"
@@ -21,14 +22,15 @@ def state_of(at, units, axes, round_axis):
     yield "particles", at["particles"], ""
 
 
-def cloud_of(cloud, of_body, axes, units, round_axis):
+def cloud_of(cloud, of_body, axes, units, summary):
     """What a dump says of the particles of a body: extents, share that has failed, temperature."""
     if not np.any(of_body):
         return
+    sizes = sizes_of(cloud, of_body, summary)
     for axis in axes:
-        along = cloud.points[of_body, AXES.index(axis)]
-        name = "r" if round_axis and axis == "x" else axis
-        yield f"extent, {name}", f"{along.min():.5g} … {along.max():.5g}", units["length"]
+        low, high = reach_of(cloud.points[of_body, AXES.index(axis)], *sizes)
+        name = "r" if summary["dimension"] == "axisymmetric" and axis == "x" else axis
+        yield f"extent, {name}", f"{low:.5g} … {high:.5g}", units["length"]
     if "damage" in cloud.fields:
         yield "failed, share of its particles", float(np.mean(cloud.fields["damage"][of_body] >= 1)), ""
     if "temperature" in cloud.fields and cloud.fields["temperature"][of_body].max() > 0:  # 0 where the material has none
@@ -77,12 +79,13 @@ def loss_of(body):
 def bodies_table(folder, units, clouds=()):
     """Per body: rows of label, value at the start, value at the end, unit; `clouds`: first and last dump, where there are two or more."""
     bodies = Run(folder).bodies
-    round_axis = read_summary_if_any(folder).get("dimension") == "axisymmetric"  # the mean of radial velocities says nothing
+    summary = read_summary_if_any(folder)
+    round_axis = summary.get("dimension") == "axisymmetric"  # the mean of radial velocities says nothing
     axes, wide = moving_axes(bodies.values()), wide_axes(clouds)
     for number, (name, body) in enumerate(bodies.items(), 1):
         sides = [list(state_of(at, units, axes, round_axis)) for at in (body.start, body.end)]
-        for side, cloud in zip(sides, clouds):
-            side += cloud_of(cloud, cloud.fields["body"] == number, wide, units, round_axis)
+        for side, cloud in zip(sides, clouds if summary.get("spacing") else ()):
+            side += cloud_of(cloud, cloud.fields["body"] == number, wide, units, summary)
         then, now = ({label: value for label, value, _ in side} for side in sides)
         unit_of = {label: unit for side in sides for label, _, unit in side}
         rows = [(label, then.get(label, ""), now.get(label, ""), unit) for label, unit in unit_of.items()]

@@ -376,6 +376,9 @@ KNOWN_UNITS = {  # (length, mass, time): (energy, stress, velocity, momentum)
     ("mm", "g", "ms"): ("mJ", "MPa", "m/s", "mN s"),
     ("mm", "kg", "ms"): ("J", "GPa", "m/s", "N s"),
     ("cm", "g", "us"): ("100 kJ", "Mbar", "cm/us", "g cm/us"),
+    ("m", "kg", "ms"): ("MJ", "MPa", "km/s", "kN s"),
+    ("mm", "mg", "us"): ("J", "GPa", "km/s", "mN s"),
+    ("mm", "t", "s"): ("mJ", "MPa", "mm/s", "N s"),
 }
 
 

@@ -4,7 +4,7 @@
     sgmp-view history mpm.out sgmp.out -o comparison.png
     sgmp-view history cushion.out --cfc 180 --body head
 
-Reads history.csv of each output folder. Energies: kinetic, internal, total. Drift: the ledger's unexplained remainder
+Reads history.csv of each output folder. Energies: kinetic, internal, total. Drift: what the energy balance leaves unexplained
 `energy_remainder` and the change of the total less external work and dissipation, relative to the largest energy.
 
 --acceleration draws the accelerations of bodies instead and prints their peaks, --cfc filters them first as SAE J211
@@ -79,7 +79,7 @@ def figure(folders, axes=None):
         change, remainder = drift(history)
         prefix = f"{name}: " if len(histories) > 1 else ""
         axes[1].plot(history["time"], change, LINES[run % 4], color="#222222", label=prefix + "total less work")
-        axes[1].plot(history["time"], remainder, LINES[run % 4], color="#2ca02c", label=prefix + "ledger remainder")
+        axes[1].plot(history["time"], remainder, LINES[run % 4], color="#2ca02c", label=prefix + "round-off (energy_remainder)")
         for axis_name, colour in zip("xyz", ("#1f77b4", "#ff7f0e", "#9467bd")):
             momentum = history.get(f"momentum_{axis_name}")
             if momentum is not None and np.any(momentum != 0):

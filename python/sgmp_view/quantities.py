@@ -2,7 +2,8 @@
 
     bodies.NAME.COLUMN, gauges.NAME.COLUMN, sections.NAME.COLUMN, history.COLUMN    the last row of bodies.csv, gauges.csv, …
     … with :max, :min, :mean, :integral, :time_of_max, :change of all rows instead (gauges.foot.pressure:max); change: last less first
-    extent.NAME.x_max (x_min, x_length, y…, z…, r…)           reach of a body's matter at the end, half a particle around its centres with it
+    extent.NAME.x_max (x_min, x_length, y…, z…, r…)           reach of a body at the end, half a particle beyond the centres
+    acceleration.NAME.cfc180, acceleration.NAME.unfiltered    largest acceleration of a body (m/s²), filtered by a class
     impact.NAME.crater.depth, impact.NAME.opening.diameter, … what `sgmp-view impact` measures of a wall at the end
     shape.NAME.mean, shape.NAME.largest                       distance of a body's surface at the end to that in another run
     energy.internal, end_state.largest_pressure, …            numbers of summary.json
@@ -10,9 +11,11 @@
 
 import csv
 import json
+import re
 
 import numpy as np
 
+from .acceleration import accelerations, in_si, peaks_of
 from .compare import flat
 from .files import SgmpFileError, field_unit, folder_of, read_dump, read_history, read_particles_csv, read_summary, read_table
 from .shapes import Shape, distance
@@ -63,32 +66,50 @@ def body_names(folder):
 
 
 def matter_at_end(folder, name):
-    """Places of a body's particles at the end, and their sizes (length, area, volume); without volumes in the file half a spacing's."""
+    """Places of a body's particles at the end, and their sizes (length, area, volume); those of the start without volumes in the file."""
     names = body_names(folder)
     if name not in names:
         raise SgmpFileError(f"{folder}: no body '{name}'; there are: {', '.join(names)}")
     full = folder / "particles_end.csv"
     cloud, summary = cloud_of(folder, read_particles_csv(full) if full.exists() else read_dump(folder)), read_summary(folder)
-    own, dimension = cloud.fields["body"] == names.index(name) + 1, summary["dimension"]
-    points, axes = cloud.points[own], {"axisymmetric": 2}.get(dimension, dimension)
+    own = cloud.fields["body"] == names.index(name) + 1
+    sizes, axes = sizes_of(cloud, own, summary)
+    return cloud.points[own], sizes, axes, summary["dimension"] == "axisymmetric"
+
+
+def sizes_of(cloud, own, summary):
+    """Sizes of the particles `own` (length, area, volume; about an axis the area of the section), and along how many axes."""
+    is_round = summary["dimension"] == "axisymmetric"
+    axes = 2 if is_round else int(summary["dimension"])
     if "volume" in cloud.fields:
-        sizes = cloud.fields["volume"][own] / (2 * np.pi * points[:, 0] if dimension == "axisymmetric" else 1)
-    else:
-        sizes = np.full(len(points), float(summary["spacing"]) ** axes)
-    return points, sizes, axes, dimension == "axisymmetric"
+        return cloud.fields["volume"][own] / (2 * np.pi * cloud.points[own, 0] if is_round else 1), axes
+    return np.full(np.count_nonzero(own), float(summary["spacing"]) ** axes), axes
+
+
+def reach_of(along, sizes, axes):
+    """Where a body begins and ends along an axis: half a particle beyond the centres."""
+    half = 0.5 * sizes ** (1 / axes)
+    return float(np.min(along - half)), float(np.max(along + half))
 
 
 def extent_of(folder, rest):
-    """Reach of a body's matter along an axis at the end."""
+    """Reach of a body along an axis at the end."""
     name, _, side = rest.rpartition(".")
     axis, _, end = side.partition("_")
     if axis not in ("x", "y", "z", "r") or end not in ENDS:
         raise SgmpFileError(f"extent.{rest}: expected extent.BODY.AXIS_END with an axis and an end of {', '.join(ENDS)}")
     points, sizes, axes, _ = matter_at_end(folder, name)
-    half = 0.5 * sizes ** (1 / axes)
-    along = points[:, "xyz".index("x" if axis == "r" else axis)]
-    low, high = float(np.min(along - half)), float(np.max(along + half))
+    low, high = reach_of(points[:, "xyz".index("x" if axis == "r" else axis)], sizes, axes)
     return {"min": low, "max": high, "length": high - low}[end]
+
+
+def acceleration_of(folder, rest):
+    """The largest acceleration of a body (m/s²), filtered by a channel frequency class or not."""
+    name, _, kind = rest.rpartition(".")
+    if kind != "unfiltered" and not re.fullmatch(r"cfc\d+", kind):
+        raise SgmpFileError(f"acceleration.{rest}: expected acceleration.BODY.cfc180, or another class, or acceleration.BODY.unfiltered")
+    _, time, values, mass = next(accelerations(folder, float(kind[3:]) if kind != "unfiltered" else None, [name]))
+    return peaks_of(time, values, mass)["peak"]
 
 
 def shape_of(folder, rest, other):
@@ -140,6 +161,8 @@ def quantity_of(folder, quantity, other=None):
         return reduced(*column_of(folder, file, name, column), how)
     if file == "extent":
         return extent_of(folder, rest)
+    if file == "acceleration":
+        return acceleration_of(folder, rest)
     if file == "shape":
         return shape_of(folder, rest, other)
     if file == "impact":
@@ -167,6 +190,8 @@ def unit_of(quantity, units):
         return units["time"]
     if quantity.startswith(("extent.", "shape.")):
         return units["length"]
+    if quantity.startswith("acceleration."):
+        return "m/s²"
     if quantity.startswith("impact."):
         kind = {"area": "²", "volume": "³"}.get(column)
         if kind:
@@ -204,8 +229,19 @@ def short_name(quantity):
     column = parts[-1].replace("velocity_", "v_").replace("_", " ") if not parts[-1].startswith("velocity_") else parts[-1].replace("velocity", "v")
     if parts[0] == "shape":
         return f"distance of the surface of {'.'.join(parts[1:-1])} ({column})"
+    if parts[0] == "acceleration":
+        return f"largest acceleration of {'.'.join(parts[1:-1])} ({parts[-1].replace('cfc', 'CFC ')})"
     words = f"{column} of {'.'.join(parts[1:-1])}"
     return f"{'time of max' if how == 'time_of_max' else how} of {words}" if how else words
+
+
+def known_in_si(folder):
+    """Whether the units of the deck can be turned into seconds, metres and kilograms."""
+    try:
+        in_si(folder)
+        return True
+    except SgmpFileError:
+        return False
 
 
 def listed(folder):
@@ -222,7 +258,10 @@ def listed(folder):
         yield from (f"impact.{name}" for name in impact_numbers(folder))
     except SgmpFileError:
         pass                                           # no walls, or no dumps
-    axes = "xyz"[:3 if read_summary(folder)["dimension"] == "axisymmetric" else int(read_summary(folder)["dimension"])]
+    if known_in_si(folder):
+        yield from (f"acceleration.{name}.{kind}" for name in body_names(folder) for kind in ("unfiltered", "cfc180", "cfc1000"))
+    dimension = read_summary(folder)["dimension"]
+    axes = "rz" if dimension == "axisymmetric" else "xyz"[:int(dimension)]
     yield from (f"extent.{name}.{axis}_{end}" for name in body_names(folder) for axis in axes for end in ENDS)
     yield from (f"shape.{name}.{how}" for name in body_names(folder) for how in DISTANCES)
     yield from (f"history.{column}" for column in read_history(folder) if column not in NO_RESULTS)

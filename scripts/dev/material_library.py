@@ -25,52 +25,78 @@ Materials of `input/materials`, one to a file, in SI units; a deck includes them
     include "materials/copper.inp"
     body bar block material=copper lower=(0,0,0) upper=(1,1,9)
 
-The numbers are converted to the units of the deck, because the file says that its units are its own (`units m kg s scope=file`). A file of your own may do the same, in the units of the paper
-that the constants come from (`units cm g us scope=file` has stresses in Mbar); it holds cards `material`, `eos`, `failure`, `viscosity` and parameters. `sgmp DECK --verbose` prints the
-cards as they are after conversion. To change a constant, copy the file. Bulk viscosity is not in the files: shocks need a card `viscosity`.
-Stresses of the table are in Pa, temperatures in K, angles in degrees: `pmin=-100` of water is a tension of 100 Pa, next to none.
+The numbers are converted to the units of the deck, because the file says that its units are its own
+(`units m kg s scope=file`). A file of your own may do the same, in the units of the paper that the constants come from
+(`units cm g us scope=file` has stresses in Mbar); it holds cards `material`, `eos`, `failure`, `viscosity` and
+parameters. `sgmp DECK --verbose` prints the cards as they are after conversion. To change a constant, copy the file.
+Bulk viscosity is not in the files: shocks need a card `viscosity`. Stresses of the table are in Pa, temperatures in K,
+angles in degrees: `pmin=-100` of water is a tension of 100 Pa, next to none.
 
-Each line of a file says where its constants come from, or that it is not known: the strength of `steel_304` is in general use, but its primary source was not found; what is called representative
-(density and moduli of `sand`, density and Poisson's ratio of `weald_clay`) was chosen, not measured. Those with a source were compared with other prints of them (libraries of other codes, reports that quote them), not with the originals; those marked *
-were found in no other print. What is called handbook are elastic moduli and densities as they stand in any. Explosives are checked by themselves: their constants give the published speed and pressure of detonation to 0.2 %.
-Every material is strained along a path in two systems of units and compared with its equations, worked out independently (tests/regression/library.py).
+Each line of a file says where its constants come from, or that it is not known: the strength of `steel_304` is in
+general use, but its primary source was not found; what is called representative (density and moduli of `sand`, density
+and Poisson's ratio of `weald_clay`) was chosen, not measured. Those with a source were compared with other prints of
+them (libraries of other codes, reports that quote them), not with the originals; those marked * were found in no other
+print. What is called handbook are elastic moduli and densities as they stand in any. Explosives are checked by
+themselves: their constants give the published speed and pressure of detonation to 0.2 %. Every material is strained
+along a path in two systems of units and compared with its equations, worked out independently
+(tests/regression/library.py).
 
 `alumina_jh2`: its constants were found in one other print, rounded to two or three digits.
 
-`copper_zerilli` and `iron_zerilli`: no other print of Zerilli and Armstrong's constants could be seen. What speaks for their digits is Johnson and Cook's law, which was fitted to the same metals: see the table of
-flow stresses in [materials, Metals](materials.md#metals).
+`copper_zerilli` and `iron_zerilli`: no other print of Zerilli and Armstrong's constants could be seen. What speaks for
+their digits is Johnson and Cook's law, which was fitted to the same metals: see the table of flow stresses in
+[materials, Metals](materials.md#metals).
 
-`copper`, `copper_zerilli` and `copper_steinberg` are the same metal: the first two are for rates and temperatures of impact, the third for pressures of 10 GPa and more.
+`copper`, `copper_zerilli` and `copper_steinberg` are the same metal: the first two are for rates and temperatures of
+impact, the third for pressures of 10 GPa and more.
 
 `weald_clay`: M, λ and the void ratio were found in one other print, which takes κ = 0.025 for the same clay.
 
-Johnson and Cook's damage is off in `copper`, `iron`, `steel_4340`, `steel_mild`, `weldox_460e`, `aluminium_2024_t3` and `aluminium_6061_t6`; `--set copper_failure=yes`, and so on with the name of each, switches that of the metal on.
+Johnson and Cook's damage is off in `copper`, `iron`, `steel_4340`, `steel_mild`, `weldox_460e`, `aluminium_2024_t3` and
+`aluminium_6061_t6`; `--set copper_failure=yes`, and so on with the name of each, switches that of the metal on.
 
-At second hand: `steel_mild`, `steel_ap_core`, `glass_soda_lime`, `pmma`, `polyethylene` and the damage of the aluminium alloys are as papers that use these materials quote their sources; neither the originals nor, but for what
-follows, other prints could be seen. d1, d2 and d4 of `aluminium_2024_t3`, d1 to d3 of `aluminium_6061_t6` and all of `weldox_460e` were found in one other print; that of 2024-T3 has another d3 (-0.5).
-Signs: d3 is negative here where some codes print it positive.
+At second hand: `steel_mild`, `steel_ap_core`, `glass_soda_lime`, `pmma`, `polyethylene` and the damage of the aluminium
+alloys are as papers that use these materials quote their sources. Neither the originals nor, but for what follows,
+other prints could be seen. Found in one other print: d1, d2 and d4 of `aluminium_2024_t3`, d1 to d3 of
+`aluminium_6061_t6`, d1 to d4 of `weldox_460e` (its other constants in none). Signs: d3 is negative here where some
+codes print it positive.
 
-What is missing, and why: no damage constants of `tungsten_alloy` (two sets are quoted in the literature, neither with a source that could be seen); no concrete (no law here describes its crushing and its pores under impact); of glass soda-lime glass
-alone; of polyethylene no measured strength (its moduli and yield stress are representative); of the steel of bullets the hardened core alone (`steel_ap_core`; lead and brass are `lead` and `brass`).
+**d3 of `aluminium_2024_t3` is doubtful**: that other print has -0.5 in the place of -1.5. With -0.5 the failure strain
+is 0.22 and not 0.19 in uniaxial tension (mean stress a third of the flow stress), 0.17 and not 0.13 where the mean
+stress is 1.5 of it, 0.26 and not 0.31 in uniaxial compression. Where a result hangs on it, run both.
+
+What is missing, and why: no damage constants of `tungsten_alloy` (two sets are quoted in the literature, neither with a
+source that could be seen); no concrete (no law here describes its crushing and its pores under impact); of glass
+soda-lime glass alone; of polyethylene no measured strength (its moduli and yield stress are representative); of the
+steel of bullets the hardened core alone (`steel_ap_core`; lead and brass are `lead` and `brass`).
 
 """
 
 SOURCES = """
 ## Sources
 
-* Borvik and others 2001: Borvik, Hopperstad, Berstad and Langseth, A computational model of viscoplasticity and ductile damage for impact and penetration, Eur. J. Mech. A/Solids 20, 685-712.
-* Borvik, Dey and Clausen 2009: Perforation resistance of five different high-strength steel plates subjected to small-arms projectiles, Int. J. Impact Engng 36, 948-964.
+* Borvik and others 2001: Borvik, Hopperstad, Berstad and Langseth, A computational model of viscoplasticity and ductile
+  damage for impact and penetration, Eur. J. Mech. A/Solids 20, 685-712.
+* Borvik, Dey and Clausen 2009: Perforation resistance of five different high-strength steel plates subjected to
+  small-arms projectiles, Int. J. Impact Engng 36, 948-964.
 * Cole 1948: Underwater Explosions, Princeton University Press.
-* Corbett 2006: Numerical simulations of target hole diameters for hypervelocity impacts into elevated and room temperature bumpers, Int. J. Impact Engng 33, 431-440.
+* Corbett 2006: Numerical simulations of target hole diameters for hypervelocity impacts into elevated and room
+  temperature bumpers, Int. J. Impact Engng 33, 431-440.
 * Dobratz and Crawford 1985: LLNL Explosives Handbook, UCRL-52997 Change 2.
-* Holmquist and others 1995: Holmquist, Johnson, Grady, Lopatin and Hertel, High strain rate properties and constitutive modeling of glass, 15th International Symposium on Ballistics, Jerusalem, 237-244.
-* Iqbal and others 2015: Iqbal, Senthil, Bhargava and Gupta, The characterization and ballistic evaluation of mild steel, Int. J. Impact Engng 78, 98-113.
-* Johnson and Cook 1983: A constitutive model and data for metals, 7th International Symposium on Ballistics, The Hague, 541-547.
+* Holmquist and others 1995: Holmquist, Johnson, Grady, Lopatin and Hertel, High strain rate properties and constitutive
+  modeling of glass, 15th International Symposium on Ballistics, Jerusalem, 237-244.
+* Iqbal and others 2015: Iqbal, Senthil, Bhargava and Gupta, The characterization and ballistic evaluation of mild
+  steel, Int. J. Impact Engng 78, 98-113.
+* Johnson and Cook 1983: A constitutive model and data for metals, 7th International Symposium on Ballistics, The Hague,
+  541-547.
 * Johnson and Cook 1985: Fracture characteristics of three metals, Engineering Fracture Mechanics 21, 31-48.
-* Johnson and Holmquist 1994: An improved computational constitutive model for brittle materials, AIP Conf. Proc. 309, 981-984.
-* Kay 2003: Failure modeling of titanium 6Al-4V and aluminum 2024-T3 with the Johnson-Cook material model, DOT/FAA/AR-03/57.
+* Johnson and Holmquist 1994: An improved computational constitutive model for brittle materials, AIP Conf. Proc. 309,
+  981-984.
+* Kay 2003: Failure modeling of titanium 6Al-4V and aluminum 2024-T3 with the Johnson-Cook material model,
+  DOT/FAA/AR-03/57.
 * Lange and Ahrens 1983: The dynamic tensile strength of ice and ice-silicate mixtures, J. Geophys. Res. 88, 1197-1208.
-* Lesuer 2000: Experimental investigations of material models for Ti-6Al-4V titanium and 2024-T3 aluminum, DOT/FAA/AR-00/25.
+* Lesuer 2000: Experimental investigations of material models for Ti-6Al-4V titanium and 2024-T3 aluminum,
+  DOT/FAA/AR-00/25.
 * Lesuer, Kay and LeBlanc 2001: Modeling large-strain, high-rate deformation in metals, UCRL-JC-134118.
 * LS-DYNA Aerospace Working Group: Modeling Guidelines Document.
 * Lube, Huppert, Sparks and Freundt 2005: Collapses of two-dimensional granular columns, Phys. Rev. E 72, 041301.
@@ -79,10 +105,12 @@ SOURCES = """
 * Schofield and Wroth 1968: Critical State Soil Mechanics, McGraw-Hill.
 * Steinberg 1996: Equation of state and strength properties of selected materials, UCRL-MA-106439 Change 1.
 * Stewart and Ahrens 2005: Shock properties of H2O ice, J. Geophys. Res. 110, E03005.
-* Treloar 1944: Stress-strain data for vulcanised rubber under various types of deformation, Trans. Faraday Soc. 40, 59-70.
+* Treloar 1944: Stress-strain data for vulcanised rubber under various types of deformation, Trans. Faraday Soc. 40,
+  59-70.
 * US Standard Atmosphere 1976, NOAA-S/T 76-1562.
 * Wood and Martin 1964: Compressibility of natural rubber at pressures below 500 kg/cm2, J. Res. NBS 68A, 259-268.
-* Zerilli and Armstrong 1987: Dislocation-mechanics-based constitutive relations for material dynamics calculations, J. Appl. Phys. 61, 1816-1825.
+* Zerilli and Armstrong 1987: Dislocation-mechanics-based constitutive relations for material dynamics calculations, J.
+  Appl. Phys. 61, 1816-1825.
 """
 
 

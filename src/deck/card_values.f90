@@ -1,5 +1,6 @@
 !> The text of a value to what its kind asks for: number, word, vector, interval, formula, list.
 module sgmp_card_values
+  use sgmp_absent_materials, only: absent_reason
   use sgmp_deck_card, only: deck_card_t, value_t
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_keys, only: key_t, kind_expression, kind_integer, kind_interval, kind_list, &
@@ -152,10 +153,12 @@ contains
     type(position_t), intent(in) :: position
     logical, intent(out) :: failed
     type(deck_errors_t), intent(inout) :: errors
+    character(:), allocatable :: remedy
     failed = word_in_list(word, key%choices) == 0
     if (.not. failed) return
-    call errors%add(position, "'"//word//"' is unknown for '"//key%name//"'", &
-                    suggestion(word, word_items(key%choices), 'choices'))
+    remedy = absent_reason(word)
+    if (remedy == '') remedy = suggestion(word, word_items(key%choices), 'choices')
+    call errors%add(position, "'"//word//"' is unknown for '"//key%name//"'", remedy)
   end subroutine check_choice
 
   subroutine check_name(key, value, failed, errors)

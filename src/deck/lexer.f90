@@ -1,6 +1,7 @@
 !> Deck text to statements: files and includes, comments, continuation, quotes, tokens with their
 !! places.
 module sgmp_lexer
+  use sgmp_absent_materials, only: absent_reason
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_kinds, only: i8
   use sgmp_library_folder, only: library_file, library_places
@@ -142,7 +143,7 @@ contains
     end if
     inquire (file=path, exist=exists)
     if (.not. exists) then
-      call errors%add(asked_at, "there is no file '"//path//"'", missing_remedy(asked_at))
+      call errors%add(asked_at, "there is no file '"//path//"'", missing_remedy(path, asked_at))
       return
     end if
     if (.not. file_regular(path)) then
@@ -171,9 +172,12 @@ contains
   end subroutine read_lines
 
   !> What to do about a missing file: of one that is included, where it was looked for.
-  function missing_remedy(asked_at) result(text)
+  function missing_remedy(path, asked_at) result(text)
+    character(*), intent(in) :: path
     type(position_t), intent(in) :: asked_at
     character(:), allocatable :: text
+    text = absent_reason(path)
+    if (text /= '') return
     text = 'check the spelling of the path'
     if (asked_at%line > 0) text = text//'; looked for beside the file that includes it and in '// &
                                   library_places()//' (sgmp materials lists the library)'

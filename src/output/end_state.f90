@@ -4,6 +4,7 @@ module sgmp_end_state
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: law_gaseous, material_crushable_foam, material_explosive, &
                                material_fluid
+  use sgmp_debris, only: debris_possible
   use sgmp_filling, only: filling_measure
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp, i8, lanes
@@ -31,7 +32,7 @@ module sgmp_end_state
     real(dp) :: condensed = 1.0_dp           !! the same, of bodies that are no gas
     real(dp) :: expansion = 1.0_dp           !! largest volume over the initial one
     real(dp) :: per_cell = huge(1.0_dp)      !! least particles per cell: a cell over the largest
-    integer(i8) :: stretched = 0_i8          !! particles larger than a cell
+    integer(i8) :: stretched = 0_i8          !! particles larger than a cell, but for debris
     integer(i8) :: thinned = 0_i8            !! of them, those of gases
     real(dp) :: crushed = 1.0_dp             !! largest density over the initial one, of foams
     real(dp) :: pressure(2) = 0.0_dp         !! least and largest
@@ -101,7 +102,7 @@ contains
         state%expansion = max(state%expansion, ratio)
         cells = mesh_occupied(mesh, body%particles%motion(l, :nd, c), volume)
         state%per_cell = min(state%per_cell, 1.0_dp/cells)
-        if (cells > 1.0_dp) then
+        if (cells > 1.0_dp .and. .not. is_debris(body, l, c)) then
           state%stretched = state%stretched + 1
           if (law_gaseous(body%law)) state%thinned = state%thinned + 1
         end if
@@ -112,6 +113,16 @@ contains
       end do
     end do
   end subroutine look_at_body
+
+  !> Whether a particle has failed and bears no stress, as long as it is larger than at the start:
+  !! gaps around it change nothing.
+  pure function is_debris(body, l, c) result(yes)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: l, c
+    logical :: yes
+    yes = debris_possible(body%law)
+    if (yes) yes = body%particles%state(l, body%law%slots%damage, c) >= 1.0_dp
+  end function is_debris
 
   !> Whether a body is meant to stay in one piece: no fluid, and its material does not fail.
   pure function holds_together(body) result(yes)

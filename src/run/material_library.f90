@@ -1,5 +1,6 @@
 !> The command `sgmp materials`: what the library has, and one entry as it stands in its file.
 module sgmp_material_library
+  use sgmp_absent_materials, only: absent_reason
   use sgmp_errors, only: error_make, error_t, exit_io, exit_usage
   use sgmp_file_tools, only: file_lines, line_t
   use sgmp_library_folder, only: library_file, library_names, library_places
@@ -64,6 +65,8 @@ contains
     character(*), intent(in) :: name
     character(:), allocatable :: text
     type(string_t), allocatable :: names(:)
+    text = absent_reason(name)
+    if (text /= '') return
     call library_names(folder, names)
     text = 'name the folder of materials/ in SGMP_PATH'
     if (size(names) > 0) text = suggestion(name, names, 'materials')//'; sgmp materials lists them'

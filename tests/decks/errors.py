@@ -40,6 +40,8 @@ EXPECTED = {
     "box": [r"{d}:3:17: error: cell=0.3 does not divide 1 between the walls x- and x\+", r"cell=0\.3333333333333 and cell=0\.25 fit$"],
     "section": [r"{d}:6:32: error: the normal has no direction", r"{d}:7:32: error: there is no such plane in 2D", r"{d}:8:9: error: there are two sections 'two'",
                 r"{d}:9:45: error: there is no body 'b'", r"^4 error"],
+    "concrete": [r"{d}:6:9: error: there is no file", r"no constitutive model here describes crushing, pores and cracks of concrete",
+                 r"{d}:7:15: error: 'concrete' is unknown for 'kind'", r"johnson_holmquist and mohr_coulomb run with constants of your own"],
     "contact": [r"{d}:8:13: error: there is no body 'wal'", r"did you mean 'wall'", r"{d}:9:13: error: contact of a body with itself",
                 r"{d}:11:1: error: there are two cards for this contact", r"{d}:12:24: error: 'middle'",
                 r"{d}:13:14: error: the velocity of a rigid body cannot depend on position",

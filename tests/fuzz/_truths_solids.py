@@ -110,7 +110,7 @@ history steps=20
 """]
 
     def errors(self, results):
-        return [("velocity", body_end(results[0], "m", "velocity_x")/self.v - 1, 0.1)]
+        return [("velocity", body_end(results[0], "m", "velocity_x")/self.v - 1, 0.05)]
 
 
 class Hoop(Truth):

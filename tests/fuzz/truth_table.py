@@ -89,7 +89,7 @@ def judge(chosen, seed):
     shutil.rmtree(folder)
     failed = next((result for result in results if result.code != 0), None)
     if failed:
-        end, size, words, kept = "refused" if failed.code == 2 else "stopped", 0.0, failed.printed.strip().splitlines()[-1], True
+        end, size, words, kept = "refused" if failed.code in (2, 3) else "stopped", 0.0, failed.printed.strip().splitlines()[-1], True
     else:
         errors = truth.errors(results)
         what, error, allowed = max(errors, key=lambda one: abs(one[1])/one[2])

@@ -13,6 +13,7 @@ import io
 import json
 import math
 import os
+import pathlib
 import subprocess
 import sys
 
@@ -25,6 +26,8 @@ sys.path.insert(0, os.path.join(SOURCE, "python"))
 import numpy as np  # noqa: E402
 from sgmp_view import command  # noqa: E402
 from sgmp_view.acceleration import cfc_filtered  # noqa: E402
+from sgmp_view.files import SgmpFileError  # noqa: E402
+from sgmp_view.quantities import listed, quantity_of, unit_of  # noqa: E402
 
 # A block of 0.4 g per mm² on a cushion of 1 MPa and 100 mm that is hardly compressed: a spring.
 CUSHION = """
@@ -108,6 +111,17 @@ def cushion(report):
     report.check(abs(head["peak_g"] - head["peak"] / 9.80665) < 1e-12, "in multiples of g")
     report.check(abs(head["time"] - math.pi / 2 / omega) < 0.5, f"at {head['time']}, expected {math.pi / 2 / omega}")
     report.check(abs(head["force"] - 4e-4 * head["peak"]) < 1e-9, f"force of 0.4 g: {head['force']}")
+    for kind, wanted in (("cfc180", head["peak"]), ("unfiltered", None)):
+        found = quantity_of("cushion.out", f"acceleration.head.{kind}")
+        report.check(found == wanted if wanted else found > 1.05 * peak, f"as a quantity, {kind}: {found}, {wanted}")
+    names = list(listed(pathlib.Path("cushion.out")))
+    report.check("acceleration.head.cfc180" in names and unit_of("acceleration.head.cfc180", {}) == "m/s²", f"{names}")
+    for name in ("acceleration.head.cfc", "acceleration.hed.cfc180"):
+        try:
+            found = quantity_of("cushion.out", name)
+        except SgmpFileError as problem:
+            found = str(problem)
+        report.check("expected" in str(found) or "no body" in str(found), f"{name}: {found}")
     code, text = view("history", "cushion.out", "--contact", "--cfc", "180", "--json", "contact.json")
     with open("contact.json", encoding="utf-8") as file:
         pair = json.load(file)["pairs"]["cushion head"]

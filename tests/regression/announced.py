@@ -81,6 +81,21 @@ velocity a x=speed
 contact all
 history steps=10
 """
+# A bar that flies against a wall comes back with its velocity.
+BOUNCE = """
+parameter method = sgmp
+parameter update = musl
+parameter cells = 20
+dimension 1
+grid cell=1/cells x=0:open
+wall x-=slip
+method $method update=$update
+time end=300/cells+2.5 cfl=0.4
+material m elastic density=1 young=1 poisson=0
+body m block material=m lower=1.5/cells upper=1+1.5/cells ppc=2
+velocity m x=-0.01
+history steps=20
+"""
 # A block at an angle under a pressure on all faces, damped to rest: every stress is the pressure.
 PRESSED = """
 parameter method = sgmp
@@ -195,6 +210,7 @@ def main():
     balls(report)
     family(report, "sod", SOD, ({"courant": 0.4}, {"courant": 0.2}, {"courant": 0.3}), between, 0.05)
     family(report, "bars", BARS, ({"gap": 0.5}, {"gap": 2.3, "cells": 8}, {"gap": 1.5, "cells": 40}, {"gap": 0.3, "cells": 4}, {"gap": 0.5, "cells": 12}), velocities(0.01), 0.05)
+    family(report, "bounce", BOUNCE, ({"cells": 10}, {"cells": 40}, {"cells": 6}), lambda result: [result.table("bodies.csv")[-1]["velocity_x"]/0.01 - 1], 0.05)
     family(report, "pressed", PRESSED, ({"angle": 27}, {"angle": 0}, {"angle": 63}), stresses, 0.05)
     report.end()
 

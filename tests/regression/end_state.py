@@ -55,6 +55,19 @@ body bar block material=rubber lower=(0,0) upper=(2,2) ppc=2
 velocity bar x=rate*x
 output csv at=end fields=density,volume,mass,pressure
 """
+# Flies apart to nine times its length in a step of time 2; glass has failed by then, steel has not.
+SCATTERED = """
+dimension 2
+grid cell=0.25 x=0:open y=0:2
+wall x-=slip y-=slip y+=slip
+method sgmp
+time end=2 cfl=0.4
+material glass j2 density=2 young=1e-3 poisson=0 yield=1
+failure glass principal_stress=1e-5 carries={carries}
+material steel elastic density=2 young=1e-6 poisson=0
+body bar block material={material} lower=(0,0) upper=(2,2) ppc=2
+velocity bar x="4*x"
+"""
 # A disk that turns, and a small body of one particle that flies off the grid or does not.
 TURNING = """
 parameter wide = 8
@@ -119,6 +132,17 @@ def uniform(report):
         report.check(max(pressures) - min(pressures) > 1e-6, f"{name}: one pressure {pressures[0]}")
 
 
+def scattered(report):
+    """Debris that is larger than a cell bears no stress and is not doubted; what holds together, or still bears stress, is."""
+    for material, carries, doubted in (("glass", "nothing", False), ("glass", "pressure", False), ("glass", "everything", True), ("steel", "nothing", True)):
+        name = f"scattered_{material}_{carries}"
+        result = run(name, SCATTERED.format(material=material, carries=carries))
+        if report.finished(result, name):
+            large = result["end_state.particles_larger_than_a_cell"]
+            report.check((large > 0.5*256) == doubted and result["end_state.least_particles_per_cell"] < 0.9, f"{name}: {large} larger than a cell")
+            report.check(any("larger than a cell" in reason for reason in result["verdict_reasons"]) == doubted, f"{name}: {result['verdict_reasons']}")
+
+
 def one_lost(report):
     """Angular momentum that leaves with a particle is not held against the run; the same run without a loss is doubted."""
     kept = run("none_lost", TURNING, wide=16)
@@ -132,7 +156,7 @@ def one_lost(report):
 def main():
     """All of them."""
     report = Report()
-    for part in (still, halves, uniform, one_lost):
+    for part in (still, halves, uniform, scattered, one_lost):
         part(report)
     report.end()
 

@@ -26,6 +26,7 @@ import sgmp_view  # noqa: E402
 from matplotlib import pyplot as plt  # noqa: E402
 from matplotlib.text import Text  # noqa: E402
 from sgmp_view import command  # noqa: E402
+from sgmp_view.files import KNOWN_UNITS  # noqa: E402
 from sgmp_view.gauges import summary_of  # noqa: E402
 from sgmp_view.grid_convergence import richardson  # noqa: E402
 from sgmp_view.movie import add_scale_bar, round_length  # noqa: E402
@@ -173,7 +174,7 @@ def figures(report):
     check(report, "<b class=\"sound\">sound</b>" in page and "body arrow block" in page and page.count("data:image/png") == 8,
                  "the report has verdict, deck, four frames, energies, drift, momentum and gauges", str(page.count("data:image/png")))
     for row in ("mean velocity, x</td><td>2</td><td>2</td>", "mass</td><td>72</td><td>72</td>", "momentum, x</td><td>144</td><td>144</td>",
-                "kinetic energy</td><td>180</td><td>180</td>", "extent, x</td><td>0.25 … 5.75</td><td>8.25 … 13.75</td>"):
+                "kinetic energy</td><td>180</td><td>180</td>", "extent, x</td><td>0 … 6</td><td>8 … 14</td>"):
         check(report, row in page, f"the report's table of bodies has {row}", page[page.find("<h2>What"):][:3000])
     check(report, "2.2361 m/s at the start" in page and "0 % lost" in page, "what flies on loses nothing", page[page.find("<h2>What"):][:300])
     for words, saying in ((("picture", "nowhere.out"), "no such file"), (("picture", run, "--field", "presure"), "no field 'presure'"),
@@ -204,6 +205,18 @@ def drawing(report):
     seen = image[image[..., 3] > 0]
     check(report, len(seen) > 4 * 50 and len(np.unique(np.round(seen[:, 0], 3))) > 10, "single particles in the plane are shaded balls", f"{len(seen)} pixels")
     plt.close(figure)
+
+
+def units(report):
+    """The names of derived units are worth what the base units make them."""
+    base = {"m": 1, "cm": 1e-2, "mm": 1e-3, "t": 1e3, "kg": 1, "g": 1e-3, "mg": 1e-6, "s": 1, "ms": 1e-3, "us": 1e-6}
+    derived = {"J": 1, "mJ": 1e-3, "MJ": 1e6, "100 kJ": 1e5, "Pa": 1, "MPa": 1e6, "GPa": 1e9, "Mbar": 1e11, "m/s": 1, "km/s": 1e3, "mm/s": 1e-3,
+               "cm/us": 1e4, "N s": 1, "mN s": 1e-3, "kN s": 1e3, "g cm/us": 10}
+    for (length, mass, time), names in KNOWN_UNITS.items():
+        metre, kilogram, second = base[length], base[mass], base[time]
+        worth = (kilogram*metre**2/second**2, kilogram/(metre*second**2), metre/second, kilogram*metre/second)
+        for name, value in zip(names, worth):
+            check(report, abs(derived[name]/value - 1) < 1e-12, f"{length} {mass} {time}: {name}", str(value))
 
 
 def numbers(report):
@@ -264,6 +277,7 @@ def main():
     door(report)
     figures(report)
     drawing(report)
+    units(report)
     numbers(report)
     states(report)
     report.end()

@@ -170,7 +170,7 @@ An elastoplastic block (2 x 1.5, h = 0.25, J2, particles displaced at random by 
         factor = np.array([scale_of(name) for name in one["names"]])
         differing[method] = float(np.sum(one["values"]*factor != other["values"]))
     table.row("numbers of particles_end.csv that differ", differing, 0.0, at_most(0), plain)
-    portraits(table, "units", plain, "speed", "The block after 200 steps.", size=9)
+    portraits(table, "units", plain, "speed", "The block after 200 steps.")
 
 
 def scale_of(name):

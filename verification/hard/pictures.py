@@ -1,6 +1,7 @@
 """Pictures of the cases: what the scene looks like in the end, or the curve that the table's number is taken from."""
 import numpy as np
-from table import COLOURS, MARKERS, NAMES, figure
+from table import COLOURS, MARKERS, NAMES, figure  # the viewer is found by what it imports
+from sgmp_view.picture import draw_particles
 
 
 def colour_of(fields, name):
@@ -8,21 +9,27 @@ def colour_of(fields, name):
     return np.linalg.norm(fields["velocity"], axis=1) if name == "speed" else fields[name]
 
 
-def portraits(table, name, runs, colour, caption, axes=(0, 1), names=None, size=2.0, select=None, layout=None, panel=(2.3, 2.7)):
-    """The particles in the end, a panel for each run that came to its end, in one scale of places and of colours.
+def portraits(table, name, runs, colour, caption, axes=(0, 1), names=None, select=None, layout=None, panel=(2.3, 2.7)):
+    """The particles in the end, drawn as the viewer draws them: a panel for each run that came to its end, in one scale of places and of colours.
     `colour`: a field, or speed; `axes`: those across and up; `select`: which particles, of their places."""
+    spacing = next(run.summary["spacing"] for run in runs.values() if run.exit_code == 0)
     shown = [(run.particles(), (names or NAMES)[method]) for method, run in runs.items() if run.exit_code == 0]
     values = [colour_of(particles.fields, colour) for particles, _ in shown]
     rows, columns = layout or (1, len(shown))
     canvas, panels = figure(rows, columns, figsize=(panel[0]*columns, panel[1]*rows), sharex=True, sharey=True, squeeze=False)
-    limits = np.percentile(np.concatenate(values), (4, 96))
+    ends = []
+    limits = tuple(np.percentile(np.concatenate(values), (4, 96)))
     for axis, (particles, title), value in zip(panels.ravel(), shown, values):
         chosen = slice(None) if select is None else select(particles.points)
-        drawn = axis.scatter(*particles.points[chosen][:, axes].T, c=value[chosen], s=size, cmap="cividis", vmin=limits[0], vmax=limits[1], linewidths=0, rasterized=True)
-        axis.set(title=title, aspect="equal", xlabel="xyz"[axes[0]])
-        axis.grid(False)
-        axis.set_ylabel("xyz"[axes[1]])
+        places = np.zeros((len(particles.points[chosen]), 3))
+        places[:, :2] = particles.points[chosen][:, axes]
+        drawn = draw_particles(axis, places, value[chosen].astype(float), spacing, limits=limits if colour != "body" else (0.5, value.max() + 0.5),
+                               most=900, whole_numbers=colour == "body")
+        ends.append([*axis.get_xlim(), *axis.get_ylim()])
+        axis.set(title=title, xlabel="xyz"[axes[0]], ylabel="xyz"[axes[1]])
         axis.label_outer()
+    ends = np.array(ends)                               # of all panels, which share their scales
+    panels.ravel()[0].set(xlim=(ends[:, 0].min(), ends[:, 1].max()), ylim=(ends[:, 2].min(), ends[:, 3].max()))
     if colour != "body":
         canvas.colorbar(drawn, ax=panels, label=colour.replace("_", " "), shrink=0.8, pad=0.01)
     table.picture(name, canvas, caption)

@@ -88,7 +88,7 @@ Plane strain: blocks of 6 x 4 cells (h = 1) on each other on a smooth wall at y 
         for quantity, place in (("largest", 1), ("mean of the last fifth", 0)):
             table.row(f"energy of unknown origin, {quantity}, {blocks} blocks",
                       {m: value_of(run, lambda run, place=place: excess(run.history(), "usavg")[place]) for m, run in runs.items()}, 0.0, near(0, 2e-3), runs)
-    portraits(table, "rest", runs, "body", "Three blocks in the end.", size=6)
+    portraits(table, "rest", runs, "body", "Three blocks in the end.")
 
 
 def penetrator(table):

@@ -6,6 +6,9 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import numpy as np  # noqa: E402
 from common import Case, main, solve, subplots  # noqa: E402
+from matplotlib.collections import PatchCollection  # noqa: E402
+from matplotlib.patches import Rectangle  # noqa: E402
+from sgmp_view.picture import draw_particles  # noqa: E402
 from volumes.tube import jwl, tube  # noqa: E402
 
 PLAIN, KEPT, SPLIT = {"volumes": "plain"}, {"volumes": "kept"}, {"volumes": "kept", "split": 1.0}
@@ -58,16 +61,24 @@ def boxes(book, full):
     ends = [(n, *tube(n, 0.2)) for n in cells]
     book.within("tube", f"products in a half-filled tube by {cells[-1]} Lagrangian cells: mean pressure over JWL(V, E) at 0.2 ms", ends[-1][1], 1.04, 0.01)
     book.table("volumes_tube", ["cells", "pressure over JWL(V, E)", "energy", "least v", "largest v"], ends, "The same charge in a tube, by an independent Lagrangian code.")
+    figure = box_figure({name: [r for f, n, r in draw if f == 6 and n == name][0].particles() for name in ("plain", "kept")})
+    book.figure("volumes_box", figure, "Half-filled box at 0.2 ms; the squares are as large as the particles.")
+
+
+def box_figure(clouds):
+    """Particles in the box as squares of their volumes, on grey: what is not covered has no particle."""
     figure, axes = subplots(1, 2, figsize=(11, 3.6))
-    for axis, name in zip(axes, ("plain", "kept")):
-        run = [r for f, n, r in draw if f == 6 and n == name][0]
-        particles = run.particles()
-        order = np.argsort(particles.fields["volume"])
-        shown = axis.scatter(particles.points[order, 0], particles.points[order, 1], c=particles.fields["pressure"][order], s=40*particles.fields["volume"][order],
-                             vmin=0, vmax=3000, cmap="viridis", alpha=0.7, linewidth=0)
-        axis.set(title=f"volumes {name}", xlim=(0, 20), ylim=(0, 12), aspect="equal", xlabel="x (mm)", ylabel="y (mm)")
+    for axis, (name, particles) in zip(axes, clouds.items()):
+        order = np.argsort(particles.fields["volume"])[::-1]
+        side = np.sqrt(particles.fields["volume"][order])
+        corners = particles.points[order, :2] - 0.5*side[:, None]
+        shown = PatchCollection([Rectangle(corner, width, width) for corner, width in zip(corners, side)], cmap="viridis", edgecolor="white", linewidth=0.3)
+        shown.set(array=particles.fields["pressure"][order], clim=(0, 3000))
+        axis.add_collection(shown)
+        axis.set(title=f"volumes {name}", xlim=(0, 20), ylim=(0, 12), aspect="equal", xlabel="x (mm)", ylabel="y (mm)", facecolor="0.85")
+        axis.grid(False)
     figure.colorbar(shown, ax=axes, label="pressure (MPa)")
-    book.figure("volumes_box", figure, "Half-filled box at 0.2 ms; areas of the dots are the particles' volumes.")
+    return figure
 
 
 def gases(book, full):
@@ -113,7 +124,7 @@ def stretch(book, full):
     book.table("stretch", ["method", "split", "particles", "gaps (cells)", "least density", "largest density", "energy", "verdict"], rows, "Bar pulled to ten times its length.")
     figure, axes = subplots(2, 1, figsize=(9, 3.2), sharex=True)
     for axis, (title, particles) in zip(axes, draw):
-        shown = axis.scatter(particles.points[:, 0], particles.points[:, 1], c=particles.fields["density"], s=4, vmin=0.05, vmax=0.2, cmap="viridis")
+        shown = draw_particles(axis, particles.points, particles.fields["density"], 0.125, limits=(0.05, 0.2))
         axis.set(title=title, xlim=(0, 10), ylim=(0, 1))
     figure.colorbar(shown, ax=axes, label="density")
     book.figure("stretch", figure, "The bar at ten times its length.")
@@ -136,9 +147,9 @@ def debris(book, full):
     book.table("debris", ["method", "CFL", "drift of the energy", "shortest over longest step", "verdict"], rows, "Debris at 100 µs.")
     particles = shown.particles()
     figure, axis = subplots(figsize=(6.5, 6.5))
-    dots = axis.scatter(particles.points[:, 0], particles.points[:, 2], c=particles.fields["damage"], s=4, cmap="coolwarm")
-    axis.set(xlabel="x (mm)", ylabel="z (mm)", aspect="equal")
-    figure.colorbar(dots, label="damage (1: failed)")
+    balls = draw_particles(axis, particles.points, particles.fields["damage"], shown.summary["spacing"])
+    axis.set(xlabel="x (mm)", ylabel="z (mm)")
+    figure.colorbar(balls, label="damage (1: failed)")
     book.figure("debris", figure, "All particles at 100 µs seen from the side, SGMP, CFL 0.25.")
 
 
