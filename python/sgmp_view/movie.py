@@ -17,7 +17,7 @@ from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
 from PIL import Image
 
 from .files import SgmpFileError, dumps_of, folder_of, plot_style, read_units
-from .picture import DIVERGING, dimension_of, draw, drawing_arguments, field_of
+from .picture import dimension_of, draw, drawing_arguments, field_of
 
 
 def common_limits(dumps, field):
@@ -53,8 +53,6 @@ def add_scale_bar(axis, unit):
 def draw_frames(dumps, folder, options):
     """One picture for each dump, all of one size; their files."""
     options.limits = options.limits or common_limits(dumps, options.field)
-    if options.limits[0] == -options.limits[1]:
-        options.cmap = options.cmap or DIVERGING
     files, points = [], [dump.read().points for dump in dumps]
     low, high = np.min([p.min(axis=0) for p in points], axis=0), np.max([p.max(axis=0) for p in points], axis=0)
     with plt.rc_context({**plot_style(), "savefig.dpi": options.dpi}):

@@ -147,7 +147,7 @@ def choose_norm(values, limits=None):
     if values.size == 0:
         raise SgmpFileError("the field is NaN everywhere")
     if limits:
-        return Normalize(*limits), SEQUENTIAL
+        return Normalize(*limits), DIVERGING if limits[0] == -limits[1] else SEQUENTIAL
     low, high = np.percentile(values, [0.2, 99.8])
     if low < 0 < high and min(-low, high) > 0.05 * max(-low, high):
         top = max(-low, high)

@@ -72,8 +72,8 @@ contains
     type(partition_t), intent(in) :: partition
     real(dp), intent(inout) :: sums(:, :)        !! (nodes_sums, planes), added to
     integer :: p, p1, p2
-    if (field%columns%pairs > 0) call field_surfaces_forces(field, mesh, team, partition)
-    if (field%columns%offset > 0) call field_rotation_forces(field, mesh, forced, team, partition)
+    if (field%columns%corrected) call field_surfaces_forces(field, mesh, team, partition)
+    if (field%columns%turns) call field_rotation_forces(field, mesh, forced, team, partition)
     call field_node_planes(field, partition, p1, p2)
     !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
     !$omp& default(none) shared(field, mesh, method, dt, forced, team, sums, p1, p2) private(p)

@@ -24,7 +24,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(team_t), intent(in) :: team
     type(partition_t), intent(in) :: partition
-    call run(stage_weights, [-3, 1], field, mesh, 0, team, partition)
+    call run(stage_weights, [-2, 2], field, mesh, 0, team, partition)
   end subroutine field_surfaces_weigh
 
   !> What is added to the gradient of a nodal velocity.

@@ -118,7 +118,7 @@ contains
       plan%swirl = columns%swirl > 0 .and. .not. plan%probe
       if (.not. plan%stress .or. plan%probe) return
       if (columns%faces > 0) plan%faces = columns%faces - plan%first_column
-      plan%corrected = columns%pairs > 0 .and. columns%external > 0
+      plan%corrected = columns%corrected .and. columns%external > 0
     end associate
   end subroutine sweep_columns
 

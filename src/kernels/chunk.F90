@@ -10,7 +10,7 @@ module DIM(sgmp_chunk)
   use sgmp_body, only: body_t
   use CARTESIAN(sgmp_collisions), only: collisions_apply, collisions_collect, collisions_plan
   use sgmp_columns, only: collide_total, columns_before, columns_t, pair_sums, relax_stiffness, &
-                          relax_total, stage_moment, twist_takes, twists
+                          relax_total, stage_debris, twist_takes, twists
   use sgmp_constitutive, only: constitutive_t
   use sgmp_debris, only: debris_loose, debris_possible, debris_room
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
@@ -29,7 +29,7 @@ module DIM(sgmp_chunk)
   use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_scatter), only: column_sums, linear_scatter, linear_scatter_force, &
-                                     linear_scatter_moment, linear_scatter_pairs
+                                     linear_scatter_pairs
   use DIM(sgmp_settling), only: settling_chunk
   use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
@@ -77,16 +77,15 @@ module DIM(sgmp_chunk)
                                   !! they fill it
     integer :: span = 1                  !! cells of a bin
     integer :: nq = 0                    !! columns of the moments that are scattered
-    integer :: pairs = 0                 !! of these, the first: volume moments of pairs of centres
-    integer :: plain = 0                 !! of these, all but the first and the last, which are the
-                                         !! mass's first moments
+    integer :: pairs = 0                 !! of these, the first: moments of pairs of centres
+    integer :: plain = 0                 !! of these, all others
     ! Columns of the values that particles bring, 0 for those that this sweep does not fill; of what
     ! says `before`, the columns before it.
     integer :: masses = NMASS            !! columns of mass, those of driven particles and the room
                                          !! of pairs among them
     integer :: drives = 0                !! mass of driven particles
     integer :: driven = 0                !! how many
-    integer :: room = 0                  !! volume, for pairs
+    integer :: room = 0                  !! volume of what has not come apart
     integer :: swirl = 0                 !! moments of swirl
     integer :: square = 0                !! m |v|^2
     integer :: forces = 0                !! before: the forces (MPM, GIMP)
@@ -179,7 +178,7 @@ contains
       return
     end if
     task%pairs = before - plan%first_column + 1
-    task%plain = min(plan%last_column, columns%first(stage_moment) - 1) - before
+    task%plain = min(plan%last_column, columns%first(stage_debris) - 1) - before
     task%masses = columns%momentum - columns%mass
     task%driven = columns%driven
     task%drives = place(columns%drives)
@@ -1076,13 +1075,9 @@ contains
     type(product_spread_t) :: spread
     integer :: plain, rest
     if (task%centred) then
-      if (task%pairs > 0) call linear_scatter_pairs(xi, cell, values(1, task%masses), task%nq, &
+      if (task%pairs > 0) call linear_scatter_pairs(task%pairs, xi, cell, values, task%nq, &
                                                     stencil)
       call linear_scatter(task%plain, xi, cell, values, task%nq, stencil(1, task%pairs + 1, 1))
-      if (task%nq > task%pairs + task%plain) then
-        call linear_scatter_moment(xi, cell, values, task%nq, &
-                                   stencil(1, task%pairs + task%plain + 1, 1))
-      end if
       return
     end if
     plain = task%forces

@@ -73,13 +73,13 @@ contains
         n = min(tile, field%work%last(s) - first + 1)
         call node_moments(field, s, first, n, .true., m, p)
         idx = field%neighbour(0, 0, s) + first
-        if (field%columns%offset > 0) then  ! they are known
+        if (field%columns%turns) then  ! they are known
           f(:n, :) = field%rotation%force(idx:idx + n - 1, :)
         else
           call node_forces(field, mesh, s, first, n, f)
         end if
 #if NDIM > 1
-        if (field%columns%offset > 0) call rotation_force(field, s, first, n, &
+        if (field%columns%turns) call rotation_force(field, s, first, n, &
                                                           field%rotation%couple, f)
 #endif
         if (driven) then
@@ -88,7 +88,7 @@ contains
           if (forced .and. field%columns%faces > 0) then
             call face_forces(field, mesh, s, first, n, pressed)
 #if NDIM > 1
-            if (field%columns%offset > 0) call rotation_force(field, s, first, n, &
+            if (field%columns%turns) call rotation_force(field, s, first, n, &
                                                               field%rotation%face_couple, pressed)
 #endif
             external(:n, :) = external(:n, :) + pressed(:n, :)
@@ -373,7 +373,7 @@ contains
                           field%moment(1, before + NFLUX), centre_rows(field, s, first), f(1, 1))
 #endif
 #if NDIM > 1
-      if (field%columns%pairs > 0) call surfaces_push(field, centre_rows(field, s, first), n, f)
+      if (field%columns%corrected) call surfaces_push(field, centre_rows(field, s, first), n, f)
 #endif
     else
       i = field%neighbour(0, 0, s) + first

@@ -174,7 +174,7 @@ contains
                            task%stride, work%records(first))
       end if
 #if NDIM > 1
-      if (field%columns%pairs > 0 .and. plan%gradient > 0 .and. (plan%strain .or. plan%probe)) then
+      if (field%columns%corrected .and. plan%gradient > 0 .and. (plan%strain .or. plan%probe)) then
         call surfaces_add_gains(field, p, NDIM*size(plan%vectors), task%stride, work%records(first))
       end if
 #endif

@@ -16,7 +16,7 @@ module DIM(sgmp_sweep_movers)
   use sgmp_movers, only: movers_t
   use sgmp_plan, only: plan_t
   use sgmp_rebinning, only: arrivals_t
-  use CARTESIAN(sgmp_scatter), only: pair_spans, pair_starts, stride_of
+  use CARTESIAN(sgmp_scatter), only: pair_ends, pair_spans, stride_of
   use CARTESIAN(sgmp_transfer), only: flux_of, linear_gradients, linear_weights
   use CARTESIAN(sgmp_transfer_product), only: product_gradients, product_weights
   implicit none
@@ -89,8 +89,6 @@ contains
         call add_mover(task, forces, l, w, g, movers%values(1, at(l)), pile%sums)
         if (task%pairs > 0) call add_mover_pairs(task, xi(l, :), w(l, :), &
                                                  movers%values(1, at(l)), pile%sums)
-        if (task%nq > task%pairs + task%plain) call add_mover_moment(task, xi(l, :), w(l, :), &
-                                                        movers%values(1, at(l)), pile%sums)
         if (allocated(force)) call add_mover_faces(task, plan, l, force, w_face, levers, g_face, &
                                                    pile%sums)
       end associate
@@ -221,22 +219,7 @@ contains
     end do
   end subroutine add_mover_faces
 
-  !> First moments of one particle's mass about the points of its stencil.
-  pure subroutine add_mover_moment(task, xi, w, mass, sums)
-    type(task_t), intent(in) :: task
-    real(dp), intent(in) :: xi(NDIM), w(largest_stencil), mass
-    real(dp), intent(inout) :: sums(largest_stencil, most_columns)
-    integer :: e, d, q
-    q = task%pairs + task%plain
-    do d = 1, NDIM
-      do e = 1, NCORNER
-        sums(e, q + d) = sums(e, q + d) + mass*w(e)* &
-            (xi(d) - real(mod((e - 1)/stride_of(d), 2), dp))
-      end do
-    end do
-  end subroutine add_mover_moment
-
-  !> Volume moments of the pairs and quads of the stencil's points (sgmp_scatter).
+  !> Mass moments of the pairs and quads of the stencil's points (sgmp_scatter).
   pure subroutine add_mover_pairs(task, xi, w, values, sums)
     type(task_t), intent(in) :: task
     real(dp), intent(in) :: xi(NDIM), w(largest_stencil)
@@ -245,11 +228,11 @@ contains
     real(dp) :: part
     integer :: d, q
     do q = 1, task%pairs
-      part = values(task%room)
+      part = values(1)
       do d = 1, NDIM
-        if (pair_spans(q, d)) part = part*xi(d)
+        if (pair_spans(q, d)) part = part*(1.0_dp - xi(d))
       end do
-      sums(:NCORNER, q) = sums(:NCORNER, q) + pair_starts(:, q)*(w(:NCORNER)*part)
+      sums(:NCORNER, q) = sums(:NCORNER, q) + pair_ends(:, q)*(w(:NCORNER)*part)
     end do
   end subroutine add_mover_pairs
 

@@ -105,7 +105,7 @@ contains
     real(dp), intent(in) :: b(lanes, nb)
     real(dp), intent(out) :: room(lanes)
     room = live*b(:, 1)
-    if (law%slots%damage == 0 .or. law%failure%carries == carries_everything) return
+    if (.not. debris_possible(law)) return
     where (b(:, law%slots%damage) >= 1.0_dp .and. b(:, 1)*law%density > mass) room = 0.0_dp
   end subroutine debris_room
 

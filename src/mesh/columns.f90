@@ -17,8 +17,7 @@ module sgmp_columns
   public :: block_t, columns_t, column_image, column_name, columns_ask, columns_before, &
             columns_keep_behind, columns_make, columns_range, columns_turn_back
   public :: pair_sums, twist_takes, twists
-  public :: stage_pairs, stage_mass, stage_momentum, stage_stress, stage_moment, stage_debris, &
-            stage_behind
+  public :: stage_pairs, stage_mass, stage_momentum, stage_stress, stage_debris, stage_behind
   public :: collide_kick, collide_rate, collide_square, collide_total, collide_velocity
   public :: node_acceleration, node_gyration, node_inertia, node_inverse_mass, node_remapped, &
             node_swirl, node_total, node_velocity
@@ -31,10 +30,8 @@ module sgmp_columns
   integer, parameter :: stage_mass = 2
   integer, parameter :: stage_momentum = 3
   integer, parameter :: stage_stress = 4
-  integer, parameter :: stage_moment = 5    !! where mass and stress come together, by a scatter of
-                                            !! their own
-  integer, parameter :: stage_debris = 6    !! by a sweep of their own
-  integer, parameter :: stage_behind = 7    !! by walls, not by sweeps
+  integer, parameter :: stage_debris = 5    !! by a sweep of their own
+  integer, parameter :: stage_behind = 6    !! by walls, not by sweeps
 
   integer, parameter :: name_length = 12
   character(name_length), parameter :: behind_names(3) = ['behind_x    ', 'behind_y    ', &
@@ -59,13 +56,15 @@ module sgmp_columns
 
   !> Columns of the sums; vectors and tensors by their first column. 0: not carried.
   type :: columns_t
-    integer :: pairs = 0         !! volume moments of pairs and quads of centres (doc/surfaces.md)
+    logical :: corrected = .false.  !! strains are, at surfaces (doc/surfaces.md)
+    logical :: turns = .false.   !! rotation is exact (doc/rotation.md)
+    integer :: pairs = 0         !! mass moments of pairs of centres, behind them those of quads
     integer :: mass = 0
     integer :: radial = 0        !! mass times radius (cells), where there is an axis
     integer :: drives = 0        !! mass of particles whose motion is prescribed, one column for
                                  !! each prescription
     integer :: driven = 0        !! how many
-    integer :: room = 0          !! volume, swept with the mass, for pairs
+    integer :: room = 0          !! volume of what has not come apart
     integer :: momentum = 0
     integer :: swirl = 0         !! v_theta times mass and radius, and mass times radius^2 (cells)
     integer :: square = 0        !! m |v|^2, where something relaxes (doc/volumes.md)
@@ -84,7 +83,6 @@ module sgmp_columns
     integer :: volume = 0
     integer :: stiffness = 0     !! bulk modulus times volume, where something relaxes
     integer :: compliance = 0    !! the compliance w; behind it w p and w p^2
-    integer :: offset = 0        !! first moments of the mass about the centres (mass times cells)
     integer :: debris = 0        !! by which debris collides: mass and momentum of all, mass of what
                                  !! collides, and that times the square of its velocity
     integer :: apart(2) = 0      !! first and last of those that scatters of their own fill
@@ -226,7 +224,6 @@ contains
     call find(columns, 'volume', columns%volume)
     call find(columns, 'stiffness', columns%stiffness)
     call find(columns, 'compliance', columns%compliance)
-    call find(columns, 'offset', columns%offset)
     call find(columns, 'debris', columns%debris)
     do axis = 1, size(behind_names)
       call find(columns, behind_names(axis), columns%behind(axis))
@@ -257,9 +254,9 @@ contains
     integer :: range(2), highest
     associate (first => columns%first)
       range(1) = first(merge(stage_pairs, merge(stage_momentum, stage_stress, momentum), mass))
-      highest = merge(merge(stage_moment, stage_stress, mass), stage_momentum, stress)
+      highest = merge(stage_stress, stage_momentum, stress)
       range(2) = first(highest + 1) - 1
-      if (probe) range(2) = columns%probed(min(highest, stage_stress))
+      if (probe) range(2) = columns%probed(highest)
     end associate
   end function columns_range
 

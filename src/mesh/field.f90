@@ -42,8 +42,8 @@ module sgmp_field
     integer, allocatable :: plane_store(:)  !! (planes + 1): first interval of `store` in each plane
     integer :: largest_plane = 0                    !! records of the largest plane
     real(dp), allocatable :: moment(:, :)           !! (points, columns%total) sums over particles
-    type(rotation_points_t) :: rotation             !! for columns%offset > 0
-    type(pair_points_t) :: pairs                    !! for columns%pairs > 0
+    type(rotation_points_t) :: rotation             !! for columns%turns
+    type(pair_points_t) :: pairs                    !! for columns%corrected
     real(dp), allocatable :: node(:, :)             !! (points, columns%nodes) values at the nodes
     logical :: gaps = .false.                       !! normalised stress leaves gaps alone: solids
     real(dp) :: hoop_correction = 0.0_dp            !! of the hoop strain (sgmp_axis)
@@ -109,7 +109,7 @@ contains
     call field_number(new)
     call field_link(new)
     call weigh_hoops(new, field%hoop_correction)
-    more = merge(beyond, 0, max(new%columns%pairs, new%columns%offset) > 0)
+    more = merge(beyond, 0, new%columns%pairs > 0)
     allocate (new%moment(new%points + more, new%columns%total))
     allocate (new%node(new%points + more, new%columns%nodes))
     new%moment(new%points + 1:, :) = 0.0_dp
@@ -122,11 +122,11 @@ contains
     end if
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))
-    if (new%columns%offset > 0) then
+    if (new%columns%turns) then
       call rotation_points_make(new%ndim, new%points, more, new%columns%faces > 0, &
                                 field%rotation%least_offset, new%rotation)
     end if
-    if (new%columns%pairs > 0) call pair_points_make(new%space, new%points, more, new%pairs)
+    if (new%columns%corrected) call pair_points_make(new%space, new%points, more, new%pairs)
     call field_clear(new)
     call field_move(field, new)
     call field_replace(new, field)
@@ -155,8 +155,8 @@ contains
       last = field%plane_start(p + 1) - 1
       field%moment(first:last, :) = 0.0_dp
       field%node(first:last, :) = 0.0_dp
-      if (field%columns%offset > 0) call rotation_points_clear(first, last, field%rotation)
-      if (field%columns%pairs > 0) call pair_points_clear(first, last, field%pairs)
+      if (field%columns%turns) call rotation_points_clear(first, last, field%rotation)
+      if (field%columns%corrected) call pair_points_clear(first, last, field%pairs)
     end do
     !$omp end parallel do
   end subroutine field_clear
@@ -188,7 +188,7 @@ contains
             16_i8*(size(field%work%key, kind=i8) + size(field%store%key, kind=i8))
     if (allocated(field%relax)) bytes = bytes + 8_i8*size(field%relax, kind=i8)
     if (allocated(field%collide)) bytes = bytes + 8_i8*size(field%collide, kind=i8)
-    if (field%columns%pairs > 0) then
+    if (field%columns%corrected) then
       bytes = bytes + 8_i8*(size(field%pairs%weight, kind=i8) + &
                             size(field%pairs%centre, kind=i8) + size(field%pairs%gain, kind=i8))
     end if

@@ -8,10 +8,11 @@ module sgmp_images
   use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
   private
-  public :: image_t, image_beside, image_lever, image_product, image_radial, &
+  public :: image_t, image_beside, image_product, image_radial, &
             image_shear, image_sign, image_stress, image_vector, vector_parity
 
-  !> Signs of a column: (axis of the wall's normal, kind of wall). 0: the number stays where it is.
+  !> Signs of a column: (axis of the wall's normal, kind of wall). 0: the number reaches across the
+  !! wall and is its own image.
   type :: image_t
     integer :: sign(3, wall_slip:wall_axis) = 1
   end type image_t
@@ -45,13 +46,6 @@ contains
       end do
     end do
   end function image_vector
-
-  !> A lever along an axis: a mirror across it turns it round, whatever walls do to velocities.
-  pure function image_lever(axis) result(image)
-    integer, intent(in) :: axis
-    type(image_t) :: image
-    image%sign(axis, :) = -1
-  end function image_lever
 
   !> What pulls along r: it is opposite on the other side of the axis.
   pure function image_radial() result(image)
@@ -92,7 +86,7 @@ contains
     image%sign(:, wall_fixed) = 1
   end function image_product
 
-  !> What reaches across walls of some axes, and is stored beside them: it stays.
+  !> What reaches across walls of some axes: it is its own image.
   pure function image_beside(across) result(image)
     logical, intent(in) :: across(3)
     type(image_t) :: image

@@ -41,7 +41,9 @@ contains
     integer, intent(in) :: rank, ranks
     logical, intent(in), optional :: rotation  !! velocities and forces are corrected by neighbours'
     logical, intent(in), optional :: paired    !! strains and forces at centres, by neighbours'
+    logical :: turns
     integer :: more, r
+    turns = .false.
     partition%rank = rank
     partition%ranks = ranks
     partition%divisible = divisible
@@ -51,12 +53,13 @@ contains
     partition%moments = [merge(1 + more, 0, kernel_centred(kernel)), partition%nodes + more]
     if (present(rotation)) then
       ! The force at a node takes the moments of nodes next to it, and these the masses of centres
-      ! up to two cells from there.
-      if (rotation) partition%moments = [3, partition%nodes + 2]
+      ! up to two cells from there, and above them their pairs with the next.
+      turns = rotation
+      if (rotation) partition%moments = [3, partition%nodes + 3]
     end if
     if (present(paired)) then
       ! The force at a node takes stresses up to two cells from the centres around it.
-      if (paired) partition%moments = partition%moments + 1
+      if (paired) partition%moments = partition%moments + [1, merge(0, 1, turns)]
     end if
     partition%bins = partition%moments + [stencil_width(kernel) - 1, 0]
     partition%least = max(partition%bins(1), partition%bins(2)) + 1

@@ -59,7 +59,11 @@ contains
           call drag(field, mesh, axis, side, q1, q2, from, to, n)
         end if
         do q = q1, q2
-          if (nint(parity(q)) /= 0) call fold(n, parity(q), field%moment(from, q), field%moment(to, q))
+          if (nint(parity(q)) /= 0) then
+            call fold(n, parity(q), field%moment(from, q), field%moment(to, q))
+          else
+            call complete(n, field%moment(merge(to, from, side == 1), q))
+          end if
         end do
       end do
     end do
@@ -107,6 +111,14 @@ contains
       ghost(i) = 0.0_dp
     end do
   end subroutine fold
+
+  !> What reaches across a wall, stored at the upper of the points that it joins, is that of a body
+  !! and its mirror image.
+  pure subroutine complete(n, moment)
+    integer, intent(in) :: n
+    real(dp), intent(inout) :: moment(n)
+    moment = 2.0_dp*moment
+  end subroutine complete
 
   !> Gives nodes on walls the components that the walls have, in the vector that starts at `column`.
   pure subroutine walls_hold(field, mesh, s, first, n, column, kind)

@@ -298,9 +298,9 @@ contains
     call summary%set('stress', trim(merge('normalised', 'plain     ', &
                                           any(model%fields%columns%volume > 0))))
     call summary%set('rotation', trim(merge('exact', 'plain', &
-                                            any(model%fields%columns%offset > 0))))
+                                            any(model%fields%columns%turns))))
     call summary%set('surfaces', trim(merge('corrected', 'plain    ', &
-                                            any(model%fields%columns%pairs > 0))))
+                                            any(model%fields%columns%corrected))))
     if (scene%axisymmetric) then
       call summary%set('dimension', 'axisymmetric')
     else

@@ -3,15 +3,14 @@
 !! The order in which they ask is that of the columns of a stage.
 module sgmp_build_columns
   use sgmp_absorbing_columns, only: absorbing_ask
-  use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, stage_moment, &
-                          stage_stress
+  use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, stage_stress
   use sgmp_debris_columns, only: debris_ask
-  use sgmp_images, only: image_lever, image_t
+  use sgmp_images, only: image_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_loads_columns, only: loads_ask, loads_ask_faces
   use sgmp_model, only: model_t
-  use sgmp_surface_columns, only: surfaces_ask, surfaces_ask_faces
+  use sgmp_surface_columns, only: pairs_ask, surfaces_ask, surfaces_ask_faces
   use sgmp_swirl_columns, only: swirl_ask
   use sgmp_volumes_columns, only: volumes_ask
   implicit none
@@ -21,27 +20,27 @@ module sgmp_build_columns
 contains
 
   !> Columns of a field in which solids move, or none, and so many parts of bodies are driven.
-  pure function columns_build(model, kernel, solid, parts) result(columns)
+  pure function columns_build(model, kernel, solid, crumbles, parts) result(columns)
     type(model_t), intent(in) :: model
     integer, intent(in) :: kernel, parts
-    logical, intent(in) :: solid
+    logical, intent(in) :: solid, crumbles       !! something in it can come apart
     type(columns_t) :: columns
-    logical :: corrected
+    logical :: corrected, turns
     integer :: a
     associate (method => model%method, ndim => model%mesh%ndim, space => model%mesh%space)
       corrected = method%surfaces .and. (solid .or. .not. method%surfaces_solids) .and. ndim > 1
+      turns = method%rotation .and. (solid .or. .not. method%rotation_solids)
       columns = columns_make(space, kernel)
       if (parts > 0) call columns_ask(columns, block_t('drives', stage_mass, [(image_t(), a=1, parts)]))
-      if (corrected) call surfaces_ask(columns, ndim)
+      if (corrected .or. turns) call pairs_ask(columns, ndim)
+      if (corrected) call surfaces_ask(columns, ndim, crumbles)
+      columns%turns = turns
       if (method%swirl) call swirl_ask(columns)
       call ask_forces(model, kernel, corrected, columns)
       if (method%normalised .and. (solid .or. .not. method%normalised_solids)) then
         call columns_ask(columns, block_t('volume', stage_stress, [image_t()]))
       end if
       if (method%relaxed) call volumes_ask(columns)
-      if (method%rotation .and. (solid .or. .not. method%rotation_solids)) then
-        call columns_ask(columns, block_t('offset', stage_moment, [(image_lever(a), a=1, ndim)]))
-      end if
       if (method%debris_speed > 0.0_dp) call debris_ask(columns, ndim)
     end associate
   end function columns_build

@@ -533,7 +533,7 @@ contains
     do f = 1, size(model%fields)
       solid = field_solid(model, f)
       call field_init(model%fields(f), model%mesh, kernel, &
-                      columns_build(model, kernel, solid, parts(f)))
+                      columns_build(model, kernel, solid, field_crumbles(model, f), parts(f)))
       model%fields(f)%drive_terms = terms(f)
       model%fields(f)%gaps = solid .and. .not. model%method%relaxed
     end do
@@ -557,6 +557,20 @@ contains
       end associate
     end do
   end function field_solid
+
+  !> Whether something in a field can come apart, and then bears no stress as a body does.
+  pure function field_crumbles(model, f) result(yes)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: f
+    logical :: yes
+    integer :: b
+    yes = .false.
+    do b = 1, size(model%bodies)
+      associate (body => model%bodies(b))
+        if (body%field == f .and. .not. body%rigid) yes = yes .or. debris_possible(body%law)
+      end associate
+    end do
+  end function field_crumbles
 
   !> The clock's settings.
   subroutine build_clock(scene, model)

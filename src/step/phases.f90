@@ -174,7 +174,7 @@ contains
     integer :: f
     if (.not. method%rotation) return
     do f = 1, size(fields)
-      if (rigid_field(bodies, f) > 0 .or. fields(f)%columns%offset == 0) cycle
+      if (rigid_field(bodies, f) > 0 .or. .not. fields(f)%columns%turns) cycle
       call field_rotation_prepare(fields(f), mesh, method%cutoff, team, partition)
     end do
   end subroutine phase_rotation
@@ -190,7 +190,7 @@ contains
     integer :: f
     if (.not. method%surfaces) return
     do f = 1, size(fields)
-      if (rigid_field(bodies, f) > 0 .or. fields(f)%columns%pairs == 0) cycle
+      if (rigid_field(bodies, f) > 0 .or. .not. fields(f)%columns%corrected) cycle
       call field_surfaces_weigh(fields(f), mesh, team, partition)
     end do
   end subroutine phase_surfaces_weigh
@@ -214,7 +214,7 @@ contains
     call phase_swap_nodes(step, [column, column + mesh%ndim - 1], 1, fields, bodies, ranks, &
                           findings, timers)
     do f = 1, size(fields)
-      if (rigid_field(bodies, f) > 0 .or. fields(f)%columns%pairs == 0) cycle
+      if (rigid_field(bodies, f) > 0 .or. .not. fields(f)%columns%corrected) cycle
       call field_surfaces_strain(fields(f), mesh, column, team, ranks%partition)
     end do
   end subroutine phase_surfaces_strain
@@ -239,7 +239,7 @@ contains
     if (abs(kick) > 0.0_dp) swapped(1) = node_acceleration
     call phase_swap_nodes(step, swapped, 1, fields, bodies, ranks, findings, timers)
     do f = 1, size(fields)
-      if (rigid_field(bodies, f) > 0 .or. fields(f)%columns%offset == 0) cycle
+      if (rigid_field(bodies, f) > 0 .or. .not. fields(f)%columns%turns) cycle
       call field_rotation_place(fields(f), mesh, columns, kick, team, ranks%partition)
     end do
   end subroutine phase_place

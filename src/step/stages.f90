@@ -256,7 +256,7 @@ contains
   pure function stage_brings_stress(model) result(yes)
     type(model_t), intent(in) :: model
     logical :: yes
-    yes = model%method%rotation .or. model%mesh%walls_act
+    yes = model%mesh%walls_act
   end function stage_brings_stress
 
   !> A sweep is planned: what features want of it beside what the method wants.

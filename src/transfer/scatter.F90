@@ -19,8 +19,8 @@ module DIM(sgmp_scatter)
   use DIM(sgmp_transfer), only: flux_of
   implicit none
   private
-  public :: linear_scatter, linear_scatter_force, linear_scatter_moment, linear_scatter_pairs
-  public :: linear_carry, pair_spans, pair_starts
+  public :: linear_scatter, linear_scatter_force, linear_scatter_pairs
+  public :: linear_carry, pair_spans, pair_ends
   public :: accumulators, column_sums, stride_of
 
   !> Accumulators of a bin, and numbers of a column of each.
@@ -35,17 +35,17 @@ module DIM(sgmp_scatter)
 #if NDIM == 1
   integer, parameter :: stride_of(1) = 1
   real(dp), parameter :: lower(2, 1) = reshape([1, 0], [2, 1])
-  real(dp), parameter :: pair_starts(2, 1) = 0.0_dp
+  real(dp), parameter :: pair_ends(2, 1) = 0.0_dp
 #elif NDIM == 2
   integer, parameter :: stride_of(2) = [2, 1]
   real(dp), parameter :: lower(4, 2) = reshape([1, 1, 0, 0, 1, 0, 1, 0], [4, 2])
-  real(dp), parameter :: pair_starts(4, 2) = lower  !! 1 at the points where a pair begins
+  real(dp), parameter :: pair_ends(4, 2) = 1.0_dp - lower  !! 1 at the points where a pair ends
 #else
   integer, parameter :: stride_of(3) = [4, 2, 1]
-  !> 1 at the points where a pair, or a quad, begins.
-  real(dp), parameter :: pair_starts(8, 6) = reshape([ &
-    1, 1, 1, 1, 0, 0, 0, 0,   1, 1, 0, 0, 1, 1, 0, 0,   1, 0, 1, 0, 1, 0, 1, 0, &
-    1, 0, 0, 0, 1, 0, 0, 0,   1, 0, 1, 0, 0, 0, 0, 0,   1, 1, 0, 0, 0, 0, 0, 0], [8, 6])
+  !> 1 at the points where a pair, or a quad, ends.
+  real(dp), parameter :: pair_ends(8, 6) = reshape([ &
+    0, 0, 0, 0, 1, 1, 1, 1,   0, 0, 1, 1, 0, 0, 1, 1,   0, 1, 0, 1, 0, 1, 0, 1, &
+    0, 0, 0, 1, 0, 0, 0, 1,   0, 0, 0, 0, 0, 1, 0, 1,   0, 0, 0, 0, 0, 0, 1, 1], [8, 6])
 #endif
 #if NDIM < 3
   !> Weight of a point along an axis at 0, and its slope.
@@ -259,63 +259,16 @@ contains
   end subroutine across_weights
 #endif
 
-  !> Adds the first moments of the particles' masses about the points of their stencil, N m (x_p -
-  !! x_c) in cells; pads must bring zeros.
-  pure subroutine linear_scatter_moment(xi, cell, mass, columns, sums)
+  !> Adds the mass moments of the pairs of the stencil's points, m N_perp x (1 - x) of every axis, to
+  !! the upper point of each, and in space those of its quads, with one such factor for each of two
+  !! axes, to the uppermost (doc/surfaces.md); pads must bring zeros.
+  pure subroutine linear_scatter_pairs(pairs, xi, cell, mass, columns, sums)
+    integer, intent(in) :: pairs                   !! pairs and quads
     real(dp), intent(in) :: xi(lanes, NDIM), mass(lanes)
     integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
     integer, intent(in) :: columns                 !! of an accumulator
-    real(dp), intent(inout) :: sums(column_sums, columns, 0:*)  !! the first NDIM columns
-    integer :: a, e
-#if NDIM < 3
-    real(dp) :: w(NCORNER)
-    integer :: l, first, odd
-    do l = 1, lanes
-      if (cell(l) < 0) exit
-      first = NROW*cell(l)
-      odd = iand(cell(l), 1)
-      !$omp simd
-      do e = 1, NCORNER
-        w(e) = mass(l)*corner_weight(xi(l, :), e, 0)
-      end do
-      do a = 1, NDIM
-        !$omp simd simdlen(NCORNER)
-        do e = 1, NCORNER
-          sums(first + e, a, odd) = sums(first + e, a, odd) + &
-                                    w(e)*(xi(l, a) - (1.0_dp - lower(e, a)))
-        end do
-      end do
-    end do
-#else
-    real(dp) :: w(NCORNER, lanes), part(lanes), m(NCORNER)
-    call point_weights(xi, w)
-    !$omp simd
-    do e = 1, NCORNER
-      m(e) = w(e, 1)*mass(1) + w(e, 2)*mass(2) + w(e, 3)*mass(3) + w(e, 4)*mass(4) + &
-             w(e, 5)*mass(5) + w(e, 6)*mass(6) + w(e, 7)*mass(7) + w(e, 8)*mass(8)
-    end do
-    do a = 1, NDIM
-      part = mass*xi(:, a)
-      !$omp simd
-      do e = 1, NCORNER
-        sums(e, a, cell(1)) = sums(e, a, cell(1)) + ( &
-            w(e, 1)*part(1) + w(e, 2)*part(2) + w(e, 3)*part(3) + w(e, 4)*part(4) + &
-            w(e, 5)*part(5) + w(e, 6)*part(6) + w(e, 7)*part(7) + w(e, 8)*part(8) - &
-            (1.0_dp - pair_starts(e, a))*m(e))
-      end do
-    end do
-#endif
-  end subroutine linear_scatter_moment
-
-  !> Adds the volume moments of the pairs of the stencil's points, V N_perp x (1 - x) of every axis,
-  !! to the lower point of each, and in space those of its quads, with one such factor for each of
-  !! two axes, to the lowest (doc/surfaces.md); pads must bring zeros.
-  pure subroutine linear_scatter_pairs(xi, cell, volume, columns, sums)
-    real(dp), intent(in) :: xi(lanes, NDIM), volume(lanes)
-    integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
-    integer, intent(in) :: columns                 !! of an accumulator
     real(dp), intent(inout) :: sums(column_sums, columns, 0:*)  !! the first columns
-    ! The weight of a lower point is N_perp (1 - x); the other points get nothing.
+    ! The weight of an upper point is N_perp x; the other points get nothing.
 #if NDIM == 2
     real(dp) :: w(NCORNER)
     integer :: a, e, l, first, odd
@@ -325,34 +278,49 @@ contains
       odd = iand(cell(l), 1)
       !$omp simd
       do e = 1, NCORNER
-        w(e) = volume(l)*corner_weight(xi(l, :), e, 0)
+        w(e) = mass(l)*corner_weight(xi(l, :), e, 0)
       end do
-      do a = 1, NDIM
+      do a = 1, pairs
         !$omp simd simdlen(NCORNER)
         do e = 1, NCORNER
-          sums(first + e, a, odd) = sums(first + e, a, odd) + pair_starts(e, a)*(w(e)*xi(l, a))
+          sums(first + e, a, odd) = sums(first + e, a, odd) + &
+                                    pair_ends(e, a)*(w(e)*(1.0_dp - xi(l, a)))
         end do
       end do
     end do
 #elif NDIM == 3
-    real(dp) :: w(NCORNER, lanes), part(lanes)
+    real(dp) :: w(NCORNER, lanes), part(lanes, 6)
     integer :: e, q
     call point_weights(xi, w)
-    do q = 1, 2*NDIM
-      if (q <= NDIM) then
-        part = volume*xi(:, q)
-      else
-        part = volume*xi(:, mod(q, 3) + 1)*xi(:, mod(q + 1, 3) + 1)
-      end if
+    call pair_values(xi, mass, part)
+    do q = 1, pairs
       !$omp simd
       do e = 1, NCORNER
-        sums(e, q, cell(1)) = sums(e, q, cell(1)) + pair_starts(e, q)*( &
-            w(e, 1)*part(1) + w(e, 2)*part(2) + w(e, 3)*part(3) + w(e, 4)*part(4) + &
-            w(e, 5)*part(5) + w(e, 6)*part(6) + w(e, 7)*part(7) + w(e, 8)*part(8))
+        sums(e, q, cell(1)) = sums(e, q, cell(1)) + pair_ends(e, q)*( &
+            w(e, 1)*part(1, q) + w(e, 2)*part(2, q) + w(e, 3)*part(3, q) + w(e, 4)*part(4, q) + &
+            w(e, 5)*part(5, q) + w(e, 6)*part(6, q) + w(e, 7)*part(7, q) + w(e, 8)*part(8, q))
       end do
     end do
 #endif
   end subroutine linear_scatter_pairs
+
+#if NDIM == 3
+  !> Mass times the way that is left to the upper point, of pairs along each axis and of quads.
+  pure subroutine pair_values(xi, mass, part)
+    real(dp), intent(in) :: xi(lanes, NDIM), mass(lanes)
+    real(dp), intent(out) :: part(lanes, 6)
+    integer :: l
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      part(l, 1) = mass(l)*(1.0_dp - xi(l, 1))
+      part(l, 2) = mass(l)*(1.0_dp - xi(l, 2))
+      part(l, 3) = mass(l)*(1.0_dp - xi(l, 3))
+      part(l, 4) = part(l, 2)*(1.0_dp - xi(l, 3))
+      part(l, 5) = part(l, 3)*(1.0_dp - xi(l, 1))
+      part(l, 6) = part(l, 1)*(1.0_dp - xi(l, 2))
+    end do
+  end subroutine pair_values
+#endif
 
   !> Whether a pair reaches along an axis, or a quad, of which there is one across each axis.
   pure function pair_spans(pair, axis) result(yes)

@@ -190,6 +190,7 @@ def drawing(report):
         shades = plt.get_cmap(colours)(np.linspace(0, 1, 201))[:, :3]
         darkest = shades.min(axis=1).max()
         check(report, darkest < 0.85, "all colours of a map differ from white", f"{darkest} of {norm.vmin} to {norm.vmax}")
+    check(report, choose_norm(np.array([1.0]), (-2, 2))[1] is choose_norm(np.array([-1.0, 1.0]))[1], "limits that are alike on both sides")
     check(report, [round_length(width) for width in (4, 7.9, 8, 20, 100, 0.03)] == [1, 1, 2, 5, 20, 0.005], "lengths of scale bars",
           str([round_length(width) for width in (4, 7.9, 8, 20, 100, 0.03)]))
     figure, axis = plt.subplots()

@@ -17,7 +17,7 @@ module DIM(sgmp_rotation_offsets)
   use DIM(sgmp_auxmesh), only: node_rows
   use sgmp_driven_nodes, only: driven_nodes_hold
   use sgmp_field, only: field_t
-  use sgmp_kinds, only: dp
+  use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rotation_points, only: at_centre, at_force, at_node
   use DIM(sgmp_rotation_rows), only: add_differences, centre_rows, next_run, slope, &
@@ -36,7 +36,8 @@ module DIM(sgmp_rotation_offsets)
 contains
 
   !> Offsets D_I = sum_c (M_c + m_c (x_c - x_I))/sum_c m_c of the nodes of one plane, M_c the first
-  !! moment of the mass that particles gave to a centre.
+  !! moment of the mass that particles gave to a centre: sum N m (x_p - x_c), along an axis the
+  !! moment of the pair above the centre less that of the pair below it.
   pure subroutine rotation_offsets(field, mesh, plane, cutoff)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
@@ -44,15 +45,14 @@ contains
     real(dp), intent(in) :: cutoff               !! nodes lighter than this are ignored
     real(dp) :: m(tile), offset(tile, NDIM)
     logical :: held(tile)
-    integer :: s, first, n, i, a, b(NROW), before
-    before = field%columns%offset - 1
+    integer :: s, first, n, i, a, b(NROW)
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         b = centre_rows(field, s, first)
         call sums_row(n, field%moment(1, field%columns%mass), b, m)
         do a = 1, NDIM
-          call sums_row(n, field%moment(1, before + a), b, offset(1, a))
+          call pair_moments(field, s, first, n, a, offset(1, a))
           call add_differences(n, 0.5_dp, a, field%moment(1, field%columns%mass), b, offset(1, a))
         end do
         do i = 1, n
@@ -63,7 +63,7 @@ contains
             offset(i, :) = 0.0_dp
           end if
         end do
-        if (field%columns%pairs > 0) then  ! what has come apart does not turn as a body
+        if (field%columns%room > 0) then  ! what has come apart does not turn as a body
           call sums_row(n, field%moment(1, field%columns%room), b, m)
           do i = 1, n
             if (.not. m(i) > 0.0_dp) offset(i, :) = 0.0_dp
@@ -80,6 +80,39 @@ contains
       end do
     end do
   end subroutine rotation_offsets
+
+  !> Sum of the first moments of the centres around the nodes of a row: the pair between the two
+  !! centres along the axis cancels, and what is left are those beyond them.
+  pure subroutine pair_moments(field, s, first, n, axis, total)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first, n, axis
+    real(dp), intent(inout) :: total(*)          !! a tile
+    integer :: above(NROW), below(NROW), r, dj, dk, i, at
+    do r = 1, NROW
+      dj = (r - 1)/2 - NDIM + 2
+      dk = mod(r - 1, 2) - 1
+      at = first - 1
+      above(r) = at + field%neighbour(merge(1, dj, NDIM == 3 .and. axis == 2), &
+                                      merge(1, dk, axis == NDIM), s)
+      below(r) = at + field%neighbour(merge(-1, dj, NDIM == 3 .and. axis == 2), &
+                                      merge(-1, dk, axis == NDIM), s)
+    end do
+    associate (pair => field%moment(:, field%columns%pairs + axis - 1))
+      if (axis == 1) then
+        !$omp simd
+        do i = 1, lanes*((n + lanes - 1)/lanes)
+          total(i) = corner_sum(pair, above, i + 1) - corner_sum(pair, below, i - 1)
+        end do
+      else
+        ! Of the rows across the axis each is named twice.
+        !$omp simd
+        do i = 1, lanes*((n + lanes - 1)/lanes)
+          total(i) = 0.5_dp*((corner_sum(pair, above, i) + corner_sum(pair, above, i - 1)) - &
+                             (corner_sum(pair, below, i) + corner_sum(pair, below, i - 1)))
+        end do
+      end if
+    end associate
+  end subroutine pair_moments
 
   !> Nodes on a slip wall have the offset of a body with its mirror image, those on a fixed wall do
   !! not move. (Nor do those that a part of a body moves, but as it says for their own places.)
@@ -324,6 +357,8 @@ contains
       end do
     end do
   end subroutine mark
+
+#include "corner_sums.inc"
 
 #define DIFFERENCES offset_differences
 #include "vectors_differences.inc"

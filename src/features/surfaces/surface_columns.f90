@@ -1,28 +1,34 @@
 !> Columns of the grid for the correction at surfaces (doc/surfaces.md).
 module sgmp_surface_columns
-  use sgmp_columns, only: block_t, columns_ask, columns_t, pair_sums, stage_mass, stage_pairs, &
-                          stage_stress, twist_takes, twists
+  use sgmp_columns, only: block_t, columns_ask, columns_t, stage_mass, stage_pairs, stage_stress, &
+                          twist_takes, twists
   use sgmp_images, only: image_beside, image_product, image_t
   implicit none
   private
-  public :: surfaces_ask, surfaces_ask_faces
+  public :: pairs_ask, surfaces_ask, surfaces_ask_faces
 
 contains
 
-  !> Volume moments of pairs and quads of centres, and the volume that they are made of. Those that
-  !! reach across a wall stay where they are, stored at the centre behind a lower wall and at the
-  !! last one before an upper wall.
-  pure subroutine surfaces_ask(columns, ndim)
+  !> Mass moments of pairs of centres, stored at the upper one of each. Those that reach across a wall
+  !! are their own images.
+  pure subroutine pairs_ask(columns, ndim)
     type(columns_t), intent(inout) :: columns
     integer, intent(in) :: ndim
-    type(image_t) :: images(pair_sums(ndim))
     integer :: pair, axis
-    do pair = 1, size(images)
-      images(pair) = image_beside([(merge(pair == axis, pair - ndim /= axis, pair <= ndim), &
-                                    axis=1, 3)])
-    end do
-    call columns_ask(columns, block_t('pairs', stage_pairs, images))
-    call columns_ask(columns, block_t('room', stage_mass, [image_t()]))
+    call columns_ask(columns, block_t('pairs', stage_pairs, &
+      [(image_beside([(pair == axis, axis=1, 3)]), pair=1, ndim)]))
+  end subroutine pairs_ask
+
+  !> In space those of quads, too; and where something can come apart, the volume of what has not.
+  pure subroutine surfaces_ask(columns, ndim, crumbles)
+    type(columns_t), intent(inout) :: columns
+    integer, intent(in) :: ndim
+    logical, intent(in) :: crumbles
+    integer :: quad, axis
+    columns%corrected = .true.
+    if (ndim == 3) call columns_ask(columns, block_t('quads', stage_pairs, &
+      [(image_beside([(quad /= axis, axis=1, 3)]), quad=1, 3)]))
+    if (crumbles) call columns_ask(columns, block_t('room', stage_mass, [image_t()]))
   end subroutine surfaces_ask
 
   !> Forces on faces times two and three levers, component by component for each twist.

@@ -34,7 +34,7 @@ module DIM(sgmp_surfaces)
   use sgmp_columns, only: pair_sums
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp, lanes
-  use sgmp_mesh, only: mesh_t, wall_fixed
+  use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_pair_points, only: stage_forces, stage_gains, stage_twists, &
                               stage_weights
   use sgmp_rows, only: key_j, key_k
@@ -63,7 +63,7 @@ contains
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
-        if (bare(ROWS, n, rows_around(field, s, first), field%moment(1, field%columns%room))) then
+        if (bare(ROWS, n, rows_around(field, s, first), field%moment(1, firm(field)))) then
           call clear_row(field%neighbour(0, 0, s) + first, n, stage, field)
           cycle
         end if
@@ -81,6 +81,14 @@ contains
       if (stage == stage_weights) call part_at_walls(field, mesh, s)
     end do
   end subroutine surfaces_pass
+
+  !> The column that says where a body is: that of what has not come apart, where something can.
+  pure function firm(field) result(column)
+    type(field_t), intent(in) :: field
+    integer :: column
+    column = field%columns%mass
+    if (field%columns%room > 0) column = field%columns%room
+  end function firm
 
   !> Whether no centre of some rows, or next to their ends, holds a volume. Pairs of the centres of
   !! a row, and across walls of their images, then have no weight.
@@ -117,7 +125,7 @@ contains
     type(field_t), intent(inout) :: field
     integer, intent(in) :: s, first, n           !! interval, first centre, centres
     call weigh(n, rows_around(field, s, first), size(field%moment, 1), &
-               field%moment(1, field%columns%room), &
+               field%moment(1, field%columns%mass), &
                field%moment(1, field%columns%pairs), field%pairs%weight)
   end subroutine weigh_row
 
@@ -134,21 +142,21 @@ contains
     !$omp simd private(c, y)
     do i = 0, whole(n) - 1
       c = r(MIDDLE) + i
-      y = r(MIDDLE + 1) + i
-      t(i, 1) = 0.5_dp*m(c, 1)*inverse(v(c) + v(c + 1))
+      y = r(MIDDLE - 1) + i
+      t(i, 1) = 0.5_dp*m(c, 1)*inverse(v(c) + v(c - 1))
       t(i, 2) = 0.5_dp*m(c, 2)*inverse(v(c) + v(y))
     end do
 #if NDIM == 3
     !$omp simd private(c, y, z, yz)
     do i = 0, whole(n) - 1
       c = r(MIDDLE) + i
-      y = r(MIDDLE + 1) + i
-      z = r(MIDDLE + 3) + i
-      yz = r(MIDDLE + 4) + i
+      y = r(MIDDLE - 1) + i
+      z = r(MIDDLE - 3) + i
+      yz = r(MIDDLE - 4) + i
       t(i, 3) = 0.5_dp*m(c, 3)*inverse(v(c) + v(z))
       t(i, 4) = 0.25_dp*m(c, 4)*inverse((v(c) + v(y)) + (v(z) + v(yz)))
-      t(i, 5) = 0.25_dp*m(c, 5)*inverse((v(c) + v(c + 1)) + (v(z) + v(z + 1)))
-      t(i, 6) = 0.25_dp*m(c, 6)*inverse((v(c) + v(c + 1)) + (v(y) + v(y + 1)))
+      t(i, 5) = 0.25_dp*m(c, 5)*inverse((v(c) + v(c - 1)) + (v(z) + v(z - 1)))
+      t(i, 6) = 0.25_dp*m(c, 6)*inverse((v(c) + v(c - 1)) + (v(y) + v(y - 1)))
     end do
 #endif
     k(r(MIDDLE):r(MIDDLE) + n - 1, :) = t(:n - 1, :)
@@ -169,11 +177,13 @@ contains
     one_over = 1.0_dp/merge(volume, 1.0_dp, volume > 0.0_dp)
   end function inverse
 
-  !> Across fixed walls there is no pair: what lies behind them is no mirrored body.
+  !> Across fixed walls there is no pair: what lies behind them is no mirrored body. Across others the
+  !! mass of its image is not there, which would halve the weight.
   pure subroutine part_at_walls(field, mesh, s)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s
+    real(dp) :: part
     integer :: axis, side, q, centre, row(3), at, n
     row = [0, key_j(field%work%key(s)), key_k(field%work%key(s))]
     if (NDIM == 2) row(2) = row(3)
@@ -181,15 +191,17 @@ contains
     n = field%work%last(s)
     do axis = 1, NDIM
       do side = 1, 2
-        if (mesh%wall(side, axis) /= wall_fixed) cycle
-        centre = merge(mesh%lower(axis), mesh%upper(axis), side == 1) - 1
+        if (mesh%wall(side, axis) == wall_free) cycle
+        part = merge(0.0_dp, 0.5_dp, mesh%wall(side, axis) == wall_fixed)
+        centre = merge(mesh%lower(axis), mesh%upper(axis), side == 1)
         do q = 1, pair_sums(NDIM)
           if (.not. pair_spans(q, axis)) cycle
           if (axis == 1) then
             if (centre < field%work%first(s) .or. centre > n) cycle
-            field%pairs%weight(at + centre, q) = 0.0_dp
+            field%pairs%weight(at + centre, q) = part*field%pairs%weight(at + centre, q)
           else if (row(axis) == centre) then
-            field%pairs%weight(at + field%work%first(s):at + n, q) = 0.0_dp
+            field%pairs%weight(at + field%work%first(s):at + n, q) = &
+              part*field%pairs%weight(at + field%work%first(s):at + n, q)
           end if
         end do
       end do
@@ -279,9 +291,9 @@ contains
       c = r(MIDDLE) + i
       y = r(MIDDLE + 1) + i
       yb = r(MIDDLE - 1) + i
-      t(i, 1) = (k(c, 2)*(h(c, 1, 1) - h(y, 1, 1)) + k(yb, 2)*(h(yb, 1, 1) - h(c, 1, 1)))
-      t(i, 2) = (k(c, 1)*(h(c, 1, 1) - h(c + 1, 1, 1)) + &
-                       k(c - 1, 1)*(h(c - 1, 1, 1) - h(c, 1, 1)))
+      t(i, 1) = (k(y, 2)*(h(c, 1, 1) - h(y, 1, 1)) + k(c, 2)*(h(yb, 1, 1) - h(c, 1, 1)))
+      t(i, 2) = (k(c + 1, 1)*(h(c, 1, 1) - h(c + 1, 1, 1)) + &
+                       k(c, 1)*(h(c - 1, 1, 1) - h(c, 1, 1)))
     end do
 #if NDIM == 3
     !$omp simd private(c, y, yb, z, zb)
@@ -291,14 +303,14 @@ contains
       yb = r(MIDDLE - 1) + i
       z = r(MIDDLE + 3) + i
       zb = r(MIDDLE - 3) + i
-      t(i, 1) = t(i, 1) + (k(c, 3)*(h(c, 1, 2) - h(z, 1, 2)) + &
-                                 k(zb, 3)*(h(zb, 1, 2) - h(c, 1, 2)))
-      t(i, 2) = t(i, 2) + (k(c, 3)*(h(c, 1, 3) - h(z, 1, 3)) + &
-                                 k(zb, 3)*(h(zb, 1, 3) - h(c, 1, 3)))
-      t(i, 3) = ((k(c, 1)*(h(c, 1, 2) - h(c + 1, 1, 2)) + &
-                        k(c - 1, 1)*(h(c - 1, 1, 2) - h(c, 1, 2))) + &
-                       (k(c, 2)*(h(c, 1, 3) - h(y, 1, 3)) + &
-                        k(yb, 2)*(h(yb, 1, 3) - h(c, 1, 3))))
+      t(i, 1) = t(i, 1) + (k(z, 3)*(h(c, 1, 2) - h(z, 1, 2)) + &
+                                 k(c, 3)*(h(zb, 1, 2) - h(c, 1, 2)))
+      t(i, 2) = t(i, 2) + (k(z, 3)*(h(c, 1, 3) - h(z, 1, 3)) + &
+                                 k(c, 3)*(h(zb, 1, 3) - h(c, 1, 3)))
+      t(i, 3) = ((k(c + 1, 1)*(h(c, 1, 2) - h(c + 1, 1, 2)) + &
+                        k(c, 1)*(h(c - 1, 1, 2) - h(c, 1, 2))) + &
+                       (k(y, 2)*(h(c, 1, 3) - h(y, 1, 3)) + &
+                        k(c, 2)*(h(yb, 1, 3) - h(c, 1, 3))))
     end do
     !$omp simd private(c, y, yb, z, zb, yz, ybz, yzb, ybzb, x1, x2, x3)
     do i = 0, whole(n) - 1
@@ -311,18 +323,18 @@ contains
       ybz = r(MIDDLE + 2) + i
       yzb = r(MIDDLE - 2) + i
       ybzb = r(MIDDLE - 4) + i
-      x1 = (k(c, 4)*((h(c, 1, 4) - h(y, 1, 4)) - (h(z, 1, 4) - h(yz, 1, 4))) + &
-            k(yb, 4)*((h(yb, 1, 4) - h(c, 1, 4)) - (h(ybz, 1, 4) - h(z, 1, 4)))) + &
-           (k(zb, 4)*((h(zb, 1, 4) - h(yzb, 1, 4)) - (h(c, 1, 4) - h(y, 1, 4))) + &
-            k(ybzb, 4)*((h(ybzb, 1, 4) - h(zb, 1, 4)) - (h(yb, 1, 4) - h(c, 1, 4))))
-      x2 = (k(c, 5)*((h(c, 1, 4) - h(c + 1, 1, 4)) - (h(z, 1, 4) - h(z + 1, 1, 4))) + &
-            k(c - 1, 5)*((h(c - 1, 1, 4) - h(c, 1, 4)) - (h(z - 1, 1, 4) - h(z, 1, 4)))) + &
-           (k(zb, 5)*((h(zb, 1, 4) - h(zb + 1, 1, 4)) - (h(c, 1, 4) - h(c + 1, 1, 4))) + &
-            k(zb - 1, 5)*((h(zb - 1, 1, 4) - h(zb, 1, 4)) - (h(c - 1, 1, 4) - h(c, 1, 4))))
-      x3 = (k(c, 6)*((h(c, 1, 4) - h(c + 1, 1, 4)) - (h(y, 1, 4) - h(y + 1, 1, 4))) + &
-            k(c - 1, 6)*((h(c - 1, 1, 4) - h(c, 1, 4)) - (h(y - 1, 1, 4) - h(y, 1, 4)))) + &
-           (k(yb, 6)*((h(yb, 1, 4) - h(yb + 1, 1, 4)) - (h(c, 1, 4) - h(c + 1, 1, 4))) + &
-            k(yb - 1, 6)*((h(yb - 1, 1, 4) - h(yb, 1, 4)) - (h(c - 1, 1, 4) - h(c, 1, 4))))
+      x1 = (k(yz, 4)*((h(c, 1, 4) - h(y, 1, 4)) - (h(z, 1, 4) - h(yz, 1, 4))) + &
+            k(z, 4)*((h(yb, 1, 4) - h(c, 1, 4)) - (h(ybz, 1, 4) - h(z, 1, 4)))) + &
+           (k(y, 4)*((h(zb, 1, 4) - h(yzb, 1, 4)) - (h(c, 1, 4) - h(y, 1, 4))) + &
+            k(c, 4)*((h(ybzb, 1, 4) - h(zb, 1, 4)) - (h(yb, 1, 4) - h(c, 1, 4))))
+      x2 = (k(z + 1, 5)*((h(c, 1, 4) - h(c + 1, 1, 4)) - (h(z, 1, 4) - h(z + 1, 1, 4))) + &
+            k(z, 5)*((h(c - 1, 1, 4) - h(c, 1, 4)) - (h(z - 1, 1, 4) - h(z, 1, 4)))) + &
+           (k(c + 1, 5)*((h(zb, 1, 4) - h(zb + 1, 1, 4)) - (h(c, 1, 4) - h(c + 1, 1, 4))) + &
+            k(c, 5)*((h(zb - 1, 1, 4) - h(zb, 1, 4)) - (h(c - 1, 1, 4) - h(c, 1, 4))))
+      x3 = (k(y + 1, 6)*((h(c, 1, 4) - h(c + 1, 1, 4)) - (h(y, 1, 4) - h(y + 1, 1, 4))) + &
+            k(y, 6)*((h(c - 1, 1, 4) - h(c, 1, 4)) - (h(y - 1, 1, 4) - h(y, 1, 4)))) + &
+           (k(c + 1, 6)*((h(yb, 1, 4) - h(yb + 1, 1, 4)) - (h(c, 1, 4) - h(c + 1, 1, 4))) + &
+            k(c, 6)*((h(yb - 1, 1, 4) - h(yb, 1, 4)) - (h(c - 1, 1, 4) - h(c, 1, 4))))
       t(i, 1) = t(i, 1) + x1
       t(i, 2) = t(i, 2) + x2
       t(i, 3) = t(i, 3) + x3
@@ -345,7 +357,7 @@ contains
         y = r(MIDDLE + 1) + i
         yb = r(MIDDLE - 1) + i
         field%pairs%gain(c, NGRAD) = inverse_h/axis_radius(first + i)* &
-          (k(c, 2)*(d(c, slope) - d(y, slope)) + k(yb, 2)*(d(yb, slope) - d(c, slope)))
+          (k(y, 2)*(d(c, slope) - d(y, slope)) + k(c, 2)*(d(yb, slope) - d(c, slope)))
       end do
     end associate
   end subroutine gain_hoop
@@ -396,8 +408,8 @@ contains
       c = r(MIDDLE) + i
       y = r(MIDDLE + 1) + i
       yb = r(MIDDLE - 1) + i
-      t(i, 1) = ((k(c, 2)*(sx(c) + sx(y)) - k(yb, 2)*(sx(yb) + sx(c))) + &
-                          (k(c, 1)*(sy(c) + sy(c + 1)) - k(c - 1, 1)*(sy(c - 1) + sy(c))))
+      t(i, 1) = ((k(y, 2)*(sx(c) + sx(y)) - k(c, 2)*(sx(yb) + sx(c))) + &
+                          (k(c + 1, 1)*(sy(c) + sy(c + 1)) - k(c, 1)*(sy(c - 1) + sy(c))))
     end do
 #if NDIM == 3
     !$omp simd private(c, y, yb, z, zb)
@@ -407,10 +419,10 @@ contains
       yb = r(MIDDLE - 1) + i
       z = r(MIDDLE + 3) + i
       zb = r(MIDDLE - 3) + i
-      t(i, 2) = ((k(c, 3)*(sx(c) + sx(z)) - k(zb, 3)*(sx(zb) + sx(c))) + &
-                          (k(c, 1)*(sz(c) + sz(c + 1)) - k(c - 1, 1)*(sz(c - 1) + sz(c))))
-      t(i, 3) = ((k(c, 3)*(sy(c) + sy(z)) - k(zb, 3)*(sy(zb) + sy(c))) + &
-                          (k(c, 2)*(sz(c) + sz(y)) - k(yb, 2)*(sz(yb) + sz(c))))
+      t(i, 2) = ((k(z, 3)*(sx(c) + sx(z)) - k(c, 3)*(sx(zb) + sx(c))) + &
+                          (k(c + 1, 1)*(sz(c) + sz(c + 1)) - k(c, 1)*(sz(c - 1) + sz(c))))
+      t(i, 3) = ((k(z, 3)*(sy(c) + sy(z)) - k(c, 3)*(sy(zb) + sy(c))) + &
+                          (k(y, 2)*(sz(c) + sz(y)) - k(c, 2)*(sz(yb) + sz(c))))
     end do
     !$omp simd private(c, y, yb, z, zb, yz, ybz, yzb, ybzb, x1, x2, x3)
     do i = 0, whole(n) - 1
@@ -423,18 +435,18 @@ contains
       ybz = r(MIDDLE + 2) + i
       yzb = r(MIDDLE - 2) + i
       ybzb = r(MIDDLE - 4) + i
-      x1 = (k(c, 4)*((sx(c) + sx(y)) + (sx(z) + sx(yz))) - &
-            k(yb, 4)*((sx(yb) + sx(c)) + (sx(ybz) + sx(z)))) - &
-           (k(zb, 4)*((sx(zb) + sx(yzb)) + (sx(c) + sx(y))) - &
-            k(ybzb, 4)*((sx(ybzb) + sx(zb)) + (sx(yb) + sx(c))))
-      x2 = (k(c, 5)*((sy(c) + sy(c + 1)) + (sy(z) + sy(z + 1))) - &
-            k(c - 1, 5)*((sy(c - 1) + sy(c)) + (sy(z - 1) + sy(z)))) - &
-           (k(zb, 5)*((sy(zb) + sy(zb + 1)) + (sy(c) + sy(c + 1))) - &
-            k(zb - 1, 5)*((sy(zb - 1) + sy(zb)) + (sy(c - 1) + sy(c))))
-      x3 = (k(c, 6)*((sz(c) + sz(c + 1)) + (sz(y) + sz(y + 1))) - &
-            k(c - 1, 6)*((sz(c - 1) + sz(c)) + (sz(y - 1) + sz(y)))) - &
-           (k(yb, 6)*((sz(yb) + sz(yb + 1)) + (sz(c) + sz(c + 1))) - &
-            k(yb - 1, 6)*((sz(yb - 1) + sz(yb)) + (sz(c - 1) + sz(c))))
+      x1 = (k(yz, 4)*((sx(c) + sx(y)) + (sx(z) + sx(yz))) - &
+            k(z, 4)*((sx(yb) + sx(c)) + (sx(ybz) + sx(z)))) - &
+           (k(y, 4)*((sx(zb) + sx(yzb)) + (sx(c) + sx(y))) - &
+            k(c, 4)*((sx(ybzb) + sx(zb)) + (sx(yb) + sx(c))))
+      x2 = (k(z + 1, 5)*((sy(c) + sy(c + 1)) + (sy(z) + sy(z + 1))) - &
+            k(z, 5)*((sy(c - 1) + sy(c)) + (sy(z - 1) + sy(z)))) - &
+           (k(c + 1, 5)*((sy(zb) + sy(zb + 1)) + (sy(c) + sy(c + 1))) - &
+            k(c, 5)*((sy(zb - 1) + sy(zb)) + (sy(c - 1) + sy(c))))
+      x3 = (k(y + 1, 6)*((sz(c) + sz(c + 1)) + (sz(y) + sz(y + 1))) - &
+            k(y, 6)*((sz(c - 1) + sz(c)) + (sz(y - 1) + sz(y)))) - &
+           (k(c + 1, 6)*((sz(yb) + sz(yb + 1)) + (sz(c) + sz(c + 1))) - &
+            k(c, 6)*((sz(yb - 1) + sz(yb)) + (sz(c - 1) + sz(c))))
       t(i, 4) = ((x1 + x2) + x3)
     end do
 #endif
@@ -455,7 +467,7 @@ contains
         y = r(MIDDLE + 1) + i
         yb = r(MIDDLE - 1) + i
         field%pairs%centre(c, slope) = inverse_h/axis_radius(first + i)* &
-          (k(c, 2)*(stress(c) + stress(y)) - k(yb, 2)*(stress(yb) + stress(c)))
+          (k(y, 2)*(stress(c) + stress(y)) - k(c, 2)*(stress(yb) + stress(c)))
       end do
     end associate
   end subroutine force_hoop
@@ -468,7 +480,7 @@ contains
     integer, intent(in) :: n
     real(dp), intent(inout) :: f(:, :)           !! (n in whole vectors or more, ndim)
     integer :: a
-    if (bare(NROW, n, b + 1, field%moment(1, field%columns%room))) return
+    if (bare(NROW, n, b + 1, field%moment(1, firm(field)))) return
     do a = 1, NDIM
       call push(whole(n), b, size(field%pairs%centre, 1), field%pairs%centre(1, a), f(:, a))
     end do
