@@ -7,6 +7,7 @@ module sgmp_forewarnings
   use sgmp_body, only: body_t
   use sgmp_build_stress, only: stress_returned
   use sgmp_constitutive, only: law_gaseous
+  use sgmp_debris_doubts, only: debris_warnings
   use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_coordinate, mesh_occupied, wall_free
@@ -163,6 +164,10 @@ contains
     type(string_t), allocatable :: found(:)
     integer :: w
     call wall_warnings(model, found)
+    do w = 1, size(found)
+      call warn(warnings, found(w)%text)
+    end do
+    call debris_warnings(model, found)
     do w = 1, size(found)
       call warn(warnings, found(w)%text)
     end do

@@ -350,7 +350,7 @@ contains
   end subroutine eos_state
 
   !> Whether the pressure is linear in the energy, so that the terms do not depend on it.
-  pure logical function eos_linear(law) result(yes)
+  elemental logical function eos_linear(law) result(yes)
     type(constitutive_t), intent(in) :: law
     yes = law%eos /= eos_tillotson
   end function eos_linear

@@ -348,7 +348,7 @@ contains
     yes = debris_possible(law) .and. .not. (law%rigid .or. law%softens .or. law%porosity%porous)
     associate (method => scene%method)
       yes = yes .and. debris_speed(scene) > 0.0_dp .and. method%update /= update_usavg .and. &
-            .not. (scene%swirl .or. method%normalised)
+            .not. (scene%swirl .or. method%normalised .or. size(scene%contacts) > 0)
       if (scene%dimension > 1) yes = yes .and. .not. (method%rotation .or. method%surfaces)
     end associate
   end function settles

@@ -222,9 +222,10 @@ contains
     integer, intent(in) :: before                !! components of a record before the gradient
     integer, intent(in) :: stride                !! components of a record
     real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
-    real(dp) :: slopes(NGRAD, field%largest_plane)
+    real(dp), allocatable :: slopes(:, :)        !! too large for the stack of a thread
     integer :: s, i, first, n, to, read
     integer, parameter :: none(0) = 0
+    allocate (slopes(NGRAD, field%largest_plane))
     call auxmesh_fill(field, mesh, plane, none, node_acceleration, NGRAD, slopes)
     read = merge(NGRAD, NDIM, kernel_centred(field%kernel))
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1

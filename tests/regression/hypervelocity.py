@@ -100,6 +100,14 @@ def cloud(report):
         report.check(0.3 < heat < 1, f"{name}: collisions turn {heat} of the energy to heat")
 
 
+def announced(report):
+    """What cannot be cured is said before a step is taken."""
+    for settings, words in (({"update": "usl"}, "update=usl strains"), ({"carries": "everything"}, "carries everything"), ({}, "")):
+        result = run("announced", CLOUD, options=("--check",), **settings)
+        said = "update=usl strains" in result.text, "carries everything" in result.text
+        report.check(said == ("usl" in words, "everything" in words), f"announced {settings}: {result.text[-400:]}")
+
+
 def momentum(report):
     """Without walls collisions keep it; the spread of the axial velocities must be there to be lost."""
     for method in ("sgmp", "mpm", "gimp"):
@@ -143,6 +151,7 @@ def bits(report):
 if __name__ == "__main__":
     REPORT = Report()
     cloud(REPORT)
+    announced(REPORT)
     momentum(REPORT)
     shields(REPORT)
     torn(REPORT)
