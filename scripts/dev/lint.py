@@ -2,7 +2,8 @@
 """Checks the sources against the house style. usage: lint.py [--fortitude PROGRAM] FOLDER
 
 Errors (exit code 1): all that fortitude finds (fortitude.toml); a module not called sgmp_<file>, or a second one in a
-file; a stop outside of main.f90. Reported only: files over 400 lines, procedures over 60.
+file; a stop outside of main.f90. Reported only: files over 400 lines, procedures over
+60, and those outside of kernels/ that have more than 7 arguments.
 
 Dimension-generic sources (see cmake/dimension_generic.cmake) are no Fortran before the preprocessor: fortitude gets
 their one-, two-, three-dimensional and axisymmetric versions, with the line numbers of the source.
@@ -16,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 
-FILE_LINES, PROCEDURE_LINES = 400, 60
+FILE_LINES, PROCEDURE_LINES, ARGUMENTS = 400, 60, 7
 LINE_LETTERS = 120
 
 STRING = re.compile(r"'[^']*'|\"[^\"]*\"")
@@ -28,6 +29,7 @@ SUBMODULE = re.compile(r"^\s*submodule\s*\(", re.IGNORECASE)
 STOP = re.compile(r"^\s*(\d+\s+)?(if\s*\(.*\)\s*)?(error\s*)?stop(\s+[\w'(]|\s*$)", re.IGNORECASE)
 START = re.compile(r"^\s*(?!end\b)(?:[\w()=, *]+\s)?(subroutine|function)\s+(\w+)", re.IGNORECASE)
 END = re.compile(r"^\s*end\s+(subroutine|function)\b", re.IGNORECASE)
+ARGUMENT_LIST = re.compile(START.pattern + r"\s*\(([^()]*)\)", re.IGNORECASE)
 
 
 def code_of(line):
@@ -74,9 +76,25 @@ def procedure_sizes(lines):
     return sizes
 
 
+def long_lists(lines):
+    """(arguments, line, name) of the procedures that have too many."""
+    whole, first = "", 0
+    for number, line in lines:
+        first = first if whole else number
+        whole += line.strip().lstrip("&")
+        if whole.endswith("&"):
+            whole = whole[:-1]
+            continue
+        match = ARGUMENT_LIST.match(whole)
+        count = len([word for word in match.group(3).split(",") if word.strip()]) if match else 0
+        if count > ARGUMENTS:
+            yield count, first, match.group(2)
+        whole = ""
+
+
 def own_rules(paths):
     """(errors, what is large) of all files, as texts."""
-    errors, large = [], []
+    errors, large, many = [], [], []
     for path in paths:
         lines = [(n, code_of(line)) for n, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)]
         found = [] if path.name == "main.f90" else module_errors(path, lines) + stop_errors(lines)
@@ -85,7 +103,10 @@ def own_rules(paths):
             large.append((len(lines), f"{path}: {len(lines)} lines"))
         large += [(size, f"{path}:{first}: {name} has {size} lines")
                   for size, first, name in procedure_sizes(lines) if size > PROCEDURE_LINES]
-    return errors, [text for _, text in sorted(large, reverse=True)]
+        if "kernels" not in path.parts:
+            many += [(count, f"{path}:{first}: {name} has {count} arguments") for count, first, name in long_lists(lines)]
+    large.append((0, f"{len(many)} procedures outside of kernels/ have more than {ARGUMENTS} arguments"))
+    return errors, [text for _, text in sorted(large, reverse=True) + sorted(many, reverse=True)]
 
 
 # -------------------------------------------------------------------------------------------------- fortitude

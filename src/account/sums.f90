@@ -12,7 +12,7 @@ module sgmp_sums
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_edge_push, &
             nodes_edge_taken, nodes_features, nodes_lost, nodes_taken, nodes_walls, wall_entry
 
-  integer, parameter :: sweep_sums = 20    !! entries of a plane's sums over particles
+  integer, parameter :: sweep_sums = 21    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
   integer, parameter :: sum_mass_aa = 2    !! sum m_p |a_p|^2
   integer, parameter :: sum_internal = 3   !! growth of internal energy
@@ -22,8 +22,6 @@ module sgmp_sums
   !> With swirl, sum m v_theta X in the place of the component that axisymmetric scenes do not have.
   integer, parameter :: sum_angular = sum_momentum + 2
   integer, parameter :: sum_filter = 11  !! kinetic energy that the velocity filter turns to heat
-  !> Kinetic energy that swirl, which is not there where volumes are kept, loses as rings widen.
-  integer, parameter :: sum_swirl = sum_filter
   integer, parameter :: sum_volume = 12  !! sum |dV| p of volumes that are put right
   integer, parameter :: sum_features = 13  !! first of those of features (sgmp_features); 1
   integer, parameter :: sum_edge_work = 14   !! work of what absorbing edges bear at rest
@@ -31,6 +29,7 @@ module sgmp_sums
   integer, parameter :: sum_applied = 18     !! work of forces on faces of particles
   integer, parameter :: sum_collisions = 19  !! kinetic energy that debris loses by collisions
   integer, parameter :: sum_loose = 20       !! particles that have failed and are open
+  integer, parameter :: sum_swirl = 21       !! kinetic energy that swirl loses as rings widen
 
   !> Why particles go for good: their material's card erode, that they have left the grid, or their
   !! body's card remove. A body has sums for each, those of a cause after cause*removed_sums others.

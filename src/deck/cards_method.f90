@@ -45,7 +45,7 @@ contains
                       'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
     call registry%key('volumes', kind_word, 'kept: the volumes of the particles stay those of '// &
                       'the space they fill, for gases and explosives that walls enclose '// &
-                      '(sgmp, musl)', choices='plain kept', default='plain', &
+                      '(sgmp; musl, usavg)', choices='plain kept', default='plain', &
                       source='doc/volumes.md')
     call registry%key('hoop', kind_real, 'axisymmetric: correction C of the hoop strain next '// &
                       'to the axis; the default is that of particles anywhere, 1/8 that of a '// &

@@ -1,7 +1,7 @@
 !> Reads a deck: text -> statements -> cards -> scene, with every error of the deck found in one go.
 module sgmp_deck
   use sgmp_card_parse, only: card_default, card_parse
-  use sgmp_combinations, only: combinations_allow, combinations_ask, combinations_check
+  use sgmp_combinations, only: combinations_check, combinations_choose
   use sgmp_deck_card, only: card_free, deck_card_t, value_t
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
@@ -110,20 +110,9 @@ contains
   subroutine settle_method(cards, method)
     type(deck_card_t), intent(in) :: cards(:)
     type(method_card_t), intent(inout) :: method
-    if (method%surfaces_auto) method%surfaces = combinations_allow(cards, 'surfaces') .and. &
-                                                .not. asks('axisymmetric')
-    if (method%rotation_auto) method%rotation = combinations_allow(cards, 'rotation') .and. &
-                                                .not. (asks('friction') .or. asks('absorbing'))
-    if (method%normalised_auto) then
-      method%normalised = combinations_allow(cards, 'normalised') .and. &
-                          .not. (asks('axisymmetric') .or. asks('motion') .or. asks('absorbing'))
-    end if
-  contains
-    function asks(feature) result(yes)
-      character(*), intent(in) :: feature
-      logical :: yes
-      yes = combinations_ask(cards, feature)
-    end function asks
+    if (method%surfaces_auto) method%surfaces = combinations_choose(cards, 'surfaces')
+    if (method%rotation_auto) method%rotation = combinations_choose(cards, 'rotation')
+    if (method%normalised_auto) method%normalised = combinations_choose(cards, 'normalised')
   end subroutine settle_method
 
   !> Cards that may appear once only.

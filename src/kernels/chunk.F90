@@ -55,7 +55,7 @@ module DIM(sgmp_chunk)
   integer, parameter :: most_rows = NACROSS
   integer, parameter :: most_columns = 2 + NMASS + NDIM*(5 + 2*NDIM + twists(NDIM)) + NFLUX + 5 + &
                                      most_drives + pair_sums(NDIM)
-  integer, parameter :: most_gathered = 2*NDIM + NGRAD + relax_total(NDIM) + record_group + &
+  integer, parameter :: most_gathered = 3*NDIM + 1 + NGRAD + relax_total(NDIM) + record_group + &
                                       collide_total(NDIM)
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
@@ -134,14 +134,14 @@ contains
     task%stride = max(1, task%vectors + merge(NGRAD, 0, plan%gradient > 0))
     task%velocity = 1 + merge(NDIM, 0, plan%kick)
     task%gradient = 1 + task%vectors
-    if (plan%relax) then
-      task%relax = task%stride + 1
-      task%stride = task%stride + relax_total(NDIM)
-    end if
     if (plan%swirl) then
       task%swirl_read = task%stride + 1
       task%swirl_kick = task%swirl_read + merge(NDIM, 0, plan%gradient > 0)
       task%stride = task%swirl_kick - merge(0, 1, plan%kick)
+    end if
+    if (plan%relax) then
+      task%relax = task%stride + 1
+      task%stride = task%stride + relax_total(NDIM)
     end if
     if (plan%loose .and. plan%gradient > 0) then
       task%square_read = task%stride + 1
@@ -344,7 +344,7 @@ contains
     if (plan%stress .and. (.not. task%centred .or. task%plain > task%forces + NFLUX)) then
       call collect_rest(mesh, body, plan, task, task%live(1, nl), nb, motion, state, values)
     end if
-    if (plan%drift .and. plan%strain .and. plan%features%splitting%limit > 0.0_dp &
+    if (plan%drift .and. plan%features%splitting%limit > 0.0_dp &
         .and. body%law%slots%path > 0) then
       call split_particles(mesh, body, plan, task, s, extent, nl, got(1, task%gradient), nb, &
                            motion, state, id, xi, values, lane_sums, movers)
@@ -1049,6 +1049,11 @@ contains
       half = spread(share, 2, size(values, 2))*values
       call collect(plan%mass, plan%momentum, task%masses, live, half_motion, half)
       if (task%square > 0) call relaxation_square(live, half_motion, half(1, task%square))
+#ifdef AXISYMMETRIC
+      if (task%swirl > 0) call swirl_collect(live, half_motion, half_motion(1, mass_at), &
+                                             half_state(1, body%law%slots%swirl), &
+                                             half(1, task%swirl))
+#endif
       do l = 1, nl
         if (axis(l) == 0) cycle
         call departures_note(task%values, s, l, id(l), side < 0, nb, half_motion, half_state, &

@@ -186,7 +186,8 @@ contains
       if (plan%collide) call auxmesh_collide(field, p, task%collide - 1, task%stride, &
                                              work%records(first))
       if (plan%relax) then
-        call auxmesh_relax(field, p, NDIM*size(plan%vectors), task%stride, work%records(first))
+        call auxmesh_relax(field, p, task%gradient - 1, task%relax, task%stride, &
+                           work%records(first))
       end if
     end do
   end subroutine fill_records

@@ -10,7 +10,8 @@
 !! (sgmp_wall_work). Friction changes nothing of this: it is a force on the nodes of a slip wall
 !! (sgmp_wall_friction).
 module sgmp_walls
-  use sgmp_columns, only: collide_velocity, column_image, node_swirl, relax_velocity
+  use sgmp_columns, only: collide_velocity, column_image, node_swirl, relax_filter, relax_square, &
+                          relax_velocity
   use sgmp_field, only: field_base, field_t
   use sgmp_images, only: vector_parity
   use sgmp_kernels, only: kernel_centred, kernel_folds
@@ -207,6 +208,8 @@ contains
   end subroutine mirror
 
   !> Fills centres behind the walls of one axis with their mirror image, in what particles relax to.
+  !! Beside walls that move no velocity relaxes: it would be dragged by the image behind the wall,
+  !! and the work of that belongs to the wall.
   pure subroutine walls_mirror_centres(field, mesh, axis, plane1, plane2)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
@@ -219,6 +222,10 @@ contains
       do s = first, last
         call ghost_records(field, s, axis, ghost, image, to, from, n)
         if (n == 0) cycle
+        if (mesh%walls_move .and. mesh%wall(side, axis) == wall_fixed) then
+          field%relax(from:from + n - 1, relax_filter:relax_square) = 0.0_dp
+          field%relax(from:from + n - 1, relax_velocity:) = 0.0_dp
+        end if
         field%relax(to:to + n - 1, :) = field%relax(from:from + n - 1, :)
         do a = 1, field%ndim
           field%relax(to:to + n - 1, relax_velocity + a - 1) = &

@@ -263,6 +263,11 @@ contains
   subroutine stage_plan(model, plan)
     type(model_t), intent(in) :: model
     type(plan_t), intent(inout) :: plan
+    ! The halves of a particle have the velocities that its gradient says.
+    if (plan%drift .and. plan%gradient == 0 .and. &
+        model%method%features%splitting%limit > 0.0_dp) then
+      plan%gradient = node_velocity(model%mesh%ndim)
+    end if
     if (plan%gradient == node_remapped) plan%relax = model%method%relaxed
     if (plan%kick) plan%by_halves = by_halves(model%method)
   end subroutine stage_plan

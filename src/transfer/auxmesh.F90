@@ -169,17 +169,17 @@ contains
     end do
   end subroutine auxmesh_swirl
 
-  !> Adds to the records of one plane what particles relax to, behind the gradient; the factor of
+  !> Adds to the records of one plane what particles relax to; the factor of
   !! normalised stress becomes the divergence by which it exceeds what the particles read.
-  pure subroutine auxmesh_relax(field, plane, before, stride, records)
+  pure subroutine auxmesh_relax(field, plane, before, first, stride, records)
     type(field_t), intent(in) :: field
     integer, intent(in) :: plane                 !! plane of the field
     integer, intent(in) :: before                !! components of a record before the gradient
+    integer, intent(in) :: first                 !! component to begin with
     integer, intent(in) :: stride                !! components of a record
     real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
     real(dp) :: divergence
-    integer :: s, i, a, from, to, first
-    first = before + NGRAD + 1
+    integer :: s, i, a, from, to
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do i = field%work%first(s), field%work%last(s)
         from = field%neighbour(0, 0, s) + i

@@ -18,7 +18,7 @@ from _driver import Driver, Findings, arguments
 SPACES = ("1D", "2D", "3D", "axisymmetric", "swirl")
 CHOICES = (("mpm", "gimp", "cpgimp", "sgmp", "bspline"), ("musl", "usf", "usl", "usavg"), ("", "normalised"), ("", "kept"), ("", "rotation"),
            ("", "split"), ("", "flip<1"), SPACES)
-ACCEPTED = 418
+ACCEPTED = 544
 WORDS = {"normalised": "stress=normalised", "kept": "volumes=kept", "rotation": "rotation=exact", "split": "split=0.75", "flip<1": "flip=0.9"}
 DECK = """dimension {space}
 grid cell=1 {extents}

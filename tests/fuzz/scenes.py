@@ -68,8 +68,8 @@ class Scene:
         self.split = self.stream("split").random() < 0.3
         self.rich = self.stream("rich").random() < 0.6
         self.axisymmetric = self.dimension == 2 and self.has("axisymmetric", 0.3)
-        self.swirl = self.axisymmetric and self.method == "sgmp" and not self.split and self.has("swirl", 0.8)
-        self.flows, self.fails, self.erodes = self.has("flows", 0.4), self.has("fails", 0.4), not self.swirl and self.has("erodes", 0.3)
+        self.swirl = self.axisymmetric and self.method == "sgmp" and self.has("swirl", 0.8)
+        self.flows, self.fails, self.erodes = self.has("flows", 0.4), self.has("fails", 0.4), self.has("erodes", 0.3)
         self.axes = "rz" if self.axisymmetric else "xyz"[:self.dimension]
         self.gravity, self.ramp, self.bodyforce = 0.0, 0.0, False
         self.damping, self.damped_until = 0.0, math.inf
@@ -182,14 +182,15 @@ class Scene:
             extra = self.luck.choice(("", "", " rotation=exact", " stress=normalised"))
             if self.axisymmetric and extra == " rotation=exact":
                 extra = ""
-            if self.update == "musl" and extra in ("", " stress=normalised") and not (self.swirl or self.moving) and self.has("kept", 0.2):
+            if self.update in ("musl", "usavg") and extra in ("", " stress=normalised", " rotation=exact") and self.has("kept", 0.2):
                 extra += " volumes=kept"
             if self.has_further("words", 0.7):
-                extra = further.words(self.stream("words of the method"), self.dimension, self.axisymmetric, self.swirl, self.absorbs, self.rubs)
-            elif self.rubs and extra == " rotation=exact":
-                extra = ""
+                kept = " volumes=kept"*(" volumes=kept" in extra)
+                extra = further.words(self.stream("words of the method"), self.dimension, self.axisymmetric, self.absorbs) + kept
+                if kept:
+                    extra = extra.replace(" stress=plain", "")
             words.append(extra)
-        if self.update != "usf" and self.split:
+        if self.split:
             words.append(" split=1")
         self.lines.append("".join(words))
         self.cfl = self.luck.choice(("0.2", "0.3", "0.4", "auto"))
@@ -356,7 +357,7 @@ class Scene:
         for name, block in self.deforming.items():
             luck = self.stream(f"forces on {name}")
             for _ in range(luck.choice((1, 2)) if self.draws(f"forces {name}", 0.5) else 0):
-                faces = block.lattice and not (self.split and self.update != "usf")
+                faces = block.lattice and not self.split
                 small = any(f" {name.replace('b', 'm', 1)} elastic" in f" {line[8:]}" and "strain=small" in line for line in self.lines)
                 card, pushes = latest.force(luck, name, self.axes, block, faces, self.dimension == 1 or small, self.alone, self.table)
                 self.lines.append(card)
@@ -365,9 +366,7 @@ class Scene:
 
     def motions(self):
         """Parts of bodies that are moved, where the method allows it."""
-        method = next(line for line in self.lines if line.startswith("method"))
-        if self.swirl or self.moving or self.rubs or any(word in method for word in ("rotation=exact", "volumes=")) or \
-                any(line.startswith("contact") for line in self.lines):
+        if self.swirl or self.moving or self.rubs or any(line.startswith("contact") for line in self.lines):
             return
         for name, block in self.deforming.items():
             if self.has_further(f"motion {name}", 0.25):

@@ -112,6 +112,24 @@ def axis(report):
         report.check(result["verdict"] == "sound", f"{name}: {result['verdict_reasons']}")
 
 
+def swirled(report):
+    """A spinning cylinder of soft rubber that flies apart: halves keep the moment about the axis, and the ledger is exact with all updates."""
+    text = SPLIT_AXIS.replace("dimension axisymmetric", "dimension axisymmetric swirl=yes").replace("velocity bar ", "velocity bar spin=0.5 ")
+    for update in ("musl", "usf", "usl", "usavg"):
+        name = f"swirled_{update}"
+        result = run(name, text, method="sgmp", update=update)
+        if not report.finished(result, name):
+            continue
+        history, start = result.table("history.csv"), result["energy.initial_total"]
+        moment = [row["angular_momentum"] for row in (history[0], history[-1])]
+        # A cylinder of radius and length 1: pi/2 omega.
+        report.check(abs(moment[0]/(0.25*math.pi) - 1) < 0.02, f"{name}: moment about the axis {moment[0]}")
+        report.check(abs(moment[1] - moment[0]) < 1e-12*moment[0], f"{name}: moment about the axis {moment}")
+        report.check(abs(result["energy.remainder"]) < 1e-12*start, f"{name}: kinetic identity {result['energy.remainder']/start}")
+        paths = {int(row["path"]) for row in result.table("particles_end.csv")}
+        report.check(max(paths) > 1, f"{name}: nothing was split")
+
+
 def gas(report):
     """Ten times its space: with splitting the gas fills it."""
     deck = KEPT.format(dimension=2, grid="x=0:40 y=0:4", walls="x-=slip x+=slip y-=slip y+=slip", upper="4,4,0").replace("steps=80", "end=300")
@@ -143,6 +161,7 @@ def main():
     bar(report)
     space(report)
     axis(report)
+    swirled(report)
     gas(report)
     number(report)
     report.end()

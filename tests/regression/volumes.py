@@ -8,7 +8,10 @@ Known from outside: gas fills its box, p V = (gamma - 1) E whatever way it came 
 from _runs import KEPT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, Report, run
 
 KEPT_LINE = KEPT.format(dimension=1, grid="x=0:20", walls="x-=slip x+=fixed", upper="10,0,0")
-SPACES = {"line": KEPT_LINE, "plane": KEPT_PLANE, "rings": KEPT_RINGS, "space": KEPT_SPACE}
+SPACES = {"line": KEPT_LINE, "plane": KEPT_PLANE, "rings": KEPT_RINGS, "space": KEPT_SPACE,
+          "plane_usavg": KEPT_PLANE.replace("update = musl", "update = usavg"),
+          "plane_turned": KEPT_PLANE.replace("volumes=kept", "volumes=kept rotation=exact"),
+          "rings_swirl": KEPT_RINGS.replace("dimension axisymmetric", "dimension axisymmetric swirl=yes") + "velocity gas spin=0.1\n"}
 
 
 def settles(report):
@@ -28,6 +31,9 @@ def settles(report):
         report.check(abs(inner - result["energy.internal"]) < 1e-9*inner, f"{name}: {inner} of internal energy, {result['energy.internal']}")
         history = result.table("history.csv")
         report.check(history[-1]["filter_heat"] == result["energy.filter_heat"] > 0, f"{name}: heat {result['energy.filter_heat']}")
+        if "angular_momentum" in history[0]:
+            moment = [row["angular_momentum"] for row in (history[0], history[-1])]
+            report.check(abs(moment[1] - moment[0]) < 1e-12*moment[0], f"{name}: moment about the axis {moment}")
         report.check(history[-1]["volume_correction"] == result["energy.volume_correction"] >= 0, f"{name}: {history[-1]}")
 
 

@@ -22,7 +22,7 @@ module sgmp_driven_nodes
   use sgmp_wall_work, only: holding_wall
   implicit none
   private
-  public :: driven_nodes_solve, driven_nodes_velocity
+  public :: driven_nodes_hold, driven_nodes_solve, driven_nodes_velocity
 
   !> Part of a node's mass that makes it driven. Where a part ends on a line of nodes these have
   !! one half, about an axis 1/2 - h/(6 r) where the part is the inner one.
@@ -136,6 +136,25 @@ contains
       end do
     end do
   end subroutine driven_nodes_velocity
+
+  !> Nodes of a tile that have enough driven mass to be moved with a part, walls or not.
+  pure subroutine driven_nodes_hold(field, s, first, n, held)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, first, n           !! work interval, first node, nodes
+    logical, intent(out) :: held(:)
+    real(dp) :: part
+    integer :: i, k
+    held = .false.
+    do i = 1, n
+      part = 0.0_dp
+      do k = 1, size(field%drives)
+        if (field%drives(k)%acts) part = part + mass_at(field, s, first + i - 1, &
+                                                        field%columns%drives + k - 1)
+      end do
+      if (part > 0.0_dp) held(i) = part >= least_part*mass_at(field, s, first + i - 1, &
+                                                              field%columns%mass)
+    end do
+  end subroutine driven_nodes_hold
 
   !> Parts of a node's mass that are driven, and which of them rule its components; walls come
   !! first.

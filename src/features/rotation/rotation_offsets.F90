@@ -15,6 +15,7 @@
 !! are in cells. Points far from surfaces, where the offsets D_I vanish, are passed over.
 module DIM(sgmp_rotation_offsets)
   use DIM(sgmp_auxmesh), only: node_rows
+  use sgmp_driven_nodes, only: driven_nodes_hold
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
@@ -43,6 +44,7 @@ contains
     integer, intent(in) :: plane
     real(dp), intent(in) :: cutoff               !! nodes lighter than this are ignored
     real(dp) :: m(tile), offset(tile, NDIM)
+    logical :: held(tile)
     integer :: s, first, n, i, a, b(NROW)
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
@@ -68,6 +70,12 @@ contains
           end do
         end if
         call hold_offsets(field, mesh, s, first, n, offset)
+        if (field%columns%driven > 0) then
+          call driven_nodes_hold(field, s, first, n, held)
+          do i = 1, n
+            if (held(i)) offset(i, :) = 0.0_dp
+          end do
+        end if
         call keep_offsets(n, field%neighbour(0, 0, s) + first - 1, offset, field)
       end do
     end do
@@ -107,7 +115,7 @@ contains
   end subroutine pair_moments
 
   !> Nodes on a slip wall have the offset of a body with its mirror image, those on a fixed wall do
-  !! not move.
+  !! not move. (Nor do those that a part of a body moves, but as it says for their own places.)
   pure subroutine hold_offsets(field, mesh, s, first, n, offset)
     type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh

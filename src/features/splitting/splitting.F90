@@ -92,7 +92,9 @@ contains
   !!
   !! A ring that is split across the radius has halves as large as their radii say. Their centre of
   !! mass lies outside the whole's: velocities along the axis count from there, so that momentum
-  !! stays, those along the radius from the whole's place, so that an expansion stays one.
+  !! stays, those along the radius from the whole's place, so that an expansion stays one. With
+  !! swirl both turn at the rate that keeps the moment of momentum, (1 + 3 (offset/radius)^2)^-1 of
+  !! the whole's.
   pure subroutine splitting_halve(law, h, side, axis, offset, gradient, nb, motion, state, share, &
                                   kinetic)
     type(constitutive_t), intent(in) :: law
@@ -130,10 +132,31 @@ contains
         if (slots%compliance > 0) then
           state(l, slots%compliance) = share(l)*state(l, slots%compliance)
         end if
+#ifdef AXISYMMETRIC
+        if (slots%swirl > 0 .and. axis(l) == 1) then
+          call halve_swirl(side*offset(l), motion(l, 1), motion(l, mass_at), &
+                           state(l, slots%swirl), kinetic(l))
+        end if
+#endif
         stretch = 0.5_dp*stretch
         path = 2.0_dp*path + merge(0.0_dp, 1.0_dp, side < 0)
       end associate
     end do
   end subroutine splitting_halve
+
+#ifdef AXISYMMETRIC
+  !> The moment v_theta X of a half of a ring split across the radius, and what it has of kinetic
+  !! energy beyond its share of the whole's.
+  pure subroutine halve_swirl(way, radius, mass, moment, kinetic)
+    real(dp), intent(in) :: way, radius    !! from the whole, of the half (cells)
+    real(dp), intent(in) :: mass
+    real(dp), intent(inout) :: moment, kinetic
+    real(dp) :: whole, part
+    whole = radius - way
+    part = moment*(radius/whole)**2/(1.0_dp + 3.0_dp*(way/whole)**2)
+    kinetic = kinetic + 0.5_dp*mass*((part/radius)**2 - (moment/whole)**2)
+    moment = part
+  end subroutine halve_swirl
+#endif
 
 end module DIM(sgmp_splitting)

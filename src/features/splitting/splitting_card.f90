@@ -20,7 +20,7 @@ contains
     call registry%extend('method', read_splitting, check_splitting)
     call registry%key('split', kind_real, 'particles whose longest side is stretched beyond so '// &
                       'many cells are split in two along it, fluids by their volume; 0.75 '// &
-                      'leaves no gaps (musl, usl, usavg)', range='[0.25,2]', choices='none', &
+                      'leaves no gaps', range='[0.25,2]', choices='none', &
                       default='none', source='doc/volumes.md, 5')
     call registry%key('split_most', kind_integer, 'more particles than these after splitting '// &
                       'end the run; default: 1e7', range='[1,inf)')

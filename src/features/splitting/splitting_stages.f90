@@ -20,7 +20,9 @@ contains
     integer, intent(in) :: ndim
     type(body_t), intent(inout) :: body
     if (.not. splitting%limit > 0.0_dp .or. body%rigid) return
-    call slots_ask(body%law%slots, 'stretch', spread(1.0_dp, 1, ndim))
+    ! The stress update of swirl is that of space, and stretches three axes.
+    call slots_ask(body%law%slots, 'stretch', &
+                   spread(1.0_dp, 1, merge(3, ndim, body%law%slots%swirl > 0)))
     call slots_ask(body%law%slots, 'path', [1.0_dp])
   end subroutine splitting_columns
 
