@@ -27,10 +27,8 @@ contains
 
   !> Nothing speaks against it.
   pure subroutine opinion_open(self)
-    class(opinion_t), intent(inout) :: self
-    self%doubts = [character(reason_length) ::]
-    self%causes = [character(reason_length) ::]
-    self%errors = [real(dp) ::]
+    class(opinion_t), intent(out) :: self
+    allocate (self%doubts(0), self%causes(0), self%errors(0))
   end subroutine opinion_open
 
   !> Adds a doubt.
