@@ -407,12 +407,19 @@ def known(folder, quantity):
                         f":{', :'.join(OF_ROWS)} behind those of bodies, gauges and history")
 
 
+def first_value(folder, name):
+    """A quantity after one step; nothing for what needs another run or more rows."""
+    try:
+        return "" if name.startswith("shape.") else f"{quantity_of(folder, name):.6g}"
+    except SgmpFileError:
+        return ""
+
+
 def show_list(folder):
     """Prints the quantities."""
     units = read_units(folder)
     for name in listed(folder):
-        value = " " * 14 if name.startswith("shape.") else f"{quantity_of(folder, name):14.6g}"
-        print(f"{name:<44} {value} {unit_of(name, units)}".rstrip())
+        print(f"{name:<44} {first_value(folder, name):>14} {unit_of(name, units)}".rstrip())
     print("shapes: distances of the surface to that of the run given by --against, else between the runs of the study")
     print(f"behind bodies, gauges and history: :{', :'.join(OF_ROWS)} (gauges.NAME.pressure:max)")
 

@@ -113,7 +113,8 @@ module sgmp_combinations
               'particles relax to the centres of the auxiliary grid, which only sgmp has', &
               'remove volumes=kept or use method sgmp'), &
     refusal_t('kept', 'usf usl', '', &
-              'particles relax to means of velocities after the kick, which take a sweep of their own', &
+              'particles relax to means of velocities after the kick, which take a sweep of '// &
+              'their own', &
               'remove volumes=kept or use update=musl or usavg'), &
     refusal_t('rotation', 'mpm gimp cpgimp bspline', '', &
               'it corrects the strain of the auxiliary grid, which only sgmp has', &
@@ -128,7 +129,8 @@ module sgmp_combinations
               'it corrects the strain of the auxiliary grid, which only sgmp has', &
               'remove surfaces=corrected or use method sgmp'), &
     refusal_t('surfaces', 'absorbing', '', &
-              'forces of edges are not spread for corrected strains: ground at rest on one comes apart', &
+              'forces of edges are not spread for corrected strains: ground at rest on one '// &
+              'comes apart', &
               'remove surfaces=corrected'), &
     refusal_t('hoop', '1D 2D 3D', '', &
               'hoop strains are those of axisymmetric scenes', &

@@ -294,6 +294,7 @@ contains
     real(dp), intent(in) :: value
     character(:), allocatable :: text
     text = ''
+    if (quantity >= in_state .and. abs(value) <= largest) return
     if (.not. abs(value) <= largest) then
       text = 'a number is not finite'
     else if (quantity == in_volume) then
@@ -303,10 +304,7 @@ contains
           abs(value - aint(value)) > 0.0_dp) then
         text = 'an id is a whole number from 0 to '//integer_text(huge(1_i4))
       end if
-    else if (quantity >= in_state) then
-      return
-    end if
-    if (abs(value) > 0.0_dp .and. ndim < merge(quantity, quantity - in_velocity + 1, &
+    else if (abs(value) > 0.0_dp .and. ndim < merge(quantity, quantity - in_velocity + 1, &
                                                     quantity < in_velocity)) then
       text = 'a component beyond the dimension is not 0'
     end if

@@ -27,7 +27,8 @@ contains
 
   !> Nothing speaks against it.
   pure subroutine opinion_open(self)
-    class(opinion_t), intent(out) :: self
+    class(opinion_t), intent(inout) :: self
+    if (allocated(self%doubts)) deallocate (self%doubts, self%causes, self%errors)
     allocate (self%doubts(0), self%causes(0), self%errors(0))
   end subroutine opinion_open
 

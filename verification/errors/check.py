@@ -81,7 +81,7 @@ def figure(rows, path):
         axis.set_yticks(range(len(rows)), [f"{WORDS[name][0]}: {row[0]['quantity']}" for name, row in rows], fontsize=8)
         axis.invert_yaxis()
         axis.axvline(0, color="0.4", linewidth=0.8)
-        axis.set_xlabel("reference less value, over the half-width of the interval (grey: the interval)")
+        axis.set_xlabel("(reference less value) over half-width; grey: the interval")
         axis.grid(axis="y", visible=False)
         drawn.savefig(path)
         plt.close(drawn)

@@ -34,8 +34,8 @@ contains
         n = n + 1
         found(n)%text = "body '"//trim(model%bodies(b)%name)//"' carries everything when it "// &
                         'has failed (failure carries=everything), however far it opens: hot '// &
-                        'debris presses the more the larger it gets, gains energy, and makes steps '// &
-                        'shrink; use carries=pressure'
+                        'debris presses the more the larger it gets, gains energy, and makes '// &
+                        'steps shrink; use carries=pressure'
       end if
     end if
     warnings = found(:n)
