@@ -124,7 +124,7 @@ def limits(book, full):
             wall = wall_in(run, "wall")
             rows.append(shot_row(h, d, v, run, wall))
             book.add("Piekutowski's shots", f"perforated: {d} mm at {v} m/s, h = {h} mm (measured: {'yes' if through else 'no'})", float(wall["perforated"]), float(through), "equal to",
-                     wall["perforated"] == through, NOTES["limit"] if wall["perforated"] != through else "", float(wall["perforated"]) if through else None)
+                     wall["perforated"] == through, NOTES["limit"] if wall["perforated"] != through else "", KNOWN.get(("shot", d, h)))
     figure, axis = subplots(figsize=(5, 3.6))
     for curve, law, colour in ((np.linspace(1.5, 3, 30), slow_limit, "0.3"), (np.linspace(7, 10, 30), fast_limit, "0.6")):
         axis.plot(curve, law(curve), color=colour, label="equation (2)" if law is slow_limit else "equation (3)")
@@ -136,7 +136,7 @@ def limits(book, full):
         axis.plot(speed / 1000, d, "ko" if wall["perforated"] else "kx", fillstyle="none")
         through = part > 1
         book.add("limits", f"perforated: {part} of the limit {law(speed / 1000):.2f} mm at {speed} m/s, h = 0.64 mm", float(wall["perforated"]), float(through), "equal to",
-                 wall["perforated"] == through, NOTES["limit"] if wall["perforated"] != through else "", float(wall["perforated"]))
+                 wall["perforated"] == through, NOTES["limit"] if wall["perforated"] != through else "", KNOWN.get(("limit", speed, part)))
     for d, v, through in SHOTS:
         axis.plot(v / 1000, d, "r^" if through else "rv", label=f"{d} mm: {'perforated' if through else 'held'} (measured)")
     axis.set(xlabel="speed (km/s)", ylabel="diameter (mm)")
@@ -179,6 +179,8 @@ NOTES = {
 KNOWN = {
     "contact": 1082.9,
     ("crater", 3000, 0.5): 6.945, ("crater", 6000, 0.5): 11.97, ("crater", 7000, 0.5): 13.16,
+    ("shot", 4.765, 0.64): 0.0, ("shot", 4.765, 0.32): 0.0,  # 1: perforated
+    ("limit", 2000, 1.2): 0.0, ("limit", 2500, 1.2): 0.0, ("limit", 3000, 1.2): 0.0, ("limit", 8500, 0.8): 1.0, ("limit", 8500, 1.2): 0.0,
     ("lead", "gimp"): 0.0359, ("lead", "mpm"): 0.0618, ("hole", "gimp"): 29.05, ("hole", "mpm"): 28.54,
 }
 
