@@ -37,6 +37,8 @@ module sgmp_judge_state
   real(dp), parameter :: room_error = 0.25_dp
   real(dp), parameter :: mpm_compression = 1.05_dp     !! density over the initial one
   real(dp), parameter :: mpm_error = 0.4_dp
+  real(dp), parameter :: usf_change = 1.05_dp          !! density or volume over the initial one
+  real(dp), parameter :: usf_error = 0.15_dp           !! of pressures, first order in the step
   real(dp), parameter :: foam_compression = 1.05_dp
   real(dp), parameter :: foam_error = 0.15_dp
   real(dp), parameter :: plain_thickness = 8.0_dp      !! cells, of plain sgmp
@@ -137,10 +139,14 @@ contains
   end subroutine judge_particles
 
   !> What the method makes inexact where matter is pressed together (make truth).
-  subroutine judge_pressed(opinion, found, mpm)
+  subroutine judge_pressed(opinion, found, mpm, usf)
     type(opinion_t), intent(inout) :: opinion
     type(end_state_t), intent(in) :: found
-    logical, intent(in) :: mpm             !! it is the method
+    logical, intent(in) :: mpm, usf        !! it is the method, the update
+    if (usf .and. found%gas .and. max(found%compression, found%expansion) > usf_change) then
+      call opinion%expect(usf_error, 'gas or explosive with update=usf: its energy is of first '// &
+                          'order in the step, and pressures come out too high; use update=musl')
+    end if
     if (mpm .and. found%compression > mpm_compression) then
       call opinion%expect(mpm_error, 'material is '//real_text(found%compression)// &
                           ' times as dense as at the start, and stresses of mpm jump where '// &

@@ -26,6 +26,7 @@ module sgmp_verdict
   use sgmp_text, only: integer_text, percent_text, real_text
   use sgmp_thickness, only: body_thickness
   use sgmp_time_step, only: limit_names
+  use sgmp_update, only: update_usf
   use sgmp_wall_doubts, only: wall_objections
   implicit none
   private
@@ -105,7 +106,7 @@ contains
     call judge_volumes(self%opinion, self%state, scene%method%volumes_kept)
     mpm = model%fields(1)%kernel == kernel_mpm
     call judge_particles(self%opinion, self%state, scene, model%findings%lost, mpm)
-    call judge_pressed(self%opinion, self%state, mpm)
+    call judge_pressed(self%opinion, self%state, mpm, model%method%update == update_usf)
     ball = .false.
     if (thinnest > 0) then
       name = trim(scene%bodies(thinnest)%name)

@@ -6,6 +6,7 @@ usage: compare_mpm3d.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import json
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -48,7 +49,8 @@ def main():
     """All scenes but that of the largest step, coarse."""
     sgmp, source, scratch = (Path(word).resolve() for word in sys.argv[1:4])
     report = Report()
-    scratch.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(scratch, ignore_errors=True)  # of an earlier run
+    scratch.mkdir(parents=True)
     standin = scratch/"mpm3d"
     standin.write_text(PROGRAM)
     standin.chmod(0o755)
