@@ -659,7 +659,7 @@ contains
   end subroutine law_set_viscosity
 
   !> Whether the stress is a pressure, but for viscosity.
-  pure logical function law_is_spherical(law) result(yes)
+  elemental logical function law_is_spherical(law) result(yes)
     type(constitutive_t), intent(in) :: law
     yes = law%kind == material_fluid .or. law%kind == material_explosive
   end function law_is_spherical

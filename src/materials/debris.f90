@@ -110,7 +110,7 @@ contains
   end subroutine debris_room
 
   !> Whether particles of a law may become debris: fail, and come apart.
-  pure function debris_possible(law) result(yes)
+  elemental function debris_possible(law) result(yes)
     type(constitutive_t), intent(in) :: law
     logical :: yes
     yes = law%fails .and. law%history%damage .and. law%failure%carries /= carries_everything

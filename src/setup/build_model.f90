@@ -525,15 +525,17 @@ contains
     type(model_t), intent(inout) :: model
     integer, intent(in) :: kernel, threads
     integer :: f
-    logical :: solid
+    logical :: solid, crumbles, moves(size(model%bodies))
     integer, dimension(contact_fields(model)) :: parts, terms
     allocate (model%fields(contact_fields(model)))
     call driven_number(model, parts, terms)
     allocate (model%turning(size(model%fields)))
     do f = 1, size(model%fields)
-      solid = field_solid(model, f)
+      moves = model%bodies%field == f .and. .not. model%bodies%rigid
+      solid = any(moves .and. .not. law_is_spherical(model%bodies%law))
+      crumbles = any(moves .and. debris_possible(model%bodies%law))
       call field_init(model%fields(f), model%mesh, kernel, &
-                      columns_build(model, kernel, solid, field_crumbles(model, f), parts(f)))
+                      columns_build(model, kernel, solid, crumbles, parts(f)))
       model%fields(f)%drive_terms = terms(f)
       model%fields(f)%gaps = solid .and. .not. model%method%relaxed
     end do
@@ -543,34 +545,6 @@ contains
     call phase_layout(model%mesh, model%fields, model%bodies, model%contact, model%team, &
                       model%ranks%partition)
   end subroutine build_fields
-
-  !> Whether a body of a field has strength.
-  pure function field_solid(model, f) result(yes)
-    type(model_t), intent(in) :: model
-    integer, intent(in) :: f
-    logical :: yes
-    integer :: b
-    yes = .false.
-    do b = 1, size(model%bodies)
-      associate (body => model%bodies(b))
-        if (body%field == f .and. .not. body%rigid) yes = yes .or. .not. law_is_spherical(body%law)
-      end associate
-    end do
-  end function field_solid
-
-  !> Whether something in a field can come apart, and then bears no stress as a body does.
-  pure function field_crumbles(model, f) result(yes)
-    type(model_t), intent(in) :: model
-    integer, intent(in) :: f
-    logical :: yes
-    integer :: b
-    yes = .false.
-    do b = 1, size(model%bodies)
-      associate (body => model%bodies(b))
-        if (body%field == f .and. .not. body%rigid) yes = yes .or. debris_possible(body%law)
-      end associate
-    end do
-  end function field_crumbles
 
   !> The clock's settings.
   subroutine build_clock(scene, model)
