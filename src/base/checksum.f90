@@ -17,15 +17,18 @@ contains
     integer(i4), intent(in) :: ids(:)      !! (n) unique ids
     real(dp), intent(in) :: values(:, :)   !! (fields, n)
     integer(i8) :: total
-    integer(i8) :: hash
+    integer(i8) :: hash(size(ids))
     integer :: k, p
+    hash = mix(int(ids, i8))
+    do k = 1, size(values, 1)
+      !$omp simd
+      do p = 1, size(ids)
+        hash(p) = mix(ieor(hash(p), transfer(values(k, p), 0_i8)))
+      end do
+    end do
     total = 0
     do p = 1, size(ids)
-      hash = mix(int(ids(p), i8))
-      do k = 1, size(values, 1)
-        hash = mix(ieor(hash, transfer(values(k, p), hash)))
-      end do
-      total = checksum_add(total, hash)
+      total = checksum_add(total, hash(p))
     end do
   end function checksum_particles
 

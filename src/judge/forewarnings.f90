@@ -57,6 +57,7 @@ contains
     call look_at_gauges(scene, model, warnings)
     call look_at_lighting(scene, model, warnings)
     call look_for_collisions(scene, model, warnings)
+    call look_for_flying_gas(scene, model, warnings)
   end subroutine forewarnings_find
 
   subroutine warn(warnings, text)
@@ -212,6 +213,34 @@ contains
     if (yes) yes = any([(law_gaseous(model%bodies(b)%law) .and. .not. model%bodies(b)%rigid, &
                          b=1, size(model%bodies))])
   end function gas_enclosed
+
+  !> Products of explosives that fly many times the size of their charge through open sides: each is
+  !! soon alone in its cells, which costs ten times a particle among others.
+  subroutine look_for_flying_gas(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    real(dp), parameter :: far = 3.0_dp          !! times the largest side of the charge
+    type(extent_t) :: extent
+    integer :: b
+    associate (mesh => model%mesh)
+      if (.not. any(mesh%open(:, :mesh%ndim) .and. mesh%wall(:, :mesh%ndim) == wall_free .and. &
+                    .not. mesh%absorbs(:, :mesh%ndim))) return
+      do b = 1, size(model%bodies)
+        associate (body => model%bodies(b))
+          if (body%rigid .or. .not. body%law%detonation_speed > 0.0_dp) cycle
+          extent = extent_of(model, b)
+          if (body%law%detonation_speed*scene%time%end <= &
+              far*mesh%h*maxval(extent%upper - extent%lower)) cycle
+          call warn(warnings, "products of the explosive '"//trim(body%name)//"' are followed "// &
+                    'through the open sides of the grid, however thin they get, and most of '// &
+                    'the time may go there: give these sides an end (grid … 0:300) and a card '// &
+                    'lost remove')
+          return
+        end associate
+      end do
+    end associate
+  end subroutine look_for_flying_gas
 
   !> Cells in which particles of a body lie: a bin may have several.
   pure function cells_of(particles) result(cells)

@@ -119,6 +119,11 @@ def main():
     # The nearest particle is 8 away from where it is lit: 8/5 = 1.6.
     for end, words in ((1.55, "the detonation reaches body 'charge' at 1.6, after the end of the run"), (1.65, None)):
         expect(report, f"lit until {end}", warnings_of(report, "lit", CHARGE.format(end=end)), words)
+    near = CHARGE.replace("(-7.5,0.5)", "(0,0.5)")
+    for end, sides, words in ((2.39, "", None), (2.41, "", "products of the explosive 'charge' are followed through the open sides"),
+                              (2.41, " x=-4:8 y=-4:5", None), (2.41, " x=-4:8 y=-4:open", "products of the explosive 'charge'")):
+        deck = near.format(end=end).replace("grid cell=1", "grid cell=1" + sides)
+        expect(report, f"products until {end}, grid{sides}", warnings_of(report, "products", deck), words)
     for axis, speed, words in (("y", 0, None), ("y", 1, "walls are at rest before t = 0")):
         expect(report, f"wall along {axis}, {speed}", warnings_of(report, "wall", WALLS.format(axis=axis, speed=speed)), words)
     line = "dimension 1\ngrid cell=1\ntime dt=0.1 steps=3\nmaterial m elastic density=1 young=50 poisson=0\nbody b block material=m lower=0 upper=4 ppc=2\n"
