@@ -1075,9 +1075,13 @@ contains
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     type(product_spread_t) :: spread
     integer :: plain, rest
+    real(dp) :: firm(lanes)
     if (task%centred) then
-      if (task%pairs > 0) call linear_scatter_pairs(task%pairs, xi, cell, values, task%nq, &
-                                                    stencil)
+      if (task%pairs > 0) then
+        firm = values(:, 1)
+        if (task%room > 0) firm = merge(firm, 0.0_dp, values(:, task%room) > 0.0_dp)
+        call linear_scatter_pairs(task%pairs, xi, cell, firm, task%nq, stencil)
+      end if
       call linear_scatter(task%plain, xi, cell, values, task%nq, stencil(1, task%pairs + 1, 1))
       return
     end if

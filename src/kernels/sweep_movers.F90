@@ -219,7 +219,8 @@ contains
     end do
   end subroutine add_mover_faces
 
-  !> Mass moments of the pairs and quads of the stencil's points (sgmp_scatter).
+  !> Mass moments of the pairs and quads of the stencil's points (sgmp_scatter), of which what has
+  !! come apart has none.
   pure subroutine add_mover_pairs(task, xi, w, values, sums)
     type(task_t), intent(in) :: task
     real(dp), intent(in) :: xi(NDIM), w(largest_stencil)
@@ -227,6 +228,9 @@ contains
     real(dp), intent(inout) :: sums(largest_stencil, most_columns)
     real(dp) :: part
     integer :: d, q
+    if (task%room > 0) then
+      if (.not. values(task%room) > 0.0_dp) return
+    end if
     do q = 1, task%pairs
       part = values(1)
       do d = 1, NDIM

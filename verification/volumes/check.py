@@ -149,7 +149,7 @@ def debris(book, full):
     figure, axis = subplots(figsize=(6.5, 6.5))
     balls = draw_particles(axis, particles.points, particles.fields["damage"], shown.summary["spacing"])
     axis.set(xlabel="x (mm)", ylabel="z (mm)")
-    figure.colorbar(balls, label="damage (1: failed)")
+    figure.colorbar(balls, ax=axis, label="damage (1: failed)")
     book.figure("debris", figure, "All particles at 100 µs seen from the side, SGMP, CFL 0.25.")
 
 

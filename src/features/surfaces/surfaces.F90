@@ -83,6 +83,7 @@ contains
   end subroutine surfaces_pass
 
   !> The column that says where a body is: that of what has not come apart, where something can.
+  !! Only that has pairs, so that rows without it have neither gains nor forces.
   pure function firm(field) result(column)
     type(field_t), intent(in) :: field
     integer :: column
