@@ -61,7 +61,7 @@ contains
     if (work < merge(flying_work, least_work, flies) .or. left < coarse_work) return
     reason = 'failure by a strain follows the cell: failed matter took '//percent_text(work)// &
              ' of the energy that the scene was given; repeat with another cell size '// &
-             '(sgmp-view error)'
+             '(sgmp-view error), or give failure length=, not below the cell'
     if (left > doubtful_work .and. .not. flies) then
       call opinion%object(reason)
     else
@@ -73,16 +73,23 @@ contains
   pure logical function fails_by_strain(body) result(yes)
     type(body_t), intent(in) :: body
     yes = .not. body%rigid
-    if (yes) yes = lets_go(body%law) .or. body%law%erosion%plastic_strain < failure_none
+    if (yes) yes = lets_go(body%law) .or. (body%law%erosion%plastic_strain < failure_none .and. &
+                                           .not. resolved(body%law))
   end function fails_by_strain
 
   !> Whether failed matter of a law lets go at once. With a fracture energy a crack takes its own.
   pure logical function lets_go(law) result(yes)
     type(constitutive_t), intent(in) :: law
     yes = (law%jc%failure .or. law%failure%plastic_strain < failure_none) &
-          .and. .not. law%softens .and. &
+          .and. .not. (law%softens .or. resolved(law)) .and. &
           (law%failure%carries /= carries_everything .or. law%erosion%failed)
   end function lets_go
+
+  !> Whether strain is averaged over a length that cells resolve.
+  pure logical function resolved(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = law%failure%length >= law%h*(1.0_dp - 1.0e-9_dp)
+  end function resolved
 
   !> Adds plastic work and kinetic energy of a body's particles that have failed by strain; the work
   !! is at most their yield stress times their strain.

@@ -10,6 +10,7 @@
 !! (sgmp_wall_work). Friction changes nothing of this: it is a force on the nodes of a slip wall
 !! (sgmp_wall_friction).
 module sgmp_walls
+  use sgmp_averaging, only: averaging_sums
   use sgmp_columns, only: collide_velocity, column_image, node_swirl, relax_filter, relax_square, &
                           relax_velocity
   use sgmp_field, only: field_base, field_t
@@ -20,7 +21,7 @@ module sgmp_walls
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: walls_fold, walls_mirror, walls_mirror_collide, walls_mirror_centres, walls_hold, &
+  public :: walls_fold, walls_mirror, walls_mirror_average, walls_mirror_collide, walls_mirror_centres, walls_hold, &
             has_walls
   public :: ghost_intervals, ghost_point, ghost_records
 
@@ -259,6 +260,26 @@ contains
       end do
     end do
   end subroutine walls_mirror_collide
+
+  !> The same in the sums of what is averaged over a length, which are even.
+  pure subroutine walls_mirror_average(field, mesh, axis)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis
+    integer :: side, s, first, last, ghost, image, n, from, to, c
+    if (.not. kernel_folds(field%kernel)) return
+    c = field%columns%average
+    do side = 1, 2
+      if (mesh%wall(side, axis) == wall_free) cycle
+      call ghost_point(mesh, axis, side, kernel_centred(field%kernel), ghost, image)
+      call ghost_intervals(field, axis, ghost, 1, field%planes, first, last)
+      do s = first, last
+        call ghost_records(field, s, axis, ghost, image, to, from, n)
+        if (n > 0) field%moment(to:to + n - 1, c:c + averaging_sums - 1) = &
+          field%moment(from:from + n - 1, c:c + averaging_sums - 1)
+      end do
+    end do
+  end subroutine walls_mirror_average
 
   !> Index of the point behind a wall and of its mirror image, for centres or for nodes.
   pure subroutine ghost_point(mesh, axis, side, centres, ghost, image)

@@ -9,7 +9,9 @@ module sgmp_build_model
   use sgmp_build_columns, only: columns_build
   use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
-  use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, law_set_length, law_slots
+  use sgmp_averaging, only: averaging_spread
+  use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, law_set_average, &
+                               law_set_length, law_slots
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_pairs
   use sgmp_debris, only: debris_possible, debris_set_apart
@@ -21,7 +23,7 @@ module sgmp_build_model
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
   use sgmp_kernels, only: bin_span, method_band, method_cpgimp, method_half_size, method_kernel, &
-                          stencil_shift
+                          stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_is_bound
   use sgmp_loads_build, only: loads_add_columns, loads_declare, loads_fill
@@ -245,6 +247,10 @@ contains
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
       call law_set_length(body%law, mesh%h, method_band(scene%method%kind)*mesh%h)
+      call law_set_average(body%law, mesh%h, &
+                           averaging_spread(sum(body%half_size(:mesh%ndim))/mesh%ndim, &
+                                            stencil_width(kernel) == 3), &
+                           method_band(scene%method%kind)*mesh%h)
       call debris_set_apart(body%law)
       body%law%rigid = body%rigid
       call keep_energy(scene, body)
@@ -535,7 +541,8 @@ contains
       solid = any(moves .and. .not. law_is_spherical(model%bodies%law))
       crumbles = any(moves .and. debris_possible(model%bodies%law))
       call field_init(model%fields(f), model%mesh, kernel, &
-                      columns_build(model, kernel, solid, crumbles, parts(f)))
+                      columns_build(model, kernel, solid, crumbles, &
+                                    any(moves .and. model%bodies%law%history%averaged), parts(f)))
       model%fields(f)%drive_terms = terms(f)
       model%fields(f)%gaps = solid .and. .not. model%method%relaxed
     end do

@@ -28,10 +28,10 @@ module sgmp_phases
   use sgmp_team, only: team_divide, team_t
   use sgmp_text, only: integer_text
   use sgmp_timers, only: phase_halo, timers_move, timers_t, wall_time
-  use sgmp_walls, only: has_walls, walls_fold, walls_mirror, walls_mirror_centres
+  use sgmp_walls, only: has_walls, walls_fold, walls_mirror, walls_mirror_average, walls_mirror_centres
   implicit none
   private
-  public :: phase_fold, phase_layout, phase_mirror, phase_normalise, phase_place, phase_relax, &
+  public :: phase_average, phase_fold, phase_layout, phase_mirror, phase_normalise, phase_place, phase_relax, &
             phase_remap, phase_rotation, phase_solve, phase_surfaces_strain, phase_surfaces_weigh, &
             phase_swap_nodes, phase_sweep, phase_velocity
 
@@ -306,6 +306,19 @@ contains
       end do
     end do
   end subroutine phase_relax
+
+  !> What is averaged over a length has its mirror images behind walls.
+  subroutine phase_average(mesh, fields)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    integer :: f, axis
+    do f = 1, size(fields)
+      if (fields(f)%columns%average == 0) cycle
+      do axis = 1, mesh%ndim
+        call walls_mirror_average(fields(f), mesh, axis)
+      end do
+    end do
+  end subroutine phase_average
 
   !> Momentum equation at all nodes (Eqs. 33, 34); rigid bodies must know their speed.
   subroutine phase_solve(method, dt, mesh, fields, bodies, team, partition, tally)
