@@ -45,7 +45,7 @@ module sgmp_averaging
 
 contains
 
-  !> Constants from a length, the speed of sound, the side of the cells, and the spread of functions.
+  !> Constants from a length, the speed of sound, the side of cells, and the spread of functions.
   pure function averaging_make(length, speed, h, spread) result(averaging)
     real(dp), intent(in) :: length, speed, h
     real(dp), intent(in) :: spread       !! k; 0: of hats, by the place
@@ -56,8 +56,8 @@ contains
     averaging%spread = spread
   end function averaging_make
 
-  !> k of functions that are hats averaged over particles of a size, side by side: x (1 - x)/2 and its
-  !! like of hats, 1/6 in the mean, and s^2/3 of the size; 0 of hats themselves.
+  !> k of functions that are hats averaged over particles of a half size s side by side: that of
+  !! hats, x (1 - x), 1/6 in the mean, and s^2/3; 0 of hats themselves.
   pure function averaging_spread(half_size, wide) result(spread)
     real(dp), intent(in) :: half_size    !! of particles (cells), at most 1/2
     logical, intent(in) :: wide          !! functions have that size

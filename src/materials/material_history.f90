@@ -48,7 +48,8 @@ module sgmp_material_history
     kept_t('advanced_energy', .false., .false., 'energy of debris paid in advance (failure)'), &
     kept_t('viscous_pressure', .false., .false., 'viscous pressure of debris (failure)'), &
     kept_t('averaged_strain', .true., .false., 'averaged plastic strain (failure length)'), &
-    kept_t('averaging', .false., .false., 'average, its rate, and what it drove (failure length)'), &
+    kept_t('averaging', .false., .false., &
+           'average, its rate, and what it drove (failure length)'), &
     kept_t('path', .true., .false., 'path from the particle that was split (split)')]
 
   !> Columns that a law wants besides volume and stress, with their first values where not 0.
@@ -103,7 +104,7 @@ module sgmp_material_history
     integer :: advanced = 0      !! debris: energy taken for its stress before that has acted
     integer :: viscous = 0       !! debris: viscous pressure that acts next; negative: settled
     integer :: averaged = 0      !! largest averaged plastic strain so far
-    integer :: averaging = 0     !! average, its rate, and the part of that peak that drove something
+    integer :: averaging = 0     !! average, its rate, and what of that peak drove something
     integer :: path = 0          !! from the particle that it comes from, where particles are split:
                                  !! 1, and of the halves of b 2 b and 2 b + 1
     integer :: total = 1

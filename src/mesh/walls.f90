@@ -21,8 +21,8 @@ module sgmp_walls
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: walls_fold, walls_mirror, walls_mirror_average, walls_mirror_collide, walls_mirror_centres, walls_hold, &
-            has_walls
+  public :: walls_fold, walls_mirror, walls_mirror_average, walls_mirror_collide, &
+            walls_mirror_centres, walls_hold, has_walls
   public :: ghost_intervals, ghost_point, ghost_records
 
   integer, parameter :: around = 3   !! component of a vector around the axis

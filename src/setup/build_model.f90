@@ -126,6 +126,7 @@ contains
     call angular_momentum_note(model%mesh, model%method, model%bodies, model%contact%pairs, &
                                model%totals%bodies, model%turning)
     call check_limit(scene%time, model, error)
+    call check_lengths(model%bodies, error)
     call absorbing_check(model%mesh, model%bodies, scene%grid%walls_location, error)
   end subroutine model_build
 
@@ -525,6 +526,26 @@ contains
       end do
     end do
   end subroutine fill_positions
+
+  !> Bodies of one field average their plastic strain over one length.
+  subroutine check_lengths(bodies, error)
+    type(body_t), intent(in) :: bodies(:)
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: a, b
+    if (allocated(error)) return
+    do b = 2, size(bodies)
+      do a = 1, b - 1
+        if (bodies(a)%field /= bodies(b)%field .or. bodies(a)%rigid .or. bodies(b)%rigid) cycle
+        if (.not. (bodies(a)%law%history%averaged .and. bodies(b)%law%history%averaged)) cycle
+        if (abs(bodies(a)%law%failure%length - bodies(b)%law%failure%length) <= 0.0_dp) cycle
+        call error_make(error, exit_deck, "bodies '"//trim(bodies(a)%name)//"' and '"// &
+                        trim(bodies(b)%name)//"' move in one field and average their plastic "// &
+                        'strain over different lengths', 'give both cards failure one length, '// &
+                        'or the bodies a card contact')
+        return
+      end do
+    end do
+  end subroutine check_lengths
 
   !> Velocity fields and the threads that work on them.
   subroutine build_fields(model, kernel, threads)

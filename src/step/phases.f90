@@ -28,12 +28,13 @@ module sgmp_phases
   use sgmp_team, only: team_divide, team_t
   use sgmp_text, only: integer_text
   use sgmp_timers, only: phase_halo, timers_move, timers_t, wall_time
-  use sgmp_walls, only: has_walls, walls_fold, walls_mirror, walls_mirror_average, walls_mirror_centres
+  use sgmp_walls, only: has_walls, walls_fold, walls_mirror, walls_mirror_average, &
+                        walls_mirror_centres
   implicit none
   private
-  public :: phase_average, phase_fold, phase_layout, phase_mirror, phase_normalise, phase_place, phase_relax, &
-            phase_remap, phase_rotation, phase_solve, phase_surfaces_strain, phase_surfaces_weigh, &
-            phase_swap_nodes, phase_sweep, phase_velocity
+  public :: phase_average, phase_fold, phase_layout, phase_mirror, phase_normalise, phase_place, &
+            phase_relax, phase_remap, phase_rotation, phase_solve, phase_surfaces_strain, &
+            phase_surfaces_weigh, phase_swap_nodes, phase_sweep, phase_velocity
 
 contains
 

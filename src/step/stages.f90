@@ -45,8 +45,8 @@ module sgmp_stages
   use sgmp_mesh, only: wall_speed
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
-  use sgmp_phases, only: phase_average, phase_mirror, phase_normalise, phase_place, phase_relax, phase_rotation, &
-                         phase_surfaces_strain, phase_surfaces_weigh, phase_velocity
+  use sgmp_phases, only: phase_average, phase_mirror, phase_normalise, phase_place, phase_relax, &
+                         phase_rotation, phase_surfaces_strain, phase_surfaces_weigh, phase_velocity
   use sgmp_plan, only: plan_t
   use sgmp_removal_account, only: removal_account
   use sgmp_removal_stages, only: removal_open

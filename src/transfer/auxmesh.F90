@@ -15,8 +15,8 @@ module DIM(sgmp_auxmesh)
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: auxmesh_average, auxmesh_collide, auxmesh_fill, auxmesh_midway, auxmesh_mirror, auxmesh_relax, &
-            auxmesh_swirl
+  public :: auxmesh_average, auxmesh_collide, auxmesh_fill, auxmesh_midway, auxmesh_mirror, &
+            auxmesh_relax, auxmesh_swirl
   public :: node_rows
 #if NDIM == 2
   public :: auxmesh_fill_cells
