@@ -6,7 +6,8 @@
 !! Chunks are many and small, so what is the same for all of them is worked out once, in a task.
 !! Longer than 500 lines: all that happens to a chunk, inlined into one pass.
 module DIM(sgmp_chunk)
-  use sgmp_averaging, only: averaging_advance, averaging_begin, averaging_collect, averaging_sums
+  use sgmp_averaging, only: averaging_advance, averaging_begin, averaging_collect, &
+                            averaging_rates, averaging_sums
   use CARTESIAN(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t
   use CARTESIAN(sgmp_collisions), only: collisions_apply, collisions_collect, collisions_plan
@@ -57,7 +58,7 @@ module DIM(sgmp_chunk)
   integer, parameter :: most_columns = 2 + NMASS + NDIM*(5 + 2*NDIM + twists(NDIM)) + NFLUX + 5 + &
                                      averaging_sums + most_drives + pair_sums(NDIM)
   integer, parameter :: most_gathered = 3*NDIM + 1 + NGRAD + relax_total(NDIM) + record_group + &
-                                      collide_total(NDIM) + 2
+                                      collide_total(NDIM) + averaging_rates
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
   real(dp), parameter :: beyond = 1.0e150_dp     !! no particle whose state makes sense is as fast
@@ -157,7 +158,7 @@ contains
     end if
     if (plan%average) then
       task%average = task%stride + 1
-      task%stride = task%stride + 2
+      task%stride = task%stride + averaging_rates
     end if
     task%by_cell = NDIM == 2 .and. .not. task%wide .and. task%vectors == NDIM &
                    .and. task%stride == NDIM
@@ -472,9 +473,9 @@ contains
     integer, intent(in) :: cell(lanes), row(most_rows), nb
     real(dp), intent(in) :: records(task%stride, *)
     real(dp), intent(inout) :: state(lanes, nb)
-    real(dp) :: rate(lanes, 2)
+    real(dp) :: rate(lanes, averaging_rates)
     integer :: c
-    do c = 1, 2
+    do c = 1, averaging_rates
       call gather_one(task, xi, cell, axes, row, records(task%average + c - 1, 1), rate(1, c))
     end do
     call averaging_advance(law%averaging, dt, state(1, law%slots%plastic), rate, &

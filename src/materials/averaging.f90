@@ -25,12 +25,13 @@ module sgmp_averaging
   implicit none
   private
   public :: averaging_advance, averaging_begin, averaging_collect, averaging_make, averaging_rate, &
-            averaging_spread
+            averaging_rates, averaging_spread
   public :: averaging_sums, averaging_t, averaging_values
 
   integer, parameter :: averaging_values = 3  !! kept of the average: itself, its rate, and the part
                                               !! of its peak that has driven something
   integer, parameter :: averaging_sums = 3    !! on the grid: M, M E, M k
+  integer, parameter :: averaging_rates = 2   !! what particles read: E/k, 1/k
   real(dp), parameter :: least_spread = 0.1_dp  !! k of a point; 0 where its only particle is at it
   real(dp), parameter :: largest_turn = 1.0_dp  !! of the fastest wave of the grid in a step; 2 is
                                                 !! where (NL2) is stable without friction
@@ -68,7 +69,7 @@ contains
   !> What particles read of a point from its sums: E_i/k_i, 1/k_i; nothing where there is no mass.
   pure function averaging_rate(sums) result(rate)
     real(dp), intent(in) :: sums(averaging_sums)
-    real(dp) :: rate(2)
+    real(dp) :: rate(averaging_rates)
     rate = 0.0_dp
     if (sums(1) > 0.0_dp) then
       rate(2) = sums(1)/max(sums(3), least_spread*sums(1))
@@ -118,7 +119,7 @@ contains
     type(averaging_t), intent(in) :: averaging
     real(dp), intent(in) :: dt                   !! position step
     real(dp), intent(in) :: plastic(lanes)       !! e
-    real(dp), intent(in) :: rate(lanes, 2)       !! sums of E_i/k_i, 1/k_i times functions
+    real(dp), intent(in) :: rate(lanes, averaging_rates)  !! E_i/k_i, 1/k_i times functions
     real(dp), intent(inout) :: peak(lanes), kept(lanes, averaging_values)
     real(dp) :: turn, pull
     integer :: l

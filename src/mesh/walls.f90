@@ -10,7 +10,6 @@
 !! (sgmp_wall_work). Friction changes nothing of this: it is a force on the nodes of a slip wall
 !! (sgmp_wall_friction).
 module sgmp_walls
-  use sgmp_averaging, only: averaging_sums
   use sgmp_columns, only: collide_velocity, column_image, node_swirl, relax_filter, relax_square, &
                           relax_velocity
   use sgmp_field, only: field_base, field_t
@@ -261,22 +260,20 @@ contains
     end do
   end subroutine walls_mirror_collide
 
-  !> The same in the sums of what is averaged over a length, which are even.
+  !> The same in what plastic strain is averaged by, which is even.
   pure subroutine walls_mirror_average(field, mesh, axis)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: axis
-    integer :: side, s, first, last, ghost, image, n, from, to, c
+    integer :: side, s, first, last, ghost, image, n, from, to
     if (.not. kernel_folds(field%kernel)) return
-    c = field%columns%average
     do side = 1, 2
       if (mesh%wall(side, axis) == wall_free) cycle
       call ghost_point(mesh, axis, side, kernel_centred(field%kernel), ghost, image)
       call ghost_intervals(field, axis, ghost, 1, field%planes, first, last)
       do s = first, last
         call ghost_records(field, s, axis, ghost, image, to, from, n)
-        if (n > 0) field%moment(to:to + n - 1, c:c + averaging_sums - 1) = &
-          field%moment(from:from + n - 1, c:c + averaging_sums - 1)
+        if (n > 0) field%average(to:to + n - 1, :) = field%average(from:from + n - 1, :)
       end do
     end do
   end subroutine walls_mirror_average

@@ -1,6 +1,7 @@
 !> The phases of a step over all fields: which fields take part, and in which order results are put
 !! together. What a phase may change is in its arguments.
 module sgmp_phases
+  use sgmp_averaging, only: averaging_rate, averaging_sums
   use sgmp_body, only: body_forced, body_place, body_t
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_layout, contact_t
@@ -308,18 +309,37 @@ contains
     end do
   end subroutine phase_relax
 
-  !> What is averaged over a length has its mirror images behind walls.
-  subroutine phase_average(mesh, fields)
+  !> What plastic strain is averaged by, at all points, those behind walls included: a copy, for
+  !! sweeps write the sums anew while they read.
+  subroutine phase_average(mesh, fields, threads)
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: fields(:)
+    integer, intent(in) :: threads
     integer :: f, axis
     do f = 1, size(fields)
       if (fields(f)%columns%average == 0) cycle
+      call average_points(threads, fields(f))
       do axis = 1, mesh%ndim
         call walls_mirror_average(fields(f), mesh, axis)
       end do
     end do
   end subroutine phase_average
+
+  !> The same at the points of one field.
+  subroutine average_points(threads, field)
+    integer, intent(in) :: threads
+    type(field_t), intent(inout) :: field
+    integer :: p, i, c
+    c = field%columns%average
+    !$omp parallel do num_threads(threads) if(threads > 1) schedule(static) default(none) &
+    !$omp& shared(field, c) private(p, i)
+    do p = 1, field%planes
+      do i = field%plane_start(p), field%plane_start(p + 1) - 1
+        field%average(i, :) = averaging_rate(field%moment(i, c:c + averaging_sums - 1))
+      end do
+    end do
+    !$omp end parallel do
+  end subroutine average_points
 
   !> Momentum equation at all nodes (Eqs. 33, 34); rigid bodies must know their speed.
   subroutine phase_solve(method, dt, mesh, fields, bodies, team, partition, tally)

@@ -276,7 +276,7 @@ contains
   subroutine stage_sweep(model, plan)
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
-    if (plan%drift) call phase_average(model%mesh, model%fields)
+    if (plan%drift) call phase_average(model%mesh, model%fields, model%team%threads)
     if (plan%gradient == 0 .or. .not. plan%strain) return
     call phase_surfaces_strain(model%clock%step + 1, model%method, model%mesh, model%fields, &
                                model%bodies, plan%gradient, model%team, model%ranks, &

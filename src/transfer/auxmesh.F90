@@ -5,7 +5,7 @@
 !!
 !! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
 module DIM(sgmp_auxmesh)
-  use sgmp_averaging, only: averaging_rate, averaging_sums
+  use sgmp_averaging, only: averaging_rates
   use sgmp_columns, only: collide_kick, collide_total, node_acceleration, node_swirl, &
                           relax_dilation, relax_total
   use sgmp_field, only: field_t
@@ -228,8 +228,7 @@ contains
       do i = field%work%first(s), field%work%last(s)
         from = field%neighbour(0, 0, s) + i
         to = from - field%plane_start(plane) + 1
-        records(at:at + 1, to) = averaging_rate(field%moment(from, field%columns%average: &
-                                                field%columns%average + averaging_sums - 1))
+        records(at:at + averaging_rates - 1, to) = field%average(from, :)
       end do
     end do
   end subroutine auxmesh_average
