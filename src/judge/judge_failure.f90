@@ -61,7 +61,7 @@ contains
     if (work < merge(flying_work, least_work, flies) .or. left < coarse_work) return
     reason = 'failure by a strain follows the cell: failed matter took '//percent_text(work)// &
              ' of the energy that the scene was given; repeat with another cell size '// &
-             '(sgmp-view error), or give failure length=, not below the cell'
+             '(sgmp-view error), or give failure length=, of two cells and more'
     if (left > doubtful_work .and. .not. flies) then
       call opinion%object(reason)
     else
@@ -88,7 +88,7 @@ contains
   !> Whether strain is averaged over a length that cells resolve.
   pure logical function resolved(law) result(yes)
     type(constitutive_t), intent(in) :: law
-    yes = law%failure%length >= law%h*(1.0_dp - 1.0e-9_dp)
+    yes = law%failure%length >= 2.0_dp*law%h*(1.0_dp - 1.0e-9_dp)
   end function resolved
 
   !> Adds plastic work and kinetic energy of a body's particles that have failed by strain; the work

@@ -83,7 +83,7 @@ contains
                 unit='stress length', range='(0,inf)'), &
             key('length', kind_real, 'length of the material over which plastic strain is '// &
                 'averaged for plastic_strain, d1 to d5 and the heat of johnson_cook: failure '// &
-                'then does not follow the cell, which must not be larger; see doc/materials.md', &
+                'then does not follow cells of half of it and less; see doc/materials.md', &
                 unit='length', range='(0,inf)'), &
             key('weibull', kind_real, 'Weibull modulus of all limits of this card, and of the '// &
                 'failure strain of d1 to d5, which scatter from particle to particle; the '// &
