@@ -5,7 +5,7 @@
 !! depend on it is told by that work, what failed matter had taken up to its failure: it matters
 !! where it is a part of what the scene was given and of what kinetic energy is left. Where failed
 !! matter itself flies with more than that work, as in a debris cloud, inertia rules more than
-!! strength, and the run is coarse at most.
+!! strength, and the run is coarse at most. All of it as seen from the centre of mass of all.
 module sgmp_judge_failure
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: constitutive_t, law_yield_stress
@@ -39,23 +39,27 @@ contains
     real(dp), intent(out) :: work
     type(tally_t) :: tally
     character(:), allocatable :: reason
-    real(dp) :: total(2), left
+    real(dp) :: total(2), left, common, frame(3)
     logical :: flies                             !! failed matter, with more than its work
     integer(i8) :: none(0)
     integer :: b
     work = -1.0_dp
     if (.not. any([(fails_by_strain(model%bodies(b)), b=1, size(model%bodies))])) return
+    frame = [(sum(model%totals%bodies%momentum(b)), b=1, 3)]/ &
+            max(sum(model%totals%bodies%mass), tiny(1.0_dp))
+    common = 0.5_dp*sum(frame**2)*sum(model%totals%bodies%mass)
     call tally_reset(tally, 2)
     do b = 1, size(model%bodies)
-      if (fails_by_strain(model%bodies(b))) call add_failed(model%bodies(b), model%mesh%ndim, tally)
+      if (.not. fails_by_strain(model%bodies(b))) cycle
+      call add_failed(model%bodies(b), frame(:model%mesh%ndim), tally)
     end do
     call tally_total(tally, total, none)
     total(2) = total(2) + terms_value(model%ledger%terms, 'eroded.kinetic_energy')
     do b = 1, size(model%bodies)
       if (fails_by_strain(model%bodies(b))) total(1) = total(1) + model%totals%bodies(b)%taken
     end do
-    work = total(1)/max(model%ledger%supplied, tiny(1.0_dp))
-    left = total(1)/max(model%ledger%kinetic, tiny(1.0_dp))
+    work = total(1)/max(model%ledger%supplied - common, total(1), tiny(1.0_dp))
+    left = total(1)/max(model%ledger%kinetic - common, tiny(1.0_dp))
     flies = total(1) < total(2)
     if (flies) left = work
     if (work < merge(flying_work, least_work, flies) .or. left < coarse_work) return
@@ -93,13 +97,14 @@ contains
 
   !> Adds plastic work and kinetic energy of a body's particles that have failed by strain; the work
   !! is at most their yield stress times their strain.
-  subroutine add_failed(body, ndim, tally)
+  subroutine add_failed(body, frame, tally)
     type(body_t), intent(in) :: body
-    integer, intent(in) :: ndim
+    real(dp), intent(in) :: frame(:)             !! velocity of the centre of mass
     type(tally_t), intent(inout) :: tally
-    real(dp) :: strain, mass, velocity(ndim)
-    integer :: c, l, v
+    real(dp) :: strain, mass, velocity(size(frame))
+    integer :: c, l, v, ndim
     if (.not. lets_go(body%law)) return
+    ndim = size(frame)
     v = motion_velocity(ndim)
     associate (law => body%law, particles => body%particles)
       do c = 1, particles%chunks
@@ -109,7 +114,7 @@ contains
           strain = particles%state(l, law%slots%plastic, c)
           if (.not. law%jc%failure) strain = min(strain, law%failure%plastic_strain)
           mass = particles%motion(l, motion_mass(ndim), c)
-          velocity = particles%motion(l, v:v + ndim - 1, c)
+          velocity = particles%motion(l, v:v + ndim - 1, c) - frame
           call tally_add(tally, 1, [mass/law%density*strain*law_yield_stress(law, strain), &
                                     0.5_dp*mass*sum(velocity**2)])
         end do
