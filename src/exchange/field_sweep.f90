@@ -112,6 +112,7 @@ contains
         plan%last_column = columns%debris + merge(field%ndim + 2, 0, plan%gradient > 0)
         return
       end if
+      plan%average = plan%drift .and. columns%average > 0
       range = columns_range(columns, plan%mass, plan%momentum, plan%stress, plan%probe)
       plan%first_column = range(1)
       plan%last_column = range(2)

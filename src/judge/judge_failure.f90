@@ -5,7 +5,7 @@
 !! depend on it is told by that work, what failed matter had taken up to its failure: it matters
 !! where it is a part of what the scene was given and of what kinetic energy is left. Where failed
 !! matter itself flies with more than that work, as in a debris cloud, inertia rules more than
-!! strength, and the run is coarse at most.
+!! strength, and the run is coarse at most. All of it as seen from the centre of mass of all.
 module sgmp_judge_failure
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: constitutive_t, law_yield_stress
@@ -39,29 +39,33 @@ contains
     real(dp), intent(out) :: work
     type(tally_t) :: tally
     character(:), allocatable :: reason
-    real(dp) :: total(2), left
+    real(dp) :: total(2), left, common, frame(3)
     logical :: flies                             !! failed matter, with more than its work
     integer(i8) :: none(0)
     integer :: b
     work = -1.0_dp
     if (.not. any([(fails_by_strain(model%bodies(b)), b=1, size(model%bodies))])) return
+    frame = [(sum(model%totals%bodies%momentum(b)), b=1, 3)]/ &
+            max(sum(model%totals%bodies%mass), tiny(1.0_dp))
+    common = 0.5_dp*sum(frame**2)*sum(model%totals%bodies%mass)
     call tally_reset(tally, 2)
     do b = 1, size(model%bodies)
-      if (fails_by_strain(model%bodies(b))) call add_failed(model%bodies(b), model%mesh%ndim, tally)
+      if (.not. fails_by_strain(model%bodies(b))) cycle
+      call add_failed(model%bodies(b), frame(:model%mesh%ndim), tally)
     end do
     call tally_total(tally, total, none)
     total(2) = total(2) + terms_value(model%ledger%terms, 'eroded.kinetic_energy')
     do b = 1, size(model%bodies)
       if (fails_by_strain(model%bodies(b))) total(1) = total(1) + model%totals%bodies(b)%taken
     end do
-    work = total(1)/max(model%ledger%supplied, tiny(1.0_dp))
-    left = total(1)/max(model%ledger%kinetic, tiny(1.0_dp))
+    work = total(1)/max(model%ledger%supplied - common, total(1), tiny(1.0_dp))
+    left = total(1)/max(model%ledger%kinetic - common, tiny(1.0_dp))
     flies = total(1) < total(2)
     if (flies) left = work
     if (work < merge(flying_work, least_work, flies) .or. left < coarse_work) return
     reason = 'failure by a strain follows the cell: failed matter took '//percent_text(work)// &
              ' of the energy that the scene was given; repeat with another cell size '// &
-             '(sgmp-view error)'
+             '(sgmp-view error), or give failure length=, of two cells and more'
     if (left > doubtful_work .and. .not. flies) then
       call opinion%object(reason)
     else
@@ -73,26 +77,34 @@ contains
   pure logical function fails_by_strain(body) result(yes)
     type(body_t), intent(in) :: body
     yes = .not. body%rigid
-    if (yes) yes = lets_go(body%law) .or. body%law%erosion%plastic_strain < failure_none
+    if (yes) yes = lets_go(body%law) .or. (body%law%erosion%plastic_strain < failure_none .and. &
+                                           .not. resolved(body%law))
   end function fails_by_strain
 
   !> Whether failed matter of a law lets go at once. With a fracture energy a crack takes its own.
   pure logical function lets_go(law) result(yes)
     type(constitutive_t), intent(in) :: law
     yes = (law%jc%failure .or. law%failure%plastic_strain < failure_none) &
-          .and. .not. law%softens .and. &
+          .and. .not. (law%softens .or. resolved(law)) .and. &
           (law%failure%carries /= carries_everything .or. law%erosion%failed)
   end function lets_go
 
+  !> Whether strain is averaged over a length that cells resolve.
+  pure logical function resolved(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = law%failure%length >= 2.0_dp*law%h*(1.0_dp - 1.0e-9_dp)
+  end function resolved
+
   !> Adds plastic work and kinetic energy of a body's particles that have failed by strain; the work
   !! is at most their yield stress times their strain.
-  subroutine add_failed(body, ndim, tally)
+  subroutine add_failed(body, frame, tally)
     type(body_t), intent(in) :: body
-    integer, intent(in) :: ndim
+    real(dp), intent(in) :: frame(:)             !! velocity of the centre of mass
     type(tally_t), intent(inout) :: tally
-    real(dp) :: strain, mass, velocity(ndim)
-    integer :: c, l, v
+    real(dp) :: strain, mass, velocity(size(frame))
+    integer :: c, l, v, ndim
     if (.not. lets_go(body%law)) return
+    ndim = size(frame)
     v = motion_velocity(ndim)
     associate (law => body%law, particles => body%particles)
       do c = 1, particles%chunks
@@ -102,7 +114,7 @@ contains
           strain = particles%state(l, law%slots%plastic, c)
           if (.not. law%jc%failure) strain = min(strain, law%failure%plastic_strain)
           mass = particles%motion(l, motion_mass(ndim), c)
-          velocity = particles%motion(l, v:v + ndim - 1, c)
+          velocity = particles%motion(l, v:v + ndim - 1, c) - frame
           call tally_add(tally, 1, [mass/law%density*strain*law_yield_stress(law, strain), &
                                     0.5_dp*mass*sum(velocity**2)])
         end do

@@ -42,7 +42,7 @@ module sgmp_verdict
     real(dp) :: thickness = huge(1.0_dp)   !! of the thinnest body, in cells
     real(dp) :: drift = 0.0_dp, contact = 0.0_dp, viscous = 0.0_dp  !! parts of the energy supplied
     real(dp) :: projection = 0.0_dp        !! energy that projection loses, over the same
-    real(dp) :: failure = -1.0_dp          !! work of what failed by strain over the same; -1: none can
+    real(dp) :: failure = -1.0_dp  !! work of what failed by strain over the same; -1: none can
     real(dp) :: turn = -1.0_dp             !! largest change of angular momentum; -1: none is judged
     real(dp) :: impulse = 0.0_dp           !! of forces on nodes without mass
     real(dp) :: steps(2) = 0.0_dp          !! shortest and longest

@@ -6,6 +6,8 @@
 !! Chunks are many and small, so what is the same for all of them is worked out once, in a task.
 !! Longer than 500 lines: all that happens to a chunk, inlined into one pass.
 module DIM(sgmp_chunk)
+  use sgmp_averaging, only: averaging_advance, averaging_begin, averaging_collect, &
+                            averaging_rates, averaging_sums
   use CARTESIAN(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t
   use CARTESIAN(sgmp_collisions), only: collisions_apply, collisions_collect, collisions_plan
@@ -54,9 +56,9 @@ module DIM(sgmp_chunk)
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
   integer, parameter :: most_columns = 2 + NMASS + NDIM*(5 + 2*NDIM + twists(NDIM)) + NFLUX + 5 + &
-                                     most_drives + pair_sums(NDIM)
+                                     averaging_sums + most_drives + pair_sums(NDIM)
   integer, parameter :: most_gathered = 3*NDIM + 1 + NGRAD + relax_total(NDIM) + record_group + &
-                                      collide_total(NDIM)
+                                      collide_total(NDIM) + averaging_rates
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
   real(dp), parameter :: beyond = 1.0e150_dp     !! no particle whose state makes sense is as fast
@@ -86,6 +88,7 @@ module DIM(sgmp_chunk)
     integer :: drives = 0                !! mass of driven particles
     integer :: driven = 0                !! how many
     integer :: room = 0                  !! volume of what has not come apart
+    integer :: averages = 0              !! sums of what is averaged over a length
     integer :: swirl = 0                 !! moments of swirl
     integer :: square = 0                !! m |v|^2
     integer :: forces = 0                !! before: the forces (MPM, GIMP)
@@ -100,6 +103,7 @@ module DIM(sgmp_chunk)
     integer :: gradient = 1              !! and of the velocity gradient
     integer :: relax = 0                 !! and of what particles relax to; 0: nothing
     integer :: collide = 0               !! and of what debris collides by; 0: there is none
+    integer :: average = 0               !! and of the average over a length (2); 0: there is none
     integer :: read = 1                  !! components of a record without those
     integer :: square_read = 0           !! and of the square of the acceleration, where it is read
     integer :: swirl_read = 0            !! and of what they read of swirl: slopes
@@ -152,10 +156,14 @@ contains
       task%collide = task%stride + 1
       task%stride = task%stride + collide_total(NDIM)
     end if
+    if (plan%average) then
+      task%average = task%stride + 1
+      task%stride = task%stride + averaging_rates
+    end if
     task%by_cell = NDIM == 2 .and. .not. task%wide .and. task%vectors == NDIM &
                    .and. task%stride == NDIM
     task%stride = record_group*((task%stride + record_group - 1)/record_group)
-    if (.not. plan%collide) task%read = task%stride
+    if (.not. (plan%collide .or. plan%average)) task%read = task%stride
     task%inverse_h = mesh%inverse_h
     task%h = mesh%h
     task%dt_cells = plan%dt*mesh%inverse_h
@@ -183,6 +191,7 @@ contains
     task%driven = columns%driven
     task%drives = place(columns%drives)
     task%room = place(columns%room)
+    task%averages = place(columns%average)
     task%swirl = place(columns%swirl)
     task%square = place(columns%square)
     task%forces = min(plan%last_column, columns%force - 1) - before
@@ -292,6 +301,9 @@ contains
     if (task%relax > 0) call relaxation_apply(body%law, plan%dt_strain, task%live(1, nl), &
                                               got(1, task%relax), nb, motion, &
                                               state, got(1, task%gradient), lane_sums)
+    if (task%average > 0 .and. body%law%slots%averaged > 0) then
+      call average(body%law, plan%dt, task, xi, cell, axes, row, records, nb, state)
+    end if
     if (plan%drift) call drift(task%dt_cells, task%live(1, nl), origin, extent, &
                                got(1, task%velocity), motion, xi, lane_sums, outside)
 #ifdef AXISYMMETRIC
@@ -327,6 +339,9 @@ contains
                                             task%driven, values(1, task%drives))
     if (task%room > 0) call debris_room(body%law, task%live(1, nl), motion(1, mass_at), nb, state, &
                                         values(1, task%room))
+    if (task%averages > 0) call collect_average(body%law, plan%step == 0, task%live(1, nl), &
+                                                motion(1, mass_at), xi, nb, state, &
+                                                values(1, task%averages))
 #ifdef AXISYMMETRIC
     if (task%swirl > 0) call swirl_collect(task%live(1, nl), motion, motion(1, mass_at), &
                                            state(1, body%law%slots%swirl), &
@@ -448,6 +463,39 @@ contains
       call linear_gather(1, w, cell, task%stride, records, row, got)
     end if
   end subroutine gather_one
+
+  !> Averages the plastic strain of a chunk over its length (sgmp_averaging).
+  subroutine average(law, dt, task, xi, cell, axes, row, records, nb, state)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
+    integer, intent(in) :: cell(lanes), row(most_rows), nb
+    real(dp), intent(in) :: records(task%stride, *)
+    real(dp), intent(inout) :: state(lanes, nb)
+    real(dp) :: rate(lanes, averaging_rates)
+    integer :: c
+    do c = 1, averaging_rates
+      call gather_one(task, xi, cell, axes, row, records(task%average + c - 1, 1), rate(1, c))
+    end do
+    call averaging_advance(law%averaging, dt, state(1, law%slots%plastic), rate, &
+                           state(1, law%slots%averaged), state(1, law%slots%averaging))
+  end subroutine average
+
+  !> What a chunk gives to the sums of the average, nothing where it has none.
+  subroutine collect_average(law, begins, live, mass, xi, nb, state, values)
+    type(constitutive_t), intent(in) :: law
+    logical, intent(in) :: begins                !! the run does
+    real(dp), intent(in) :: live(lanes), mass(lanes), xi(lanes, NDIM)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: state(lanes, nb), values(lanes, averaging_sums)
+    values = 0.0_dp
+    if (law%slots%averaged == 0) return
+    if (begins) call averaging_begin(state(1, law%slots%plastic), state(1, law%slots%averaged), &
+                                     state(1, law%slots%averaging))
+    call averaging_collect(law%averaging, NDIM, live, mass, xi, state(1, law%slots%averaging), &
+                           values)
+  end subroutine collect_average
 
   !> What the points around a chunk let it collide by, and whether they do.
   pure subroutine gather_collide(task, xi, cell, axes, row, records, got, collides)

@@ -35,6 +35,7 @@ contains
       damage = 0.0_dp
       speed = 0.0_dp
       if (law%slots%plastic > 0) strain = state(l, law%slots%plastic)
+      if (law%slots%averaged > 0) strain = state(l, law%slots%averaged)
       if (law%slots%damage > 0) damage = state(l, law%slots%damage)
       if (strains) speed = sqrt(max(speed2(l), 0.0_dp)) + &
                            norm2(motion(l, before_v + 1:before_v + NDIM))

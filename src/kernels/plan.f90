@@ -13,6 +13,7 @@ module sgmp_plan
     logical :: probe = .false.  !! nothing advances: particles answer with the stress or momentum of
                                 !! what they read, per wave modulus and mass (sgmp_stability)
     logical :: loose = .false.   !! nothing advances: particles give what debris will collide by
+    logical :: average = .false.           !! plastic strain is averaged over a length
     logical :: collide = .false.           !! with the kick, debris collides
     logical :: by_halves = .false.         !! strains are those of the velocity that particles have
                                            !! after the kick: the work of stresses goes by halves

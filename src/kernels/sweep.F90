@@ -9,8 +9,8 @@
 !!
 !! Longer than 500 lines: the buffers of planes, their joints included, are nobody else's.
 module DIM(sgmp_sweep)
-  use DIM(sgmp_auxmesh), only: auxmesh_collide, auxmesh_fill, auxmesh_midway, auxmesh_mirror, &
-                              auxmesh_relax, auxmesh_swirl
+  use DIM(sgmp_auxmesh), only: auxmesh_average, auxmesh_collide, auxmesh_fill, auxmesh_midway, &
+                              auxmesh_mirror, auxmesh_relax, auxmesh_swirl
 #if NDIM == 2
   use DIM(sgmp_auxmesh), only: auxmesh_fill_cells
 #endif
@@ -184,6 +184,8 @@ contains
                             task%stride, work%records(first))
       end if
       if (plan%collide) call auxmesh_collide(field, p, task%collide - 1, task%stride, &
+                                             work%records(first))
+      if (plan%average) call auxmesh_average(field, p, task%average, task%stride, &
                                              work%records(first))
       if (plan%relax) then
         call auxmesh_relax(field, p, task%gradient - 1, task%relax, task%stride, &

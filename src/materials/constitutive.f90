@@ -10,6 +10,7 @@
 !!
 !! Longer than 500 lines: one table, with a case for each law and each equation of state.
 module sgmp_constitutive
+  use sgmp_averaging, only: averaging_make, averaging_t
   use sgmp_burn, only: burn_keys, burn_read
   use sgmp_eos, only: eos_sound_speed_squared
   use sgmp_eos_gruneisen, only: gruneisen_keys, gruneisen_lanes, gruneisen_read, gruneisen_t, &
@@ -63,7 +64,7 @@ module sgmp_constitutive
             material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_shock, eos_tillotson, eos_names
-  public :: law_keys, law_read, law_slots, law_check, law_set_length, &
+  public :: law_keys, law_read, law_slots, law_check, law_set_average, law_set_length, &
             law_widest_band, law_yield_stress
   public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
@@ -133,6 +134,7 @@ module sgmp_constitutive
     logical :: fails = .false.                 !! by damage, or a fluid's tension is bounded
     type(failure_t) :: failure
     logical :: softens = .false.               !! it fails little by little
+    type(averaging_t) :: averaging             !! of the plastic strain that drives failure
     real(dp) :: apart = 1.0e30_dp           !! volume over the first at which it fails in any case
     type(softening_t) :: softening
     type(erosion_t) :: erosion
@@ -489,13 +491,15 @@ contains
     select case (law%kind)
     case (material_j2, material_johnson_cook, material_steinberg_guinan, material_zerilli_armstrong)
       law%history%damage = .true.
+      law%history%averaged = law%failure%length > 0.0_dp
       law%softens = failure_softens(law%failure)
       call check_criteria(values, name, law, fault)
     case (material_fluid)
       if (.not. values%has('pmin') .or. any_given(values, &
                                                   [character(16) :: 'principal_stress', &
                                                    'plastic_strain', 'fracture_energy', &
-                                                   'spall_strain', 'toughness', 'weibull'])) then
+                                                   'spall_strain', 'toughness', 'weibull', &
+                                                   'length'])) then
         call fault_make(fault, '', "a fluid such as '"//name//"' fails by pmin alone", &
                         'give pmin, and no other criterion')
       end if
@@ -519,14 +523,31 @@ contains
     if (.not. (law%jc%failure .or. any_given(values, [character(16) :: &
                                                       'pmin', 'principal_stress', &
                                                       'plastic_strain', 'spall_strain', &
-                                                      'toughness']))) then
+                                                      'toughness', 'length']))) then
       call fault_make(fault, '', "nothing says when '"//name//"' fails", &
                       'give pmin, principal_stress or plastic_strain, or '// &
                       'johnson_cook failure=yes')
     end if
+    if (.not. allocated(fault) .and. values%has('length')) call check_length(law, name, fault)
     if (.not. allocated(fault)) call check_spall(values, name, fault)
     if (law%softens .and. .not. allocated(fault)) call check_softening(law, name, fault)
   end subroutine check_criteria
+
+  !> Whether something of a law is driven by plastic strain, and may be by its average.
+  pure subroutine check_length(law, name, fault)
+    type(constitutive_t), intent(in) :: law
+    character(*), intent(in) :: name  !! of the material
+    type(fault_t), allocatable, intent(out) :: fault
+    if (.not. (law%jc%failure .or. law%jc%thermal .or. &
+               law%failure%plastic_strain < failure_none)) then
+      call fault_make(fault, 'length', "no plastic strain drives the failure of '"//name//"'", &
+                      'remove length; a crack in tension has its width by fracture_energy')
+    else if (law%kind /= material_johnson_cook .and. law%heating%warms) then
+      call fault_make(fault, 'length', "the heat of '"//name//"' ("// &
+                      trim(material_names(law%kind))//') follows the strain of each particle', &
+                      'use johnson_cook, or remove specific_heat')
+    end if
+  end subroutine check_length
 
   !> Whether any of some keys is given.
   pure logical function any_given(values, names) result(yes)
@@ -621,6 +642,23 @@ contains
     law%softening = softening_make(law%failure, law%density*law%bulk_speed**2, law%elastic%shear, &
                                    yield, band)
   end subroutine law_set_length
+
+  !> Gives a law that averages its plastic strain what it must know of the grid, after its lengths.
+  !! A band of softening is then not narrower than twice the length: of a strain that is gathered at
+  !! a point the average is exp(-|x|/l)/(2 l).
+  pure subroutine law_set_average(law, h, spread, band)
+    type(constitutive_t), intent(inout) :: law
+    real(dp), intent(in) :: h, spread     !! of averaging_make
+    real(dp), intent(in) :: band          !! as of law_set_length
+    type(softening_t) :: wide
+    if (.not. law%history%averaged) return
+    law%averaging = averaging_make(law%failure%length, law%bulk_speed, h, spread)
+    if (.not. law%softens .or. .not. law%failure%plastic_strain < failure_none) return
+    wide = softening_make(law%failure, law%density*law%bulk_speed**2, law%elastic%shear, &
+                          law_yield_stress(law, law%failure%plastic_strain), &
+                          max(band, 2.0_dp*law%failure%length))
+    law%softening%plastic = wide%plastic
+  end subroutine law_set_average
 
   !> Yield stress at a plastic strain, in the room and at the rate of reference.
   pure function law_yield_stress(law, strain) result(yield)

@@ -52,6 +52,7 @@ module sgmp_failure
     real(dp) :: fracture_energy = 0.0_dp             !! per area of crack; 0: it fails at once
     real(dp) :: weibull = 0.0_dp                     !! modulus of the limits' scatter; 0: none
     integer :: seed = 0                              !! of the scatter
+    real(dp) :: length = 0.0_dp                      !! over which plastic strain is averaged
   end type failure_t
 
 contains
@@ -80,6 +81,10 @@ contains
                 'principal_stress, or the yield stress at plastic_strain) to nothing; without '// &
                 'it all is lost at once', &
                 unit='stress length', range='(0,inf)'), &
+            key('length', kind_real, 'length of the material over which plastic strain is '// &
+                'averaged for plastic_strain, d1 to d5 and the heat of johnson_cook: failure '// &
+                'then does not follow cells of half of it and less; see doc/materials.md', &
+                unit='length', range='(0,inf)'), &
             key('weibull', kind_real, 'Weibull modulus of all limits of this card, and of the '// &
                 'failure strain of d1 to d5, which scatter from particle to particle; the '// &
                 'given ones are the means', range='[0.5,inf)'), &
@@ -101,6 +106,7 @@ contains
     law%fracture_energy = values%number('fracture_energy')
     law%weibull = values%number('weibull')
     law%seed = nint(values%number('seed'))
+    law%length = values%number('length')
   end function failure_read
 
   !> Whether matter softens before it has failed.

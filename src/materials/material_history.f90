@@ -7,6 +7,7 @@
 !! `slots_t` with its line in `name_slots`, where kernels read it, and where a law wants it a flag
 !! and its line in `slots_ask_history`.
 module sgmp_material_history
+  use sgmp_averaging, only: averaging_values
   use sgmp_kinds, only: dp
   implicit none
   private
@@ -46,6 +47,9 @@ module sgmp_material_history
     kept_t('compliance', .false., .false., 'compliance (volumes=kept, eos)'), &
     kept_t('advanced_energy', .false., .false., 'energy of debris paid in advance (failure)'), &
     kept_t('viscous_pressure', .false., .false., 'viscous pressure of debris (failure)'), &
+    kept_t('averaged_strain', .true., .false., 'averaged plastic strain (failure length)'), &
+    kept_t('averaging', .false., .false., &
+           'average, its rate, and what it drove (failure length)'), &
     kept_t('path', .true., .false., 'path from the particle that was split (split)')]
 
   !> Columns that a law wants besides volume and stress, with their first values where not 0.
@@ -61,6 +65,7 @@ module sgmp_material_history
     logical :: preconsolidation = .false.  !! of clays
     logical :: lighting = .false.       !! lighting time of an explosive
     logical :: deformation = .false.    !! deformation gradient
+    logical :: averaged = .false.       !! plastic strain averaged over a length
     real(dp) :: first_temperature = 0.0_dp
     real(dp) :: first_energy = 0.0_dp
     real(dp) :: first_distention = 1.0_dp
@@ -98,6 +103,8 @@ module sgmp_material_history
     integer :: yield_factor = 0  !! factor on the yield stress, where it scatters
     integer :: advanced = 0      !! debris: energy taken for its stress before that has acted
     integer :: viscous = 0       !! debris: viscous pressure that acts next; negative: settled
+    integer :: averaged = 0      !! largest averaged plastic strain so far
+    integer :: averaging = 0     !! average, its rate, and what of that peak drove something
     integer :: path = 0          !! from the particle that it comes from, where particles are split:
                                  !! 1, and of the halves of b 2 b and 2 b + 1
     integer :: total = 1
@@ -157,6 +164,10 @@ contains
     if (wants%pore_shift) call slots_ask(slots, 'pore_shift', none)
     if (wants%bulking) call slots_ask(slots, 'bulking', none)
     if (wants%preconsolidation) call slots_ask(slots, 'preconsolidation', none)
+    if (wants%averaged) then
+      call slots_ask(slots, 'averaged_strain', none)
+      call slots_ask(slots, 'averaging', [(0.0_dp, d=1, averaging_values)])
+    end if
     if (wants%lighting) call slots_ask(slots, 'lighting_time', none)
     if (wants%deformation) then
       call slots_ask(slots, 'deformation', [(merge(1.0_dp, 0.0_dp, mod(d, ndim + 1) == 0), &
@@ -187,6 +198,8 @@ contains
     slots%yield_factor = slots_column(slots, 'yield_factor')
     slots%advanced = slots_column(slots, 'advanced_energy')
     slots%viscous = slots_column(slots, 'viscous_pressure')
+    slots%averaged = slots_column(slots, 'averaged_strain')
+    slots%averaging = slots_column(slots, 'averaging')
     slots%path = slots_column(slots, 'path')
     if (slots%stress > 0) slots%stresses = size(slots%list(1)%start)
   end subroutine name_slots

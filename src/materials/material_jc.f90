@@ -232,7 +232,7 @@ contains
   !! A lane fails when its damage reaches 1, where it then stays. What it carries from then on is
   !! the caller's affair (sgmp_failure), who gives it no deviator to return.
   pure subroutine jc_return(law, shear3, dt, trial, mean, ep, temperature, damage, factor, dep, &
-                            scatter)
+                            scatter, driving)
     type(jc_t), intent(in) :: law                !! constants
     real(dp), intent(in) :: shear3               !! three times the shear modulus (stress)
     real(dp), intent(in) :: dt                   !! time step, > 0
@@ -244,14 +244,19 @@ contains
     real(dp), intent(out) :: factor(lanes)       !! scales the trial deviator
     real(dp), intent(out) :: dep(lanes)          !! plastic strain increment
     real(dp), intent(in), optional :: scatter(lanes)  !! factor on the yield stress
-    real(dp) :: softening(lanes)
+    real(dp), intent(in), optional :: driving(lanes)  !! strain increment of heat and damage, by
+                                                      !! default that of the step
+    real(dp) :: softening(lanes), drive(lanes)
     softening = 1.0_dp
     if (law%thermal) call softening_lanes(law, temperature, softening)
     if (present(scatter)) softening = scatter*softening
     call flow_lanes(law, shear3, dt, softening, trial, ep, factor, dep)
-    if (law%failure) call damage_lanes(law, dt, trial, factor, mean, temperature, dep, damage)
+    drive = dep
+    if (present(driving)) drive = driving
+    if (law%failure) call damage_lanes(law, dt, trial, factor, mean, temperature, drive, damage)
     if (law%thermal) then
-      call plastic_heat_lanes(law%taylor_quinney/law%heat_capacity, trial, factor, dep, temperature)
+      call plastic_heat_lanes(law%taylor_quinney/law%heat_capacity, trial, factor, drive, &
+                              temperature)
     end if
   end subroutine jc_return
 

@@ -75,7 +75,7 @@ contains
     real(dp), intent(inout) :: b(lanes, nb)      !! with the deviator, undamaged
     real(dp), intent(inout) :: mean(lanes), speed2(lanes), work(lanes)
     real(dp) :: stress(lanes, components), strength(lanes), whole(lanes), missing, left
-    integer :: l, n
+    integer :: l, n, strain
     n = law%slots%stresses
     associate (deviator => b(:, law%slots%stress:law%slots%stress + n - 1), &
                damage => b(:, law%slots%damage))
@@ -86,8 +86,8 @@ contains
       stress(:, :3) = stress(:, :3) + spread(whole, 2, 3)
       strength = 1.0_dp
       if (law%slots%strength > 0) strength = b(:, law%slots%strength)
-      call softening_damage(law%failure, law%softening, stress, b(1, law%slots%plastic), strength, &
-                            damage)
+      strain = merge(law%slots%averaged, law%slots%plastic, law%slots%averaged > 0)
+      call softening_damage(law%failure, law%softening, stress, b(1, strain), strength, damage)
       do l = 1, lanes
         left = 1.0_dp - damage(l)
         deviator(l, :) = left*deviator(l, :)

@@ -10,6 +10,7 @@
 !!
 !! Longer than 500 lines: the stages are small lane loops that the compiler inlines into one update.
 module DIM(sgmp_stress_update)
+  use sgmp_averaging, only: averaging_values
   use sgmp_constitutive, only: constitutive_t, eos_none, material_cam_clay, &
                                material_crushable_foam, material_drucker_prager, &
                                material_elastic, material_fluid, material_j2, &
@@ -730,6 +731,7 @@ contains
     stress = 0.0_dp
     stress(:, :NSTRESS) = b(:, law%slots%stress:law%slots%stress + NSTRESS - 1)
     plastic = b(:, law%slots%plastic)
+    if (law%slots%averaged > 0) plastic = b(:, law%slots%averaged)
     if (law%slots%strength > 0) then
       stress = stress/spread(b(:, law%slots%strength), 2, 6)
       plastic = plastic/b(:, law%slots%strength)
@@ -836,7 +838,7 @@ contains
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: factor(lanes), increment(lanes)
     real(dp), intent(in), optional :: scatter(lanes)
-    real(dp) :: damage(lanes), temperature(lanes), shear3
+    real(dp) :: damage(lanes), temperature(lanes), driving(lanes), shear3
     shear3 = 3.0_dp*law%elastic%shear
     temperature = law%history%first_temperature
     if (law%slots%temperature > 0) temperature = b(:, law%slots%temperature)
@@ -859,8 +861,15 @@ contains
       end if
       damage = 0.0_dp
       if (law%jc%failure .and. law%slots%strength == 0) damage = b(:, law%slots%damage)
-      call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, damage, &
-                     factor, increment, scatter)
+      if (law%slots%averaged == 0) then
+        call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, &
+                       damage, factor, increment, scatter)
+      else
+        driving = b(:, law%slots%averaged) - b(:, law%slots%averaging + averaging_values - 1)
+        b(:, law%slots%averaging + averaging_values - 1) = b(:, law%slots%averaged)
+        call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, &
+                       damage, factor, increment, scatter, driving)
+      end if
       if (law%jc%failure .and. law%slots%strength > 0) then
         damage = min(1.0_dp, b(:, law%slots%damage) + damage/b(:, law%slots%strength))
       end if

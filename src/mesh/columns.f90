@@ -65,6 +65,7 @@ module sgmp_columns
                                  !! each prescription
     integer :: driven = 0        !! how many
     integer :: room = 0          !! volume of what has not come apart
+    integer :: average = 0       !! sums by which plastic strain is averaged (sgmp_averaging)
     integer :: momentum = 0
     integer :: swirl = 0         !! v_theta times mass and radius, and mass times radius^2 (cells)
     integer :: square = 0        !! m |v|^2, where something relaxes (doc/volumes.md)
@@ -211,6 +212,7 @@ contains
     call find(columns, 'radial', columns%radial)
     call find(columns, 'drives', columns%drives, columns%driven)
     call find(columns, 'room', columns%room)
+    call find(columns, 'average', columns%average)
     call find(columns, 'momentum', columns%momentum)
     call find(columns, 'swirl', columns%swirl)
     call find(columns, 'square', columns%square)

@@ -5,6 +5,7 @@
 !! same widened so that every stencil of a work point falls on stored (if need be empty) points; a
 !! point's record is base + i.
 module sgmp_field
+  use sgmp_averaging, only: averaging_rates
   use sgmp_axis, only: axis_hoop_weights
   use sgmp_columns, only: collide_kick, columns_keep_behind, columns_make, &
                           columns_t, relax_total
@@ -54,6 +55,8 @@ module sgmp_field
     logical :: collides = .false.        !! there is debris in this step
     real(dp), allocatable :: collide(:, :)  !! (points, collide_kick) by how much it collides, for
                                             !! columns%debris > 0
+    real(dp), allocatable :: average(:, :)  !! (points, averaging_rates) what plastic strain is
+                                            !! averaged by, for columns%average > 0
     type(drive_t), allocatable :: drives(:)  !! prescribed motions; not allocated: none
     integer :: drive_terms = 0           !! entries of a step's sums before those of the drives
     real(dp), allocatable :: drive_sums(:, :, :)  !! (drive_sums, drives, planes) of the step
@@ -119,6 +122,9 @@ contains
     end if
     if (new%columns%debris > 0) then
       allocate (new%collide(new%points, collide_kick(new%ndim)), source=0.0_dp)
+    end if
+    if (new%columns%average > 0) then
+      allocate (new%average(new%points, averaging_rates), source=0.0_dp)
     end if
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))
@@ -188,6 +194,7 @@ contains
             16_i8*(size(field%work%key, kind=i8) + size(field%store%key, kind=i8))
     if (allocated(field%relax)) bytes = bytes + 8_i8*size(field%relax, kind=i8)
     if (allocated(field%collide)) bytes = bytes + 8_i8*size(field%collide, kind=i8)
+    if (allocated(field%average)) bytes = bytes + 8_i8*size(field%average, kind=i8)
     if (field%columns%corrected) then
       bytes = bytes + 8_i8*(size(field%pairs%weight, kind=i8) + &
                             size(field%pairs%centre, kind=i8) + size(field%pairs%gain, kind=i8))
@@ -299,6 +306,7 @@ contains
     call move_alloc(new%node, field%node)
     if (allocated(new%relax)) call move_alloc(new%relax, field%relax)
     if (allocated(new%collide)) call move_alloc(new%collide, field%collide)
+    if (allocated(new%average)) call move_alloc(new%average, field%average)
     if (allocated(new%hoop)) call move_alloc(new%hoop, field%hoop)
     call rotation_points_move(new%rotation, field%rotation)
     call pair_points_move(new%pairs, field%pairs)

@@ -20,8 +20,8 @@ module sgmp_walls
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: walls_fold, walls_mirror, walls_mirror_collide, walls_mirror_centres, walls_hold, &
-            has_walls
+  public :: walls_fold, walls_mirror, walls_mirror_average, walls_mirror_collide, &
+            walls_mirror_centres, walls_hold, has_walls
   public :: ghost_intervals, ghost_point, ghost_records
 
   integer, parameter :: around = 3   !! component of a vector around the axis
@@ -259,6 +259,24 @@ contains
       end do
     end do
   end subroutine walls_mirror_collide
+
+  !> The same in what plastic strain is averaged by, which is even.
+  pure subroutine walls_mirror_average(field, mesh, axis)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis
+    integer :: side, s, first, last, ghost, image, n, from, to
+    if (.not. kernel_folds(field%kernel)) return
+    do side = 1, 2
+      if (mesh%wall(side, axis) == wall_free) cycle
+      call ghost_point(mesh, axis, side, kernel_centred(field%kernel), ghost, image)
+      call ghost_intervals(field, axis, ghost, 1, field%planes, first, last)
+      do s = first, last
+        call ghost_records(field, s, axis, ghost, image, to, from, n)
+        if (n > 0) field%average(to:to + n - 1, :) = field%average(from:from + n - 1, :)
+      end do
+    end do
+  end subroutine walls_mirror_average
 
   !> Index of the point behind a wall and of its mirror image, for centres or for nodes.
   pure subroutine ghost_point(mesh, axis, side, centres, ghost, image)

@@ -3,6 +3,7 @@
 !! The order in which they ask is that of the columns of a stage.
 module sgmp_build_columns
   use sgmp_absorbing_columns, only: absorbing_ask
+  use sgmp_averaging, only: averaging_sums
   use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, stage_stress
   use sgmp_debris_columns, only: debris_ask
   use sgmp_images, only: image_t
@@ -20,10 +21,11 @@ module sgmp_build_columns
 contains
 
   !> Columns of a field in which solids move, or none, and so many parts of bodies are driven.
-  pure function columns_build(model, kernel, solid, crumbles, parts) result(columns)
+  pure function columns_build(model, kernel, solid, crumbles, averages, parts) result(columns)
     type(model_t), intent(in) :: model
     integer, intent(in) :: kernel, parts
     logical, intent(in) :: solid, crumbles       !! something in it can come apart
+    logical, intent(in) :: averages              !! or averages its plastic strain
     type(columns_t) :: columns
     logical :: corrected, turns
     integer :: a
@@ -34,6 +36,8 @@ contains
       if (parts > 0) then
         call columns_ask(columns, block_t('drives', stage_mass, [(image_t(), a=1, parts)]))
       end if
+      if (averages) call columns_ask(columns, block_t('average', stage_mass, &
+                                                     [(image_t(), a=1, averaging_sums)]))
       if (corrected .or. turns) call pairs_ask(columns, ndim)
       if (corrected) call surfaces_ask(columns, ndim, crumbles)
       columns%turns = turns

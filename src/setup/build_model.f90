@@ -9,7 +9,9 @@ module sgmp_build_model
   use sgmp_build_columns, only: columns_build
   use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
-  use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, law_set_length, law_slots
+  use sgmp_averaging, only: averaging_spread
+  use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, law_set_average, &
+                               law_set_length, law_slots
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_pairs
   use sgmp_debris, only: debris_possible, debris_set_apart
@@ -21,7 +23,7 @@ module sgmp_build_model
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
   use sgmp_kernels, only: bin_span, method_band, method_cpgimp, method_half_size, method_kernel, &
-                          stencil_shift
+                          stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_is_bound
   use sgmp_loads_build, only: loads_add_columns, loads_declare, loads_fill
@@ -124,6 +126,7 @@ contains
     call angular_momentum_note(model%mesh, model%method, model%bodies, model%contact%pairs, &
                                model%totals%bodies, model%turning)
     call check_limit(scene%time, model, error)
+    call check_lengths(model%bodies, error)
     call absorbing_check(model%mesh, model%bodies, scene%grid%walls_location, error)
   end subroutine model_build
 
@@ -245,6 +248,10 @@ contains
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
       call law_set_length(body%law, mesh%h, method_band(scene%method%kind)*mesh%h)
+      call law_set_average(body%law, mesh%h, &
+                           averaging_spread(sum(body%half_size(:mesh%ndim))/mesh%ndim, &
+                                            stencil_width(kernel) == 3), &
+                           method_band(scene%method%kind)*mesh%h)
       call debris_set_apart(body%law)
       body%law%rigid = body%rigid
       call keep_energy(scene, body)
@@ -520,6 +527,26 @@ contains
     end do
   end subroutine fill_positions
 
+  !> Bodies of one field average their plastic strain over one length.
+  subroutine check_lengths(bodies, error)
+    type(body_t), intent(in) :: bodies(:)
+    type(error_t), allocatable, intent(inout) :: error
+    integer :: a, b
+    if (allocated(error)) return
+    do b = 2, size(bodies)
+      do a = 1, b - 1
+        if (bodies(a)%field /= bodies(b)%field .or. bodies(a)%rigid .or. bodies(b)%rigid) cycle
+        if (.not. (bodies(a)%law%history%averaged .and. bodies(b)%law%history%averaged)) cycle
+        if (abs(bodies(a)%law%failure%length - bodies(b)%law%failure%length) <= 0.0_dp) cycle
+        call error_make(error, exit_deck, "bodies '"//trim(bodies(a)%name)//"' and '"// &
+                        trim(bodies(b)%name)//"' move in one field and average their plastic "// &
+                        'strain over different lengths', 'give both cards failure one length, '// &
+                        'or the bodies a card contact')
+        return
+      end do
+    end do
+  end subroutine check_lengths
+
   !> Velocity fields and the threads that work on them.
   subroutine build_fields(model, kernel, threads)
     type(model_t), intent(inout) :: model
@@ -535,7 +562,8 @@ contains
       solid = any(moves .and. .not. law_is_spherical(model%bodies%law))
       crumbles = any(moves .and. debris_possible(model%bodies%law))
       call field_init(model%fields(f), model%mesh, kernel, &
-                      columns_build(model, kernel, solid, crumbles, parts(f)))
+                      columns_build(model, kernel, solid, crumbles, &
+                                    any(moves .and. model%bodies%law%history%averaged), parts(f)))
       model%fields(f)%drive_terms = terms(f)
       model%fields(f)%gaps = solid .and. .not. model%method%relaxed
     end do

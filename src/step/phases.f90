@@ -1,6 +1,7 @@
 !> The phases of a step over all fields: which fields take part, and in which order results are put
 !! together. What a phase may change is in its arguments.
 module sgmp_phases
+  use sgmp_averaging, only: averaging_rate, averaging_sums
   use sgmp_body, only: body_forced, body_place, body_t
   use sgmp_columns, only: node_acceleration, node_remapped, node_velocity
   use sgmp_contact, only: contact_layout, contact_t
@@ -28,12 +29,13 @@ module sgmp_phases
   use sgmp_team, only: team_divide, team_t
   use sgmp_text, only: integer_text
   use sgmp_timers, only: phase_halo, timers_move, timers_t, wall_time
-  use sgmp_walls, only: has_walls, walls_fold, walls_mirror, walls_mirror_centres
+  use sgmp_walls, only: has_walls, walls_fold, walls_mirror, walls_mirror_average, &
+                        walls_mirror_centres
   implicit none
   private
-  public :: phase_fold, phase_layout, phase_mirror, phase_normalise, phase_place, phase_relax, &
-            phase_remap, phase_rotation, phase_solve, phase_surfaces_strain, phase_surfaces_weigh, &
-            phase_swap_nodes, phase_sweep, phase_velocity
+  public :: phase_average, phase_fold, phase_layout, phase_mirror, phase_normalise, phase_place, &
+            phase_relax, phase_remap, phase_rotation, phase_solve, phase_surfaces_strain, &
+            phase_surfaces_weigh, phase_swap_nodes, phase_sweep, phase_velocity
 
 contains
 
@@ -306,6 +308,38 @@ contains
       end do
     end do
   end subroutine phase_relax
+
+  !> What plastic strain is averaged by, at all points, those behind walls included: a copy, for
+  !! sweeps write the sums anew while they read.
+  subroutine phase_average(mesh, fields, threads)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    integer, intent(in) :: threads
+    integer :: f, axis
+    do f = 1, size(fields)
+      if (fields(f)%columns%average == 0) cycle
+      call average_points(threads, fields(f))
+      do axis = 1, mesh%ndim
+        call walls_mirror_average(fields(f), mesh, axis)
+      end do
+    end do
+  end subroutine phase_average
+
+  !> The same at the points of one field.
+  subroutine average_points(threads, field)
+    integer, intent(in) :: threads
+    type(field_t), intent(inout) :: field
+    integer :: p, i, c
+    c = field%columns%average
+    !$omp parallel do num_threads(threads) if(threads > 1) schedule(static) default(none) &
+    !$omp& shared(field, c) private(p, i)
+    do p = 1, field%planes
+      do i = field%plane_start(p), field%plane_start(p + 1) - 1
+        field%average(i, :) = averaging_rate(field%moment(i, c:c + averaging_sums - 1))
+      end do
+    end do
+    !$omp end parallel do
+  end subroutine average_points
 
   !> Momentum equation at all nodes (Eqs. 33, 34); rigid bodies must know their speed.
   subroutine phase_solve(method, dt, mesh, fields, bodies, team, partition, tally)

@@ -22,7 +22,7 @@
 !!                     place               rotation
 !!                     after_remap         rotation, kept volumes
 !!   sweeps            plan                kept volumes
-!!                     sweep               surfaces
+!!                     sweep               averages over a length, surfaces
 !!   sums known        close               rigid bodies, driven parts
 !!   books closed      finish              damping (stress last)
 !!                     guard               splitting
@@ -45,8 +45,8 @@ module sgmp_stages
   use sgmp_mesh, only: wall_speed
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
-  use sgmp_phases, only: phase_mirror, phase_normalise, phase_place, phase_relax, phase_rotation, &
-                         phase_surfaces_strain, phase_surfaces_weigh, phase_velocity
+  use sgmp_phases, only: phase_average, phase_mirror, phase_normalise, phase_place, phase_relax, &
+                         phase_rotation, phase_surfaces_strain, phase_surfaces_weigh, phase_velocity
   use sgmp_plan, only: plan_t
   use sgmp_removal_account, only: removal_account
   use sgmp_removal_stages, only: removal_open
@@ -276,6 +276,7 @@ contains
   subroutine stage_sweep(model, plan)
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
+    if (plan%drift) call phase_average(model%mesh, model%fields, model%team%threads)
     if (plan%gradient == 0 .or. .not. plan%strain) return
     call phase_surfaces_strain(model%clock%step + 1, model%method, model%mesh, model%fields, &
                                model%bodies, plan%gradient, model%team, model%ranks, &

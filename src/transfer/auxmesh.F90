@@ -5,6 +5,7 @@
 !!
 !! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
 module DIM(sgmp_auxmesh)
+  use sgmp_averaging, only: averaging_rates
   use sgmp_columns, only: collide_kick, collide_total, node_acceleration, node_swirl, &
                           relax_dilation, relax_total
   use sgmp_field, only: field_t
@@ -14,8 +15,8 @@ module DIM(sgmp_auxmesh)
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: auxmesh_collide, auxmesh_fill, auxmesh_midway, auxmesh_mirror, auxmesh_relax, &
-            auxmesh_swirl
+  public :: auxmesh_average, auxmesh_collide, auxmesh_fill, auxmesh_midway, auxmesh_mirror, &
+            auxmesh_relax, auxmesh_swirl
   public :: node_rows
 #if NDIM == 2
   public :: auxmesh_fill_cells
@@ -214,6 +215,23 @@ contains
       end do
     end do
   end subroutine auxmesh_collide
+
+  !> Adds to the records of one plane what plastic strain is averaged by.
+  pure subroutine auxmesh_average(field, plane, at, stride, records)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: plane                 !! plane of the field
+    integer, intent(in) :: at                    !! first component of a record
+    integer, intent(in) :: stride                !! components of a record
+    real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
+    integer :: s, i, from, to
+    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      do i = field%work%first(s), field%work%last(s)
+        from = field%neighbour(0, 0, s) + i
+        to = from - field%plane_start(plane) + 1
+        records(at:at + averaging_rates - 1, to) = field%average(from, :)
+      end do
+    end do
+  end subroutine auxmesh_average
 
   !> Takes gradients in the records of one plane, which are those of the velocity after a kick, back
   !! by a part of it, and adds the square of the acceleration behind them.

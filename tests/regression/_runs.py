@@ -134,6 +134,26 @@ output csv at=end fields=stress,density,energy
 """
 
 # Plates that hit each other and fail, each by a criterion of its own, two heaps of soil and a bank of clay that they hit.
+# A notched bar that is pulled apart; it fails by a strain that is averaged over a length.
+AVERAGED = """
+parameter h = 0.5
+parameter method = sgmp
+parameter update = musl
+parameter t_end = 0.03
+dimension 2
+units mm g ms
+grid cell=h
+method $method update=$update
+time end=t_end cfl=0.4
+material steel j2 density=7.85e-3 young=200e3 poisson=0.3 yield=500 hardening_modulus=100
+failure steel plastic_strain=0.2 length=1
+body bar block material=steel lower=(-8,-2) upper=(8,2) ppc=2
+subtract bar cylinder centre=(0,2,0) axis=(0,0,1) radius=1.5 length=1
+motion bar where="x>7" x=20
+motion bar where="x<-7" x=-20
+history steps=20
+output csv at=end
+"""
 FAILING = """
 parameter method = sgmp
 parameter update = musl

@@ -12,8 +12,8 @@ import os
 import re
 import subprocess
 
-from _runs import (CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, METALS, RUBBED, SCRATCH, SCATTERED, SEAT, SGMP,
-                   SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run, own)
+from _runs import (AVERAGED, CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, METALS, RUBBED, SCRATCH, SCATTERED, SEAT,
+                   SGMP, SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run, own)
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]
@@ -213,6 +213,8 @@ SCENES = [
     ("sphere_slope", "sphere_slope.inp", {"h": 0.4, "t_end": 0.01, "stress": "normalised"}, FEW),
     ("fluids", FLUIDS, {}, FEW),
     ("failing", FAILING, {}, FEW),
+    ("averaged", AVERAGED, {"t_end": 0.025}, LAYOUTS),
+    ("averaged_gimp", AVERAGED, {"t_end": 0.02, "method": "gimp", "update": "usf"}, FEW),
     ("metals", METALS, {}, FEW),
     ("scattered", SCATTERED, {}, FEW),
     ("eroding", ERODING, {}, LAYOUTS),

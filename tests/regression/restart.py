@@ -6,7 +6,7 @@ usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 import os
 
 from _restarts import FULL, checkpoints, command, deck, execute, goes_on, mpirun, same_files, straight
-from _runs import CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, RUBBED, SCATTERED, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report, own
+from _runs import AVERAGED, CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, RUBBED, SCATTERED, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report, own
 
 EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
 # Particles leave the grid on two sides, where they are dropped or turned back.
@@ -124,6 +124,7 @@ SCENES = [
     ("rubbed", RUBBED, {"update": "usavg"}, 30, 2),
     ("fluids", FLUIDS, {}, 40, 2),
     ("failing", FAILING, {}, 80, 2),
+    ("averaged", AVERAGED.replace("end=t_end", "steps=800"), {}, 800, 2),
     ("metals", METALS, {}, 80, 2),
     ("scattered", SCATTERED, {}, 80, 2),
     ("eroding", ERODING, {}, 80, 2),

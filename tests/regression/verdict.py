@@ -227,6 +227,7 @@ stop energy_growth=1e6
 # A notched bar that is pulled apart: it fails by a plastic strain.
 NOTCHED = """
 parameter limit = 0.2
+parameter frame = 0
 dimension 2
 units mm g ms
 grid cell=0.5
@@ -236,8 +237,9 @@ material steel j2 density=7.85e-3 young=200e3 poisson=0.3 yield=500 hardening_mo
 failure steel plastic_strain=limit
 body bar block material=steel lower=(-8,-2) upper=(8,2) ppc=2
 subtract bar cylinder centre=(0,2,0) axis=(0,0,1) radius=1.5 length=1
-motion bar where="x>7" x=20
-motion bar where="x<-7" x=-20
+velocity bar x=frame
+motion bar where="x>7" x=20+frame
+motion bar where="x<-7" x=-20+frame
 history steps=20
 """
 # A disk that goes to pieces on a plate at 6 km/s: what fails flies with more energy than its strength could take.
@@ -363,6 +365,7 @@ def failing(report):
     words = "failure by a strain follows the cell"
     result = doubts(report, "notched", NOTCHED, words)
     report.check(0.1 < result["end_state.failure_share"] < 1, f"notched: {result['end_state']}")
+    doubts(report, "notched_moving", NOTCHED, words, frame=3000)
     doubts(report, "notched_eroded", NOTCHED.replace("failure steel plastic", "erode steel plastic"), words)
     result = run("notched_whole", NOTCHED, limit=9)
     report.check(not any(words in reason for reason in result["verdict_reasons"]) and result["end_state.failure_share"] == 0, f"not failed: {result['verdict_reasons']}")
