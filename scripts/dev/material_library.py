@@ -43,6 +43,9 @@ along a path in two systems of units and compared with its equations, worked out
 
 `alumina_jh2`: its constants were found in one other print, rounded to two or three digits.
 
+`concrete_48mpa`: its constants were found in one other print (a test of another code, with 14.8 GPa for the shear
+modulus), not in the original. What tests it is a row of shots: [materials, Concrete](materials.md#concrete).
+
 `copper_zerilli` and `iron_zerilli`: no other print of Zerilli and Armstrong's constants could be seen. What speaks for
 their digits is Johnson and Cook's law, which was fitted to the same metals: see the table of flow stresses in
 [materials, Metals](materials.md#metals).
@@ -66,9 +69,9 @@ is 0.22 and not 0.19 in uniaxial tension (mean stress a third of the flow stress
 stress is 1.5 of it, 0.26 and not 0.31 in uniaxial compression. Where a result hangs on it, run both.
 
 What is missing, and why: no damage constants of `tungsten_alloy` (two sets are quoted in the literature, neither with a
-source that could be seen); no concrete (no law here describes its crushing and its pores under impact); of glass
-soda-lime glass alone; of polyethylene no measured strength (its moduli and yield stress are representative); of the
-steel of bullets the hardened core alone (`steel_ap_core`; lead and brass are `lead` and `brass`).
+source that could be seen); of concrete one strength, of glass soda-lime glass alone; of polyethylene no measured
+strength (its moduli and yield stress are representative); of the steel of bullets the hardened core alone
+(`steel_ap_core`; lead and brass are `lead` and `brass`).
 
 """
 
@@ -83,6 +86,8 @@ SOURCES = """
 * Corbett 2006: Numerical simulations of target hole diameters for hypervelocity impacts into elevated and room
   temperature bumpers, Int. J. Impact Engng 33, 431-440.
 * Dobratz and Crawford 1985: LLNL Explosives Handbook, UCRL-52997 Change 2.
+* Holmquist and others 1993: Holmquist, Johnson and Cook, A computational constitutive model for concrete subjected to
+  large strains, high strain rates and high pressures, 14th International Symposium on Ballistics, Quebec, 591-600.
 * Holmquist and others 1995: Holmquist, Johnson, Grady, Lopatin and Hertel, High strain rate properties and constitutive
   modeling of glass, 15th International Symposium on Ballistics, Jerusalem, 237-244.
 * Iqbal and others 2015: Iqbal, Senthil, Bhargava and Gupta, The characterization and ballistic evaluation of mild

@@ -170,13 +170,15 @@ contains
                       'material whose pores begin to close', 'more than crush_compression')
       return
     end if
-    ! d mu_p/dm = (K^2 - S K + Y K')/K^2, whose numerator grows or falls with K all the way.
+    ! K >= S, and d mu_p/dm = (K^2 - S K + Y K')/K^2, whose numerator grows or falls with K all the
+    ! way, not below 0: then Y - d/dm (Y^2/(2 K)), what crushing dissipates, is not below 0 either.
     growth = (law%dense_modulus - law%crush_modulus)/(law%dense_compression - law%crush_compression)
-    if (law%crush_modulus*(law%crush_modulus - law%crush_slope) + law%crush*growth < 0.0_dp .or. &
+    if (min(law%crush_modulus, law%dense_modulus) < law%crush_slope .or. &
+        law%crush_modulus*(law%crush_modulus - law%crush_slope) + law%crush*growth < 0.0_dp .or. &
         law%dense_modulus*(law%dense_modulus - law%crush_slope) + law%lock*growth < 0.0_dp) then
-      call fault_make(fault, 'lock_pressure', 'material that crushes would leave more pores when '// &
-                      'it is let go than it had', 'check crush_pressure over crush_compression, '// &
-                      'lock_pressure over lock_compression, and k1')
+      call fault_make(fault, 'lock_pressure', 'material that is let go would give more than '// &
+                      'crushing it took', 'check crush_pressure over crush_compression, '// &
+                      'lock_pressure over lock_compression, and k1: the second is the least')
     end if
   end subroutine check_crush
 
