@@ -41,9 +41,9 @@ themselves: their constants give the published speed and pressure of detonation 
 along a path in two systems of units and compared with its equations, worked out independently
 (tests/regression/library.py).
 
-`alumina_jh2` and `boron_carbide_jh2`: their constants were found in one other print, rounded to two or three digits,
-without the bulking. `silicon_carbide_jh2`: in one print that quotes them, but for the density; its limit of 14.457 GPa
-is 14.567 GPa elsewhere (from memory of the literature), which makes the strength 1.3 % higher.
+`alumina_jh2`: its constants were found in one other print, rounded to two or three digits. `silicon_carbide_jh2`: in
+one print that quotes them, but for the density; its limit of 14.457 GPa is 14.567 GPa elsewhere (from memory of the
+literature), which makes the strength 1.3 % higher.
 
 `concrete_48mpa`: its constants were found in one other print (a test of another code, with 14.8 GPa for the shear
 modulus), not in the original. What tests it is a row of shots: [materials, Concrete](materials.md#concrete).
@@ -101,8 +101,6 @@ SOURCES = """
 * Johnson and Cook 1985: Fracture characteristics of three metals, Engineering Fracture Mechanics 21, 31-48.
 * Johnson and Holmquist 1994: An improved computational constitutive model for brittle materials, AIP Conf. Proc. 309,
   981-984.
-* Johnson and Holmquist 1999: Response of boron carbide subjected to large strains, high strain rates, and high
-  pressures, J. Appl. Phys. 85, 8060-8073.
 * Kay 2003: Failure modeling of titanium 6Al-4V and aluminum 2024-T3 with the Johnson-Cook material model,
   DOT/FAA/AR-03/57.
 * Lange and Ahrens 1983: The dynamic tensile strength of ice and ice-silicate mixtures, J. Geophys. Res. 88, 1197-1208.
