@@ -15,10 +15,10 @@ contains
     word = name(index(name, '/', back=.true.) + 1:)
     if (index(word, '.inp', back=.true.) > 0) word = word(:index(word, '.inp', back=.true.) - 1)
     select case (word)
-    case ('concrete', 'mortar', 'cement', 'rock', 'granite')
-      text = 'no constitutive model here describes crushing, pores and cracks of '//word// &
-             ' together; johnson_holmquist and mohr_coulomb run with constants of your own, '// &
-             'but were compared with no shot at it'
+    case ('mortar', 'cement', 'rock', 'granite')
+      text = 'no constants of '//word//' with a source are known here; concrete, '// &
+             'johnson_holmquist and mohr_coulomb run with constants of your own, but were '// &
+             'compared with no shot at it'
     case ('wood', 'composite', 'cfrp', 'kevlar')
       text = 'no constitutive model here has different strengths along and across fibres'
     case default

@@ -53,7 +53,7 @@ contains
                       default='moving')
     call registry%key('fields', kind_list, 'fields besides pressure, von Mises stress and '// &
                       'density', choices='stress plastic_strain temperature damage energy '// &
-                      'distention bulking preconsolidation')
+                      'distention bulking compaction preconsolidation')
     call register_interrupts(registry)
   end subroutine register_output
 

@@ -31,6 +31,7 @@ module sgmp_constitutive
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_cam_clay, only: cam_clay_keys, cam_clay_read, cam_clay_t
+  use sgmp_material_concrete, only: concrete_keys, concrete_read, concrete_t
   use sgmp_material_crushable_foam, only: crushable_foam_keys, crushable_foam_read, crushable_foam_t
   use sgmp_material_drucker_prager, only: drucker_prager_read, drucker_prager_t
   use sgmp_material_elastic, only: elastic_keys, elastic_read, elastic_t, moduli_keys, &
@@ -61,7 +62,7 @@ module sgmp_constitutive
             material_explosive, material_fluid, material_drucker_prager, material_mohr_coulomb, &
             material_mooney_rivlin, material_steinberg_guinan, material_zerilli_armstrong, &
             material_johnson_holmquist, material_cam_clay, material_crushable_foam, &
-            material_names
+            material_concrete, material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_shock, eos_tillotson, eos_names
   public :: law_keys, law_read, law_slots, law_check, law_set_average, law_set_length, &
@@ -75,11 +76,12 @@ module sgmp_constitutive
                         material_drucker_prager = 7, material_mohr_coulomb = 8, &
                         material_mooney_rivlin = 9, material_steinberg_guinan = 10, &
                         material_zerilli_armstrong = 11, material_johnson_holmquist = 12, &
-                        material_cam_clay = 13, material_crushable_foam = 14
+                        material_cam_clay = 13, material_crushable_foam = 14, &
+                        material_concrete = 15
   character(17), parameter :: material_names(*) = [character(17) :: &
     'elastic', 'neo_hookean', 'j2', 'johnson_cook', 'explosive', 'fluid', &
     'drucker_prager', 'mohr_coulomb', 'mooney_rivlin', 'steinberg_guinan', 'zerilli_armstrong', &
-    'johnson_holmquist', 'cam_clay', 'crushable_foam']
+    'johnson_holmquist', 'cam_clay', 'crushable_foam', 'concrete']
 
   integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2, eos_ideal_gas = 3, &
                         eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6, eos_shock = 7, &
@@ -116,6 +118,7 @@ module sgmp_constitutive
     type(johnson_holmquist_t) :: johnson_holmquist
     type(cam_clay_t) :: cam_clay
     type(crushable_foam_t) :: crushable_foam
+    type(concrete_t) :: concrete
     type(heating_t) :: heating                 !! where compression warms, too
     type(jwl_t) :: jwl
     type(gruneisen_t) :: gruneisen
@@ -179,6 +182,8 @@ contains
       keys = cam_clay_keys()
     case (material_crushable_foam)
       keys = [moduli_keys(), crushable_foam_keys()]
+    case (material_concrete)
+      keys = concrete_keys()
     case default  ! material_explosive
       keys = burn_keys()
     end select
@@ -190,7 +195,7 @@ contains
     select case (kind)
     case (material_elastic, material_neo_hookean, material_drucker_prager, &
           material_mohr_coulomb, material_mooney_rivlin, material_johnson_holmquist, &
-          material_cam_clay, material_crushable_foam)
+          material_cam_clay, material_crushable_foam, material_concrete)
       pressure = pressure_own
     case (material_explosive)
       pressure = pressure_products
@@ -250,6 +255,9 @@ contains
     case (material_crushable_foam)
       call solid_read(values, law)
       call crushable_foam_read(values, law%crushable_foam, law%history, fault)
+    case (material_concrete)
+      call concrete_read(law%density, values, law%concrete, law%elastic, law%history, fault)
+      law%bulk_speed = sqrt(law%elastic%bulk/law%density)
     case (material_fluid)
       call fluid_read(values, law%fluid_viscosity, law%history)
     case default  ! material_explosive
@@ -503,7 +511,7 @@ contains
         call fault_make(fault, '', "a fluid such as '"//name//"' fails by pmin alone", &
                         'give pmin, and no other criterion')
       end if
-    case (material_johnson_holmquist)
+    case (material_johnson_holmquist, material_concrete)
       call fault_make(fault, '', "'"//name//"' ("//trim(material_names(law%kind))// &
                       ') fails by damage of its own', 'remove the card failure; erode '//name// &
                       ' failed=yes removes what has failed')

@@ -15,9 +15,9 @@
 !!
 !! * in open matter (v > 1) heat presses as that of a gas: b0 E is b0 E/v, and is spent when
 !!   fragments are far apart;
-!! * a particle is not larger than `largest` times its initial volume, which is as much room as a
-!!   cell can tell, and below its initial volume it closes by no more than a part in a step; what
-!!   carries nothing does not become denser than it was;
+!! * a particle is not larger than `debris_largest` times its initial volume, which is as much room
+!!   as a cell can tell, and below its initial volume it closes by no more than a part in a step;
+!!   what carries nothing does not become denser than it was;
 !! * bulk viscosity acts where matter carried pressure before the step, and takes in a step no more
 !!   than a lone particle's closing: q <= rho h^2 |tr D|/(6 dt).
 !!
@@ -36,10 +36,12 @@ module sgmp_debris
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
-  public :: debris_begin, debris_lanes, debris_loose, debris_mark, debris_possible, debris_room, &
-            debris_set_apart, debris_settled, debris_t, debris_torn, tear_lanes
+  public :: debris_begin, debris_lanes, debris_largest, debris_loose, debris_mark, &
+            debris_possible, debris_room, debris_set_apart, debris_settled, debris_t, debris_torn, &
+            tear_lanes
 
-  real(dp), parameter :: largest = 8.0_dp     !! volume of fragments and their room over the first
+  real(dp), parameter :: debris_largest = 8.0_dp  !! volume of fragments and their room, over the
+                                                  !! first
   real(dp), parameter :: closing = 0.95_dp    !! least part of a dense volume after a step
   real(dp), parameter :: closed = 1.0e-9_dp   !! pressure over bulk modulus of what carries some
   real(dp), parameter :: lone = 1.0_dp/6.0_dp  !! of the closing of a lone particle, in a step
@@ -174,7 +176,7 @@ contains
     real(dp) :: volume, least
     least = closing*min(v_old, 1.0_dp)
     if (empty) least = min(v_old, 1.0_dp)
-    volume = min(max(v, least), max(largest, min(v, v_old)))
+    volume = min(max(v, least), max(debris_largest, min(v, v_old)))
   end function debris_volume
 
   !> Pressure of failed matter after a step, and the square of its speed of sound.
@@ -298,8 +300,10 @@ contains
     if (.not. debris_possible(law) .or. law%eos == eos_none .or. law%softens .or. &
         law%porosity%porous) return
     if (.not. eos_linear(law)) return
-    call eos_terms(law, largest, 0.0_dp, a0, b0, da, db)
-    if (debris_torn(law, largest, a0, 0.0_dp)) law%apart = critical_volume(law, largest, 0.0_dp)
+    call eos_terms(law, debris_largest, 0.0_dp, a0, b0, da, db)
+    if (debris_torn(law, debris_largest, a0, 0.0_dp)) then
+      law%apart = critical_volume(law, debris_largest, 0.0_dp)
+    end if
   end subroutine debris_set_apart
 
 end module sgmp_debris

@@ -33,6 +33,7 @@ module sgmp_material_history
     kept_t('distention', .true., .true., 'distention (eos)'), &
     kept_t('pore_shift', .false., .true., 'shift of the curve of elastic pores (eos pore_speed)'), &
     kept_t('bulking', .true., .true., 'bulking pressure (material)'), &
+    kept_t('compaction', .true., .true., 'greatest compression (material)'), &
     kept_t('preconsolidation', .true., .true., 'preconsolidation (material)'), &
     kept_t('lighting_time', .true., .true., 'lighting time (explosive, detonation)'), &
     kept_t('deformation', .false., .false., 'deformation gradient (neo-Hookean material)'), &
@@ -62,6 +63,7 @@ module sgmp_material_history
     logical :: distention = .false.     !! of porous material
     logical :: pore_shift = .false.     !! of elastic pores
     logical :: bulking = .false.        !! pressure of broken ceramics
+    logical :: compaction = .false.     !! greatest compression of concrete
     logical :: preconsolidation = .false.  !! of clays
     logical :: lighting = .false.       !! lighting time of an explosive
     logical :: deformation = .false.    !! deformation gradient
@@ -91,6 +93,7 @@ module sgmp_material_history
     integer :: distention = 0    !! of porous material, behind the energy
     integer :: pore_shift = 0    !! of the curve of elastic pores, behind the distention
     integer :: bulking = 0       !! pressure of broken ceramics
+    integer :: compaction = 0    !! greatest compression of concrete
     integer :: preconsolidation = 0  !! of clays
     integer :: lighting = 0      !! lighting time of an explosive
     integer :: deformation = 0   !! deformation gradient, row by row
@@ -163,6 +166,7 @@ contains
     if (wants%distention) call slots_ask(slots, 'distention', [wants%first_distention])
     if (wants%pore_shift) call slots_ask(slots, 'pore_shift', none)
     if (wants%bulking) call slots_ask(slots, 'bulking', none)
+    if (wants%compaction) call slots_ask(slots, 'compaction', none)
     if (wants%preconsolidation) call slots_ask(slots, 'preconsolidation', none)
     if (wants%averaged) then
       call slots_ask(slots, 'averaged_strain', none)
@@ -186,6 +190,7 @@ contains
     slots%distention = slots_column(slots, 'distention')
     slots%pore_shift = slots_column(slots, 'pore_shift')
     slots%bulking = slots_column(slots, 'bulking')
+    slots%compaction = slots_column(slots, 'compaction')
     slots%preconsolidation = slots_column(slots, 'preconsolidation')
     slots%lighting = slots_column(slots, 'lighting_time')
     slots%deformation = slots_column(slots, 'deformation')

@@ -6,7 +6,7 @@
 !! of fourth order, first at the surface from v = 1 to the pressure there, then down.
 module sgmp_material_weight
   use sgmp_constitutive, only: constitutive_t, eos_none, eos_terms, law_is_spherical, &
-                               material_explosive, material_fluid, &
+                               material_concrete, material_explosive, material_fluid, &
                                material_johnson_holmquist, material_mooney_rivlin, &
                                material_names, material_neo_hookean
   use sgmp_kinds, only: dp
@@ -16,7 +16,8 @@ module sgmp_material_weight
 
   !> Laws whose stress follows from the volume or the deformation.
   integer, parameter :: stressless(*) = [material_explosive, material_neo_hookean, &
-                                         material_mooney_rivlin, material_johnson_holmquist]
+                                         material_mooney_rivlin, material_johnson_holmquist, &
+                                         material_concrete]
   integer, parameter :: parts = 32           !! of each of the two ways
   real(dp), parameter :: reached = 1.0e-6_dp  !! of the pressure, relative: else there is no state
 

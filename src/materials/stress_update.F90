@@ -12,16 +12,18 @@
 module DIM(sgmp_stress_update)
   use sgmp_averaging, only: averaging_values
   use sgmp_constitutive, only: constitutive_t, eos_none, material_cam_clay, &
-                               material_crushable_foam, material_drucker_prager, &
+                               material_concrete, material_crushable_foam, &
+                               material_drucker_prager, &
                                material_elastic, material_fluid, material_j2, &
                                material_johnson_cook, material_johnson_holmquist, &
                                material_mohr_coulomb, &
                                material_mooney_rivlin, material_neo_hookean, &
                                material_steinberg_guinan, material_zerilli_armstrong
-  use sgmp_debris, only: debris_begin, debris_lanes, debris_t, tear_lanes
+  use sgmp_debris, only: debris_begin, debris_lanes, debris_largest, debris_t, tear_lanes
   use sgmp_failure, only: carries_everything, failure_judge, failure_tension
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_cam_clay, only: cam_clay_moduli, cam_clay_return, cam_clay_start
+  use sgmp_material_concrete, only: concrete_return
   use sgmp_material_crushable_foam, only: crushable_foam_return
   use sgmp_material_drucker_prager, only: drucker_prager_return
   use sgmp_material_fluid, only: fluid_diffusion_speed
@@ -98,6 +100,10 @@ contains
       call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
                    trace, jacobian, old_volume, work)
       call ceramic(law, dt, mass, strain, trace, nb, b, speed2, q, work)
+    case (material_concrete)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
+                   trace, jacobian, old_volume, work)
+      call concrete(law, dt, mass, strain, trace, nb, b, speed2, q, work)
     case (material_crushable_foam)
       call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
                    trace, jacobian, old_volume, work)
@@ -438,6 +444,42 @@ contains
     call add_half_work(b(1, s), strain, work)
     call viscosity(law, dt, mass, b(1, 1), trace, speed2, q)
   end subroutine ceramic
+
+  !> Returns the trial stress of concrete to its strength, and gives it the pressure of its volume.
+  !!
+  !! Rubble in the open bears no shear: its waves are not those of a modulus over its density, which
+  !! would shorten the steps the more the farther it flies. It is taken to be no larger than a cell
+  !! can tell, as debris is (sgmp_debris), so that it presses again when the room is gone.
+  pure subroutine concrete(law, dt, mass, strain, trace, nb, b, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, mass(lanes), strain(lanes, NFLUX), trace(lanes)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: speed2(lanes), q(lanes)
+    real(dp), intent(inout) :: work(lanes)
+    real(dp), dimension(lanes) :: mean, norm, volume, rate, pressure, slope, factor
+    real(dp) :: thin, most
+    logical :: open
+    integer :: l, s, d
+    s = law%slots%stress
+    d = law%slots%damage
+    call von_mises(b(1, s), mean, norm)
+    call deviator_rate(dt, strain, trace, rate)
+    volume = b(:, 1)*law%density/mass
+    call concrete_return(law%concrete, volume, rate, norm, b(1, law%slots%plastic), b(1, d), &
+                         b(1, law%slots%compaction), pressure, slope, factor)
+    call rescale(factor, mean, -pressure, b(1, s))
+    !$omp simd simdlen(8) private(thin, most, open)
+    do l = 1, lanes
+      open = b(l, d) >= 1.0_dp .and. pressure(l) <= 0.0_dp
+      thin = merge(min(volume(l), 1.0_dp), volume(l), open)
+      most = debris_largest*mass(l)/law%density
+      b(l, 1) = merge(most, b(l, 1), open .and. b(l, 1) > most)
+      speed2(l) = (slope(l) + 4.0_dp/3.0_dp*law%elastic%shear*thin)/law%density
+    end do
+    call add_half_work(b(1, s), strain, work)
+    call viscosity(law, dt, mass, b(1, 1), trace, speed2, q)
+  end subroutine concrete
 
   !> Rate of the deviator of a strain, sqrt(2/3 e:e); none in a step without time.
   pure subroutine deviator_rate(dt, strain, trace, rate)

@@ -4,7 +4,7 @@ of five scenes have features beyond these: fluids, soils, failure, softening, sc
 turn or are free, initial rotation, damping, loads that rise, ends at rest. Four of five scenes of the seeds from 40000000 on draw what came last, too:
 the materials and loads of _latest.py, tables, walls that move, particle files; of those from 80000000 on four of five what is in _newest.py: ceramics,
 more shapes, gauges, and keys that no other scene has; of those from 120000000 on what is in _further.py: parts that are moved, walls that rub or let waves out,
-foam, spall, all words of `method sgmp`. Each is run with one and two threads, on two ranks and from a
+foam, spall, all words of `method sgmp`; of those from 160000000 on concrete. Each is run with one and two threads, on two ranks and from a
 checkpoint; then
 
 * the same exit code, bits, histories and verdict in all of them;
@@ -38,6 +38,7 @@ STEPS = {1: 120, 2: 60, 3: 24}
 LATEST = 40000000                     # seeds below draw nothing of _latest.py
 NEWEST = 80000000                     # and below these nothing of _newest.py
 FURTHER = 120000000                   # and below these nothing of _further.py
+CONCRETE = 160000000                  # and below these no concrete
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_WAIT_POLICY": "passive", "SGMP_THREADS": "exact"}
 
@@ -90,7 +91,8 @@ class Scene:
         self.loads()
         self.ends()
         pores = ",distention"*any(" distention=" in line for line in self.lines)
-        broken = ",damage"*any(" johnson_holmquist " in line for line in self.lines)
+        broken = ",damage"*any(" johnson_holmquist " in line or " concrete " in line for line in self.lines)
+        broken += ",compaction"*any(" concrete " in line for line in self.lines)
         self.lines += ["output csv at=end fields=mass,stress,density" + pores + broken, "history steps=1", f"checkpoint every={self.steps//3} keep=9"]
         if self.newer:
             for name in self.deforming:
@@ -219,6 +221,8 @@ class Scene:
             return []
         if self.alone and self.stream(f"linear {numbers['name']}").random() < 0.5:
             return latest.linear(numbers)
+        if self.seed >= CONCRETE and self.has_further(f"concrete {numbers['name']}", 0.25):
+            return further.concrete(self.stream(f"concrete of {numbers['name']}"), numbers)
         if self.has_newest(f"ceramic {numbers['name']}", 0.4):
             return newest.ceramic(self.stream(f"ceramic matter {numbers['name']}"), numbers)
         if self.has_further(f"foam {numbers['name']}", 0.25):
@@ -237,7 +241,7 @@ class Scene:
         """The cards of a material, with its failure and its erosion."""
         luck = self.stream(f"failure {numbers['name']}")
         kind = lines[0].split()[2]
-        fails = kind == "johnson_holmquist"
+        fails = kind in ("johnson_holmquist", "concrete")
         plastic = fails or kind in (*latest.METAL_NAMES, "drucker_prager", "mohr_coulomb", "cam_clay")
         if self.fails and kind in latest.METAL_NAMES:
             damages = kind == "johnson_cook" and luck.random() < 0.4
@@ -589,8 +593,8 @@ def problems(chosen, scene, deck):
 
 def never_drawn():
     """What the last seeds must draw, and do not in 200 scenes."""
-    texts = "".join(Scene(seed).text() for seed in range(FURTHER, FURTHER + 200))
-    return [word for word in ("motion ", "wallfriction ", "=absorbing", " crushable_foam ", " toughness=", " spall_strain=", " surfaces=corrected") if word not in texts]
+    texts = "".join(Scene(seed).text() for seed in range(CONCRETE, CONCRETE + 200))
+    return [word for word in ("motion ", "wallfriction ", "=absorbing", " crushable_foam ", " concrete ", " toughness=", " spall_strain=", " surfaces=corrected") if word not in texts]
 
 
 def main():
@@ -598,7 +602,7 @@ def main():
     if "--show" in sys.argv:
         scene = Scene(int(sys.argv[sys.argv.index("--show") + 1]))
         sys.exit(print(scene.text() + "".join(f"# {name}:\n# " + "\n# ".join(text.splitlines()) + "\n" for name, text in scene.files.items())))
-    chosen = arguments(__doc__, 12, FURTHER)
+    chosen = arguments(__doc__, 12, CONCRETE)
     findings, codes = Findings(chosen.scratch), {}
     deck = os.path.join(chosen.scratch, "scene.inp")
     for word in never_drawn():

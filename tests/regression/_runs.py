@@ -218,6 +218,9 @@ eos sponge shock c0=8 s=1.4 gamma0=2 distention=1.4 crush_start=0.3 crush_end=6 
 material tile johnson_holmquist density=0.9 shear_modulus=40 k1=60 k2=20 k3=30 hugoniot_limit=3 hugoniot_pressure=1.2 intact_strength=0.9 intact_exponent=0.6 &
   fractured_strength=0.4 fractured_exponent=0.7 rate_coefficient=0.02 reference_rate=1e-3 tension_limit=1 damage_strain=0.1
 material pad crushable_foam density=0.5 young=30 poisson=0.2 plateau=0.2 plastic_poisson=0.1 linear_hardening=0.2 densification=0.3 densification_strain=1 densification_exponent=3
+material wall concrete density=0.8 shear_modulus=30 compressive_strength=0.5 cohesive_strength=0.8 pressure_hardening=1.6 pressure_exponent=0.6 strength_limit=7 &
+  rate_coefficient=0.01 reference_rate=1e-3 tension_limit=0.05 damage_strain=0.04 least_damage_strain=0.01 crush_pressure=0.2 crush_compression=0.005 &
+  lock_pressure=4 lock_compression=0.15 k1=150 k2=-200 k3=300
 erode tile plastic_strain=2
 viscosity all
 body tile block material=tile lower=(-6,0) upper=(0,8) ppc=2
@@ -227,12 +230,14 @@ body lid block material=bcc lower=(6,8) upper=(14,14) ppc=2
 body backing block material=foam lower=(14,0) upper=(20,4) ppc=2
 body cushion block material=sponge lower=(14,4) upper=(20,8) ppc=2
 body pad block material=pad lower=(0,8) upper=(6,12) ppc=2
+body wall block material=wall lower=(-12,0) upper=(-6,8) ppc=2 jitter=0.2
 velocity tile x=6
 velocity flyer x=3 y=0.5
 velocity pad x=3 y=-0.5
+velocity wall x=12
 velocity plate y="0.1*x"
 history steps=10
-output csv at=end fields=stress,density,energy,temperature,plastic_strain,distention,damage,bulking
+output csv at=end fields=stress,density,energy,temperature,plastic_strain,distention,damage,bulking,compaction
 """
 
 # A ball on the axis and a tube that closes on it, walls below and outside.

@@ -84,7 +84,7 @@ def materials(report, program):
     written(folder, "library.inp", LIBRARY_DECK.format(file="materials/copper.inp", name="copper"))
     code, text = call(program, "library.inp", "--check", folder=folder)
     report.check(code == 0, f"the library's copper: {code} {text}")
-    for words, part in ((("materials", "coper"), "did you mean 'copper'"), (("materials", "concrete"), "no constitutive model here"), (("materials", "--check"), "takes no options")):
+    for words, part in ((("materials", "coper"), "did you mean 'copper'"), (("materials", "rock"), "no constants of rock with a source"), (("materials", "--check"), "takes no options")):
         code, text = call(program, *words, folder=folder)
         report.check(code == 2 and part in text, f"{words}: {code} {text}")
     written(folder, "mine/materials/copper.inp", "material mine elastic density=1e-3 young=1 poisson=0\n")

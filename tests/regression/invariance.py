@@ -36,6 +36,9 @@ failure foam pmin=0
 material ceramic johnson_holmquist density=density shear_modulus=0.4*young k1=0.6*young k2=young hugoniot_limit=3*kg/(m*s^2) hugoniot_pressure=1.2*kg/(m*s^2) &
   intact_strength=0.9 intact_exponent=0.6 fractured_strength=0.4 fractured_exponent=0.7 rate_coefficient=0.02 reference_rate=0.1/s tension_limit=0.5*kg/(m*s^2) damage_strain=0.02
 material cam_clay cam_clay density=density poisson=0.3 critical_ratio=1 compression_slope=0.2 swelling_slope=0.03 void_ratio=1 pressure0=0.5*kg/(m*s^2) overconsolidation=1.5
+material concrete concrete density=density shear_modulus=0.4*young compressive_strength=0.6*kg/(m*s^2) cohesive_strength=0.8 pressure_hardening=1.6 pressure_exponent=0.6 &
+  rate_coefficient=0.02 reference_rate=0.1/s tension_limit=0.1*kg/(m*s^2) damage_strain=0.04 crush_pressure=0.2*kg/(m*s^2) crush_compression=0.005 lock_pressure=3*kg/(m*s^2) &
+  lock_compression=0.2 k1=2*young k2=-young k3=3*young
 material crushable_foam crushable_foam density=density young=young poisson=0.2 plateau=0.3*kg/(m*s^2) plastic_poisson=0.1 densification=0.5*kg/(m*s^2) densification_strain=1
 viscosity elastic quadratic=1.5 linear=0.06
 """
@@ -91,7 +94,7 @@ def power_of(column, dimension):
     return POWERS.get("x" if head in ("x", "y", "z") else head, (0, 0, 0))
 
 
-def same_in_other_units(report, dimension, deck, kinds=("elastic", "j2", "johnson_cook", "steinberg_guinan", "zerilli_armstrong", "foam", "ceramic", "cam_clay", "crushable_foam")):
+def same_in_other_units(report, dimension, deck, kinds=("elastic", "j2", "johnson_cook", "steinberg_guinan", "zerilli_armstrong", "foam", "ceramic", "concrete", "cam_clay", "crushable_foam")):
     """Units that are powers of two change no bit but the exponents'."""
     units = {"m": 2.0**7, "kg": 2.0**-5, "s": 2.0**3}
     for kind in kinds:

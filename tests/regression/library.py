@@ -14,6 +14,7 @@ import subprocess
 import sys
 
 from _ceramics import squeezed
+from _concretes import crushed as crushed_concrete
 from _clays import consolidated
 from _runs import INPUT, SGMP, SOURCE, Report, run
 
@@ -35,7 +36,7 @@ history steps={every}
 # m kg s of one unit of length, mass, time; strain rate of the path (1/s).
 SYSTEMS = (("m kg s", (1.0, 1.0, 1.0), 1.0), ("cm mg us", (1e-2, 1e-6, 1e-6), 1e3))
 CUSTOMARY = ("mm g ms", (1e-3, 1e-3, 1e-3), 1e3)  # in which the decks of input/ are
-COUNT = 36
+COUNT = 38
 
 
 class Eos:
@@ -99,6 +100,8 @@ def expected(cards, volumes, times):
     eos = Eos(material, cards.get("eos"))
     if kind == "johnson_holmquist":
         return [row[:2] for row in squeezed(material, times, volumes, 40)]
+    if kind == "concrete":
+        return [row[:2] for row in crushed_concrete(material, times, volumes, 40)]
     if kind == "cam_clay":
         return [row[:2] for row in consolidated(material, times, volumes, 40)]
     if kind == "neo_hookean":
@@ -291,7 +294,7 @@ def main():
                 continue
             outwards = name in EXPLOSIVES
             # A ceramic breaks within a few thousandths of strain; the first plastic strain of iron depends on the step that it comes in.
-            every = {"johnson_holmquist": 50, "zerilli_armstrong": 8, "cam_clay": 10}.get(cards["material"]["words"][1], 1)
+            every = {"johnson_holmquist": 50, "concrete": 50, "zerilli_armstrong": 8, "cam_clay": 10}.get(cards["material"]["words"][1], 1)
             rows = path(report, name, file, system, 1.0 if outwards else -1.0, 0.2, every=every)
             if rows:
                 same_path(report, name, cards, rows, f"{name}, {system[0]}")
