@@ -24,7 +24,8 @@ from common import BUILD, ROOT, Book, forget_old_runs
 
 EXAMPLES = ("bar", "bar_rotated", "bar_stability", "beam", "energy", "tnt_slab", "vortex", "taylor_bar", "taylor_metals", "normalised",
             "contact_bars", "contact_sliding", "contact_rolling", "contact_rings", "contact_hertz", "contact_gap", "contact_rod",
-            "contact_rest", "contact_scenes", "rotation", "contact_axisymmetric", "axisymmetric", "swirl", "tube", "noh", "cylinder", "blast", "blast_load", "penetration", "perforation", "long_rod", "fluids", "flows", "hugoniot", "piston", "spall", "hypervelocity", "volumes",
+            "contact_rest", "contact_scenes", "rotation", "contact_axisymmetric", "axisymmetric", "swirl", "tube", "noh", "sedov", "cavity", "cylinder", "blast", "blast_load", "plate_impulse", "charge_plate",
+            "penetration", "perforation", "long_rod", "fluids", "flows", "hugoniot", "piston", "spall", "hypervelocity", "volumes",
             "statics", "rigid", "soils", "length")
 
 

@@ -5,8 +5,8 @@ module sgmp_cards_contact
   use sgmp_deck_card, only: deck_card_t
   use sgmp_deck_errors, only: deck_errors_t
   use sgmp_expression, only: expression_clone, expression_free, expression_t
-  use sgmp_keys, only: kind_expression, kind_list, kind_logical, kind_name_word, kind_real, kind_vector, &
-                       kind_word
+  use sgmp_keys, only: kind_expression, kind_list, kind_logical, kind_name_word, kind_real, &
+                       kind_vector, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: read_third, registry_t
   use sgmp_scene, only: contact_card_t

@@ -136,11 +136,15 @@ contains
         call errors%add(card%place('body'), "body '"//card%word('body')//"' is rigid: it moves "// &
                         'as a whole', 'its motion is that of its card rigid')
       end if
-      do c = 1, merge(size(scene%contacts), 0, size(scene%bodies) > 1)
-        if (all(scene%contacts(c)%body /= b) .and. all(scene%contacts(c)%body /= 0)) cycle
-        call errors%add(card%place('body'), "body '"//card%word('body')//"' takes part in "// &
-                        'contact, and so cannot be moved in part', 'make the part a rigid '// &
-                        'body that touches the rest, or leave this body out of the cards contact')
+      do c = 1, merge(size(scene%contacts), 0, scene%method%rotation)
+        associate (bodies => scene%contacts(c)%body)
+          if (all(bodies /= b .and. bodies /= scene%bodies(b)%leader .and. bodies /= 0)) cycle
+        end associate
+        if (.not. scene%contacts(c)%friction > 0.0_dp) cycle
+        call errors%add(card%place('body'), "body '"//card%word('body')//"' is rubbed by "// &
+                        'others, and so cannot be moved in part with rotation=exact: friction '// &
+                        'then acts at the surface and not at nodes', &
+                        'remove friction from the card contact, or write rotation=plain')
         exit
       end do
     end associate

@@ -711,7 +711,7 @@ contains
   end function law_is_spherical
 
   !> Whether the material bears no tension, so that it fills whatever room it has.
-  pure logical function law_gaseous(law) result(yes)
+  elemental logical function law_gaseous(law) result(yes)
     type(constitutive_t), intent(in) :: law
     yes = law%kind == material_explosive .or. &
           (law%kind == material_fluid .and. law%eos == eos_ideal_gas)

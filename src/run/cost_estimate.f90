@@ -88,8 +88,8 @@ contains
     integer :: f, g, a, b, p
     if (size(model%bodies) < 2) return
     if (size(model%contact%pairs) == 0) then
-      call put('contact     none: all bodies share one velocity field, and stick together where '// &
-               'they meet')
+      call put('contact     none: all bodies share one velocity field, and stick together '// &
+               'where they meet')
       return
     end if
     do f = 1, size(model%fields)

@@ -389,7 +389,10 @@ class Scene:
 
     def motions(self):
         """Parts of bodies that are moved, where the method allows it."""
-        if self.swirl or self.moving or self.rubs or any(line.startswith("contact") for line in self.lines):
+        if self.swirl or self.moving or self.rubs:
+            return
+        rough = any(line.startswith("contact") and not line.endswith("friction=0") for line in self.lines)
+        if rough and any("rotation=exact" in line for line in self.lines):
             return
         for name, block in self.deforming.items():
             if self.has_further(f"motion {name}", 0.25):

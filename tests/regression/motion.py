@@ -363,7 +363,7 @@ def mistakes(report):
              ("about without rotation", 'x=-1', 'x=-1 about=(0,0)', "'about' of a part that does not turn"),
              ("the same particles twice", "load ball", 'motion ball where="y>2" x=1\nload ball', "two cards move the same particles of body 'ball'"),
              ("no such time", "until=5", "until=0", "'until' = 0 is out of range"),
-             ("contact", "load ball", "contact all\nload ball", "takes part in contact"),
+             ("friction at the surface", "load ball", "contact all friction=0.1\nmethod sgmp rotation=exact\nload ball", "is rubbed by others"),
              ("walls that move", "method $method", "wall y-=fixed\nwallmotion y- x=1\nmethod $method", "motion does not go with wallmotion"),
              ("too many", "load ball", "".join(f'motion ball where="y>-3+0.5*{k} && y<-3+0.5*{k + 1}" x={k}\n' for k in range(8)) + "load ball", "more than 8 cards motion"))
     for title, before, after, message in cases:

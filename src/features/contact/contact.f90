@@ -17,12 +17,13 @@ module sgmp_contact
   use sgmp_contact_memory, only: memory_give, memory_take
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_contact_resolve, only: contact_link_t, link_free, resolve_strain, resolve_trial
+  use sgmp_driven_nodes, only: driven_nodes_pin
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_rigid_motion, only: motion_kick
   use sgmp_shared_nodes, only: node_terms_t, shared_build, shared_mark, shared_meet, &
-                               shared_nodes_t, shared_place, shared_share
+                               shared_members, shared_nodes_t, shared_place, shared_share
   use sgmp_space, only: space_axisymmetric
   use sgmp_surface_exposure, only: exposure_steps, surface_expose
   use sgmp_surface_particles, only: surface_count, surface_pack
@@ -208,6 +209,13 @@ contains
     logical :: moving(size(velocity, 2))
     integer :: which(size(links)), l, k, m, nd, active
     shared%terms(n) = node_terms_t()
+    if (shared%driven) then
+      associate (first => shared%member_start(n), last => shared%member_start(n + 1) - 1)
+        shared%driven_kick(:, first:last) = 0.0_dp
+        shared%driven_push(:, first:last) = 0.0_dp
+        shared%driven_work(:, first:last) = 0.0_dp
+      end associate
+    end if
     if (.not. any(shared%meets(shared%link_start(n):shared%link_start(n + 1) - 1))) then
       do l = shared%link_start(n), shared%link_start(n + 1) - 1
         call forget(shared%link(l))
@@ -219,6 +227,7 @@ contains
                         moving)
     call contact_gather(shared, n, bodies, fields, node_acceleration, kick, inverse_mass, moving)
     kick = step%dt_kick*kick
+    if (shared%driven) call note_driven(shared, n, fields, inverse_mass, kick)
     active = 0
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       associate (link => shared%link(l))
@@ -250,7 +259,7 @@ contains
       gained(:, links(l)%second) = gained(:, links(l)%second) + links(l)%impulse
     end do
     do k = 1, size(inverse_mass, 2)
-      if (active == 0 .or. inverse_mass(3, k) <= 0.0_dp) cycle
+      if (active == 0 .or. all(inverse_mass(:, k) <= 0.0_dp)) cycle
       m = shared%member_start(n) + k - 1
       associate (node => fields(shared%field(m))%node, i => shared%record(m))
         call add_vector(node(i, :), node_velocity(nd), velocity(:nd, k) - trial(:nd, k))
@@ -258,6 +267,7 @@ contains
                         inverse_mass(:nd, k)*gained(:nd, k)/step%dt_kick)
       end associate
     end do
+    if (shared%driven) call push_driven(shared, n, fields, inverse_mass)
     call ledger_kick(shared, n, fields, inverse_mass, trial, kick, gained, step%dt_kick, &
                      step%gravity)
     if (step%strains_with_trial .and. shared%at_surface) return  ! friction is yet to come
@@ -272,6 +282,40 @@ contains
                          step%gravity)
     end if
   end subroutine trial_node
+
+  !> The change of velocity that is prescribed for members of a node; 0 along other components.
+  pure subroutine note_driven(shared, n, fields, inverse_mass, kick)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n
+    type(field_t), intent(in) :: fields(:)
+    real(dp), intent(in) :: inverse_mass(:, :), kick(:, :)  !! (3, members)
+    integer :: k, m
+    do k = 1, size(inverse_mass, 2)
+      m = shared%member_start(n) + k - 1
+      if (fields(shared%field(m))%columns%driven == 0) cycle
+      shared%driven_kick(:, m) = merge(0.0_dp, kick(:, k), inverse_mass(:, k) > 0.0_dp)
+    end do
+  end subroutine note_driven
+
+  !> The impulses that contact gives to such components: whoever moves them takes these.
+  pure subroutine push_driven(shared, n, fields, inverse_mass)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n
+    type(field_t), intent(in) :: fields(:)
+    real(dp), intent(in) :: inverse_mass(:, :)   !! (3, members)
+    integer :: l, side, m, at(2)
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      at = shared_members(shared, n, l)
+      do side = 1, 2
+        m = at(side)
+        if (fields(shared%field(m))%columns%driven == 0) cycle
+        associate (push => shared%driven_push(:, m), k => m - shared%member_start(n) + 1)
+          push = push + merge(0.0_dp, merge(-shared%link(l)%passed, shared%link(l)%passed, &
+                                            side == 1), inverse_mass(:, k) > 0.0_dp)
+        end associate
+      end do
+    end do
+  end subroutine push_driven
 
   !> The same at one node: what particles receive is the trial's velocity without the corrections.
   subroutine trial_strain_node(shared, n, bodies, fields, step)
@@ -332,7 +376,7 @@ contains
       call resolve_strain(links, inverse_mass, obeying)
     end associate
     do k = 1, size(inverse_mass, 2)
-      if (inverse_mass(3, k) <= 0.0_dp) cycle
+      if (all(inverse_mass(:, k) <= 0.0_dp)) cycle
       m = shared%member_start(n) + k - 1
       associate (node => fields(shared%field(m))%node, i => shared%record(m))
         call add_vector(node(i, :), column, obeying(:nd, k) - velocity(:nd, k))
@@ -342,6 +386,7 @@ contains
     kick = 0.0_dp
     do k = 1, size(inverse_mass, 2)
       associate (body => bodies(shared%body(shared%member_start(n) + k - 1)))
+        if (shared%driven) kick(:, k) = shared%driven_kick(:, shared%member_start(n) + k - 1)
         if (.not. body%rigid) cycle
         kick(:, k) = merge(0.0_dp, motion_kick(body%rigid_motion, body%speed - body%speed_before, &
                                                shared_place(shared, n, mesh)), shared%held(:, n))
@@ -373,7 +418,7 @@ contains
   end subroutine forget
 
   !> A vector of all members of a node, without the components that walls hold, and the inverse
-  !! masses: 0 for rigid bodies.
+  !! masses: 0 for rigid bodies, and for components whose motion is prescribed.
   pure subroutine contact_gather(shared, n, bodies, fields, column, vector, inverse_mass, moving)
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: n, column
@@ -382,6 +427,7 @@ contains
     real(dp), intent(out) :: vector(:, :)        !! (3, members)
     real(dp), intent(out) :: inverse_mass(:, :)  !! (3, members) of each component
     logical, intent(out) :: moving(:)            !! (members) it has mass at the node
+    logical :: pinned(3)
     integer :: k, m
     vector = 0.0_dp
     do k = 1, size(inverse_mass, 2)
@@ -395,6 +441,10 @@ contains
         else if (fields(shared%field(m))%space == space_axisymmetric) then
           inverse_mass(1, k) = inverse_mass(1, k)/node(i, node_inertia)
         end if
+        if (fields(shared%field(m))%columns%driven == 0) cycle
+        call driven_nodes_pin(fields(shared%field(m)), shared%interval(m), shared%point(1, n), i, &
+                              pinned)
+        inverse_mass(:, k) = merge(0.0_dp, inverse_mass(:, k), pinned)
       end associate
     end do
   end subroutine contact_gather

@@ -1,8 +1,9 @@
 !> From the cards `contact` and `rigid` to pairs of bodies and the fields that they need.
 module sgmp_contact_build
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: law_is_spherical
-  use sgmp_contact_pairs, only: contact_pair_t, normal_first, normal_second, normal_stiffer
+  use sgmp_constitutive, only: law_gaseous, law_is_spherical
+  use sgmp_contact_pairs, only: contact_pair_t, normal_first, normal_second, normal_separating, &
+                                normal_stiffer
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_history, only: slots_ask, slots_t
   use sgmp_mesh, only: mesh_position, mesh_t
@@ -40,6 +41,10 @@ contains
                          a, b, model)
         pair%field = model%bodies(pair%body)%field
         if (is_listed(model%contact%pairs, pair%field)) cycle
+        pair%fills = pair%normal == normal_separating .and. &
+                     any(law_gaseous(model%bodies%law) .and. &
+                         (model%bodies%field == pair%field(1) .or. &
+                          model%bodies%field == pair%field(2)))
         model%contact%pairs = [model%contact%pairs, pair]
       end do
     end do
@@ -170,7 +175,9 @@ contains
           call turn_back(card%turn, x)
           offset = surface_depth(card%shapes, x, n)/body%spacing - 0.5_dp
         end if
-        if (offset < -outside) then
+        if (law_gaseous(body%law)) then
+          offset = 0.0_dp  ! any particle may come to the front
+        else if (offset < -outside) then
           offset = contact_no_surface
         else if (offset > interior) then
           offset = surface_covered

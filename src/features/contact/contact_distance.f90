@@ -18,6 +18,7 @@ module sgmp_contact_distance
 
   real(dp), parameter :: overlapping = 1.0e-3_dp
     !! distance (cells) below which the shortest line is not trusted
+  real(dp), parameter :: far = 10.0_dp         !! no surface around a node is (cells)
   real(dp), parameter :: nowhere = -1.0e30_dp  !! reach of a body that is not there
   real(dp), parameter :: margin = 0.25_dp
     !! gap (cells) that bodies may close in a step and that is therefore measured
@@ -110,9 +111,13 @@ contains
       above = -reach(size(clouds%second, 1), balls(2), clouds%second, -normal, near2)
       below = reach(size(clouds%first, 1), balls(1), clouds%first, normal, near2)
       shared%gap(l) = max(0.0_dp, above - below - pair%lambda)
+      ! Gas is so thin or so stretched that no particle may lie near the normal, and goes through
+      ! what does not wait for it: all its particles around count.
+      if (pair%fills) shared%gap(l) = max(0.0_dp, length - pair%lambda)
       ! Half way between the surfaces, seen from the node, is where the bodies touch.
       shared%middle(l) = 0.5_dp*above + 0.5_dp*below
-      shared%near(l) = above - below < pair%lambda + margin .and. &
+      if (pair%fills .and. abs(shared%middle(l)) > far) shared%middle(l) = 0.0_dp
+      shared%near(l) = (pair%fills .or. above - below < pair%lambda + margin) .and. &
                        abs(shared%middle(l)) <= pair%depth + edge
     end associate
   end subroutine measure

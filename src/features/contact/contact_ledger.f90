@@ -56,15 +56,18 @@ contains
     real(dp), intent(in) :: kick(:, :)           !! (3, members) the part of it by forces
     real(dp), intent(in) :: gained(:, :)         !! (3, members) impulses on the members
     real(dp), intent(in) :: dt, gravity(3)
+    real(dp) :: got(3)
     integer :: k
     associate (terms => shared%terms(n))
       do k = 1, size(inverse_mass, 2)
-        if (inverse_mass(3, k) <= 0.0_dp .or. all(abs(gained(:, k)) <= 0.0_dp)) cycle
+        ! Along components that are prescribed whoever moves them takes it.
+        got = merge(gained(:, k), 0.0_dp, inverse_mass(:, k) > 0.0_dp)
+        if (all(abs(got) <= 0.0_dp)) cycle
         terms%nodes_aa = terms%nodes_aa + &
-          dot_product(gained(:, k), 2.0_dp*kick(:, k) + inverse_mass(:, k)*gained(:, k))/dt**2
+          dot_product(got, 2.0_dp*kick(:, k) + inverse_mass(:, k)*got)/dt**2
         terms%power_before = terms%power_before + &
-                             dot_product(gained(:, k), trial(:, k) - kick(:, k))/dt
-        terms%external_power = terms%external_power + 0.5_dp*dot_product(gained(:, k), &
+                             dot_product(got, trial(:, k) - kick(:, k))/dt
+        terms%external_power = terms%external_power + 0.5_dp*dot_product(got, &
           external(shared, n, k, fields, inverse_mass(:, k), gravity, .false.))
       end do
     end associate
@@ -83,7 +86,8 @@ contains
     real(dp), intent(in) :: part                 !! of the strain that it makes
     real(dp), intent(in) :: gravity(3)
     real(dp), dimension(3, size(inverse_mass, 2)) :: gained, corrected
-    integer :: b, k, l
+    logical :: yields(3)
+    integer :: b, k, l, m
     gained = 0.0_dp
     corrected = 0.0_dp
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
@@ -98,13 +102,22 @@ contains
     end do
     associate (terms => shared%terms(n))
       do k = 1, size(inverse_mass, 2)
-        b = shared%body(shared%member_start(n) + k - 1)
+        m = shared%member_start(n) + k - 1
+        b = shared%body(m)
         if (bodies(b)%rigid_motion%free) cycle  ! what it gives it loses
         if (bodies(b)%rigid) then
           terms%rigid_work = terms%rigid_work + part*(dot_product(corrected(:, k), kick(:, k)) &
                                                       - dot_product(gained(:, k), velocity(:, k)))
-        else if (any(abs(corrected(:, k)) > 0.0_dp)) then
-          terms%external_power = terms%external_power + part*dot_product(corrected(:, k), &
+          cycle
+        end if
+        yields = inverse_mass(:, k) > 0.0_dp
+        if (fields(shared%field(m))%columns%driven > 0) then
+          shared%driven_work(:, m) = shared%driven_work(:, m) + part* &
+            merge(0.0_dp, gained(:, k)*velocity(:, k) - corrected(:, k)*kick(:, k), yields)
+        end if
+        if (any(abs(corrected(:, k)) > 0.0_dp .and. yields)) then
+          terms%external_power = terms%external_power + &
+            part*dot_product(merge(corrected(:, k), 0.0_dp, yields), &
             external(shared, n, k, fields, inverse_mass(:, k), gravity, .true.))
         end if
       end do

@@ -28,6 +28,8 @@ module sgmp_contact_pairs
     real(dp) :: depth = huge(1.0_dp)
       !! contact acts at nodes this near to where the bodies touch (cells)
     integer :: normal = normal_separating  !! one of normal_*, the stiffer already resolved
+    logical :: fills = .false.
+      !! one of the fields is gas, which comes as near as any of its particles does
     ! what has happened since the start, vectors along the axes of output
     real(dp) :: impulse(3) = 0.0_dp        !! on the first body
     real(dp) :: angular_impulse(3) = 0.0_dp  !! on the first body, about the origin

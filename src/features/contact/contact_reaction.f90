@@ -181,12 +181,12 @@ contains
     integer :: d
     impulse = sign*(link%impulse + pic*link%correction)
     answer = 0.0_dp
-    if (link%state > link_closed .and. weight(3) > 0.0_dp) then
-      normal_weight = weight(3) + dot_product(link%normal**2, weight - weight(3))
+    normal_weight = weight(3) + dot_product(link%normal**2, weight - weight(3))
+    if (link%state > link_closed .and. normal_weight > 0.0_dp) then
       answer = spread(link%normal, 2, 3)*spread(link%normal, 1, 3)
       if ((link%state == link_sticking .and. .not. link%at_surface) .or. &
           link%state == link_sharing) then
-        slip_weight = weight(1) + weight(2) - normal_weight
+        slip_weight = max(weight(1) + weight(2) - normal_weight, tiny(1.0_dp))
         answer = answer*(1.0_dp/normal_weight - 1.0_dp/slip_weight)
         do d = 1, 3
           answer(d, d) = answer(d, d) + 1.0_dp/slip_weight

@@ -30,6 +30,8 @@ module sgmp_contact_resolve
   integer, parameter :: link_sharing = 4   !! debris meets something: they have one velocity
 
   integer, parameter :: most_rounds = 500
+  real(dp), parameter :: unyielding = 1.0e-2_dp
+    !! inverse mass, relative, below which a direction counts as prescribed
   real(dp), parameter :: settled = 1.0e-15_dp
     !! change of velocity, relative, at which the rounds end
 
@@ -184,7 +186,7 @@ contains
     ! One pair alone is done in one round but where its normal impulse changes the slip.
     at_once = count(conditions%active) <= 1 .and. &
               (all(conditions%friction <= 0.0_dp) .or. &
-               all(abs(inverse_mass(1, :) - inverse_mass(3, :)) <= 0.0_dp))
+               all(abs(inverse_mass(1:2, :) - inverse_mass([3, 3], :)) <= 0.0_dp))
     do round = 1, merge(1, most_rounds, at_once)
       change = 0.0_dp
       do n = 1, size(conditions)
@@ -203,15 +205,23 @@ contains
     real(dp) :: weight(3), normal_weight, slip_weight
     real(dp) :: apart(3), normal_part, along, across(3), length, impulse(3)
     weight = inverse_mass(:, condition%first) + inverse_mass(:, condition%second)
-    if (weight(3) <= 0.0_dp) return
+    if (all(weight <= 0.0_dp)) return
     associate (n => condition%normal)
       normal_weight = weight(3) + dot_product(n**2, weight - weight(3))
-      slip_weight = weight(1) + weight(2) - normal_weight
       apart = velocity(:, condition%first) - velocity(:, condition%second)
+      ! In a plane the one direction across n; else an upper bound, with which the rounds converge.
+      slip_weight = merge(weight(1) + weight(2) - normal_weight, maxval(weight), &
+                          max(abs(n(3)), abs(apart(3))) <= 0.0_dp)
       normal_part = dot_product(apart, n)
-      along = max(condition%least, &
-                  condition%along + (normal_part - condition%approach)/normal_weight)
-      across = condition%across + (apart - normal_part*n)/slip_weight
+      along = condition%along
+      ! What hardly yields along n, as all of it is prescribed, does not.
+      if (normal_weight > unyielding*maxval(weight)) then
+        along = max(condition%least, along + (normal_part - condition%approach)/normal_weight)
+      end if
+      across = condition%across
+      if (slip_weight > unyielding*maxval(weight)) then
+        across = across + (apart - normal_part*n)/slip_weight
+      end if
       length = norm2(across)
       condition%slides = length > condition%friction .or. condition%friction <= 0.0_dp
       if (condition%slides) across = across*(condition%friction/max(length, tiny(1.0_dp)))

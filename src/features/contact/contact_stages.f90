@@ -7,6 +7,8 @@ module sgmp_contact_stages
   use sgmp_contact_exchange, only: contact_exchange
   use sgmp_contact_ledger, only: ledger_add_up
   use sgmp_contact_levers, only: plane_colours
+  use sgmp_drive, only: drive_sums, most_drives
+  use sgmp_driven_nodes, only: driven_nodes_push
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_field, only: field_t
   use sgmp_findings, only: findings_t
@@ -19,6 +21,8 @@ module sgmp_contact_stages
   use sgmp_partition, only: partition_t
   use sgmp_phases, only: phase_swap_nodes
   use sgmp_ranks, only: ranks_t
+  use sgmp_shared_nodes, only: shared_nodes_t
+  use sgmp_tally, only: tally_add
   use sgmp_text, only: integer_text
   use sgmp_timers, only: phase_contact, phase_halo, timers_move, timers_t, wall_time
   implicit none
@@ -95,7 +99,7 @@ contains
       end do
       call friction_after_trial(contact, fields, bodies, step, threads)
     end if
-    if (step%after <= 0.0_dp) call add_up(contact, mesh, ranks%partition)
+    if (step%after <= 0.0_dp) call add_up(contact, step, mesh, fields, ranks%partition, findings)
     call timers_move(timers, phase_contact, since)
   end subroutine phase_contact_force
 
@@ -130,7 +134,7 @@ contains
       end do
       if (.not. before_kick) call friction_after_strain(contact, step%after)
     end if
-    if (.not. before_kick) call add_up(contact, mesh, ranks%partition)
+    if (.not. before_kick) call add_up(contact, step, mesh, fields, ranks%partition, findings)
     call timers_move(timers, phase_contact, since)
   end subroutine phase_contact_velocity
 
@@ -162,11 +166,44 @@ contains
   end subroutine swap
 
   !> Sums of what contact did in the step, when all of it is done.
-  subroutine add_up(contact, mesh, partition)
+  subroutine add_up(contact, step, mesh, fields, partition, findings)
     type(contact_t), intent(inout) :: contact
+    type(contact_step_t), intent(in) :: step
     type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: fields(:)
     type(partition_t), intent(in) :: partition
+    type(findings_t), intent(inout) :: findings
     call ledger_add_up(contact%shared, mesh, partition%own, size(contact%pairs), contact%terms)
+    if (contact%shared%driven) call book_driven(contact%shared, step%dt_kick, mesh, fields, &
+                                                partition%own, findings)
   end subroutine add_up
+
+  !> What contact gives to parts whose motion is prescribed is a force on whoever moves them: to the
+  !! sums of their drives.
+  subroutine book_driven(shared, dt, mesh, fields, own, findings)
+    type(shared_nodes_t), intent(in) :: shared
+    real(dp), intent(in) :: dt                   !! velocity step
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: fields(:)
+    integer, intent(in) :: own(2)                !! first and last plane of this rank
+    type(findings_t), intent(inout) :: findings
+    real(dp) :: sums(drive_sums, most_drives)
+    integer :: n, m, k
+    do n = 1, shared%nodes
+      if (shared%point(3, n) < own(1)) cycle
+      if (shared%point(3, n) > own(2)) exit
+      do m = shared%member_start(n), shared%member_start(n + 1) - 1
+        if (all(abs(shared%driven_push(:, m)) + abs(shared%driven_work(:, m)) <= 0.0_dp)) cycle
+        associate (field => fields(shared%field(m)))
+          call driven_nodes_push(field, mesh, shared%interval(m), shared%point(1, n), &
+                                 shared%record(m), shared%driven_push(:, m)/dt, &
+                                 shared%driven_work(:, m)/dt, sums(:, :size(field%drives)))
+          do k = 1, size(field%drives)
+            call tally_add(findings%tally, 1 + field%drive_terms + (k - 1)*drive_sums, sums(:, k))
+          end do
+        end associate
+      end do
+    end do
+  end subroutine book_driven
 
 end module sgmp_contact_stages

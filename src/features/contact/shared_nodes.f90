@@ -44,6 +44,10 @@ module sgmp_shared_nodes
     integer, allocatable :: field(:)            !! (members)
     integer, allocatable :: record(:)           !! (members) the node in the field
     integer, allocatable :: interval(:)         !! (members) of the field's work rows
+    logical :: driven = .false.                 !! motions of parts of some fields are prescribed
+    ! (3, members) of these, in this step: the change of velocity that is prescribed, the impulse
+    ! of contact that whoever moves them takes, and the energy that it has from them.
+    real(dp), allocatable :: driven_kick(:, :), driven_push(:, :), driven_work(:, :)
     integer, allocatable :: body_start(:)       !! (fields + 1)
     integer, allocatable :: bodies(:)           !! of each field, in their order
     integer, allocatable :: bins_start(:)       !! (members + 1)
@@ -74,7 +78,7 @@ contains
     integer, intent(in) :: planes(2)             !! first and last k
     logical, intent(in) :: at_surface            !! friction acts at the surface
     type(rows_t) :: all, common, sum_of
-    integer :: p, n
+    integer :: p, n, m
     allocate (all%key(0), all%first(0), all%last(0))
     do p = 1, size(pairs)
       associate (a => fields(pairs(p)%field(1))%work, b => fields(pairs(p)%field(2))%work)
@@ -99,6 +103,10 @@ contains
     call list_members(shared, fields, pairs, .false.)
     allocate (shared%body(shared%members), shared%field(shared%members), &
       shared%record(shared%members), shared%interval(shared%members))
+    shared%driven = any(fields%columns%driven > 0)
+    m = merge(shared%members, 0, shared%driven)
+    allocate (shared%driven_kick(3, m), shared%driven_push(3, m), shared%driven_work(3, m), &
+              source=0.0_dp)
     allocate (shared%pair(shared%links), shared%link(shared%links))
     allocate (shared%meets(shared%links), shared%near(shared%links), source=.false.)
     allocate (shared%gap(shared%links), shared%middle(shared%links), source=0.0_dp)

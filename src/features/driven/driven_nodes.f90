@@ -13,7 +13,8 @@
 !! the nodes, and dt/2 m |A|^2 (drive_jolt), which is more at the nodes, is that of the particles.
 module sgmp_driven_nodes
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_velocity
-  use sgmp_drive, only: drive_add, drive_jolt, drive_velocity, drive_velocity_before, most_drives
+  use sgmp_drive, only: drive_add, drive_jolt, drive_sums, drive_velocity, drive_velocity_before, &
+                        most_drives
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
@@ -22,7 +23,8 @@ module sgmp_driven_nodes
   use sgmp_wall_work, only: holding_wall
   implicit none
   private
-  public :: driven_nodes_hold, driven_nodes_solve, driven_nodes_velocity
+  public :: driven_nodes_hold, driven_nodes_pin, driven_nodes_push, driven_nodes_solve, &
+            driven_nodes_velocity
 
   !> Part of a node's mass that makes it driven. Where a part ends on a line of nodes these have
   !! one half, about an axis 1/2 - h/(6 r) where the part is the inner one.
@@ -156,6 +158,46 @@ contains
     end do
   end subroutine driven_nodes_hold
 
+  !> Which components of a node's velocity parts prescribe, walls or not.
+  pure subroutine driven_nodes_pin(field, s, i, record, pinned)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, i, record          !! work interval, place in it, record
+    logical, intent(out) :: pinned(3)
+    real(dp) :: part(most_drives)
+    logical :: rules(3, most_drives)
+    pinned = .false.
+    if (.not. any(field%drives%acts)) return
+    call shares_of(field, s, i, record, part, rules)
+    pinned = any(rules, dim=2)
+  end subroutine driven_nodes_pin
+
+  !> A force with which contact pushes a node, which whoever prescribes its motion takes: what it
+  !! adds to the sums of the drives.
+  pure subroutine driven_nodes_push(field, mesh, s, i, record, force, power, sums)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, i, record          !! work interval, place in it, record
+    real(dp), intent(in) :: force(3), power(3)   !! on the node; its components' power
+    real(dp), intent(out) :: sums(drive_sums, size(field%drives))
+    real(dp), dimension(3, most_drives) :: v, before, share
+    real(dp) :: part(most_drives), place(3)
+    logical :: rules(3, most_drives)
+    integer :: a, k, point(3)
+    sums = 0.0_dp
+    call parts_of(field, mesh, s, i, record, point, part, rules)
+    if (.not. any(rules)) return
+    call speeds(field, mesh, point, part, place, v, before)
+    share = 0.0_dp
+    do a = 1, field%ndim
+      if (any(rules(a, :))) share(a, :) = merge(part, 0.0_dp, rules(a, :))/ &
+                                          sum(part, mask=rules(a, :))
+    end do
+    do k = 1, size(field%drives)
+      call drive_add(field%drives(k), place, -share(:, k)*force, -share(:, k)*force, &
+                     -sum(share(:, k)*power), 0.0_dp, sums(:, k))
+    end do
+  end subroutine driven_nodes_push
+
   !> Parts of a node's mass that are driven, and which of them rule its components; walls come
   !! first.
   pure subroutine parts_of(field, mesh, s, i, record, point, part, rules)
@@ -165,11 +207,26 @@ contains
     integer, intent(out) :: point(3)
     real(dp), intent(out) :: part(most_drives)
     logical, intent(out) :: rules(3, most_drives)
-    integer :: a, k, side, axis
-    rules = .false.
-    part = 0.0_dp
+    integer :: a, side, axis
     point = [i, key_j(field%work%key(s)), key_k(field%work%key(s))]
     if (field%ndim == 2) point(2) = point(3)
+    call shares_of(field, s, i, record, part, rules)
+    do a = 1, field%ndim
+      if (.not. any(rules(a, :))) cycle
+      call holding_wall(mesh, point, a, side, axis)
+      if (axis > 0) rules(a, :) = .false.
+    end do
+  end subroutine parts_of
+
+  !> The same without walls.
+  pure subroutine shares_of(field, s, i, record, part, rules)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s, i, record          !! work interval, place in it, record
+    real(dp), intent(out) :: part(most_drives)
+    logical, intent(out) :: rules(3, most_drives)
+    integer :: a, k
+    rules = .false.
+    part = 0.0_dp
     associate (inverse => field%node(record, node_inverse_mass(field%ndim)))
       if (.not. abs(inverse) > 0.0_dp) return
       do k = 1, size(field%drives)
@@ -183,11 +240,8 @@ contains
         rules(a, k) = part(k) > 0.0_dp .and. field%drives(k)%axes(a)
       end do
       if (sum(part, mask=rules(a, :)) < least_part) rules(a, :) = .false.
-      if (.not. any(rules(a, :))) cycle
-      call holding_wall(mesh, point, a, side, axis)
-      if (axis > 0) rules(a, :) = .false.
     end do
-  end subroutine parts_of
+  end subroutine shares_of
 
   !> Where a node is, and the velocities there of the parts that have mass, now and in the step
   !! before.
