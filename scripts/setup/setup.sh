@@ -165,11 +165,11 @@ install_test_packages() {
   echo "setup: pip could not install scripts/setup/requirements-test.txt; the tests that need it will be skipped" >&2
 }
 
-# The browser that shows the pages of reports to a test. Tried once: without it the pages are parsed only.
+# The browser that shows pages of reports and documents to a test. Tried once: without it the pages are parsed only.
 install_browser() {
   has chromium || has chromium-browser || has google-chrome || [ -e "$venv/.no-browser" ] && return 0
   can_install && apt_install chromium > /dev/null 2>&1 && return 0
-  echo "setup: no Chromium (Debian, Ubuntu: apt-get install chromium); pages of reports will be parsed, not shown" >&2
+  echo "setup: no Chromium (Debian, Ubuntu: apt-get install chromium); pages will be parsed, not shown" >&2
   touch "$venv/.no-browser" 2> /dev/null || true
 }
 
