@@ -137,6 +137,7 @@ contains
     type(position_t), intent(in) :: position     !! of the extent in the deck
     logical :: held(2)
     associate (grid => draft%scene%grid, name => draft%axis_key(axis))
+      if (grid%upper(axis) <= grid%lower(axis)) return  ! of a card that was said to be wrong
       if (grid_fit_whole(grid%upper(axis) - grid%lower(axis), grid%cell)) return
       held = grid_fit_held(grid, axis, draft%scene%axisymmetric)
       if (all(held)) then
@@ -160,7 +161,7 @@ contains
     allocate (lengths(0))
     associate (scene => draft%scene, grid => draft%scene%grid)
       do axis = 1, scene%dimension
-        if (any(grid%open(:, axis))) cycle
+        if (any(grid%open(:, axis)) .or. grid%upper(axis) <= grid%lower(axis)) cycle
         if (.not. all(grid_fit_held(grid, axis, scene%axisymmetric))) cycle
         lengths = [lengths, grid%upper(axis) - grid%lower(axis)]
       end do

@@ -161,6 +161,7 @@ contains
     character(:), allocatable :: name
     associate (body => draft%scene%bodies(b), law => draft%scene%materials)
       if (body%material == 0) return
+      if (law(body%material)%law%kind == 0) return  ! an unknown kind, which was said
       name = "'"//trim(body%name)//"'"
       if (body%rigid) then
         call draft%errors%add(card%place('body'), name//' is rigid and has no stress', 'remove it')

@@ -62,6 +62,7 @@ contains
         call errors%add(card%position, 'nothing that can be strained would be left', &
                         'end the run at that time instead')
       end if
+      if (scene%bodies(b)%material == 0) return  ! an unknown material, which was said
       scene%materials(scene%bodies(b)%material)%law%history%energy = .true.
     end associate
   end subroutine check_remove

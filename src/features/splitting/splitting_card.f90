@@ -40,7 +40,9 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     associate (limit => draft%scene%features%splitting%limit, errors => draft%errors)
-      if (limit > 0.0_dp) call check_sides(card, draft%scene, limit, errors)
+      if (limit > 0.0_dp .and. draft%scene%grid%cell > 0.0_dp) then
+        call check_sides(card, draft%scene, limit, errors)
+      end if
       if (card%has('split_most') .and. .not. limit > 0.0_dp) then
         call errors%add(card%place('split_most'), 'split_most bounds what split makes of the '// &
                         'particles, and none is split', 'add split=0.75 or remove split_most')
@@ -59,7 +61,7 @@ contains
     do b = 1, size(scene%bodies)
       if (scene%bodies(b)%rigid) cycle
       spacing = scene%bodies(b)%spacing/scene%grid%cell
-      if (spacing <= 0.0_dp) spacing = 1.0_dp/scene%bodies(b)%ppc
+      if (spacing <= 0.0_dp) spacing = 1.0_dp/max(1, scene%bodies(b)%ppc)
       if (spacing <= limit) cycle
       call errors%add(card%place('split'), "particles of body '"//trim(scene%bodies(b)%name)// &
                       "' have sides of "//real_text(spacing)//' cells at the start', &

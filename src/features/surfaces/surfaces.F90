@@ -482,7 +482,7 @@ contains
     integer :: a
     if (bare(NROW, n, b + 1, field%moment(1, firm(field)))) return
     do a = 1, NDIM
-      call push(whole(n), b, size(field%pairs%centre, 1), field%pairs%centre(1, a), f(:, a))
+      call push(n, b, size(field%pairs%centre, 1), field%pairs%centre(1, a), f(:, a))
     end do
 #ifdef AXISYMMETRIC
     call push_slopes(n, b, field%pairs%centre(:, slope), f(:, 1))
@@ -497,7 +497,7 @@ contains
     real(dp), intent(inout) :: f(:, :)           !! (n in whole vectors or more, ndim)
     integer :: a
     do a = 1, NDIM
-      call push(whole(n), b, size(field%moment, 1), field%moment(1, field%columns%twist + a - 1), &
+      call push(n, b, size(field%moment, 1), field%moment(1, field%columns%twist + a - 1), &
                 f(:, a))
     end do
   end subroutine surfaces_push_twists
@@ -506,10 +506,11 @@ contains
   pure subroutine push(n, b, points, centre, f)
     integer, intent(in) :: n, b(NROW), points
     real(dp), intent(in) :: centre(points, *)
-    real(dp), intent(inout) :: f(n)
+    real(dp), intent(inout) :: f(*)              !! (n in whole vectors or more)
     integer :: i
+    f(n + 1:whole(n)) = 0.0_dp
     !$omp simd
-    do i = 1, n
+    do i = 1, whole(n)
       f(i) = f(i) - half*(corner_slope_2(centre, b, i) - corner_slope_2(centre, b, i - 1))
 #if NDIM == 3
       f(i) = f(i) - half*((corner_slope_3(centre(1, 1 + NDIM), b, i) - &
