@@ -29,6 +29,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "python"), str(ROOT / "scripts")]
 from sgmp_view.files import plot_style, read_history, read_particles_csv, read_summary  # noqa: E402
+from sgmp_view.picture import draw_particles  # noqa: E402
 
 SOLVER = ROOT / "build/release/sgmp"
 BUILD = ROOT / "build/verification"
@@ -275,6 +276,13 @@ def subplots(*arguments, **keywords):
     plt.rcParams.update(plot_style())
     plt.rcParams.update({"savefig.dpi": 130, "legend.fontsize": 8.5})
     return plt.subplots(*arguments, layout="constrained", **keywords)
+
+
+def draw_plane(axis, points, values, spacing, limits, cut=False):
+    """Particles of a plane, or of a body seen along y, on `axis` as the viewer draws them; gives what a colour bar asks for."""
+    drawn = draw_particles(axis, points, values, spacing, cut=cut, limits=limits, most=900)
+    axis.set_aspect("equal")
+    return drawn
 
 
 def slope_triangle(axis, x, y, order, width=2.0):

@@ -6,8 +6,8 @@
 
 Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, a particles CSV, or a checkpoint.
 3D: side view along --axis as a shaded surface, hidden particles hidden; --cut removes the half that faces the viewer and
-shows the section; of a half model (a slip wall in the plane of the picture) it shows the cut face. 2D: the plane. 1D: field
-over x. A dashed line is the undeformed outline, where it is known (first dump or initial positions). A field may be a component (stress_xx), a vector (its size) or a tensor (von Mises); without --field:
+shows the section; of a half model (a slip wall in the plane of the picture) it shows the cut face. 2D: the plane; with
+--revolve what a scene about an axis stands for in space, as a shaded surface, its front half taken away. 1D: field over x. A dashed line is the undeformed outline, where it is known (first dump or initial positions). A field may be a component (stress_xx), a vector (its size) or a tensor (von Mises); without --field:
 plastic strain, else pressure, else speed.
 """
 
@@ -28,7 +28,7 @@ LIGHT = np.array([-0.45, 0.55, 0.70]) / np.linalg.norm([-0.45, 0.55, 0.70])
 SEQUENTIAL = ListedColormap(plt.get_cmap("viridis")(np.linspace(0.1, 1.0, 256)))  # its dark end would hide the shading
 # Grey in the middle: with white, as in RdBu, what is at rest could not be seen on the page.
 DIVERGING = LinearSegmentedColormap.from_list("blue_grey_red", ["#08306b", "#3a7fbd", "#c4c4c4", "#d65f4a", "#67000d"])
-LEAST_BALL = 0.0035  # radius of a particle that flies alone, over the longer side of the picture
+LEAST_BALL = 0.006  # radius of a particle that flies alone, over the longer side of the picture
 OUTLINE = dict(colors="0.35", linewidths=1.0, linestyles=[(0, (5, 3))])
 
 
@@ -272,6 +272,17 @@ def unfolded(particles, values, outline):
     return unfolded_points(particles.points), np.concatenate([values, values]), unfolded_points(outline)
 
 
+def revolved(points, values, outline, spacing):
+    """Half of the body of revolution, open towards -y: points on the circles of the rings, with the values of the rings."""
+    copies = np.maximum(np.ceil(np.pi * points[:, 0] / spacing), 2).astype(int)
+    ring = np.repeat(np.arange(len(points)), copies)
+    place = np.arange(len(ring)) - np.repeat(np.cumsum(copies) - copies, copies)
+    angle = np.pi * (place + 0.5) / copies[ring]
+    radius = points[ring, 0]
+    solid = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), points[ring, 2]])
+    return solid, values[ring], unfolded_points(outline)
+
+
 def field_of(particles, name=None):
     """Name and values of the field to colour by."""
     name = name or particles.first_of(*PLASTIC_STRAIN, "pressure", "velocity")
@@ -348,10 +359,15 @@ def draw(particles, source, options, box=None):
         if options.cut and dimension_of(points) == 3:
             points, values, cut.cut = section_of(folder_of(source), points, initial, values, name, options, spacing)
         about_axis = lookup(read_summary_if_any(folder_of(source)), "dimension") == "axisymmetric"
-        if about_axis:
+        revolve = about_axis and getattr(options, "revolve", False)
+        if revolve:
+            cut.axis = "y"
+            points, values, outline = revolved(points, values, outline, spacing)
+        elif about_axis:
             points, values, outline = unfolded(particles, values, outline)
+        if about_axis:
             box = box and (np.array(box[1]) * (-1, 1, 1), np.array(box[1]) * (1, 1, 1), box[0], box[1])
-        figure, axis = draw_cloud(points, values, name, units, spacing, outline, cut, "ryz" if about_axis else "xyz", box)
+        figure, axis = draw_cloud(points, values, name, units, spacing, outline, cut, "ryz" if about_axis and not revolve else "xyz", box)
     title = options.title or run_name(source).replace("_", " ")
     if particles.time is not None:
         title += f"   t = {particles.time:.4g} {units['time']}".rstrip()
@@ -364,6 +380,7 @@ def drawing_arguments(parser):
     parser.add_argument("--field", help="field, component, vector or tensor to colour by")
     parser.add_argument("--axis", choices="xyz", default="y", help="3D: direction of view (default: y, that is x to the right, z up)")
     parser.add_argument("--cut", action="store_true", help="3D: the section; of a half model the cut face")
+    parser.add_argument("--revolve", action="store_true", help="a scene about an axis: the body of revolution, its front half taken away")
     parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"), help="ends of the colour scale")
     parser.add_argument("--cmap", help="matplotlib colour map")
     parser.add_argument("--title", help="title (default: the folder's name)")

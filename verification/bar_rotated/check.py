@@ -6,7 +6,7 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parent.parent), str(Path(__file__).resolve().parent.parent / "bar")]
 import numpy as np  # noqa: E402
-from common import COLOURS, MARKERS, NAMES, Case, cell_ticks, main, point, slope_triangle, slopes, solve, subplots, work_precision  # noqa: E402
+from common import COLOURS, MARKERS, NAMES, Case, cell_ticks, draw_plane, main, point, slope_triangle, slopes, solve, subplots, work_precision  # noqa: E402
 from exact import error_along  # noqa: E402
 
 METHODS = ("mpm", "gimp", "sgmp")
@@ -70,7 +70,7 @@ def twisting(book):
         start = particles.fields["initial_position"]
         moved = (particles.points - start)[:, :2]
         across = (moved[:, 1] - moved[:, 0]) / np.sqrt(2)
-        dots = axis.scatter(particles.points[:, 0], particles.points[:, 1], s=3, c=1e3 * across, cmap="RdBu_r", vmin=-1, vmax=1, linewidths=0)
+        dots = draw_plane(axis, particles.points, 1e3 * across, run.summary["spacing"], (-1, 1))
         axis.text(0.02, 0.96, f"rms {1e3 * np.sqrt(np.mean(across**2)):.2g} mm", transform=axis.transAxes, va="top", fontsize=9)
     figure.colorbar(dots, ax=axes, shrink=0.8, label="motion across the bar (mm)")
     axes[0].set_ylabel("y (m)")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import numpy as np  # noqa: E402
-from common import COLOURS, NAMES, VARIANTS, Case, main, point, slopes, solve, subplots, work_precision  # noqa: E402
+from common import COLOURS, NAMES, VARIANTS, Case, draw_plane, main, point, slopes, solve, subplots, work_precision  # noqa: E402
 
 SCHEMES = ("usf", "musl", "usl")
 LINES = {"usf": "--", "musl": "-", "usl": ":"}
@@ -105,13 +105,13 @@ def draw_stress(book, runs):
     for (method, update), run in runs.items():
         axis = axes[SCHEMES.index(update), ("mpm", "sgmp").index(method)]
         axis.set_title(f"{NAMES[method]}, {update.upper()}", loc="left", fontweight="bold")
-        axis.set(aspect="equal", xlim=(-2, 62), ylim=(-2.5, 12.5))
         if run.exit_code:
+            axis.set(aspect="equal", xlim=(-2, 62), ylim=(-2.5, 12.5))
             axis.text(30, 5, f"blown up: ended at t = {1e3 * run.history()['time'][-1]:.1f} µs", ha="center", va="center")
             continue
         particles = run.particles()
-        dots = axis.scatter(particles.points[:, 0], particles.points[:, 1], s=1.0, c=1e-3 * particles.column("stress_xx"),
-                            cmap="RdBu_r", vmin=-4, vmax=4, linewidths=0)
+        dots = draw_plane(axis, particles.points, 1e-3 * particles.column("stress_xx"), run.summary["spacing"], (-4, 4))
+        axis.set(xlim=(-2, 62), ylim=(-2.5, 12.5))
     for axis in axes[-1]:
         axis.set_xlabel("x (mm)")
     for axis in axes[:, 0]:

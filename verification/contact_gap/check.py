@@ -4,6 +4,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from matplotlib.collections import PatchCollection
+from matplotlib.patches import Circle
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from common import NAMES, Case, main, solve, subplots  # noqa: E402
@@ -28,12 +30,15 @@ def picture(book):
     for axis, run, title in zip(axes, runs, ("lambda = 1", "lambda = spacing/h = 0.5 (default)")):
         particles = run.particles()
         x, _, z = particles.points.T
-        inside = abs(particles.points[:, 1]) < 0.1
+        near = (abs(particles.points[:, 1]) < 0.1) & (z < 1)
         number = particles.column("body")
         middle = x[number == 1].mean()
-        for body, colour in ((1, "#1f5fb4"), (2, "#8c564b")):
-            chosen = inside & (number == body)
-            axis.scatter(x[chosen] - middle, z[chosen], s=14, color=colour)
+        near &= abs(x - middle) < 1.4
+        half = 0.5*run.summary["spacing"]
+        for body, colour in ((1, "#1f5fb4"), (2, "#8c564b")):  # discs as large as particles
+            centres = np.unique(np.column_stack([x - middle, z])[near & (number == body)].round(9), axis=0)
+            discs = [Circle(centre, half) for centre in centres]
+            axis.add_collection(PatchCollection(discs, facecolor=colour, edgecolor="white", linewidth=0.3))
         for line in np.arange(-0.4, 1.3, 0.2):
             axis.axhline(line, color="0.85", linewidth=0.6, zorder=0)
         axis.set(xlim=(-1.2, 1.2), ylim=(-0.35, 0.85), xlabel="x from the centroid (m)", aspect="equal")

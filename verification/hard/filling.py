@@ -108,4 +108,5 @@ gamma = 2); what has seen a pressure of -1 GPa or a plastic strain of 3 carries 
               0.0, near(0, 1e-9), runs)
     table.row("1 less the shortest over the longest step", {m: value_of(run, lambda run: 1 - run.summary["end_state"]["shortest_step"]/run.summary["end_state"]["longest_step"]) for m, run in runs.items()},
               0.0, at_most(0.8), runs)
-    portraits(table, "debris", runs, "body", "Plate and ball in the end, particles within a cell of the plane y = 0 (mm).", axes=(2, 0), layout=(2, 2), panel=(4.5, 1.9), select=lambda points: np.abs(points[:, 1]) < 4.24)
+    portraits(table, "debris", runs, "body", "Plate (yellow) and ball (dark) in the end, seen from the side (mm); the ball came from the left.",
+              axes=(2, 0, 1), layout=(2, 2), panel=(4.5, 1.9))

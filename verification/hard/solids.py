@@ -29,8 +29,8 @@ within h of the middle over that at the start. Experiment: 16.2 and 13.5 mm.""")
             table.row(f"{what} along {name} (mm)", {m: shapes[name][m][number] for m in METHODS}, experiment, within(experiment, 0.05), runs)
         spread = {m: np.ptp([shapes[name][m][number] for name in DIRECTIONS])/experiment for m in METHODS}
         table.row(f"{what}, spread over the directions", spread, 0.0, at_most(0.02))
-    portraits(table, "taylor", found["x"], "plastic_strain", "Both halves along x in the end, particles within a cell of the plane through the axis.",
-              select=lambda points: np.abs(points[:, 2]) < 1.27)
+    portraits(table, "taylor", found["x"], "plastic_strain", "Section through the axis of both halves along x in the end (mm).",
+              axes=(0, 1, 2), cut=True)
 
 
 def shape_of(run, direction):

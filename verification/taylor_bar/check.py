@@ -8,7 +8,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import numpy as np  # noqa: E402
 from bar_surface import LENGTH, error, of_cubes, of_rings  # noqa: E402
-from common import COLOURS, NAMES, Case, main, point, solve, subplots, work_precision  # noqa: E402
+from common import COLOURS, NAMES, Case, draw_plane, main, point, solve, subplots, work_precision  # noqa: E402
 from taylor_bar_report import measure  # noqa: E402
 
 METHODS = ("mpm", "gimp", "bspline", "sgmp")
@@ -82,9 +82,7 @@ def draw_shapes(book, runs):
     for axis, method in zip(axes, METHODS):
         run = runs[method, SOUND[method]]
         particles = run.particles()
-        points = particles.points
-        near = np.abs(particles.fields["initial_position"][:, 1]) < 0.75 * run.summary["spacing"]
-        dots = axis.scatter(points[near, 0], points[near, 2], s=5, c=particles.column("plastic_strain")[near], cmap="viridis", vmin=0, vmax=1.6, linewidths=0)
+        dots = draw_plane(axis, particles.points, particles.column("plastic_strain"), run.summary["spacing"], (0, 1.6), cut=True)
         for side in (-1, 1):
             axis.plot(side * outline[:, 1], outline[:, 0], color="0.3", linewidth=0.9, label="fine MPM" if side > 0 else None)
             axis.plot([side * reference["D"] / 2] * 2, [0, 1], color="#c0182a", linewidth=2.5, label="experiment" if side > 0 else None)
