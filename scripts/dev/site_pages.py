@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Writes the documents of `make doc` as a site. usage: site_pages.py SOURCE_DIR FOLDER
 
-FOLDER/html/index.html is the start page. MkDocs has to be installed in the Python that runs this (scripts/setup/setup.sh
+FOLDER/html/index.html is the start page. MkDocs has to be installed in the Python that runs this
+(scripts/setup/setup.sh
 --test or --dev does it); the pages of the programming interface are ford's and come from `make doc` alone.
 """
 import glob
@@ -10,7 +11,16 @@ import shutil
 import subprocess
 import sys
 
-PAGES = ("*.md", "LICENSE", "doc/**", "input/*.inp", "input/gallery/**", "packaging/**", "tests/README.md", "python/README.md")
+PAGES = (
+    "*.md",
+    "LICENSE",
+    "doc/**",
+    "input/*.inp",
+    "input/gallery/**",
+    "packaging/**",
+    "tests/README.md",
+    "python/README.md",
+)
 
 
 def copy_pages(source, pages):
