@@ -48,9 +48,7 @@ def main():
     parser.add_argument("--low", type=float, required=True, help="velocity at which it is stopped")
     parser.add_argument("--high", type=float, required=True, help="velocity at which it passes")
     parser.add_argument(
-        "--passing",
-        type=float,
-        metavar="V",
+        "--passing", type=float, metavar="V",
         help="residual velocity above which it has passed (default: a hundredth of the impact velocity)",
     )
     parser.add_argument("--tolerance", type=float, required=True, help="of the limit")

@@ -85,12 +85,9 @@ def print_table(found):
 
 def print_cost(summary):
     words = [
-        ("method", lookup(summary, "method.kind", "method")),
-        ("update", lookup(summary, "method.update", "update")),
-        ("CFL", lookup(summary, "time.cfl", "cfl")),
-        ("particles", lookup(summary, "particles")),
-        ("steps", lookup(summary, "steps")),
-        ("particle steps", lookup(summary, "particle_steps")),
+        ("method", lookup(summary, "method.kind", "method")), ("update", lookup(summary, "method.update", "update")),
+        ("CFL", lookup(summary, "time.cfl", "cfl")), ("particles", lookup(summary, "particles")),
+        ("steps", lookup(summary, "steps")), ("particle steps", lookup(summary, "particle_steps")),
         ("ns per particle-step", lookup(summary, "ns_per_particle_step")),
         ("wall seconds", lookup(summary, "wall_seconds")),
         ("ranks x threads", f"{lookup(summary, 'ranks', default='?')} x {lookup(summary, 'threads', default='?')}"),
@@ -125,11 +122,7 @@ def draw(points, initial, values, spacing, centre, found, error, length, field, 
                                      (centre[0] + 10.6, EXPERIMENT["L"], red, f"L = {EXPERIMENT['L']:.1f}")):
             left.annotate("", (x, 0), (x, top), arrowprops=dict(arrowstyle="<->", color=colour, shrinkA=0, shrinkB=0))
             left.plot(
-                [x, centre[0] + np.sign(x - centre[0]) * 1.2],
-                [top, top],
-                color=colour,
-                linewidth=0.7,
-                linestyle=":",
+                [x, centre[0] + np.sign(x - centre[0]) * 1.2], [top, top], color=colour, linewidth=0.7, linestyle=":",
                 zorder=5,
             )
             left.text(x + (-0.9 if x < centre[0] else 0.9), 0.5 * top, text, color=colour, ha="center", va="center",
@@ -140,14 +133,9 @@ def draw(points, initial, values, spacing, centre, found, error, length, field, 
                 x = centre[0] + side * half
                 left.plot([x, x], [max(height - 0.55, 0.0), height + 0.55], color=colour, linewidth=2.0, zorder=6)
                 left.text(
-                    x + side * 0.35,
-                    height + (0.35 if key == "D" else 0.0),
-                    f"{key} = {value:.2f}" if side < 0 else f"{key} = {value:.1f}",
-                    color=colour,
-                    fontsize=9,
-                    zorder=6,
-                    va="bottom" if key == "D" else "center",
-                    ha="right" if side < 0 else "left",
+                    x + side * 0.35, height + (0.35 if key == "D" else 0.0),
+                    f"{key} = {value:.2f}" if side < 0 else f"{key} = {value:.1f}", color=colour, fontsize=9, zorder=6,
+                    va="bottom" if key == "D" else "center", ha="right" if side < 0 else "left",
                     bbox=dict(facecolor="white", edgecolor="none", alpha=0.75, pad=0.6),
                 )
         left.plot([], [], color=black, linewidth=2, label="this run (mm)")
@@ -207,17 +195,8 @@ def report(arguments):
     ]
     title = "Taylor bar, OFHC copper" + "".join(f", {word.upper()}" for word in words if word and word[0] != "{")
     draw(
-        points,
-        None if initial is None else start,
-        particles.column(name).astype(float),
-        spacing,
-        centre,
-        found,
-        error,
-        arguments.length,
-        field_label(name, units),
-        title,
-        picture,
+        points, None if initial is None else start, particles.column(name).astype(float), spacing, centre, found, error,
+        arguments.length, field_label(name, units), title, picture,
     )
     print(f"picture: {picture.resolve()}")
     history = picture.parent / "history.png"

@@ -12,40 +12,13 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 from .files import (
-    SgmpFileError,
-    field_label,
-    folder_of,
-    label,
-    plot_style,
-    read_history,
-    read_summary,
-    read_units,
-    run_name,
+    SgmpFileError, field_label, folder_of, label, plot_style, read_history, read_summary, read_units, run_name,
 )
 
 ROWS = (
-    "exit_status",
-    "verdict",
-    "verdict_error",
-    "method",
-    "update",
-    "dimension",
-    "cfl",
-    "h",
-    "particles",
-    "particles_lost",
-    "steps",
-    "time",
-    "energy.kinetic",
-    "energy.internal",
-    "energy.total",
-    "energy.drift",
-    "energy.contact_dissipation",
-    "solve_seconds",
-    "ns_per_particle_step",
-    "threads",
-    "ranks",
-    "checksum",
+    "exit_status", "verdict", "verdict_error", "method", "update", "dimension", "cfl", "h", "particles",
+    "particles_lost", "steps", "time", "energy.kinetic", "energy.internal", "energy.total", "energy.drift",
+    "energy.contact_dissipation", "solve_seconds", "ns_per_particle_step", "threads", "ranks", "checksum",
 )
 
 
@@ -91,11 +64,8 @@ def draw_bars(axis, names, estimates):
     """Values of a quantity with their errors."""
     shown = [(place, estimate) for place, estimate in enumerate(estimates) if estimate]
     axis.errorbar(
-        [place for place, _ in shown],
-        [estimate["value"] for _, estimate in shown],
-        yerr=[estimate["half_width"] for _, estimate in shown],
-        fmt="o",
-        capsize=5,
+        [place for place, _ in shown], [estimate["value"] for _, estimate in shown],
+        yerr=[estimate["half_width"] for _, estimate in shown], fmt="o", capsize=5,
     )
     axis.set_xticks(range(len(names)), names)
     axis.set_xlim(-0.5, len(names) - 0.5)
@@ -124,10 +94,7 @@ def arguments(parser):
         "--column", action="append", help="column of history.csv; may be repeated (default: total_energy)"
     )
     parser.add_argument(
-        "--shape",
-        action="append",
-        default=[],
-        metavar="BODY",
+        "--shape", action="append", default=[], metavar="BODY",
         help="distance of this body's surface at the end to that of the first run; may be repeated",
     )
     parser.add_argument(

@@ -15,20 +15,7 @@ NAME = re.compile(r"[A-Za-z_]\w*")
 FUNCTIONS = {
     name: getattr(math, name)
     for name in (
-        "sin",
-        "cos",
-        "tan",
-        "asin",
-        "acos",
-        "atan",
-        "atan2",
-        "sinh",
-        "cosh",
-        "tanh",
-        "exp",
-        "log",
-        "log10",
-        "sqrt",
+        "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "log10", "sqrt",
     )
 }
 FUNCTIONS.update(pi=math.pi, abs=abs, min=min, max=max)

@@ -247,9 +247,7 @@ def slower(deck, courant):
 def with_more_particles(deck):
     """One more particle per cell and axis."""
     cell, done, bodies = (
-        cell_of(deck),
-        set(),
-        [card for card in deck.all("body") if bare(card.words[1]).lower() != "file"],
+        cell_of(deck), set(), [card for card in deck.all("body") if bare(card.words[1]).lower() != "file"],
     )
     fixed = {deck.root(deck.one("grid").get("cell"))}
     counts = [

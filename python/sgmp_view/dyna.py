@@ -180,9 +180,7 @@ class Reader:
             if self.real(words[2]) == 0:
                 self.fail(f"SPH node {words[0]} has neither mass nor volume")
             self.once(
-                self.mesh.spheres,
-                self.whole(words[0]),
-                (self.whole(words[1]), self.real(words[2]), self.number),
+                self.mesh.spheres, self.whole(words[0]), (self.whole(words[1]), self.real(words[2]), self.number),
                 "SPH node",
             )
         elif self.keyword == "ELEMENT_SOLID":

@@ -49,15 +49,11 @@ def arguments(parser):
     """Arguments of the command."""
     parser.add_argument("deck", type=Path)
     parser.add_argument(
-        "--quantity",
-        action="append",
-        default=[],
-        metavar="NAME",
+        "--quantity", action="append", default=[], metavar="NAME",
         help="what is asked for, as --list names it; may be repeated",
     )
     parser.add_argument(
-        "--tolerance",
-        default="5%",
+        "--tolerance", default="5%",
         help="error that can be borne: of the value (5%%, the default), or in its unit (0.2)",
     )
     parser.add_argument("--budget", default="10m", help="wall time for all runs: 90s, 10m (default), 2h")
@@ -65,9 +61,7 @@ def arguments(parser):
     parser.add_argument("--threads", type=int, metavar="N", help="threads of each run (default: all)")
     parser.add_argument("--sgmp", help="the program (default: $SGMP, the path, build/release/sgmp)")
     parser.add_argument(
-        "--against",
-        type=Path,
-        metavar="OUT_DIR",
+        "--against", type=Path, metavar="OUT_DIR",
         help="the run that shapes are compared with (default: the deck's own)",
     )
     parser.add_argument("--list", action="store_true", help="list the quantities, run one step only")
@@ -208,13 +202,8 @@ class Study:
     def method(self, work, courant, *tried):
         """The copy with another method than the deck's and those tried."""
         member = self.add(
-            "method",
-            "method",
-            work,
-            variations.with_other_method,
-            lambda deck: self.runner.check(deck.text()).accepted,
-            courant,
-            tried,
+            "method", "method", work, variations.with_other_method,
+            lambda deck: self.runner.check(deck.text()).accepted, courant, tried,
         )
         if member is not None:
             member.name = name_of_method(member) + ("_coarse" if self.coarse else "")
@@ -241,8 +230,7 @@ class Study:
         """The run with the coarsest cells that has come to its end, None where there is none."""
         return min(
             (member for member in self.members if member.part == "cells" and member.code == 0),
-            key=lambda member: member.work,
-            default=None,
+            key=lambda member: member.work, default=None,
         )
 
     def pairs(self):
@@ -393,8 +381,7 @@ class Study:
             if member.code == 0:
                 summary = self.runner.summary(member)
                 yield (
-                    member,
-                    (member.part, float(summary["h"]) if member.part in ("cells", "deck") else member.words),
+                    member, (member.part, float(summary["h"]) if member.part in ("cells", "deck") else member.words),
                     summary,
                 )
 

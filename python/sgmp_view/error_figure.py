@@ -48,9 +48,7 @@ def draw_values(axis, estimate):
     """Values over the cell."""
     cell = next(run["cell"] for run in estimate["runs"] if run["part"] == "deck")
     axis.axhspan(
-        estimate["value"] - estimate["half_width"],
-        estimate["value"] + estimate["half_width"],
-        color="0.85",
+        estimate["value"] - estimate["half_width"], estimate["value"] + estimate["half_width"], color="0.85",
         label="interval",
     )
     axis.errorbar([cell], [estimate["value"]], yerr=[estimate["half_width"]], color="black", capsize=4, zorder=3)

@@ -433,14 +433,9 @@ def field_unit(name, units):
     if name in ("x", "y", "z", "displacement", "initial_position"):
         return units["length"]
     for start, unit in (
-        ("stress", units["stress"]),
-        ("pressure", units["stress"]),
-        ("yield", units["stress"]),
-        ("velocity", units["velocity"]),
-        ("temperature", "K"),
-        ("volume", units["length"] and units["length"] + "³"),
-        ("density", units["mass"] and f"{units['mass']}/{units['length']}³"),
-        ("mass", units["mass"]),
+        ("stress", units["stress"]), ("pressure", units["stress"]), ("yield", units["stress"]),
+        ("velocity", units["velocity"]), ("temperature", "K"), ("volume", units["length"] and units["length"] + "³"),
+        ("density", units["mass"] and f"{units['mass']}/{units['length']}³"), ("mass", units["mass"]),
         ("energy", units["energy"]),
     ):
         if name.startswith(start):

@@ -27,21 +27,8 @@ NAMES = {"1": ["x"], "2": ["x", "y"], "axisymmetric": ["r", "z"], "3": ["x", "y"
 STRESSES = ["xx", "yy", "zz", "xy", "yz", "xz"]
 # What a new run finds out for itself, and what means nothing in it.
 LEFT_OUT = (
-    "id",
-    "body",
-    "mass",
-    "volume",
-    "velocity",
-    "stress",
-    "pressure",
-    "density",
-    "path",
-    "surface",
-    "spin",
-    "swirl",
-    "compliance",
-    "initial",
-    "stretch",
+    "id", "body", "mass", "volume", "velocity", "stress", "pressure", "density", "path", "surface", "spin", "swirl",
+    "compliance", "initial", "stretch",
 )
 
 
@@ -134,11 +121,8 @@ def merged(particles, spacing, density):
 
     masses, volumes = total(mass), total(volume)
     result = Particles(
-        particles.path,
-        total(particles.points * mass[:, None]) / masses[:, None],
-        components=particles.components,
-        time=particles.time,
-        body_names=particles.body_names,
+        particles.path, total(particles.points * mass[:, None]) / masses[:, None], components=particles.components,
+        time=particles.time, body_names=particles.body_names,
     )
     for name, values in particles.fields.items():
         weight, whole = (volume, volumes) if name == "stress" else (mass, masses)
@@ -184,42 +168,28 @@ def arguments(parser):
     )
     parser.add_argument("--space", choices=list(SPACES), help="dimension of the new scene (default: that of the run)")
     parser.add_argument(
-        "--spacing",
-        type=float,
+        "--spacing", type=float,
         help="distance of the new particles along circles and across (default: that of the run's)",
     )
     parser.add_argument(
-        "--merge",
-        type=float,
-        metavar="SIDE",
+        "--merge", type=float, metavar="SIDE",
         help="particles of a body in a cube of this side become one (default: none do)",
     )
     parser.add_argument(
-        "--sector",
-        type=float,
-        default=360.0,
-        metavar="DEGREES",
+        "--sector", type=float, default=360.0, metavar="DEGREES",
         help="from axisymmetric to 3: the angle from the plane y = 0 on (default: 360)",
     )
     parser.add_argument(
-        "--axis",
-        choices=list("xyz"),
-        default="x",
+        "--axis", choices=list("xyz"), default="x",
         help="along which a run on a line lies in the new scene (default: x; about an axis always z)",
     )
     parser.add_argument(
-        "--across",
-        type=lambda text: [interval(part) for part in text.split(",")],
-        default=[],
-        metavar="A:B[,C:D]",
+        "--across", type=lambda text: [interval(part) for part in text.split(",")], default=[], metavar="A:B[,C:D]",
         help="intervals that a run on a line or in the plane fills along the new axes",
     )
     parser.add_argument(
-        "--move",
-        type=lambda text: np.array([float(word) for word in text.split(",")]),
-        default=np.zeros(3),
-        metavar="X,Y,Z",
-        help="added to all places",
+        "--move", type=lambda text: np.array([float(word) for word in text.split(",")]), default=np.zeros(3),
+        metavar="X,Y,Z", help="added to all places",
     )
     parser.add_argument("--bodies", help="names with commas between them (default: all)")
     parser.add_argument(

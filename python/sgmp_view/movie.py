@@ -46,17 +46,8 @@ def add_scale_bar(axis, unit):
     length = round_length(np.ptp(axis.get_xlim()))
     below = axis.transAxes + ScaledTranslation(0, -21 / 72, axis.figure.dpi_scale_trans)
     bar = AnchoredSizeBar(
-        axis.transData,
-        length,
-        f"{length:g} {unit}".strip(),
-        "upper right",
-        pad=0,
-        borderpad=0,
-        sep=2,
-        frameon=False,
-        bbox_to_anchor=(1.0, 0.0),
-        bbox_transform=below,
-        size_vertical=np.ptp(axis.get_ylim()) / 200,
+        axis.transData, length, f"{length:g} {unit}".strip(), "upper right", pad=0, borderpad=0, sep=2, frameon=False,
+        bbox_to_anchor=(1.0, 0.0), bbox_transform=below, size_vertical=np.ptp(axis.get_ylim()) / 200,
     )
     bar.set_in_layout(False)
     axis.add_artist(bar)
@@ -91,17 +82,8 @@ def write_video(files, output, rate):
     pattern = files[0].parent / "frame_%04d.png"
     done = subprocess.run(
         [
-            "ffmpeg",
-            "-y",
-            "-framerate",
-            str(rate),
-            "-i",
-            str(pattern),
-            "-vf",
-            "pad=ceil(iw/2)*2:ceil(ih/2)*2:0:0:white",
-            "-pix_fmt",
-            "yuv420p",
-            str(output),
+            "ffmpeg", "-y", "-framerate", str(rate), "-i", str(pattern), "-vf",
+            "pad=ceil(iw/2)*2:ceil(ih/2)*2:0:0:white", "-pix_fmt", "yuv420p", str(output),
         ],
         capture_output=True,
         text=True,

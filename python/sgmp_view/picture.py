@@ -22,18 +22,8 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize, TwoSlopeNorm
 
 from .files import (
-    PLASTIC_STRAIN,
-    SgmpFileError,
-    field_label,
-    first_dump,
-    folder_of,
-    label,
-    lookup,
-    plot_style,
-    read_dump,
-    read_summary_if_any,
-    read_units,
-    run_name,
+    PLASTIC_STRAIN, SgmpFileError, field_label, first_dump, folder_of, label, lookup, plot_style, read_dump,
+    read_summary_if_any, read_units, run_name,
 )
 from .matter import planes_of
 
@@ -175,16 +165,7 @@ def choose_norm(values, limits=None):
 
 
 def draw_particles(
-    axis,
-    points,
-    values,
-    spacing,
-    view="y",
-    cut=False,
-    outline=None,
-    limits=None,
-    cmap=None,
-    most=2200,
+    axis, points, values, spacing, view="y", cut=False, outline=None, limits=None, cmap=None, most=2200,
     whole_numbers=False,
 ):
     """Draw a 2D or 3D cloud on `axis` in data units; returns a mappable for the colour bar. `whole_numbers`: names of
@@ -353,17 +334,8 @@ def draw_cloud(points, values, name, units, spacing, outline, options, axes="xyz
         inside = np.all((points >= low) & (points <= high), axis=1)
         points, values = (points[inside], values[inside]) if inside.sum() > 1 else (points, values)
     mappable = draw_particles(
-        axis,
-        points,
-        values,
-        spacing,
-        view,
-        options.cut,
-        outline,
-        options.limits,
-        options.cmap,
-        getattr(options, "most_pixels", 2200),
-        getattr(options, "whole_numbers", False),
+        axis, points, values, spacing, view, options.cut, outline, options.limits, options.cmap,
+        getattr(options, "most_pixels", 2200), getattr(options, "whole_numbers", False),
     )
     if name is not None:
         bar = figure.colorbar(mappable, ax=axis, shrink=0.9, pad=0.03, aspect=28)
@@ -436,8 +408,7 @@ def drawing_arguments(parser):
     )
     parser.add_argument("--cut", action="store_true", help="3D: the section; of a half model the cut face")
     parser.add_argument(
-        "--revolve",
-        action="store_true",
+        "--revolve", action="store_true",
         help="a scene about an axis: the body of revolution, its front half taken away",
     )
     parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"), help="ends of the colour scale")

@@ -54,10 +54,7 @@ def profile(particles, options):
 def arguments(parser):
     """Arguments of the command."""
     parser.add_argument(
-        "sources",
-        nargs="+",
-        type=Path,
-        metavar="OUT_DIR|FILE",
+        "sources", nargs="+", type=Path, metavar="OUT_DIR|FILE",
         help="output folder(s), .vtu files, particles CSV or checkpoints",
     )
     parser.add_argument(

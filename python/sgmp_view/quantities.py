@@ -22,14 +22,7 @@ import numpy as np
 from .acceleration import accelerations, in_si, peaks_of
 from .compare import flat
 from .files import (
-    SgmpFileError,
-    field_unit,
-    folder_of,
-    read_dump,
-    read_history,
-    read_particles_csv,
-    read_summary,
-    read_table,
+    SgmpFileError, field_unit, folder_of, read_dump, read_history, read_particles_csv, read_summary, read_table,
 )
 from .shapes import Shape, distance
 from .turning import cloud_of, table_of
@@ -41,31 +34,11 @@ ENDS = ("min", "max", "length")
 DISTANCES = ("mean", "largest")                         # of surfaces: root mean square and largest
 KEPT = "impact.json"
 CLOUD = (
-    "mass",
-    "momentum",
-    "velocity",
-    "kinetic_energy",
-    "front_speed",
-    "rear_speed",
-    "front",
-    "rear",
-    "radius",
-    "largest_radius",
-    "failed_share",
-    "beyond_edge_mass",
+    "mass", "momentum", "velocity", "kinetic_energy", "front_speed", "rear_speed", "front", "rear", "radius",
+    "largest_radius", "failed_share", "beyond_edge_mass",
 )
 LENGTHS = (
-    "depth",
-    "diameter",
-    "circle",
-    "radius",
-    "height",
-    "least",
-    "start",
-    "lip",
-    "front",
-    "rear",
-    "largest_radius",
+    "depth", "diameter", "circle", "radius", "height", "least", "start", "lip", "front", "rear", "largest_radius",
     "moved",
 )
 

@@ -63,11 +63,8 @@ def revolve(particles, degrees, spacing, middle=90.0):
 def turned(particles, turn, chosen):
     """Particles (chosen, by number) with places, vectors and tensors turned by matrices (n, 3, 3)."""
     result = Particles(
-        particles.path,
-        np.einsum("nij,nj->ni", turn, particles.points[chosen]),
-        components=particles.components,
-        time=particles.time,
-        body_names=particles.body_names,
+        particles.path, np.einsum("nij,nj->ni", turn, particles.points[chosen]), components=particles.components,
+        time=particles.time, body_names=particles.body_names,
     )
     for name, values in particles.fields.items():
         values = values[chosen]

@@ -125,20 +125,14 @@ class Runner:
             return False
         limit = max(1, int(self.left()))
         more = [
-            "--quiet",
-            "--output",
-            str(self.output(member)),
-            "--time-limit",
+            "--quiet", "--output", str(self.output(member)), "--time-limit",
             f"{limit // 3600}:{limit // 60 % 60:02d}:{limit % 60:02d}",
         ]
         if self.is_same(member) and summary.get("exit_status") == STOPPED:
             more += ["--restart", "latest"]
         begun = time.monotonic()
         done = subprocess.run(
-            self.command(self.write(member.name, member.text), *more),
-            capture_output=True,
-            text=True,
-            check=False,
+            self.command(self.write(member.name, member.text), *more), capture_output=True, text=True, check=False,
             env=self.environment,
         )
         member.code = done.returncode

@@ -39,13 +39,7 @@ class Member:
         self.name = ",".join(f"{name}={value}" for name, value in combination)
         self.folder = options.output / self.name.replace("/", "_")
         self.command = [
-            options.sgmp,
-            str(options.deck),
-            "--quiet",
-            "--threads",
-            str(options.threads),
-            "--output",
-            str(self.folder),
+            options.sgmp, str(options.deck), "--quiet", "--threads", str(options.threads), "--output", str(self.folder),
         ]
         for name, value in [*(setting.split("=", 1) for setting in options.set), *combination]:
             self.command += ["--set", f"{name}={value}"]
@@ -149,20 +143,14 @@ def arguments(parser):
     """Arguments of the command."""
     parser.add_argument("deck", type=Path)
     parser.add_argument(
-        "--vary",
-        action="append",
-        required=True,
-        metavar="NAME=V1,V2,…",
+        "--vary", action="append", required=True, metavar="NAME=V1,V2,…",
         help="a parameter of the deck and its values; may be repeated",
     )
     parser.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="a parameter that is the same in all runs"
     )
     parser.add_argument(
-        "--quantity",
-        action="append",
-        default=[],
-        metavar="NAME",
+        "--quantity", action="append", default=[], metavar="NAME",
         help="what to collect beside drift and time, see `convergence`",
     )
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at a time (default: 1)")

@@ -20,10 +20,7 @@ MARKERS = "osD^vP"
 def arguments(parser):
     """Arguments of the command."""
     parser.add_argument(
-        "folders",
-        nargs="+",
-        type=Path,
-        metavar="OUT_DIR",
+        "folders", nargs="+", type=Path, metavar="OUT_DIR",
         help="output folders of runs that differ in method, cell or step",
     )
     parser.add_argument("--quantity", required=True, help="what to look at")
@@ -42,8 +39,7 @@ def lines_of(options):
     for folder in options.folders:
         summary = read_summary(folder_of(folder))
         point = (
-            float(summary["h"]),
-            quantity_of(folder, options.cost),
+            float(summary["h"]), quantity_of(folder, options.cost),
             abs(quantity_of(folder, options.quantity) - options.exact),
         )
         lines.setdefault(f"{summary['method']} {summary['update']}", []).append(point)
@@ -62,10 +58,8 @@ def run(options):
         figure, axis = plt.subplots(figsize=(6, 4.2), layout="constrained")
         for number, (name, points) in enumerate(lines.items()):
             axis.loglog(
-                [cost for _, cost, _ in points],
-                [error for _, _, error in points],
-                MARKERS[number % len(MARKERS)] + "-",
-                label=name,
+                [cost for _, cost, _ in points], [error for _, _, error in points],
+                MARKERS[number % len(MARKERS)] + "-", label=name,
             )
         words, seconds, _ = options.cost.partition("_seconds")
         axis.set(

@@ -38,19 +38,8 @@ class Case:
     `scaled` hold where the dense elastic block takes 50 ns, and grow and shrink with it."""
 
     def __init__(
-        self,
-        name,
-        deck,
-        targets=None,
-        scaled=None,
-        ndim=3,
-        stencil=2,
-        history=1,
-        output=False,
-        ppc=8,
-        block=False,
-        cards="",
-        **parameters,
+        self, name, deck, targets=None, scaled=None, ndim=3, stencil=2, history=1, output=False, ppc=8, block=False,
+        cards="", **parameters,
     ):
         # deck: of input/ or of this folder
         self.name, self.deck, self.targets, self.scaled = name, deck, targets or {}, scaled or {}
@@ -371,30 +360,25 @@ def ratios(rows):
             ("sgmp over mpm, 1 thread", divide(dense, cost("block mpm elastic")), "<= 1.20"),
             (
                 "taylor bar over dense block with johnson-cook, eos",
-                divide(cost("taylor bar"), cost("block sgmp johnson-cook, eos")),
-                "<= 1.30",
+                divide(cost("taylor bar"), cost("block sgmp johnson-cook, eos")), "<= 1.30",
             ),
             ("two threads' efficiency", divide(dense, 2 * (cost("block sgmp elastic", 2) or 0)), ">= 0.92"),
             ("1D over 3D, per flop", divide(per_flop("bar 1D, 2 per cell"), per_flop("block sgmp elastic")), "<= 1.50"),
             (
-                "2D over 3D, per flop",
-                divide(per_flop("beam 2D, 4 per cell"), per_flop("block sgmp elastic")),
+                "2D over 3D, per flop", divide(per_flop("beam 2D, 4 per cell"), per_flop("block sgmp elastic")),
                 "<= 1.50",
             ),
             (
                 "rings over bars, elastic",
-                divide(cost("section of rings, elastic"), cost("section in the plane, elastic")),
-                "<= 1.15",
+                divide(cost("section of rings, elastic"), cost("section in the plane, elastic")), "<= 1.15",
             ),
             (
                 "rings over bars, johnson-cook, eos",
-                divide(cost("section of rings, impact"), cost("section in the plane, impact")),
-                "<= 1.15",
+                divide(cost("section of rings, impact"), cost("section in the plane, impact")), "<= 1.15",
             ),
             (
                 "rings with contact, two threads over one",
-                divide(cost("rings 2D, contact", 2), cost("rings 2D, contact")),
-                "< 1",
+                divide(cost("rings 2D, contact", 2), cost("rings 2D, contact")), "< 1",
             ),
             ("taylor bar, output on over off", divide(cost("taylor bar, its output"), cost("taylor bar")), ""),
         ]

@@ -76,16 +76,8 @@ def taylor(method, courant, scale):
     points = [(x, y, (k + 0.5)*spacing) for k in range(int(length/spacing + 0.5)) for x, y in disc]
     side, top = cell*round(11.4/cell), cell*round(26.6/cell)
     text = head(
-        "Taylor bar",
-        len(points),
-        1,
-        1,
-        cell,
-        ((-side, side), (-side, side), (0, top)),
-        (0, 0, 0, 0, 2, 0),
-        0.08,
-        courant,
-        method,
+        "Taylor bar", len(points), 1, 1, cell, ((-side, side), (-side, side), (0, top)), (0, 0, 0, 0, 2, 0), 0.08,
+        courant, method,
     )
     text += "material\n1 sjc 8.93e-3 117.0e3 0.35 157.0 425.0 1.0 0.0 1e-3\nseos 1 2 3940 1.49 1.96 0\n"
     text += f"particle point 1 {len(points)}\n"
@@ -99,16 +91,8 @@ def slab(method, courant, scale):
     cell = 0.1/scale
     n = round(100/cell)
     text = head(
-        "TNT slab",
-        2 * n,
-        1,
-        1,
-        cell,
-        ((0, 101), (-cell / 2, cell / 2), (-cell / 2, cell / 2)),
-        (2, 0, 2, 2, 2, 2),
-        0.005,
-        courant,
-        method,
+        "TNT slab", 2 * n, 1, 1, cell, ((0, 101), (-cell / 2, cell / 2), (-cell / 2, cell / 2)), (2, 0, 2, 2, 2, 2),
+        0.005, courant, method,
     )
     text += "bulk 1.5 0.12\nmaterial\n1 hiex 1.63e-3 6930\nseos 1 3 3.712e5 3.21e3 4.15 0.95 0.3 6993\ndeto 0 0 0\n"
     return text + f"particle block 1\n1 1.63e-3 {cell/2:.9g} 0 {-cell/4:.9g} {-cell/4:.9g} {2*n} 1 1\nendi\n"
@@ -119,16 +103,8 @@ def beam(method, courant, scale):
     cell = 0.1/scale
     along, across = round(48/cell), round(4/cell)
     text = head(
-        "soft beam",
-        along * across,
-        1,
-        1,
-        cell,
-        ((-4, 6), (-2, 26), (-cell / 2, cell / 2)),
-        (0, 0, 0, 0, 2, 2),
-        0.5,
-        courant,
-        method,
+        "soft beam", along * across, 1, 1, cell, ((-4, 6), (-2, 26), (-cell / 2, cell / 2)), (0, 0, 0, 0, 2, 2), 0.5,
+        courant, method,
     )
     text += "material\n1 elas 1000 1e6 0.3\n"
     return (
@@ -143,16 +119,8 @@ def plate(method, courant, scale):
     spacing = cell/2
     n, tall, thick = round(24/spacing), round(20/spacing), round(20/spacing)
     text = head(
-        "TNT on steel",
-        n * n * (tall + thick),
-        2,
-        2,
-        cell,
-        ((0, 48), (0, 48), (-40, 48)),
-        (2, 0, 2, 0, 0, 0),
-        0.006,
-        courant,
-        method,
+        "TNT on steel", n * n * (tall + thick), 2, 2, cell, ((0, 48), (0, 48), (-40, 48)), (2, 0, 2, 0, 0, 0), 0.006,
+        courant, method,
     )
     text += (
         "bulk 1.5 0.06\nmaterial\n1 hiex 1.63e-3 6930\n2 john 7.83e-3 207e3 0.29 792.0 510.0 0.26 0.014 1.03 293.0 "
@@ -219,15 +187,7 @@ def ours(program, deck, courant, prefix):
     shutil.rmtree(folder, ignore_errors=True)
     _, wall, cpu = run(
         [
-            *prefix,
-            str(program),
-            str(deck),
-            "--threads",
-            "1",
-            "--quiet",
-            "--set",
-            f"cfl={courant}",
-            "--output",
+            *prefix, str(program), str(deck), "--threads", "1", "--quiet", "--set", f"cfl={courant}", "--output",
             str(folder),
         ],
         deck.parent,

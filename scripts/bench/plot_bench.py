@@ -28,13 +28,8 @@ def draw(results, picture):
         )
         label = "thread" if threads == "1" else "threads"
         axes.annotate(
-            f"{threads} {label}: {peak:.0f} Gflop/s, {stream:.0f} GB/s",
-            (intensities[1], peak),
-            xytext=(-2, 4),
-            textcoords="offset points",
-            ha="right",
-            color=colour,
-            fontsize=9,
+            f"{threads} {label}: {peak:.0f} Gflop/s, {stream:.0f} GB/s", (intensities[1], peak), xytext=(-2, 4),
+            textcoords="offset points", ha="right", color=colour, fontsize=9,
         )
     names = list(dict.fromkeys(row["case"] for row in results["rows"]))
     for row in results["rows"]:

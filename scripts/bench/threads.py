@@ -32,11 +32,8 @@ def step_seconds(sgmp, deck, sets, threads):
     with tempfile.TemporaryDirectory() as folder:
         words = [sgmp, os.path.join(ROOT, deck), "--quiet", "--threads", str(threads), "--output", folder]
         subprocess.run(
-            words + [word for text in sets for word in ("--set", text)],
-            check=True,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            env={**os.environ, "SGMP_THREADS": "exact"},
+            words + [word for text in sets for word in ("--set", text)], check=True, stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL, env={**os.environ, "SGMP_THREADS": "exact"},
         )
         with open(os.path.join(folder, "summary.json"), encoding="utf-8") as file:
             summary = json.load(file)

@@ -25,18 +25,15 @@ SOLID = "young=100 poisson=0.3"
 # name: cards, equation and source, compared with
 LAWS = {
     "elastic": (
-        [f"elastic density=1 {SOLID}"],
-        "Hooke, Jaumann rate; or the linear theory",
+        [f"elastic density=1 {SOLID}"], "Hooke, Jaumann rate; or the linear theory",
         "bars and beam of the paper (verification/bar, beam)",
     ),
     "neo_hookean": (
-        [f"neo_hookean density=1 {SOLID}"],
-        "σ = (μ (F Fᵀ − 1) + λ ln J)/J",
+        [f"neo_hookean density=1 {SOLID}"], "σ = (μ (F Fᵀ − 1) + λ ln J)/J",
         "manufactured solution, bar in large deformation (bar, vortex)",
     ),
     "j2": (
-        [f"j2 density=1 {SOLID} yield=0.1 hardening=linear hardening_modulus=1"],
-        "von Mises, radial return (R1)",
+        [f"j2 density=1 {SOLID} yield=0.1 hardening=linear hardening_modulus=1"], "von Mises, radial return (R1)",
         "uniaxial strain in closed form (test_stress_update)",
     ),
     "johnson_cook": (
@@ -51,16 +48,14 @@ LAWS = {
     ),
     "explosive": (
         [
-            "explosive density=1 detonation_speed=7",
-            "eos m jwl a=371 b=3.2 r1=4.15 r2=0.95 omega=0.3 energy0=7",
+            "explosive density=1 detonation_speed=7", "eos m jwl a=371 b=3.2 r1=4.15 r2=0.95 omega=0.3 energy0=7",
             "detonation time=-100 normal=(1,0,0)",
         ],
         "(W1), programmed burn",
         "Chapman-Jouguet state and Taylor wave (tnt_slab)",
     ),
     "fluid": (
-        ["fluid density=1 viscosity=1e-3", "eos m tait c0=10 pressure0=1"],
-        "2η dev D − p",
+        ["fluid density=1 viscosity=1e-3", "eos m tait c0=10 pressure0=1"], "2η dev D − p",
         "shock tube, shocks, hydrostatics, vortex (fluids), below",
     ),
     "drucker_prager": (
@@ -133,9 +128,7 @@ SOLIDS = "metals, fluid"
 # name: constants, goes with, equation and source, compared with
 EQUATIONS = {
     "jwl": (
-        "",
-        "explosive",
-        "(W1), Jones-Wilkins-Lee",
+        "", "explosive", "(W1), Jones-Wilkins-Lee",
         "Chapman-Jouguet state and Taylor wave (tnt_slab); detonation speeds and pressures of the library's explosives",
     ),
     "gruneisen": (
@@ -147,38 +140,28 @@ EQUATIONS = {
         "Hugoniot to third order (test_eos_gruneisen); shock in water at 200 m/s",
     ),
     "ideal_gas": (
-        "gamma=1.4 pressure0=1",
-        SOLIDS,
-        "(S1), p∞ = 0",
+        "gamma=1.4 pressure0=1", SOLIDS, "(S1), p∞ = 0",
         "isentrope 1:2 (test_eos_fluids, test_stress_update), shock tube, planar Noh",
     ),
     "stiffened_gas": (
-        "gamma=4.4 p_inf=20 pressure0=1",
-        SOLIDS,
-        "(S1), Harlow and Amsden 1971",
+        "gamma=4.4 p_inf=20 pressure0=1", SOLIDS, "(S1), Harlow and Amsden 1971",
         "isentrope, shock in water at 500 m/s",
     ),
     "polynomial": (
-        "a1=100 a2=100 a3=50 b0=0.3 b1=0.3",
-        SOLIDS,
-        "(P1), LS-DYNA's C0…C6",
+        "a1=100 a2=100 a3=50 b0=0.3 b1=0.3", SOLIDS, "(P1), LS-DYNA's C0…C6",
         "coefficients one by one (test_eos_fluids)",
     ),
     "tait": (
-        "c0=10 pressure0=1",
-        SOLIDS,
-        "(T1), Cole 1948",
+        "c0=10 pressure0=1", SOLIDS, "(T1), Cole 1948",
         "bulk modulus and its slope, hydrostatic column, shock in water",
     ),
     "shock": (
-        "c0=10 s=1.5 gamma0=2",
-        SOLIDS + "; porous with `distention`",
+        "c0=10 s=1.5 gamma0=2", SOLIDS + "; porous with `distention`",
         "(H1), (H2): the Hugoniot itself, Us = c0 + s up + s2 (up/Us) up + s3 (up/Us)² up, Steinberg 1996",
         "Hugoniots of six metals and of water (hugoniot); paths of the library's metals (tests/regression/library.py)",
     ),
     "tillotson": (
-        "a_thermal=0.5 b_thermal=1.5 bulk=100 bulk2=100 e0=10 e_incipient=3 e_complete=10",
-        SOLIDS,
+        "a_thermal=0.5 b_thermal=1.5 bulk=100 bulk2=100 e0=10 e_incipient=3 e_complete=10", SOLIDS,
         "(TI1)–(TI3), Tillotson 1962 as in Melosh 1989: melts and evaporates; not linear in E",
         "limits in closed form, measured Hugoniots of aluminium and iron within 2 % (test_eos_tillotson)",
     ),
@@ -219,11 +202,8 @@ def run(sgmp, cards, *options, steps=1, n=4):
             file.write(DECK.format(cards=cards, steps=steps, n=n))
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         done = subprocess.run(
-            [sgmp, deck, "--threads", "1", "--output", os.path.join(folder, "out"), *options],
-            capture_output=True,
-            text=True,
-            check=False,
-            env={**os.environ, "OMP_WAIT_POLICY": "passive"},
+            [sgmp, deck, "--threads", "1", "--output", os.path.join(folder, "out"), *options], capture_output=True,
+            text=True, check=False, env={**os.environ, "OMP_WAIT_POLICY": "passive"},
         )
         if done.returncode:
             sys.exit(f"{cards}\n{done.stdout}{done.stderr}")
@@ -292,20 +272,14 @@ def tables(sgmp):
         return None if not prices else f"{prices[key]:.2f}" if key in prices else "—"
 
     text = row(
-        "`material`",
-        "stored per particle besides position, velocity, mass, volume",
-        "equation and source",
-        time,
+        "`material`", "stored per particle besides position, velocity, mass, volume", "equation and source", time,
         "compared with",
     )
     text += row(*["---"]*4, time and "---")
     for name in names(sgmp, "material"):
         _, equation, compared = LAWS[name]
         text += row(
-            f"`{name}`",
-            stored(sgmp, cards_of("law", name)) + NOTES.get(name, ""),
-            equation,
-            price("law", name),
+            f"`{name}`", stored(sgmp, cards_of("law", name)) + NOTES.get(name, ""), equation, price("law", name),
             compared,
         )
     text += "\n" + row("`eos`", "with", "equation and source", time, "compared with") + row(*["---"]*4, time and "---")

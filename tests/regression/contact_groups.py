@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Groups of bodies in contact (doc/contact.md): two halves of a plate and of a gas behave as one body, in all methods and spaces; names, warnings, the same bits.
+"""Groups of bodies in contact (doc/contact.md): two halves of a plate and of a gas behave as one body, in all methods
+and spaces; names, warnings, the same bits.
 
 usage: contact_groups.py SGMP SOURCE_DIR SCRATCH_DIR
 
@@ -30,7 +31,9 @@ output csv at=end
 """
 SPACES = {
     "2": ("x=0:2 y=0:open", "x-=slip x+=slip y-=slip", "lower=(0,{}) upper=(2,{})", "lower=({},{}) upper=({},{})", "y"),
-    "axisymmetric": ("r=0:2 z=0:open", "r+=slip z-=slip", "lower=(0,{}) upper=(2,{})", "lower=({},{}) upper=({},{})", "z"),
+    "axisymmetric": (
+        "r=0:2 z=0:open", "r+=slip z-=slip", "lower=(0,{}) upper=(2,{})", "lower=({},{}) upper=({},{})", "z",
+    ),
 }
 
 
@@ -42,12 +45,18 @@ def deck(dimension, method, update, halves, contact):
             return f"body {name} block material={material} {whole.format(low, high)} spacing=0.125"
         return "\n".join(f"body {name}{i} block material={material} {part.format(left, low, right, high)} spacing=0.125"
                          for i, (left, right) in enumerate(((0, 0.75), (0.75, 2)), 1))
-    return SCENE.format(dimension=dimension, method=method, update=update, grid=grid, walls=walls, axis=axis, contact=contact, plate=bodies("plate", "steel", 0, 0.75),
-                        gas=bodies("gas", "air", 0.75, 1.5), punch=whole.format(1.5, 2.25))
+
+    return SCENE.format(
+        dimension=dimension, method=method, update=update, grid=grid, walls=walls, axis=axis, contact=contact,
+        plate=bodies("plate", "steel", 0, 0.75), gas=bodies("gas", "air", 0.75, 1.5), punch=whole.format(1.5, 2.25),
+    )
 
 
 def same_as_whole(report):
-    for dimension, method, update in (("2", "sgmp", "musl"), ("2", "mpm", "usavg"), ("2", "gimp", "musl"), ("axisymmetric", "sgmp", "usf"), ("2", "bspline", "usl")):
+    for dimension, method, update in (
+        ("2", "sgmp", "musl"), ("2", "mpm", "usavg"), ("2", "gimp", "musl"), ("axisymmetric", "sgmp", "usf"),
+        ("2", "bspline", "usl"),
+    ):
         name = f"{dimension}_{method}_{update}"
         whole = straight(report, f"whole_{name}", deck(dimension, method, update, False, "all"))
         # Between the halves of the plate there is no card, nor between those of the gas.
@@ -55,7 +64,10 @@ def same_as_whole(report):
         halves = straight(report, f"halves_{name}", deck(dimension, method, update, True, cards))
         for key in ("energy.kinetic", "energy.internal", "energy.contact_dissipation"):
             a, b = whole[key], halves[key]
-            report.check(abs(a - b) < 1e-7*abs(whole["energy.initial_total"]), f"{name}: {key} of one body {a}, of two halves {b}")
+            report.check(
+                abs(a - b) < 1e-7 * abs(whole["energy.initial_total"]),
+                f"{name}: {key} of one body {a}, of two halves {b}",
+            )
 
 
 def names(report):
@@ -69,7 +81,9 @@ def names(report):
 def warnings(report):
     text = deck("2", "sgmp", "musl", True, "plate1 punch")
     result = run("strangers", text, options=("--check",))
-    report.check("pass through each other" in result.text, f"bodies in other fields without a card are named\n{result.text}")
+    report.check(
+        "pass through each other" in result.text, f"bodies in other fields without a card are named\n{result.text}"
+    )
 
 
 def bits(report):
@@ -77,7 +91,10 @@ def bits(report):
     reference = straight(report, "bits", text)
     for title, threads, launcher in (("bits_threads", 3, ()), ("bits_ranks", 1, mpirun(3))):
         other = straight(report, title, text, threads=threads, launcher=launcher)
-        report.check(other["checksum"] == reference["checksum"], f"{title}: checksum {other['checksum']}, not {reference['checksum']}")
+        report.check(
+            other["checksum"] == reference["checksum"],
+            f"{title}: checksum {other['checksum']}, not {reference['checksum']}",
+        )
 
 
 if __name__ == "__main__":

@@ -264,7 +264,9 @@ def checker(tag, ftype):
     if tag == "logical":
         return text + HOLDS_LOGICAL
     guard = GUARD if is_real else ""
-    within = f"\n      if (present(tolerance)) holds_{tag} = within_{tag}(expected, actual, tolerance)" if is_real else ""
+    within = (
+        f"\n      if (present(tolerance)) holds_{tag} = within_{tag}(expected, actual, tolerance)" if is_real else ""
+    )
     text += HOLDS_ORDERED.format(tag=tag, type=ftype, guard=guard, or_within=within,
                                  relative=RELATIVE.format(tag=tag) if is_real else "", **tolerance)
     return text + (WITHIN.format(tag=tag, type=ftype) if is_real else "")
@@ -288,7 +290,11 @@ def main():
                 body.append(text)
     interfaces = "".join(f"  interface {name}\n" + "".join(f"    module procedure {p}\n" for p in procedures)
                          + f"  end interface {name}\n\n" for name, procedures in generic.items())
-    plain = [n for n, *_ in CONDITIONS if n.startswith("assertN") or n in ("assertTrue", "assertFalse", "assertAny", "assertAll")]
+    plain = [
+        n
+        for n, *_ in CONDITIONS
+        if n.startswith("assertN") or n in ("assertTrue", "assertFalse", "assertAny", "assertAll")
+    ]
     public = ", &\n            ".join(["fail", "assertSameShape", *plain, *generic])
     with open(sys.argv[1], "w", encoding="utf-8") as file:
         file.write(HEAD.format(public=public, interfaces=interfaces) + "".join(body) + "\nend module funit_asserts\n")

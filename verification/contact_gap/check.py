@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The gap between a block at rest and a rigid plate, with the default distance criterion and with lambda = 1 (paper, Fig. 19)."""
+"""The gap between a block at rest and a rigid plate, with the default distance criterion and with lambda = 1 (paper,
+Fig. 19)."""
 import sys
 from pathlib import Path
 
@@ -44,7 +45,10 @@ def picture(book):
         axis.set(xlim=(-1.2, 1.2), ylim=(-0.35, 0.85), xlabel="x from the centroid (m)", aspect="equal")
         axis.set_title(title, loc="left", fontweight="bold")
     axes[0].set_ylabel("height (m)")
-    book.figure("contact_gap", figure, "Foot of the sphere on the slope (45 degrees, h = 0.2 m, after 0.5 s): with lambda = 1 it floats.")
+    book.figure(
+        "contact_gap", figure,
+        "Foot of the sphere on the slope (45 degrees, h = 0.2 m, after 0.5 s): with lambda = 1 it floats.",
+    )
     book.command(*[run.case for run in runs])
 
 
@@ -54,12 +58,18 @@ def check(book, full):
     cases = [(method, turn, 0) for method in METHODS for turn in (0, 30, 45)] + [("sgmp", 0, 0.03), ("sgmp", 0, 0.07)]
     runs = solve([deck("contact_gap/gap", method=method, turn=turn, lift=lift) for method, turn, lift in cases])
     for (method, turn, lift), run in zip(cases, runs):
-        book.near(f"block at rest, {turn} degrees, {lift/0.1:g} cells above the nodes, {NAMES[method]}", "gap (spacings)", gap(run, turn), 0.0, 0.3)
+        book.near(
+            f"block at rest, {turn} degrees, {lift / 0.1:g} cells above the nodes, {NAMES[method]}", "gap (spacings)",
+            gap(run, turn), 0.0, 0.3,
+        )
     book.command(runs[0].case)
     cases = [(turn, lift) for turn in (0, 30) for lift in (0, 0.03)]
     runs = solve([deck("contact_gap/gap", turn=turn, lift=lift, **{"lambda": 1}) for turn, lift in cases])
     for (turn, lift), run in zip(cases, runs):
-        book.near(f"block at rest, {turn} degrees, {lift/0.1:g} cells above the nodes, SGMP, lambda = 1", "gap (cells)", 0.5*gap(run, turn), 0.5, 0.1)
+        book.near(
+            f"block at rest, {turn} degrees, {lift / 0.1:g} cells above the nodes, SGMP, lambda = 1", "gap (cells)",
+            0.5 * gap(run, turn), 0.5, 0.1,
+        )
     book.command(runs[0].case)
     if full:
         picture(book)

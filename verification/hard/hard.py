@@ -4,10 +4,11 @@
     python3 verification/hard/hard.py                    all of them: build/hard/results.json and pictures
     python3 verification/hard/hard.py flight membrane    some
     python3 verification/hard/hard.py --publish          and doc/hard-cases.md
-    python3 verification/hard/hard.py --again            all runs once more, in a folder of their own: the same results.json to the bit?
+    python3 verification/hard/hard.py --again            all runs once more, in a folder of their own: the same
+    results.json to the bit?
 
-A value outside its bound is a weakness; those that are known have their reason in the table. Ends with exit code 1 where one has none.
-The same executable gives the same results.json.
+A value outside its bound is a weakness; those that are known have their reason in the table. Ends with exit code 1
+where one has none. The same executable gives the same results.json.
 """
 import argparse
 import json
@@ -26,11 +27,27 @@ import turning  # noqa: E402
 from table import Table, common  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-CASES = {"alone": motion.alone, "flight": motion.flight, "single": motion.single, "thin": motion.thin, "drift": motion.drift,
-         "units": motion.units, "taylor": solids.taylor, "membrane": solids.membrane, "vacuum": gas.vacuum,
-         "grazing": touching.grazing, "ratios": touching.ratios, "rest": touching.rest, "penetrator": touching.penetrator,
-         "spin": turning.spin, "slope": turning.slope, "charge": filling.charge, "gas": filling.gas, "stretch": filling.stretch,
-         "debris": filling.debris}
+CASES = {
+    "alone": motion.alone,
+    "flight": motion.flight,
+    "single": motion.single,
+    "thin": motion.thin,
+    "drift": motion.drift,
+    "units": motion.units,
+    "taylor": solids.taylor,
+    "membrane": solids.membrane,
+    "vacuum": gas.vacuum,
+    "grazing": touching.grazing,
+    "ratios": touching.ratios,
+    "rest": touching.rest,
+    "penetrator": touching.penetrator,
+    "spin": turning.spin,
+    "slope": turning.slope,
+    "charge": filling.charge,
+    "gas": filling.gas,
+    "stretch": filling.stretch,
+    "debris": filling.debris,
+}
 HEAD = """# Hard cases
 
 <!-- written by `make hard`; do not edit -->
@@ -54,10 +71,21 @@ program said of its own runs ([verdict.md](verdict.md)); where only some methods
 
 
 def differences(before, after, whole):
-    """What two results.json do not have in common, in words; only of what the second has where it is not the whole suite."""
-    before, after = ({(row["case"], row["quantity"], method): cell for row in json.loads(path.read_text())["results"] for method, cell in row["methods"].items()}
-                     for path in (before, after))
-    return [f"{' | '.join(key)}: {before.get(key)} is now {after.get(key)}" for key in ({**before, **after} if whole else after) if before.get(key) != after.get(key)]
+    """What two results.json do not have in common, in words; only of what the second has where it is not the whole
+    suite."""
+    before, after = (
+        {
+            (row["case"], row["quantity"], method): cell
+            for row in json.loads(path.read_text())["results"]
+            for method, cell in row["methods"].items()
+        }
+        for path in (before, after)
+    )
+    return [
+        f"{' | '.join(key)}: {before.get(key)} is now {after.get(key)}"
+        for key in ({**before, **after} if whole else after)
+        if before.get(key) != after.get(key)
+    ]
 
 
 def main():
@@ -78,10 +106,15 @@ def main():
     if chosen.publish:
         table.publish(ROOT / "doc/hard-cases.md", HEAD)
     cells = list(table.cells())
-    print(f"\n{len(cells)} values, {sum(not cell['met'] for *_, cell in cells)} outside their bounds; {time.monotonic() - started:.0f} s")
+    print(
+        f"\n{len(cells)} values, {sum(not cell['met'] for *_, cell in cells)} outside their bounds; "
+        f"{time.monotonic() - started:.0f} s"
+    )
     for line in table.unexplained():
         print("no reason:", line)
-    changed = differences(first / "results.json", common.BUILD / "results.json", not chosen.cases) if chosen.again else []
+    changed = (
+        differences(first / "results.json", common.BUILD / "results.json", not chosen.cases) if chosen.again else []
+    )
     for line in changed:
         print("not as before:", line)
     if chosen.again:

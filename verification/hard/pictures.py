@@ -17,7 +17,9 @@ def portraits(table, name, runs, colour, caption, axes=(0, 1), names=None, cut=F
     shown = [(run.particles(), (names or NAMES)[method]) for method, run in runs.items() if run.exit_code == 0]
     values = [colour_of(particles.fields, colour) for particles, _ in shown]
     rows, columns = layout or (1, len(shown))
-    canvas, panels = figure(rows, columns, figsize=(panel[0]*columns, panel[1]*rows), sharex=True, sharey=True, squeeze=False)
+    canvas, panels = figure(
+        rows, columns, figsize=(panel[0] * columns, panel[1] * rows), sharex=True, sharey=True, squeeze=False
+    )
     ends = []
     limits = tuple(np.percentile(np.concatenate(values), (4, 96)))
     for axis, (particles, title), value in zip(panels.ravel(), shown, values):

@@ -1,4 +1,5 @@
-"""The table of hard cases: quantities of several methods beside a reference, with what the program itself said of its runs."""
+"""The table of hard cases: quantities of several methods beside a reference, with what the program itself said of its
+runs."""
 import json
 import math
 import sys
@@ -40,7 +41,8 @@ def near(reference, absolute):
 
 
 def run_methods(deck, methods=METHODS, **parameters):
-    """The same deck of verification/hard, or of another folder of verification (folder/name), by every method: runs by name, failed ones too."""
+    """The same deck of verification/hard, or of another folder of verification (folder/name), by every method: runs by
+    name, failed ones too."""
     path = f"verification/{deck if '/' in deck else f'hard/{deck}'}.inp"
     cases = [Case(path, method=method, **parameters) for method in methods]
     return dict(zip(methods, solve(cases, may_fail=True)))
@@ -65,8 +67,8 @@ class Table:
         print(f"\n{title}", flush=True)
 
     def row(self, quantity, values, reference, bound, runs=None, reasons=None):
-        """A quantity by method. `runs`: from which their verdicts are taken; `reasons`: why a method misses the bound, which then
-        is a weakness that is known."""
+        """A quantity by method. `runs`: from which their verdicts are taken; `reasons`: why a method misses the bound,
+        which then is a weakness that is known."""
         reasons = reasons or {}
         cells = {}
         for method, value in values.items():
@@ -77,9 +79,17 @@ class Table:
             met = bound.holds(value)
             cells[method] = {"value": value if math.isfinite(value) else None, "met": met, "verdict": verdict,
                              "reason": "" if met else reasons.get(method, reasons.get("all", ""))}
-        self.cases[-1]["rows"].append({"quantity": quantity, "reference": reference, "bound": bound.words, "methods": cells})
-        print(f"  {quantity}: " + ", ".join(f"{method} {value:.5g}{'' if cells[method]['met'] else ' (!)'}" for method, value in values.items())
-              + f"; {bound.words} of {reference:g}", flush=True)
+        self.cases[-1]["rows"].append(
+            {"quantity": quantity, "reference": reference, "bound": bound.words, "methods": cells}
+        )
+        print(
+            f"  {quantity}: "
+            + ", ".join(
+                f"{method} {value:.5g}{'' if cells[method]['met'] else ' (!)'}" for method, value in values.items()
+            )
+            + f"; {bound.words} of {reference:g}",
+            flush=True,
+        )
         if runs:
             self.cases[-1]["commands"].append(next(iter(runs.values())).case.command())
 
@@ -111,8 +121,12 @@ class Table:
         lines = [head]
         for case in self.cases:
             lines += [f"## {case['title']}", "", case["statement"].strip(), ""]
-            lines += ["| quantity | " + " | ".join(NAMES[m] for m in METHODS) + " | reference | bound | verdict of the runs |",
-                      "|" + "---|"*(len(METHODS) + 4)]
+            lines += [
+                "| quantity | "
+                + " | ".join(NAMES[m] for m in METHODS)
+                + " | reference | bound | verdict of the runs |",
+                "|" + "---|" * (len(METHODS) + 4),
+            ]
             lines += [markdown_row(row) for row in case["rows"]] + [""]
             reasons = {}
             for row in case["rows"]:
@@ -142,7 +156,11 @@ def markdown_row(row):
             continue
         text = "failed" if cell["value"] is None else f"{cell['value']:.4g}"
         cells.append(text if cell["met"] else f"**{text}**")
-    return f"| {row['quantity']} | " + " | ".join(cells) + f" | {row['reference']:.4g} | {row['bound']} | {verdicts(row)} |"
+    return (
+        f"| {row['quantity']} | "
+        + " | ".join(cells)
+        + f" | {row['reference']:.4g} | {row['bound']} | {verdicts(row)} |"
+    )
 
 
 def verdicts(row):
