@@ -15,8 +15,10 @@ table { border-collapse: collapse; margin: .8em 0; font-size: 13.5px; }
 td, th { padding: .2em .7em; border-bottom: 1px solid #ddd; text-align: right; } th { background: #f2f5fa; }
 td:first-child, th:first-child, .word { text-align: left; }
 summary { color: #1f5fb4; cursor: pointer; font-size: 13.5px; }
-.pass, .unchanged { color: #17803d; font-weight: 600; } .fail { color: #c0182a; font-weight: 600; } .deviates { color: #b36b00; font-weight: 600; }
-figure { margin: 1em 0; } figure img { max-width: 100%; } figcaption, caption { color: #555; font-size: 13.5px; text-align: left; }
+.pass, .unchanged { color: #17803d; font-weight: 600; } .fail { color: #c0182a; font-weight: 600; }
+.deviates { color: #b36b00; font-weight: 600; }
+figure { margin: 1em 0; } figure img { max-width: 100%; }
+figcaption, caption { color: #555; font-size: 13.5px; text-align: left; }
 pre { background: #f5f5f5; padding: .7em; overflow-x: auto; font-size: 12.5px; } nav a { margin-right: 1.1em; }
 """
 

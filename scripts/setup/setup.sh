@@ -55,7 +55,7 @@ has gfortran|gfortran|GNU Fortran 10 or later|gcc|gcc|gfortran
 has_mpi_compiler|libopenmpi-dev|MPI with Fortran modules (mpifort)|openmpi|openmpi|openmpi-mpifort
 has mpiexec|openmpi-bin|mpiexec|openmpi|openmpi|openmpi
 has h5pfc|libhdf5-openmpi-dev|parallel HDF5 with Fortran (h5pfc)|hdf5-parallel|hdf5+mpi+fortran|"hdf5=*=mpi_openmpi*"
-has_muparser|libmuparser-dev|muParser 2.3 or later (muParserBytecode.h)|muparser|muparser|muparser; then CMAKE_PREFIX_PATH
+has_muparser|libmuparser-dev|muParser 2.3 or later (muParserBytecode.h)|muparser|muparser|muparser; CMAKE_PREFIX_PATH
 has_recent_cmake|cmake|CMake 3.21 or later|cmake|cmake|cmake; pip install cmake
 has make|make|make|gmake|gmake|make
 has_python|python3|Python 3.8 or later|python|python|python

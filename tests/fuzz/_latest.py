@@ -5,11 +5,11 @@ import math
 
 # Strength in the scene's Young's modulus and yield stress; heat such that plastic work warms by some tens of degrees.
 METALS = {
-    "steinberg_guinan": "material {name} steinberg_guinan density={density} young={young} poisson={poisson} yield={weak} "
-    "hardening_factor={factor} "
+    "steinberg_guinan": "material {name} steinberg_guinan density={density} young={young} poisson={poisson} "
+    "yield={weak} hardening_factor={factor} "
     "hardening_exponent=0.3 yield_limit={weak}*3 pressure_stiffening=0.3/{young} initial_strain={strain}",
-    "zerilli_armstrong": "material {name} zerilli_armstrong density={density} young={young} poisson={poisson} yield={weak}/2 "
-    "hardening_modulus={young}/20 hardening_exponent=0.4 thermal_stress={weak} thermal_softening=0.005 "
+    "zerilli_armstrong": "material {name} zerilli_armstrong density={density} young={young} poisson={poisson} "
+    "yield={weak}/2 hardening_modulus={young}/20 hardening_exponent=0.4 thermal_stress={weak} thermal_softening=0.005 "
     "thermal_rate=3e-4 "
     "thermal_hardening={weak}*{strain} reference_rate={rate}",
 }

@@ -170,8 +170,10 @@ time end={2 * ramp} cfl=0.5
 damping rate=0.15
 material m elastic density=1 young=1 poisson=0.3
 body m block material=m lower=({-length / 2},{up}) upper=({length / 2},{1 + up}) ppc=2 rotation={self.angle}
-load m where="{along}>{length / 2 - 0.6 * h}" x="{self.pull * self.c}*min(t/{ramp},1)" y="{self.pull * self.s}*min(t/{ramp},1)"
-load m where="{along}<{0.6 * h - length / 2}" x="{-self.pull * self.c}*min(t/{ramp},1)" y="{-self.pull * self.s}*min(t/{ramp},1)"
+load m where="{along}>{length / 2 - 0.6 * h}" x="{self.pull * self.c}*min(t/{ramp},1)" &
+  y="{self.pull * self.s}*min(t/{ramp},1)"
+load m where="{along}<{0.6 * h - length / 2}" x="{-self.pull * self.c}*min(t/{ramp},1)" &
+  y="{-self.pull * self.s}*min(t/{ramp},1)"
 history steps=50
 output csv at=end fields=displacement,initial_position,mass
 """
@@ -205,7 +207,8 @@ METHOD
 time end=150 cfl=0.5
 damping rate=0.15
 material m elastic density=1 young=1 poisson={self.nu}
-body m block material=m lower=({self.luck.random()},{self.luck.random()}) size=({2 * self.cells},{self.cells}) ppc=2 rotation={angle}
+body m block material=m lower=({self.luck.random()},{self.luck.random()}) size=({2 * self.cells},{self.cells}) &
+  ppc=2 rotation={angle}
 {sides}history steps=20
 output csv at=end fields=stress
 """

@@ -196,7 +196,8 @@ class Press(Truth):
             "elastic": "poisson=0.3",
             "neo_hookean": "poisson=0.3",
             "j2": "poisson=0.3 yield=0.01",
-            "johnson_cook": "poisson=0.3 yield=0.01 thermal=yes melt_temperature=1293 specific_heat=1e-5 thermal_exponent=1",
+            "johnson_cook": "poisson=0.3 yield=0.01 thermal=yes melt_temperature=1293 "
+            "specific_heat=1e-5 thermal_exponent=1",
             "crushable_foam": "poisson=0 plateau=0.01 linear_hardening=0.01 densification_strain=1.5",
         }[self.law]
         time = 60

@@ -33,7 +33,8 @@ grid cell=1 x=open y=0:open
 wall y-=slip
 method sgmp rotation=exact
 time cfl=auto steps=20
-material m johnson_cook density=1 young=10 poisson=0.3 yield=0.01 hardening_modulus=1 thermal=yes melt_temperature=1000 specific_heat=1
+material m johnson_cook density=1 young=10 poisson=0.3 yield=0.01 hardening_modulus=1 thermal=yes &
+  melt_temperature=1000 specific_heat=1
 body a block material=m lower=(0,0) upper=(2,2) ppc=1
 body b block material=m lower=(0,2) upper=(2,3) ppc=1
 velocity b y=-0.3

@@ -16,7 +16,8 @@ import sys
 BOUNDS = {
     "splitting": (r"\w*splitting\w*|split_(?:particles|most)|sum_split|split(?==)|(?<=')split(?=')", 5),
     "wall_friction": (
-        r"\w*wall_?friction\w*|walls_rub|wall_nodes_(?:rub|stick)|wall_velocity_rubbed|nodes_(?:friction|pressed|pulled)|friction_power",
+        r"\w*wall_?friction\w*|walls_rub|wall_nodes_(?:rub|stick)|wall_velocity_rubbed|"
+        r"nodes_(?:friction|pressed|pulled)|friction_power",
         5,
     ),
     "swirl": (r"\w*swirl\w*", 29),

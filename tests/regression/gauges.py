@@ -26,7 +26,8 @@ gauge behind point=({point}) radius=2 fields=stress,temperature,damage,plastic_s
 gauge here point=({point}) radius=1.5 frame=fixed
 gauge later point=({away}) radius=1 frame=fixed fields=energy
 history steps=7
-output csv fields=initial_position,stress,pressure,von_mises,density,mass,volume,plastic_strain,temperature,damage,energy
+output csv &
+  fields=initial_position,stress,pressure,von_mises,density,mass,volume,plastic_strain,temperature,damage,energy
 checkpoint every=25 keep=9
 """
 SCENES = {

@@ -84,7 +84,8 @@ grid cell=1/8 x=0:0.5 y=0:open
 wall x-=slip x+=slip y-=slip
 method gimp
 time end=1 cfl=0.5
-material clay cam_clay density=1 poisson=0.3 critical_ratio=1 compression_slope=0.02 swelling_slope=0.004 void_ratio=1 pressure0=0.5 overconsolidation=2
+material clay cam_clay density=1 poisson=0.3 critical_ratio=1 compression_slope=0.02 swelling_slope=0.004 &
+  void_ratio=1 pressure0=0.5 overconsolidation=2
 body clay block material=clay lower=(0,0) upper=(0.5,1) ppc=2
 gravity (0,-1)
 initial_stress clay surface=1 pressure=0.2 k0=k0

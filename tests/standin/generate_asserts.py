@@ -68,7 +68,8 @@ BASIC = """
     if (size(shape_a) == size(shape_b)) then
       if (all(shape_a == shape_b)) return
     end if
-    call complain('shapes differ: expected ' // list_text(shape_a) // ' but found ' // list_text(shape_b), message, location)
+    call complain('shapes differ: expected ' // list_text(shape_a) // ' but found ' // list_text(shape_b), &
+      message, location)
   end subroutine assertSameShape
 
   !> "[1,2,3]"
@@ -149,7 +150,8 @@ CONDITION = """
 
 CHECK = """
   !> Compares element by element (a scalar expectation with each) and complains about the first that fails.
-  subroutine check_{tag}(relation, expected_shape, expected, actual_shape, actual, message, location{tolerance_argument})
+  subroutine check_{tag}(relation, expected_shape, expected, actual_shape, actual, message, &
+    location{tolerance_argument})
     character(*), intent(in) :: relation
     integer, intent(in) :: expected_shape(:), actual_shape(:)
     {type}, intent(in) :: expected(:), actual(:)

@@ -52,10 +52,13 @@ def charge(table):
     table.case(
         "Explosive in a box that it half fills",
         """
-TNT (density 1.63 g/cm^3, detonation speed 6930 m/s; JWL: A = 371.2 GPa, B = 3.21 GPa, R1 = 4.15, R2 = 0.95, omega = 0.3, E0 = 6.993 GPa) fills the lower half of a closed box of 20 x 12 cells (h = 1 mm, plane strain) between smooth
-walls; lit at a lower corner at t = 0; Courant number 0.4, to 1 ms, when the products have crossed the box some hundred times. Then they fill it, their energy is what it was, and their mean pressure is nearly JWL at mean volume and energy (above it
-by 4 % in a tube, by an independent Lagrangian code, for the gas is not of one entropy). Particles are split in two when they are longer than a cell (`split=1`); with SGMP their volumes
-follow the divergence at the centres of cells (`volumes=kept`).""",
+TNT (density 1.63 g/cm^3, detonation speed 6930 m/s; JWL: A = 371.2 GPa, B = 3.21 GPa, R1 = 4.15, R2 = 0.95, omega =
+0.3, E0 = 6.993 GPa) fills the lower half of a closed box of 20 x 12 cells (h = 1 mm, plane strain) between smooth
+walls; lit at a lower corner at t = 0; Courant number 0.4, to 1 ms, when the products have crossed the box some
+hundred times. Then they fill it, their energy is what it was, and their mean pressure is nearly JWL at mean volume
+and energy (above it by 4 % in a tube, by an independent Lagrangian code, for the gas is not of one entropy).
+Particles are split in two when they are longer than a cell (`split=1`); with SGMP their volumes follow the
+divergence at the centres of cells (`volumes=kept`).""",
     )
     runs = filled("volumes/box", fill=6, t_end=1, split=1.0)
     table.row(
@@ -93,7 +96,9 @@ def gas(table):
     table.case(
         "Gas that expands into ten times its room",
         """
-An ideal gas (gamma = 1.4, density 1, p = 1) fills 4 of 40 cells of a closed channel 4 cells high (h = 1, plane strain, smooth walls) and is set free at t = 0; Courant number 0.4, to t = 300. At rest p V = (gamma - 1) E of the whole channel. `split=0.75`, with SGMP `volumes=kept`.""",
+An ideal gas (gamma = 1.4, density 1, p = 1) fills 4 of 40 cells of a closed channel 4 cells high (h = 1, plane
+strain, smooth walls) and is set free at t = 0; Courant number 0.4, to t = 300. At rest p V = (gamma - 1) E of the
+whole channel. `split=0.75`, with SGMP `volumes=kept`.""",
     )
     runs = filled("volumes/gas", fill=4, length=40, split=0.75)
     table.row(
@@ -128,8 +133,10 @@ def stretch(table):
     table.case(
         "Bar pulled to ten times its length",
         """
-A neo-Hookean bar (E = 0.001, nu = 0, density 1, length 1, height 1 between smooth walls, h = 0.25) flies apart with the velocity x, nearly without force, to t = 9: it is then ten times as long and its density 0.1 everywhere (measured
-over its inner half, x < 5, for its free end springs back). Particles of `split=0.6` are cut in two when they are longer than 0.6 cells; without it they part, and the bar is a row of grains.""",
+A neo-Hookean bar (E = 0.001, nu = 0, density 1, length 1, height 1 between smooth walls, h = 0.25) flies apart with
+the velocity x, nearly without force, to t = 9: it is then ten times as long and its density 0.1 everywhere
+(measured over its inner half, x < 5, for its free end springs back). Particles of `split=0.6` are cut in two when
+they are longer than 0.6 cells; without it they part, and the bar is a row of grains.""",
     )
     bars = {}
     for split in ("none", 0.6):
@@ -191,8 +198,11 @@ def debris(table):
     table.case(
         "Debris of a hypervelocity impact",
         """
-Three dimensions: a lead ball of radius 7.5 mm hits the middle of a free plate 127.2 x 127.2 x 6.36 mm of lead at 6.58 km/s along +z; density 11.35 g/cm^3, E = 17 GPa, nu = 0.42, yield stress 12 MPa, hardening 125 MPa, Mie-Grueneisen (c0 = 2092 m/s, s = 1.45,
-gamma = 2); what has seen a pressure of -1 GPa or a plastic strain of 3 carries nothing; h = 4.24 mm, Courant number 0.25, to 100 us. Energy is conserved, and what flies freely needs no shorter steps.""",
+Three dimensions: a lead ball of radius 7.5 mm hits the middle of a free plate 127.2 x 127.2 x 6.36 mm of lead at
+6.58 km/s along +z; density 11.35 g/cm^3, E = 17 GPa, nu = 0.42, yield stress 12 MPa, hardening 125 MPa,
+Mie-Grueneisen (c0 = 2092 m/s, s = 1.45, gamma = 2); what has seen a pressure of -1 GPa or a plastic strain of 3
+carries nothing; h = 4.24 mm, Courant number 0.25, to 100 us. Energy is conserved, and what flies freely needs no
+shorter steps.""",
     )
     runs = run_methods("volumes/debris", cfl=0.25)
     coarse = {"all": "the error falls with the time step"}
@@ -229,6 +239,6 @@ gamma = 2); what has seen a pressure of -1 GPa or a plastic strain of 3 carries 
     )
     portraits(
         table, "debris", runs, "body",
-        "Plate (yellow) and ball (dark) in the end, seen from the side (mm); the ball came from the left.",
-        axes=(2, 0, 1), layout=(2, 2), panel=(4.5, 1.9),
+        "Plate (green) and ball (blue) in the end, seen from the side (mm); the ball came from the left.",
+        axes=(2, 0, 1), layout=(2, 2), panel=(4.6, 3.4),
     )

@@ -42,10 +42,14 @@ def vacuum(table):
     table.case(
         "Expansion into vacuum",
         """
-Gas of density 1, pressure 1 and gamma = 1.4 between a wall at x = 0 and x = 1 is set free into nothing at t = 0 (one dimension, 20 cells, Courant number 0.2, to t = 200). Measured: the part of the internal energy that has become kinetic when the gas
-fills 2, 10, 100 and 1000 times its length (the place of the outermost particle). Reference: 400 Lagrangian zones, isentropic. Then the same with particles that are split in two when they have become longer than 0.75 cells: 20 cells to 100 times the length,
-2 cells to 1000 times (Courant number 0.4). To 10000 times the length, a density of 10^-4, one cell in the slab takes 151631 particles in the end and some minutes; SGMP has 0.990 there instead of 0.972
-(`sgmp verification/hard/vacuum.inp --set split=0.75 --set cells=1 --set cfl=0.4 --set t_end=1845`; not in the table).""",
+Gas of density 1, pressure 1 and gamma = 1.4 between a wall at x = 0 and x = 1 is set free into nothing at t = 0
+(one dimension, 20 cells, Courant number 0.2, to t = 200). Measured: the part of the internal energy that has become
+kinetic when the gas fills 2, 10, 100 and 1000 times its length (the place of the outermost particle). Reference:
+400 Lagrangian zones, isentropic. Then the same with particles that are split in two when they have become longer
+than 0.75 cells: 20 cells to 100 times the length, 2 cells to 1000 times (Courant number 0.4). To 10000 times the
+length, a density of 10^-4, one cell in the slab takes 151631 particles in the end and some minutes; SGMP has 0.990
+there instead of 0.972 (`sgmp verification/hard/vacuum.inp --set split=0.75 --set cells=1 --set cfl=0.4 --set
+t_end=1845`; not in the table).""",
     )
     time, front, kinetic = lagrange()
     canvas, axis = figure(figsize=(6.4, 3.6))

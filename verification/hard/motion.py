@@ -18,8 +18,9 @@ def alone(table):
     table.case(
         "One particle alone",
         """
-A single particle of volume (h/2)^3 in an unbounded grid, velocity (5, 3, 4) h per unit of time, gravity 0.5 along -z, E = 1, density 2; to t = 20, about 140 cells. It must fly a parabola
-x0 + v t + g t^2/2 and feel no stress; any step is stable, and `cfl=auto` must find one nevertheless.""",
+A single particle of volume (h/2)^3 in an unbounded grid, velocity (5, 3, 4) h per unit of time, gravity 0.5 along
+-z, E = 1, density 2; to t = 20, about 140 cells. It must fly a parabola x0 + v t + g t^2/2 and feel no stress; any
+step is stable, and `cfl=auto` must find one nevertheless.""",
     )
     for cfl, words in ((0.5, "Courant number 0.5"), ("auto", "cfl=auto")):
         runs = run_methods("alone", cfl=cfl)
@@ -48,8 +49,9 @@ def flight(table):
     table.case(
         "Free flight through 100 cells",
         """
-A disk of radius 5 h, centre at (0.13, 0.29) h, E = density = 1, nu = 0.3, breathes: radial velocity 0.002 c r/R at the start. It flies at 0.5 c in the directions 0, 9, 18, … 81 degrees for a
-time of 200 h/c with the step 0.2 h/c, that is through 100 cells. In its own frame nothing may differ from the same disk at rest.""",
+A disk of radius 5 h, centre at (0.13, 0.29) h, E = density = 1, nu = 0.3, breathes: radial velocity 0.002 c r/R at
+the start. It flies at 0.5 c in the directions 0, 9, 18, … 81 degrees for a time of 200 h/c with the step 0.2 h/c,
+that is through 100 cells. In its own frame nothing may differ from the same disk at rest.""",
     )
     energy, shape, rest = {}, {}, {}
     angles = range(0, 90, 9)
@@ -114,8 +116,9 @@ def single(table):
     table.case(
         "One particle per cell",
         """
-A bar of length 1 and 32 cells between fixed ends, E = density = 1, nu = 0, velocity 1e-4 sin(pi x), step 0.1 h/c, one period (t = 2). Particles in the middle of equal parts of the cells.
-Then every particle is back where it was.""",
+A bar of length 1 and 32 cells between fixed ends, E = density = 1, nu = 0, velocity 1e-4 sin(pi x), step 0.1 h/c,
+one period (t = 2). Particles in the middle of equal parts of the cells. Then every particle is back where it
+was.""",
     )
     for ppc in (1, 2, 3):
         runs = run_methods("single", ppc=ppc)
@@ -155,8 +158,10 @@ def thin(table):
     table.case(
         "Plate one particle thick",
         """
-A plate of length 40 h and a thickness of one, two or four particles of side h/2, free on all sides, its lower face at 0.25 h over a line of nodes, E = density = 1, nu = 0.3, vibrates lengthwise: velocity
--1e-4 cos(pi x/L). The faces are free of stress, so waves run at sqrt(E/(density (1 - nu^2))); with thickness strain suppressed they would run at c, in 0.90 of the time.""",
+A plate of length 40 h and a thickness of one, two or four particles of side h/2, free on all sides, its lower face
+at 0.25 h over a line of nodes, E = density = 1, nu = 0.3, vibrates lengthwise: velocity -1e-4 cos(pi x/L). The
+faces are free of stress, so waves run at sqrt(E/(density (1 - nu^2))); with thickness strain suppressed they would
+run at c, in 0.90 of the time.""",
     )
     lines = []
     for layers in (1, 2, 4):
@@ -214,8 +219,10 @@ def drift(table):
     table.case(
         "A million steps",
         """
-A bar of length 1 and 8 cells with two Gauss points each between fixed ends, E = density = 1, nu = 0, small strains, velocity 1e-6 sin(pi x), step 0.02 (Courant number 0.16), a million steps: 10^4 periods. USAVG. Nothing
-damps; what energy is lost or found is round-off and the scheme. Compared are the means over the first and the last hundredth.""",
+A bar of length 1 and 8 cells with two Gauss points each between fixed ends, E = density = 1, nu = 0, small strains,
+velocity 1e-6 sin(pi x), step 0.02 (Courant number 0.16), a million steps: 10^4 periods. USAVG. Nothing damps; what
+energy is lost or found is round-off and the scheme. Compared are the means over the first and the last
+hundredth.""",
     )
     runs = run_methods("drift")
 
@@ -249,8 +256,9 @@ def units(table):
     table.case(
         "Units by powers of two",
         """
-An elastoplastic block (2 x 1.5, h = 0.25, J2, particles displaced at random by 0.3 spacings) slides and falls between walls for 200 steps; once in m, kg, s, once with all inputs in units
-2^7, 2^-5 and 2^3 times smaller. All results must have the same mantissas.""",
+An elastoplastic block (2 x 1.5, h = 0.25, J2, particles displaced at random by 0.3 spacings) slides and falls
+between walls for 200 steps; once in m, kg, s, once with all inputs in units 2^7, 2^-5 and 2^3 times smaller. All
+results must have the same mantissas.""",
     )
     differing = {}
     scaled = run_methods("units", m=2.0**7, kg=2.0**-5, s=2.0**3)

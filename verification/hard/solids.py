@@ -20,10 +20,13 @@ def taylor(table):
     table.case(
         "Taylor bar along x, y, z and a diagonal",
         """
-The halves of a copper cylinder of radius 3.8 mm and length 50.8 mm run into each other end-on at 190 m/s each, so each hits a mirror as a Taylor bar hits a rigid smooth wall, and no wall fixes
-the direction. Density 8.93e-3 g/mm^3, E = 117 GPa, nu = 0.35, yield stress 157 MPa + 425 MPa times the plastic strain, Grueneisen c0 = 3940 m/s, s = 1.49, gamma = 1.96; h = 1.27 mm (three cells per radius), 80 us, Courant number 0.5.
-The particles lie on the same axis-parallel lattice whatever the axis. Length: 25.4 mm times the extent along the axis over that at the start. Foot: 7.6 mm times the largest distance from the axis of particles
-within h of the middle over that at the start. Experiment: 16.2 and 13.5 mm.""",
+The halves of a copper cylinder of radius 3.8 mm and length 50.8 mm run into each other end-on at 190 m/s each, so
+each hits a mirror as a Taylor bar hits a rigid smooth wall, and no wall fixes the direction. Density 8.93e-3
+g/mm^3, E = 117 GPa, nu = 0.35, yield stress 157 MPa + 425 MPa times the plastic strain, Grueneisen c0 = 3940 m/s, s
+= 1.49, gamma = 1.96; h = 1.27 mm (three cells per radius), 80 us, Courant number 0.5. The particles lie on the same
+axis-parallel lattice whatever the axis. Length: 25.4 mm times the extent along the axis over that at the start.
+Foot: 7.6 mm times the largest distance from the axis of particles within h of the middle over that at the start.
+Experiment: 16.2 and 13.5 mm.""",
     )
     found = {name: run_methods("taylor", ax=a[0], ay=a[1], az=a[2]) for name, a in DIRECTIONS.items()}
     shapes = {name: {m: shape_of(run, DIRECTIONS[name]) for m, run in runs.items()} for name, runs in found.items()}
@@ -62,9 +65,12 @@ def membrane(table):
     table.case(
         "Cook's membrane, nearly incompressible",
         """
-Plane strain; corners (0,0), (48,44), (48,60), (0,44), clamped at x = 0, E = density = 1, loaded from rest by a body force of 2e-7 per volume along y at t = 0 and never damped; h = 2. The mean of the deflection at (47.5, 59.5) over t = 0 to 1500
-under a Hann window is the static one. Reference: finite elements of nine nodes, 20 x 20 (the last row has the largest difference from 14 x 14, that of nu = 0.4999). Pressure: time means under the same window of the 16 particles nearest to (22, 32), a square
-of 4 x 4 at distances of h/2; their rms deviation from the plane that fits them best, over their rms.""",
+Plane strain; corners (0,0), (48,44), (48,60), (0,44), clamped at x = 0, E = density = 1, loaded from rest by a body
+force of 2e-7 per volume along y at t = 0 and never damped; h = 2. The mean of the deflection at (47.5, 59.5) over t
+= 0 to 1500 under a Hann window is the static one. Reference: finite elements of nine nodes, 20 x 20 (the last row
+has the largest difference from 14 x 14, that of nu = 0.4999). Pressure: time means under the same window of the 16
+particles nearest to (22, 32), a square of 4 x 4 at distances of h/2; their rms deviation from the plane that fits
+them best, over their rms.""",
     )
     poissons = (0.3, 0.49, 0.499, 0.4999)
     tips, check = {}, {}

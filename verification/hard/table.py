@@ -116,34 +116,38 @@ class Table:
         results = [{"case": case["title"], **row} for case in self.cases for row in case["rows"]]
         (self.output / "results.json").write_text(json.dumps({"command": command, "results": results}, indent=1) + "\n")
 
-    def publish(self, path, head):
-        """The page of documents, with its pictures beside it."""
-        lines = [head]
-        for case in self.cases:
-            lines += [f"## {case['title']}", "", case["statement"].strip(), ""]
-            lines += [
-                "| quantity | "
-                + " | ".join(NAMES[m] for m in METHODS)
-                + " | reference | bound | verdict of the runs |",
-                "|" + "---|" * (len(METHODS) + 4),
-            ]
-            lines += [markdown_row(row) for row in case["rows"]] + [""]
-            reasons = {}
-            for row in case["rows"]:
-                for method, cell in row["methods"].items():
-                    if cell["reason"]:
-                        reasons.setdefault(cell["reason"], []).append(NAMES[method])
-            lines += [f"* {', '.join(dict.fromkeys(who))}: {why}." for why, who in reasons.items()]
-            lines += [""]*bool(reasons)
-            if case["commands"]:
-                lines += [f"First row: `{case['commands'][0]}`; the other methods and rows by `--set`.", ""]
-            folder = path.with_suffix("").name
-            lines += [f"![{name}]({folder}/{name}.png)\n\n{caption}\n" for name, caption in case["pictures"]]
-            for name, _ in case["pictures"]:
-                path.with_suffix("").mkdir(exist_ok=True)
-                with Image.open(self.output / f"{name}.png") as image:  # few colours are a third of the bytes
-                    image.convert("RGB").quantize(64).save(path.with_suffix("") / f"{name}.png", optimize=True)
-        path.write_text("\n".join(lines).rstrip() + "\n")
+    def publish(self, path, head, keep):
+        """The page of documents, with its pictures beside it; `keep`: other cases stay as they are there."""
+        parts = {case["title"]: self.page_of(case, path.with_suffix("").name) for case in self.cases}
+        if keep and path.exists():
+            before = path.read_text().split("\n## ")[1:]
+            parts = {part.split("\n")[0]: f"## {part.rstrip()}\n" for part in before} | parts
+        path.with_suffix("").mkdir(exist_ok=True)
+        for name in (name for case in self.cases for name, _ in case["pictures"]):
+            with Image.open(self.output / f"{name}.png") as image:  # few colours are a third of the bytes
+                image.convert("RGB").quantize(64).save(path.with_suffix("") / f"{name}.png", optimize=True)
+        path.write_text("\n".join([head, *parts.values()]).rstrip() + "\n")
+
+    @staticmethod
+    def page_of(case, folder):
+        """What the page says of a case; `folder`: that of the pictures."""
+        lines = [f"## {case['title']}", "", case["statement"].strip(), ""]
+        lines += [
+            "| quantity | " + " | ".join(NAMES[m] for m in METHODS) + " | reference | bound | verdict of the runs |",
+            "|" + "---|" * (len(METHODS) + 4),
+        ]
+        lines += [markdown_row(row) for row in case["rows"]] + [""]
+        reasons = {}
+        for row in case["rows"]:
+            for method, cell in row["methods"].items():
+                if cell["reason"]:
+                    reasons.setdefault(cell["reason"], []).append(NAMES[method])
+        lines += [f"* {', '.join(dict.fromkeys(who))}: {why}." for why, who in reasons.items()]
+        lines += [""]*bool(reasons)
+        if case["commands"]:
+            lines += [f"First row: `{case['commands'][0]}`; the other methods and rows by `--set`.", ""]
+        lines += [f"![{name}]({folder}/{name}.png)\n\n{caption}\n" for name, caption in case["pictures"]]
+        return "\n".join(lines)
 
 
 def markdown_row(row):

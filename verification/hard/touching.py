@@ -22,9 +22,11 @@ def grazing(table):
     table.case(
         "Grazing disks",
         """
-Two disks of radius 1, E = 1e4, density 1, nu = 0.3, no friction, run past each other at speeds v = 0.05 and -v (2000 times slower than waves, so that they hardly move while they touch) on lines 1.9 apart; they start with their centres
-0.7 apart along the way; h = 0.1, Courant number 0.4, to t = 0.2/v. Rigid smooth disks exchange their velocities along the line of centres at touch, n = (sqrt(1 - 0.95^2), 0.95): each leaves with
-2 sqrt(1 - 0.95^2) 0.95 v = 0.593 v across its way. All of it turned by 0 and 30 degrees against the grid.""",
+Two disks of radius 1, E = 1e4, density 1, nu = 0.3, no friction, run past each other at speeds v = 0.05 and -v
+(2000 times slower than waves, so that they hardly move while they touch) on lines 1.9 apart; they start with their
+centres 0.7 apart along the way; h = 0.1, Courant number 0.4, to t = 0.2/v. Rigid smooth disks exchange their
+velocities along the line of centres at touch, n = (sqrt(1 - 0.95^2), 0.95): each leaves with 2 sqrt(1 - 0.95^2)
+0.95 v = 0.593 v across its way. All of it turned by 0 and 30 degrees against the grid.""",
     )
     for turn in (0, 30):
         runs = run_methods("grazing", turn=turn)
@@ -74,9 +76,11 @@ def ratios(table):
     table.case(
         "Density ratio 10^4, stiffness ratio 10^5",
         """
-In one dimension a bar of length 1, E = density = 1, nu = 0, runs at 1e-4 into a second one of length 1 that rests and is 10^4 times as dense, 10^5 times as stiff, or both; they touch at the start; h = 1/50, Courant number 0.4, USAVG. Impulse on the
-first bar until t = 1.5, before the wave is back from its free end, over 1e-4: the interface carries Z1 Z2/(Z1 + Z2) as long as the second bar is long (Z = sqrt(E density)); the stiff bar of the same
-density is a rigid mass at once: 1 - exp(-1.5).""",
+In one dimension a bar of length 1, E = density = 1, nu = 0, runs at 1e-4 into a second one of length 1 that rests
+and is 10^4 times as dense, 10^5 times as stiff, or both; they touch at the start; h = 1/50, Courant number 0.4,
+USAVG. Impulse on the first bar until t = 1.5, before the wave is back from its free end, over 1e-4: the interface
+carries Z1 Z2/(Z1 + Z2) as long as the second bar is long (Z = sqrt(E density)); the stiff bar of the same density
+is a rigid mass at once: 1 - exp(-1.5).""",
     )
     cases = (
         ("density 1 : 10^4", {"density": 1e4}, 1.5 * 100 / 101),
@@ -139,8 +143,11 @@ def rest(table):
     table.case(
         "Blocks at rest on each other",
         """
-Plane strain: blocks of 6 x 4 cells (h = 1) on each other on a smooth wall at y = 0, each shifted by half a cell along x against the one below, the lowest from x = 2 on; E = 100, nu = 0.3, density 1, friction 0.3 between them. At t = 0 gravity of
-0.01 along -y is switched on; to t = 40, more than ten periods of their swing, Courant number 0.4, USAVG. Energy of unknown origin: total energy and energy taken by contact, less the work of gravity; over the largest work.""",
+Plane strain: blocks of 6 x 4 cells (h = 1) on each other on a smooth wall at y = 0, each shifted by half a cell
+along x against the one below, the lowest from x = 2 on; E = 100, nu = 0.3, density 1, friction 0.3 between them. At
+t = 0 gravity of 0.01 along -y is switched on; to t = 40, more than ten periods of their swing, Courant number 0.4,
+USAVG. Energy of unknown origin: total energy and energy taken by contact, less the work of gravity; over the
+largest work.""",
     )
     for blocks in (2, 3):
         runs = run_methods(f"contact_rest/stack_{blocks}", update="usavg")
@@ -163,9 +170,12 @@ def penetrator(table):
     table.case(
         "Sharp penetrator in soft metal",
         """
-Axisymmetric: a rigid cone with its apex at the origin, flank z = 2 r up to r = 4 and a shaft of that radius above, runs at a speed of 1 along -z into a free cylinder of radius 20 and height 36 whose upper face is z = 0 at the start: density 1,
-E = 100, nu = 0.3, yield stress 0.3 without hardening, artificial viscosity (1.5 quadratic, 0.2 linear), friction 0.1; h = 1, Courant number 0.4, until the apex is 24 cells deep. What has been the metal's upper face is stretched along the flank
-until its particles are cells apart. Measured: how deep in the cone, across its flank or shaft, the deepest particle of the metal lies, in cells.""",
+Axisymmetric: a rigid cone with its apex at the origin, flank z = 2 r up to r = 4 and a shaft of that radius above,
+runs at a speed of 1 along -z into a free cylinder of radius 20 and height 36 whose upper face is z = 0 at the
+start: density 1, E = 100, nu = 0.3, yield stress 0.3 without hardening, artificial viscosity (1.5 quadratic, 0.2
+linear), friction 0.1; h = 1, Courant number 0.4, until the apex is 24 cells deep. What has been the metal's upper
+face is stretched along the flank until its particles are cells apart. Measured: how deep in the cone, across its
+flank or shaft, the deepest particle of the metal lies, in cells.""",
     )
     runs = run_methods("cone")
 

@@ -15,6 +15,10 @@ EDGE = (
     "strain the body (SGMP's reach a cell and a half); it falls with the cell"
 )
 CROSSING = "crossings of cell faces make energy at this Courant number, until the run ends by itself"
+GROWING = (
+    "it makes energy at this Courant number, until the run ends by itself at 1.1 times the first; with 0.5 it gets "
+    "through and loses 6.7 %"
+)
 FRICTION = (
     "friction acts at nodes up to a cell and a half from the surface, and the cylinder loses angular momentum "
     "by itself; rotation=exact cures both"
@@ -34,8 +38,10 @@ def spin(table):
     table.case(
         "Free disk and ring that turn",
         """
-Plane strain, E = 1.24e9 Pa, nu = 0.35, density 8000 kg/m^3, no load: a disk of radius 1.6 m (8 cells, centre at (0.03, 0.04) m) turns at 3 rad/s for 1 s, a ring of radii 2 and 3 m (five cells) for three turns; h = 0.2 m, Courant number 1.
-Angular momentum about the origin must stay what it is. The last row of each is SGMP with `rotation=exact`, whose rotation strains nothing.""",
+Plane strain, E = 1.24e9 Pa, nu = 0.35, density 8000 kg/m^3, no load: a disk of radius 1.6 m (8 cells, centre at
+(0.03, 0.04) m) turns at 3 rad/s for 1 s, a ring of radii 2 and 3 m (five cells) for three turns; h = 0.2 m, Courant
+number 1. Angular momentum about the origin must stay what it is. The last row of each is SGMP with
+`rotation=exact`, whose rotation strains nothing.""",
     )
     for deck, words in (("contact_rolling/spin", "disk, three radians"), ("rotation/ring", "ring, three turns")):
         runs = run_methods(deck)
@@ -45,7 +51,7 @@ Angular momentum about the origin must stay what it is. The last row of each is 
             0.0,
             near(0, 1),
             runs,
-            {"all": EDGE, "mpm": CROSSING if "ring" in words else EDGE},
+            {"all": EDGE} | ({"mpm": CROSSING, "gimp": GROWING} if "ring" in words else {}),
         )
         whole = runs
         runs = run_methods(deck, ("sgmp",), rotation="exact")
@@ -67,8 +73,10 @@ def slope(table):
     table.case(
         "Cylinder on a slope",
         """
-Plane strain: a cylinder of radius 1.6 m (E = 1.24e9 Pa, nu = 0.35, density 8000 kg/m^3) on a rigid plane that slopes by 30, 45 and 60 degrees, gravity 10 m/s^2, friction 0.4, from rest for 1 s; h = 0.2 m, the plane on a line of nodes, Courant
-number 1. It rolls as long as tan(slope) <= 3 times the friction, 50.2 degrees: g t^2 sin/3, beyond that it slides, too: g t^2 (sin - 0.4 cos)/2. The last row of each is SGMP with `rotation=exact`.""",
+Plane strain: a cylinder of radius 1.6 m (E = 1.24e9 Pa, nu = 0.35, density 8000 kg/m^3) on a rigid plane that
+slopes by 30, 45 and 60 degrees, gravity 10 m/s^2, friction 0.4, from rest for 1 s; h = 0.2 m, the plane on a line
+of nodes, Courant number 1. It rolls as long as tan(slope) <= 3 times the friction, 50.2 degrees: g t^2 sin/3,
+beyond that it slides, too: g t^2 (sin - 0.4 cos)/2. The last row of each is SGMP with `rotation=exact`.""",
     )
     lines = []
     for angle in (30, 45, 60):

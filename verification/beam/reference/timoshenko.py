@@ -83,7 +83,8 @@ if __name__ == "__main__":
     with open(Path(__file__).with_name("mode.csv"), "w") as stream:
         stream.write("quantity,value\n")
         stream.write(
-            f"period_timoshenko_us,{2e6 * np.pi / omega:.4f}\nperiod_euler_bernoulli_us,{2e6 * np.pi / OMEGA_EULER:.4f}\n"
+            f"period_timoshenko_us,{2e6 * np.pi / omega:.4f}\n"
+            f"period_euler_bernoulli_us,{2e6 * np.pi / OMEGA_EULER:.4f}\n"
         )
         stream.write(f"surface_stress_mid_span_mpa,{1e-6 * stress:.3f}\n")
     print(2e6 * np.pi / omega, 2e6 * np.pi / OMEGA_EULER, 1e-6 * stress)
