@@ -4,7 +4,7 @@ other.
 
 usage: debris.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Known from outside: energy is conserved, nothing accelerates what flies freely, so that the time step goes back to what
+Known from outside: energy and momentum are conserved, nothing accelerates what flies freely, so that the time step goes back to what
 it was.
 """
 from _runs import Report, run
@@ -42,6 +42,9 @@ def main():
         if not report.finished(result, name):
             continue
         drift = result["energy.drift"]
+        momentum = [float(row["momentum_z"]) for row in result.table("history.csv")]
+        lost = abs(momentum[-1] / momentum[0] - 1)
+        report.check(lost < 1e-12, f"{name}: momentum {lost}")
         report.check(abs(drift) < (0.05 if carries == "nothing" else 0.07), f"{name}: energy {drift}")
         if carries == "nothing":
             # Shocks need shorter steps; what flies apart then needs none.
