@@ -316,7 +316,8 @@ contains
     end subroutine read_end
   end subroutine read_interval
 
-  !> Checks words separated by commas; they are left separated by blanks.
+  !> Checks words separated by commas, names where there are no choices; they are left separated by
+  !! blanks.
   subroutine read_list(key, value, failed, errors)
     type(key_t), intent(in) :: key
     type(value_t), intent(inout) :: value
@@ -329,7 +330,7 @@ contains
     do i = 1, len(value%text)
       if (scan(value%text(i:i), ',()') > 0) value%text(i:i) = ' '
     end do
-    do i = 1, word_count(value%text)
+    do i = 1, merge(0, word_count(value%text), key%choices == '')
       call check_choice(key, word_item(value%text, i), value%position, bad, errors)
       failed = failed .or. bad
     end do

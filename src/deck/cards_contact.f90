@@ -1,17 +1,18 @@
-!> The cards `contact` and `rigid`: names to bodies, and what must hold between them.
+!> The cards `group`, `contact` and `rigid`: names to bodies, and what must hold between them.
 module sgmp_cards_contact
+  use sgmp_constitutive, only: law_is_spherical
   use sgmp_contact_pairs, only: normal_names, normal_separating
   use sgmp_deck_card, only: deck_card_t
   use sgmp_deck_errors, only: deck_errors_t
   use sgmp_expression, only: expression_clone, expression_free, expression_t
-  use sgmp_keys, only: kind_expression, kind_logical, kind_name_word, kind_real, kind_vector, &
+  use sgmp_keys, only: kind_expression, kind_list, kind_logical, kind_name_word, kind_real, kind_vector, &
                        kind_word
   use sgmp_kinds, only: dp
-  use sgmp_registry, only: registry_t
+  use sgmp_registry, only: read_third, registry_t
   use sgmp_scene, only: contact_card_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_space, only: axis_names, omega_names, space_axisymmetric
-  use sgmp_spelling, only: word_position, words_joined
+  use sgmp_spelling, only: string_t, suggestion, word_items, word_position, words_joined
   implicit none
   private
   public :: register_contact
@@ -21,12 +22,19 @@ contains
   !> Registers the cards of this group.
   subroutine register_contact(registry)
     type(registry_t), intent(inout) :: registry
+    call registry%card('group', 'Bodies that share a velocity field: fluids and explosives '// &
+                       'mix, others stick together. A card contact names them by the name of '// &
+                       'the group.', 'group gas charge,air', read_group, check_group, &
+                       turn=read_third)
+    call registry%key('name', kind_name_word, 'name of the group, of no body', slot=1, &
+                      required=.true.)
+    call registry%key('bodies', kind_list, 'its bodies, two or more', slot=2, required=.true.)
     call registry%card('contact', 'Lets bodies touch, slide and separate; without it they '// &
-                       'stick together where they meet. Names two bodies, one (with all '// &
-                       'others) or all; the card that names more counts.', &
+                       'stick together where they meet. Names two bodies or groups, one '// &
+                       '(with all others) or all; the card that names more counts.', &
                        'contact ball plate friction=0.4', read_contact, check_contact)
-    call registry%key('first', kind_name_word, 'a body, or all', default='all', slot=1)
-    call registry%key('second', kind_name_word, 'another body; default: all others', &
+    call registry%key('first', kind_name_word, 'a body, a group or all', default='all', slot=1)
+    call registry%key('second', kind_name_word, 'another body or group; default: all others', &
                       default='all', slot=2)
     call registry%key('friction', kind_real, "Coulomb's coefficient of friction", &
                       range='[0,inf)', default='0', &
@@ -73,17 +81,128 @@ contains
                       unit='mass', range='(0,inf)')
   end subroutine register_rigid
 
+  !> Gives the bodies of a group their leader, the first of them.
+  subroutine read_group(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    type(string_t), allocatable :: names(:)
+    character(:), allocatable :: name
+    integer :: number, i, b, leader
+    names = word_items(card%word('bodies'))
+    name = card%word('name')
+    associate (bodies => draft%scene%bodies, errors => draft%errors)
+      if (word_position(name, bodies%name) > 0 .or. name == 'all') then
+        call errors%add(card%place('name'), "'"//name//"' is the name of a body", &
+                        'give the group another one')
+        return
+      else if (word_position(name, bodies%group) > 0) then
+        call errors%add(card%place('name'), "there are two groups '"//name//"'", &
+                        'rename one of them')
+        return
+      end if
+      if (size(names) < 2) then
+        call errors%add(card%place('bodies'), 'a group of one body', &
+                        'name two or more, with commas between them: group '//name//' a,b')
+        return
+      end if
+      leader = huge(1)
+      do i = 1, size(names)
+        number = word_position(names(i)%text, bodies%name)
+        if (number == 0) then
+          call errors%add(card%place('bodies'), "there is no body '"//names(i)%text//"'", &
+                          suggestion(names(i)%text, word_items(words_joined(bodies%name)), &
+                                     'bodies of this deck'))
+        else if (bodies(number)%group == name) then
+          call errors%add(card%place('bodies'), "body '"//names(i)%text//"' is named twice", &
+                          'name it once')
+        else if (bodies(number)%group /= '') then
+          call errors%add(card%place('bodies'), "body '"//names(i)%text//"' is in two groups: '"// &
+                          trim(bodies(number)%group)//"' and '"//name//"'", &
+                          'a body has one velocity field: remove it from one of them')
+        else
+          bodies(number)%group = name
+          leader = min(leader, number)
+        end if
+      end do
+      do b = 1, size(bodies)
+        if (bodies(b)%group == name) bodies(b)%leader = leader
+      end do
+    end associate
+  end subroutine read_group
+
+  !> What a group cannot be of, and what it may not be meant to be of.
+  subroutine check_group(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    type(string_t), allocatable :: names(:)
+    integer :: number, i
+    logical :: flows(2)
+    names = word_items(card%word('bodies'))
+    flows = .false.
+    associate (scene => draft%scene, errors => draft%errors)
+      do i = 1, size(names)
+        number = word_position(names(i)%text, scene%bodies%name)
+        if (number == 0) cycle
+        if (scene%bodies(number)%rigid) then
+          call errors%add(card%place('bodies'), "body '"//names(i)%text//"' is rigid", &
+                          'it has a motion of its own: remove it from the group')
+          return
+        end if
+        if (scene%bodies(number)%material == 0) return
+        associate (law => scene%materials(scene%bodies(number)%material)%law)
+          flows(merge(1, 2, law_is_spherical(law))) = .true.
+        end associate
+      end do
+      if (all(flows)) then
+        call errors%warn(card%place('bodies'), "group '"//card%word('name')//"' is of gases "// &
+                         'or fluids and of solids: they stick together', &
+                         'put what flows and what does not in different groups')
+      end if
+      if (size(scene%contacts) > 0) then
+        if (all(scene%bodies%group == card%word('name'))) then
+          call errors%add(card%place('bodies'), 'all bodies are in one group: nothing is left '// &
+                          'that it could touch', 'leave out those that shall touch the others')
+        end if
+        return
+      end if
+      call errors%warn(card%position, "group '"//card%word('name')//"' does nothing: without "// &
+                       'a card contact all bodies share one velocity field', &
+                       'add a card contact, or remove this one')
+    end associate
+  end subroutine check_group
+
+  !> Number of the body that a card of contact means, the leader where that is a group; 0: all;
+  !! negative: an error.
+  integer function party(card, key, draft) result(number)
+    type(deck_card_t), intent(in) :: card
+    character(*), intent(in) :: key
+    type(draft_t), intent(inout) :: draft
+    number = word_position(card%word(key), draft%scene%bodies%group)
+    if (number > 0) return
+    number = draft%body_of(card, key)
+    if (number <= 0) return
+    associate (body => draft%scene%bodies(number))
+      if (body%leader == 0) return
+      call draft%errors%add(card%place(key), "body '"//trim(body%name)//"' is in group '"// &
+                            trim(body%group)//"', which touches others as a whole", &
+                            'name the group: '//trim(body%group))
+    end associate
+    number = -1
+  end function party
+
   subroutine read_contact(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     type(contact_card_t) :: new
     integer :: i
-    new%body(1) = draft%body_of(card, 'first')
-    new%body(2) = draft%body_of(card, 'second')
+    new%body(1) = party(card, 'first', draft)
+    new%body(2) = party(card, 'second', draft)
     if (any(new%body < 0)) return
     if (new%body(1) == new%body(2) .and. new%body(1) > 0) then
-      call draft%errors%add(card%place('second'), 'contact of a body with itself', &
-                            'name two bodies; a body does not touch itself')
+      call draft%errors%add(card%place('second'), 'contact of a '// &
+                            trim(merge('group', 'body ', draft%scene%bodies(new%body(1))%leader > &
+                                       0))//' with itself', &
+                            'name two of them; what shares a velocity field does not touch itself')
       return
     end if
     if (new%body(1) == 0) new%body = new%body([2, 1])

@@ -12,7 +12,7 @@ module sgmp_deck
   use sgmp_lexer, only: lexer_read, statement_t
   use sgmp_mesh, only: wall_free, wall_names
   use sgmp_parameters, only: parameters_t
-  use sgmp_registry, only: read_first, read_last, read_second, registry_t
+  use sgmp_registry, only: read_first, read_last, read_second, read_third, registry_t
   use sgmp_scene, only: method_card_t, scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
@@ -162,7 +162,7 @@ contains
       do i = 1, size(cards)
         associate (definition => registry%cards(cards(i)%definition))
           if (definition%turn /= turn) cycle
-          if (turn == read_last .and. cards(i)%failed) cycle
+          if (turn >= read_third .and. cards(i)%failed) cycle
           call definition%do_read(cards(i), draft)
         end associate
       end do

@@ -11,13 +11,14 @@ module sgmp_registry
   implicit none
   private
   public :: registry_t, card_definition_t
-  public :: read_first, read_second, read_last
+  public :: read_first, read_second, read_third, read_last
 
-  !> When a card is read: what others refer to comes first. Only cards of the last turn are not read
-  !! at all where they failed; the others are, for their names.
+  !> When a card is read: what others refer to comes first. Cards of the last two turns are not
+  !! read at all where they failed; the others are, for their names.
   integer, parameter :: read_first = 1   !! refers to nothing, others refer to it
   integer, parameter :: read_second = 2  !! refers to those: bodies
-  integer, parameter :: read_last = 3    !! refers to anything; in the order of the deck
+  integer, parameter :: read_third = 3   !! refers to those, too: groups of bodies
+  integer, parameter :: read_last = 4    !! refers to anything; in the order of the deck
 
   abstract interface
     !> Reads a card into the scene, or checks it when all cards are read.

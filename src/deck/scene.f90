@@ -141,6 +141,8 @@ module sgmp_scene
     logical :: free = .false.                     !! rigid, but forces move it
     real(dp) :: mass = 0.0_dp                     !! of a free body; 0: that of its particles
     real(dp) :: removed_at = huge(1.0_dp)         !! from this time on it is no more
+    integer :: leader = 0                         !! first body of its group; 0: it is in none
+    character(name_length) :: group = ''          !! name of that
   contains
     procedure :: turns => body_turns
   end type body_card_t
@@ -148,7 +150,7 @@ module sgmp_scene
   !> Contact of two bodies, of one with all others, or of all; a card that names more bodies comes
   !! first.
   type :: contact_card_t
-    integer :: body(2) = 0                        !! 0: any
+    integer :: body(2) = 0                        !! 0: any; of a group the first
     real(dp) :: friction = 0.0_dp                 !! Coulomb's coefficient
     real(dp) :: lambda = contact_lambda_default   !! distance of Eq. 86 in cells
     real(dp) :: depth = huge(1.0_dp)              !! distance of nodes from the surface (cells)

@@ -6,7 +6,8 @@
 module sgmp_forewarnings
   use sgmp_body, only: body_t
   use sgmp_build_stress, only: stress_returned
-  use sgmp_constitutive, only: law_gaseous
+  use sgmp_constitutive, only: law_gaseous, law_is_spherical
+  use sgmp_contact, only: contact_between
   use sgmp_debris_doubts, only: debris_warnings
   use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
@@ -47,6 +48,7 @@ contains
     call look_at_times(scene, model, warnings)
     call look_at_masses(scene, model, warnings)
     call look_for_strangers(model, warnings)
+    call look_for_glue(scene, model, warnings)
     call look_for_closed_gas(model, warnings)
     call look_at_features(model, warnings)
     if (model%clock%step > 0) return  ! what follows is about places at the start
@@ -137,16 +139,13 @@ contains
   subroutine look_for_strangers(model, warnings)
     type(model_t), intent(in) :: model
     type(string_t), allocatable, intent(inout) :: warnings(:)
-    integer :: a, b, p, first(2), fields(2), found
+    integer :: a, b, first(2), found
     found = 0
     do a = 1, size(model%bodies)
       do b = a + 1, size(model%bodies)
         if (model%bodies(a)%field == model%bodies(b)%field) cycle
         if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
-        fields = model%bodies([a, b])%field
-        if (any([(all(model%contact%pairs(p)%field == fields) .or. &
-                  all(model%contact%pairs(p)%field == fields([2, 1])), &
-                  p=1, size(model%contact%pairs))])) cycle
+        if (contact_between(model%contact, model%bodies(a)%field, model%bodies(b)%field)) cycle
         found = found + 1
         if (found == 1) first = [a, b]
       end do
@@ -156,6 +155,27 @@ contains
               "' and '"//trim(model%bodies(first(2))%name)//"' ("//integer_text(found)// &
               ' such in all): they pass through each other; `contact all` makes every pair touch')
   end subroutine look_for_strangers
+
+  !> Gas or fluid that sticks to a solid, where cards `contact` show that this may not be meant.
+  subroutine look_for_glue(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    integer :: a, b
+    if (size(model%contact%pairs) == 0) return
+    do a = 1, size(model%bodies)
+      do b = 1, size(model%bodies)
+        if (model%bodies(a)%field /= model%bodies(b)%field) cycle
+        if (scene%bodies(a)%leader > 0 .and. scene%bodies(a)%leader == scene%bodies(b)%leader) cycle
+        if (.not. law_is_spherical(model%bodies(a)%law) .or. &
+            law_is_spherical(model%bodies(b)%law)) cycle
+        call warn(warnings, "'"//trim(model%bodies(a)%name)//"' flows and sticks to '"// &
+                  trim(model%bodies(b)%name)//"', since no card `contact` parts them: `contact "// &
+                  trim(model%bodies(b)%name)//'` lets it slip past')
+        return
+      end do
+    end do
+  end subroutine look_for_glue
 
   !> What features find doubtful, each in its own file (src/features/<name>/<name>_doubts.f90).
   subroutine look_at_features(model, warnings)
@@ -368,6 +388,9 @@ contains
         if (pass_through(model%bodies(a), model%bodies(b), meet)) then
           call warn(warnings, names//' are both rigid: they do not feel each other, with or '// &
                     'without contact; make one of them deformable')
+        else if (scene%bodies(a)%leader > 0 .and. &
+                 scene%bodies(a)%leader == scene%bodies(b)%leader) then
+          cycle  ! as the deck says
         else if (meet .and. model%bodies(a)%field == model%bodies(b)%field) then
           call warn(warnings, names//' move towards each other and will stick '// &
                     'together where they meet, since no card contact is for them')

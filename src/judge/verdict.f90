@@ -11,6 +11,7 @@ module sgmp_verdict
   use sgmp_judge_balance, only: judge_energy, judge_erosion, judge_impulse, judge_noise, &
                                 judge_turning
   use sgmp_judge_collisions, only: judge_collisions
+  use sgmp_judge_failure, only: judge_failure
   use sgmp_judge_state, only: judge_particles, judge_pressed, judge_resolution, judge_thin, &
                               judge_volumes
   use sgmp_kernels, only: kernel_mpm
@@ -41,6 +42,7 @@ module sgmp_verdict
     real(dp) :: thickness = huge(1.0_dp)   !! of the thinnest body, in cells
     real(dp) :: drift = 0.0_dp, contact = 0.0_dp, viscous = 0.0_dp  !! parts of the energy supplied
     real(dp) :: projection = 0.0_dp        !! energy that projection loses, over the same
+    real(dp) :: failure = -1.0_dp          !! work of what failed by strain over the same; -1: none can
     real(dp) :: turn = -1.0_dp             !! largest change of angular momentum; -1: none is judged
     real(dp) :: impulse = 0.0_dp           !! of forces on nodes without mass
     real(dp) :: steps(2) = 0.0_dp          !! shortest and longest
@@ -95,6 +97,7 @@ contains
     call judge_impulse(self%opinion, model)
     call judge_turning(self%opinion, scene, model, self%turn)
     call judge_collisions(self%opinion, scene, model)
+    call judge_failure(self%opinion, model, self%failure)
     call stage_objection(model, inexact, reason)
     if (inexact >= 1.0_dp) then
       call self%opinion%object(reason)
@@ -185,6 +188,7 @@ contains
     end if
     if (.not. self%looked) return
     call summary%set('end_state.lost_impulse', self%impulse)
+    if (self%failure >= 0.0_dp) call summary%set('end_state.failure_share', self%failure)
     if (self%turn >= 0.0_dp) call summary%set('end_state.angular_momentum_change', self%turn)
     associate (found => self%state)
       call summary%set('end_state.largest_compression', found%compression)

@@ -64,7 +64,7 @@ module sgmp_constitutive
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
             eos_tait, eos_shock, eos_tillotson, eos_names
   public :: law_keys, law_read, law_slots, law_check, law_set_length, &
-            law_widest_band
+            law_widest_band, law_yield_stress
   public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
   public :: law_gaseous, law_is_spherical
@@ -564,7 +564,7 @@ contains
     type(constitutive_t), intent(inout) :: law
     real(dp) :: yield
     yield = 0.0_dp
-    if (law%failure%spall_strain > 0.0_dp) yield = usual_yield_stress(law, 0.0_dp)
+    if (law%failure%spall_strain > 0.0_dp) yield = law_yield_stress(law, 0.0_dp)
     call failure_set_spall(law%failure, law%density, law%bulk_speed, yield)
   end subroutine law_set_spall
 
@@ -616,14 +616,14 @@ contains
     if (.not. law%softens) return
     yield = 0.0_dp
     if (law%failure%plastic_strain < failure_none) then
-      yield = usual_yield_stress(law, law%failure%plastic_strain)
+      yield = law_yield_stress(law, law%failure%plastic_strain)
     end if
     law%softening = softening_make(law%failure, law%density*law%bulk_speed**2, law%elastic%shear, &
                                    yield, band)
   end subroutine law_set_length
 
   !> Yield stress at a plastic strain, in the room and at the rate of reference.
-  pure function usual_yield_stress(law, strain) result(yield)
+  pure function law_yield_stress(law, strain) result(yield)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: strain
     real(dp) :: yield
@@ -638,7 +638,7 @@ contains
     case default  ! material_johnson_cook
       yield = jc_yield_stress(law%jc, strain, law%jc%reference_rate, law%jc%room)
     end select
-  end function usual_yield_stress
+  end function law_yield_stress
 
   !> Width of the widest band in which a law can soften; huge where it does not.
   pure function law_widest_band(law) result(width)

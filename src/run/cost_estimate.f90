@@ -5,7 +5,8 @@ module sgmp_cost_estimate
   use sgmp_air_blast, only: air_blast_wave, blast_arrival, blast_duration, blast_incident, &
                             blast_incident_impulse, blast_reflected, blast_reflected_impulse
   use sgmp_body, only: body_group, body_particle, body_t
-  use sgmp_constitutive, only: material_names
+  use sgmp_constitutive, only: law_is_spherical, material_names
+  use sgmp_contact, only: contact_between
   use sgmp_field, only: field_bytes
   use sgmp_forewarnings, only: shape_mass
   use sgmp_grid_fit, only: grid_fit_moved
@@ -61,7 +62,7 @@ contains
       bytes = bytes + particles_bytes(model%bodies(b)%particles)
       particles = particles + int(model%bodies(b)%particles%count, i8)
     end do
-    call put_contact(model)
+    call put_contact(scene, model)
     call put('memory      '//bytes_text(bytes)//' for '//integer_text(particles)//' particles: '// &
              real_text(real(bytes, dp)/real(max(particles, 1_i8), dp))// &
              ' bytes per particle, grid included')
@@ -80,14 +81,21 @@ contains
              bytes_text(nint(min(available, 1.0e18_dp), i8))//' available: '//verdict)
   end subroutine cost_estimate_write_need
 
-  !> Groups of bodies that move in one velocity field, and which of them touch.
-  subroutine put_contact(model)
+  !> Groups of bodies that move in one velocity field, which of them touch, and what the others do.
+  subroutine put_contact(scene, model)
+    type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    integer :: f, b, p
-    if (size(model%contact%pairs) == 0) return
+    integer :: f, g, a, b, p
+    if (size(model%bodies) < 2) return
+    if (size(model%contact%pairs) == 0) then
+      call put('contact     none: all bodies share one velocity field, and stick together where '// &
+               'they meet')
+      return
+    end if
     do f = 1, size(model%fields)
       b = findloc(model%bodies%field, f, 1)
-      if (b > 0) call put('field       '//integer_text(f)//': '//body_group(model%bodies, b))
+      if (b > 0) call put('field       '//integer_text(f)//': '//body_group(model%bodies, b)// &
+                          together(scene, model, f))
     end do
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
@@ -95,7 +103,35 @@ contains
                  body_group(model%bodies, pair%body(2))//', friction '//real_text(pair%friction))
       end associate
     end do
+    do f = 1, size(model%fields)
+      do g = f + 1, size(model%fields)
+        a = findloc(model%bodies%field, f, 1)
+        b = findloc(model%bodies%field, g, 1)
+        if (a == 0 .or. b == 0 .or. contact_between(model%contact, f, g)) cycle
+        call put('no contact  '//body_group(model%bodies, a)//' and '// &
+                 body_group(model%bodies, b)//' pass through each other')
+      end do
+    end do
   end subroutine put_contact
+
+  !> What the bodies of one field do where they meet, and the name of their group.
+  function together(scene, model, field) result(text)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: field
+    character(:), allocatable :: text
+    logical :: flows(size(model%bodies))
+    integer :: b
+    text = ''
+    if (count(model%bodies%field == field) < 2) return
+    do b = 1, size(flows)
+      flows(b) = law_is_spherical(model%bodies(b)%law)
+    end do
+    text = ', stick together'
+    if (all(flows .or. model%bodies%field /= field)) text = ', mix'
+    b = findloc(model%bodies%field == field .and. scene%bodies%group /= '', .true., 1)
+    if (b > 0) text = text//' (group '//trim(scene%bodies(b)%group)//')'
+  end function together
 
   subroutine put_body(scene, model, b)
     type(scene_t), intent(in) :: scene

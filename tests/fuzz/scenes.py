@@ -81,6 +81,7 @@ class Scene:
         self.table, self.files, self.fixed, self.moving = None, {}, [], False
         self.deforming, self.pushes, self.loaded = {}, [], False
         self.absorbs = self.rubs = False
+        self.pair = []                    # bodies of one group
         self.lines = ["dimension axisymmetric" + " swirl=yes"*self.swirl if self.axisymmetric else f"dimension {self.dimension}"]
         self.tables()
         self.space()
@@ -291,10 +292,13 @@ class Scene:
         if number > 1 and self.luck.random() < 0.7:
             friction = self.luck.choice((0, 0.3, 10))
             self.lines.append(f"contact all friction={0 if self.swirl else friction}")
+            self.grouped(names)
             if self.luck.random() < 0.3 and not self.alone:
                 self.rigid = True
                 speed = self.luck.choice(('0', '0.1', '"0.2*sin(t)"'))
                 chosen = self.luck.choice(names)
+                if chosen in self.pair:
+                    chosen = next(name for name in names if name not in self.pair)
                 turns = (features.turning(self.stream("turning"), self.dimension, True)
                          if self.dimension > 1 and not self.axisymmetric and self.has("turns", 0.5) else "")
                 if self.table and self.draws("rigid by table", 0.5):
@@ -306,9 +310,24 @@ class Scene:
             luck = self.stream("free body")
             mass = luck.choice(("", "", f" mass={luck.choice((0.1, 3, 20))}"))
             chosen = luck.choice(names)
+            if chosen in self.pair:
+                chosen = next((name for name in names if name not in self.pair), None)
+            if chosen is None:
+                return
             self.lines.append(f"rigid {chosen} free=yes{mass}")
             self.deforming.pop(chosen, None)
             self.floats = True
+
+    def grouped(self, names):
+        """Two of three bodies in a group of one velocity field, or a card for that group alone; the rigid and the free ones are among the others."""
+        if len(names) < 3 or not self.has_further("group", 0.7):
+            return
+        luck = self.stream("group of bodies")
+        chosen = luck.sample(names, 2)
+        self.lines.append(f"group pair {','.join(chosen)}")
+        self.pair = chosen
+        if luck.random() < 0.5:
+            self.lines.append(f"contact pair friction={0 if self.swirl else luck.choice((0, 0.2))}")
 
     def body_of_file(self, number, lower, size):
         """A body of a particle file, or two bodies of different matter that share one."""

@@ -6,8 +6,11 @@ usage: contact_groups.py SGMP SOURCE_DIR SCRATCH_DIR
 
 Known from outside: what is cut in two without a reason moves as the whole does.
 """
+import os
+import subprocess
+
 from _restarts import mpirun, straight
-from _runs import Report, run
+from _runs import ENVIRONMENT, SCRATCH, SGMP, Report, run
 
 # A ball of gas-like matter between a plate and a punch; {plate} and {gas} are one body each or two halves.
 SCENE = """
@@ -70,6 +73,68 @@ def same_as_whole(report):
             )
 
 
+def looked_at(text):
+    """What --check says of a deck, warnings of its cards among it."""
+    path = os.path.join(SCRATCH, "looked_at.inp")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    return subprocess.run(
+        [SGMP, path, "--check"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, text=True,
+        env=ENVIRONMENT,
+    ).stdout
+
+
+def card_group(report):
+    """With cards `group` the halves move as the whole does, whatever contact card is for them; the group's name stands
+    for both."""
+    groups = "\ngroup plate plate1,plate2\ngroup gas bodies=(gas1,gas2)\n"
+    for dimension, method, update in (("2", "sgmp", "musl"), ("2", "mpm", "usl"), ("axisymmetric", "gimp", "usavg")):
+        name = f"{dimension}_{method}_{update}"
+        whole = straight(report, f"one_{name}", deck(dimension, method, update, False, "all"))
+        for title, cards in (("all", "all"), ("pairs", "gas plate friction=0.1\ncontact punch")):
+            halves = straight(report, f"group_{title}_{name}", deck(dimension, method, update, True, cards) + groups)
+            for key in ("energy.kinetic", "energy.internal", "energy.contact_dissipation"):
+                a, b = whole[key], halves[key]
+                report.check(
+                    abs(a - b) < 1e-7 * abs(whole["energy.initial_total"]),
+                    f"{name}, {title}: {key} of one body {a}, of a group of halves {b}",
+                )
+
+
+def checked(report):
+    """--check says what is a field, what touches and what passes through."""
+    groups = "\ngroup plate plate1,plate2\n"
+    text = looked_at(deck("2", "sgmp", "musl", True, "plate punch") + groups)
+    for wanted in (
+        "plate1+plate2, stick together (group plate)", "gas1+gas2, mix", "contact     plate1+plate2 and punch",
+        "gas1+gas2 and punch pass through each other", "pass through each other; `contact all`",
+    ):
+        report.check(wanted in text, f"--check does not say '{wanted}':\n{text}")
+    text = looked_at(deck("2", "sgmp", "musl", True, "plate1 punch"))
+    report.check("'gas1' flows and sticks to 'plate2'" in text, f"gas that sticks to half a plate is not named\n{text}")
+    text = looked_at(deck("2", "sgmp", "musl", True, "all").replace("contact all friction=0.1", "") + groups)
+    for wanted in ("contact     none: all bodies share one velocity field", "group 'plate' does nothing"):
+        report.check(wanted in text, f"--check does not say '{wanted}':\n{text}")
+
+
+def errors(report):
+    """What a group cannot be."""
+    for cards, message in (
+        ("group a plate1,plate3", "there is no body 'plate3'"),
+        ("group a plate1,plate2\ngroup b plate2,gas1", "is in two groups: 'a' and 'b'"),
+        ("group a plate1", "a group of one body"), ("group gas1 plate1,plate2", "'gas1' is the name of a body"),
+        ("group a plate1,plate2\ngroup a gas1,gas2", "there are two groups 'a'"),
+        ("group a plate1,plate1", "is named twice"),
+        ("group a plate1,plate2\ncontact plate1 gas1", "name the group: a"),
+        ("group a plate1,plate2\ncontact a a", "contact of a group with itself"),
+        ("group a plate1,punch\nrigid punch", "body 'punch' is rigid"),
+        ("group a plate1,gas1", "of gases or fluids and of solids: they stick together"),
+        ("group a plate1,plate2,gas1,gas2,punch", "all bodies are in one group"),
+    ):
+        text = looked_at(deck("2", "sgmp", "musl", True, "all") + "\n" + cards + "\n")
+        report.check(message in text, f"{cards!r}: no '{message}' in\n{text}")
+
+
 def names(report):
     result = straight(report, "names", deck("2", "sgmp", "musl", True, "all"))
     with open(result.folder + "/contact.csv", encoding="utf-8") as file:
@@ -87,19 +152,23 @@ def warnings(report):
 
 
 def bits(report):
-    text = deck("2", "sgmp", "musl", True, "all")
-    reference = straight(report, "bits", text)
-    for title, threads, launcher in (("bits_threads", 3, ()), ("bits_ranks", 1, mpirun(3))):
-        other = straight(report, title, text, threads=threads, launcher=launcher)
-        report.check(
-            other["checksum"] == reference["checksum"],
-            f"{title}: checksum {other['checksum']}, not {reference['checksum']}",
-        )
+    for groups in ("", "group plate plate1,plate2"):
+        text = deck("2", "sgmp", "musl", True, "all") + "\n" + groups + "\n"
+        reference = straight(report, f"bits{len(groups)}", text)
+        for title, threads, launcher in (("threads", 3, ()), ("ranks", 1, mpirun(3))):
+            other = straight(report, f"bits_{title}{len(groups)}", text, threads=threads, launcher=launcher)
+            report.check(
+                other["checksum"] == reference["checksum"],
+                f"{title} {groups}: checksum {other['checksum']}, not {reference['checksum']}",
+            )
 
 
 if __name__ == "__main__":
     REPORT = Report()
     same_as_whole(REPORT)
+    card_group(REPORT)
+    checked(REPORT)
+    errors(REPORT)
     names(REPORT)
     warnings(REPORT)
     bits(REPORT)

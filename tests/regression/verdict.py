@@ -224,6 +224,38 @@ body bar block material=stuff lower=0 upper=2 ppc=2
 velocity bar x="0.001*sin(8*pi*x)"
 stop energy_growth=1e6
 """
+# A notched bar that is pulled apart: it fails by a plastic strain.
+NOTCHED = """
+parameter limit = 0.2
+dimension 2
+units mm g ms
+grid cell=0.5
+method sgmp
+time end=0.05 cfl=0.4
+material steel j2 density=7.85e-3 young=200e3 poisson=0.3 yield=500 hardening_modulus=100
+failure steel plastic_strain=limit
+body bar block material=steel lower=(-8,-2) upper=(8,2) ppc=2
+subtract bar cylinder centre=(0,2,0) axis=(0,0,1) radius=1.5 length=1
+motion bar where="x>7" x=20
+motion bar where="x<-7" x=-20
+history steps=20
+"""
+# A disk that goes to pieces on a plate at 6 km/s: what fails flies with more energy than its strength could take.
+CLOUD = """
+dimension 2
+units mm g ms
+grid cell=0.25
+method sgmp
+time end=2e-3 cfl=0.4
+material al j2 density=2.7e-3 young=70e3 poisson=0.33 yield=265
+eos al shock c0=5240 s=1.4 gamma0=1.97
+failure al pmin=-1500 plastic_strain=1
+viscosity all
+body disk cylinder material=al centre=(0,2.5,0) axis=(0,0,1) radius=2.5 length=1 ppc=2
+body plate block material=al lower=(-10,-1) upper=(10,0) ppc=2
+velocity disk y=-6000
+contact all
+"""
 
 
 def doubts(report, name, deck, words, **settings):
@@ -321,8 +353,26 @@ def criteria(report):
         for column, exact in (("velocity_x", 0.92745), ("pressure", 0.30313)):
             found = sum(row[column] for row in rows)/len(rows)
             report.check(abs(found/exact - 1) < 0.1, f"sod {method}: {column} {found}, not {exact}")
+    failing(report)
     doubts(report, "ringing_usl", RINGING, "is gone", update="usl")
     sound(report, "ringing", RINGING)
+
+
+def failing(report):
+    """Failure by a strain of the particle alone: doubtful where strength rules, silent where nothing has failed, where a fracture energy is given, and of a cloud of debris."""
+    words = "failure by a strain follows the cell"
+    result = doubts(report, "notched", NOTCHED, words)
+    report.check(0.1 < result["end_state.failure_share"] < 1, f"notched: {result['end_state']}")
+    doubts(report, "notched_eroded", NOTCHED.replace("failure steel plastic", "erode steel plastic"), words)
+    result = run("notched_whole", NOTCHED, limit=9)
+    report.check(not any(words in reason for reason in result["verdict_reasons"]) and result["end_state.failure_share"] == 0, f"not failed: {result['verdict_reasons']}")
+    result = run("notched_energy", NOTCHED.replace("=limit", "=limit fracture_energy=200"))
+    report.check(not any(words in reason for reason in result["verdict_reasons"]), f"by fracture energy: {result['verdict_reasons']}")
+    result = run("notched_marked", NOTCHED.replace("=limit", "=limit carries=everything"))
+    report.check(not any(words in reason for reason in result["verdict_reasons"]), f"a mark: {result['verdict_reasons']}")
+    cloud = run("cloud", CLOUD)
+    report.check(not any(words in reason for reason in cloud["verdict_reasons"]), f"cloud: {cloud['verdict_reasons']}")
+    report.check(cloud["end_state.failure_share"] > 0.002, f"cloud: nothing has failed: {cloud['end_state']}")
 
 
 def foam(report):

@@ -29,7 +29,8 @@ module sgmp_contact
   implicit none
   private
   public :: contact_t, contact_step_t, contact_layout, contact_meet, contact_detect, &
-            contact_gather, contact_trial, contact_trial_strain, contact_velocity
+            contact_between, contact_gather, contact_trial, contact_trial_strain, &
+            contact_velocity
 
   !> All that contact knows.
   type :: contact_t
@@ -56,6 +57,19 @@ module sgmp_contact
   end type contact_step_t
 
 contains
+
+  !> Whether two fields are a pair that may touch.
+  pure function contact_between(contact, a, b) result(yes)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: a, b
+    logical :: yes
+    integer :: p
+    yes = .false.
+    do p = 1, size(contact%pairs)
+      yes = yes .or. all(contact%pairs(p)%field == [a, b]) .or. &
+            all(contact%pairs(p)%field == [b, a])
+    end do
+  end function contact_between
 
   !> Lists the shared nodes of a new layout; pairs keep their states.
   subroutine contact_layout(contact, mesh, fields, bodies, planes)

@@ -1,7 +1,7 @@
 !> From the cards `contact` and `rigid` to pairs of bodies and the fields that they need.
 module sgmp_contact_build
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: material_explosive, material_fluid
+  use sgmp_constitutive, only: law_is_spherical
   use sgmp_contact_pairs, only: contact_pair_t, normal_first, normal_second, normal_stiffer
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_history, only: slots_ask, slots_t
@@ -28,13 +28,16 @@ contains
     type(model_t), intent(inout) :: model
     type(contact_pair_t) :: pair
     integer :: a, b, card(size(model%bodies), size(model%bodies))
-    card = cards_between(scene, model)
-    call group_bodies(card, model%bodies)
+    integer :: leader(size(model%bodies))
+    leader = [(leader_of(scene, b), b=1, size(leader))]
+    card = cards_between(scene, leader, model)
+    call group_bodies(card, leader, model%bodies)
     allocate (model%contact%pairs(0))
     do a = 1, size(model%bodies)
       do b = a + 1, size(model%bodies)
         if (card(a, b) == 0) cycle
-        pair = make_pair(scene%contacts(best_card(scene%contacts, a, b)), a, b, model)
+        pair = make_pair(scene%contacts(best_card(scene%contacts, leader(a), leader(b))), &
+                         a, b, model)
         pair%field = model%bodies(pair%body)%field
         if (is_listed(model%contact%pairs, pair%field)) cycle
         model%contact%pairs = [model%contact%pairs, pair]
@@ -45,20 +48,22 @@ contains
 
   !> The card that says how two bodies touch, for all of them; 0: they do not. Fluids and explosives
   !! mix unless a card names both.
-  pure function cards_between(scene, model) result(card)
+  pure function cards_between(scene, leader, model) result(card)
     type(scene_t), intent(in) :: scene
+    integer, intent(in) :: leader(:)             !! of each body's group, itself where it has none
     type(model_t), intent(in) :: model
     integer :: card(size(model%bodies), size(model%bodies))
     integer :: a, b
     logical :: flows(size(model%bodies))
     do a = 1, size(model%bodies)
-      flows(a) = any(model%bodies(a)%law%kind == [material_explosive, material_fluid])
+      flows(a) = law_is_spherical(model%bodies(a)%law)
     end do
     card = 0
     do a = 1, size(model%bodies)
       do b = a + 1, size(model%bodies)
         if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
-        card(a, b) = best_card(scene%contacts, a, b)
+        if (leader(a) == leader(b)) cycle
+        card(a, b) = best_card(scene%contacts, leader(a), leader(b))
         if (card(a, b) > 0 .and. flows(a) .and. flows(b)) then
           if (any(scene%contacts(card(a, b))%body == 0)) card(a, b) = 0
         end if
@@ -81,11 +86,13 @@ contains
     end do
   end function first_alike
 
-  !> Gives every body a velocity field. Bodies that do not touch each other, but the same others in
-  !! the same way, are a group and share one: they stick together, or if they flow they mix.
+  !> Gives every body a velocity field. Bodies of a card group, and those that do not touch each
+  !! other, but the same others in the same way, share one: they stick together, or if they flow
+  !! they mix.
   !! Those that no card names have the first field; rigid ones each their own.
-  pure subroutine group_bodies(card, bodies)
+  pure subroutine group_bodies(card, leader, bodies)
     integer, intent(in) :: card(:, :)            !! between bodies
+    integer, intent(in) :: leader(:)             !! of their groups by cards
     type(body_t), intent(inout) :: bodies(:)
     integer :: a, b, fields
     logical :: own(size(bodies))
@@ -96,6 +103,7 @@ contains
       if (.not. own(b)) cycle
       do a = 1, b - 1
         if (.not. own(a) .or. bodies(a)%rigid .or. bodies(b)%rigid) cycle
+        if (leader(a) == leader(b)) exit
         if (card(a, b) == 0 .and. all(card(:, a) == card(:, b))) exit
       end do
       if (a < b) then
@@ -106,6 +114,14 @@ contains
       end if
     end do
   end subroutine group_bodies
+
+  !> The first body of a body's group by a card, itself where it has none.
+  pure function leader_of(scene, b) result(leader)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: b
+    integer :: leader
+    leader = merge(scene%bodies(b)%leader, b, scene%bodies(b)%leader > 0)
+  end function leader_of
 
   !> Whether two fields are a pair already.
   pure function is_listed(pairs, field) result(yes)
@@ -126,7 +142,8 @@ contains
     type(slots_t), intent(inout) :: slots
     integer :: c
     do c = 1, size(scene%contacts)
-      if (.not. any(scene%contacts(c)%body == number .or. scene%contacts(c)%body == 0)) cycle
+      if (.not. any(scene%contacts(c)%body == leader_of(scene, number) .or. &
+                    scene%contacts(c)%body == 0)) cycle
       call slots_ask(slots, 'surface', [contact_no_surface])
       return
     end do
