@@ -21,9 +21,10 @@ OTHER_FUNCTION = {"min": "max", "max": "min", "minval": "maxval", "maxval": "min
                   "floor": "ceiling", "sin": "cos", "cos": "sin"}
 NO_ASSIGNMENT = re.compile(
     r"""(use|implicit|private|public|type|class|end|contains|interface|module|submodule|procedure|function
-    |subroutine|pure|elemental|impure|recursive|integer|real|logical|character|complex|select|case|where|elsewhere|forall
-    |allocate|deallocate|write|read|print|open|close|inquire|rewind|flush|format|data|include|associate|block|else|nullify
-    |stop|error|import|generic|final|enum|enumerator|abstract|program|critical|continue)\b
+    |subroutine|pure|elemental|impure|recursive|integer|real|logical|character|complex|select|case|where
+    |elsewhere|forall|allocate|deallocate|write|read|print|open|close|inquire|rewind|flush|format|data|include
+    |associate|block|else|nullify|stop|error|import|generic|final|enum|enumerator|abstract|program|critical
+    |continue)\b
     (?!\s*(\(.*?\))?\s*(%[\w%() ,:]*)?=(?![=>]))""",
     re.VERBOSE | re.IGNORECASE,
 )

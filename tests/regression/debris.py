@@ -4,8 +4,8 @@ other.
 
 usage: debris.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Known from outside: energy and momentum are conserved, nothing accelerates what flies freely, so that the time step goes back to what
-it was.
+Known from outside: energy and momentum are conserved, nothing accelerates what flies freely, so that the time step goes
+back to what it was.
 """
 from _runs import Report, run
 
