@@ -6,10 +6,7 @@ usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 import os
 
 from _restarts import FULL, checkpoints, command, deck, execute, goes_on, mpirun, same_files, straight
-from _runs import (
-    CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, RUBBED, SCATTERED, SEAT, SPLIT, SPLIT_SPACE, SWIRL,
-    Report, own,
-)
+from _runs import CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, RUBBED, SCATTERED, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report, own
 
 EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
 # Particles leave the grid on two sides, where they are dropped or turned back.
@@ -43,10 +40,7 @@ history every=0.002
 """
 
 # The Courant number is found anew behind the restart.
-AUTOMATIC = (
-    LEAVING.replace("time end=0.012 cfl=0.5", "time steps=400 cfl=auto").replace("x=0:8", "x=open")
-    + "history steps=20\n"
-)
+AUTOMATIC = LEAVING.replace("time end=0.012 cfl=0.5", "time steps=400 cfl=auto").replace("x=0:8", "x=open") + "history steps=20\n"
 AUTOMATIC = AUTOMATIC.replace("history every=0.001\n", "")
 
 # Ends where the kinetic energy has fallen to a part of its maximum, which was at the start.
@@ -72,11 +66,8 @@ body b block material=gas lower=0 upper=2 ppc=2
 detonation point=(0,0,0)
 """
 # Nodes are light beside a particle that has left the grid by the time of the checkpoint.
-LIGHT = LEAVING.replace(
-    "body b",
-    "material lead elastic density=0.04 young=210 poisson=0.3\nmethod sgmp mass_cutoff=0.05\n"
-    "body gone block material=lead lower=(7,6) upper=(8,7) spacing=0.5\nvelocity gone x=900\nbody b",
-)
+LIGHT = LEAVING.replace("body b", "material lead elastic density=0.04 young=210 poisson=0.3\nmethod sgmp mass_cutoff=0.05\n"
+                        "body gone block material=lead lower=(7,6) upper=(8,7) spacing=0.5\nvelocity gone x=900\nbody b")
 
 # A block that moves past edges that let waves out, across the planes that ranks own, between two of its kind.
 ABSORBING = """
@@ -113,21 +104,10 @@ SCENES = [
     ("johnson_cook", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "material": "johnson_cook"}, 30, 1),
     ("normalised", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "stress": "normalised"}, 30, 2),
     ("rotation", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "jitter": 0.4, "rotation": "exact"}, 30, 2),
-    (
-        "rotation_usf",
-        deck("block.inp"),
-        {"cells": 5, "steps": 30, "drift": 0.3, "jitter": 0.4, "rotation": "exact", "update": "usf"},
-        30,
-        2,
-    ),
+    ("rotation_usf", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "jitter": 0.4, "rotation": "exact", "update": "usf"}, 30, 2),
     ("taylor_bar", deck("taylor_bar.inp"), {"h": 1.9, "t_end": 0.01, "cfl": 1, "material": "full"}, 26, 2),
-    (
-        "rings_of_a_bar",
-        deck("taylor_bar_axisymmetric.inp", "gauge foot point=(0,0)\n"),
-        {"h": 0.76, "t_end": 0.01, "cfl": 1, "material": "full"},
-        66,
-        2,
-    ),
+    ("rings_of_a_bar", deck("taylor_bar_axisymmetric.inp", "gauge foot point=(0,0)\n"),
+     {"h": 0.76, "t_end": 0.01, "cfl": 1, "material": "full"}, 66, 2),
     ("beam", deck("beam.inp", "output tecplot every=t_end/20\n"), {"h": 1.25, "t_end": 0.003}, 120, 3),
     ("bar", deck("bar.inp"), {"cells": 32, "steps": 200, "dt": 1e-3, "v0": 1}, 200, 1),
     ("tnt_slab", deck("tnt_slab.inp"), {"h": 2, "t_end": 0.006}, 180, 1),
@@ -184,9 +164,7 @@ def other_ranks(report):
             title = f"ranks_{name}_{method}"
             reference = straight(report, title, card, **settings, **choice)
             middle = checkpoints(reference.folder)[1]
-            for before, after, threads in (
-                ((1, 2, 1), (3, 1, 2), (2, 3, 1)) if FULL or method == "sgmp" else ((2, 3, 1),)
-            ):
+            for before, after, threads in ((1, 2, 1), (3, 1, 2), (2, 3, 1)) if FULL or method == "sgmp" else ((2, 3, 1),):
                 source = None
                 if before > 1:
                     source = straight(report, f"{title}_{before}", card, launcher=mpirun(before), **settings, **choice)
@@ -203,27 +181,14 @@ def kept(report):
 
 
 def other_fields(report):
-    """A field that particles.vtkhdf does not have: the restart is refused, and the steps that it has stay as they
-    are."""
+    """A field that particles.vtkhdf does not have: the restart is refused, and the steps that it has stay as they are."""
     card = "output vtkhdf every=5e-4 fields=stress\ncheckpoint every=10\n"
     reference = straight(report, "fields", deck("block.inp", card), cells=4, steps=20)
     path = os.path.join(reference.folder, "particles.vtkhdf")
-    result = execute(
-        command(
-            "fields",
-            deck("block.inp", card.replace("=stress", "=stress,density")),
-            ["--restart", "latest"],
-            {"cells": 4, "steps": 40},
-        ),
-        "fields",
-    )
-    report.check(
-        result.code == 5 and path in result.text and "density" in result.text,
-        f"other fields: {result.code}\n{result.text}",
-    )
-    result = execute(
-        command("fields", deck("block.inp", card), ["--restart", "latest"], {"cells": 4, "steps": 40}), "fields"
-    )
+    result = execute(command("fields", deck("block.inp", card.replace("=stress", "=stress,density")), ["--restart", "latest"],
+                             {"cells": 4, "steps": 40}), "fields")
+    report.check(result.code == 5 and path in result.text and "density" in result.text, f"other fields: {result.code}\n{result.text}")
+    result = execute(command("fields", deck("block.inp", card), ["--restart", "latest"], {"cells": 4, "steps": 40}), "fields")
     whole = straight(report, "fields_whole", deck("block.inp", card), cells=4, steps=40)
     if report.finished(result, "the same fields"):
         same_files(report, whole.folder, result.folder, "the same fields")
@@ -234,19 +199,14 @@ def main():
     report = Report()
     for other in own((other_ranks, kept, other_fields)):
         other(report)
-    for (name, text, settings, steps, threads), (method, update) in own(
-        (scene, variant) for scene in SCENES for variant in variants(scene[0])
-    ):
+    for (name, text, settings, steps, threads), (method, update) in own((scene, variant) for scene in SCENES for variant in variants(scene[0])):
         choice = {"method": method, "update": update} if "include" in text else {}
         title = f"{name}_{method}_{update}"
         card = text + f"checkpoint every={max(2, steps//5)} keep=100\n"
         reference = straight(report, title, card, **{**choice, **settings})
         saved = checkpoints(reference.folder)
         if report.check(len(saved) > 2, f"{title}: {reference.text} only the checkpoints {saved} of {steps} steps"):
-            goes_on(
-                report, reference, title + "_restarted", card, saved[len(saved) // 2 - 1], threads,
-                **{**choice, **settings},
-            )
+            goes_on(report, reference, title + "_restarted", card, saved[len(saved)//2 - 1], threads, **{**choice, **settings})
     report.end()
 
 
