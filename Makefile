@@ -141,10 +141,7 @@ coverage: setup setup-dev build/coverage/.configured ## Measure the tests' line 
 	@echo "report: $(CURDIR)/build/coverage/report/index.html"
 
 doc: setup setup-dev ## Write all documents, and the pages of the programming interface, as a site: build/site/html/index.html
-	rm -rf build/site
-	mkdir -p build/site/pages
-	tar cf - *.md LICENSE doc input/*.inp input/gallery packaging tests/README.md python/README.md | tar xf - -C build/site/pages
-	build/venv/bin/mkdocs build --quiet --config-file doc/mkdocs.yml
+	build/venv/bin/python scripts/dev/site_pages.py . build/site
 	build/venv/bin/ford doc/api.md
 	@echo "site: $(CURDIR)/build/site/html/index.html"
 

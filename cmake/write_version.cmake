@@ -1,5 +1,6 @@
 # Writes the module sgmp_version to OUTPUT, touching the file only when its text changes.
-# Variables: SOURCE_DIR OUTPUT VERSION COMPILER FLAGS BUILD_TYPE. Without git, or outside a repository, the commit is "unknown".
+# Variables: SOURCE_DIR OUTPUT VERSION COMPILER FLAGS BUILD_TYPE. Without git, or outside a repository, the commit is
+# "unknown".
 
 set(commit "")
 find_program(GIT_PROGRAM git)

@@ -47,8 +47,10 @@ def main():
     parser.add_argument("--direction", choices="xyz", default="z", help="axis along which it flies (default: z)")
     parser.add_argument("--low", type=float, required=True, help="velocity at which it is stopped")
     parser.add_argument("--high", type=float, required=True, help="velocity at which it passes")
-    parser.add_argument("--passing", type=float, metavar="V",
-                        help="residual velocity above which it has passed (default: a hundredth of the impact velocity)")
+    parser.add_argument(
+        "--passing", type=float, metavar="V",
+        help="residual velocity above which it has passed (default: a hundredth of the impact velocity)",
+    )
     parser.add_argument("--tolerance", type=float, required=True, help="of the limit")
     parser.add_argument("--threads", type=int)
     parser.add_argument("--folder", type=pathlib.Path, help="of the runs (default: DECK.limit)")

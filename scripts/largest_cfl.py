@@ -3,8 +3,8 @@
 
 usage: largest_cfl.py DECK [--growth 2] [--lower 0.1] [--upper 3.2] [--sgmp build/release/sgmp] [NAME=VALUE ...]
 
-The deck must have the parameter `cfl`. A run is stable if it ends by itself and its total energy never exceeds `growth` times its
-first (usual: 2 for a vibration, 5 with usf, whose energy swings, 1.1 for an impact).
+The deck must have the parameter `cfl`. A run is stable if it ends by itself and its total energy never exceeds `growth`
+times its first (usual: 2 for a vibration, 5 with usf, whose energy swings, 1.1 for an impact).
 """
 import argparse
 import csv
@@ -26,7 +26,9 @@ def run(options, cfl, folder):
     if done.returncode:
         return float("inf"), None
     with open(os.path.join(folder, "history.csv"), encoding="utf-8") as file:
-        energy = [float(row["total_energy"]) for row in csv.DictReader(line for line in file if not line.startswith("#"))]
+        energy = [
+            float(row["total_energy"]) for row in csv.DictReader(line for line in file if not line.startswith("#"))
+        ]
     with open(os.path.join(folder, "summary.json"), encoding="utf-8") as file:
         summary = json.load(file)
     return max(energy) / abs(energy[0]), summary["cfl"]

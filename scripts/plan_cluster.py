@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""What a large impact would cost on many ranks: imbalance, halo, re-balancing, checkpoints; a simulation, nothing is run.
+"""What a large impact would cost on many ranks: imbalance, halo, re-balancing, checkpoints; a simulation, nothing is
+run.
 
 usage: plan_cluster.py [--particles 1e9] [--ranks 64,256,1000,…] [--csv FILE]
 
-A steel ball of a fifth of the target's width goes through a block of cells, 8 particles each. The cells of the scene are dealt to
-the ranks as slabs (what sgmp does), as columns (two axes) or as blocks (three axes), all cut so that the parts weigh the same when
-they are cut, and cut again when the heaviest part exceeds the mean by the threshold. While the ball advances it pushes the material of
-its channel into a rim, so cells fill up, empty and change hands. Rates are those measured on two cores (doc/cluster.md); the
-network's and the file system's are assumptions, options all of them.
+A steel ball of a fifth of the target's width goes through a block of cells, 8 particles each. The cells of the scene
+are dealt to the ranks as slabs (what sgmp does), as columns (two axes) or as blocks (three axes), all cut so that the
+parts weigh the same when they are cut, and cut again when the heaviest part exceeds the mean by the threshold. While
+the ball advances it pushes the material of its channel into a rim, so cells fill up, empty and change hands. Rates are
+those measured on two cores (doc/cluster.md); the network's and the file system's are assumptions, options all of them.
 """
 import argparse
 import csv
@@ -19,7 +20,8 @@ AXES = {"slabs": 1, "columns": 2, "blocks": 3}
 
 
 def scene(n, depth):
-    """Particles per coarse cell (n^3) with the ball's nose at `depth` of the block's thickness; the block lies in the upper two thirds."""
+    """Particles per coarse cell (n^3) with the ball's nose at `depth` of the block's thickness; the block lies in the
+    upper two thirds."""
     x, y, z = numpy.meshgrid(*[(numpy.arange(n, dtype=numpy.float32) + 0.5) / n] * 3, indexing="ij", sparse=True)
     radius = 0.1
     nose = 0.25 + depth * 0.75
@@ -64,7 +66,8 @@ def weigh(table, lower, upper):
 
 
 def cut(table, parts, axes, cells):
-    """Boxes of nearly the same load: the longest of the allowed axes is cut in proportion, at a plane of cells, again and again."""
+    """Boxes of nearly the same load: the longest of the allowed axes is cut in proportion, at a plane of cells, again
+    and again."""
     lower = numpy.zeros((3, 1))
     upper = numpy.array(table.shape, dtype=float)[:, None] - 1
     count = numpy.array([parts])
@@ -123,17 +126,29 @@ def plan(options, kind, ranks):
         halo = surface(boxes, axes, cells, weight) * options.halo_bytes
         compute = weight.max() * scale * options.ns * 1e-9
         messages = options.messages * 2 * len(axes)
-        talk = halo / (options.network * 1e9) + messages * options.latency * 1e-6 + 2 * options.latency * 1e-6 * numpy.log2(ranks)
+        talk = (
+            halo / (options.network * 1e9)
+            + messages * options.latency * 1e-6
+            + 2 * options.latency * 1e-6 * numpy.log2(ranks)
+        )
         rows.append((weight.max() / weight.mean(), halo, compute, talk))
     imbalance, halo, compute, talk = (numpy.array(column) for column in zip(*rows))
     ideal = options.particles / ranks * options.ns * 1e-9
     written = options.particles * options.checkpoint_bytes / 1e9
-    return {"ranks": ranks, "decomposition": kind, "particles per rank": round(options.particles / ranks),
-            "imbalance, mean": round(imbalance.mean(), 2), "worst": round(imbalance.max(), 2), "cuts": cuts,
-            "halo (MB per step)": round(halo.mean() / 1e6, 2), "messages per step": options.messages * 2 * len(axes),
-            "step (ms)": round(1e3 * (compute + talk).mean(), 2), "halo share (%)": round(100 * (talk / (compute + talk)).mean(), 1),
-            "efficiency (%)": round(100 * (ideal / (compute + talk)).mean(), 1),
-            "checkpoint (s)": round(written / min(options.file_system, ranks * options.rank_write), 1)}
+    return {
+        "ranks": ranks,
+        "decomposition": kind,
+        "particles per rank": round(options.particles / ranks),
+        "imbalance, mean": round(imbalance.mean(), 2),
+        "worst": round(imbalance.max(), 2),
+        "cuts": cuts,
+        "halo (MB per step)": round(halo.mean() / 1e6, 2),
+        "messages per step": options.messages * 2 * len(axes),
+        "step (ms)": round(1e3 * (compute + talk).mean(), 2),
+        "halo share (%)": round(100 * (talk / (compute + talk)).mean(), 1),
+        "efficiency (%)": round(100 * (ideal / (compute + talk)).mean(), 1),
+        "checkpoint (s)": round(written / min(options.file_system, ranks * options.rank_write), 1),
+    }
 
 
 def main():

@@ -2,8 +2,9 @@
 
 usage: pvpython scripts/taylor_bar_paraview.py taylor_bar.out
 
-Writes taylor_bar.pvsm into the folder, a state that ParaView opens with all dumps (File, Load State; it asks where the data are),
-and a picture of the last one. Works for any run with `output vtu`: FIELD and SPACING are all that is of the Taylor bar.
+Writes taylor_bar.pvsm into the folder, a state that ParaView opens with all dumps (File, Load State; it asks where the
+data are), and a picture of the last one. Works for any run with `output vtu`: FIELD and SPACING are all that is of the
+Taylor bar.
 """
 import os
 import sys

@@ -5,9 +5,9 @@
 #   cd taylor_bar.out
 #   tec360 -b -p ../scripts/taylor_bar_tecplot.mcr       (without -b Tecplot stays open)
 #
-# Reads particles.dat of the folder it is run in; writes taylor_bar.lay, a layout with all dumps for File, Open Layout, and a
-# picture of the last one, taylor_bar_tecplot.png. For another run change the list of variables (as in the second line of
-# particles.dat), the number of the one that colours, the diameter of the spheres and the time.
+# Reads particles.dat of the folder it is run in; writes taylor_bar.lay, a layout with all dumps for File, Open Layout,
+# and a picture of the last one, taylor_bar_tecplot.png. For another run change the list of variables (as in the second
+# line of particles.dat), the number of the one that colours, the diameter of the spheres and the time.
 $!VarSet |FIELD| = 9
 $!VarSet |DIAMETER| = 0.6
 $!VarSet |TIME| = 0.08
@@ -19,8 +19,8 @@ $!ReadDataSet  '"particles.dat"'
   AssignStrandIDs = No
   InitialPlotType = Cartesian3D
   VarNameList = '"x" "y" "z" "velocity_x" "velocity_y" "velocity_z" "body" "id" "plastic_strain" "stress_xx" "stress_yy" "stress_zz" "stress_xy" "stress_yz" "stress_xz" "pressure"'
-# Spheres are as large as a variable says, in the units of the axes: 1.6 times the spacing of the particles, 0.38 mm, for
-# stretched particles leave gaps between smaller ones.
+# Spheres are as large as a variable says, in the units of the axes: 1.6 times the spacing of the particles, 0.38 mm,
+# for stretched particles leave gaps between smaller ones.
 $!AlterData 
   Equation = '{diameter} = |DIAMETER|'
 

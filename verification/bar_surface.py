@@ -8,8 +8,8 @@ SECTORS = 36
 
 
 def of_rings(run, spacing, length=LENGTH):
-    """L, D at the foot and W at 0.2 of the initial length, from the outermost lines of rings and half a particle in their stretched
-    spacing."""
+    """L, D at the foot and W at 0.2 of the initial length, from the outermost lines of rings and half a particle in
+    their stretched spacing."""
     particles = run.particles()
     x, z = particles.points[:, 0], particles.points[:, 2]
     x0, z0 = (particles.fields["initial_position"][:, axis] for axis in (0, 2))
@@ -23,20 +23,30 @@ def of_rings(run, spacing, length=LENGTH):
         radius, height = x[inside][order], z[inside][order]
         rim.append((height[1], radius[1] + 0.5 * (radius[1] - radius[0])))
     rim = np.array(rim)
-    foot = rim[0, 1] + (rim[0, 1] - rim[1, 1]) * rim[0, 0] / (rim[1, 0] - rim[0, 0])  # the outer line, taken on to the wall
-    return max(top[1] + 0.5 * (top[1] - top[0]) for top in tops), 2 * foot, 2 * float(np.interp(0.2 * length, rim[:, 0], rim[:, 1]))
+    # the outer line, taken on to the wall
+    foot = rim[0, 1] + (rim[0, 1] - rim[1, 1]) * rim[0, 0] / (rim[1, 0] - rim[0, 0])
+    return (
+        max(top[1] + 0.5 * (top[1] - top[0]) for top in tops), 2 * foot,
+        2 * float(np.interp(0.2 * length, rim[:, 0], rim[:, 1])),
+    )
 
 
 def of_cubes(run, length=LENGTH):
-    """The same of a bar of cubes, whose surface is a flight of stairs: the largest radius of each sector, mean over the sectors, with half
-    a spacing."""
+    """The same of a bar of cubes, whose surface is a flight of stairs: the largest radius of each sector, mean over the
+    sectors, with half a spacing."""
     points, spacing, h = run.particles().points, run.summary["spacing"], run.summary["h"]
-    radius, sector = np.hypot(points[:, 0], points[:, 1]), np.floor((np.arctan2(points[:, 1], points[:, 0]) / np.pi + 1) * SECTORS / 2).astype(int) % SECTORS
+    radius, sector = (
+        np.hypot(points[:, 0], points[:, 1]),
+        np.floor((np.arctan2(points[:, 1], points[:, 0]) / np.pi + 1) * SECTORS / 2).astype(int) % SECTORS,
+    )
 
     def diameter(chosen):
         return 2 * float(np.mean([radius[chosen & (sector == s)].max() for s in range(SECTORS)])) + spacing
 
-    return points[:, 2].max() + 0.5 * spacing, diameter(points[:, 2] <= h), diameter(np.abs(points[:, 2] - 0.2 * length) <= 0.5 * h)
+    return (
+        points[:, 2].max() + 0.5 * spacing, diameter(points[:, 2] <= h),
+        diameter(np.abs(points[:, 2] - 0.2 * length) <= 0.5 * h),
+    )
 
 
 def error(shape):

@@ -29,22 +29,38 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "python"), str(ROOT / "scripts")]
 from sgmp_view.files import plot_style, read_history, read_particles_csv, read_summary  # noqa: E402
+from sgmp_view.picture import draw_particles  # noqa: E402
 
 SOLVER = ROOT / "build/release/sgmp"
 BUILD = ROOT / "build/verification"
 NUMERICAL_ABORT = 4  # exit code of a run that blows up
-COLOURS = {"mpm": "#d62728", "gimp": "#ff9d1c", "cpgimp": "#8c564b", "sgmp": "#1f5fb4", "bspline": "#7a3fb0", "normalised": "#2ca02c"}
-NAMES = {"mpm": "MPM", "gimp": "GIMP", "cpgimp": "cpGIMP", "sgmp": "SGMP", "bspline": "B-spline", "normalised": "SGMP, normalised stress"}
+COLOURS = {
+    "mpm": "#d62728",
+    "gimp": "#ff9d1c",
+    "cpgimp": "#8c564b",
+    "sgmp": "#1f5fb4",
+    "bspline": "#7a3fb0",
+    "normalised": "#2ca02c",
+}
+NAMES = {
+    "mpm": "MPM",
+    "gimp": "GIMP",
+    "cpgimp": "cpGIMP",
+    "sgmp": "SGMP",
+    "bspline": "B-spline",
+    "normalised": "SGMP, normalised stress",
+}
 MARKERS = {"mpm": "o", "gimp": "^", "cpgimp": "v", "sgmp": "s", "bspline": "P", "normalised": "D"}
-VARIANTS = {name: {"method": name} for name in ("mpm", "gimp", "cpgimp", "sgmp", "bspline")}  # parameters of the decks behind a name
+# parameters of the decks behind a name
+VARIANTS = {name: {"method": name} for name in ("mpm", "gimp", "cpgimp", "sgmp", "bspline")}
 VARIANTS["normalised"] = {"method": "sgmp", "stress": "normalised"}
 
 
 # ---------------------------------------------------------------- runs
 
 class Case:
-    """A deck of input/ (or a path) and the parameters that `--set` changes. A tag keeps repeated runs apart. Dumps are removed after
-    the run unless they are to be kept."""
+    """A deck of input/ (or a path) and the parameters that `--set` changes. A tag keeps repeated runs apart. Dumps are
+    removed after the run unless they are to be kept."""
 
     def __init__(self, deck, tag="", keep_dumps=False, **parameters):
         self.keep_dumps = keep_dumps
@@ -53,8 +69,8 @@ class Case:
         self.parameters = self.paper(parameters)
 
     def paper(self, parameters):
-        """The decks of the paper's examples are run with the paper's scheme: what the program would choose beyond it (doc/surfaces.md) is
-        asked for by those checks that want it."""
+        """The decks of the paper's examples are run with the paper's scheme: what the program would choose beyond it
+        (doc/surfaces.md) is asked for by those checks that want it."""
         if self.deck.parent != ROOT / "input" or parameters.get("method", "sgmp") != "sgmp":
             return parameters
         given = self.deck.read_text()
@@ -94,8 +110,9 @@ class Run:
 
     @property
     def loop_seconds(self):
-        """CPU time of the time loop without start and output. A short loop is seldom interrupted: its wall time. A long one: the
-        process's CPU time by the loop's share of the wall time, which other processes on the machine stretch but do not change much."""
+        """CPU time of the time loop without start and output. A short loop is seldom interrupted: its wall time. A long
+        one: the process's CPU time by the loop's share of the wall time, which other processes on the machine stretch
+        but do not change much."""
         loop = sum(seconds for phase, seconds in self.summary["phase_seconds"].items() if phase != "output")
         return loop if loop < 0.2 else self.cpu_seconds * loop / self.summary["wall_seconds"]
 
@@ -112,15 +129,18 @@ def solver_hash():
 
 
 def execute(case, folder):
-    """Runs the solver into an empty folder; gives its exit code and CPU time. Open MPI starts a daemon for a process without
-    mpirun, which costs time and fails now and then; the variable below does without, and a failed start is tried again."""
+    """Runs the solver into an empty folder; gives its exit code and CPU time. Open MPI starts a daemon for a process
+    without mpirun, which costs time and fails now and then; the variable below does without, and a failed start is
+    tried again."""
     environment = dict(os.environ, OMPI_MCA_ess_singleton_isolated="1")
     for attempt in range(4):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         with open(folder / "terminal.txt", "w") as terminal:
-            process = subprocess.Popen([str(SOLVER), str(case.deck), *case.arguments(), "--output", str(folder),
-                                        "--threads", "1", "--quiet"], stdout=terminal, stderr=subprocess.STDOUT, cwd=ROOT, env=environment)
+            process = subprocess.Popen(
+                [str(SOLVER), str(case.deck), *case.arguments(), "--output", str(folder), "--threads", "1", "--quiet"],
+                stdout=terminal, stderr=subprocess.STDOUT, cwd=ROOT, env=environment,
+            )
             _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode == 0 or "MPI_Init" not in (folder / "terminal.txt").read_text(errors="replace"):
@@ -143,7 +163,9 @@ def solve_one(case, digest, may_fail):
         found = json.loads(record.read_text())
         code, seconds = found["exit_code"], found["cpu_seconds"]
     if code != 0 and not (may_fail and code == NUMERICAL_ABORT):
-        raise RuntimeError(f"exit code {code}: {case.command()}\n{(folder / 'terminal.txt').read_text(errors='replace')[-2000:]}")
+        raise RuntimeError(
+            f"exit code {code}: {case.command()}\n{(folder / 'terminal.txt').read_text(errors='replace')[-2000:]}"
+        )
     summary = read_summary(folder) if (folder / "summary.json").exists() else {}
     return Run(case, folder, code, seconds, summary)
 
@@ -156,9 +178,9 @@ def forget_old_runs():
 
 
 def solve(cases, may_fail=False, workers=2):
-    """Runs all cases on `workers` cores and returns the runs in the same order; a run made before by the same executable
-    from the same deck is reused. A run that ends with an exit code other than 0 raises; if it may fail, the solver's numerical
-    abort does not."""
+    """Runs all cases on `workers` cores and returns the runs in the same order; a run made before by the same
+    executable from the same deck is reused. A run that ends with an exit code other than 0 raises; if it may fail, the
+    solver's numerical abort does not."""
     digest = solver_hash()
     with ThreadPoolExecutor(workers) as pool:
         return list(pool.map(lambda case: solve_one(case, digest, may_fail), cases))
@@ -192,18 +214,33 @@ class Book:
     # ---- checks: each adds a row to results.json and tells whether it passed
 
     def add(self, case, quantity, value, reference, tolerance, passed, note="", known=None):
-        """`known`: what the value is known to be where the target is out of reach, for a reason that the note gives. Such a
-        check is reported as not passed; it counts as failed only if the value has left the band about the known one, whose width is
-        half of the deviation and at most a tenth of the value: a deviation that shrinks or grows is news."""
+        """`known`: what the value is known to be where the target is out of reach, for a reason that the note gives.
+        Such a check is reported as not passed; it counts as failed only if the value has left the band about the known
+        one, whose width is half of the deviation and at most a tenth of the value: a deviation that shrinks or grows is
+        news."""
         value = float(value)
         reference = reference.item() if hasattr(reference, "item") else reference  # numpy's, which JSON does not know
         deviation = bool(not passed and known is not None and abs(value - known) <= band(known, reference))
         a_band = {} if known is None or not band(known, reference) else {"known": known, "band": band(known, reference)}
-        self.results.append({"section": self.sections[-1].title if self.sections else "", "case": case, "quantity": quantity,
-                             "value": value if math.isfinite(value) else str(value),
-                             "reference": reference, "tolerance": tolerance, "pass": bool(passed),
-                             "known_deviation": deviation, "note": note, **a_band})
-        print(f"  {'pass' if passed else 'known' if deviation else 'FAIL'}  {case}: {quantity} = {value:.6g}  ({tolerance} {reference})", flush=True)
+        self.results.append(
+            {
+                "section": self.sections[-1].title if self.sections else "",
+                "case": case,
+                "quantity": quantity,
+                "value": value if math.isfinite(value) else str(value),
+                "reference": reference,
+                "tolerance": tolerance,
+                "pass": bool(passed),
+                "known_deviation": deviation,
+                "note": note,
+                **a_band,
+            }
+        )
+        print(
+            f"  {'pass' if passed else 'known' if deviation else 'FAIL'}  {case}: {quantity} = {value:.6g}  "
+            f"({tolerance} {reference})",
+            flush=True,
+        )
         return bool(passed)
 
     def within(self, case, quantity, value, reference, relative, note="", known=None):
@@ -213,12 +250,13 @@ class Book:
 
     def near(self, case, quantity, value, reference, absolute, note="", known=None):
         """The value is within an absolute tolerance of its reference."""
-        return self.add(case, quantity, value, reference, f"± {absolute:g} about", abs(value - reference) <= absolute, note,
-                        known)
+        return self.add(
+            case, quantity, value, reference, f"± {absolute:g} about", abs(value - reference) <= absolute, note, known
+        )
 
     def regression(self, case, quantity, value, found, relative, note=""):
-        """The value is what the program has given before, within a relative tolerance. There is no reference that says it is right:
-        a change is to be looked at, and may be a gain."""
+        """The value is what the program has given before, within a relative tolerance. There is no reference that says
+        it is right: a change is to be looked at, and may be a gain."""
         passed = self.add(case, quantity, value, found, f"regression value ± {100 * relative:g} %:",
                           abs(value - found) <= relative * abs(found), note)
         self.results[-1]["regression"] = True
@@ -277,6 +315,14 @@ def subplots(*arguments, **keywords):
     return plt.subplots(*arguments, layout="constrained", **keywords)
 
 
+def draw_plane(axis, points, values, spacing, limits, cut=False):
+    """Particles of a plane, or of a body seen along y, on `axis` as the viewer draws them; gives what a colour bar asks
+    for."""
+    drawn = draw_particles(axis, points, values, spacing, cut=cut, limits=limits, most=900)
+    axis.set_aspect("equal")
+    return drawn
+
+
 def slope_triangle(axis, x, y, order, width=2.0):
     """Marks a slope in a double logarithmic figure: corner (x, y), rising to the right."""
     axis.plot([x, x * width, x * width, x], [y, y, y * width**order, y], color="0.4", linewidth=0.9)
@@ -291,7 +337,8 @@ def cell_ticks(axis, sizes):
 
 
 def work_precision(book, name, title, points, error_label, goals):
-    """Diagram and table of CPU time over error, and the cheapest run for each error in `goals`. points: as `point` makes them."""
+    """Diagram and table of CPU time over error, and the cheapest run for each error in `goals`. points: as `point`
+    makes them."""
     figure, axis = subplots(figsize=(8.4, 4.4))
     for curve in dict.fromkeys(point["curve"] for point in points):
         chosen = [p for p in points if p["curve"] == curve]
@@ -319,8 +366,14 @@ def work_precision(book, name, title, points, error_label, goals):
 
 def point(curve, method, setting, run, error, line="-", seconds=None):
     """A point of a work-precision diagram; its CPU time is the run's unless given."""
-    return {"curve": curve, "method": method, "setting": setting, "cpu_seconds": run.loop_seconds if seconds is None else seconds,
-            "error": float(error), "line": line}
+    return {
+        "curve": curve,
+        "method": method,
+        "setting": setting,
+        "cpu_seconds": run.loop_seconds if seconds is None else seconds,
+        "error": float(error),
+        "line": line,
+    }
 
 
 def main(check, doc):

@@ -34,11 +34,12 @@ def pairs_of(run, name):
 
 
 def excess(history, update, supplied=None):
-    """Energy of unknown origin over the energy supplied (the largest work): total less external work and the energy taken by contact.
+    """Energy of unknown origin over the energy supplied (the largest work): total less external work and the energy
+    taken by contact.
 
-    MUSL and USF know the kinetic energy (and with it the work) half a step before and after the internal energy: it is taken to
-    the same time by its slope. Its mean over the last fifth, the largest value, how far the energy taken by contact ever fell, and
-    that energy.
+    MUSL and USF know the kinetic energy (and with it the work) half a step before and after the internal energy: it is
+    taken to the same time by its slope. Its mean over the last fifth, the largest value, how far the energy taken by
+    contact ever fell, and that energy.
     """
     dt = np.gradient(history["time"])/np.maximum(np.gradient(history["step"]), 1)
     moving = history["kinetic_energy"] - history["external_work"] + history["contact_dissipation"]

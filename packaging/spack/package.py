@@ -1,9 +1,10 @@
-"""Recipe for Spack: put this folder as packages/sgmp into a repository of your own (spack repo create), then spack install sgmp."""
+"""Recipe for Spack: put this folder as packages/sgmp into a repository of your own (spack repo create), then
+spack install sgmp."""
 from spack.package import *
 
 
 class Sgmp(CMakePackage):
-    """Explicit material point solver for impact, penetration and blast with the staggered grid material point method."""
+    """Explicit solver for impact, penetration and blast with the staggered grid material point method."""
 
     git = "file:///path/to/sgmp"  # a clone of the sources
 

@@ -81,7 +81,9 @@ def contact_forces(folder, channel_class=None, bodies=None):
                 f"{folder}: contact.csv has {len(time)} rows of '{name}'; write more by `history every=…`"
             )
         for words, column in ((name, "force"), (f"{name}, friction", "friction")):
-            if f"{column}_x" not in table or (column == "friction" and not any(np.any(table[f"friction_{axis}"][rows]) for axis in AXES)):
+            if f"{column}_x" not in table or (
+                column == "friction" and not any(np.any(table[f"friction_{axis}"][rows]) for axis in AXES)
+            ):
                 continue
             force = np.column_stack([table[f"{column}_{axis}"][rows] for axis in AXES]) * kilogram * metre / second**2
             even, values = in_even_steps(folder, time, force[1:], channel_class)
@@ -89,7 +91,8 @@ def contact_forces(folder, channel_class=None, bodies=None):
 
 
 def wall_forces(folder, channel_class=None, faces=None):
-    """Of each wall whose reaction is in history.csv: name, time (deck's units), force on the matter (N, 3 columns), ones."""
+    """Of each wall whose reaction is in history.csv: name, time (deck's units), force on the matter (N, 3 columns),
+    ones."""
     table = read_table(folder / "history.csv")
     second, metre, kilogram = in_si(folder)
     walls = [column[5:-10] for column in table if column.startswith("wall_") and column.endswith("_impulse_x")]

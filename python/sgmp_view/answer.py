@@ -33,7 +33,8 @@ def cloud_of(cloud, of_body, axes, units, summary):
         yield f"extent, {name}", f"{low:.5g} … {high:.5g}", units["length"]
     if "damage" in cloud.fields:
         yield "failed, share of its particles", float(np.mean(cloud.fields["damage"][of_body] >= 1)), ""
-    if "temperature" in cloud.fields and cloud.fields["temperature"][of_body].max() > 0:  # 0 where the material has none
+    # 0 where the material has none
+    if "temperature" in cloud.fields and cloud.fields["temperature"][of_body].max() > 0:
         yield "largest temperature", float(cloud.fields["temperature"][of_body].max()), "K"
 
 
@@ -43,7 +44,8 @@ def wide_axes(clouds):
 
 
 def no_temperature(cards, clouds):
-    """What to add to the deck where materials heat up and the dumps do not say how far; empty where there is nothing to add."""
+    """What to add to the deck where materials heat up and the dumps do not say how far; empty where there is nothing to
+    add."""
     heats = any(card.startswith("material ") and "thermal=yes" in card for card in cards)
     if heats and clouds and not any("temperature" in cloud.fields for cloud in clouds):
         return "the dumps have no temperature: add temperature to the fields of `output`"
@@ -77,7 +79,8 @@ def loss_of(body):
 
 
 def bodies_table(folder, units, clouds=()):
-    """Per body: rows of label, value at the start, value at the end, unit; `clouds`: first and last dump, where there are two or more."""
+    """Per body: rows of label, value at the start, value at the end, unit; `clouds`: first and last dump, where there
+    are two or more."""
     bodies = Run(folder).bodies
     summary = read_summary_if_any(folder)
     round_axis = summary.get("dimension") == "axisymmetric"  # the mean of radial velocities says nothing
@@ -90,5 +93,7 @@ def bodies_table(folder, units, clouds=()):
         unit_of = {label: unit for side in sides for label, _, unit in side}
         rows = [(label, then.get(label, ""), now.get(label, ""), unit) for label, unit in unit_of.items()]
         if body.start["mass"] > 0 and body.end["mass"] != body.start["mass"]:
-            rows.append(("mass that is gone (eroded or lost), share", 0.0, 1 - body.end["mass"] / body.start["mass"], ""))
+            rows.append(
+                ("mass that is gone (eroded or lost), share", 0.0, 1 - body.end["mass"] / body.start["mass"], "")
+            )
         yield name, rows

@@ -7,15 +7,48 @@ import matplotlib
 
 matplotlib.use("Agg")
 
-from . import (compare, convergence, error, fragments, gauges, history, impact, map_, movie, picture, profile, report, revolve, slice_,  # noqa: E402
-               solids, status, sweep, work_precision)
+from . import (
+    compare,
+    convergence,
+    error,
+    fragments,
+    gauges,
+    history,
+    impact,
+    map_,
+    movie,
+    picture,
+    profile,
+    report,
+    revolve,
+    slice_,  # noqa: E402
+    solids,
+    status,
+    sweep,
+    work_precision,
+)
 from .files import SgmpFileError  # noqa: E402
 
 # word: module with `arguments(parser)` and `run(options)`, whose docstring is the help
 COMMANDS = {
-    "status": status, "report": report, "impact": impact, "fragments": fragments, "history": history, "gauges": gauges, "picture": picture, "slice": slice_,
-    "profile": profile, "movie": movie, "revolve": revolve, "compare": compare, "error": error, "sweep": sweep, "convergence": convergence,
-    "work-precision": work_precision, "solids": solids, "map": map_,
+    "status": status,
+    "report": report,
+    "impact": impact,
+    "fragments": fragments,
+    "history": history,
+    "gauges": gauges,
+    "picture": picture,
+    "slice": slice_,
+    "profile": profile,
+    "movie": movie,
+    "revolve": revolve,
+    "compare": compare,
+    "error": error,
+    "sweep": sweep,
+    "convergence": convergence,
+    "work-precision": work_precision,
+    "solids": solids,
+    "map": map_,
 }
 
 
@@ -31,7 +64,8 @@ def parser():
 
 
 def main(words=None):
-    """Runs one command: exit code 0, 1 with a message where an input is missing or malformed, 2 for the command line."""
+    """Runs one command: exit code 0, 1 with a message where an input is missing or malformed, 2 for the command
+    line."""
     options = parser().parse_args(words)
     try:
         code = COMMANDS[options.command].run(options)

@@ -3,19 +3,23 @@
     sgmp-view compare mpm.out gimp.out sgmp.out
     sgmp-view compare *.out --column kinetic_energy --column energy_remainder
 
-The table lists what differs in summary.json, first of all the verdict, energy drift and cost. Numbers whose error `sgmp-view error` has
-estimated stand below with it, and as bars in the figure.
+The table lists what differs in summary.json, first of all the verdict, energy drift and cost. Numbers whose error
+`sgmp-view error` has estimated stand below with it, and as bars in the figure.
 """
 
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-from .files import SgmpFileError, field_label, folder_of, label, plot_style, read_history, read_summary, read_units, run_name
+from .files import (
+    SgmpFileError, field_label, folder_of, label, plot_style, read_history, read_summary, read_units, run_name,
+)
 
-ROWS = ("exit_status", "verdict", "verdict_error", "method", "update", "dimension", "cfl", "h", "particles", "particles_lost", "steps", "time",
-        "energy.kinetic", "energy.internal", "energy.total", "energy.drift", "energy.contact_dissipation", "solve_seconds",
-        "ns_per_particle_step", "threads", "ranks", "checksum")
+ROWS = (
+    "exit_status", "verdict", "verdict_error", "method", "update", "dimension", "cfl", "h", "particles",
+    "particles_lost", "steps", "time", "energy.kinetic", "energy.internal", "energy.total", "energy.drift",
+    "energy.contact_dissipation", "solve_seconds", "ns_per_particle_step", "threads", "ranks", "checksum",
+)
 
 
 def flat(summary, prefix=""):
@@ -42,8 +46,12 @@ def table(names, summaries):
         if len(set(values)) > 1 or row in ("verdict", "energy.drift", "solve_seconds"):
             lines.append([row, *values])
     widths = [max(len(line[k]) for line in lines) for k in range(len(names) + 1)]
-    return ["  ".join(word.ljust(width) if k == 0 else word.rjust(width) for k, (word, width) in enumerate(zip(line, widths)))
-            for line in lines]
+    return [
+        "  ".join(
+            word.ljust(width) if k == 0 else word.rjust(width) for k, (word, width) in enumerate(zip(line, widths))
+        )
+        for line in lines
+    ]
 
 
 def estimates_of(summaries):
@@ -55,8 +63,10 @@ def estimates_of(summaries):
 def draw_bars(axis, names, estimates):
     """Values of a quantity with their errors."""
     shown = [(place, estimate) for place, estimate in enumerate(estimates) if estimate]
-    axis.errorbar([place for place, _ in shown], [estimate["value"] for _, estimate in shown], yerr=[estimate["half_width"] for _, estimate in shown],
-                  fmt="o", capsize=5)
+    axis.errorbar(
+        [place for place, _ in shown], [estimate["value"] for _, estimate in shown],
+        yerr=[estimate["half_width"] for _, estimate in shown], fmt="o", capsize=5,
+    )
     axis.set_xticks(range(len(names)), names)
     axis.set_xlim(-0.5, len(names) - 0.5)
     axis.set_ylabel(label(shown[0][1]["quantity"], shown[0][1]["unit"]))
@@ -68,16 +78,28 @@ def shape_lines(options, names):
     unit = read_units(folder_of(options.folders[0]))["length"]
     for body in options.shape:
         for name, folder in zip(names[1:], options.folders[1:]):
-            mean, largest = (quantity_of(folder, f"shape.{body}.{how}", options.folders[0]) for how in ("mean", "largest"))
-            yield f"{name}: surface of {body} {mean:.3g} {unit} from that of {names[0]} (root mean square), at most {largest:.3g} {unit}"
+            mean, largest = (
+                quantity_of(folder, f"shape.{body}.{how}", options.folders[0]) for how in ("mean", "largest")
+            )
+            yield (
+                f"{name}: surface of {body} {mean:.3g} {unit} from that of {names[0]} (root mean square), at "
+                f"most {largest:.3g} {unit}"
+            )
 
 
 def arguments(parser):
     """Arguments of the command."""
     parser.add_argument("folders", nargs="+", type=Path, metavar="OUT_DIR", help="output folders of sgmp")
-    parser.add_argument("--column", action="append", help="column of history.csv; may be repeated (default: total_energy)")
-    parser.add_argument("--shape", action="append", default=[], metavar="BODY", help="distance of this body's surface at the end to that of the first run; may be repeated")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="picture; default: compare.png in the folder of the first")
+    parser.add_argument(
+        "--column", action="append", help="column of history.csv; may be repeated (default: total_energy)"
+    )
+    parser.add_argument(
+        "--shape", action="append", default=[], metavar="BODY",
+        help="distance of this body's surface at the end to that of the first run; may be repeated",
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="picture; default: compare.png in the folder of the first"
+    )
 
 
 def run(options):
@@ -86,7 +108,9 @@ def run(options):
     summaries = [read_summary(folder) for folder in options.folders]
     estimates = estimates_of(summaries)
     print("\n".join(table(names, [flat(summary) for summary in summaries])))
-    for run, estimate in ((run, estimate) for row in estimates.values() for run, estimate in zip(names, row) if estimate):
+    for run, estimate in (
+        (run, estimate) for row in estimates.values() for run, estimate in zip(names, row) if estimate
+    ):
         print(f"{run}: {estimate['line']}")
     for line in shape_lines(options, names):
         print(line)
@@ -102,7 +126,9 @@ def run(options):
             for name, folder in zip(names, options.folders):
                 history = read_history(folder)
                 if column not in history:
-                    raise SgmpFileError(f"{folder}: history.csv has no column '{column}'; there are: {', '.join(history)}")
+                    raise SgmpFileError(
+                        f"{folder}: history.csv has no column '{column}'; there are: {', '.join(history)}"
+                    )
                 axis.plot(history["time"], history[column], label=name)
             axis.set(xlabel=label("time", units["time"]), ylabel=field_label(column, units))
         axes[0][0].legend()

@@ -3,10 +3,11 @@
     sgmp-view convergence h_0.8.out h_0.4.out h_0.2.out --quantity energy.internal
     sgmp-view convergence study/*/ --quantity bodies.projectile.velocity_z --exact 312
 
-For runs that are there; `sgmp-view error` makes them and looks at step, place of the grid and method, too. Quantities: a dotted name of
-summary.json, or FILE.NAME.COLUMN for the last row of a body in bodies.csv (bodies.bar.z) or of a gauge in gauges.csv (gauges.foot.pressure), or
-history.COLUMN, or extent.BODY.x_max. The cell is h of summary.json. With three sizes and more the order p solves q(h) = q0 + C h^p for the three
-finest (Richardson; any ratios), where they converge; the finest value is printed with its grid convergence index (Roache 1994).
+For runs that are there; `sgmp-view error` makes them and looks at step, place of the grid and method, too. Quantities:
+a dotted name of summary.json, or FILE.NAME.COLUMN for the last row of a body in bodies.csv (bodies.bar.z) or of a gauge
+in gauges.csv (gauges.foot.pressure), or history.COLUMN, or extent.BODY.x_max. The cell is h of summary.json. With three
+sizes and more the order p solves q(h) = q0 + C h^p for the three finest (Richardson; any ratios), where they converge;
+the finest value is printed with its grid convergence index (Roache 1994).
 """
 
 import math
@@ -23,18 +24,28 @@ from .quantities import quantity_of
 
 def arguments(parser):
     """Arguments of the command."""
-    parser.add_argument("folders", nargs="+", type=Path, metavar="OUT_DIR", help="output folders of runs that differ in the cell")
+    parser.add_argument(
+        "folders", nargs="+", type=Path, metavar="OUT_DIR", help="output folders of runs that differ in the cell"
+    )
     parser.add_argument("--quantity", default="energy.internal", help="what to look at (default: energy.internal)")
     parser.add_argument("--exact", type=float, help="the exact value: errors and their order are shown")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="picture; default: convergence.png in the first folder")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="picture; default: convergence.png in the first folder"
+    )
 
 
 def run(options):
     """Prints the series and its order, draws the figure and prints its name."""
-    series = sorted((float(read_summary(folder_of(folder))["h"]), quantity_of(folder, options.quantity)) for folder in options.folders)
+    series = sorted(
+        (float(read_summary(folder_of(folder))["h"]), quantity_of(folder, options.quantity))
+        for folder in options.folders
+    )
     sizes, values = zip(*series)
     if len(set(sizes)) < len(sizes) or len(sizes) < 2:
-        raise SgmpFileError(f"{options.folders[0]}: convergence needs runs with different h; these have {', '.join(f'{h:g}' for h in sizes)}")
+        raise SgmpFileError(
+            f"{options.folders[0]}: convergence needs runs with different h; these have "
+            f"{', '.join(f'{h:g}' for h in sizes)}"
+        )
     found = convergence_of(series, sizes[0])
     limit = None if found.limit is None else (found.order, found.limit)
     print(f"{'h':>12} {options.quantity:>24}" + (f" {'error':>12} {'order':>6}" if options.exact is not None else ""))
@@ -43,9 +54,13 @@ def run(options):
         if options.exact is not None:
             line += f" {value - options.exact:12.3e}"
             if k + 1 < len(series) and value != options.exact and values[k + 1] != options.exact:
-                line += f" {math.log(abs((values[k + 1] - options.exact) / (value - options.exact))) / math.log(sizes[k + 1] / h):6.2f}"
+                ratio = abs((values[k + 1] - options.exact) / (value - options.exact))
+                line += f" {math.log(ratio) / math.log(sizes[k + 1] / h):6.2f}"
         print(line)
-    print(f"{found.words}; {options.quantity} = {' ± '.join(rounded(values[0], found.half_width))} at h = {sizes[0]:g} (grid convergence index)")
+    print(
+        f"{found.words}; {options.quantity} = {' ± '.join(rounded(values[0], found.half_width))} at h = "
+        f"{sizes[0]:g} (grid convergence index)"
+    )
     draw(sizes, values, limit, options)
 
 

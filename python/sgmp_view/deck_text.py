@@ -1,6 +1,7 @@
 """The text of a deck as cards that can be changed: a copy with other cells, another step, another place of the grid.
 
-A copy is a deck of its own: values of --set stand in it, files are named by whole paths, included files that define no units are in it.
+A copy is a deck of its own: values of --set stand in it, files are named by whole paths, included files that define no
+units are in it.
 """
 
 import math
@@ -11,7 +12,12 @@ from .files import SgmpFileError, existing
 
 TOKEN = re.compile(r'(?:"[^"]*"|[^\s"!#])+')
 NAME = re.compile(r"[A-Za-z_]\w*")
-FUNCTIONS = {name: getattr(math, name) for name in ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "log10", "sqrt")}
+FUNCTIONS = {
+    name: getattr(math, name)
+    for name in (
+        "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "log10", "sqrt",
+    )
+}
 FUNCTIONS.update(pi=math.pi, abs=abs, min=min, max=max)
 MOST = 110                                              # letters of a line of a copy
 
@@ -89,7 +95,9 @@ class Deck:
         for setting in settings:
             name, _, value = setting.partition("=")
             if name not in self.parameters:
-                raise ValueError(f"--set {setting}: the deck has no parameter '{name}'; there are: {', '.join(self.parameters)}")
+                raise ValueError(
+                    f"--set {setting}: the deck has no parameter '{name}'; there are: {', '.join(self.parameters)}"
+                )
             self.parameters[name] = value
 
     def read(self, path):
@@ -120,7 +128,12 @@ class Deck:
 
     def text(self):
         """The deck."""
-        lines = [f"parameter {card.words[0]} = {self.parameters[card.words[0]]}" if card.keyword == "parameter" else card.text() for card in self.cards]
+        lines = [
+            f"parameter {card.words[0]} = {self.parameters[card.words[0]]}"
+            if card.keyword == "parameter"
+            else card.text()
+            for card in self.cards
+        ]
         return "\n".join(lines) + "\n"
 
     # ------------------------------------------------------------ values
@@ -134,7 +147,8 @@ class Deck:
         return evaluate(self.word(text), self.parameters, 0)
 
     def root(self, text, fixed=()):
-        """The parameter to change in order to change a value: the last of those that only pass it on. None: change the value itself."""
+        """The parameter to change in order to change a value: the last of those that only pass it on. None: change the
+        value itself."""
         name = bare(text).lstrip("$")
         if name not in self.parameters or name in fixed:
             return None
@@ -162,7 +176,9 @@ def evaluate(text, parameters, depth):
         if values.get(name) is None:
             return None
     try:  # only numbers, operators, the names above
-        return float(eval(re.sub(r"(?<=[\d.])[dD](?=[+-]?\d)", "e", text).replace("^", "**"), {"__builtins__": {}}, values))  # noqa: S307
+        return float(
+            eval(re.sub(r"(?<=[\d.])[dD](?=[+-]?\d)", "e", text).replace("^", "**"), {"__builtins__": {}}, values)
+        )  # noqa: S307
     except (ArithmeticError, SyntaxError, TypeError, ValueError):
         return None
 

@@ -1,6 +1,8 @@
-"""Copies of a deck that should give the same result: other cells, another step, place of the grid, method, number of particles.
+"""Copies of a deck that should give the same result: other cells, another step, place of the grid, method, number of
+particles.
 
-Each procedure changes a deck in place and says in words what it has done, or None where the scene leaves no room for it.
+Each procedure changes a deck in place and says in words what it has done, or None where the scene leaves no room for
+it.
 """
 
 import math
@@ -34,8 +36,18 @@ def axes_of(deck):
 
 def extents_of(deck):
     """The extents of the grid and where walls stand."""
-    walls = {word.split("=")[0].lower() for card in deck.all("wall") for word in card.words if not word.lower().endswith("=free")}
-    walls |= {bare(card.words[0]).lower() for keyword in ("wallfriction", "wallmotion") for card in deck.all(keyword) if card.words}
+    walls = {
+        word.split("=")[0].lower()
+        for card in deck.all("wall")
+        for word in card.words
+        if not word.lower().endswith("=free")
+    }
+    walls |= {
+        bare(card.words[0]).lower()
+        for keyword in ("wallfriction", "wallmotion")
+        for card in deck.all(keyword)
+        if card.words
+    }
     grid = deck.one("grid")
     for axis in axes_of(deck):
         lower, _, upper = deck.word(grid.get(axis) or "open:open").partition(":")
@@ -53,7 +65,11 @@ def cell_of(deck):
 
 def between_walls(deck):
     """Lengths of the axes with walls at both ends, where cells must fit."""
-    return [extent.upper - extent.lower for extent in extents_of(deck) if None not in (extent.lower, extent.upper) and all(extent.walls)]
+    return [
+        extent.upper - extent.lower
+        for extent in extents_of(deck)
+        if None not in (extent.lower, extent.upper) and all(extent.walls)
+    ]
 
 
 def whole(length, cell):
@@ -65,11 +81,14 @@ def fits(deck, low, high):
     """Sides of cells between two that fit between all walls, the largest first."""
     lengths = between_walls(deck)
     counts = range(max(1, math.ceil(min(lengths) / high - 1e-9)), math.floor(min(lengths) / low + 1e-9) + 1)
-    return [cell for cell in (min(lengths) / count for count in counts) if all(whole(length, cell) for length in lengths)]
+    return [
+        cell for cell in (min(lengths) / count for count in counts) if all(whole(length, cell) for length in lengths)
+    ]
 
 
 def with_own_cell(deck):
-    """The cell that fits between the walls and is nearest to the deck's, which does not; None where it does or none is near."""
+    """The cell that fits between the walls and is nearest to the deck's, which does not; None where it does or none is
+    near."""
     cell, lengths = cell_of(deck), between_walls(deck)
     if cell <= 0 or all(whole(length, cell) for length in lengths):
         return None
@@ -88,11 +107,17 @@ def walled(deck):
 
 
 def fitting(deck, target, close=False):
-    """Factors of the cell size near a target with which walls stay on the grid, the nearest first; close: only the nearest."""
+    """Factors of the cell size near a target with which walls stay on the grid, the nearest first; close: only the
+    nearest."""
     if not between_walls(deck):
-        return [target * factor for factor in (1, 20 / 21, 21 / 20, 14 / 15, 15 / 14, 0.98, 1.02, 1.036, 0.9, 1.1)[:1 if close else 10]]
+        return [
+            target * factor
+            for factor in (1, 20 / 21, 21 / 20, 14 / 15, 15 / 14, 0.98, 1.02, 1.036, 0.9, 1.1)[: 1 if close else 10]
+        ]
     cell = cell_of(deck)
-    factors = [each / cell for each in fits(deck, 0.8 * target * cell, 1.25 * target * cell) if abs(each / cell - 1) > 1e-9]
+    factors = [
+        each / cell for each in fits(deck, 0.8 * target * cell, 1.25 * target * cell) if abs(each / cell - 1) > 1e-9
+    ]
     return sorted(factors, key=lambda factor: abs(math.log(factor / target)))[:1 if close else 8]
 
 
@@ -112,10 +137,18 @@ def with_cells(deck, factor):
 
 
 def with_other_lines(deck, factor):
-    """Lines of the grid that lie differently in the bodies where walls hold it: slightly other cells, the same particles."""
+    """Lines of the grid that lie differently in the bodies where walls hold it: slightly other cells, the same
+    particles."""
     cell, extents = cell_of(deck), list(extents_of(deck))
-    bodies = [card for card in deck.all("body") if bare(card.words[1]).lower() != "file" and (card.get("layout") or "uniform") == "uniform"]
-    particles = [deck.number(card.get("spacing")) if card.get("spacing") else cell / deck.number(card.get("ppc") or "2") for card in bodies]
+    bodies = [
+        card
+        for card in deck.all("body")
+        if bare(card.words[1]).lower() != "file" and (card.get("layout") or "uniform") == "uniform"
+    ]
+    particles = [
+        deck.number(card.get("spacing")) if card.get("spacing") else cell / deck.number(card.get("ppc") or "2")
+        for card in bodies
+    ]
     deck.scale(deck.one("grid"), "cell", factor)
     for card, spacing in zip(bodies, particles):
         card.drop("ppc")
@@ -125,12 +158,16 @@ def with_other_lines(deck, factor):
 
 
 def keep_extents(deck, extents):
-    """Leaves the ends of the grid where the deck has them, which may have said it by the cell; the program moves those without a wall to the grid."""
+    """Leaves the ends of the grid where the deck has them, which may have said it by the cell; the program moves those
+    without a wall to the grid."""
     grid = deck.one("grid")
     for extent in extents:
         if grid.get(extent.axis):
             lower, _, upper = grid.get(extent.axis).partition(":")
-            ends = [text or "open" if value is None else repr(value) for text, value in ((lower, extent.lower), (upper, extent.upper))]
+            ends = [
+                text or "open" if value is None else repr(value)
+                for text, value in ((lower, extent.lower), (upper, extent.upper))
+            ]
             grid.set(extent.axis, ":".join(ends))
 
 
@@ -184,7 +221,8 @@ def with_shift(deck, lowest, sign):
 
 
 def with_other_method(deck, allowed, courant, tried=()):
-    """The next best method that `allowed` accepts for the scene, other than those tried, at a step that any method bears."""
+    """The next best method that `allowed` accepts for the scene, other than those tried, at a step that any method
+    bears."""
     card = deck.one("method")
     own = bare(deck.word(card.words[0])).lower() if card.words and "=" not in card.words[0] else "sgmp"
     keys = [word for word in card.words if "=" in word]
@@ -208,15 +246,26 @@ def slower(deck, courant):
 
 def with_more_particles(deck):
     """One more particle per cell and axis."""
-    cell, done, bodies = cell_of(deck), set(), [card for card in deck.all("body") if bare(card.words[1]).lower() != "file"]
+    cell, done, bodies = (
+        cell_of(deck), set(), [card for card in deck.all("body") if bare(card.words[1]).lower() != "file"],
+    )
     fixed = {deck.root(deck.one("grid").get("cell"))}
-    counts = [max(1, round(cell / deck.number(card.get("spacing")))) if card.get("spacing") else int(deck.number(card.get("ppc") or "2")) for card in bodies]
+    counts = [
+        max(1, round(cell / deck.number(card.get("spacing"))))
+        if card.get("spacing")
+        else int(deck.number(card.get("ppc") or "2"))
+        for card in bodies
+    ]
     for card, count in zip(bodies, counts):
         if card.get("spacing"):
             deck.scale(card, "spacing", count / (count + 1), fixed, done)
         else:
             card.set("ppc", count + 1)
-    return f"{' or '.join(str(count + 1) for count in sorted(set(counts)))} particles per cell and axis" if bodies else None
+    return (
+        f"{' or '.join(str(count + 1) for count in sorted(set(counts)))} particles per cell and axis"
+        if bodies
+        else None
+    )
 
 
 def with_final_state(deck):

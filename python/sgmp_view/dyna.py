@@ -1,7 +1,8 @@
-"""Nodes, solid elements and SPH nodes of a keyword deck of LS-DYNA, strictly: what is not understood is an error with its line.
+"""Nodes, solid elements and SPH nodes of a keyword deck of LS-DYNA, strictly: what is not understood is an error with
+its line.
 
-Of the readers on PyPI, lsdyna-mesh-reader has no SPH and does not come back from a deck with commas, ansys-dyna-core wants pandas, DPF and docker,
-lasso-python and meshio do not read keyword decks.
+Of the readers on PyPI, lsdyna-mesh-reader has no SPH and does not come back from a deck with commas, ansys-dyna-core
+wants pandas, DPF and docker, lasso-python and meshio do not read keyword decks.
 """
 
 import re
@@ -49,7 +50,10 @@ class Mesh:
             else:
                 where, volume = hexahedron(np.array([self.node(n, line) for n in nodes]), split)
             if not np.all(volume > 0):
-                raise SgmpFileError(f"{self.path}:{line}: element {element} is inside out or flat (volume {volume.sum():.4g}): its nodes in LS-DYNA's order?")
+                raise SgmpFileError(
+                    f"{self.path}:{line}: element {element} is inside out or flat (volume {volume.sum():.4g}): its "
+                    f"nodes in LS-DYNA's order?"
+                )
             places.append(where)
             volumes.append(volume)
         for node, (its_part, mass, line) in self.spheres.items():
@@ -75,7 +79,8 @@ def tetrahedron(corners):
 
 
 def hexahedron(corners, split=1):
-    """Centroids (n, 3) and volumes (n) of the split**3 parts of a trilinear hexahedron, by two Gauss points along each axis of a part: exact."""
+    """Centroids (n, 3) and volumes (n) of the split**3 parts of a trilinear hexahedron, by two Gauss points along each
+    axis of a part: exact."""
     gauss = np.array([-1, 1]) / np.sqrt(3)
     at = ((2 * np.arange(split) + 1)[:, None] + gauss) / split - 1            # (part, point)
     cells = np.stack(np.meshgrid(*[np.arange(split)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -128,7 +133,10 @@ class Reader:
         if line.rstrip()[-1] in "+-%" or "LONG=" in line.upper().replace(" ", ""):
             self.fail("the long format is not read: write the deck in the standard format")
         if self.keyword.startswith(REFUSED):
-            self.fail(f"*{self.keyword} is not read: have the pre-processor write plain *NODE, *ELEMENT_SOLID and *ELEMENT_SPH into one file")
+            self.fail(
+                f"*{self.keyword} is not read: have the pre-processor write plain *NODE, *ELEMENT_SOLID and "
+                f"*ELEMENT_SPH into one file"
+            )
         self.rows = 0
         name = f"*{self.keyword}"
         if self.keyword not in READ and name not in self.mesh.ignored:
@@ -171,7 +179,10 @@ class Reader:
             words = self.fields(line, SPH_FIELDS) + ["", ""]
             if self.real(words[2]) == 0:
                 self.fail(f"SPH node {words[0]} has neither mass nor volume")
-            self.once(self.mesh.spheres, self.whole(words[0]), (self.whole(words[1]), self.real(words[2]), self.number), "SPH node")
+            self.once(
+                self.mesh.spheres, self.whole(words[0]), (self.whole(words[1]), self.real(words[2]), self.number),
+                "SPH node",
+            )
         elif self.keyword == "ELEMENT_SOLID":
             self.solid([self.whole(word) for word in self.fields(line, ELEMENT_FIELDS)])
         elif self.keyword == "PART":
@@ -196,7 +207,9 @@ class Reader:
         if len(nodes) not in SIZE.values():
             self.fail(f"element {element} has {len(nodes)} nodes: a solid has 8, or 4")
         if len(set(nodes)) not in (4, 5, 6, 8):
-            self.fail(f"element {element} has {len(set(nodes))} different nodes: no tetrahedron, pyramid, wedge or hexahedron")
+            self.fail(
+                f"element {element} has {len(set(nodes))} different nodes: no tetrahedron, pyramid, wedge or hexahedron"
+            )
         self.once(self.mesh.solids, element, (part, nodes, self.number), "element")
 
     def once(self, table, number, entry, what):

@@ -37,9 +37,15 @@ def draw_energies(options, output):
         raise SgmpFileError("--energies takes one run")
     folder = folder_of(options.folders[0])
     (time, series), units = energies(folder), read_units(folder)
-    print(f"{'':<24}{'kinetic: start':>16}{'largest':>14}{'end':>14}{'internal: start':>18}{'largest':>14}{'end':>14} {units['energy']}".rstrip())
+    print(
+        f"{'':<24}{'kinetic: start':>16}{'largest':>14}{'end':>14}{'internal: start':>18}{'largest':>14}{'end':>14} "
+        f"{units['energy']}".rstrip()
+    )
     for name, (kinetic, internal) in series.items():
-        print(f"{name:<24}{kinetic[0]:16.6g}{kinetic.max():14.6g}{kinetic[-1]:14.6g}{internal[0]:18.6g}{internal.max():14.6g}{internal[-1]:14.6g}")
+        print(
+            f"{name:<24}{kinetic[0]:16.6g}{kinetic.max():14.6g}{kinetic[-1]:14.6g}"
+            f"{internal[0]:18.6g}{internal.max():14.6g}{internal[-1]:14.6g}"
+        )
     if options.csv:
         columns = [time] + [values for both in series.values() for values in both]
         names = ["time"] + [f"{name} {kind}" for name in series for kind in ("kinetic", "internal")]
@@ -48,10 +54,15 @@ def draw_energies(options, output):
     with plt.rc_context(plot_style()):
         figure, axes = plt.subplots(1, 2, figsize=(11, 4), layout="constrained", sharey=True)
         for axis, kind in zip(axes, ("body", "material")):
-            for number, (name, (kinetic, internal)) in enumerate(item for item in series.items() if item[0].startswith(kind)):
+            for number, (name, (kinetic, internal)) in enumerate(
+                item for item in series.items() if item[0].startswith(kind)
+            ):
                 axis.plot(time, kinetic, color=f"C{number % 7}", label=name.partition(" ")[2])
                 axis.plot(time, internal, "--", color=f"C{number % 7}")
-            axis.set(xlabel=label("time", units["time"]), title={"body": "Bodies", "material": "Materials"}[kind] + ": kinetic, - - internal")
+            axis.set(
+                xlabel=label("time", units["time"]),
+                title={"body": "Bodies", "material": "Materials"}[kind] + ": kinetic, - - internal",
+            )
             axis.legend(fontsize=8)
         axes[0].set_ylabel(label("energy", units["energy"]))
         figure.savefig(output)

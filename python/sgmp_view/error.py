@@ -1,15 +1,20 @@
-"""How wrong a number of a deck is: the deck is run with other cells, another step, place of the grid, method and number of particles.
+"""How wrong a number of a deck is: the deck is run with other cells, another step, place of the grid, method and number
+of particles.
 
     sgmp-view error impact.inp --quantity bodies.core.velocity_z --tolerance 5% --budget 10m
-    sgmp-view error impact.inp --list                        # the quantities, with units and their values after one step
+    sgmp-view error impact.inp --list                        # the quantities, with units and their values after one
+    step
 
-Prints the number with its error and the parts of it, and which cell reaches the tolerance for the least CPU time; draws error.png. Costs are
-told before, and the budget of wall time is kept: coarse cells come first, finer ones last; a part whose run does not fit is looked at with coarser
-cells, where its change is larger, if anything. The same call with a larger budget goes on. Results: DECK.error/error.json, `error_estimate` in summary.json of the deck's own run (DECK.error/deck), and of
-DECK.out if that is the same run; `sgmp-view report` shows it. Any deck runs: no parameter is needed.
+Prints the number with its error and the parts of it, and which cell reaches the tolerance for the least CPU time; draws
+error.png. Costs are told before, and the budget of wall time is kept: coarse cells come first, finer ones last; a part
+whose run does not fit is looked at with coarser cells, where its change is larger, if anything. The same call with a
+larger budget goes on. Results: DECK.error/error.json, `error_estimate` in summary.json of the deck's own run
+(DECK.error/deck), and of DECK.out if that is the same run; `sgmp-view report` shows it. Any deck runs: no parameter is
+needed.
 
-Cells: grid convergence index (Roache 1994), 1.25 |f - f0| where three sizes and more show an order, else 3 times the spread over the ratio of
-the sizes less 1. Step: 3 times the change with half of it. Others: the largest change. The parts are added as squares.
+Cells: grid convergence index (Roache 1994), 1.25 |f - f0| where three sizes and more show an order, else 3 times the
+spread over the ratio of the sizes less 1. Step: 3 times the change with half of it. Others: the largest change. The
+parts are added as squares.
 """
 
 import difflib
@@ -30,26 +35,40 @@ from .turning import hindrance, with_turn
 from .study_runs import Member, Runner, clock
 
 CELLS = (2.0, 1.4)                                      # sides of cells over the deck's
-FINER = (1 / 1.4, 0.5, 1 / 2.8, 0.25)                   # as far as the budget allows, the last two until the tolerance is reached
-MASS_FAULT = 0.002                                      # by which bodies of a copy may miss their mass more than the deck's
+# as far as the budget allows, the last two until the tolerance is reached
+FINER = (1 / 1.4, 0.5, 1 / 2.8, 0.25)
+# by which bodies of a copy may miss their mass more than the deck's
+MASS_FAULT = 0.002
 AWAY = 0.05                                             # fault of a cell that is e times the one that was wanted
-NEARBY = 1.03                                           # a cell that lies differently in the bodies, where walls hold the grid
+# a cell that lies differently in the bodies, where walls hold the grid
+NEARBY = 1.03
 SECONDS = {"s": 1, "m": 60, "min": 60, "h": 3600}
 
 
 def arguments(parser):
     """Arguments of the command."""
     parser.add_argument("deck", type=Path)
-    parser.add_argument("--quantity", action="append", default=[], metavar="NAME", help="what is asked for, as --list names it; may be repeated")
-    parser.add_argument("--tolerance", default="5%", help="error that can be borne: of the value (5%%, the default), or in its unit (0.2)")
+    parser.add_argument(
+        "--quantity", action="append", default=[], metavar="NAME",
+        help="what is asked for, as --list names it; may be repeated",
+    )
+    parser.add_argument(
+        "--tolerance", default="5%",
+        help="error that can be borne: of the value (5%%, the default), or in its unit (0.2)",
+    )
     parser.add_argument("--budget", default="10m", help="wall time for all runs: 90s, 10m (default), 2h")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="a parameter of the deck")
     parser.add_argument("--threads", type=int, metavar="N", help="threads of each run (default: all)")
     parser.add_argument("--sgmp", help="the program (default: $SGMP, the path, build/release/sgmp)")
-    parser.add_argument("--against", type=Path, metavar="OUT_DIR", help="the run that shapes are compared with (default: the deck's own)")
+    parser.add_argument(
+        "--against", type=Path, metavar="OUT_DIR",
+        help="the run that shapes are compared with (default: the deck's own)",
+    )
     parser.add_argument("--list", action="store_true", help="list the quantities, run one step only")
     parser.add_argument("--check", action="store_true", help="tell what it will cost, run one step only")
-    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="folder of the study (default: the deck's name and .error)")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="folder of the study (default: the deck's name and .error)"
+    )
 
 
 def seconds_of(text):
@@ -87,7 +106,10 @@ class Study:
         asked = variations.cell_of(self.deck)
         fitted = variations.with_own_cell(self.deck)
         if fitted:
-            self.note(f"cell {asked:.4g} does not fit between the walls; the nearest that does is taken in its place: {fitted.split()[1]}")
+            self.note(
+                f"cell {asked:.4g} does not fit between the walls; the nearest that does is taken in its place: "
+                f"{fitted.split()[1]}"
+            )
         own = deepcopy(self.deck)
         variations.with_final_state(own)
         self.own = Member("deck", "deck", fitted or "as it is", own.text(), 1.0)
@@ -123,7 +145,8 @@ class Study:
         return Member(part, name, words, deck.text(), work, fault=self.changed_mass(checked))
 
     def changed_mass(self, checked):
-        """By how much a copy misses the masses of its shapes more than the deck; infinite where its shapes are others."""
+        """By how much a copy misses the masses of its shapes more than the deck; infinite where its shapes are
+        others."""
         same = all(math.isclose(a, b, rel_tol=5e-3) for a, b in zip(checked.masses, self.checked.masses))
         return checked.fault - self.checked.fault if same else math.inf
 
@@ -131,7 +154,9 @@ class Study:
         """The copy with cells near a multiple of the deck's whose particles fill the bodies best."""
         tried = {}
         for factor in variations.fitting(self.deck, target):
-            member = self.add("cells", f"cells_{factor:.4g}", factor ** -(self.dimension + 1), variations.with_cells, factor)
+            member = self.add(
+                "cells", f"cells_{factor:.4g}", factor ** -(self.dimension + 1), variations.with_cells, factor
+            )
             if member is not None and not any(member.name == other.name for other in self.members):
                 member.factor = factor
                 tried[member.fault + AWAY * abs(math.log(factor / target))] = member
@@ -157,7 +182,10 @@ class Study:
         courant = float(self.summary["cfl"])
         yield self.add("step", "step", 2.0, variations.with_half_step, courant)
         lowest = self.lowest()
-        places = [self.add("grid's place", f"place_{k}", 1.0, variations.with_shift, lowest, sign) for k, sign in enumerate((1, -1), 1)]
+        places = [
+            self.add("grid's place", f"place_{k}", 1.0, variations.with_shift, lowest, sign)
+            for k, sign in enumerate((1, -1), 1)
+        ]
         if not any(places):
             near = variations.fitting(self.base(), NEARBY, close=True)
             places = [self.add("grid's place", "place", 1.0, variations.with_other_lines, near[0])] if near else [None]
@@ -173,7 +201,10 @@ class Study:
 
     def method(self, work, courant, *tried):
         """The copy with another method than the deck's and those tried."""
-        member = self.add("method", "method", work, variations.with_other_method, lambda deck: self.runner.check(deck.text()).accepted, courant, tried)
+        member = self.add(
+            "method", "method", work, variations.with_other_method,
+            lambda deck: self.runner.check(deck.text()).accepted, courant, tried,
+        )
         if member is not None:
             member.name = name_of_method(member) + ("_coarse" if self.coarse else "")
         return member
@@ -197,10 +228,14 @@ class Study:
 
     def coarsest(self):
         """The run with the coarsest cells that has come to its end, None where there is none."""
-        return min((member for member in self.members if member.part == "cells" and member.code == 0), key=lambda member: member.work, default=None)
+        return min(
+            (member for member in self.members if member.part == "cells" and member.code == 0),
+            key=lambda member: member.work, default=None,
+        )
 
     def pairs(self):
-        """The copies with another step, place, method and number of particles; where not all fit, with each the same with the coarsest cells."""
+        """The copies with another step, place, method and number of particles; where not all fit, with each the same
+        with the coarsest cells."""
         full, beside = [member for member in self.others() if member], self.coarsest()
         if beside is None or beside.factor <= 1.0 or sum(map(self.runner.expected, full)) <= self.runner.left():
             return [(member, None) for member in full]
@@ -212,10 +247,15 @@ class Study:
         return [(member, coarse.get(f"{member.name}_coarse")) for member in full]
 
     def take_parts(self):
-        """Runs the copies of each part, with coarser cells where the budget does not bear the deck's, so that something is left for those to come."""
+        """Runs the copies of each part, with coarser cells where the budget does not bear the deck's, so that something
+        is left for those to come."""
         pairs, looked = self.pairs(), set()
         for number, (full, coarse) in enumerate(pairs):
-            to_come = {member.part: self.runner.expected(member) for _, member in reversed(pairs[number + 1:]) if member and member.part not in looked | {full.part}}
+            to_come = {
+                member.part: self.runner.expected(member)
+                for _, member in reversed(pairs[number + 1 :])
+                if member and member.part not in looked | {full.part}
+            }
             room = self.runner.is_done(full) or self.runner.fits(full, sum(to_come.values()))
             if room or coarse is None or not self.runner.fits(coarse):
                 self.take(full)
@@ -241,15 +281,23 @@ class Study:
     def tell(self, member):
         """A line about a run."""
         cpu = read_summary_if_any(self.runner.output(member)).get("cpu_seconds") if member.code == 0 else None
-        print(f"  {member.part:>12}  {member.words:<44} {f'{cpu:.3g} s CPU' if cpu is not None else '':>14}  {member.note}", flush=True)
+        print(
+            f"  {member.part:>12}  {member.words:<44} {f'{cpu:.3g} s CPU' if cpu is not None else '':>14}  "
+            f"{member.note}",
+            flush=True,
+        )
 
     def plan(self):
         """What is to come and what it costs, by the number of particle-steps and what runs of the kind take."""
         turned = 0 if hindrance(self.deck) else 1
         more = sum(f ** -(self.dimension + 1) for f in CELLS) + 2 + 2 + turned + 1.5 + 1.5**self.dimension
         own = self.runner.seconds_per_work * self.checked.work
-        print(f"{self.deck.path}: about {clock(own)} as it is, {clock(own * (1 + more))} with coarser cells, half the step, another place of the grid, "
-              f"method, more particles, then finer cells as far as the budget of {clock(self.runner.budget)} goes", flush=True)
+        print(
+            f"{self.deck.path}: about {clock(own)} as it is, {clock(own * (1 + more))} with coarser cells, half the "
+            f"step, another place of the grid, "
+            f"method, more particles, then finer cells as far as the budget of {clock(self.runner.budget)} goes",
+            flush=True,
+        )
 
     def is_enough(self, options):
         """Whether all quantities are within the tolerance."""
@@ -274,18 +322,21 @@ class Study:
     # ------------------------------------------------------------ what they say
 
     def values(self, quantity):
-        """By part, pairs of what was set and the value; for cells and the deck's own run what was set is the side of a cell. What was run with
-        coarser cells is taken by its change from the run with these cells."""
+        """By part, pairs of what was set and the value; for cells and the deck's own run what was set is the side of a
+        cell. What was run with coarser cells is taken by its change from the run with these cells."""
         own = self.value(self.own, quantity)
         values = {"deck": [(self.cell, own)]}
         for member in self.members:
             if member.code == 0:
                 setting = float(self.runner.summary(member)["h"]) if member.part == "cells" else member.words
-                values.setdefault(member.part, []).append((setting, self.value(member, quantity) + self.coarser(member, quantity, own)))
+                values.setdefault(member.part, []).append(
+                    (setting, self.value(member, quantity) + self.coarser(member, quantity, own))
+                )
         return values
 
     def coarser(self, member, quantity, own):
-        """By how much the deck's value is above that of the run with coarser cells beside which a copy was run; 0 where it was run beside the deck's own."""
+        """By how much the deck's value is above that of the run with coarser cells beside which a copy was run; 0 where
+        it was run beside the deck's own."""
         if not member.beside or quantity.startswith("shape.") and self.against is None:
             return 0.0
         return own - self.value(self.named(member.beside), quantity)
@@ -301,7 +352,8 @@ class Study:
                 if member.beside and not any(other.part == member.part and not other.beside for other in done)}
 
     def value(self, member, quantity):
-        """What a run gives. Of a shape that is compared with the deck's own: its distance, below zero where cells are finer, so that it is an error of one sign."""
+        """What a run gives. Of a shape that is compared with the deck's own: its distance, below zero where cells are
+        finer, so that it is an error of one sign."""
         folder = self.runner.output(member)
         if not quantity.startswith("shape."):
             return quantity_of(folder, quantity)
@@ -315,26 +367,39 @@ class Study:
         return (-1 if finer else 1) * quantity_of(folder, quantity, self.runner.output(self.own))
 
     def scale(self, quantity, value):
-        """What a tolerance in per cent is a share of: the value, for a shape beside the deck's own the largest reach of its body."""
+        """What a tolerance in per cent is a share of: the value, for a shape beside the deck's own the largest reach of
+        its body."""
         if not quantity.startswith("shape.") or self.against is not None:
             return value
         body, folder = quantity.split(".", 1)[1].rpartition(".")[0], self.runner.output(self.own)
         return max(quantity_of(folder, f"extent.{body}.{axis}_length") for axis in variations.axes_of(self.deck))
 
     def ended(self):
-        """The runs that have come to their end, with part and what was set, as `values` has them, and their summaries."""
+        """The runs that have come to their end, with part and what was set, as `values` has them, and their
+        summaries."""
         for member in [self.own, *self.members]:
             if member.code == 0:
                 summary = self.runner.summary(member)
-                yield member, (member.part, float(summary["h"]) if member.part in ("cells", "deck") else member.words), summary
+                yield (
+                    member, (member.part, float(summary["h"]) if member.part in ("cells", "deck") else member.words),
+                    summary,
+                )
 
     def rows(self, quantity, values, widths, found):
-        """What is kept of each run: its value, the error to be expected, that of the run beside it where it has coarser cells, its cost."""
+        """What is kept of each run: its value, the error to be expected, that of the run beside it where it has coarser
+        cells, its cost."""
         errors, ended = dict(errors_of_runs(values, widths, found)), list(self.ended())
         keys = {member.name: key for member, key, _ in ended}
         for member, key, summary in ended:
-            yield {"part": key[0], "setting": key[1], "value": self.value(member, quantity), "cell": float(summary["h"]), "coarser": bool(member.beside),
-                   "expected_error": errors[keys[member.beside] if member.beside else key], "cpu_seconds": float(summary["cpu_seconds"])}
+            yield {
+                "part": key[0],
+                "setting": key[1],
+                "value": self.value(member, quantity),
+                "cell": float(summary["h"]),
+                "coarser": bool(member.beside),
+                "expected_error": errors[keys[member.beside] if member.beside else key],
+                "cpu_seconds": float(summary["cpu_seconds"]),
+            }
 
     def estimate(self, quantity, tolerance):
         """The estimate of one quantity as summary.json has it."""
@@ -346,14 +411,31 @@ class Study:
         words = verdict_of(widths, borne, spoken(tolerance, unit), self.summary["verdict"] != "doubtful")
         runs, coarse = list(self.rows(quantity, values, widths, found)), self.coarse_parts()
         failed = [f"{member.words}: {member.note}" for member in self.members if member.code not in (0, -1)]
-        return {"quantity": quantity, "value": own, "unit": unit, "cell_unit": units["length"], "half_width": total_of(widths), "parts": widths, "cells": found.words,
-                "order": found.order, "limit": found.limit, "tolerance": borne, "verdict": words, "runs": runs, "failed": failed,
-                "line": line_of(short_name(quantity), own, unit, widths, words, coarse), "coarse_parts": coarse, "advice": self.advice(runs, widths, found, borne)}
+        return {
+            "quantity": quantity,
+            "value": own,
+            "unit": unit,
+            "cell_unit": units["length"],
+            "half_width": total_of(widths),
+            "parts": widths,
+            "cells": found.words,
+            "order": found.order,
+            "limit": found.limit,
+            "tolerance": borne,
+            "verdict": words,
+            "runs": runs,
+            "failed": failed,
+            "line": line_of(short_name(quantity), own, unit, widths, words, coarse),
+            "coarse_parts": coarse,
+            "advice": self.advice(runs, widths, found, borne),
+        }
 
     def advice(self, runs, widths, found, borne):
         """Which setting reaches the tolerance for the least CPU time."""
         choices = [run for run in runs if run["part"] != "grid's place" and not run["coarser"]]  # no setting of anybody
-        enough = min((run for run in choices if run["expected_error"] <= borne), key=lambda run: run["cpu_seconds"], default=None)
+        enough = min(
+            (run for run in choices if run["expected_error"] <= borne), key=lambda run: run["cpu_seconds"], default=None
+        )
         if math.isnan(widths["cells"]):
             return "no cells but the deck's were run: give a larger --budget"
         if enough:
@@ -364,7 +446,9 @@ class Study:
             cost = runs[0]["cpu_seconds"] * (self.cell / cell) ** (self.dimension + 1)
             return f"the tolerance should be reached by cell {cell:.2g}, by the order: about {clock(cost)} of CPU time"
         largest = max((width, part) for part, width in widths.items() if not math.isnan(width))[1]
-        return f"none of the runs reaches the tolerance; the largest part is: {largest}" + (f" ({found.words})" if largest == "cells" else "")
+        return f"none of the runs reaches the tolerance; the largest part is: {largest}" + (
+            f" ({found.words})" if largest == "cells" else ""
+        )
 
 
 # ---------------------------------------------------------------- results
@@ -387,7 +471,9 @@ def keep(study, estimates):
         if summary and summary.get("checksum") == study.summary["checksum"]:
             kept = {**summary.get("error_estimate", {}), **{estimate["quantity"]: estimate for estimate in estimates}}
             path = folder / "summary.json"
-            path.with_suffix(".part").write_text(json.dumps({**summary, "error_estimate": kept}, indent=2, ensure_ascii=False) + "\n")
+            path.with_suffix(".part").write_text(
+                json.dumps({**summary, "error_estimate": kept}, indent=2, ensure_ascii=False) + "\n"
+            )
             path.with_suffix(".part").replace(path)
 
 
@@ -400,11 +486,17 @@ def known(folder, quantity):
     """Sees that a run has a quantity; says which names are near."""
     names = list(listed(folder))
     bare = quantity.partition(":")[0]
-    if bare in names and not (":" in quantity and (quantity.partition(":")[2] not in OF_ROWS or bare.split(".")[0] not in (*KEYS, "history"))):
+    if bare in names and not (
+        ":" in quantity and (quantity.partition(":")[2] not in OF_ROWS or bare.split(".")[0] not in (*KEYS, "history"))
+    ):
         return
     near = difflib.get_close_matches(bare, names, 3, 0.5)
-    raise SgmpFileError(f"--quantity {quantity}: there is none; " + (f"near it: {', '.join(near)}; " if near else "") + "all by --list, with "
-                        f":{', :'.join(OF_ROWS)} behind those of bodies, gauges and history")
+    raise SgmpFileError(
+        f"--quantity {quantity}: there is none; "
+        + (f"near it: {', '.join(near)}; " if near else "")
+        + "all by --list, with "
+        f":{', :'.join(OF_ROWS)} behind those of bodies, gauges and history"
+    )
 
 
 def first_value(folder, name):

@@ -1,4 +1,5 @@
-"""The interval of a number from runs that should have given the same: cells, step, place of the grid, method, particles."""
+"""The interval of a number from runs that should have given the same: cells, step, place of the grid, method,
+particles."""
 
 import math
 
@@ -10,7 +11,8 @@ PARTS = ("cells", "step", "grid's place", "method", "particles")
 def half_widths(values):
     """Half-width of each part, nan where it is not known, and what the cells say.
 
-    values: by part, pairs (setting, value); 'cells' has sides of cells, the deck's own run among them as the pair 'deck'.
+    values: by part, pairs (setting, value); 'cells' has sides of cells, the deck's own run among them as the pair
+    'deck'.
     """
     cell, own = values["deck"][0]
     found = convergence_of([(cell, own), *values.get("cells", [])], cell)
@@ -35,12 +37,17 @@ def errors_of_runs(values, widths, found):
     for part, pairs in values.items():
         for setting, value in pairs:
             away = abs(value - finest)
-            cells = REGULAR * abs(value - found.limit) if found.limit is not None else max(away, widths["cells"] + away - abs(own - finest))
+            cells = (
+                REGULAR * abs(value - found.limit)
+                if found.limit is not None
+                else max(away, widths["cells"] + away - abs(own - finest))
+            )
             yield (part, setting), math.hypot(cells, rest)
 
 
 def needed_cell(cell, widths, found, tolerance):
-    """Cell with which the tolerance would be reached by the order that the runs show; None where they show none or other parts are larger."""
+    """Cell with which the tolerance would be reached by the order that the runs show; None where they show none or
+    other parts are larger."""
     rest = total_of({part: width for part, width in widths.items() if part != "cells"})
     if found.order is None or rest >= tolerance or widths["cells"] == 0:
         return None

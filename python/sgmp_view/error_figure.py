@@ -1,17 +1,26 @@
-"""The figure of an error estimate: values over the cell with the interval of the deck's run, and error against CPU time."""
+"""The figure of an error estimate: values over the cell with the interval of the deck's run, and error against CPU
+time."""
 
 import matplotlib.pyplot as plt
 
 from .files import label, plot_style
 from .quantities import short_name
 
-MARKS = {"deck": ("o", "the deck"), "cells": ("o", "other cells"), "step": ("v", "half the step"), "grid's place": ("s", "grid's place"),
-         "method": ("D", "method"), "particles": ("^", "more particles")}
+MARKS = {
+    "deck": ("o", "the deck"),
+    "cells": ("o", "other cells"),
+    "step": ("v", "half the step"),
+    "grid's place": ("s", "grid's place"),
+    "method": ("D", "method"),
+    "particles": ("^", "more particles"),
+}
 
 
 def figure_of(estimates):
     """A row for each quantity."""
-    figure, axes = plt.subplots(len(estimates), 2, figsize=(10.5, 4.2 * len(estimates)), layout="constrained", squeeze=False)
+    figure, axes = plt.subplots(
+        len(estimates), 2, figsize=(10.5, 4.2 * len(estimates)), layout="constrained", squeeze=False
+    )
     for (left, right), estimate in zip(axes, estimates):
         draw_values(left, estimate)
         draw_work(right, estimate)
@@ -38,15 +47,21 @@ def by_part(estimate):
 def draw_values(axis, estimate):
     """Values over the cell."""
     cell = next(run["cell"] for run in estimate["runs"] if run["part"] == "deck")
-    axis.axhspan(estimate["value"] - estimate["half_width"], estimate["value"] + estimate["half_width"], color="0.85", label="interval")
+    axis.axhspan(
+        estimate["value"] - estimate["half_width"], estimate["value"] + estimate["half_width"], color="0.85",
+        label="interval",
+    )
     axis.errorbar([cell], [estimate["value"]], yerr=[estimate["half_width"]], color="black", capsize=4, zorder=3)
     for number, (colour, mark, words, runs) in enumerate(by_part(estimate)):
-        sides = [run["cell"] * (1 if isinstance(run["setting"], (int, float)) else 1 + 0.03 * number) for run in runs]  # not upon each other
+        # not upon each other
+        sides = [run["cell"] * (1 if isinstance(run["setting"], (int, float)) else 1 + 0.03 * number) for run in runs]
         axis.plot(sides, [run["value"] for run in runs], mark, color=colour, label=words, zorder=4)
     if estimate["limit"] is not None:
         axis.axhline(estimate["limit"], color="0.5", linestyle="--", label=f"h = 0, {estimate['cells']}")
     axis.set_xlim(left=0)
-    axis.set(xlabel=label("cell", estimate["cell_unit"]), ylabel=label(short_name(estimate["quantity"]), estimate["unit"]))
+    axis.set(
+        xlabel=label("cell", estimate["cell_unit"]), ylabel=label(short_name(estimate["quantity"]), estimate["unit"])
+    )
     axis.legend(fontsize=8)
 
 

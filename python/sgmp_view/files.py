@@ -1,6 +1,8 @@
-"""Readers for what sgmp writes: history.csv, bodies.csv, particles_end.csv, .vtu, .pvd, VTKHDF, checkpoints, summary.json.
+"""Readers for what sgmp writes: history.csv, bodies.csv, particles_end.csv, .vtu, .pvd, VTKHDF, checkpoints,
+summary.json.
 
-Needs numpy only, and h5py for VTKHDF and checkpoints. Every reader raises SgmpFileError with the file's name when something is missing or malformed.
+Needs numpy only, and h5py for VTKHDF and checkpoints. Every reader raises SgmpFileError with the file's name when
+something is missing or malformed.
 
     from sgmp_view import read_history, read_vtu
     history = read_history("taylor_bar.out")         # dict: column -> array
@@ -142,7 +144,9 @@ def read_particles_csv(path: Path) -> Particles:
         group = suffixes.split()
         if group[0] in columns:  # shear stresses that vanish in one and two dimensions are not written
             particles.fields[base] = np.column_stack([columns.pop(name, np.zeros(len(points))) for name in group])
-            particles.components[base] = [name[len(base) + 1:] if base != "initial_position" else name[0] for name in group]
+            particles.components[base] = [
+                name[len(base) + 1 :] if base != "initial_position" else name[0] for name in group
+            ]
     for name, column in columns.items():
         particles.fields[name] = column.astype(int) if name in ("id", "body") else column
     return particles
@@ -241,7 +245,8 @@ def read_pvd(path: Path) -> List[Tuple[float, Path]]:
 
 
 def read_dump(source: Path, step: str = "last") -> Particles:
-    """Particles of a .vtu or .csv file or a checkpoint, or of dump `step` (number in the series, or 'last') of an output folder."""
+    """Particles of a .vtu or .csv file or a checkpoint, or of dump `step` (number in the series, or 'last') of an
+    output folder."""
     source = existing(source)
     if source.is_file():
         if source.suffix in (".h5", ".old"):
@@ -254,7 +259,9 @@ def read_dump(source: Path, step: str = "last") -> Particles:
         checkpoints = sorted(source.glob("checkpoint_*.h5"), key=lambda path: int(path.stem[11:]))
         if step == "last" and checkpoints:
             return read_checkpoint(checkpoints[-1])
-        raise SgmpFileError(f"{source}: no dumps (add `output vtu every=…`, `output vtkhdf every=…` or `output csv at=end`)")
+        raise SgmpFileError(
+            f"{source}: no dumps (add `output vtu every=…`, `output vtkhdf every=…` or `output csv at=end`)"
+        )
     try:
         return dumps[-1 if step == "last" else int(step)].read()
     except (ValueError, IndexError):
@@ -293,7 +300,9 @@ def open_hdf5(path: Path):
     try:
         import h5py
     except ImportError:
-        raise SgmpFileError(f"{path}: reading HDF5 needs h5py (pip install h5py), or `output vtu` in the deck") from None
+        raise SgmpFileError(
+            f"{path}: reading HDF5 needs h5py (pip install h5py), or `output vtu` in the deck"
+        ) from None
     try:
         return h5py.File(existing(path), "r")
     except OSError as problem:
@@ -315,7 +324,9 @@ def read_vtkhdf(path: Path, step: int) -> Particles:
             first = int(steps[f"PointDataOffsets/{name}"][step])
             particles.fields[name] = data[first:first + count]
             if data.ndim == 2:
-                particles.components[name] = ["x", "y", "z"] if data.shape[1] == 3 else ["xx", "yy", "zz", "xy", "yz", "xz"]
+                particles.components[name] = (
+                    ["x", "y", "z"] if data.shape[1] == 3 else ["xx", "yy", "zz", "xy", "yz", "xz"]
+                )
     return particles
 
 
@@ -325,12 +336,19 @@ def read_checkpoint(path: Path) -> Particles:
         if "contents" not in file:
             raise SgmpFileError(f"{path}: not a checkpoint of sgmp, or one of a version before format 8")
         contents = json.loads(file["contents"][()])
-        bodies = [read_checkpoint_body(file[f"body_{number}"], number, body, contents) for number, body in enumerate(contents["bodies"], 1)]
+        bodies = [
+            read_checkpoint_body(file[f"body_{number}"], number, body, contents)
+            for number, body in enumerate(contents["bodies"], 1)
+        ]
     names = dict.fromkeys(name for body in bodies for name in body)  # materials differ in what they carry
     together = {name: np.concatenate([body.get(name, np.zeros(len(body["id"]))) for body in bodies]) for name in names}
-    particles = Particles(path, together.pop("position"), time=contents["time"], body_names=[body["name"] for body in contents["bodies"]])
+    particles = Particles(
+        path, together.pop("position"), time=contents["time"], body_names=[body["name"] for body in contents["bodies"]]
+    )
     if "stress_xx" in together:
-        together["stress"] = np.column_stack([together.pop(f"stress_{c}", np.zeros(len(particles.points))) for c in STRESSES])
+        together["stress"] = np.column_stack(
+            [together.pop(f"stress_{c}", np.zeros(len(particles.points))) for c in STRESSES]
+        )
         together["pressure"] = -together["stress"][:, :3].mean(axis=1)
     together["density"] = together["mass"] / together["volume"]
     particles.fields = together
@@ -342,7 +360,8 @@ STRESSES = ["xx", "yy", "zz", "xy", "yz", "xz"]
 
 
 def read_checkpoint_body(group, number: int, body: dict, contents: dict) -> Dict[str, np.ndarray]:
-    """The columns of a body's particles by name, in the order of their ids (of halves of one that was split, of their paths)."""
+    """The columns of a body's particles by name, in the order of their ids (of halves of one that was split, of their
+    paths)."""
     values, ids, given = group["particles"][()], group["ids"][()].ravel(), group["given_ids"][()].ravel()
     axes = [axis - 1 for axis in contents["axes"]]
     names = body["columns"].split()[2:]                 # behind position and velocity, a column along each axis
@@ -399,7 +418,8 @@ def read_units(folder: Path) -> Dict[str, str]:
         return dict.fromkeys(("length", "mass", "time", "energy", "stress", "velocity", "momentum"), "")
     length, mass, time = base
     energy, stress, velocity, momentum = KNOWN_UNITS.get(
-        base, (f"{mass} {length}²/{time}²", f"{mass}/({length} {time}²)", f"{length}/{time}", f"{mass} {length}/{time}"))
+        base, (f"{mass} {length}²/{time}²", f"{mass}/({length} {time}²)", f"{length}/{time}", f"{mass} {length}/{time}")
+    )
     return dict(length=length, mass=mass, time=time, energy=energy, stress=stress, velocity=velocity, momentum=momentum)
 
 
@@ -412,10 +432,12 @@ def field_unit(name, units):
     """Unit of a field by its name."""
     if name in ("x", "y", "z", "displacement", "initial_position"):
         return units["length"]
-    for start, unit in (("stress", units["stress"]), ("pressure", units["stress"]), ("yield", units["stress"]),
-                        ("velocity", units["velocity"]), ("temperature", "K"), ("volume", units["length"] and units["length"] + "³"),
-                        ("density", units["mass"] and f"{units['mass']}/{units['length']}³"), ("mass", units["mass"]),
-                        ("energy", units["energy"])):
+    for start, unit in (
+        ("stress", units["stress"]), ("pressure", units["stress"]), ("yield", units["stress"]),
+        ("velocity", units["velocity"]), ("temperature", "K"), ("volume", units["length"] and units["length"] + "³"),
+        ("density", units["mass"] and f"{units['mass']}/{units['length']}³"), ("mass", units["mass"]),
+        ("energy", units["energy"]),
+    ):
         if name.startswith(start):
             return unit
     return ""
@@ -433,9 +455,20 @@ def plot_style() -> dict:
     """Settings that all figures share; colours that colour-blind readers can tell apart (Okabe and Ito)."""
     from matplotlib import cycler
     colours = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-    return {"axes.prop_cycle": cycler(color=colours), "font.size": 10, "axes.grid": True, "grid.alpha": 0.25, "axes.spines.top": False, "axes.spines.right": False,
-            "legend.frameon": False, "figure.dpi": 110, "savefig.dpi": 200, "lines.linewidth": 1.6,
-            "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True}
+    return {
+        "axes.prop_cycle": cycler(color=colours),
+        "font.size": 10,
+        "axes.grid": True,
+        "grid.alpha": 0.25,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "legend.frameon": False,
+        "figure.dpi": 110,
+        "savefig.dpi": 200,
+        "lines.linewidth": 1.6,
+        "axes.formatter.limits": (-3, 4),
+        "axes.formatter.use_mathtext": True,
+    }
 
 
 def existing(path: Path) -> Path:

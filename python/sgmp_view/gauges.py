@@ -93,7 +93,9 @@ def run(options):
                 results[text] = summary_of(rows["time"], rows[options.column])
         axis.set(xlabel=label("time", units["time"]), ylabel=field_label(options.column, units))
         if not results:
-            raise SgmpFileError(f"{options.folders[0]}: gauges.csv has no rows: the run took no step that one was due at")
+            raise SgmpFileError(
+                f"{options.folders[0]}: gauges.csv has no rows: the run took no step that one was due at"
+            )
         axis.legend()
         figure.savefig(output)
         plt.close(figure)

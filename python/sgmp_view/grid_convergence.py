@@ -1,11 +1,12 @@
 """What runs with different cells say of the error of one of them: grid convergence index with safety factors.
 
 Roache, Perspective: a method for uniform reporting of grid refinement studies, J. Fluids Eng. 116 (1994) 405-413:
-1.25 |f - f0| where three sizes show an order, f0 by Richardson's extrapolation; 3 |f2 - f1|/(r^p - 1) where they show none, here with p = 1.
-An order above that of the methods is no sign of small errors: it counts as 2, with the factor 3 (Oberkampf and Roy, Verification and Validation
-in Scientific Computing, Cambridge 2010, section 8.3.4; Eça and Hoekstra below do the same beyond 2.1).
-Four sizes and more are fitted by least squares (Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104-130): the last digits of fine runs need not
-follow the order that all of them show, and what they miss it by is added.
+1.25 |f - f0| where three sizes show an order, f0 by Richardson's extrapolation; 3 |f2 - f1|/(r^p - 1) where they show
+none, here with p = 1. An order above that of the methods is no sign of small errors: it counts as 2, with the factor 3
+(Oberkampf and Roy, Verification and Validation in Scientific Computing, Cambridge 2010, section 8.3.4; Eça and Hoekstra
+below do the same beyond 2.1). Four sizes and more are fitted by least squares (Eça and Hoekstra, J. Comput. Phys. 262
+(2014) 104-130): the last digits of fine runs need not follow the order that all of them show, and what they miss it by
+is added.
 """
 
 import math
@@ -14,7 +15,8 @@ from typing import Optional
 
 import numpy as np
 
-LEAST_ORDER, LARGEST_ORDER = 0.5, 2.0                  # claimed; what is steeper is counted as 2, the order of the methods,
+# claimed; what is steeper is counted as 2, the order of the methods,
+LEAST_ORDER, LARGEST_ORDER = 0.5, 2.0
 RELIABLE_ORDER = 2.1                                    # up to here the small safety factor is enough
 ABSURD_ORDER = 3.0                                      # and beyond this one is none: the finest are alike by chance
 REGULAR, IRREGULAR = 1.25, 3.0                         # safety factors
@@ -63,7 +65,8 @@ def monotonic(values):
 
 
 def fit(sizes, values, order):
-    """Limit, what is missed in the mean, and the fit at the sizes, of q0 + C h^p with a given order by least squares."""
+    """Limit, what is missed in the mean, and the fit at the sizes, of q0 + C h^p with a given order by least
+    squares."""
     matrix = np.column_stack([np.ones(len(sizes)), np.array(sizes) ** order])
     found, *_ = np.linalg.lstsq(matrix, np.array(values), rcond=None)
     misses = matrix @ found - values
@@ -71,7 +74,8 @@ def fit(sizes, values, order):
 
 
 def fitted(series, cell):
-    """Error of the run with this cell by a fit of all sizes, or all but some of the coarsest, four at least; None where they show no order."""
+    """Error of the run with this cell by a fit of all sizes, or all but some of the coarsest, four at least; None where
+    they show no order."""
     for count in range(len(series), 3, -1):
         sizes, values = zip(*series[:count])
         order = min(ORDERS, key=lambda trial: fit(sizes, values, trial)[1])

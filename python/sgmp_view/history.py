@@ -4,8 +4,9 @@
     sgmp-view history mpm.out sgmp.out -o comparison.png
     sgmp-view history cushion.out --cfc 180 --body head
 
-Reads history.csv of each output folder. Energies: kinetic, internal, total. Drift: what the energy balance leaves unexplained
-`energy_remainder` and the change of the total less external work and dissipation, relative to the largest energy.
+Reads history.csv of each output folder. Energies: kinetic, internal, total. Drift: what the energy balance leaves
+unexplained `energy_remainder` and the change of the total less external work and dissipation, relative to the largest
+energy.
 
 --acceleration draws the accelerations of bodies instead and prints their peaks, --cfc filters them first as SAE J211
 and ISO 6487 have it: channel frequency class 60, 180, 600, 1000 or another; it needs units and rows of bodies.csv
@@ -79,7 +80,9 @@ def figure(folders, axes=None):
         change, remainder = drift(history)
         prefix = f"{name}: " if len(histories) > 1 else ""
         axes[1].plot(history["time"], change, LINES[run % 4], color="#222222", label=prefix + "total less work")
-        axes[1].plot(history["time"], remainder, LINES[run % 4], color="#2ca02c", label=prefix + "round-off (energy_remainder)")
+        axes[1].plot(
+            history["time"], remainder, LINES[run % 4], color="#2ca02c", label=prefix + "round-off (energy_remainder)"
+        )
         for axis_name, colour in zip("xyz", ("#1f77b4", "#ff7f0e", "#9467bd")):
             momentum = history.get(f"momentum_{axis_name}")
             if momentum is not None and np.any(momentum != 0):
@@ -200,21 +203,44 @@ def arguments(parser):
         "--body", action="append", metavar="NAME", help="of this body, wall or section; may be repeated (default: all)"
     )
     parser.add_argument("--contact", action="store_true", help="forces of the pairs in contact, as accelerations are")
-    parser.add_argument("--walls", action="store_true", help="reactions of walls (`wall … reactions=yes`), as accelerations are")
-    parser.add_argument("--sections", action="store_true", help="forces through planes (card `section`), as accelerations are")
-    parser.add_argument("--energies", action="store_true", help="energies of bodies and materials over time, and a table")
+    parser.add_argument(
+        "--walls", action="store_true", help="reactions of walls (`wall … reactions=yes`), as accelerations are"
+    )
+    parser.add_argument(
+        "--sections", action="store_true", help="forces through planes (card `section`), as accelerations are"
+    )
+    parser.add_argument(
+        "--energies", action="store_true", help="energies of bodies and materials over time, and a table"
+    )
     parser.add_argument("--csv", type=Path, metavar="FILE", help="with --energies: write them, a column for each")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the peaks of accelerations")
 
 
 def run(options):
     """Draws the figure and prints its name."""
-    wants = options.acceleration or options.cfc is not None or options.body or options.json or options.contact or options.walls or options.sections
+    wants = (
+        options.acceleration
+        or options.cfc is not None
+        or options.body
+        or options.json
+        or options.contact
+        or options.walls
+        or options.sections
+    )
     if options.cfc is not None and not options.cfc > 0:
         raise ValueError(f"--cfc {options.cfc:g} is not positive")
     output = options.output or folder_of(options.folders[0]) / (
-        "energies.png" if options.energies else "walls.png" if options.walls else "sections.png" if options.sections else
-        "contact.png" if options.contact else "acceleration.png" if wants else "history.png"
+        "energies.png"
+        if options.energies
+        else "walls.png"
+        if options.walls
+        else "sections.png"
+        if options.sections
+        else "contact.png"
+        if options.contact
+        else "acceleration.png"
+        if wants
+        else "history.png"
     )
     if options.energies:
         draw_energies(options, output)

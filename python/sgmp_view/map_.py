@@ -1,14 +1,17 @@
-"""Begin a run where another one stands: the state of a checkpoint as particle files for `body NAME file file=…` of a deck.
+"""Begin a run where another one stands: the state of a checkpoint as particle files for `body NAME file file=…` of a
+deck.
 
     sgmp-view map charge.out/checkpoint_0000400.h5 --space 3 --sector 90 --merge 5
     sgmp-view map column.out/checkpoint_0000200.h5 --space 2 --axis y --across -20:20 --spacing 1
     sgmp-view map charge.out/checkpoint_0000400.h5 --bodies tnt,air --move 0,0,300
 
-An axisymmetric run becomes a body of revolution about z, or a sector of it (--sector 90: the quarter x > 0, y > 0); a run on a line is repeated across
-(--across, an interval for each new axis; about an axis the one along r), a plane run along z. Every particle becomes particles that share its mass and
-volume; with --merge those of a body in one cube of that side become one, which keeps mass, momentum and energy: what kinetic energy that takes becomes
-heat, or is printed as lost where the material keeps no energy. A file for each body, with velocity, density, stress and what the material keeps. Times of lighting are counted from the state on, so the new
-run begins at t = 0. Not mapped: bodies with a deformation gradient (rubbers), rigid bodies.
+An axisymmetric run becomes a body of revolution about z, or a sector of it (--sector 90: the quarter x > 0, y > 0); a
+run on a line is repeated across (--across, an interval for each new axis; about an axis the one along r), a plane run
+along z. Every particle becomes particles that share its mass and volume; with --merge those of a body in one cube of
+that side become one, which keeps mass, momentum and energy: what kinetic energy that takes becomes heat, or is printed
+as lost where the material keeps no energy. A file for each body, with velocity, density, stress and what the material
+keeps. Times of lighting are counted from the state on, so the new run begins at t = 0. Not mapped: bodies with a
+deformation gradient (rubbers), rigid bodies.
 """
 
 import json
@@ -23,7 +26,10 @@ SPACES = {"1": [0], "2": [0, 1], "axisymmetric": [0, 2], "3": [0, 1, 2]}
 NAMES = {"1": ["x"], "2": ["x", "y"], "axisymmetric": ["r", "z"], "3": ["x", "y", "z"]}
 STRESSES = ["xx", "yy", "zz", "xy", "yz", "xz"]
 # What a new run finds out for itself, and what means nothing in it.
-LEFT_OUT = ("id", "body", "mass", "volume", "velocity", "stress", "pressure", "density", "path", "surface", "spin", "swirl", "compliance", "initial", "stretch")
+LEFT_OUT = (
+    "id", "body", "mass", "volume", "velocity", "stress", "pressure", "density", "path", "surface", "spin", "swirl",
+    "compliance", "initial", "stretch",
+)
 
 
 def space_of(path):
@@ -44,8 +50,14 @@ def interval(text):
 
 def part_of(particles, chosen):
     """Some of the particles."""
-    return Particles(particles.path, particles.points[chosen], {name: values[chosen] for name, values in particles.fields.items()},
-                     particles.components, particles.time, particles.body_names)
+    return Particles(
+        particles.path,
+        particles.points[chosen],
+        {name: values[chosen] for name, values in particles.fields.items()},
+        particles.components,
+        particles.time,
+        particles.body_names,
+    )
 
 
 def repeated(particles, axis, low, high, spacing, rings):
@@ -83,7 +95,10 @@ def to_space(particles, source, options, spacing):
             particles = placed_along(particles, axis)
         new = [a for a in SPACES[target] if a != axis] if source == "1" else [2]
         if len(options.across) != len(new):
-            raise ValueError(f"--across needs {len(new)} intervals a:b, along {' and '.join('rxyz'[1 + a] if not rings else 'r' for a in new)}")
+            raise ValueError(
+                f"--across needs {len(new)} intervals a:b, along "
+                f"{' and '.join('rxyz'[1 + a] if not rings else 'r' for a in new)}"
+            )
         for a, (low, high) in zip(new, options.across):
             particles = repeated(particles, a, low, high, spacing, rings)
         return particles, target
@@ -91,7 +106,8 @@ def to_space(particles, source, options, spacing):
 
 
 def merged(particles, spacing, density):
-    """Particles of a body in one cube become one, at their centre of mass. What kinetic energy that takes heats it, where it keeps an energy; else it is lost."""
+    """Particles of a body in one cube become one, at their centre of mass. What kinetic energy that takes heats it,
+    where it keeps an energy; else it is lost."""
     cubes = np.floor(particles.points / spacing + 1e-9).astype(np.int64)
     keys = np.column_stack([particles.fields["body"], cubes])
     _, group = np.unique(keys, axis=0, return_inverse=True)
@@ -99,17 +115,23 @@ def merged(particles, spacing, density):
     mass, volume = particles.fields["mass"], particles.fields["volume"]
 
     def total(values):
-        return np.stack([np.bincount(group, column) for column in np.atleast_2d(values.T)], axis=-1).reshape((-1,) + values.shape[1:])
+        return np.stack([np.bincount(group, column) for column in np.atleast_2d(values.T)], axis=-1).reshape(
+            (-1,) + values.shape[1:]
+        )
 
     masses, volumes = total(mass), total(volume)
-    result = Particles(particles.path, total(particles.points * mass[:, None]) / masses[:, None], components=particles.components, time=particles.time,
-                       body_names=particles.body_names)
+    result = Particles(
+        particles.path, total(particles.points * mass[:, None]) / masses[:, None], components=particles.components,
+        time=particles.time, body_names=particles.body_names,
+    )
     for name, values in particles.fields.items():
         weight, whole = (volume, volumes) if name == "stress" else (mass, masses)
         shape = (-1,) + (1,) * (values.ndim - 1)
         result.fields[name] = total(values * weight.reshape(shape)) / whole.reshape(shape)
     result.fields["mass"], result.fields["volume"], result.fields["density"] = masses, volumes, masses / volumes
-    taken = total(0.5 * mass * (particles.fields["velocity"] ** 2).sum(axis=1)) - 0.5 * masses * (result.fields["velocity"] ** 2).sum(axis=1)
+    taken = total(0.5 * mass * (particles.fields["velocity"] ** 2).sum(axis=1)) - 0.5 * masses * (
+        result.fields["velocity"] ** 2
+    ).sum(axis=1)
     if "energy" in result.fields:                       # per initial volume
         result.fields["energy"] = result.fields["energy"] + taken * density / masses
     return result, float(taken.sum())
@@ -141,18 +163,38 @@ def columns_of(particles, space, kept):
 
 def arguments(parser):
     """Arguments of the command."""
-    parser.add_argument("source", type=Path, metavar="CHECKPOINT", help="checkpoint_NNNNNNN.h5 of a run (card checkpoint)")
+    parser.add_argument(
+        "source", type=Path, metavar="CHECKPOINT", help="checkpoint_NNNNNNN.h5 of a run (card checkpoint)"
+    )
     parser.add_argument("--space", choices=list(SPACES), help="dimension of the new scene (default: that of the run)")
-    parser.add_argument("--spacing", type=float, help="distance of the new particles along circles and across (default: that of the run's)")
-    parser.add_argument("--merge", type=float, metavar="SIDE", help="particles of a body in a cube of this side become one (default: none do)")
-    parser.add_argument("--sector", type=float, default=360.0, metavar="DEGREES", help="from axisymmetric to 3: the angle from the plane y = 0 on (default: 360)")
-    parser.add_argument("--axis", choices=list("xyz"), default="x", help="along which a run on a line lies in the new scene (default: x; about an axis always z)")
-    parser.add_argument("--across", type=lambda text: [interval(part) for part in text.split(",")], default=[], metavar="A:B[,C:D]",
-                        help="intervals that a run on a line or in the plane fills along the new axes")
-    parser.add_argument("--move", type=lambda text: np.array([float(word) for word in text.split(",")]), default=np.zeros(3), metavar="X,Y,Z",
-                        help="added to all places")
+    parser.add_argument(
+        "--spacing", type=float,
+        help="distance of the new particles along circles and across (default: that of the run's)",
+    )
+    parser.add_argument(
+        "--merge", type=float, metavar="SIDE",
+        help="particles of a body in a cube of this side become one (default: none do)",
+    )
+    parser.add_argument(
+        "--sector", type=float, default=360.0, metavar="DEGREES",
+        help="from axisymmetric to 3: the angle from the plane y = 0 on (default: 360)",
+    )
+    parser.add_argument(
+        "--axis", choices=list("xyz"), default="x",
+        help="along which a run on a line lies in the new scene (default: x; about an axis always z)",
+    )
+    parser.add_argument(
+        "--across", type=lambda text: [interval(part) for part in text.split(",")], default=[], metavar="A:B[,C:D]",
+        help="intervals that a run on a line or in the plane fills along the new axes",
+    )
+    parser.add_argument(
+        "--move", type=lambda text: np.array([float(word) for word in text.split(",")]), default=np.zeros(3),
+        metavar="X,Y,Z", help="added to all places",
+    )
     parser.add_argument("--bodies", help="names with commas between them (default: all)")
-    parser.add_argument("-o", "--output", type=Path, metavar="STEM", help="files STEM_BODY.txt (default: beside the checkpoint, map)")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="STEM", help="files STEM_BODY.txt (default: beside the checkpoint, map)"
+    )
 
 
 def chosen_bodies(options, particles, bodies):
@@ -162,7 +204,10 @@ def chosen_bodies(options, particles, bodies):
         if name not in particles.body_names:
             raise ValueError(f"--bodies: there is no body '{name}'; there are: {', '.join(particles.body_names)}")
         if "deformation" in bodies[name]["columns"]:
-            raise SgmpFileError(f"{options.source}: body '{name}' has a deformation gradient, which is not mapped; choose others by --bodies")
+            raise SgmpFileError(
+                f"{options.source}: body '{name}' has a deformation gradient, which is not mapped; choose others by "
+                f"--bodies"
+            )
     return wanted
 
 
@@ -199,6 +244,14 @@ def report(path, name, mapped, lost, spacing):
     """What a file holds, and the line for the deck."""
     mass = mapped.fields["mass"]
     momentum = (mass[:, None] * mapped.fields["velocity"]).sum(axis=0)
-    print(f"{path}: {len(mass)} particles at t = {mapped.time:.6g}, mass {mass.sum():.10g}, momentum ({', '.join(f'{p:.6g}' for p in momentum)}), "
-          f"kinetic energy {kinetic(mapped):.6g}" + (f" (merging took {lost:.3g}{', which is heat now' if 'energy' in mapped.fields else ''})" if lost > 0 else ""))
+    print(
+        f"{path}: {len(mass)} particles at t = {mapped.time:.6g}, mass {mass.sum():.10g}, momentum "
+        f"({', '.join(f'{p:.6g}' for p in momentum)}), "
+        f"kinetic energy {kinetic(mapped):.6g}"
+        + (
+            f" (merging took {lost:.3g}{', which is heat now' if 'energy' in mapped.fields else ''})"
+            if lost > 0
+            else ""
+        )
+    )
     print(f'  body {name} file material=… file="{path.name}" spacing={spacing:.6g}')

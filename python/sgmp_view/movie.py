@@ -21,7 +21,8 @@ from .picture import dimension_of, draw, drawing_arguments, field_of
 
 
 def common_limits(dumps, field):
-    """Ends of the colour scale that hold nearly all of the field in the second half of the dumps: a charge would leave its blast without colours."""
+    """Ends of the colour scale that hold nearly all of the field in the second half of the dumps: a charge would leave
+    its blast without colours."""
     return limits_of([field_of(dump.read(), field)[1] for dump in dumps[len(dumps) // 2:]])
 
 
@@ -44,8 +45,10 @@ def add_scale_bar(axis, unit):
     """A bar of a round length, on the right of the label below the picture."""
     length = round_length(np.ptp(axis.get_xlim()))
     below = axis.transAxes + ScaledTranslation(0, -21 / 72, axis.figure.dpi_scale_trans)
-    bar = AnchoredSizeBar(axis.transData, length, f"{length:g} {unit}".strip(), "upper right", pad=0, borderpad=0, sep=2, frameon=False,
-                          bbox_to_anchor=(1.0, 0.0), bbox_transform=below, size_vertical=np.ptp(axis.get_ylim()) / 200)
+    bar = AnchoredSizeBar(
+        axis.transData, length, f"{length:g} {unit}".strip(), "upper right", pad=0, borderpad=0, sep=2, frameon=False,
+        bbox_to_anchor=(1.0, 0.0), bbox_transform=below, size_vertical=np.ptp(axis.get_ylim()) / 200,
+    )
     bar.set_in_layout(False)
     axis.add_artist(bar)
 
@@ -77,8 +80,15 @@ def write_video(files, output, rate):
     if not shutil.which("ffmpeg"):
         raise SgmpFileError(f"{output}: only .gif without ffmpeg, which is not installed")
     pattern = files[0].parent / "frame_%04d.png"
-    done = subprocess.run(["ffmpeg", "-y", "-framerate", str(rate), "-i", str(pattern), "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:0:0:white",
-                           "-pix_fmt", "yuv420p", str(output)], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [
+            "ffmpeg", "-y", "-framerate", str(rate), "-i", str(pattern), "-vf",
+            "pad=ceil(iw/2)*2:ceil(ih/2)*2:0:0:white", "-pix_fmt", "yuv420p", str(output),
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     if done.returncode:
         raise SgmpFileError(f"{output}: ffmpeg: {done.stderr.strip().splitlines()[-1]}")
 
@@ -96,7 +106,9 @@ def run(options):
     """Writes the frames or the film and prints where."""
     dumps = dumps_of(options.source)
     if not dumps:
-        raise SgmpFileError(f"{options.source}: no dumps (add `output vtu every=…` or `output vtkhdf every=…` to the deck)")
+        raise SgmpFileError(
+            f"{options.source}: no dumps (add `output vtu every=…` or `output vtkhdf every=…` to the deck)"
+        )
     if options.frames:
         options.frames.mkdir(parents=True, exist_ok=True)
         draw_frames(dumps, options.frames, options)

@@ -5,10 +5,12 @@
     sgmp-view picture taylor_bar.out/particles_0000120.vtu -o picture.png
 
 Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, a particles CSV, or a checkpoint.
-3D: side view along --axis as a shaded surface, hidden particles hidden; --cut removes the half that faces the viewer and
-shows the section; of a half model (a slip wall in the plane of the picture) it shows the cut face. 2D: the plane. 1D: field
-over x. A dashed line is the undeformed outline, where it is known (first dump or initial positions). A field may be a component (stress_xx), a vector (its size) or a tensor (von Mises); without --field:
-plastic strain, else pressure, else speed.
+3D: side view along --axis as a shaded surface, hidden particles hidden; --cut removes the half that faces the viewer
+and shows the section; of a half model (a slip wall in the plane of the picture) it shows the cut face. 2D: the plane;
+with --revolve what a scene about an axis stands for in space, as a shaded surface, its front half taken away. 1D: field
+over x. A dashed line is the undeformed outline, where it is known (first dump or initial positions). A field may be a
+component (stress_xx), a vector (its size) or a tensor (von Mises); without --field: plastic strain, else pressure, else
+speed.
 """
 
 import argparse
@@ -19,16 +21,19 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize, TwoSlopeNorm
 
-from .files import (PLASTIC_STRAIN, SgmpFileError, field_label, first_dump, folder_of, label, lookup, plot_style, read_dump,
-                    read_summary_if_any, read_units, run_name)
+from .files import (
+    PLASTIC_STRAIN, SgmpFileError, field_label, first_dump, folder_of, label, lookup, plot_style, read_dump,
+    read_summary_if_any, read_units, run_name,
+)
 from .matter import planes_of
 
-VIEWS = {"x": (1, 2, 0, 1.0), "y": (0, 2, 1, -1.0), "z": (0, 1, 2, 1.0)}  # horizontal, vertical, depth, towards the viewer
+# horizontal, vertical, depth, towards the viewer
+VIEWS = {"x": (1, 2, 0, 1.0), "y": (0, 2, 1, -1.0), "z": (0, 1, 2, 1.0)}
 LIGHT = np.array([-0.45, 0.55, 0.70]) / np.linalg.norm([-0.45, 0.55, 0.70])
 SEQUENTIAL = ListedColormap(plt.get_cmap("viridis")(np.linspace(0.1, 1.0, 256)))  # its dark end would hide the shading
 # Grey in the middle: with white, as in RdBu, what is at rest could not be seen on the page.
 DIVERGING = LinearSegmentedColormap.from_list("blue_grey_red", ["#08306b", "#3a7fbd", "#c4c4c4", "#d65f4a", "#67000d"])
-LEAST_BALL = 0.0035  # radius of a particle that flies alone, over the longer side of the picture
+LEAST_BALL = 0.006  # radius of a particle that flies alone, over the longer side of the picture
 OUTLINE = dict(colors="0.35", linewidths=1.0, linestyles=[(0, (5, 3))])
 
 
@@ -159,8 +164,12 @@ def choose_norm(values, limits=None):
     return Normalize(low, high), SEQUENTIAL
 
 
-def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=None, limits=None, cmap=None, most=2200, whole_numbers=False):
-    """Draw a 2D or 3D cloud on `axis` in data units; returns a mappable for the colour bar. `whole_numbers`: names of things, which have no mean."""
+def draw_particles(
+    axis, points, values, spacing, view="y", cut=False, outline=None, limits=None, cmap=None, most=2200,
+    whole_numbers=False,
+):
+    """Draw a 2D or 3D cloud on `axis` in data units; returns a mappable for the colour bar. `whole_numbers`: names of
+    things, which have no mean."""
     flat = dimension_of(points) == 2
     across, up, along, sign = VIEWS[normal_of(points, view)]
     plane, depth = points[:, [across, up]], sign * points[:, along]
@@ -175,8 +184,12 @@ def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=N
         keep = depth <= (0.5 * (depth.min() + depth.max()) if cut is True else sign * cut)
     canvas = Canvas(lower, upper, spacing, 12 if len(points) < 200000 else 6, most)
     loose = loose_of(points[keep], spacing)
-    image, front = surface_of(canvas, plane[keep][~loose], depth[keep][~loose], values[keep][~loose], mappable, spacing, flat, whole_numbers)
-    draw_balls(canvas, plane[keep][loose], depth[keep][loose], values[keep][loose], mappable, spacing, flat, image, front)
+    image, front = surface_of(
+        canvas, plane[keep][~loose], depth[keep][~loose], values[keep][~loose], mappable, spacing, flat, whole_numbers
+    )
+    draw_balls(
+        canvas, plane[keep][loose], depth[keep][loose], values[keep][loose], mappable, spacing, flat, image, front
+    )
     axis.imshow(image, origin="lower", extent=canvas.extent, interpolation="bilinear", zorder=2)
     if outline is not None:
         first = clouds[1][np.unique(np.floor(clouds[1] / canvas.size).astype(np.int64), axis=0, return_index=True)[1]]
@@ -191,7 +204,8 @@ def draw_particles(axis, points, values, spacing, view="y", cut=False, outline=N
 
 
 def loose_of(points, spacing):
-    """Which particles fly with few others: at most 5 in a cube (3 in a square) of three spacings, wherever that lies."""
+    """Which particles fly with few others: at most 5 in a cube (3 in a square) of three spacings, wherever that
+    lies."""
     if len(points) == 0:
         return np.zeros(0, bool)
     wide = np.ptp(points, axis=0) > 0
@@ -206,7 +220,8 @@ def loose_of(points, spacing):
 
 
 def in_sight(plane, depth, spacing):
-    """Which particles may be seen: those less than three spacings behind the foremost ones in all columns around theirs."""
+    """Which particles may be seen: those less than three spacings behind the foremost ones in all columns around
+    theirs."""
     column = np.floor((plane - plane.min(axis=0)) / (1.5 * spacing)).astype(int) + 1
     foremost = np.full(column.max(axis=0) + 2, -np.inf)
     np.maximum.at(foremost, tuple(column.T), depth)
@@ -231,9 +246,12 @@ def surface_of(canvas, plane, depth, values, mappable, spacing, flat, whole_numb
         image[~np.isfinite(colour), 3] = 0.0
         return image, np.where(np.isfinite(colour), 0.0, -np.inf)
     seen = in_sight(plane, depth, spacing)
-    front, colour = canvas.splat(plane[seen], depth[seen], values[seen], (0.75 if whole_numbers else 0.6) * spacing, square=False)
+    front, colour = canvas.splat(
+        plane[seen], depth[seen], values[seen], (0.75 if whole_numbers else 0.6) * spacing, square=False
+    )
     solid = np.isfinite(colour) if whole_numbers else close_gaps(np.isfinite(colour), int(round(0.8 * pixels)))
-    everywhere = np.ones_like(solid)                   # depth beyond the edge too, so that its slope is right at the edge
+    # depth beyond the edge too, so that its slope is right at the edge
+    everywhere = np.ones_like(solid)
     image = mappable.to_rgba(colour if whole_numbers else smooth(colour, 0.4 * pixels, solid))
     front = smooth(front, 1.1 * pixels, everywhere)
     image[..., :3] = np.clip(image[..., :3] * shade(front, canvas.size)[..., None], 0, 1)
@@ -246,7 +264,9 @@ def draw_balls(canvas, plane, depth, values, mappable, spacing, flat, image, fro
     if len(plane) == 0:
         return
     radius = max(0.6 * spacing, max(2.5, LEAST_BALL * max(canvas.shape)) * canvas.size)
-    nearest, which = canvas.splat(plane, np.zeros(len(plane)) if flat else depth, np.arange(len(plane)), radius, square=False)
+    nearest, which = canvas.splat(
+        plane, np.zeros(len(plane)) if flat else depth, np.arange(len(plane)), radius, square=False
+    )
     row, column = np.nonzero(np.isfinite(which) & (np.isinf(front) if flat else ~(nearest < front)))
     own = which[row, column].astype(int)
     colours = mappable.to_rgba(values[own])
@@ -270,6 +290,18 @@ def unfolded_points(points):
 def unfolded(particles, values, outline):
     """The same with a field and an outline."""
     return unfolded_points(particles.points), np.concatenate([values, values]), unfolded_points(outline)
+
+
+def revolved(points, values, outline, spacing):
+    """Half of the body of revolution, open towards -y: points on the circles of the rings, with the values of the
+    rings."""
+    copies = np.maximum(np.ceil(np.pi * points[:, 0] / spacing), 2).astype(int)
+    ring = np.repeat(np.arange(len(points)), copies)
+    place = np.arange(len(ring)) - np.repeat(np.cumsum(copies) - copies, copies)
+    angle = np.pi * (place + 0.5) / copies[ring]
+    radius = points[ring, 0]
+    solid = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), points[ring, 2]])
+    return solid, values[ring], unfolded_points(outline)
 
 
 def field_of(particles, name=None):
@@ -301,8 +333,10 @@ def draw_cloud(points, values, name, units, spacing, outline, options, axes="xyz
         low, high = shown.min(axis=0) - 3 * spacing, shown.max(axis=0) + 3 * spacing
         inside = np.all((points >= low) & (points <= high), axis=1)
         points, values = (points[inside], values[inside]) if inside.sum() > 1 else (points, values)
-    mappable = draw_particles(axis, points, values, spacing, view, options.cut, outline, options.limits, options.cmap, getattr(options, "most_pixels", 2200),
-                              getattr(options, "whole_numbers", False))
+    mappable = draw_particles(
+        axis, points, values, spacing, view, options.cut, outline, options.limits, options.cmap,
+        getattr(options, "most_pixels", 2200), getattr(options, "whole_numbers", False),
+    )
     if name is not None:
         bar = figure.colorbar(mappable, ax=axis, shrink=0.9, pad=0.03, aspect=28)
         bar.set_label(field_label(name, units))
@@ -315,8 +349,8 @@ def draw_cloud(points, values, name, units, spacing, outline, options, axes="xyz
 
 
 def section_of(folder, points, initial, values, name, options, spacing):
-    """Points, values and place of the section along the view: the middle of the scene at its start. A half model is turned so that its plane of
-    symmetry faces the viewer, and nothing of it is taken away."""
+    """Points, values and place of the section along the view: the middle of the scene at its start. A half model is
+    turned so that its plane of symmetry faces the viewer, and nothing of it is taken away."""
     view = normal_of(points, options.axis)
     k, sign = VIEWS[view][2:]
     first = points if initial is None else initial
@@ -348,10 +382,17 @@ def draw(particles, source, options, box=None):
         if options.cut and dimension_of(points) == 3:
             points, values, cut.cut = section_of(folder_of(source), points, initial, values, name, options, spacing)
         about_axis = lookup(read_summary_if_any(folder_of(source)), "dimension") == "axisymmetric"
-        if about_axis:
+        revolve = about_axis and getattr(options, "revolve", False)
+        if revolve:
+            cut.axis = "y"
+            points, values, outline = revolved(points, values, outline, spacing)
+        elif about_axis:
             points, values, outline = unfolded(particles, values, outline)
+        if about_axis:
             box = box and (np.array(box[1]) * (-1, 1, 1), np.array(box[1]) * (1, 1, 1), box[0], box[1])
-        figure, axis = draw_cloud(points, values, name, units, spacing, outline, cut, "ryz" if about_axis else "xyz", box)
+        figure, axis = draw_cloud(
+            points, values, name, units, spacing, outline, cut, "ryz" if about_axis and not revolve else "xyz", box
+        )
     title = options.title or run_name(source).replace("_", " ")
     if particles.time is not None:
         title += f"   t = {particles.time:.4g} {units['time']}".rstrip()
@@ -362,8 +403,14 @@ def draw(particles, source, options, box=None):
 def drawing_arguments(parser):
     """How a cloud is drawn: what pictures and films share."""
     parser.add_argument("--field", help="field, component, vector or tensor to colour by")
-    parser.add_argument("--axis", choices="xyz", default="y", help="3D: direction of view (default: y, that is x to the right, z up)")
+    parser.add_argument(
+        "--axis", choices="xyz", default="y", help="3D: direction of view (default: y, that is x to the right, z up)"
+    )
     parser.add_argument("--cut", action="store_true", help="3D: the section; of a half model the cut face")
+    parser.add_argument(
+        "--revolve", action="store_true",
+        help="a scene about an axis: the body of revolution, its front half taken away",
+    )
     parser.add_argument("--limits", nargs=2, type=float, metavar=("LOW", "HIGH"), help="ends of the colour scale")
     parser.add_argument("--cmap", help="matplotlib colour map")
     parser.add_argument("--title", help="title (default: the folder's name)")
@@ -373,8 +420,12 @@ def drawing_arguments(parser):
 
 def arguments(parser):
     """Arguments of the command."""
-    parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file, particles CSV or checkpoint")
-    parser.add_argument("--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)")
+    parser.add_argument(
+        "source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file, particles CSV or checkpoint"
+    )
+    parser.add_argument(
+        "--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)"
+    )
     drawing_arguments(parser)
 
 

@@ -3,8 +3,8 @@
     sgmp-view profile tnt_slab.out --field pressure
     sgmp-view profile a.out b.out --field stress_zz --along z --near x=0 --near y=0 --within 1
 
-Each point is the mean over the particles of one layer across --along (--layers of them, else one for each spacing), weighted
-by their mass where the dump has it; --near and --within keep only the particles about a line.
+Each point is the mean over the particles of one layer across --along (--layers of them, else one for each spacing),
+weighted by their mass where the dump has it; --near and --within keep only the particles about a line.
 """
 
 import csv
@@ -53,15 +53,26 @@ def profile(particles, options):
 
 def arguments(parser):
     """Arguments of the command."""
-    parser.add_argument("sources", nargs="+", type=Path, metavar="OUT_DIR|FILE", help="output folder(s), .vtu files, particles CSV or checkpoints")
-    parser.add_argument("--field", help="field, component, vector or tensor (default: plastic strain, else pressure, else speed)")
+    parser.add_argument(
+        "sources", nargs="+", type=Path, metavar="OUT_DIR|FILE",
+        help="output folder(s), .vtu files, particles CSV or checkpoints",
+    )
+    parser.add_argument(
+        "--field", help="field, component, vector or tensor (default: plastic strain, else pressure, else speed)"
+    )
     parser.add_argument("--along", choices="xyz", default="x", help="axis of the profile (default: x)")
-    parser.add_argument("--near", action="append", default=[], metavar="AXIS=PLACE", help="only particles near; may be repeated")
+    parser.add_argument(
+        "--near", action="append", default=[], metavar="AXIS=PLACE", help="only particles near; may be repeated"
+    )
     parser.add_argument("--within", type=float, help="how near (default: one spacing)")
     parser.add_argument("--layers", type=int, help="number of layers (default: one for each spacing)")
-    parser.add_argument("--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)")
+    parser.add_argument(
+        "--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)"
+    )
     parser.add_argument("--csv", type=Path, metavar="FILE", help="write the points, too")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="picture (default: beside the data of the first)")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="picture (default: beside the data of the first)"
+    )
 
 
 def run(options):

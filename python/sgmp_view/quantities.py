@@ -1,11 +1,15 @@
 """Numbers that a run has: by names, with units.
 
-    bodies.NAME.COLUMN, gauges.NAME.COLUMN, sections.NAME.COLUMN, history.COLUMN    the last row of bodies.csv, gauges.csv, …
-    … with :max, :min, :mean, :integral, :time_of_max, :change of all rows instead (gauges.foot.pressure:max); change: last less first
-    extent.NAME.x_max (x_min, x_length, y…, z…, r…)           reach of a body at the end, half a particle beyond the centres
+    bodies.NAME.COLUMN, gauges.NAME.COLUMN, sections.NAME.COLUMN, history.COLUMN    the last row of bodies.csv,
+    gauges.csv, …
+    … with :max, :min, :mean, :integral, :time_of_max, :change of all rows instead (gauges.foot.pressure:max); change:
+    last less first
+    extent.NAME.x_max (x_min, x_length, y…, z…, r…)           reach of a body at the end, half a particle beyond the
+    centres
     acceleration.NAME.cfc180, acceleration.NAME.unfiltered    largest acceleration of a body (m/s²), filtered by a class
     impact.NAME.crater.depth, impact.NAME.opening.diameter, … what `sgmp-view impact` measures of a wall at the end
-    shape.NAME.mean, shape.NAME.largest                       distance of a body's surface at the end to that in another run
+    shape.NAME.mean, shape.NAME.largest                       distance of a body's surface at the end to that in another
+    run
     energy.internal, end_state.largest_pressure, …            numbers of summary.json
 """
 
@@ -17,7 +21,9 @@ import numpy as np
 
 from .acceleration import accelerations, in_si, peaks_of
 from .compare import flat
-from .files import SgmpFileError, field_unit, folder_of, read_dump, read_history, read_particles_csv, read_summary, read_table
+from .files import (
+    SgmpFileError, field_unit, folder_of, read_dump, read_history, read_particles_csv, read_summary, read_table,
+)
 from .shapes import Shape, distance
 from .turning import cloud_of, table_of
 
@@ -27,9 +33,14 @@ NO_RESULTS = ("step", "time", "body", "gauge", "section", "particle", "particles
 ENDS = ("min", "max", "length")
 DISTANCES = ("mean", "largest")                         # of surfaces: root mean square and largest
 KEPT = "impact.json"
-CLOUD = ("mass", "momentum", "velocity", "kinetic_energy", "front_speed", "rear_speed", "front", "rear", "radius", "largest_radius", "failed_share",
-         "beyond_edge_mass")
-LENGTHS = ("depth", "diameter", "circle", "radius", "height", "least", "start", "lip", "front", "rear", "largest_radius", "moved")
+CLOUD = (
+    "mass", "momentum", "velocity", "kinetic_energy", "front_speed", "rear_speed", "front", "rear", "radius",
+    "largest_radius", "failed_share", "beyond_edge_mass",
+)
+LENGTHS = (
+    "depth", "diameter", "circle", "radius", "height", "least", "start", "lip", "front", "rear", "largest_radius",
+    "moved",
+)
 
 
 def reduced(time, values, how):
@@ -51,9 +62,17 @@ def reduced(time, values, how):
 def column_of(folder, file, name, column):
     """Times and values of a column of a body or a gauge."""
     table = table_of(folder, f"{file}.csv")
-    rows = np.ones(len(table["time"]), bool) if name is None else (
-        table["name"] == name if "name" in table and not name.isdigit() else table[KEYS[file]] == float(name) if name.isdigit() else
-        np.zeros(len(table["time"]), bool))
+    rows = (
+        np.ones(len(table["time"]), bool)
+        if name is None
+        else (
+            table["name"] == name
+            if "name" in table and not name.isdigit()
+            else table[KEYS[file]] == float(name)
+            if name.isdigit()
+            else np.zeros(len(table["time"]), bool)
+        )
+    )
     if column not in table or not rows.any():
         raise SgmpFileError(f"{folder}: {file}.csv has no '{name}' with a column '{column}'")
     return table["time"][rows], table[column][rows]
@@ -66,19 +85,24 @@ def body_names(folder):
 
 
 def matter_at_end(folder, name):
-    """Places of a body's particles at the end, and their sizes (length, area, volume); those of the start without volumes in the file."""
+    """Places of a body's particles at the end, and their sizes (length, area, volume); those of the start without
+    volumes in the file."""
     names = body_names(folder)
     if name not in names:
         raise SgmpFileError(f"{folder}: no body '{name}'; there are: {', '.join(names)}")
     full = folder / "particles_end.csv"
-    cloud, summary = cloud_of(folder, read_particles_csv(full) if full.exists() else read_dump(folder)), read_summary(folder)
+    cloud, summary = (
+        cloud_of(folder, read_particles_csv(full) if full.exists() else read_dump(folder)),
+        read_summary(folder),
+    )
     own = cloud.fields["body"] == names.index(name) + 1
     sizes, axes = sizes_of(cloud, own, summary)
     return cloud.points[own], sizes, axes, summary["dimension"] == "axisymmetric"
 
 
 def sizes_of(cloud, own, summary):
-    """Sizes of the particles `own` (length, area, volume; about an axis the area of the section), and along how many axes."""
+    """Sizes of the particles `own` (length, area, volume; about an axis the area of the section), and along how many
+    axes."""
     is_round = summary["dimension"] == "axisymmetric"
     axes = 2 if is_round else int(summary["dimension"])
     if "volume" in cloud.fields:
@@ -97,7 +121,9 @@ def extent_of(folder, rest):
     name, _, side = rest.rpartition(".")
     axis, _, end = side.partition("_")
     if axis not in ("x", "y", "z", "r") or end not in ENDS:
-        raise SgmpFileError(f"extent.{rest}: expected extent.BODY.AXIS_END with an axis and an end of {', '.join(ENDS)}")
+        raise SgmpFileError(
+            f"extent.{rest}: expected extent.BODY.AXIS_END with an axis and an end of {', '.join(ENDS)}"
+        )
     points, sizes, axes, _ = matter_at_end(folder, name)
     low, high = reach_of(points[:, "xyz".index("x" if axis == "r" else axis)], sizes, axes)
     return {"min": low, "max": high, "length": high - low}[end]
@@ -107,7 +133,9 @@ def acceleration_of(folder, rest):
     """The largest acceleration of a body (m/s²), filtered by a channel frequency class or not."""
     name, _, kind = rest.rpartition(".")
     if kind != "unfiltered" and not re.fullmatch(r"cfc\d+", kind):
-        raise SgmpFileError(f"acceleration.{rest}: expected acceleration.BODY.cfc180, or another class, or acceleration.BODY.unfiltered")
+        raise SgmpFileError(
+            f"acceleration.{rest}: expected acceleration.BODY.cfc180, or another class, or acceleration.BODY.unfiltered"
+        )
     _, time, values, mass = next(accelerations(folder, float(kind[3:]) if kind != "unfiltered" else None, [name]))
     return peaks_of(time, values, mass)["peak"]
 
@@ -127,7 +155,8 @@ def shape_of(folder, rest, other):
 
 
 def impact_numbers(folder):
-    """What is measured of walls at the end, by name of the wall and of the number; as it was kept where dumps are gone."""
+    """What is measured of walls at the end, by name of the wall and of the number; as it was kept where dumps are
+    gone."""
     kept = folder / KEPT
     if kept.exists():
         return json.loads(kept.read_text())
@@ -177,7 +206,9 @@ def quantity_of(folder, quantity, other=None):
         return reduced(history["time"], history[rest], how)
     values = flat(read_summary(folder))
     if not isinstance(values.get(quantity), (int, float)):
-        numbers = ", ".join(name for name, value in values.items() if isinstance(value, (int, float)) and not name.startswith("phase"))
+        numbers = ", ".join(
+            name for name, value in values.items() if isinstance(value, (int, float)) and not name.startswith("phase")
+        )
         raise SgmpFileError(f"{folder}: summary.json has no number '{quantity}'; there are: {numbers}")
     return float(values[quantity])
 
@@ -198,7 +229,9 @@ def unit_of(quantity, units):
             return units["length"] and units["length"] + kind
         return units["length"] if column in LENGTHS else impact_unit(column, quantity, units)
     unit = field_unit(column, units)
-    if column.startswith(("kinetic_energy", "internal_energy", "total_energy", "external_work", "energy_remainder")) or column.endswith("dissipation"):
+    if column.startswith(
+        ("kinetic_energy", "internal_energy", "total_energy", "external_work", "energy_remainder")
+    ) or column.endswith("dissipation"):
         unit = units["energy"]
     elif column.startswith("force_"):
         unit = units["momentum"] and f"{units['momentum']}/{units['time']}"
@@ -226,7 +259,11 @@ def short_name(quantity):
     parts = bare.split(".")
     if len(parts) < 3:
         return quantity.replace("history.", "")
-    column = parts[-1].replace("velocity_", "v_").replace("_", " ") if not parts[-1].startswith("velocity_") else parts[-1].replace("velocity", "v")
+    column = (
+        parts[-1].replace("velocity_", "v_").replace("_", " ")
+        if not parts[-1].startswith("velocity_")
+        else parts[-1].replace("velocity", "v")
+    )
     if parts[0] == "shape":
         return f"distance of the surface of {'.'.join(parts[1:-1])} ({column})"
     if parts[0] == "acceleration":
@@ -252,14 +289,20 @@ def listed(folder):
             with open(path, newline="") as stream:
                 columns = next(csv.reader(stream))
             table = read_table(path)
-            names = dict.fromkeys(str(name) for name in table["name"]) if "name" in table else dict.fromkeys(str(int(k)) for k in table[KEYS[file]])
+            names = (
+                dict.fromkeys(str(name) for name in table["name"])
+                if "name" in table
+                else dict.fromkeys(str(int(k)) for k in table[KEYS[file]])
+            )
             yield from (f"{file}.{name}.{column}" for name in names for column in columns if column not in NO_RESULTS)
     try:
         yield from (f"impact.{name}" for name in impact_numbers(folder))
     except SgmpFileError:
         pass                                           # no walls, or no dumps
     if known_in_si(folder):
-        yield from (f"acceleration.{name}.{kind}" for name in body_names(folder) for kind in ("unfiltered", "cfc180", "cfc1000"))
+        yield from (
+            f"acceleration.{name}.{kind}" for name in body_names(folder) for kind in ("unfiltered", "cfc180", "cfc1000")
+        )
     dimension = read_summary(folder)["dimension"]
     axes = "rz" if dimension == "axisymmetric" else "xyz"[:int(dimension)]
     yield from (f"extent.{name}.{axis}_{end}" for name in body_names(folder) for axis in axes for end in ENDS)

@@ -50,7 +50,8 @@ td.of{padding-left:1em;color:#555}.words td:first-child{min-width:11em}
 .bodies td:last-child{white-space:nowrap;padding-right:0}.wide{overflow-x:auto}
 img{max-width:100%;height:auto}pre{background:#f6f6f6;padding:1em;overflow:auto;font-size:13px}
 .sound{color:#13641c}.coarse{color:#7a5b00}.doubtful{color:#a33c00}.failed,.not{color:#a30000}
-.frames{display:flex;flex-wrap:wrap;align-items:flex-start}.frames img{width:49%;margin-bottom:.8em}.three img{width:33%}
+.frames{display:flex;flex-wrap:wrap;align-items:flex-start}
+.frames img{width:49%;margin-bottom:.8em}.three img{width:33%}
 @media(max-width:600px){.frames img,.three img{width:100%}td{overflow-wrap:anywhere;padding-right:.5em}
 .words td:first-child{min-width:6em}
 .wide td{overflow-wrap:normal;white-space:nowrap}}"""
@@ -127,7 +128,9 @@ def verdict_of(summary):
             *summary.get("verdict_reasons", []),
         ]
     word, error = summary.get("verdict", "no verdict"), summary.get("verdict_error")
-    return word + (f": expect errors of {100 * error:.0f} %" if word == "coarse" and error else ""), summary.get("verdict_reasons", [])
+    return word + (f": expect errors of {100 * error:.0f} %" if word == "coarse" and error else ""), summary.get(
+        "verdict_reasons", []
+    )
 
 
 def tables(values, titles):
@@ -292,7 +295,10 @@ def errors(summary):
         return
     yield "<h2>How wrong the numbers are</h2><ul>"
     for estimate in estimates:
-        yield f"<li><b>{html.escape(estimate['line'])}</b><br>cells: {html.escape(estimate['cells'])}; {html.escape(estimate['advice'])}</li>"
+        yield (
+            f"<li><b>{html.escape(estimate['line'])}</b><br>cells: {html.escape(estimate['cells'])}; "
+            f"{html.escape(estimate['advice'])}</li>"
+        )
     yield "</ul>" + embedded(error_figure.figure_of(estimates), "errors by cell and cost")
 
 
@@ -374,10 +380,14 @@ def deck_of(folder):
 def head_of(title, word, summary, units):
     """Title, word of the verdict, and what was run in a line."""
     yield (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
+        '<!doctype html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" '
+        'content="width=device-width, initial-scale=1">'
         f'<title>{html.escape(title)}</title><link rel="icon" href="data:,"><style>{STYLE}</style></head><body>'
     )
-    yield (f'<h1>{html.escape(title)} <a class="badge {word.split(":")[0].split()[0]}" href="#verdict">{html.escape(word)}</a></h1>')
+    yield (
+        f'<h1>{html.escape(title)} <a class="badge {word.split(":")[0].split()[0]}" '
+        f'href="#verdict">{html.escape(word)}</a></h1>'
+    )
     facts = []
     if summary:
         space = {"axisymmetric": "axisymmetric"}.get(summary.get("dimension"), f"{summary.get('dimension')}D")
@@ -408,7 +418,10 @@ def page(folder, options):
     yield from answers(folder, units, dumps)
     with plt.rc_context(plot_style()):
         yield "<h2>State</h2><div class=frames>" + "".join(frames(folder, options, dumps)) + "</div>"
-        yield f'<h2 id=verdict>Can it be believed</h2><p>Verdict: <b class="{word.split(":")[0].split()[0]}">{html.escape(word)}</b></p>'
+        yield (
+            f'<h2 id=verdict>Can it be believed</h2><p>Verdict: <b '
+            f'class="{word.split(":")[0].split()[0]}">{html.escape(word)}</b></p>'
+        )
         yield (
             "<ul>" + "".join(f"<li>{html.escape(str(reason))}</li>" for reason in reasons) + "</ul>" if reasons else ""
         )

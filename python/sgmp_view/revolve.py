@@ -1,12 +1,14 @@
-"""Turn the half-plane of an axisymmetric run into the body of revolution that it stands for: particles for pictures in 3D.
+"""Turn the half-plane of an axisymmetric run into the body of revolution that it stands for: particles for pictures in
+3D.
 
     sgmp-view revolve taylor_bar_axisymmetric.out
     sgmp-view revolve taylor_bar_axisymmetric.out --step 3 --angle 360
     sgmp-view revolve taylor_bar_axisymmetric.out/particles_0000120.vtu -o bar.vtu
 
-Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, a particles CSV, or a checkpoint. Every ring becomes particles on
-its circle, as far apart as rings are from each other; vectors and tensors turn with them, mass and volume are shared out. Without
-an angle of 360 degrees the section can be seen. Writes a .vtu file for ParaView or `sgmp-view picture`.
+Input: an output folder (particles.pvd, or particles_end.csv), a .vtu file, a particles CSV, or a checkpoint. Every ring
+becomes particles on its circle, as far apart as rings are from each other; vectors and tensors turn with them, mass and
+volume are shared out. Without an angle of 360 degrees the section can be seen. Writes a .vtu file for ParaView or
+`sgmp-view picture`.
 """
 
 import sys
@@ -18,7 +20,16 @@ from .files import Particles, read_dump
 
 SHARED = ("mass", "volume")  # what a ring has and its particles have parts of
 TENSOR = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
-VTK_NAMES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32", "u8": "UInt64", "u4": "UInt32", "u1": "UInt8", "i1": "Int8"}
+VTK_NAMES = {
+    "f8": "Float64",
+    "f4": "Float32",
+    "i8": "Int64",
+    "i4": "Int32",
+    "u8": "UInt64",
+    "u4": "UInt32",
+    "u1": "UInt8",
+    "i1": "Int8",
+}
 
 
 def distance_of_rings(points):
@@ -30,7 +41,8 @@ def distance_of_rings(points):
 
 
 def revolve(particles, degrees, spacing, middle=90.0):
-    """Particles on the circles of rings about the axis z, half of the angle to each side of a direction: of y, so that the open side looks along -y."""
+    """Particles on the circles of rings about the axis z, half of the angle to each side of a direction: of y, so that
+    the open side looks along -y."""
     radius = particles.points[:, 0]
     copies = np.maximum(np.ceil(np.radians(degrees) * radius / spacing), 4).astype(int)
     ring = np.repeat(np.arange(len(radius)), copies)
@@ -50,8 +62,10 @@ def revolve(particles, degrees, spacing, middle=90.0):
 
 def turned(particles, turn, chosen):
     """Particles (chosen, by number) with places, vectors and tensors turned by matrices (n, 3, 3)."""
-    result = Particles(particles.path, np.einsum("nij,nj->ni", turn, particles.points[chosen]), components=particles.components, time=particles.time,
-                       body_names=particles.body_names)
+    result = Particles(
+        particles.path, np.einsum("nij,nj->ni", turn, particles.points[chosen]), components=particles.components,
+        time=particles.time, body_names=particles.body_names,
+    )
     for name, values in particles.fields.items():
         values = values[chosen]
         if values.ndim == 2 and values.shape[1] == 3:
@@ -76,18 +90,30 @@ def write_vtu(particles, path):
         blocks.append(values.tobytes())
         width = values.shape[1] if values.ndim == 2 else 1
         names = "".join(f' ComponentName{i}="{name}_{suffix}"' for i, suffix in enumerate(suffixes))
-        return (f'<DataArray type="{VTK_NAMES[values.dtype.str[1:]]}" Name="{name}" NumberOfComponents="{width}"{names} '
-                f'format="appended" offset="{offset}"/>\n')
+        return (
+            f'<DataArray type="{VTK_NAMES[values.dtype.str[1:]]}" Name="{name}" NumberOfComponents="{width}"{names} '
+            f'format="appended" offset="{offset}"/>\n'
+        )
 
     n = len(particles.points)
     data = "".join(array(name, values, particles.components.get(name, ())) for name, values in particles.fields.items())
     points = array("Points", particles.points)
-    cells = array("connectivity", np.arange(n)) + array("offsets", np.arange(1, n + 1)) + array("types", np.ones(n, "u1"))
-    time = "" if particles.time is None else "<FieldData>\n" + array("TimeValue", np.array([particles.time])) + "</FieldData>\n"
+    cells = (
+        array("connectivity", np.arange(n)) + array("offsets", np.arange(1, n + 1)) + array("types", np.ones(n, "u1"))
+    )
+    time = (
+        ""
+        if particles.time is None
+        else "<FieldData>\n" + array("TimeValue", np.array([particles.time])) + "</FieldData>\n"
+    )
     order = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
-    head = (f'<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{order}" header_type="UInt64">\n<UnstructuredGrid>\n'
-            f'{time}<Piece NumberOfPoints="{n}" NumberOfCells="{n}">\n<PointData>\n{data}</PointData>\n<Points>\n{points}</Points>\n<Cells>\n{cells}</Cells>\n'
-            f'</Piece>\n</UnstructuredGrid>\n<AppendedData encoding="raw">\n_')
+    head = (
+        f'<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{order}" '
+        f'header_type="UInt64">\n<UnstructuredGrid>\n'
+        f'{time}<Piece NumberOfPoints="{n}" NumberOfCells="{n}">\n<PointData>\n{data}</PointData>\n'
+        f'<Points>\n{points}</Points>\n<Cells>\n{cells}</Cells>\n'
+        f'</Piece>\n</UnstructuredGrid>\n<AppendedData encoding="raw">\n_'
+    )
     with open(path, "wb") as file:
         file.write(head.encode())
         for block in blocks:
@@ -97,11 +123,17 @@ def write_vtu(particles, path):
 
 def arguments(parser):
     """Arguments of the command."""
-    parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file, particles CSV or checkpoint")
-    parser.add_argument("--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)")
+    parser.add_argument(
+        "source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file, particles CSV or checkpoint"
+    )
+    parser.add_argument(
+        "--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)"
+    )
     parser.add_argument("--angle", type=float, default=180, help="degrees about the axis, 0 to 360 (default: 180)")
     parser.add_argument("--spacing", type=float, help="distance of particles on a circle (default: that of the rings)")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="file to write (default: beside the data, …_revolved.vtu)")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="file to write (default: beside the data, …_revolved.vtu)"
+    )
 
 
 def run(options):

@@ -30,7 +30,8 @@ class RunError(Exception):
 
 
 class Body:
-    """What bodies.csv has of a body: its columns at the end as attributes, all of them in `series`, those at the start in `start`."""
+    """What bodies.csv has of a body: its columns at the end as attributes, all of them in `series`, those at the start
+    in `start`."""
 
     def __init__(self, name, series):
         self.name, self.series = name, series
@@ -67,9 +68,13 @@ class Run:
         """Bodies by name."""
         table = read_table(self.folder / "bodies.csv")
         names = table.pop("name")
-        return {str(names[table["body"] == number][0]): Body(str(names[table["body"] == number][0]),
-                                                             {column: values[table["body"] == number] for column, values in table.items()})
-                for number in np.unique(table["body"])}
+        return {
+            str(names[table["body"] == number][0]): Body(
+                str(names[table["body"] == number][0]),
+                {column: values[table["body"] == number] for column, values in table.items()},
+            )
+            for number in np.unique(table["body"])
+        }
 
     @property
     def verdict(self):
@@ -93,15 +98,18 @@ def program_of(program=None):
 def run(deck, output=None, *, threads=None, program=None, again=False, **parameters):
     """Runs a deck with values of its parameters and waits for it; the Run.
 
-    output: folder (default: a new one, which stays). What is there already of the same deck, program and values is taken,
-    unless `again`. Raises RunError where the exit code is not 0.
+    output: folder (default: a new one, which stays). What is there already of the same deck, program and values is
+    taken, unless `again`. Raises RunError where the exit code is not 0.
     """
     deck, program = Path(deck), program_of(program)
     if not deck.exists():
         raise SgmpFileError(f"{deck}: no such file")
     folder = Path(output) if output else Path(tempfile.mkdtemp(prefix=f"{deck.stem}_")) / "out"
-    key = {"deck": deck.read_text(errors="replace"), "set": {name: text_of(value) for name, value in parameters.items()},
-           "version": version_of(program)}
+    key = {
+        "deck": deck.read_text(errors="replace"),
+        "set": {name: text_of(value) for name, value in parameters.items()},
+        "version": version_of(program),
+    }
     record = folder / "run.json"
     if not again and record.exists() and json.loads(record.read_text()) == key:
         return Run(folder)

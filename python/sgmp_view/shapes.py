@@ -1,8 +1,8 @@
 """Distance of the surfaces of two shapes that are given by particles.
 
-The surface of a cloud is where its filling, smoothed over twice the wider spacing of the two, is one half: flat surfaces are then
-exactly where the outer faces of the particles are, whatever their spacing. Distances are from points of each surface, where it cuts
-the lines of a lattice, to the nearest point of the other and its tangent plane.
+The surface of a cloud is where its filling, smoothed over twice the wider spacing of the two, is one half: flat
+surfaces are then exactly where the outer faces of the particles are, whatever their spacing. Distances are from points
+of each surface, where it cuts the lines of a lattice, to the nearest point of the other and its tangent plane.
 """
 
 import itertools
@@ -15,7 +15,8 @@ SAMPLE, PORTION = 3000, 2000000                         # points whose distance 
 
 
 class Shape:
-    """Particles of a body: places along the axes of its space, sizes (length, area or volume), whether it is round about its first axis."""
+    """Particles of a body: places along the axes of its space, sizes (length, area or volume), whether it is round
+    about its first axis."""
 
     def __init__(self, points, sizes, is_round=False):
         self.spacing = float(np.median(sizes)) ** (1 / points.shape[1])
@@ -37,7 +38,10 @@ def filling(shape, width, low, step, counts):
     first = np.floor((shape.points - 1.5 * width - low) / step).astype(int) + 1
     strides = np.cumprod([1, *counts[:0:-1]])[::-1]
     reach = range(int(np.ceil(3 * width / step)))
-    weights = [[spline((low[k] + (first[:, k] + i) * step - shape.points[:, k]) / width) / width for i in reach] for k in range(len(low))]
+    weights = [
+        [spline((low[k] + (first[:, k] + i) * step - shape.points[:, k]) / width) / width for i in reach]
+        for k in range(len(low))
+    ]
     for offsets in itertools.product(reach, repeat=len(low)):
         weight = shape.sizes.copy()
         for k, i in enumerate(offsets):
@@ -74,7 +78,8 @@ def distances(points, others, normals, step):
         away = part - others[near]
         across = np.abs((away * normals[near]).sum(1))
         along = np.sqrt(np.maximum((away**2).sum(1) - across**2, 0))
-        found[start:start + portion] = np.hypot(across, np.maximum(along - step, 0))  # between the points of the other it is flat
+        # between the points of the other it is flat
+        found[start:start + portion] = np.hypot(across, np.maximum(along - step, 0))
     return found
 
 
@@ -88,6 +93,9 @@ def distance(first, second):
     surfaces = [surface(filling(shape, width, low, step, counts), low, step) for shape in (first, second)]
     if first.is_round:
         surfaces = [(points[points[:, 0] >= 0], normals[points[:, 0] >= 0]) for points, normals in surfaces]
-    found = [distances(a[:: max(1, len(a) // SAMPLE)], b, normals, step) for (a, _), (b, normals) in (surfaces, surfaces[::-1])]
+    found = [
+        distances(a[:: max(1, len(a) // SAMPLE)], b, normals, step)
+        for (a, _), (b, normals) in (surfaces, surfaces[::-1])
+    ]
     squares = np.mean([np.mean(each**2) for each in found])
     return float(np.sqrt(squares)), float(max(each.max() for each in found))

@@ -3,8 +3,8 @@
     sgmp-view slice rod_plate.out --plane x=0 --field plastic_strain
     sgmp-view slice quarter.out --plane z=1.5 --mirror xy
 
-Takes what lies within half the thickness (--thickness, else two spacings) of a plane x=…, y=… or z=…. --mirror completes
-models of a half or a quarter: each letter adds the image behind the plane where that coordinate is zero.
+Takes what lies within half the thickness (--thickness, else two spacings) of a plane x=…, y=… or z=…. --mirror
+completes models of a half or a quarter: each letter adds the image behind the plane where that coordinate is zero.
 """
 
 import dataclasses
@@ -27,8 +27,11 @@ def mirrored(particles, letters):
         for name, parts in particles.components.items():
             odd = [i for i, part in enumerate(parts) if part.count(letter) == 1]  # of vectors x, of tensors xy and xz
             image[name][:, odd] *= -1
-        particles = dataclasses.replace(particles, points=np.vstack([particles.points, particles.points * sign]), fields={
-            name: np.concatenate([values, image[name]]) for name, values in particles.fields.items()})
+        particles = dataclasses.replace(
+            particles,
+            points=np.vstack([particles.points, particles.points * sign]),
+            fields={name: np.concatenate([values, image[name]]) for name, values in particles.fields.items()},
+        )
     return particles
 
 
@@ -37,10 +40,14 @@ def cut(particles, k, place, thickness):
     near = np.abs(particles.points[:, k] - place) <= 0.5 * thickness
     if near.sum() < 2:
         low, high = particles.points[:, k].min(), particles.points[:, k].max()
-        raise SgmpFileError(f"{particles.path}: fewer than two particles at {'xyz'[k]} = {place:g}; they go from {low:g} to {high:g}")
+        raise SgmpFileError(
+            f"{particles.path}: fewer than two particles at {'xyz'[k]} = {place:g}; they go from {low:g} to {high:g}"
+        )
     points = particles.points[near].copy()
     points[:, k] = place
-    return dataclasses.replace(particles, points=points, fields={name: values[near] for name, values in particles.fields.items()})
+    return dataclasses.replace(
+        particles, points=points, fields={name: values[near] for name, values in particles.fields.items()}
+    )
 
 
 def plane(text):
@@ -53,11 +60,15 @@ def plane(text):
 
 def arguments(parser):
     """Arguments of the command."""
-    parser.add_argument("source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file, particles CSV or checkpoint")
+    parser.add_argument(
+        "source", type=Path, metavar="OUT_DIR|FILE", help="output folder, .vtu file, particles CSV or checkpoint"
+    )
     parser.add_argument("--plane", required=True, metavar="AXIS=PLACE", help="x=…, y=… or z=…")
     parser.add_argument("--thickness", type=float, help="width of what is shown (default: two spacings)")
     parser.add_argument("--mirror", default="", metavar="LETTERS", help="complete a half or quarter model: x, y, xy, …")
-    parser.add_argument("--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)")
+    parser.add_argument(
+        "--step", default="last", metavar="last|N", help="which dump of a folder, counted from 0 (default: last)"
+    )
     drawing_arguments(parser)
 
 

@@ -5,9 +5,10 @@
     sgmp-view solids mesh.k --split 2
     sgmp-view solids mesh.k --part 3 --density 7.85e-3
 
-STL: the centres of the cubes of a lattice that lie inside the surface; it must be closed. LS-DYNA (.k, .key, .dyn): *NODE, *ELEMENT_SOLID
-(hexahedra, wedges, pyramids, tetrahedra with corner nodes), *ELEMENT_SPH, *PART; a particle per element at its centroid with its exact volume, or
-N x N x N per element; SPH masses become volumes by --density. A file for each part. What else is in a keyword deck is listed and left out.
+STL: the centres of the cubes of a lattice that lie inside the surface; it must be closed. LS-DYNA (.k, .key, .dyn):
+*NODE, *ELEMENT_SOLID (hexahedra, wedges, pyramids, tetrahedra with corner nodes), *ELEMENT_SPH, *PART; a particle per
+element at its centroid with its exact volume, or N x N x N per element; SPH masses become volumes by --density. A file
+for each part. What else is in a keyword deck is listed and left out.
 """
 
 import sys
@@ -38,7 +39,10 @@ def report(path, points, volumes, options, solid=None):
     print(f"{path}: {len(points)} particles, {what} {total:.6g}{beside}")
     print(f"  between ({', '.join(f'{v:.6g}' for v in low)}) and ({', '.join(f'{v:.6g}' for v in high)})")
     spacing = options.spacing or float(np.median(volumes)) ** (1 / 3)
-    print(f"  body {''.join(c if c.isalnum() else '_' for c in path.stem)} file material=… file={path.name} spacing={spacing:.6g}")
+    print(
+        f"  body {''.join(c if c.isalnum() else '_' for c in path.stem)} file material=… file={path.name} "
+        f"spacing={spacing:.6g}"
+    )
 
 
 def from_surface(options):
@@ -48,7 +52,10 @@ def from_surface(options):
     surface = Surface(options.source, options.scale, options.move)
     points = surface.fill(options.spacing, options.origin)
     if len(points) == 0:
-        raise SgmpFileError(f"{options.source}: no centre of a cube lies inside; its sides are {surface.sides()}: choose a smaller --spacing")
+        raise SgmpFileError(
+            f"{options.source}: no centre of a cube lies inside; its sides are {surface.sides()}: choose a smaller "
+            f"--spacing"
+        )
     volumes = np.full(len(points), options.spacing**3)
     path = options.output or options.source.with_suffix(".txt")
     write_particles(path, points, volumes, options.source.name)
@@ -60,7 +67,10 @@ def from_mesh(options):
     mesh = read_mesh(options.source)
     wanted = [part for part in mesh.parts() if options.part in (None, part)]
     if not wanted:
-        raise SgmpFileError(f"{options.source}: no elements of part {options.part}; there are: {', '.join(map(str, mesh.parts())) or 'none'}")
+        raise SgmpFileError(
+            f"{options.source}: no elements of part {options.part}; there are: "
+            f"{', '.join(map(str, mesh.parts())) or 'none'}"
+        )
     if options.output and len(wanted) > 1:
         raise ValueError(f"-o is for one part, and there are {len(wanted)}: choose one by --part")
     for part in wanted:
@@ -84,14 +94,29 @@ def vector(text):
 def arguments(parser):
     """Arguments of the command."""
     parser.add_argument("source", type=Path, metavar="FILE", help="an .stl file, or a keyword deck (.k, .key, .dyn)")
-    parser.add_argument("--spacing", type=float, help="STL: side of the cubes that particles stand for, in the units of the deck")
-    parser.add_argument("--origin", type=vector, metavar="X,Y,Z", help="STL: a corner of the cubes (default: the lower corner of the solid)")
-    parser.add_argument("--scale", type=float, default=1.0, help="by which the file's coordinates are multiplied (default: 1)")
+    parser.add_argument(
+        "--spacing", type=float, help="STL: side of the cubes that particles stand for, in the units of the deck"
+    )
+    parser.add_argument(
+        "--origin",
+        type=vector,
+        metavar="X,Y,Z",
+        help="STL: a corner of the cubes (default: the lower corner of the solid)",
+    )
+    parser.add_argument(
+        "--scale", type=float, default=1.0, help="by which the file's coordinates are multiplied (default: 1)"
+    )
     parser.add_argument("--move", type=vector, metavar="X,Y,Z", default=np.zeros(3), help="added to them after that")
     parser.add_argument("--part", type=int, help="LS-DYNA: this part alone")
-    parser.add_argument("--split", type=int, default=1, metavar="N", help="LS-DYNA: N x N x N particles per hexahedron (default: 1)")
-    parser.add_argument("--density", type=float, help="prints masses; needed where SPH nodes have a mass (units of the written file)")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="file to write (default: beside the source, .txt)")
+    parser.add_argument(
+        "--split", type=int, default=1, metavar="N", help="LS-DYNA: N x N x N particles per hexahedron (default: 1)"
+    )
+    parser.add_argument(
+        "--density", type=float, help="prints masses; needed where SPH nodes have a mass (units of the written file)"
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="file to write (default: beside the source, .txt)"
+    )
 
 
 def run(options):

@@ -3,8 +3,8 @@
     sgmp-view status taylor_bar.out
     sgmp-view status *.out
 
-Reads .lock (is anybody at work?), history.csv, run.log and summary.json. Exit code 0 if all have finished or are at work,
-1 if one has failed or died.
+Reads .lock (is anybody at work?), history.csv, run.log and summary.json. Exit code 0 if all have finished or are at
+work, 1 if one has failed or died.
 """
 
 import fcntl
@@ -15,8 +15,14 @@ from pathlib import Path
 from .files import SgmpFileError, folder_of, read_history, read_summary_if_any, read_units, run_name
 
 FLOCK = "hhqqi4x"       # struct flock of 64-bit Linux: kind, whence, start, length, process
-REASONS = {0: "finished", 2: "refused: command line", 3: "refused: deck", 4: "failed: the computation", 5: "failed: files",
-           6: "stopped after a checkpoint"}
+REASONS = {
+    0: "finished",
+    2: "refused: command line",
+    3: "refused: deck",
+    4: "failed: the computation",
+    5: "failed: files",
+    6: "stopped after a checkpoint",
+}
 
 
 def is_at_work(folder):
@@ -61,12 +67,19 @@ def describe(folder):
     if summary and not at_work:
         code = summary.get("exit_status")
         verdict = f", {summary['verdict']}" if "verdict" in summary else ""
-        return (f"{REASONS.get(code, f'exit code {code}')}{verdict}: step {summary.get('steps')}, t = {summary.get('time'):.6g} {unit}"
-                f", {hours(summary.get('wall_seconds', 0))}").replace("  ", " "), code not in (0, 6)
+        return (
+            f"{REASONS.get(code, f'exit code {code}')}{verdict}: step {summary.get('steps')}, t = "
+            f"{summary.get('time'):.6g} {unit}"
+            f", {hours(summary.get('wall_seconds', 0))}"
+        ).replace("  ", " "), code not in (0, 6)
     try:
         step, now, written = progress(folder)
     except (SgmpFileError, TypeError):
-        return ("at work, no rows of history yet", False) if at_work else ("died, or never began: no rows of history", True)
+        return (
+            ("at work, no rows of history yet", False)
+            if at_work
+            else ("died, or never began: no rows of history", True)
+        )
     end = end_of(folder)
     share = f" of {end:g} ({100 * now / end:.1f} %)" if end else ""
     text = f"step {step}, t = {now:.6g}{share} {unit}".rstrip()

@@ -50,8 +50,10 @@ class Surface:
         return surface
 
     def _refuse_open(self, surface):
-        for open_, what in ((True, "open: {} edges have a triangle at one side only; close the holes in the program that wrote it"),
-                            (False, "not the surface of a solid: {} edges have more than two triangles")):
+        for open_, what in (
+            (True, "open: {} edges have a triangle at one side only; close the holes in the program that wrote it"),
+            (False, "not the surface of a solid: {} edges have more than two triangles"),
+        ):
             edges = self.filters.vtkFeatureEdges()
             edges.SetInputData(surface)
             edges.FeatureEdgesOff()
@@ -88,7 +90,8 @@ class Surface:
         return " x ".join(f"{side:.4g}" for side in self.upper - self.lower)
 
     def fill(self, spacing, origin=None):
-        """Centres (n, 3) of the cubes inside, x fastest; `origin` is a corner of one (default: the lower corner of the solid)."""
+        """Centres (n, 3) of the cubes inside, x fastest; `origin` is a corner of one (default: the lower corner of the
+        solid)."""
         origin = self.lower if origin is None else np.asarray(origin)
         first = np.floor((self.lower - origin) / spacing - 1e-9).astype(int)
         last = np.ceil((self.upper - origin) / spacing + 1e-9).astype(int)

@@ -1,4 +1,5 @@
-"""Runs of copies of a deck within a budget of wall time: told before, done once, gone on with where they were stopped."""
+"""Runs of copies of a deck within a budget of wall time: told before, done once, gone on with where they were
+stopped."""
 
 import hashlib
 import json
@@ -17,14 +18,16 @@ from .runs import version_of
 DONE = (0, 4)                                           # exit codes of runs that would end the same way again
 STOPPED = 6                                             # after a checkpoint
 NS_FIRST = 400.0                                        # per particle and step before any run has told
-LEAST_WORK = 0.5                                        # over that of the deck's own run: what is shorter tells of start and end
+# over that of the deck's own run: what is shorter tells of start and end
+LEAST_WORK = 0.5
 DUMPS = ("particles_*.vtu", "particles.pvd", "particles.vtkhdf", "particles.dat")
 STAMP = "study.json"                                    # in each run's folder: what it was run with
 
 
 @dataclass
 class Member:
-    """A run of the study: its part of the error, its place, what differs in words, its deck, what it costs beside the deck's own run."""
+    """A run of the study: its part of the error, its place, what differs in words, its deck, what it costs beside the
+    deck's own run."""
 
     part: str
     name: str
@@ -36,11 +39,13 @@ class Member:
     fault: float = 0.0                                  # of the bodies' mass
     axes: int = 0                                       # of a scene that was turned; 0: it was not
     factor: float = 1.0                                 # of the deck's cells
-    beside: str = ""                                    # name of the run with coarser cells that it differs from; empty: the deck's own
+    # name of the run with coarser cells that it differs from; empty: the deck's own
+    beside: str = ""
 
 
 class Checked:
-    """What --check says of a deck: whether it is accepted, particle-steps, faults of the bodies' masses, masses of their shapes."""
+    """What --check says of a deck: whether it is accepted, particle-steps, faults of the bodies' masses, masses of
+    their shapes."""
 
     def __init__(self, printed):
         self.accepted = printed.returncode == 0
@@ -119,11 +124,17 @@ class Runner:
             member.note = f"left out: about {clock(self.expected(member))}"
             return False
         limit = max(1, int(self.left()))
-        more = ["--quiet", "--output", str(self.output(member)), "--time-limit", f"{limit // 3600}:{limit // 60 % 60:02d}:{limit % 60:02d}"]
+        more = [
+            "--quiet", "--output", str(self.output(member)), "--time-limit",
+            f"{limit // 3600}:{limit // 60 % 60:02d}:{limit % 60:02d}",
+        ]
         if self.is_same(member) and summary.get("exit_status") == STOPPED:
             more += ["--restart", "latest"]
         begun = time.monotonic()
-        done = subprocess.run(self.command(self.write(member.name, member.text), *more), capture_output=True, text=True, check=False, env=self.environment)
+        done = subprocess.run(
+            self.command(self.write(member.name, member.text), *more), capture_output=True, text=True, check=False,
+            env=self.environment,
+        )
         member.code = done.returncode
         if member.code in (*DONE, STOPPED):
             (self.output(member) / STAMP).write_text(json.dumps(self.stamp(member)) + "\n")
@@ -151,7 +162,11 @@ class Runner:
         """Runs what nothing can be said without."""
         if not self.run(member):
             wanted = self.expected(member) * 1.2 + 1
-            more = f": it needs about {clock(wanted)}, the budget is {clock(self.budget)}" if member.note.startswith(("left", "stopped")) else ""
+            more = (
+                f": it needs about {clock(wanted)}, the budget is {clock(self.budget)}"
+                if member.note.startswith(("left", "stopped"))
+                else ""
+            )
             raise SgmpFileError(f"{member.name}: {member.note or f'exit code {member.code}'}{more}")
 
 

@@ -3,10 +3,10 @@
     sgmp-view sweep input/taylor_bar.inp --vary cfl=0.5,1,2 --vary method=sgmp,gimp --set h=1.9 --jobs 2
     sgmp-view sweep my.inp --vary h=0.8,0.4,0.2 --quantity bodies.bar.z --quantity energy.drift
 
-Results go to DECK.sweep/ (or --output): a folder for each combination, sweep.csv and sweep.png. A combination that has ended
-with this deck and these settings is not run again; one that was stopped after a checkpoint goes on from it. --list prints the
-commands instead of running them, one a line, for a job array: `sed -n "${SLURM_ARRAY_TASK_ID}p" | bash`.
-Exit code 1 if any run failed; the others are collected all the same.
+Results go to DECK.sweep/ (or --output): a folder for each combination, sweep.csv and sweep.png. A combination that has
+ended with this deck and these settings is not run again; one that was stopped after a checkpoint goes on from it.
+--list prints the commands instead of running them, one a line, for a job array: `sed -n "${SLURM_ARRAY_TASK_ID}p" |
+bash`. Exit code 1 if any run failed; the others are collected all the same.
 """
 
 import csv
@@ -38,7 +38,9 @@ class Member:
         self.values = dict(combination)
         self.name = ",".join(f"{name}={value}" for name, value in combination)
         self.folder = options.output / self.name.replace("/", "_")
-        self.command = [options.sgmp, str(options.deck), "--quiet", "--threads", str(options.threads), "--output", str(self.folder)]
+        self.command = [
+            options.sgmp, str(options.deck), "--quiet", "--threads", str(options.threads), "--output", str(self.folder),
+        ]
         for name, value in [*(setting.split("=", 1) for setting in options.set), *combination]:
             self.command += ["--set", f"{name}={value}"]
         settings = sorted(option for option in self.command[7:] if option != "--set")
@@ -110,16 +112,23 @@ def draw(path, rows, varied, quantities):
             return float(word)
         except ValueError:
             return None
-    abscissa = next((name for name, values in varied.items() if len(values) > 1 and None not in map(number, values)), None)
+
+    abscissa = next(
+        (name for name, values in varied.items() if len(values) > 1 and None not in map(number, values)), None
+    )
     if abscissa is None:
         return False
     with plt.rc_context(plot_style()):
-        figure, axes = plt.subplots(1, len(quantities), figsize=(5 * len(quantities), 4), layout="constrained", squeeze=False)
+        figure, axes = plt.subplots(
+            1, len(quantities), figsize=(5 * len(quantities), 4), layout="constrained", squeeze=False
+        )
         others = [name for name in varied if name != abscissa]
         for key in dict.fromkeys(tuple(row[name] for name in others) for row in rows):
             line = sorted((number(row[abscissa]), row) for row in rows if tuple(row[name] for name in others) == key)
             for axis, quantity in zip(axes[0], quantities):
-                points = [(x, row[quantity]) for x, row in line if row[quantity] is not None and row["exit_status"] == 0]
+                points = [
+                    (x, row[quantity]) for x, row in line if row[quantity] is not None and row["exit_status"] == 0
+                ]
                 axis.plot(*zip(*points) if points else ([], []), "o-", label=", ".join(key))
         for axis, quantity in zip(axes[0], quantities):
             axis.set(xlabel=abscissa, ylabel=quantity)
@@ -133,14 +142,24 @@ def draw(path, rows, varied, quantities):
 def arguments(parser):
     """Arguments of the command."""
     parser.add_argument("deck", type=Path)
-    parser.add_argument("--vary", action="append", required=True, metavar="NAME=V1,V2,…", help="a parameter of the deck and its values; may be repeated")
-    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="a parameter that is the same in all runs")
-    parser.add_argument("--quantity", action="append", default=[], metavar="NAME", help="what to collect beside drift and time, see `convergence`")
+    parser.add_argument(
+        "--vary", action="append", required=True, metavar="NAME=V1,V2,…",
+        help="a parameter of the deck and its values; may be repeated",
+    )
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="a parameter that is the same in all runs"
+    )
+    parser.add_argument(
+        "--quantity", action="append", default=[], metavar="NAME",
+        help="what to collect beside drift and time, see `convergence`",
+    )
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at a time (default: 1)")
     parser.add_argument("--threads", type=int, default=1, metavar="N", help="threads of each run (default: 1)")
     parser.add_argument("--sgmp", help="the program (default: $SGMP, the path, build/release/sgmp)")
     parser.add_argument("--list", action="store_true", help="print the commands, run nothing")
-    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="folder of the study (default: the deck's name and .sweep)")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="folder of the study (default: the deck's name and .sweep)"
+    )
 
 
 def run(options):

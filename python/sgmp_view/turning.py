@@ -1,7 +1,7 @@
 """A scene turned against the grid: the copy of its deck, and what its run says in the axes of the deck.
 
-Only scenes whose every card can be turned are: no walls, no ends of the grid, no forces with a place or a direction of their own.
-The folder of the run has turned.json, the matrix from the deck's axes to those of the run.
+Only scenes whose every card can be turned are: no walls, no ends of the grid, no forces with a place or a direction of
+their own. The folder of the run has turned.json, the matrix from the deck's axes to those of the run.
 """
 
 import json
@@ -18,8 +18,31 @@ from .deck_variations import axes_of, extents_of
 DEGREES = 17.0
 AXIS = np.array([1.0, 2.0, 2.0]) / 3                    # in space: no plane of the scene stays one of the grid
 STAMP = "turned.json"
-UNTURNED = {"title", "units", "dimension", "table", "grid", "method", "time", "stop", "material", "eos", "failure", "erode", "viscosity",
-            "contact", "damping", "output", "history", "checkpoint", "balance", "parameter", "include", "lost"}  # nothing in them has a direction
+UNTURNED = {
+    "title",
+    "units",
+    "dimension",
+    "table",
+    "grid",
+    "method",
+    "time",
+    "stop",
+    "material",
+    "eos",
+    "failure",
+    "erode",
+    "viscosity",
+    # nothing in them has a direction
+    "contact",
+    "damping",
+    "output",
+    "history",
+    "checkpoint",
+    "balance",
+    "parameter",
+    "include",
+    "lost",
+}
 TURNED = {"body", "add", "subtract", "intersect", "velocity", "gravity", "gauge", "detonation"}
 
 
@@ -60,7 +83,9 @@ def with_turn(deck):
         elif card.keyword == "velocity":
             turn_velocity(deck, card, matrix)
         elif card.keyword == "gravity":
-            card.words = [written(matrix @ vector(deck, " ".join(card.words).partition("=")[2] or " ".join(card.words)))]
+            card.words = [
+                written(matrix @ vector(deck, " ".join(card.words).partition("=")[2] or " ".join(card.words)))
+            ]
         elif card.keyword in ("gauge", "detonation"):
             for key in ("point", "normal"):
                 if card.get(key) or (key == "point" and card.keyword == "gauge"):
@@ -94,7 +119,11 @@ def turn_body(deck, card, plane):
         return
     first, both = rotation(own, (0, 0, 1)), rotation(own + DEGREES, (0, 0, 1))
     moved = rotation(DEGREES, (0, 0, 1)) @ (pivot - first @ pivot)
-    place = np.linalg.solve((np.eye(3) - both)[:2, :2], moved[:2]) if abs(math.remainder(own + DEGREES, 360)) > 1e-9 else [0.0, 0.0]
+    place = (
+        np.linalg.solve((np.eye(3) - both)[:2, :2], moved[:2])
+        if abs(math.remainder(own + DEGREES, 360)) > 1e-9
+        else [0.0, 0.0]
+    )
     card.set("pivot", written([*place, 0.0]))
 
 
@@ -103,7 +132,9 @@ def turn_velocity(deck, card, matrix):
     axes = axes_of(deck)
     place = [weighted(matrix[:len(axes), i], axes) for i in range(len(axes))]
     components = [spelt_out(deck, card.get(axis) or "0") for axis in axes]
-    components = [re.sub(r"(?<![\w.$])[xyz](?![\w(])", lambda found: place[axes.index(found[0])], text) for text in components]
+    components = [
+        re.sub(r"(?<![\w.$])[xyz](?![\w(])", lambda found: place[axes.index(found[0])], text) for text in components
+    ]
     for row, axis in zip(matrix, axes):
         card.set(axis, weighted(row, components))
     spin = matrix @ [deck.number(card.get(f"omega_{axis}") or "0") for axis in "xyz"]
@@ -147,7 +178,9 @@ def table_of(folder, name):
     table, matrix = read_table(folder / name), matrix_of(folder)
     if matrix is None:
         return table
-    for base in dict.fromkeys(column[:-1] for column in table if column[-1:] in "xyz" and (len(column) == 1 or column[-2] == "_")):
+    for base in dict.fromkeys(
+        column[:-1] for column in table if column[-1:] in "xyz" and (len(column) == 1 or column[-2] == "_")
+    ):
         parts = [f"{base}{axis}" for axis in "xyz"]
         if all(part in table for part in parts):
             table.update(zip(parts, matrix.T @ np.stack([table[part] for part in parts])))
@@ -167,5 +200,8 @@ def cloud_of(folder, cloud):
     matrix = matrix_of(folder)
     if matrix is None:
         return cloud
-    fields = {name: values @ matrix if cloud.components.get(name) == ["x", "y", "z"] else values for name, values in cloud.fields.items()}
+    fields = {
+        name: values @ matrix if cloud.components.get(name) == ["x", "y", "z"] else values
+        for name, values in cloud.fields.items()
+    }
     return replace(cloud, points=cloud.points @ matrix, fields=fields)

@@ -3,8 +3,8 @@
     sgmp-view work-precision study/*/ --quantity bodies.bar.z --exact 7.31
     sgmp-view work-precision sgmp_*.out gimp_*.out --quantity energy.internal --exact 12.5 --cost wall_seconds
 
-Quantities are those of `sgmp-view convergence`; the cost is a number of summary.json. Runs of one method and update make a line, from
-coarse to fine cells.
+Quantities are those of `sgmp-view convergence`; the cost is a number of summary.json. Runs of one method and update
+make a line, from coarse to fine cells.
 """
 
 from pathlib import Path
@@ -19,11 +19,18 @@ MARKERS = "osD^vP"
 
 def arguments(parser):
     """Arguments of the command."""
-    parser.add_argument("folders", nargs="+", type=Path, metavar="OUT_DIR", help="output folders of runs that differ in method, cell or step")
+    parser.add_argument(
+        "folders", nargs="+", type=Path, metavar="OUT_DIR",
+        help="output folders of runs that differ in method, cell or step",
+    )
     parser.add_argument("--quantity", required=True, help="what to look at")
     parser.add_argument("--exact", type=float, required=True, help="its exact value")
-    parser.add_argument("--cost", default="cpu_seconds", help="cpu_seconds (default), solve_seconds, wall_seconds, steps, …")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="picture; default: work-precision.png in the first folder")
+    parser.add_argument(
+        "--cost", default="cpu_seconds", help="cpu_seconds (default), solve_seconds, wall_seconds, steps, …"
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="picture; default: work-precision.png in the first folder"
+    )
 
 
 def lines_of(options):
@@ -31,7 +38,10 @@ def lines_of(options):
     lines = {}
     for folder in options.folders:
         summary = read_summary(folder_of(folder))
-        point = float(summary["h"]), quantity_of(folder, options.cost), abs(quantity_of(folder, options.quantity) - options.exact)
+        point = (
+            float(summary["h"]), quantity_of(folder, options.cost),
+            abs(quantity_of(folder, options.quantity) - options.exact),
+        )
         lines.setdefault(f"{summary['method']} {summary['update']}", []).append(point)
     return {name: sorted(points, reverse=True) for name, points in lines.items()}
 
@@ -47,10 +57,18 @@ def run(options):
     with plt.rc_context(plot_style()):
         figure, axis = plt.subplots(figsize=(6, 4.2), layout="constrained")
         for number, (name, points) in enumerate(lines.items()):
-            axis.loglog([cost for _, cost, _ in points], [error for _, _, error in points], MARKERS[number % len(MARKERS)] + "-", label=name)
+            axis.loglog(
+                [cost for _, cost, _ in points], [error for _, _, error in points],
+                MARKERS[number % len(MARKERS)] + "-", label=name,
+            )
         words, seconds, _ = options.cost.partition("_seconds")
-        axis.set(xlabel=label({"cpu": "CPU time", "solve": "time of the solution", "wall": "wall time"}.get(words, words), "s" if seconds else ""),
-                 ylabel=f"error of {options.quantity}")
+        axis.set(
+            xlabel=label(
+                {"cpu": "CPU time", "solve": "time of the solution", "wall": "wall time"}.get(words, words),
+                "s" if seconds else "",
+            ),
+            ylabel=f"error of {options.quantity}",
+        )
         axis.legend()
         figure.savefig(output)
         plt.close(figure)

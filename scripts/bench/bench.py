@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """Nanoseconds per particle and step of the solver on this machine, beside targets and ceilings.
 
-usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT] [--options | --against OTHER [--cpu]] [--set NAME=VALUE] [--prefix COMMAND] [--output DIR]
+usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT] [--options | --against OTHER [--cpu]] [--set NAME=VALUE]
+[--prefix COMMAND] [--output DIR]
 
 In one sitting it measures the machine (multiply-adds from registers, a triad through memory, a plain scalar loop of the
-same method: the Fortran programs beside), then every case several times. The median of the solver's own solve_seconds counts (reading the
-deck and making the particles does not); beside it stand wall and CPU seconds of the whole process. Writes results.json and table.md and prints the table; scripts/bench/compare_bench.py
-puts two results side by side, --against takes turns with another executable in one sitting (a busy machine then slows both), scripts/bench/plot_bench.py draws the roofline. How flops and bytes are counted: doc/performance.md.
+same method: the Fortran programs beside), then every case several times. The median of the solver's own solve_seconds
+counts (reading the deck and making the particles does not); beside it stand wall and CPU seconds of the whole process.
+Writes results.json and table.md and prints the table; scripts/bench/compare_bench.py puts two results side by side,
+--against takes turns with another executable in one sitting (a busy machine then slows both),
+scripts/bench/plot_bench.py draws the roofline. How flops and bytes are counted: doc/performance.md.
 """
 import argparse
 import json
@@ -31,12 +34,15 @@ BLOCK_NS = 50  # dense elastic block, one thread, of the machine for which the s
 
 
 class Case:
-    """A scene, its parameters, and what is known of its particles. `targets` are nanoseconds by threads; those of `scaled` hold where the
-    dense elastic block takes 50 ns, and grow and shrink with it."""
+    """A scene, its parameters, and what is known of its particles. `targets` are nanoseconds by threads; those of
+    `scaled` hold where the dense elastic block takes 50 ns, and grow and shrink with it."""
 
-    def __init__(self, name, deck, targets=None, scaled=None, ndim=3, stencil=2, history=1, output=False, ppc=8, block=False, cards="",
-                 **parameters):
-        self.name, self.deck, self.targets, self.scaled = name, deck, targets or {}, scaled or {}  # deck: of input/ or of this folder
+    def __init__(
+        self, name, deck, targets=None, scaled=None, ndim=3, stencil=2, history=1, output=False, ppc=8, block=False,
+        cards="", **parameters,
+    ):
+        # deck: of input/ or of this folder
+        self.name, self.deck, self.targets, self.scaled = name, deck, targets or {}, scaled or {}
         self.cards = cards  # lines added to the deck
         self.ndim, self.stencil, self.ppc, self.block, self.output = ndim, stencil, ppc, block, output
         self.history = history  # columns that a particle stores beside its stress
@@ -75,10 +81,21 @@ def section(name, material, space):
     target = {"2": 35, "axisymmetric": 40}[space[0]] if material == "elastic" else None
     dimension, (first, second) = space
     velocity = f'velocity section {first}="5e-3*sin(pi*{first}/edge)" {second}="5e-3*cos(pi*{second}/edge)"'
-    return Case(name, "section.inp", scaled={1: target} if target else None, ndim=2, ppc=4, history=4 if material == "impact" else 1, cards=velocity, material=material, space=dimension)
+    return Case(
+        name,
+        "section.inp",
+        scaled={1: target} if target else None,
+        ndim=2,
+        ppc=4,
+        history=4 if material == "impact" else 1,
+        cards=velocity,
+        material=material,
+        space=dimension,
+    )
 
 
-# The targets of the dense block are those of hand-made kernels on one 3.66 GHz Zen 4 core with AVX-512 (doc/performance.md).
+# The targets of the dense block are those of hand-made kernels on one 3.66 GHz Zen 4 core with AVX-512
+# (doc/performance.md).
 CASES = [
     block("block sgmp elastic", {1: 32, 2: 17}),
     block("block sgmp j2", {1: 32, 2: 17}, history=2, material="j2"),
@@ -90,9 +107,28 @@ CASES = [
     block("block sgmp, 5 % at random", scaled={1: 75}, drift=0.05, jitter=0.49),  # as many in every step
     block("block sgmp normalised", stress="normalised"),
     Case("taylor bar", "taylor_bar.inp", scaled={1: 65, 2: 36}, history=3, cfl=1.8),
-    *(Case(f"taylor bar, cfl 0.8, {method}", "taylor_bar.inp", scaled={1: 65, 2: 36} if method == "sgmp" else None,
-           stencil=3 if method == "gimp" else 2, history=3, cfl=0.8, method=method) for method in ("sgmp", "mpm", "gimp")),
-    Case("taylor bar, axisymmetric", "taylor_bar_axisymmetric.inp", scaled={1: 40}, ndim=2, ppc=4, history=3, h=0.19, cfl=0.8),
+    *(
+        Case(
+            f"taylor bar, cfl 0.8, {method}",
+            "taylor_bar.inp",
+            scaled={1: 65, 2: 36} if method == "sgmp" else None,
+            stencil=3 if method == "gimp" else 2,
+            history=3,
+            cfl=0.8,
+            method=method,
+        )
+        for method in ("sgmp", "mpm", "gimp")
+    ),
+    Case(
+        "taylor bar, axisymmetric",
+        "taylor_bar_axisymmetric.inp",
+        scaled={1: 40},
+        ndim=2,
+        ppc=4,
+        history=3,
+        h=0.19,
+        cfl=0.8,
+    ),
     Case("taylor bar, its output", "taylor_bar.inp", history=3, output=True, cfl=1.8),
     Case("taylor bar, largest step", "taylor_bar.inp", history=3, cfl=2.2),  # of the sound speed
     Case("rings 2D, contact", "rings.inp", scaled={1: 60}, ndim=2, ppc=4, history=5, t_end=0.6),
@@ -100,7 +136,11 @@ CASES = [
     Case("tnt slab 1D, 2 per cell", "tnt_slab.inp", scaled={1: 25}, ndim=1, ppc=2, history=3, h=0.05),
     Case("beam 2D, 4 per cell", "beam.inp", scaled={1: 35}, ndim=2, ppc=4, t_end=0.005),
     Case("tnt on steel 3D", "tnt_steel.inp", history=4),
-    *(section(f"{what}, {material}", material, space) for material in ("elastic", "impact") for what, space in SPACES.items()),
+    *(
+        section(f"{what}, {material}", material, space)
+        for material in ("elastic", "impact")
+        for what, space in SPACES.items()
+    ),
 ]
 
 
@@ -184,7 +224,8 @@ def measure(sgmp, case, threads, options, machine, scratch):
 
 
 def measure_machine(options, tools, scratch):
-    """Ceilings, the dense block by which targets are scaled, and the plain scalar loop - after a look whether it computes what the solver does."""
+    """Ceilings, the dense block by which targets are scaled, and the plain scalar loop - after a look whether it
+    computes what the solver does."""
     prefix = shlex.split(options.prefix)
     threads = max(options.threads)
     ceilings = json.loads(call(prefix, [str(tools/"ceilings")], threads))
@@ -195,7 +236,10 @@ def measure_machine(options, tools, scratch):
     share = energy["kinetic"]/energy["initial_total"]
     if abs(plain["kinetic_share"] - share) > 1e-6:
         sys.exit(f"bench: the reference loop keeps {plain['kinetic_share']} of the kinetic energy, the solver {share}")
-    dense = [solve(options.sgmp, CASES[0], options.cells, 1, prefix, scratch)["ns_per_particle_step"] for _ in range(options.runs)]
+    dense = [
+        solve(options.sgmp, CASES[0], options.cells, 1, prefix, scratch)["ns_per_particle_step"]
+        for _ in range(options.runs)
+    ]
     return {"ceilings": ceilings, "reference_ns": reference["ns"], "block_ns": statistics.median(dense)}
 
 
@@ -204,8 +248,11 @@ def measure_options(options, scratch):
     costs = {case.name: [] for case in OPTIONS}
     for _ in range(options.runs + 2):
         for case in OPTIONS:
-            costs[case.name].append(solve(options.sgmp, case, min(options.cells, 32), 1, shlex.split(options.prefix), scratch)
-                                    ["ns_per_particle_step"])
+            costs[case.name].append(
+                solve(options.sgmp, case, min(options.cells, 32), 1, shlex.split(options.prefix), scratch)[
+                    "ns_per_particle_step"
+                ]
+            )
     plain = statistics.median(costs["plain"])
     print("\ncost of options, sgmp elastic, 1 thread")
     for name, values in costs.items():
@@ -213,7 +260,8 @@ def measure_options(options, scratch):
 
 
 def measure_pairs(options, scratch):
-    """Every case by two executables in turns; the median of the ratios pair by pair, and whether both made the same particles."""
+    """Every case by two executables in turns; the median of the ratios pair by pair, and whether both made the same
+    particles."""
     other = str(pathlib.Path(options.against).resolve())
     prefix = shlex.split(options.prefix)
     print(f"{'case':28s} th     this    other   ratio: median least most  checksums")
@@ -235,8 +283,12 @@ def measure_pairs(options, scratch):
                    "other": statistics.median(cost[1] for cost in costs), "ratio": statistics.median(ratios_of),
                    "least": ratios_of[0], "most": ratios_of[-1], "same": len(sums) == 1}
             pairs.append(row)
-            print(f"{case.name:28s} {threads:2d} {row['this']:8.2f} {row['other']:8.2f} {row['ratio']:14.3f} {row['least']:5.2f}"
-                  f" {row['most']:4.2f}  {'same' if row['same'] else 'differ'}", flush=True)
+            print(
+                f"{case.name:28s} {threads:2d} {row['this']:8.2f} {row['other']:8.2f} {row['ratio']:14.3f} "
+                f"{row['least']:5.2f}"
+                f" {row['most']:4.2f}  {'same' if row['same'] else 'differ'}",
+                flush=True,
+            )
     folder = pathlib.Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
     (folder/"pairs.json").write_text(json.dumps(pairs, indent=1))
@@ -257,21 +309,32 @@ def show(row):
     """One line of the table."""
     target = f"{row['target']:6.0f} {row['ns_median']/row['target']:5.2f}" if row["target"] else " "*12
     phases = " ".join(f"{percent:3.0f}" for percent in row["phases_percent"].values())
-    print(f"{row['case']:28s} {row['threads']:2d} {row['ns_median']:7.1f} {row['ns_min']:7.1f} {target}"
-          f" {100*row['share_of_peak']:5.0f} % {100*row['share_of_bandwidth']:5.0f} % {row['gain_over_reference']:6.1f}"
-          f" {row['solve_wall_seconds']:7.2f} {row['process_wall_seconds']:6.2f} {row['process_cpu_seconds']:6.2f}   {phases}", flush=True)
+    print(
+        f"{row['case']:28s} {row['threads']:2d} {row['ns_median']:7.1f} {row['ns_min']:7.1f} {target}"
+        f" {100 * row['share_of_peak']:5.0f} % {100 * row['share_of_bandwidth']:5.0f} % "
+        f"{row['gain_over_reference']:6.1f}"
+        f" {row['solve_wall_seconds']:7.2f} {row['process_wall_seconds']:6.2f} {row['process_cpu_seconds']:6.2f}   "
+        f"{phases}",
+        flush=True,
+    )
 
 
 def markdown(rows):
     """The table of doc/performance.md and README.md."""
-    lines = ["| case | threads | ns, median (least) | target | ratio | of multiply-add peak | of bandwidth | gain over plain loop "
-             "| solve, wall s | process, wall s | process, CPU s |", "|---|---|---|---|---|---|---|---|---|---|---|"]
+    lines = [
+        "| case | threads | ns, median (least) | target | ratio | of multiply-add peak | of bandwidth | gain over "
+        "plain loop "
+        "| solve, wall s | process, wall s | process, CPU s |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
+    ]
     for row in rows:
         target = f"{row['target']:.0f} | {row['ns_median']/row['target']:.2f}" if row["target"] else " | "
-        lines.append(f"| {row['case']} | {row['threads']} | {row['ns_median']:.1f} ({row['ns_min']:.1f}) | {target} "
-                     f"| {100*row['share_of_peak']:.0f} % | {100*row['share_of_bandwidth']:.0f} % "
-                     f"| {row['gain_over_reference']:.1f} | {row['solve_wall_seconds']:.2f} | {row['process_wall_seconds']:.2f} "
-                     f"| {row['process_cpu_seconds']:.2f} |")
+        lines.append(
+            f"| {row['case']} | {row['threads']} | {row['ns_median']:.1f} ({row['ns_min']:.1f}) | {target} "
+            f"| {100 * row['share_of_peak']:.0f} % | {100 * row['share_of_bandwidth']:.0f} % "
+            f"| {row['gain_over_reference']:.1f} | {row['solve_wall_seconds']:.2f} | {row['process_wall_seconds']:.2f} "
+            f"| {row['process_cpu_seconds']:.2f} |"
+        )
     return "\n".join(lines) + "\n"
 
 
@@ -291,18 +354,36 @@ def ratios(rows):
         return a/b if a and b else None
 
     dense = cost("block sgmp elastic")
-    return [entry for entry in [
-        ("sgmp over mpm, 1 thread", divide(dense, cost("block mpm elastic")), "<= 1.20"),
-        ("taylor bar over dense block with johnson-cook, eos", divide(cost("taylor bar"), cost("block sgmp johnson-cook, eos")),
-         "<= 1.30"),
-        ("two threads' efficiency", divide(dense, 2*(cost("block sgmp elastic", 2) or 0)), ">= 0.92"),
-        ("1D over 3D, per flop", divide(per_flop("bar 1D, 2 per cell"), per_flop("block sgmp elastic")), "<= 1.50"),
-        ("2D over 3D, per flop", divide(per_flop("beam 2D, 4 per cell"), per_flop("block sgmp elastic")), "<= 1.50"),
-        ("rings over bars, elastic", divide(cost("section of rings, elastic"), cost("section in the plane, elastic")), "<= 1.15"),
-        ("rings over bars, johnson-cook, eos", divide(cost("section of rings, impact"), cost("section in the plane, impact")), "<= 1.15"),
-        ("rings with contact, two threads over one", divide(cost("rings 2D, contact", 2), cost("rings 2D, contact")), "< 1"),
-        ("taylor bar, output on over off", divide(cost("taylor bar, its output"), cost("taylor bar")), ""),
-    ] if entry[1]]
+    return [
+        entry
+        for entry in [
+            ("sgmp over mpm, 1 thread", divide(dense, cost("block mpm elastic")), "<= 1.20"),
+            (
+                "taylor bar over dense block with johnson-cook, eos",
+                divide(cost("taylor bar"), cost("block sgmp johnson-cook, eos")), "<= 1.30",
+            ),
+            ("two threads' efficiency", divide(dense, 2 * (cost("block sgmp elastic", 2) or 0)), ">= 0.92"),
+            ("1D over 3D, per flop", divide(per_flop("bar 1D, 2 per cell"), per_flop("block sgmp elastic")), "<= 1.50"),
+            (
+                "2D over 3D, per flop", divide(per_flop("beam 2D, 4 per cell"), per_flop("block sgmp elastic")),
+                "<= 1.50",
+            ),
+            (
+                "rings over bars, elastic",
+                divide(cost("section of rings, elastic"), cost("section in the plane, elastic")), "<= 1.15",
+            ),
+            (
+                "rings over bars, johnson-cook, eos",
+                divide(cost("section of rings, impact"), cost("section in the plane, impact")), "<= 1.15",
+            ),
+            (
+                "rings with contact, two threads over one",
+                divide(cost("rings 2D, contact", 2), cost("rings 2D, contact")), "< 1",
+            ),
+            ("taylor bar, output on over off", divide(cost("taylor bar, its output"), cost("taylor bar")), ""),
+        ]
+        if entry[1]
+    ]
 
 
 def main():
@@ -313,8 +394,12 @@ def main():
     parser.add_argument("--cells", type=int, default=64, help="cells along the dense block's edge (default 64)")
     parser.add_argument("--options", action="store_true", help="measure what options cost, nothing else")
     parser.add_argument("--against", default="", help="another executable: runs take turns, nothing else is measured")
-    parser.add_argument("--cpu", action="store_true", help="with --against: CPU seconds of the process, for a machine with other work")
-    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="parameter of the decks, such as steps=4000")
+    parser.add_argument(
+        "--cpu", action="store_true", help="with --against: CPU seconds of the process, for a machine with other work"
+    )
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="parameter of the decks, such as steps=4000"
+    )
     parser.add_argument("--only", default="", help="only cases whose name contains this text")
     parser.add_argument("--prefix", default="", help="command to start every run with, such as `taskset -c 2,3`")
     parser.add_argument("--threads", type=int, nargs="*", default=[1, 2], help="numbers of threads (default 1 2)")
@@ -338,10 +423,16 @@ def main():
         for threads, ceiling in machine["ceilings"].items():
             print(f"{threads} thread(s): {ceiling['gigaflops']:.1f} Gflop/s of multiply-adds,"
                   f" {ceiling['gigabytes_per_second']:.1f} GB/s (triad)")
-        print(f"plain scalar loop of sgmp, elastic: {machine['reference_ns']:.0f} ns per particle and step; dense block {machine['block_ns']:.1f} ns: "
-              f"targets but the block's own are {machine['block_ns']/BLOCK_NS:.2f} times those for {BLOCK_NS} ns")
-        print("\nns per particle and step; seconds: solution (wall), process (wall, CPU); phases in percent: momentum sweep, stress sweep,"
-              " grid, re-binning, output, step limit, halo, balancing, contact, start, end")
+        print(
+            f"plain scalar loop of sgmp, elastic: {machine['reference_ns']:.0f} ns per particle and step; dense "
+            f"block {machine['block_ns']:.1f} ns: "
+            f"targets but the block's own are {machine['block_ns'] / BLOCK_NS:.2f} times those for {BLOCK_NS} ns"
+        )
+        print(
+            "\nns per particle and step; seconds: solution (wall), process (wall, CPU); phases in percent: momentum "
+            "sweep, stress sweep,"
+            " grid, re-binning, output, step limit, halo, balancing, contact, start, end"
+        )
         print(f"{'case':28s} th  median   least target ratio    peak  memory   gain   solve   wall    CPU   phases")
         for case in CASES:
             for threads in options.threads:

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Two results of bench.py side by side, with the ratio of their medians; where the machines (or their moods) differ, also
-the ratio of the gains over the plain scalar loop that each measured in its own sitting.
+"""Two results of bench.py side by side, with the ratio of their medians; where the machines (or their moods) differ,
+also the ratio of the gains over the plain scalar loop that each measured in its own sitting.
 
 usage: compare_bench.py OLD/results.json NEW/results.json
 """

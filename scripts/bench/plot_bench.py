@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws the roofline of a result of bench.py: flops per second of every case against its flops per byte of particle data.
+"""Draws the roofline of a result of bench.py: flops per second of every case against its flops per byte of particle
+data.
 
 usage: plot_bench.py [build/bench/results.json] [-o PICTURE]
 """
@@ -22,10 +23,14 @@ def draw(results, picture):
     for threads, ceiling in results["ceilings"].items():
         colour = COLOURS.get(int(threads), "grey")
         peak, stream = ceiling["gigaflops"], ceiling["gigabytes_per_second"]
-        axes.plot([intensities[0], peak/stream, intensities[1]], [intensities[0]*stream, peak, peak], color=colour, lw=1.5)
+        axes.plot(
+            [intensities[0], peak / stream, intensities[1]], [intensities[0] * stream, peak, peak], color=colour, lw=1.5
+        )
         label = "thread" if threads == "1" else "threads"
-        axes.annotate(f"{threads} {label}: {peak:.0f} Gflop/s, {stream:.0f} GB/s", (intensities[1], peak), xytext=(-2, 4),
-                      textcoords="offset points", ha="right", color=colour, fontsize=9)
+        axes.annotate(
+            f"{threads} {label}: {peak:.0f} Gflop/s, {stream:.0f} GB/s", (intensities[1], peak), xytext=(-2, 4),
+            textcoords="offset points", ha="right", color=colour, fontsize=9,
+        )
     names = list(dict.fromkeys(row["case"] for row in results["rows"]))
     for row in results["rows"]:
         x, y = row["flops"]/row["bytes"], row["flops"]/row["ns_median"]

@@ -104,7 +104,9 @@ def own_rules(paths):
         large += [(size, f"{path}:{first}: {name} has {size} lines")
                   for size, first, name in procedure_sizes(lines) if size > PROCEDURE_LINES]
         if "kernels" not in path.parts:
-            many += [(count, f"{path}:{first}: {name} has {count} arguments") for count, first, name in long_lists(lines)]
+            many += [
+                (count, f"{path}:{first}: {name} has {count} arguments") for count, first, name in long_lists(lines)
+            ]
     large.append((0, f"{len(many)} procedures outside of kernels/ have more than {ARGUMENTS} arguments"))
     return errors, [text for _, text in sorted(large, reverse=True) + sorted(many, reverse=True)]
 

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""Wraps paragraphs and list items of Markdown pages that have a line of more than 120 letters; leaves all others as they are.
+"""Wraps paragraphs and list items of Markdown pages that have a line of more than 120 letters; leaves all others as
+they are.
 
     python3 scripts/dev/wrap.py README.md doc/*.md          # in place; prints the pages that it changed
-    python3 scripts/dev/wrap.py --check README.md doc/*.md  # prints lines that are too long; exit code 1 if there are some
+    python3 scripts/dev/wrap.py --check README.md doc/*.md  # prints lines that are too long; exit code 1 if there are
+    some
 
 Tables and headings are left alone, and so are rows of tables when lines are counted: a row cannot be wrapped. In blocks
-of code a comment that makes a line too long goes above it. Code within a line is not broken, for commands in it are tested (tests/regression/documents.py).
+of code a comment that makes a line too long goes above it. Code within a line is not broken, for commands in it are
+tested (tests/regression/documents.py).
 """
 import argparse
 import pathlib

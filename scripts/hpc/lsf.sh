@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# LSF job that runs a deck to its end, however many jobs that takes: LSF warns it with SIGUSR1, it writes a checkpoint and
-# ends with code 6, for which LSF puts it back into the queue (-Q).
+# LSF job that runs a deck to its end, however many jobs that takes: LSF warns it with SIGUSR1, it writes a checkpoint
+# and ends with code 6, for which LSF puts it back into the queue (-Q).
 #
 #   DECK=impact.inp bsub < scripts/hpc/lsf.sh
 #   DECK=impact.inp OPTIONS="--output $SCRATCH/impact" bsub -n 8 -W 24:00 < scripts/hpc/lsf.sh

@@ -2,7 +2,7 @@
 # Installs what the build needs and is missing; does nothing, quickly, where nothing is.
 #
 #   scripts/setup/setup.sh         compiler, MPI, HDF5, muParser, CMake; Python packages in build/venv
-#   scripts/setup/setup.sh --test  packages that only tests use in build/venv, and Chromium; what is missing is not tested
+#   scripts/setup/setup.sh --test  packages that only tests use in build/venv, and Chromium; else those tests say so
 #   scripts/setup/setup.sh --dev   the tools of make lint, format, coverage and doc in build/venv
 #
 # On Debian and Ubuntu, as root or with a passwordless sudo, system packages come from apt. Elsewhere it says what is
@@ -45,28 +45,30 @@ has_mpi_compiler() { has mpifort || has mpif90; }
 has_python() { has python3 && python3 -c 'import sys; sys.exit(sys.version_info < (3, 8))'; }
 has_python_venv() { has_python && python3 -c 'import venv, ensurepip' 2> /dev/null; }
 
-# check | Debian package | what it is ("optional": the build does without) | how a cluster provides it
+# check | Debian package | what it is ("optional": the build does without) | how a cluster provides
+# it: module load | spack install | conda install
 needs() {
   cat << 'LIST'
-has_c_compiler|gcc|a C compiler|module load gcc; spack install gcc; conda install c-compiler
-has_cxx_compiler|g++|a C++17 compiler (GNU 11 or later)|module load gcc; spack install gcc; conda install cxx-compiler
-has gfortran|gfortran|GNU Fortran 10 or later|module load gcc; spack install gcc; conda install gfortran
-has_mpi_compiler|libopenmpi-dev|MPI with Fortran modules (mpifort)|module load openmpi; spack install openmpi; conda install openmpi-mpifort
-has mpiexec|openmpi-bin|mpiexec|module load openmpi; spack install openmpi; conda install openmpi
-has h5pfc|libhdf5-openmpi-dev|parallel HDF5 with Fortran (h5pfc)|module load hdf5-parallel; spack install hdf5+mpi+fortran; conda install "hdf5=*=mpi_openmpi*"
-has_muparser|libmuparser-dev|muParser 2.3 or later (muParserBytecode.h)|module load muparser; spack install muparser; conda install muparser; then CMAKE_PREFIX_PATH
-has_recent_cmake|cmake|CMake 3.21 or later|module load cmake; spack install cmake; pip install cmake
-has make|make|make|module load gmake; spack install gmake; conda install make
-has_python|python3|Python 3.8 or later|module load python; spack install python; conda install python
-has_python_venv|python3-venv|Python's venv and ensurepip|module load python; spack install python; conda install python
-has git|git|optional: git, for the commit in the log|module load git; spack install git; conda install git
+has_c_compiler|gcc|a C compiler|gcc|gcc|c-compiler
+has_cxx_compiler|g++|a C++17 compiler (GNU 11 or later)|gcc|gcc|cxx-compiler
+has gfortran|gfortran|GNU Fortran 10 or later|gcc|gcc|gfortran
+has_mpi_compiler|libopenmpi-dev|MPI with Fortran modules (mpifort)|openmpi|openmpi|openmpi-mpifort
+has mpiexec|openmpi-bin|mpiexec|openmpi|openmpi|openmpi
+has h5pfc|libhdf5-openmpi-dev|parallel HDF5 with Fortran (h5pfc)|hdf5-parallel|hdf5+mpi+fortran|"hdf5=*=mpi_openmpi*"
+has_muparser|libmuparser-dev|muParser 2.3 or later (muParserBytecode.h)|muparser|muparser|muparser; CMAKE_PREFIX_PATH
+has_recent_cmake|cmake|CMake 3.21 or later|cmake|cmake|cmake; pip install cmake
+has make|make|make|gmake|gmake|make
+has_python|python3|Python 3.8 or later|python|python|python
+has_python_venv|python3-venv|Python's venv and ensurepip|python|python|python
+has git|git|optional: git, for the commit in the log|git|git|git
 LIST
 }
 
 missing_needs() {
-  local check package what cluster
-  while IFS='|' read -r check package what cluster; do
-    $check || printf '%s|%s|%s\n' "$package" "$what" "$cluster"
+  local check package what module spack conda
+  while IFS='|' read -r check package what module spack conda; do
+    $check || printf '%s|%s|module load %s; spack install %s; conda install %s\n' \
+      "$package" "$what" "$module" "$spack" "$conda"
   done < <(needs)
 }
 
@@ -157,7 +159,8 @@ install_python_packages() {
   # The solver does without them: go on, and let the scripts that draw say so again.
   echo "setup: numpy and matplotlib are missing: no pictures, and tests that need them will fail." >&2
   echo "  Debian, Ubuntu: apt-get install python3-numpy python3-matplotlib" >&2
-  echo "  cluster: module load scipy-stack or python-scientific; spack install py-numpy py-matplotlib; conda install numpy matplotlib" >&2
+  echo "  cluster: module load scipy-stack or python-scientific; spack install py-numpy py-matplotlib;" >&2
+  echo "    conda install numpy matplotlib" >&2
 }
 
 install_test_packages() {
@@ -165,11 +168,11 @@ install_test_packages() {
   echo "setup: pip could not install scripts/setup/requirements-test.txt; the tests that need it will be skipped" >&2
 }
 
-# The browser that shows the pages of reports to a test. Tried once: without it the pages are parsed only.
+# The browser that shows pages of reports and documents to a test. Tried once: without it the pages are parsed only.
 install_browser() {
   has chromium || has chromium-browser || has google-chrome || [ -e "$venv/.no-browser" ] && return 0
   can_install && apt_install chromium > /dev/null 2>&1 && return 0
-  echo "setup: no Chromium (Debian, Ubuntu: apt-get install chromium); pages of reports will be parsed, not shown" >&2
+  echo "setup: no Chromium (Debian, Ubuntu: apt-get install chromium); pages will be parsed, not shown" >&2
   touch "$venv/.no-browser" 2> /dev/null || true
 }
 

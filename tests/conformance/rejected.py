@@ -19,6 +19,8 @@ with tempfile.TemporaryDirectory() as scratch:
         run = subprocess.run([sys.executable, preprocessor, source, target], capture_output=True, text=True)
         said = run.stderr.strip()
         if run.returncode != 1 or not said.startswith(f"{source}:{line}: ") or message not in said or target.exists():
-            wrong.append(f"{source.name}: expected line {line}, ...{message}...; exit code {run.returncode}, said: {said}")
+            wrong.append(
+                f"{source.name}: expected line {line}, ...{message}...; exit code {run.returncode}, said: {said}"
+            )
 print(f"{len(files)} files, {len(wrong)} wrong")
 sys.exit("\n".join(wrong) or 0)

@@ -19,7 +19,9 @@ class Key:
             return True
         low, high = self.range[1:-1].split(",")
         low, high = float(low), float(high)
-        return (number > low or self.range[0] == "[" and number >= low) and (number < high or self.range[-1] == "]" and number <= high)
+        return (number > low or self.range[0] == "[" and number >= low) and (
+            number < high or self.range[-1] == "]" and number <= high
+        )
 
 
 def reference(sgmp):
@@ -34,12 +36,15 @@ def reference(sgmp):
             cells = [cell.strip(" |") for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
             name, kind, _, default, range_, applies = cells[:6]
             found = re.match(r"`([^`]+)`(?: \(word (\d+)\))?", name)
-            card.append(Key(found.group(1), int(found.group(2) or 0), kind, default, range_.strip("`"), applies.split()))
+            card.append(
+                Key(found.group(1), int(found.group(2) or 0), kind, default, range_.strip("`"), applies.split())
+            )
     return cards
 
 
 def tokens(line):
-    """Words, quoted texts and equals signs of a line up to a comment: (kind, text), and whether it goes on in the next."""
+    """Words, quoted texts and equals signs of a line up to a comment: (kind, text), and whether it goes on in the
+    next."""
     found, place, goes_on = [], 0, False
     while place < len(line):
         letter = line[place]
@@ -85,7 +90,8 @@ def statements(text):
 
 
 def objections(text, cards):
-    """What an accepted deck must not have: cards and keys that do not exist or do not apply, plain numbers out of range."""
+    """What an accepted deck must not have: cards and keys that do not exist or do not apply, plain numbers out of
+    range."""
     for words in statements(text):
         name = words[0][1].lower()
         if name in ("parameter", "include"):

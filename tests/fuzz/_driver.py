@@ -8,7 +8,9 @@ import subprocess
 import sys
 import time
 
-CRASH = re.compile(r"Backtrace|SIG[A-Z]{3,}|runtime error|terminate called|AddressSanitizer|At line \d+ of file|Fortran runtime")
+CRASH = re.compile(
+    r"Backtrace|SIG[A-Z]{3,}|runtime error|terminate called|AddressSanitizer|At line \d+ of file|Fortran runtime"
+)
 
 
 HANGS = (-signal.SIGXCPU, -signal.SIGALRM)  # too much of the processor, too long by the clock: split.c
@@ -72,7 +74,10 @@ class Findings:
         """Last line and exit code."""
         seconds = time.monotonic() - self.started
         ends = ", ".join(f"{count} with {code}" for code, count in sorted(codes.items()))
-        print(f"{inputs} {what} of seed {seed} in {seconds:.0f} s ({inputs/seconds:.0f} per second): {ends}; {self.count} findings")
+        print(
+            f"{inputs} {what} of seed {seed} in {seconds:.0f} s ({inputs / seconds:.0f} per second): {ends}; "
+            f"{self.count} findings"
+        )
         sys.exit(1 if self.count or not inputs else 0)
 
 

@@ -1,5 +1,6 @@
-"""What random scenes are made of beyond blocks of four solids: fluids, failure and erosion, shapes, motions. Each is drawn from a stream of random
-numbers that its caller gives, and is the text of cards; nothing here knows the rest of the scene.
+"""What random scenes are made of beyond blocks of four solids: fluids, failure and erosion, shapes, motions. Each is
+drawn from a stream of random numbers that its caller gives, and is the text of cards; nothing here knows the rest of
+the scene.
 
 Stiffnesses count in the scene's Young's modulus, so that soft and stiff matter fail and flow alike."""
 import math
@@ -35,7 +36,11 @@ def fluid(luck, numbers):
 def soil(luck, numbers):
     """Drucker and Prager's."""
     cohesion = luck.choice(("", " cohesion={young}*0.01", " cohesion={young}*0.003 tension={young}*0.001 dilatancy=10"))
-    return [("material {name} drucker_prager density={density} young={young} poisson={poisson} friction=30" + cohesion).format(**numbers)]
+    return [
+        (
+            "material {name} drucker_prager density={density} young={young} poisson={poisson} friction=30" + cohesion
+        ).format(**numbers)
+    ]
 
 
 def damage_constants(luck, line):
@@ -45,7 +50,8 @@ def damage_constants(luck, line):
 
 
 def failure(luck, numbers, damages, cell_energy):
-    """The card failure of a plastic material. A crack takes more energy than a cell holds: multiples of what is given per area."""
+    """The card failure of a plastic material. A crack takes more energy than a cell holds: multiples of what is given
+    per area."""
     words = [f"failure {numbers['name']}"]
     criteria = {"pmin": f"pmin=-{numbers['young']}*{luck.choice((0.003, 0.02))}",
                 "principal_stress": f"principal_stress={numbers['young']}*{luck.choice((0.003, 0.02))}",
@@ -89,21 +95,34 @@ def row(luck, dimension, lower, upper, size):
     copies = luck.choice((2, 3))
     offset = size[0]/copies
     first = [lower[0] + offset*luck.choice((1, 1, 0.6)), *upper[1:]]
-    return f"block lower={vector(lower)} upper={vector(first)} copies={copies} offset={vector([offset] + [0]*(dimension - 1))}", []
+    return (
+        f"block lower={vector(lower)} upper={vector(first)} copies={copies} "
+        f"offset={vector([offset] + [0] * (dimension - 1))}",
+        [],
+    )
 
 
 def polygon(luck, dimension, lower, upper, size):
     """A triangle, an angle or an arrow; in space with a length."""
-    corners = luck.choice((((0, 0), (1, 0), (0.3, 1)), ((0, 0), (1, 0), (1, 0.4), (0.4, 0.4), (0.4, 1), (0, 1)), ((0, 0), (0.5, 0.3), (1, 0), (0.5, 1))))
+    corners = luck.choice(
+        (
+            ((0, 0), (1, 0), (0.3, 1)), ((0, 0), (1, 0), (1, 0.4), (0.4, 0.4), (0.4, 1), (0, 1)),
+            ((0, 0), (0.5, 0.3), (1, 0), (0.5, 1)),
+        )
+    )
     length = f" centre={vector([0, 0, lower[2]])} length={upper[2] - lower[2]:g}" if dimension == 3 else ""
-    return "polygon corners=" + ",".join(vector([low + part*side for low, part, side in zip(lower, corner, size)]) for corner in corners) + length, []
+    return "polygon corners=" + ",".join(
+        vector([low + part * side for low, part, side in zip(lower, corner, size)]) for corner in corners
+    ) + length, []
 
 
 def revolved(luck, _dimension, lower, _upper, size):
     """A cone, or a bottle that is hollow, about one of the axes."""
     along = luck.randint(0, 2)
     radius = min(side for axis, side in enumerate(size) if axis != along)/2
-    corners = luck.choice((((0, 0), (1, 0), (0, 1)), ((0, 0), (1, 0), (1, 0.7), (0.4, 1), (0, 1)), ((0.4, 0), (1, 0), (1, 1), (0.6, 1))))
+    corners = luck.choice(
+        (((0, 0), (1, 0), (0, 1)), ((0, 0), (1, 0), (1, 0.7), (0.4, 1), (0, 1)), ((0.4, 0), (1, 0), (1, 1), (0.6, 1)))
+    )
     centre = [low if axis == along else low + side/2 for axis, (low, side) in enumerate(zip(lower, size))]
     axis = vector([1.0 if axis == along else 0.0 for axis in range(3)])
     return (f"revolved centre={vector(centre)} axis={axis} corners=" +
@@ -117,8 +136,11 @@ def turned(luck, dimension, lower, upper, size):
     matrix = rotation(math.radians(angle), axis)
     part = min(side/sum(abs(matrix[a][b])*other for b, other in enumerate(size)) for a, side in enumerate(size))
     middle = [(low + high)/2 for low, high in zip(lower, upper)]
-    text = (f"block lower={vector([at - part*side/2 for at, side in zip(middle, size)])} upper={vector([at + part*side/2 for at, side in zip(middle, size)])} "
-            f"rotation={angle} pivot={vector(middle)}")
+    text = (
+        f"block lower={vector([at - part * side / 2 for at, side in zip(middle, size)])} "
+        f"upper={vector([at + part * side / 2 for at, side in zip(middle, size)])} "
+        f"rotation={angle} pivot={vector(middle)}"
+    )
     return text + (f" rotation_axis={vector(axis)}" if dimension == 3 else ""), []
 
 
@@ -127,9 +149,12 @@ def hole(luck, dimension, lower, upper, size):
     middle = [(low + high)/2 for low, high in zip(lower, upper)]
     radius = 0.45*min(size)
     third = [low + side/3 for low, side in zip(lower, size)]
-    cards = [f"subtract {{name}} sphere centre={vector(middle)} radius={radius:g}",
-             f"intersect {{name}} sphere centre={vector(middle)} radius={1.1*radius:g}",
-             f"subtract {{name}} block lower={vector(lower)} upper={vector(third)} copies=2 offset={vector([size[0]/2] + [0]*(dimension - 1))}"]
+    cards = [
+        f"subtract {{name}} sphere centre={vector(middle)} radius={radius:g}",
+        f"intersect {{name}} sphere centre={vector(middle)} radius={1.1 * radius:g}",
+        f"subtract {{name}} block lower={vector(lower)} upper={vector(third)} copies=2 "
+        f"offset={vector([size[0] / 2] + [0] * (dimension - 1))}",
+    ]
     return f"block lower={vector(lower)} upper={vector(upper)}", [luck.choice(cards if min(size) > 1 else cards[1:2])]
 
 
@@ -141,8 +166,11 @@ def rotation(angle, axis):
     length = math.sqrt(sum(component**2 for component in axis))
     x, y, z = (component/length for component in axis)
     c, s = math.cos(angle), math.sin(angle)
-    return [[c + x*x*(1 - c), x*y*(1 - c) - z*s, x*z*(1 - c) + y*s], [y*x*(1 - c) + z*s, c + y*y*(1 - c), y*z*(1 - c) - x*s],
-            [z*x*(1 - c) - y*s, z*y*(1 - c) + x*s, c + z*z*(1 - c)]]
+    return [
+        [c + x * x * (1 - c), x * y * (1 - c) - z * s, x * z * (1 - c) + y * s],
+        [y * x * (1 - c) + z * s, c + y * y * (1 - c), y * z * (1 - c) - x * s],
+        [z * x * (1 - c) - y * s, z * y * (1 - c) + x * s, c + z * z * (1 - c)],
+    ]
 
 
 def turning(luck, dimension, formula):

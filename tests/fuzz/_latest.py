@@ -1,23 +1,34 @@
-"""What random scenes of later seeds have: later materials and porous matter, tables, loads, walls that move, particle files. As in _features.py each
-is drawn from a stream that its caller gives; what is known of a load from outside is said beside its card."""
+"""What random scenes of later seeds have: later materials and porous matter, tables, loads, walls that move, particle
+files. As in _features.py each is drawn from a stream that its caller gives; what is known of a load from outside is
+said beside its card."""
 import math
 
 # Strength in the scene's Young's modulus and yield stress; heat such that plastic work warms by some tens of degrees.
 METALS = {
-    "steinberg_guinan": "material {name} steinberg_guinan density={density} young={young} poisson={poisson} yield={weak} hardening_factor={factor} "
-                        "hardening_exponent=0.3 yield_limit={weak}*3 pressure_stiffening=0.3/{young} initial_strain={strain}",
-    "zerilli_armstrong": "material {name} zerilli_armstrong density={density} young={young} poisson={poisson} yield={weak}/2 "
-                         "hardening_modulus={young}/20 hardening_exponent=0.4 thermal_stress={weak} thermal_softening=0.005 thermal_rate=3e-4 "
-                         "thermal_hardening={weak}*{strain} reference_rate={rate}",
+    "steinberg_guinan": "material {name} steinberg_guinan density={density} young={young} poisson={poisson} "
+    "yield={weak} hardening_factor={factor} "
+    "hardening_exponent=0.3 yield_limit={weak}*3 pressure_stiffening=0.3/{young} initial_strain={strain}",
+    "zerilli_armstrong": "material {name} zerilli_armstrong density={density} young={young} poisson={poisson} "
+    "yield={weak}/2 hardening_modulus={young}/20 hardening_exponent=0.4 thermal_stress={weak} thermal_softening=0.005 "
+    "thermal_rate=3e-4 "
+    "thermal_hardening={weak}*{strain} reference_rate={rate}",
 }
 HEAT = {
-    "steinberg_guinan": ("", " specific_heat=0.01 melt_temperature=1300 thermal_softening=4e-4",
-                         " specific_heat=0.01 melt_temperature=1300 thermal_softening=4e-4 melt_slope=1.5 melt_gamma=2"),
+    "steinberg_guinan": (
+        "", " specific_heat=0.01 melt_temperature=1300 thermal_softening=4e-4",
+        " specific_heat=0.01 melt_temperature=1300 thermal_softening=4e-4 melt_slope=1.5 melt_gamma=2",
+    ),
     "zerilli_armstrong": ("", " specific_heat=0.01", " specific_heat=0.01 melt_temperature=1000"),
 }
-SOLID = ("eos {name} gruneisen c0=sqrt({young}/{density}) s=1.5 gamma0=2", "eos {name} shock c0=sqrt({young}/{density}) s=1.4 gamma0=1.5")
+SOLID = (
+    "eos {name} gruneisen c0=sqrt({young}/{density}) s=1.5 gamma0=2",
+    "eos {name} shock c0=sqrt({young}/{density}) s=1.4 gamma0=1.5",
+)
 # The constants of a porous material's equation are those of its solid.
-POROUS = "eos {name} {kind} c0=sqrt({young}/({density}*{distention})) s=1.5 gamma0=1.6 distention={distention} crush_start={start} crush_end={end}"
+POROUS = (
+    "eos {name} {kind} c0=sqrt({young}/({density}*{distention})) s=1.5 gamma0=1.6 distention={distention} "
+    "crush_start={start} crush_end={end}"
+)
 METAL_NAMES = ("j2", "johnson_cook", *METALS)
 
 
@@ -35,8 +46,13 @@ class Ramp:
         return f"{self.strength:g}" + (f"*{self.table.name}(t)" if self.kind == "table" else words[self.kind])
 
     def __call__(self, time):
-        return self.strength*{"constant": lambda t: 1.0, "rise": lambda t: min(t/2, 1.0), "pulse": lambda t: math.sin(math.pi*t/3)**2*(t < 3),
-                              "wave": lambda t: math.cos(2*t), "table": self.table}[self.kind](time)
+        return self.strength * {
+            "constant": lambda t: 1.0,
+            "rise": lambda t: min(t / 2, 1.0),
+            "pulse": lambda t: math.sin(math.pi * t / 3) ** 2 * (t < 3),
+            "wave": lambda t: math.cos(2 * t),
+            "table": self.table,
+        }[self.kind](time)
 
 
 class Table:
@@ -71,7 +87,12 @@ class Table:
 def metal(luck, numbers):
     """Steinberg and Guinan's or Zerilli and Armstrong's, with or without heat, an equation of state and pores."""
     kind = luck.choice(list(METALS))
-    numbers = {**numbers, "factor": luck.choice((0, 10)), "strain": luck.choice((0, 0.02)), "rate": luck.choice((1, 0.01))}
+    numbers = {
+        **numbers,
+        "factor": luck.choice((0, 10)),
+        "strain": luck.choice((0, 0.02)),
+        "rate": luck.choice((1, 0.01)),
+    }
     pores = luck.random() < 0.25
     heat = "" if pores else luck.choice(HEAT[kind])
     lines = [(METALS[kind] + heat).format(**numbers)]
@@ -86,15 +107,21 @@ def porous(luck, numbers):
     """An equation of state with pores that close at once, or hardly."""
     young = numbers["young"]
     start = young*luck.choice((0, 0.001, 0.01))
-    return POROUS.format(**numbers, kind=luck.choice(("gruneisen", "shock")), distention=luck.choice((1.05, 1.25, 2, 4)), start=f"{start:g}",
-                         end=f"{start + young*luck.choice((0.002, 0.02, 0.2)):g}")
+    return POROUS.format(
+        **numbers, kind=luck.choice(("gruneisen", "shock")), distention=luck.choice((1.05, 1.25, 2, 4)),
+        start=f"{start:g}", end=f"{start + young * luck.choice((0.002, 0.02, 0.2)):g}",
+    )
 
 
 def porous_matter(luck, numbers):
     """A foam: a fluid, or a metal."""
-    kinds = ("material {name} fluid density={density}", "material {name} fluid density={density} viscosity={young}*0.01",
-             "material {name} j2 density={density} young={young} poisson={poisson} yield={weak}",
-             "material {name} johnson_cook density={density} young={young} poisson={poisson} yield={weak} hardening_modulus={young}/20")
+    kinds = (
+        "material {name} fluid density={density}",
+        "material {name} fluid density={density} viscosity={young}*0.01",
+        "material {name} j2 density={density} young={young} poisson={poisson} yield={weak}",
+        "material {name} johnson_cook density={density} young={young} poisson={poisson} yield={weak} "
+        "hardening_modulus={young}/20",
+    )
     lines = [luck.choice(kinds).format(**numbers), porous(luck, numbers)]
     if "fluid" in lines[0] and luck.random() < 0.3:
         lines.append(f"failure {numbers['name']} pmin={luck.choice(('0', '-{young}*0.01')).format(**numbers)}")
@@ -105,14 +132,29 @@ def rubber(luck, numbers):
     """Mooney and Rivlin's, of the scene's modulus of shear."""
     part = luck.choice((0, 0.1, 0.3)) if numbers["poisson"] > 0 else 0  # poisson/(1 - 2 poisson) must be at least that
     shear = numbers["young"]/(4*(1 + numbers["poisson"]))
-    return [("material {name} mooney_rivlin density={density} poisson={poisson}" + f" c1={shear*(1 - part):g} c2={shear*part:g}").format(**numbers)]
+    return [
+        (
+            "material {name} mooney_rivlin density={density} poisson={poisson}"
+            + f" c1={shear * (1 - part):g} c2={shear * part:g}"
+        ).format(**numbers)
+    ]
 
 
 def soil(luck, numbers):
     """Mohr and Coulomb's."""
-    cohesion = luck.choice(("", " cohesion={young}*0.01", " cohesion={young}*0.003 tension={young}*0.001 dilatancy=10", " cohesion={young}*0.01 tension=0"))
-    return [("material {name} mohr_coulomb density={density} young={young} poisson={poisson}" + f" friction={luck.choice((12, 20, 35, 60))}" +
-             cohesion).format(**numbers)]
+    cohesion = luck.choice(
+        (
+            "", " cohesion={young}*0.01", " cohesion={young}*0.003 tension={young}*0.001 dilatancy=10",
+            " cohesion={young}*0.01 tension=0",
+        )
+    )
+    return [
+        (
+            "material {name} mohr_coulomb density={density} young={young} poisson={poisson}"
+            + f" friction={luck.choice((12, 20, 35, 60))}"
+            + cohesion
+        ).format(**numbers)
+    ]
 
 
 def linear(numbers):
@@ -122,12 +164,19 @@ def linear(numbers):
 
 def matter(luck, numbers):
     """One of all these."""
-    kinds = {"metal": metal, "porous": porous_matter, "rubber": rubber, "soil": soil, "linear": lambda _luck, numbers: linear(numbers)}
+    kinds = {
+        "metal": metal,
+        "porous": porous_matter,
+        "rubber": rubber,
+        "soil": soil,
+        "linear": lambda _luck, numbers: linear(numbers),
+    }
     return kinds[luck.choice(("metal", "metal", "porous", "porous", "rubber", "soil", "linear"))](luck, numbers)
 
 
 def particle_file(luck, axes, lower, size, materials):
-    """Text of a particle file for a block, whose particles are parted among materials, in any order and with any columns."""
+    """Text of a particle file for a block, whose particles are parted among materials, in any order and with any
+    columns."""
     named = len(materials) > 1 or luck.random() < 0.7
     spacing, jitter = luck.choice((0.5, 0.5, 0.4)), luck.choice((0, 0, 0.1))
     counts = [int(side/spacing + 1e-9) for side in size]
@@ -145,7 +194,11 @@ def particle_file(luck, axes, lower, size, materials):
                      **{f"velocity_{axis}": luck.choice((0, 0.1)) for axis in axes if moves}})
     luck.shuffle(rows)
     if not named:
-        return "".join(" ".join(repr(number) for number in ([row[axis] for axis in axes] + [0.0, 0.0])[:3] + [row["volume"]]) + "\n" for row in rows)
+        return "".join(
+            " ".join(repr(number) for number in ([row[axis] for axis in axes] + [0.0, 0.0])[:3] + [row["volume"]])
+            + "\n"
+            for row in rows
+        )
     columns = list(axes) + ["volume"] + [f"velocity_{axis}" for axis in axes if moves]
     columns += ["id"]*(luck.random() < 0.6) + ["material"]*(len(materials) > 1 or luck.random() < 0.5)
     luck.shuffle(columns)
@@ -168,8 +221,8 @@ class Block:
 
 
 def force(luck, name, axes, block, faces, areas_stay, alone, table):
-    """A card load, pressure or traction; and along which axes, by what factor of which function it pushes the scene, None where that is not known,
-    which it always is in scenes that are `alone`."""
+    """A card load, pressure or traction; and along which axes, by what factor of which function it pushes the scene,
+    None where that is not known, which it always is in scenes that are `alone`."""
     ramp, place = Ramp(luck, luck.choice((0.003, 0.03, -0.03, 0.3)), table), luck.choice(("", "", "", "0", " "))
     varies = "" if alone else {"": "", "0": f"*(1+0.1*{axes[0]}0)", " ": f"*cos({axes[-1]})"}[place]
     where = luck.choice(("", "", f' where="{axes[-1]}>{block.lower[-1] + block.size[-1]/2:g}"'))

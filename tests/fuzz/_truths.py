@@ -1,7 +1,8 @@
-"""Classes of random scenes whose truth is known without the program: closed forms, and scenes that are the same seen in another way.
+"""Classes of random scenes whose truth is known without the program: closed forms, and scenes that are the same seen in
+another way.
 
-Each class makes one or two decks from a seed and a `method` card, and says how far their ends are from the truth, as parts of what is asked for. Lengths,
-masses and times have no units but where `units` says so.
+Each class makes one or two decks from a seed and a `method` card, and says how far their ends are from the truth, as
+parts of what is asked for. Lengths, masses and times have no units but where `units` says so.
 """
 import math
 
@@ -9,7 +10,8 @@ SMALL = 1e-3  # of scenes that are the same but for round-off, which contact may
 
 
 def minima(rows, key):
-    """Times of the minima of a column that come after and before a value above half of its largest: by parabolas through three rows."""
+    """Times of the minima of a column that come after and before a value above half of its largest: by parabolas
+    through three rows."""
     values, times = [row[key] for row in rows], [row["time"] for row in rows]
     high, found, i = 0.4*max(values), [], 0
     while i < len(values):
@@ -52,10 +54,13 @@ def bessel(order, x):
 
 
 def vibration(result, period):
-    """Errors of a vibration whose kinetic energy is that of one mode: its frequency, and what is lost of its amplitude."""
+    """Errors of a vibration whose kinetic energy is that of one mode: its frequency, and what is lost of its
+    amplitude."""
     energies = [row["kinetic_energy"] for row in result.history]
     floor = min(energies)  # of a rigid motion that is not part of the mode
-    times = minima([{**row, "kinetic_energy": row["kinetic_energy"] - floor} for row in result.history], "kinetic_energy")
+    times = minima(
+        [{**row, "kinetic_energy": row["kinetic_energy"] - floor} for row in result.history], "kinetic_energy"
+    )
     if len(times) < 4:
         return [("frequency", 1.0, 0.05)]
     first = energies[0] - floor
@@ -157,23 +162,30 @@ class Strip(Truth):
         self.c, self.s = math.cos(math.radians(self.angle)), math.sin(math.radians(self.angle))
         length, self.pull, ramp, up = 12, 1e-3, 240, self.luck.uniform(0, h)
         along = f"(x*{self.c}+y*{self.s})"
-        self.decks = [f"""dimension 2
+        self.decks = [
+            f"""dimension 2
 grid cell={h}
 METHOD
-time end={2*ramp} cfl=0.5
+time end={2 * ramp} cfl=0.5
 damping rate=0.15
 material m elastic density=1 young=1 poisson=0.3
-body m block material=m lower=({-length/2},{up}) upper=({length/2},{1 + up}) ppc=2 rotation={self.angle}
-load m where="{along}>{length/2 - 0.6*h}" x="{self.pull*self.c}*min(t/{ramp},1)" y="{self.pull*self.s}*min(t/{ramp},1)"
-load m where="{along}<{0.6*h - length/2}" x="{-self.pull*self.c}*min(t/{ramp},1)" y="{-self.pull*self.s}*min(t/{ramp},1)"
+body m block material=m lower=({-length / 2},{up}) upper=({length / 2},{1 + up}) ppc=2 rotation={self.angle}
+load m where="{along}>{length / 2 - 0.6 * h}" x="{self.pull * self.c}*min(t/{ramp},1)" &
+  y="{self.pull * self.s}*min(t/{ramp},1)"
+load m where="{along}<{0.6 * h - length / 2}" x="{-self.pull * self.c}*min(t/{ramp},1)" &
+  y="{-self.pull * self.s}*min(t/{ramp},1)"
 history steps=50
 output csv at=end fields=displacement,initial_position,mass
-"""]
+"""
+        ]
 
     def errors(self, results):
         rows = results[0].rows
         thick = sum(row["mass"] for row in rows)/12
-        inner = [(row["x0"]*self.c + row["y0"]*self.s, row["displacement_x"]*self.c + row["displacement_y"]*self.s) for row in rows]
+        inner = [
+            (row["x0"] * self.c + row["y0"] * self.s, row["displacement_x"] * self.c + row["displacement_y"] * self.s)
+            for row in rows
+        ]
         inner = [pair for pair in inner if abs(pair[0]) < 4]
         mean = [sum(pair[i] for pair in inner)/len(inner) for i in (0, 1)]
         slope = sum((u - mean[0])*(v - mean[1]) for u, v in inner)/sum((u - mean[0])**2 for u, _ in inner)
@@ -188,27 +200,36 @@ class Pressed(Truth):
         angle, self.nu = self.luck.choice((0, self.luck.uniform(0, 90))), self.luck.choice((0, 0.3))
         self.area, self.p = 2*self.cells**2, 1e-3
         sides = "".join(f'pressure m face={face} p="{self.p}*min(t/60,1)"\n' for face in ("x-", "x+", "y-", "y+"))
-        self.decks = [f"""dimension 2
+        self.decks = [
+            f"""dimension 2
 grid cell=1
 METHOD
 time end=150 cfl=0.5
 damping rate=0.15
 material m elastic density=1 young=1 poisson={self.nu}
-body m block material=m lower=({self.luck.random()},{self.luck.random()}) size=({2*self.cells},{self.cells}) ppc=2 rotation={angle}
+body m block material=m lower=({self.luck.random()},{self.luck.random()}) size=({2 * self.cells},{self.cells}) &
+  ppc=2 rotation={angle}
 {sides}history steps=20
 output csv at=end fields=stress
-"""]
+"""
+        ]
         x, y = self.luck.random(), self.luck.random()
         self.decks[0] = self.decks[0].replace("lower=(", "lower=(", 1)
         head, _, tail = self.decks[0].partition("body m")
         tail = tail[tail.index("\n") + 1:]
-        self.decks = [f"{head}body m block material=m lower=({x},{y}) upper=({x + 2*self.cells},{y + self.cells}) ppc=2 rotation={angle}\n{tail}"]
+        self.decks = [
+            f"{head}body m block material=m lower=({x},{y}) upper=({x + 2 * self.cells},{y + self.cells}) ppc=2 "
+            f"rotation={angle}\n{tail}"
+        ]
 
     def errors(self, results):
         rows = results[0].rows
         mean = [sum(row[f"stress_{a}"] for row in rows)/len(rows)/self.p + 1 for a in ("xx", "yy")]
         energy = self.p**2*(1 + self.nu)*(1 - 2*self.nu)*self.area
-        return [("mean stress", max(mean, key=abs), 0.05), ("energy", results[0].history[-1]["internal_energy"]/energy - 1, 0.1)]
+        return [
+            ("mean stress", max(mean, key=abs), 0.05),
+            ("energy", results[0].history[-1]["internal_energy"] / energy - 1, 0.1),
+        ]
 
 
 class Spin(Truth):
@@ -355,7 +376,11 @@ class Flyer(Truth):
     def make(self):
         v, self.cells = self.luck.choice((400, 1000, 2500)), self.luck.choice((40, 80))
         space = self.luck.choice(("1", "2"))
-        grid, walls, box = ("", "", ("{}", "{}")) if space == "1" else (f"y=0:{4/self.cells}", "wall y-=slip y+=slip\n", ("({},0)", f"({{}},{4/self.cells})"))
+        grid, walls, box = (
+            ("", "", ("{}", "{}"))
+            if space == "1"
+            else (f"y=0:{4 / self.cells}", "wall y-=slip y+=slip\n", ("({},0)", f"({{}},{4 / self.cells})"))
+        )
         u = 0.5*v
         self.exact = 8.93e-3*(3940 + 1.49*u)*u
         self.time = 0.5/(3940 + 1.49*u)
@@ -424,21 +449,31 @@ class Crash(Truth):
         self.cfl = luck.choice((0.3, 0.5))
         self.decks = [self.text(), self.other()]
 
-    def text(self, place=lambda x, y: (x, y), turn=lambda x, y: (x, y), boost=(0.0, 0.0), rotation=0.0, swapped=False, scale=(1.0, 1.0, 1.0)):
+    def text(
+        self, place=lambda x, y: (x, y), turn=lambda x, y: (x, y), boost=(0.0, 0.0), rotation=0.0, swapped=False,
+        scale=(1.0, 1.0, 1.0),
+    ):
         """The deck: places and vectors are mapped; `scale` are the units of length, mass and time."""
         length, mass, time = scale
         centre = place(self.ball[0], self.ball[1] + self.radius)
         middle = place(0.0, 1.0) if rotation == 0 else (0.0, 1.0)  # turned about the origin
         v = turn(*self.v)
-        bodies = [f"body ball sphere material=m centre=({centre[0]*length},{centre[1]*length}) radius={self.radius*length} spacing={0.5*self.h*length}\n",
-                  f"body block block material=m lower=({(middle[0] - 2)*length},{(middle[1] - 1)*length}) upper=({(middle[0] + 2)*length},{(middle[1] + 1)*length}) "
-                  f"spacing={0.5*self.h*length} rotation={rotation}\n"]
+        bodies = [
+            f"body ball sphere material=m centre=({centre[0] * length},{centre[1] * length}) "
+            f"radius={self.radius * length} spacing={0.5 * self.h * length}\n",
+            f"body block block material=m lower=({(middle[0] - 2) * length},{(middle[1] - 1) * length}) "
+            f"upper=({(middle[0] + 2) * length},{(middle[1] + 1) * length}) "
+            f"spacing={0.5 * self.h * length} rotation={rotation}\n",
+        ]
         if swapped:
             bodies.reverse()
         words = self.matter.split()
         kind, numbers = words[0], dict(word.split("=") for word in words[1:])
         stress = mass/(length*time**2)
-        numbers = {name: float(value)*{"density": mass/length**3, "young": stress, "yield": stress}.get(name, 1.0) for name, value in numbers.items()}
+        numbers = {
+            name: float(value) * {"density": mass / length**3, "young": stress, "yield": stress}.get(name, 1.0)
+            for name, value in numbers.items()
+        }
         matter = kind + "".join(f" {name}={value!r}" for name, value in numbers.items())
         speed = length/time
         return f"""dimension 2
@@ -566,7 +601,11 @@ class Slab(Crash):
     """As a slice of space between walls."""
 
     def other(self):
-        lines = self.text().replace("dimension 2", "dimension 3").replace(f"grid cell={self.h*1.0}", f"grid cell={self.h*1.0} z=0:{2*self.h}\nwall z-=slip z+=slip")
+        lines = (
+            self.text()
+            .replace("dimension 2", "dimension 3")
+            .replace(f"grid cell={self.h * 1.0}", f"grid cell={self.h * 1.0} z=0:{2 * self.h}\nwall z-=slip z+=slip")
+        )
         out = []
         for line in lines.splitlines():
             if line.startswith("body ball"):
@@ -574,7 +613,11 @@ class Slab(Crash):
                 centre, _, tail = tail.partition(")")
                 line = f"{head.replace('sphere', 'cylinder')}centre=({centre},0) axis=(0,0,1) length={2*self.h}{tail}"
             if line.startswith("body block"):
-                line = line.replace(") upper=(", ",0) upper=(").replace(") spacing", f",{2*self.h}) spacing").replace("rotation=0.0", "")
+                line = (
+                    line.replace(") upper=(", ",0) upper=(")
+                    .replace(") spacing", f",{2 * self.h}) spacing")
+                    .replace("rotation=0.0", "")
+                )
             out.append(line)
         return "\n".join(out) + "\n"
 
@@ -593,7 +636,10 @@ material m {self.luck.choice(('elastic', 'neo_hookean'))} density=1 young=1 pois
 """
         motion = " x=\"0.05*sin(2*x+y)\" y=\"0.05*cos(x-y)\"\n"
         one = "body a block material=m lower=(0,0) upper=(3,1) ppc=2\nvelocity a" + motion
-        two = f"body a block material=m lower=(0,0) upper=({cut},1) ppc=2\nbody b block material=m lower=({cut},0) upper=(3,1) ppc=2\nvelocity a{motion}velocity b{motion}"
+        two = (
+            f"body a block material=m lower=(0,0) upper=({cut},1) ppc=2\nbody b block material=m "
+            f"lower=({cut},0) upper=(3,1) ppc=2\nvelocity a{motion}velocity b{motion}"
+        )
         self.decks = [head + one + "history steps=10\n", head + two + "history steps=10\n"]
 
     def errors(self, results):
@@ -601,5 +647,7 @@ material m {self.luck.choice(('elastic', 'neo_hookean'))} density=1 young=1 pois
         return [("internal energy", ends[1]/ends[0] - 1, SMALL)]
 
 
-CLASSES = (Beam, Cantilever, Strip, Pressed, Spin, Bars, Breathing, Tube, Sod, Flyer, Slide, Mirror, Quarter, Shift, Order, Units, Boost, Place, Angle, Slab,
-           Halves)
+CLASSES = (
+    Beam, Cantilever, Strip, Pressed, Spin, Bars, Breathing, Tube, Sod, Flyer, Slide, Mirror, Quarter, Shift, Order,
+    Units, Boost, Place, Angle, Slab, Halves,
+)

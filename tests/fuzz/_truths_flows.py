@@ -5,9 +5,11 @@ from _truths import Truth, zero
 
 
 def star(left, right, gamma):
-    """Pressure and velocity between the waves of Riemann's problem of an ideal gas, and the speeds of its outermost ones; a state is (density, velocity, pressure)."""
+    """Pressure and velocity between the waves of Riemann's problem of an ideal gas, and the speeds of its outermost
+    ones; a state is (density, velocity, pressure)."""
     def branch(state, p):
-        """Velocity that a wave from the pressure of a state to p gives, and the speed of the wave relative to the gas before it."""
+        """Velocity that a wave from the pressure of a state to p gives, and the speed of the wave relative to the gas
+        before it."""
         rho, _, p0 = state
         c = math.sqrt(gamma*p0/rho)
         if p > p0:
@@ -134,7 +136,9 @@ output csv at=end fields=pressure
     def errors(self, results):
         rows = results[0].rows
         mean = [sum(row[key] for row in rows)/len(rows) for key in ("y", "pressure")]
-        slope = sum((row["y"] - mean[0])*(row["pressure"] - mean[1]) for row in rows)/sum((row["y"] - mean[0])**2 for row in rows)
+        slope = sum((row["y"] - mean[0]) * (row["pressure"] - mean[1]) for row in rows) / sum(
+            (row["y"] - mean[0]) ** 2 for row in rows
+        )
         return [("slope of the pressure", -slope - 1, 0.05), ("mean pressure", mean[1]/0.5 - 1, 0.05)]
 
 
@@ -147,8 +151,14 @@ class Fall(Truth):
         self.v = [self.luck.uniform(-0.2, 0.2) for _ in range(space)]
         g = [self.luck.uniform(-0.02, 0.02) for _ in range(space)]
         place = [self.luck.random() for _ in range(space)]
-        pull, self.way = (("gravity (" + ",".join(map(str, g)) + ")", [v*end + 0.5*a*end**2 for v, a in zip(self.v, g)]) if self.luck.random() < 0.5 else
-                          ("bodyforce " + " ".join(f'{axis}="{a}*t"' for axis, a in zip("xyz", g)), [v*end + a*end**3/6 for v, a in zip(self.v, g)]))
+        pull, self.way = (
+            ("gravity (" + ",".join(map(str, g)) + ")", [v * end + 0.5 * a * end**2 for v, a in zip(self.v, g)])
+            if self.luck.random() < 0.5
+            else (
+                "bodyforce " + " ".join(f'{axis}="{a}*t"' for axis, a in zip("xyz", g)),
+                [v * end + a * end**3 / 6 for v, a in zip(self.v, g)],
+            )
+        )
         self.decks = [f"""dimension {space}
 grid cell={h}
 METHOD
@@ -163,14 +173,19 @@ history steps=50
     def errors(self, results):
         first, last, end = results[0].bodies[0], results[0].bodies[-1], results[0].history[-1]
         gone = [last[axis] - first[axis] - way for axis, way in zip("xyz", self.way)]
-        return [("place", math.hypot(*gone)/math.hypot(*self.way), 0.01), ("strain", end["internal_energy"]/end["kinetic_energy"], 0.01)]
+        return [
+            ("place", math.hypot(*gone) / math.hypot(*self.way), 0.01),
+            ("strain", end["internal_energy"] / end["kinetic_energy"], 0.01),
+        ]
 
 
 class Brake(Truth):
     """A body that flies and is damped: its way."""
 
     def make(self):
-        rate, v, end, self.cells = self.luck.choice((0.05, 0.2)), self.luck.uniform(0.05, 0.3), 15, self.luck.choice((2, 4))
+        rate, v, end, self.cells = (
+            self.luck.choice((0.05, 0.2)), self.luck.uniform(0.05, 0.3), 15, self.luck.choice((2, 4)),
+        )
         self.way = v/rate*(1 - math.exp(-rate*end))
         self.decks = [f"""dimension 2
 grid cell={1/self.cells}

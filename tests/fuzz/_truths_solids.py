@@ -5,10 +5,13 @@ from _truths import SMALL, Truth, body_end, vibration, zero
 
 
 class Segments(Truth):
-    """A bar at a wall with another, heavier one at its end, in their first mode: frequency, by matching displacement and force where they meet."""
+    """A bar at a wall with another, heavier one at its end, in their first mode: frequency, by matching displacement
+    and force where they meet."""
 
     def make(self):
-        n, heavy, stiff, end = self.luck.choice((8, 10, 20, 40)), self.luck.choice((2, 4, 16)), self.luck.choice((1, 4)), 0.5
+        n, heavy, stiff, end = (
+            self.luck.choice((8, 10, 20, 40)), self.luck.choice((2, 4, 16)), self.luck.choice((1, 4)), 0.5,
+        )
         self.cells = end*n
         slow = math.sqrt(heavy/stiff)  # slowness of the second
 
@@ -67,9 +70,13 @@ class Drop(Truth):
     """A bar on a wall on which gravity begins to act at once: its top after half a period, twice as deep as at rest."""
 
     def make(self):
-        self.cells, g, space = self.luck.choice((8, 12, 24)), self.luck.choice((1e-4, 1e-3)), self.luck.choice(("1", "2"))
+        self.cells, g, space = (
+            self.luck.choice((8, 12, 24)), self.luck.choice((1e-4, 1e-3)), self.luck.choice(("1", "2")),
+        )
         h = 1/self.cells
-        grid, upper, walls, down = ("", "1", "", "-{}") if space == "1" else (f" y=0:{4*h}", f"(1,{4*h})", " y-=slip y+=slip", "(-{},0)")
+        grid, upper, walls, down = (
+            ("", "1", "", "-{}") if space == "1" else (f" y=0:{4 * h}", f"(1,{4 * h})", " y-=slip y+=slip", "(-{},0)")
+        )
         self.exact = g*(1 - (0.25*h)**2)  # of the outermost particles
         self.h = h
         self.decks = [f"""dimension {space}
@@ -127,7 +134,10 @@ class Hoop(Truth):
             motion = motion.replace(f"hypot(x-{x},y-{y})", f"sqrt((x-{x})^2+(y-{y})^2)")
         else:
             shift = self.luck.uniform(0, h)
-            place, walls, body = f"r=0:open z=0:{3*h}", "wall z-=slip z+=slip\n", f"block material=m lower=({0.9 + shift},0) upper=({1.1 + shift},{3*h})"
+            place, walls, body = (
+                f"r=0:open z=0:{3 * h}", "wall z-=slip z+=slip\n",
+                f"block material=m lower=({0.9 + shift},0) upper=({1.1 + shift},{3 * h})",
+            )
             self.period *= 1 + shift
             motion = "r=1e-3"
         self.decks = [f"""dimension {'2' if flat else 'axisymmetric'}
@@ -168,17 +178,28 @@ history steps=2
 
 
 class Press(Truth):
-    """A block that a moved part squeezes slowly between walls: stress along it by the law at the strain that its particles show; heat of Johnson and Cook's."""
+    """A block that a moved part squeezes slowly between walls: stress along it by the law at the strain that its
+    particles show; heat of Johnson and Cook's."""
 
     def make(self):
-        self.cells, self.law = self.luck.choice((4, 8)), self.luck.choice(("elastic", "neo_hookean", "j2", "johnson_cook", "crushable_foam"))
+        self.cells, self.law = (
+            self.luck.choice((4, 8)),
+            self.luck.choice(("elastic", "neo_hookean", "j2", "johnson_cook", "crushable_foam")),
+        )
         space, h, squeeze = self.luck.choice(("1", "2")), 1/self.cells, self.luck.choice((0.05, 0.2, 0.4))
         if self.law in ("elastic", "neo_hookean"):
             squeeze = min(squeeze, 0.2)
-        grid, lower, upper, walls = ("", "0", "2.25", "") if space == "1" else (f" y=0:{4*h}", "(0,0)", f"(2.25,{4*h})", " y-=slip y+=slip")
-        matter = {"elastic": "poisson=0.3", "neo_hookean": "poisson=0.3", "j2": "poisson=0.3 yield=0.01",
-                  "johnson_cook": "poisson=0.3 yield=0.01 thermal=yes melt_temperature=1293 specific_heat=1e-5 thermal_exponent=1",
-                  "crushable_foam": "poisson=0 plateau=0.01 linear_hardening=0.01 densification_strain=1.5"}[self.law]
+        grid, lower, upper, walls = (
+            ("", "0", "2.25", "") if space == "1" else (f" y=0:{4 * h}", "(0,0)", f"(2.25,{4 * h})", " y-=slip y+=slip")
+        )
+        matter = {
+            "elastic": "poisson=0.3",
+            "neo_hookean": "poisson=0.3",
+            "j2": "poisson=0.3 yield=0.01",
+            "johnson_cook": "poisson=0.3 yield=0.01 thermal=yes melt_temperature=1293 "
+            "specific_heat=1e-5 thermal_exponent=1",
+            "crushable_foam": "poisson=0 plateau=0.01 linear_hardening=0.01 densification_strain=1.5",
+        }[self.law]
         time = 60
         self.decks = [f"""dimension {space}
 grid cell={h} x=0:open{grid}
@@ -214,7 +235,9 @@ output csv at=end fields=displacement,initial_position,stress{',temperature' if 
     def errors(self, results):
         rows = [row for row in results[0].rows if 0.5 < row["x0"] < 1.5]
         mean = [sum(row[key] for row in rows)/len(rows) for key in ("x0", "displacement_x")]
-        slope = (sum((row["x0"] - mean[0])*(row["displacement_x"] - mean[1]) for row in rows)/sum((row["x0"] - mean[0])**2 for row in rows))
+        slope = sum((row["x0"] - mean[0]) * (row["displacement_x"] - mean[1]) for row in rows) / sum(
+            (row["x0"] - mean[0]) ** 2 for row in rows
+        )
         stress, heat = self.exact(-math.log(1 + slope))
         found = [("stress", sum(row["stress_xx"] for row in rows)/len(rows)/stress - 1, 0.05)]
         if heat:
@@ -223,7 +246,8 @@ output csv at=end fields=displacement,initial_position,stress{',temperature' if 
 
 
 class Twin(Truth):
-    """Two equal disks of a body that meet in a plane of nodes, and one of them at a wall in its place: velocity after it."""
+    """Two equal disks of a body that meet in a plane of nodes, and one of them at a wall in its place: velocity after
+    it."""
 
     def make(self):
         self.cells = self.luck.choice((4, 6, 8))
@@ -262,7 +286,10 @@ body m ring material=m centre=(0,0) radius=3 inner=2 ppc=2
 {{}}velocity m x="{self.luck.uniform(-0.02, 0.02)}*x" y="{self.luck.uniform(-0.02, 0.02)}*y"
 history steps=10
 """
-        self.decks = [head.format("", "", ""), head.format("x=0:open y=0:open", "wall x-=slip y-=slip\n", "intersect m block lower=(0,0) upper=(4,4)\n")]
+        self.decks = [
+            head.format("", "", ""),
+            head.format("x=0:open y=0:open", "wall x-=slip y-=slip\n", "intersect m block lower=(0,0) upper=(4,4)\n"),
+        ]
 
     def errors(self, results):
         ends = [result.history[-1] for result in results]

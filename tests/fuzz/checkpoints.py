@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Damaged checkpoints: a restart must say what is wrong (exit code 5, or 3 where the deck recorded in it is another), or end with the bits of
-the run that was not interrupted. Bits, bytes, runs of bytes, cut and lengthened files, pieces moved within the file; the headers of HDF5 more
-often than the numbers.
+"""Damaged checkpoints: a restart must say what is wrong (exit code 5, or 3 where the deck recorded in it is another),
+or end with the bits of the run that was not interrupted. Bits, bytes, runs of bytes, cut and lengthened files, pieces
+moved within the file; the headers of HDF5 more often than the numbers.
 
 usage: checkpoints.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S]
 """
@@ -16,7 +16,8 @@ import sys
 from _driver import CRASH, HANGS, Driver, Findings, arguments
 
 # A few particles each; contact, a gauge and a gas, so that most kinds of data are in the files.
-DECKS = ("""
+DECKS = (
+    """
 dimension 1
 grid cell=0.25 x=0:1
 wall x-=fixed
@@ -25,13 +26,15 @@ material m elastic density=25 young=50 poisson=0
 body bar block material=m lower=0 upper=1 ppc=1
 velocity bar x=0.1
 checkpoint every=10 keep=9
-""", """
+""",
+    """
 dimension 2
 grid cell=1 x=open y=0:open
 wall y-=slip
 method sgmp rotation=exact
 time cfl=auto steps=20
-material m johnson_cook density=1 young=10 poisson=0.3 yield=0.01 hardening_modulus=1 thermal=yes melt_temperature=1000 specific_heat=1
+material m johnson_cook density=1 young=10 poisson=0.3 yield=0.01 hardening_modulus=1 thermal=yes &
+  melt_temperature=1000 specific_heat=1
 body a block material=m lower=(0,0) upper=(2,2) ppc=1
 body b block material=m lower=(0,2) upper=(2,3) ppc=1
 velocity b y=-0.3
@@ -39,7 +42,8 @@ contact all friction=0.2
 gauge g point=(1,1)
 history steps=3
 checkpoint every=10 keep=9
-""")
+""",
+)
 FINISHED, WRONG_DECK, WRONG_FILE = 0, 3, 5
 
 
@@ -96,7 +100,9 @@ class Scene:
         """Goes on from a file with this content: exit code, what was printed, and what is wrong with that."""
         with open(self.wrong, "wb") as file:
             file.write(content)
-        code, printed = driver.run([self.deck, "--quiet", "--threads", "1", "--output", self.folder, "--restart", self.wrong])
+        code, printed = driver.run(
+            [self.deck, "--quiet", "--threads", "1", "--output", self.folder, "--restart", self.wrong]
+        )
         if code in HANGS:
             return code, printed, "hang"
         if code < 0 or CRASH.search(printed):

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""What goes with what: `sgmp --check` of all combinations of method, update, stress, volumes, rotation, splitting, flip and space against the
-table that `sgmp help --json` writes. Each is accepted where the table names no refusal, and refused with the reasons of the table and nothing else where it does.
+"""What goes with what: `sgmp --check` of all combinations of method, update, stress, volumes, rotation, splitting, flip
+and space against the table that `sgmp help --json` writes. Each is accepted where the table names no refusal, and
+refused with the reasons of the table and nothing else where it does.
 
 usage: combinations.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S]
 
-N of them, drawn with the seed, are checked; 0: all. The count that the table accepts is that of ACCEPTED: a change of the table changes it here, too.
+N of them, drawn with the seed, are checked; 0: all. The count that the table accepts is that of ACCEPTED: a change of
+the table changes it here, too.
 """
 import itertools
 import json
@@ -16,10 +18,18 @@ import sys
 from _driver import Driver, Findings, arguments
 
 SPACES = ("1D", "2D", "3D", "axisymmetric", "swirl")
-CHOICES = (("mpm", "gimp", "cpgimp", "sgmp", "bspline"), ("musl", "usf", "usl", "usavg"), ("", "normalised"), ("", "kept"), ("", "rotation"),
-           ("", "split"), ("", "flip<1"), SPACES)
+CHOICES = (
+    ("mpm", "gimp", "cpgimp", "sgmp", "bspline"), ("musl", "usf", "usl", "usavg"), ("", "normalised"), ("", "kept"),
+    ("", "rotation"), ("", "split"), ("", "flip<1"), SPACES,
+)
 ACCEPTED = 544
-WORDS = {"normalised": "stress=normalised", "kept": "volumes=kept", "rotation": "rotation=exact", "split": "split=0.75", "flip<1": "flip=0.9"}
+WORDS = {
+    "normalised": "stress=normalised",
+    "kept": "volumes=kept",
+    "rotation": "rotation=exact",
+    "split": "split=0.75",
+    "flip<1": "flip=0.9",
+}
 DECK = """dimension {space}
 grid cell=1 {extents}
 method {method}
@@ -35,8 +45,10 @@ def deck(combination):
     axes = {"1D": "x", "2D": "xy", "3D": "xyz"}.get(space, "rz")
     words = {"axisymmetric": "axisymmetric", "swirl": "axisymmetric swirl=yes"}.get(space, space[0])
     asked = " ".join([method, f"update={update}"] + [WORDS[name] for name in combination[2:-1] if name])
-    return DECK.format(space=words, extents=" ".join(f"{axis}=0:4" for axis in axes), method=asked, lower=",".join("1"*len(axes)),
-                       upper=",".join("3"*len(axes)))
+    return DECK.format(
+        space=words, extents=" ".join(f"{axis}=0:4" for axis in axes), method=asked, lower=",".join("1" * len(axes)),
+        upper=",".join("3" * len(axes)),
+    )
 
 
 def refusals(table, combination):
@@ -51,7 +63,9 @@ def refusals(table, combination):
 
 def main():
     chosen = arguments(__doc__, 400)
-    table = json.loads(subprocess.run([chosen.sgmp, "help", "--json"], stdout=subprocess.PIPE, check=True, timeout=60).stdout)
+    table = json.loads(
+        subprocess.run([chosen.sgmp, "help", "--json"], stdout=subprocess.PIPE, check=True, timeout=60).stdout
+    )
     every = list(itertools.product(*CHOICES))
     goes = sum(not any(refusals(table, combination)) for combination in every)
     print(f"{goes} of {len(every)} combinations go together")
@@ -69,7 +83,9 @@ def main():
         expected = sorted(set(refusals(table, combination)))
         found = sorted({line.split(" error: ", 1)[1] for line in printed.splitlines() if ": error: " in line})
         if code != (3 if expected else 0) or found != expected:
-            findings.add("not as the table says", f"{number}.inp", text.encode(), printed + "\nexpected: " + "\n".join(expected))
+            findings.add(
+                "not as the table says", f"{number}.inp", text.encode(), printed + "\nexpected: " + "\n".join(expected)
+            )
     driver.close()
     findings.end(len(picked), "combinations", chosen.seed, codes)
 

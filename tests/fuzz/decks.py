@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Damaged decks: `sgmp --check` must accept or refuse each in words. Decks of input/ and tests/decks are changed by byte, by word and by
-grammar. A finding is a crash, a hang (30 s of the processor), an exit code that --check does not have, a refusal without a place, a report about a line that
-does not exist, or a deck that is accepted with a card, a key or a number that the deck reference does not allow.
+"""Damaged decks: `sgmp --check` must accept or refuse each in words. Decks of input/ and tests/decks are changed by
+byte, by word and by grammar. A finding is a crash, a hang (30 s of the processor), an exit code that --check does not
+have, a refusal without a place, a report about a line that does not exist, or a deck that is accepted with a card, a
+key or a number that the deck reference does not allow.
 
 usage: decks.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S]
 """
@@ -12,13 +13,18 @@ import re
 from _deck_language import objections, reference
 from _driver import CRASH, HANGS, Driver, Findings, arguments
 
-NUMBERS = ["0", "-0", "1", "-1", "2", "3", "0.5", "1e-3", "1e3", "1e-12", "1e12", "1e-60", "1e60", "1e-300", "1e300", "1e999", "-1e999", "nan", "inf",
-           "2147483647", "2147483648", "-2147483649", "9223372036854775808", "0x10", "1d3", "1e", "1.", ".5", ".", "-", "1,5", "1e5e5", "1/0", "0/0",
-           "sqrt(-1)", "(1", "1)", "((1))", "1^1000", "10^10^10", "log(0)", "t", "x", "x0", "pi", "h", "h/0", "1;2", "1?2:3", "1 2", "$h", "${h}", "$", "${",
-           "$nothing", "auto", "open", "0:1", "1:0", ":", "0:", "::", "open:open", "1:open", "nan:inf", "yes", "no", "all", "''", '""', "\"x y\"",
-           "(0,0,0)", "(1,1,1)", "(0,0)", "(1)", "()", "(,)", "(1,2,3,4)", "(nan,0,0)", "0,0,1", "1e-9*(1+1)", "a=b", "9" * 400, "(" * 200, "-" * 300 + "1",
-           "sin(" * 60 + "1" + ")" * 60]
-SIGNS = list("\t !#&=\"'()$,:;{}\\/.-+*^%\x00\x01\x7f\xff\xc3\xa9") + ["\r\n", "\n", "\n\n", "&\n", "$h", "**", "\xef\xbb\xbf"]
+NUMBERS = [
+    "0", "-0", "1", "-1", "2", "3", "0.5", "1e-3", "1e3", "1e-12", "1e12", "1e-60", "1e60", "1e-300", "1e300", "1e999",
+    "-1e999", "nan", "inf", "2147483647", "2147483648", "-2147483649", "9223372036854775808", "0x10", "1d3", "1e", "1.",
+    ".5", ".", "-", "1,5", "1e5e5", "1/0", "0/0", "sqrt(-1)", "(1", "1)", "((1))", "1^1000", "10^10^10", "log(0)", "t",
+    "x", "x0", "pi", "h", "h/0", "1;2", "1?2:3", "1 2", "$h", "${h}", "$", "${", "$nothing", "auto", "open", "0:1",
+    "1:0", ":", "0:", "::", "open:open", "1:open", "nan:inf", "yes", "no", "all", "''", '""', "\"x y\"", "(0,0,0)",
+    "(1,1,1)", "(0,0)", "(1)", "()", "(,)", "(1,2,3,4)", "(nan,0,0)", "0,0,1", "1e-9*(1+1)", "a=b", "9" * 400,
+    "(" * 200, "-" * 300 + "1", "sin(" * 60 + "1" + ")" * 60,
+]
+SIGNS = list("\t !#&=\"'()$,:;{}\\/.-+*^%\x00\x01\x7f\xff\xc3\xa9") + [
+    "\r\n", "\n", "\n\n", "&\n", "$h", "**", "\xef\xbb\xbf",
+]
 # Quickly built, with most cards.
 SMALL = """title "Small"
 units mm g ms
@@ -174,7 +180,8 @@ def wrong(code, printed, text, cards, path):
 
 
 def coarse(text):
-    """A deck with cells four times as long: its particles are counted in each check, and grammar does not depend on their number."""
+    """A deck with cells four times as long: its particles are counted in each check, and grammar does not depend on
+    their number."""
     text = re.sub(r"(?m)^(parameter h *= *)([\d.]+)", lambda found: f"{found[1]}{4*float(found[2]):g}", text)
     return re.sub(r"(?m)^(parameter cells *= *)(\d+)", lambda found: f"{found[1]}{max(1, int(found[2])//4)}", text)
 

@@ -3,8 +3,8 @@
 
 usage: mpm3d.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S]
 
-Mutates the decks of tests/decks/mpm: letters, words, lines, numbers, pieces of other decks. Whatever is imported must be
-a deck that sgmp reads: every tenth is checked (it may be refused with exit code 3, for a mutation makes any number).
+Mutates the decks of tests/decks/mpm: letters, words, lines, numbers, pieces of other decks. Whatever is imported must
+be a deck that sgmp reads: every tenth is checked (it may be refused with exit code 3, for a mutation makes any number).
 """
 import os
 import random
@@ -13,10 +13,15 @@ import shutil
 
 from _driver import CRASH, HANGS, Driver, Findings, arguments
 
-NUMBERS = ("0", "-1", "1e300", "1e-300", "1d3", "nan", "inf", "99999999999", "0.1", "2", ".5", "+1", "1e", "--1", "1.2.3", "2147483647", "-0",
-           "1e999", "7")
-WORDS = ("part", "block", "point", "sphere", "blod", "cicle", "velo", "load", "endl", "endv", "endi", "mate", "seos", "spx", "off", "on", "sgmp",
-         "gimp", "curv", "pres", "curx", "deto", "cont", "lagr", "!", "\x00", "\xff", "\t", "mpm3d", "nuli", "ksin", "vsin", "fixed", "grid", "poin", "qulo")
+NUMBERS = (
+    "0", "-1", "1e300", "1e-300", "1d3", "nan", "inf", "99999999999", "0.1", "2", ".5", "+1", "1e", "--1", "1.2.3",
+    "2147483647", "-0", "1e999", "7",
+)
+WORDS = (
+    "part", "block", "point", "sphere", "blod", "cicle", "velo", "load", "endl", "endv", "endi", "mate", "seos", "spx",
+    "off", "on", "sgmp", "gimp", "curv", "pres", "curx", "deto", "cont", "lagr", "!", "\x00", "\xff", "\t", "mpm3d",
+    "nuli", "ksin", "vsin", "fixed", "grid", "poin", "qulo",
+)
 
 
 class Mutator:
@@ -29,7 +34,9 @@ class Mutator:
     def new(self):
         text = self.luck.choice(self.decks)
         for _ in range(self.luck.choice((1, 1, 1, 2, 3, 8))):
-            text = self.luck.choice((self.letter, self.word, self.word, self.number, self.number, self.line, self.splice))(text)
+            text = self.luck.choice(
+                (self.letter, self.word, self.word, self.number, self.number, self.line, self.splice)
+            )(text)
         return text
 
     def letter(self, text):
@@ -47,7 +54,11 @@ class Mutator:
 
     def word(self, text):
         first, last = self.pick(text, r"\S+")
-        return text[:first] + self.luck.choice(("", self.luck.choice(WORDS), text[first:last] + " " + text[first:last])) + text[last:]
+        return (
+            text[:first]
+            + self.luck.choice(("", self.luck.choice(WORDS), text[first:last] + " " + text[first:last]))
+            + text[last:]
+        )
 
     def number(self, text):
         first, last = self.pick(text, r"(?<=\s)-?[\d.]\S*")
@@ -93,7 +104,9 @@ def main():
         if name.endswith(".mpm"):
             with open(os.path.join(folder, name), encoding="latin-1", newline="") as file:
                 decks.append(file.read())
-    mutator, driver, findings, codes = Mutator(chosen.seed, decks), Driver(chosen.sgmp, chosen.scratch), Findings(chosen.scratch), {}
+    mutator, driver, findings, codes = (
+        Mutator(chosen.seed, decks), Driver(chosen.sgmp, chosen.scratch), Findings(chosen.scratch), {},
+    )
     path, out = os.path.join(chosen.scratch, "deck.mpm"), os.path.join(chosen.scratch, "out")
     native = os.path.join(out, "deck.inp")
     for number in range(chosen.inputs):

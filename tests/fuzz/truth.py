@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""The verdict against the truth: random scenes whose end is known in closed form, by seed. A run that ends with exit code 0, is called sound and
-is wrong is a finding; a sound one that is called doubtful is only counted.
+"""The verdict against the truth: random scenes whose end is known in closed form, by seed. A run that ends with exit
+code 0, is called sound and is wrong is a finding; a sound one that is called doubtful is only counted.
 
-* rest: gas that fills a part of a closed box and comes to rest: the volumes fill the box, p V = (gamma - 1) E, energy is kept;
+* rest: gas that fills a part of a closed box and comes to rest: the volumes fill the box, p V = (gamma - 1) E, energy
+  is kept;
 * burn: an explosive that fills a box, or a part of it: volumes and energy;
 * pull: a bar that flies apart freely: density 1/stretch of particles and cells in its inner half; with `split=`, too;
 * fall: a block that is pressed flat by its own velocity, nearly without force: its height;
-* weigh: a block that stands under its weight: its height oscillates between that without weight and that of twice the static strain;
+* weigh: a block that stands under its weight: its height oscillates between that without weight and that of twice the
+  static strain;
 * ring: a bar that vibrates in its first mode: displacement and energy;
 * fly: a block of any matter that flies through the grid: place and velocity of every particle, no stress;
 * shoot: a ball through a plate, with failure: energy and momentum;
@@ -31,8 +33,13 @@ from _driver import Findings, arguments
 
 METHODS = ("sgmp", "sgmp", "gimp", "mpm", "cpgimp", "bspline")
 UPDATES = ("musl", "musl", "usf", "usl", "usavg")
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_ess_singleton_isolated": "1",
-               "OMP_WAIT_POLICY": "passive"}
+ENVIRONMENT = {
+    **os.environ,
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_ess_singleton_isolated": "1",
+    "OMP_WAIT_POLICY": "passive",
+}
 # What is wrong beyond what the verdict lets pass: 10 % of volume, 5 % of energy made, 25 % of it lost (doc/verdict.md).
 VOLUME, MADE, LOST = 0.12, 0.06, 0.26
 
@@ -69,11 +76,15 @@ class Scene:
         """Matter in the lower part of a closed box."""
         self.width, self.height = self.luck.choice((4, 6, 12)), self.luck.choice((10, 16, 20))
         self.fill = self.height/self.luck.choice((1, 1, 1.25, 2, 4))
-        lines = (f"dimension 2\ngrid cell=1 x=0:{self.width} y=0:{self.height}\nwall x-=slip x+=slip y-=slip y+=slip\n" +
-                 self.card(("", "", " stress=normalised", " volumes=kept", " volumes=kept split=0.75")))
+        lines = (
+            f"dimension 2\ngrid cell=1 x=0:{self.width} y=0:{self.height}\nwall x-=slip x+=slip y-=slip y+=slip\n"
+            + self.card(("", "", " stress=normalised", " volumes=kept", " volumes=kept split=0.75"))
+        )
         lines += f"time cfl={self.luck.choice((0.2, 0.4))} end={self.end}\n{matter}"
-        return lines + (f"body m block material=m lower=(0,0) upper=({self.width},{self.fill}) ppc={self.luck.choice((2, 2, 3))}\n"
-                        f"output csv at=end fields=pressure,volume,energy,mass\nstop energy_growth=1e6\n{energy}")
+        return lines + (
+            f"body m block material=m lower=(0,0) upper=({self.width},{self.fill}) ppc={self.luck.choice((2, 2, 3))}\n"
+            f"output csv at=end fields=pressure,volume,energy,mass\nstop energy_growth=1e6\n{energy}"
+        )
 
     def rest(self):
         """Gas."""
@@ -84,8 +95,11 @@ class Scene:
     def burn(self):
         """Products."""
         self.end = self.luck.choice((0.05, 0.1))
-        return "units mm g ms\n" + self.box("material m explosive density=1.63e-3 detonation_speed=6930\n"
-                                            "eos m jwl a=371200 b=3210 r1=4.15 r2=0.95 omega=0.30 energy0=6993\n", "detonation point=(0,0)\n")
+        return "units mm g ms\n" + self.box(
+            "material m explosive density=1.63e-3 detonation_speed=6930\n"
+            "eos m jwl a=371200 b=3210 r1=4.15 r2=0.95 omega=0.30 energy0=6993\n",
+            "detonation point=(0,0)\n",
+        )
 
     def wrong_rest(self, result):
         """Volumes, pressure, energy."""
@@ -101,10 +115,14 @@ class Scene:
         self.h, self.stretch = self.luck.choice((0.125, 0.25, 0.5)), self.luck.choice((1.3, 1.7, 2.5, 4, 8, 12))
         self.splits = self.update != "usf" and self.luck.random() < 0.4
         extra = " split=0.75" if self.splits else ""
-        return (f"dimension 2\ngrid cell={self.h} x=0:open y=0:1\nwall x-=slip y-=slip y+=slip\n" + self.card().replace("\n", extra + "\n") +
-                f"time end={self.stretch - 1} cfl={self.luck.choice((0.2, 0.4))}\nmaterial m neo_hookean density=1 young=1e-3 poisson=0\n"
-                f"body m block material=m lower=(0,0) upper=(2,1) ppc={self.luck.choice((2, 2, 3))}\nvelocity m x=x\n"
-                "output csv at=end fields=density,mass\n")
+        return (
+            f"dimension 2\ngrid cell={self.h} x=0:open y=0:1\nwall x-=slip y-=slip y+=slip\n"
+            + self.card().replace("\n", extra + "\n")
+            + f"time end={self.stretch - 1} cfl={self.luck.choice((0.2, 0.4))}\nmaterial m neo_hookean "
+            f"density=1 young=1e-3 poisson=0\n"
+            f"body m block material=m lower=(0,0) upper=(2,1) ppc={self.luck.choice((2, 2, 3))}\nvelocity m x=x\n"
+            "output csv at=end fields=density,mass\n"
+        )
 
     def wrong_pull(self, result):
         """Density of the inner half."""
@@ -127,9 +145,13 @@ class Scene:
     def fall(self):
         """Rubber that falls flat."""
         self.h, self.part = self.luck.choice((0.125, 0.25)), self.luck.choice((0.3, 0.5, 0.7, 0.9))
-        return (f"dimension 2\ngrid cell={self.h} x=0:2 y=0:4\nwall x-=slip x+=slip y-=slip y+=slip\n" + self.card() +
-                f"time end={self.part} cfl=0.3\nmaterial m neo_hookean density=1 young=1e-3 poisson=0\n"
-                "body m block material=m lower=(0,0) upper=(2,2) ppc=2\nvelocity m y=-y\noutput csv at=end fields=density,mass\n")
+        return (
+            f"dimension 2\ngrid cell={self.h} x=0:2 y=0:4\nwall x-=slip x+=slip y-=slip y+=slip\n"
+            + self.card()
+            + f"time end={self.part} cfl=0.3\nmaterial m neo_hookean density=1 young=1e-3 poisson=0\n"
+            "body m block material=m lower=(0,0) upper=(2,2) ppc=2\nvelocity m y=-y\noutput csv at=end "
+            "fields=density,mass\n"
+        )
 
     def wrong_fall(self, result):
         """The top, but for half a particle at the start and half a cell."""
@@ -158,10 +180,14 @@ class Scene:
         """The first mode of a fixed bar."""
         self.cells, self.speed = self.luck.choice((16, 32)), self.luck.choice((0.001, 0.1))
         layout = self.luck.choice(("ppc=2", "ppc=3", "ppc=2 layout=gauss", "ppc=2 jitter=0.3"))
-        return (f"dimension 1\ngrid cell=1/{self.cells} x=0:1\nwall x-=fixed x+=fixed\n" + self.card(("", " stress=normalised")) +
-                f"time end=4 cfl={self.luck.choice((0.3, 0.8, 1.6, 'auto'))}\nmaterial m elastic density=1 young=1 poisson=0\n"
-                f'body m block material=m lower=0 upper=1 {layout}\nvelocity m x="{self.speed}*sin(pi*x)"\n'
-                "output csv at=end fields=displacement,initial_position\nstop energy_growth=1e6\n")
+        return (
+            f"dimension 1\ngrid cell=1/{self.cells} x=0:1\nwall x-=fixed x+=fixed\n"
+            + self.card(("", " stress=normalised"))
+            + f"time end=4 cfl={self.luck.choice((0.3, 0.8, 1.6, 'auto'))}\nmaterial m elastic density=1 "
+            f"young=1 poisson=0\n"
+            f'body m block material=m lower=0 upper=1 {layout}\nvelocity m x="{self.speed}*sin(pi*x)"\n'
+            "output csv at=end fields=displacement,initial_position\nstop energy_growth=1e6\n"
+        )
 
     def wrong_ring(self, result):
         """Energy, and where amplitudes are small the displacement after two periods: none."""
@@ -175,27 +201,48 @@ class Scene:
     def fly(self):
         """Free flight."""
         self.velocity = (self.luck.choice((0.3, 2, -5)), self.luck.choice((0, 1, 3)))
-        matter = self.luck.choice(("elastic density=1 young=10 poisson=0.3", "neo_hookean density=1 young=10 poisson=0.3",
-                                   "j2 density=1 young=10 poisson=0.3 yield=0.1"))
-        return ("dimension 2\ngrid cell=0.5\n" + self.card(("", " rotation=exact", " stress=normalised")) +
-                f"time end=3 cfl={self.luck.choice((0.3, 0.6, 'auto'))}\nmaterial m {matter}\nbody m {self.luck.choice(('block lower=(0,0) upper=(3,2)', 'sphere centre=(0,0) radius=2'))}"
-                f" material=m ppc={self.luck.choice((1, 2))} jitter={self.luck.choice((0, 0.3))}\nvelocity m x={self.velocity[0]} y={self.velocity[1]}\n"
-                "output csv at=end fields=displacement,stress\n")
+        matter = self.luck.choice(
+            (
+                "elastic density=1 young=10 poisson=0.3", "neo_hookean density=1 young=10 poisson=0.3",
+                "j2 density=1 young=10 poisson=0.3 yield=0.1",
+            )
+        )
+        return (
+            "dimension 2\ngrid cell=0.5\n"
+            + self.card(("", " rotation=exact", " stress=normalised"))
+            + f"time end=3 cfl={self.luck.choice((0.3, 0.6, 'auto'))}\nmaterial m {matter}\nbody m "
+            f"{self.luck.choice(('block lower=(0,0) upper=(3,2)', 'sphere centre=(0,0) radius=2'))}"
+            f" material=m ppc={self.luck.choice((1, 2))} jitter={self.luck.choice((0, 0.3))}\nvelocity m "
+            f"x={self.velocity[0]} y={self.velocity[1]}\n"
+            "output csv at=end fields=displacement,stress\n"
+        )
 
     def wrong_fly(self, result):
         """Every particle."""
         time = result.summary["time"]
-        far = max(math.dist((row["displacement_x"], row["displacement_y"]), [time*v for v in self.velocity]) for row in result.rows)
+        far = max(
+            math.dist((row["displacement_x"], row["displacement_y"]), [time * v for v in self.velocity])
+            for row in result.rows
+        )
         if far > 1e-6:
             yield f"a particle {far:.1e} from its place"
 
     def block(self, end, load):
         """A block that nothing touches."""
         self.velocity = (self.luck.choice((0.3, 2, -5)), self.luck.choice((0, 1, 3)))
-        shape = self.luck.choice(("block lower=(0,0) upper=(3,2)", "block lower=(0,0) upper=(3,2) rotation=30", "polygon corners=(0,0),(4,0),(1,3)"))
-        return ("dimension 2\ngrid cell=0.5\n" + self.card(("", " rotation=exact")) + f"time end={end} cfl={self.luck.choice((0.1, 0.3))}\n"
-                f"material m elastic density=2 young=10 poisson=0.3\nbody m {shape} material=m ppc=2\n{load}"
-                "output csv at=end fields=displacement,stress,mass\n")
+        shape = self.luck.choice(
+            (
+                "block lower=(0,0) upper=(3,2)", "block lower=(0,0) upper=(3,2) rotation=30",
+                "polygon corners=(0,0),(4,0),(1,3)",
+            )
+        )
+        return (
+            "dimension 2\ngrid cell=0.5\n"
+            + self.card(("", " rotation=exact"))
+            + f"time end={end} cfl={self.luck.choice((0.1, 0.3))}\n"
+            f"material m elastic density=2 young=10 poisson=0.3\nbody m {shape} material=m ppc=2\n{load}"
+            "output csv at=end fields=displacement,stress,mass\n"
+        )
 
     def slow(self):
         """Flight with damping, for a time or to the end."""
@@ -260,11 +307,18 @@ class Scene:
         """Lead at some km/s, in the plane."""
         carries = self.luck.choice(("nothing", "pressure", "nothing"))
         spall = self.luck.choice(("", f"failure m plastic_strain=3 pmin=-1000 carries={carries}\n"))
-        return ("units mm g ms\ndimension 2\ngrid cell=2\n" + self.card(("", " stress=normalised", " rotation=exact")) +
-                f"time end=0.03 cfl={self.luck.choice((0.2, 0.5))}\nmaterial m johnson_cook density=11.35e-3 young=17000 poisson=0.42 yield=12 "
-                "hardening_modulus=125\neos m gruneisen c0=2092 s=1.45 gamma0=2\n" + spall + self.luck.choice(("", "viscosity m\n")) +
-                "body ball sphere material=m centre=(0,-7) radius=7 ppc=2\nbody plate block material=m lower=(-30,0) upper=(30,6) ppc=2\n"
-                f"velocity ball y={self.luck.choice((500, 2000, 6000))}\noutput csv at=end fields=pressure\n")
+        return (
+            "units mm g ms\ndimension 2\ngrid cell=2\n"
+            + self.card(("", " stress=normalised", " rotation=exact"))
+            + f"time end=0.03 cfl={self.luck.choice((0.2, 0.5))}\nmaterial m johnson_cook density=11.35e-3 "
+            f"young=17000 poisson=0.42 yield=12 "
+            "hardening_modulus=125\neos m gruneisen c0=2092 s=1.45 gamma0=2\n"
+            + spall
+            + self.luck.choice(("", "viscosity m\n"))
+            + "body ball sphere material=m centre=(0,-7) radius=7 ppc=2\nbody plate block material=m "
+            "lower=(-30,0) upper=(30,6) ppc=2\n"
+            f"velocity ball y={self.luck.choice((500, 2000, 6000))}\noutput csv at=end fields=pressure\n"
+        )
 
     def wrong_shoot(self, result):
         """Energy and momentum."""
@@ -297,8 +351,10 @@ class Result:
         self.folder = folder = os.path.join(chosen.scratch, "run")
         shutil.rmtree(folder, ignore_errors=True)
         try:
-            done = subprocess.run([chosen.sgmp, deck, "--quiet", "--threads", "1", "--output", folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                  env=ENVIRONMENT, timeout=600, check=False)
+            done = subprocess.run(
+                [chosen.sgmp, deck, "--quiet", "--threads", "1", "--output", folder], stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT, env=ENVIRONMENT, timeout=600, check=False,
+            )
             self.code, self.printed = done.returncode, done.stdout.decode("utf-8", "replace")
         except subprocess.TimeoutExpired:
             self.code, self.printed = -14, "hang"
@@ -340,7 +396,10 @@ def main():
             wrong = list(scene.wrong(result))
             word = f"{result.summary['verdict']} and {'wrong' if wrong else 'right'}"
             if wrong and result.summary["verdict"] == "sound":
-                findings.add(f"{scene.kind} {scene.method} {scene.update}{scene.extra}: {'; '.join(wrong)}", f"scene_{seed}.inp", scene.text.encode(), result.printed)
+                findings.add(
+                    f"{scene.kind} {scene.method} {scene.update}{scene.extra}: {'; '.join(wrong)}", f"scene_{seed}.inp",
+                    scene.text.encode(), result.printed,
+                )
         ends[word] = ends.get(word, 0) + 1
     findings.end(chosen.inputs, "scenes with a known end", chosen.seed, ends)
 

@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
-"""The verdict against the truth, by class of scenes (tests/fuzz/_truth_scenes.py) and method: right or wrong, and sound, coarse or doubted.
+"""The verdict against the truth, by class of scenes (tests/fuzz/_truth_scenes.py) and method: right or wrong, and
+sound, coarse or doubted.
 
 usage: truth_table.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S] [--default] [--jobs J] [--again]
        truth_table.py SGMP SOURCE_DIR SCRATCH_DIR --show S
 
-Scenes of the seeds S, S+1, …; half of them with `method sgmp` alone, with --default all. Without --inputs one scene of each class. A coarse run keeps its
-promise if no error is larger than what it says is to be expected (or than what its class allows). Writes table.md, the rows of all runs so far in that folder
-as rows.jsonl, and the ten worst of what is sound and wrong as decks into SCRATCH_DIR; --again adds to the rows of earlier calls, whose seeds are not run once
-more: a long table that was stopped goes on.
-The exit code is 1 if more than 3 of 100 sound runs are wrong, more than 1 of 100 of those with `method sgmp` and bodies of four cells and more, more than 5 of
-100 right ones are doubted, fewer than 95 of 100 coarse ones keep their promise, or fewer than a half of all are right and sound.
+Scenes of the seeds S, S+1, …; half of them with `method sgmp` alone, with --default all. Without --inputs one scene of
+each class. A coarse run keeps its promise if no error is larger than what it says is to be expected (or than what its
+class allows). Writes table.md, the rows of all runs so far in that folder as rows.jsonl, and the ten worst of what is
+sound and wrong as decks into SCRATCH_DIR; --again adds to the rows of earlier calls, whose seeds are not run once more:
+a long table that was stopped goes on. The exit code is 1 if more than 3 of 100 sound runs are wrong, more than 1 of 100
+of those with `method sgmp` and bodies of four cells and more, more than 5 of 100 right ones are doubted, fewer than 95
+of 100 coarse ones keep their promise, or fewer than a half of all are right and sound.
 """
 import argparse
 import concurrent.futures
@@ -24,9 +26,17 @@ import time
 
 from _truth_scenes import CLASSES, scene
 
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_ess_singleton_isolated": "1",
-               "OMP_WAIT_POLICY": "passive"}
-ENDS = ("right and sound", "wrong and sound", "right and coarse", "wrong and coarse", "right and doubted", "wrong and doubted", "stopped", "refused")
+ENVIRONMENT = {
+    **os.environ,
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_ess_singleton_isolated": "1",
+    "OMP_WAIT_POLICY": "passive",
+}
+ENDS = (
+    "right and sound", "wrong and sound", "right and coarse", "wrong and coarse", "right and doubted",
+    "wrong and doubted", "stopped", "refused",
+)
 ROW = ("seed", "name", "card", "cells", "end", "size", "words", "kept", "seconds")
 
 
@@ -55,8 +65,10 @@ class Result:
             file.write(text)
         shutil.rmtree(out, ignore_errors=True)
         try:
-            done = subprocess.run([sgmp, deck, "--quiet", "--threads", "1", "--output", out], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=ENVIRONMENT, timeout=900,
-                                  check=False)
+            done = subprocess.run(
+                [sgmp, deck, "--quiet", "--threads", "1", "--output", out], stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT, env=ENVIRONMENT, timeout=900, check=False,
+            )
             self.code, self.printed = done.returncode, done.stdout.decode("utf-8", "replace")
         except subprocess.TimeoutExpired:
             self.code, self.printed = -14, "took too long"
@@ -65,19 +77,23 @@ class Result:
             with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
                 self.summary = json.load(file)
             self.verdict = self.summary["verdict"]
-            self.history, self.bodies, self.rows = (table(os.path.join(out, name)) for name in ("history.csv", "bodies.csv", "particles_end.csv"))
+            self.history, self.bodies, self.rows = (
+                table(os.path.join(out, name)) for name in ("history.csv", "bodies.csv", "particles_end.csv")
+            )
         shutil.rmtree(out, ignore_errors=True)
 
 
 def told(results):
-    """The word of the verdict on all runs of a scene, the worst of them, and the largest error that they tell to expect."""
+    """The word of the verdict on all runs of a scene, the worst of them, and the largest error that they tell to
+    expect."""
     words = [result.verdict for result in results]
     word = next((word for word in ("doubtful", "coarse") if word in words), "sound")
     return {"doubtful": "doubted"}.get(word, word), max(result.summary.get("verdict_error", 0.0) for result in results)
 
 
 def judge(chosen, seed):
-    """The row of one seed, and its decks: class, card, cells, end, the worst error over what is allowed, words, whether a promised error was kept, wall time."""
+    """The row of one seed, and its decks: class, card, cells, end, the worst error over what is allowed, words, whether
+    a promised error was kept, wall time."""
     started = time.monotonic()
     name, truth, card = scene(seed, drawn(chosen, seed))
     if chosen.default:
@@ -89,16 +105,23 @@ def judge(chosen, seed):
     shutil.rmtree(folder)
     failed = next((result for result in results if result.code != 0), None)
     if failed:
-        end, size, words, kept = "refused" if failed.code in (2, 3) else "stopped", 0.0, failed.printed.strip().splitlines()[-1], True
+        end, size, words, kept = (
+            "refused" if failed.code in (2, 3) else "stopped", 0.0, failed.printed.strip().splitlines()[-1], True,
+        )
     else:
         errors = truth.errors(results)
         what, error, allowed = max(errors, key=lambda one: abs(one[1])/one[2])
         size = abs(error)/allowed
         word, promised = told(results)
         doubt = next((line for result in results for line in result.printed.splitlines() if "verdict" in line), "")
-        end, words = f"{'right' if size <= 1 else 'wrong'} and {word}", f"{what} {error:+.3g} {doubt.partition('verdict: ')[2][:100]}"
+        end, words = (
+            f"{'right' if size <= 1 else 'wrong'} and {word}",
+            f"{what} {error:+.3g} {doubt.partition('verdict: ')[2][:100]}",
+        )
         kept = word != "coarse" or all(abs(one[1]) <= max(one[2], promised) for one in errors)
-    return dict(zip(ROW, (seed, name, card, truth.cells, end, size, words, kept, round(time.monotonic() - started, 2)))), texts
+    return dict(
+        zip(ROW, (seed, name, card, truth.cells, end, size, words, kept, round(time.monotonic() - started, 2)))
+    ), texts
 
 
 def drawn(chosen, seed):
@@ -115,11 +138,15 @@ def rows_of(path):
 
 
 def rates(rows):
-    """Ends, wrong among the sound, doubted among the right, coarse among the right, and promises kept among the coarse."""
+    """Ends, wrong among the sound, doubted among the right, coarse among the right, and promises kept among the
+    coarse."""
     count = {end: sum(row["end"] == end for row in rows) for end in ENDS}
     sound, right, coarse = (sum(count[end] for end in ENDS[:6] if word in end) for word in ("sound", "right", "coarse"))
     kept = sum(row["kept"] for row in rows if "coarse" in row["end"])
-    return count, count[ENDS[1]]/max(1, sound), count[ENDS[4]]/max(1, right), count[ENDS[2]]/max(1, right), kept/coarse if coarse else 1.0
+    return (
+        count, count[ENDS[1]] / max(1, sound), count[ENDS[4]] / max(1, right), count[ENDS[2]] / max(1, right),
+        kept / coarse if coarse else 1.0,
+    )
 
 
 def table_of(rows):
@@ -129,10 +156,16 @@ def table_of(rows):
         count = rates([row for row in rows if row["name"] == name])[0]
         lines.append(f"| {name} | " + " | ".join(str(count[end]) for end in ENDS) + " |")
     plain = [row for row in rows if row["card"] == "method sgmp"]
-    for title, some in (("all", rows), ("`method sgmp`", plain), ("the same, 4 cells and more", [row for row in plain if row["cells"] >= 4])):
+    for title, some in (
+        ("all", rows), ("`method sgmp`", plain),
+        ("the same, 4 cells and more", [row for row in plain if row["cells"] >= 4]),
+    ):
         count, wrong, doubted, coarse, kept = rates(some)
-        lines.append(f"| **{title}**: wrong among sound {100*wrong:.1f} %, doubted among right {100*doubted:.1f} %, coarse among right {100*coarse:.1f} %, "
-                     f"promises kept {100*kept:.1f} % | " + " | ".join(str(count[end]) for end in ENDS) + " |")
+        lines.append(
+            f"| **{title}**: wrong among sound {100 * wrong:.1f} %, doubted among right {100 * doubted:.1f} %, "
+            f"coarse among right {100 * coarse:.1f} %, "
+            f"promises kept {100 * kept:.1f} % | " + " | ".join(str(count[end]) for end in ENDS) + " |"
+        )
     return lines
 
 
@@ -152,7 +185,13 @@ def main():
     if chosen.show is not None:
         name, truth, card = scene(chosen.show)
         print(f"! {name}")
-        sys.exit(print("\n! ----\n".join(deck.replace("METHOD", "method sgmp" if chosen.default else card) for deck in truth.decks)))
+        sys.exit(
+            print(
+                "\n! ----\n".join(
+                    deck.replace("METHOD", "method sgmp" if chosen.default else card) for deck in truth.decks
+                )
+            )
+        )
     os.makedirs(chosen.scratch, exist_ok=True)
     started = time.monotonic()
     path = os.path.join(chosen.scratch, "rows.jsonl")
@@ -170,15 +209,27 @@ def main():
     with open(os.path.join(chosen.scratch, "table.md"), "w", encoding="utf-8") as file:
         file.write("\n".join(lines) + "\n")
     bad = sorted((row for row in rows if row["end"] == "wrong and sound"), key=lambda row: -row["size"])
-    broken = [row for row in rows if row["end"] in ("refused", "stopped", "right and doubted", "wrong and doubted") or not row["kept"]]
+    broken = [
+        row
+        for row in rows
+        if row["end"] in ("refused", "stopped", "right and doubted", "wrong and doubted") or not row["kept"]
+    ]
     for row in bad + broken:
-        print(f"{row['end']}{'' if row['kept'] else ', promise broken'}: seed {row['seed']}, {row['name']}, {row['card']}, {row['cells']} cells: {row['words']}")
+        print(
+            f"{row['end']}{'' if row['kept'] else ', promise broken'}: seed {row['seed']}, {row['name']}, "
+            f"{row['card']}, {row['cells']} cells: {row['words']}"
+        )
     for row in bad[:10]:
         for i, text in enumerate(row["texts"]):
-            with open(os.path.join(chosen.scratch, f"worst_{row['seed']}_{row['name']}_{i}.inp"), "w", encoding="utf-8") as file:
+            with open(
+                os.path.join(chosen.scratch, f"worst_{row['seed']}_{row['name']}_{i}.inp"), "w", encoding="utf-8"
+            ) as file:
                 file.write(text)
     of = [row["seed"] for row in rows]
-    print(f"{len(rows)} scenes of the seeds {min(of)} to {max(of)}; the last {len(seeds)} in {time.monotonic() - started:.0f} s")
+    print(
+        f"{len(rows)} scenes of the seeds {min(of)} to {max(of)}; the last {len(seeds)} in "
+        f"{time.monotonic() - started:.0f} s"
+    )
     sys.exit(0 if good(rows) else 1)
 
 
@@ -186,7 +237,14 @@ def good(rows):
     """Whether the rates are those that are asked for."""
     plain = [row for row in rows if row["card"] == "method sgmp" and row["cells"] >= 4]
     count, wrong, doubted, _, kept = rates(rows)
-    return (wrong <= 0.03 and rates(plain)[1] <= 0.01 and doubted <= 0.05 and kept >= 0.95 and count[ENDS[0]] >= 0.5*len(rows) and count["refused"] == 0)
+    return (
+        wrong <= 0.03
+        and rates(plain)[1] <= 0.01
+        and doubted <= 0.05
+        and kept >= 0.95
+        and count[ENDS[0]] >= 0.5 * len(rows)
+        and count["refused"] == 0
+    )
 
 
 main()

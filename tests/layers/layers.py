@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The order of the house: each folder of src/ uses only itself and those before it in LAYERS; what a feature does in the step, in
-the deck … ranks with these (PARTS).
+"""The order of the house: each folder of src/ uses only itself and those before it in LAYERS; what a feature does in
+the step, in the deck … ranks with these (PARTS).
 
 usage: layers.py SOURCE_DIR
 
@@ -13,10 +13,20 @@ import pathlib
 import re
 import sys
 
-LAYERS = ("base", "parallel", "mesh", "geometry", "materials", "transfer", "particles", "account", "features", "deck", "kernels",
-          "exchange", "step", "setup", "files", "import", "output", "checkpoint", "judge", "run")
-# What of a feature (src/features/NAME/) ranks with a later folder, by how its file's name ends (before .f90); the rest ranks with features.
-PARTS = {"_card": "deck", "_stages": "step", "_build": "setup", "_output": "output", "_state": "checkpoint", "_doubts": "judge"}
+LAYERS = (
+    "base", "parallel", "mesh", "geometry", "materials", "transfer", "particles", "account", "features", "deck",
+    "kernels", "exchange", "step", "setup", "files", "import", "output", "checkpoint", "judge", "run",
+)
+# What of a feature (src/features/NAME/) ranks with a later folder, by how its file's name ends (before .f90); the rest
+# ranks with features.
+PARTS = {
+    "_card": "deck",
+    "_stages": "step",
+    "_build": "setup",
+    "_output": "output",
+    "_state": "checkpoint",
+    "_doubts": "judge",
+}
 # Modules from elsewhere and the folders that may use them; None: all (cmake/write_version.cmake writes sgmp_version).
 LIBRARIES = {"mpi_f08": ("parallel", "files"), "hdf5": ("files",), "omp_lib": ("run",), "sgmp_version": None}
 # Arrows that stand against the order until they are cut (file, file); one that is gone must go from here, too.

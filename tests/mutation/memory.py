@@ -39,7 +39,9 @@ class Memory:
     def write(self):
         """Writes the file anew."""
         part = self.path.with_suffix(".part")
-        part.write_text(json.dumps({"first": self.first, "outcomes": self.outcomes, "unfit": self.unfit}), encoding="utf-8")
+        part.write_text(
+            json.dumps({"first": self.first, "outcomes": self.outcomes, "unfit": self.unfit}), encoding="utf-8"
+        )
         part.rename(self.path)
 
     def fits(self, mutant):
@@ -75,8 +77,8 @@ class Memory:
             self.write()
 
     def promise(self, test, mutant):
-        """Chance that a test notices a fault, by what it has noticed in the same file and area; tests of units, and those that
-        come by few faults, are the likelier."""
+        """Chance that a test notices a fault, by what it has noticed in the same file and area; tests of units, and
+        those that come by few faults, are the likelier."""
         chance = 0.3 if test.kind == "unit" else 0.15
         for place, weight in ((mutant.folder, 4), (mutant.file, 2)):
             noticed, tried = self.tally.get((test.name, place), (0, 0))

@@ -1,6 +1,6 @@
-/* Which mutant is switched on (SGMP_MUTANT), and which ones a run comes by: one byte each of the file SGMP_MUTANT_TRACE,
-   mapped into memory, so that processes that are killed have told, too. A run comes by the fault of a condition where that has
-   another value than the right one: until then nothing is different. */
+/* Which mutant is switched on (SGMP_MUTANT), and which ones a run comes by: one byte each of the file
+   SGMP_MUTANT_TRACE, mapped into memory, so that processes that are killed have told, too. A run comes by the fault of
+   a condition where that has another value than the right one: until then nothing is different. */
 #include <fcntl.h>
 #include <stdlib.h>
 #include <sys/mman.h>

@@ -1,14 +1,17 @@
 """Small faults of Fortran sources: where they can be, and a copy of a source that has them all, each behind a switch.
 
-Faults are put into executable statements: assignments, calls, conditions, bounds of loops. Declarations, tables of `case`,
-`where`, input and output of Fortran stay as they are, and so do texts.
+Faults are put into executable statements: assignments, calls, conditions, bounds of loops. Declarations, tables of
+`case`, `where`, input and output of Fortran stay as they are, and so do texts.
 """
 import collections
 import dataclasses
 import re
 
-TOKEN = re.compile(r"""'[^']*'|"[^"]*"|\.[a-zA-Z]+\.|(?:\d+\.\d*|\.\d+)(?:[eEdD][+-]?\d+)?(?:_\w+)?|\d+[eEdD][+-]?\d+(?:_\w+)?
-                       |\d+(?:_\w+)?|[A-Za-z]\w*|\*\*|//|/=|==|<=|>=|=>|\s+|.""", re.VERBOSE)
+TOKEN = re.compile(
+    r"""'[^']*'|"[^"]*"|\.[a-zA-Z]+\.|(?:\d+\.\d*|\.\d+)(?:[eEdD][+-]?\d+)?(?:_\w+)?|\d+[eEdD][+-]?\d+(?:_\w+)?
+                       |\d+(?:_\w+)?|[A-Za-z]\w*|\*\*|//|/=|==|<=|>=|=>|\s+|.""",
+    re.VERBOSE,
+)
 BOUND = {"<": "<=", "<=": "<", ">": ">=", ">=": ">"}           # of whole numbers
 DIRECTION = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}       # of others, for which a bound's own value seldom matters
 OTHER_OPERATOR = {"+": "-", "-": "+", "*": "/", "/": "*", "==": "/=", "/=": "==",
@@ -16,11 +19,15 @@ OTHER_OPERATOR = {"+": "-", "-": "+", "*": "/", "/": "*", "==": "/=", "/=": "=="
                   ".eqv.": ".neqv.", ".neqv.": ".eqv."}
 OTHER_FUNCTION = {"min": "max", "max": "min", "minval": "maxval", "maxval": "minval", "any": "all", "all": "any",
                   "floor": "ceiling", "sin": "cos", "cos": "sin"}
-NO_ASSIGNMENT = re.compile(r"""(use|implicit|private|public|type|class|end|contains|interface|module|submodule|procedure|function
-    |subroutine|pure|elemental|impure|recursive|integer|real|logical|character|complex|select|case|where|elsewhere|forall|allocate
-    |deallocate|write|read|print|open|close|inquire|rewind|flush|format|data|include|associate|block|else|nullify|stop|error|import
-    |generic|final|enum|enumerator|abstract|program|critical|continue)\b(?!\s*(\(.*?\))?\s*(%[\w%() ,:]*)?=(?![=>]))""",
-    re.VERBOSE | re.IGNORECASE)
+NO_ASSIGNMENT = re.compile(
+    r"""(use|implicit|private|public|type|class|end|contains|interface|module|submodule|procedure|function
+    |subroutine|pure|elemental|impure|recursive|integer|real|logical|character|complex|select|case|where
+    |elsewhere|forall|allocate|deallocate|write|read|print|open|close|inquire|rewind|flush|format|data|include
+    |associate|block|else|nullify|stop|error|import|generic|final|enum|enumerator|abstract|program|critical
+    |continue)\b
+    (?!\s*(\(.*?\))?\s*(%[\w%() ,:]*)?=(?![=>]))""",
+    re.VERBOSE | re.IGNORECASE,
+)
 MODULE = re.compile(r"^\s*module\s+(?!procedure\b|subroutine\b|function\b)(?:DIM\(\s*\w+\s*\)|\w+)\s*$", re.IGNORECASE)
 CALL = re.compile(r"call\s+[\w%]+\s*(\(|$)", re.IGNORECASE)
 LOOP = re.compile(r"((?:\w+\s*:\s*)?do\s+)(\w+\s*=\s*)(.*)$", re.IGNORECASE)
@@ -191,7 +198,11 @@ def changes(text, reals, inside_only=False, ranges=True):
             if "".join(tokens[:place]).endswith(("huge(", "tiny(", "epsilon(")):  # its kind alone matters
                 continue
             new = other_number(token)
-        elif low in OTHER_FUNCTION and "".join(tokens[place + 1:]).lstrip().startswith("(") and tokens[place - 1:place] != ["%"]:
+        elif (
+            low in OTHER_FUNCTION
+            and "".join(tokens[place + 1 :]).lstrip().startswith("(")
+            and tokens[place - 1 : place] != ["%"]
+        ):
             new = OTHER_FUNCTION[low]
         if new is not None:
             yield "".join([*tokens[:place], new, *tokens[place + 1:]]), f"{token} -> {new or 'nothing'}"
@@ -298,8 +309,8 @@ def choice(mutants, was):
 
 
 def either(mutants, was, impure):
-    """Text of a condition that is one of several. Where that does no harm the faulty one is worked out as well, to see whether
-    it makes a difference."""
+    """Text of a condition that is one of several. Where that does no harm the faulty one is worked out as well, to see
+    whether it makes a difference."""
     both = [m for m in mutants if comparable(m, impure)]
     for mutant in both:
         was = f"mutant_either({mutant.number}, {mutant.now}, {was})"
@@ -310,7 +321,8 @@ def either(mutants, was, impure):
 
 
 def comparable(mutant, impure):
-    """Whether a faulty condition can be worked out beside the right one: no side effects, no array beyond its bounds."""
+    """Whether a faulty condition can be worked out beside the right one: no side effects, no array beyond its
+    bounds."""
     if mutant.now == ".false.":
         return True
     if any(name.lower() in impure for name in re.findall(r"(\w+)\s*\(", mutant.was)):
@@ -371,7 +383,9 @@ def rewritten(statement, mutants, impure):
         # A compiler may work out both sides of .and.: a faulty condition that must not be gets an if of its own.
         alone = [m for m in faults if not comparable(m, impure)]
         both = either([m for m in faults if m not in alone], was, impure)
-        branches = [f"if (mutant_on({m.number})) then\nif ({m.now}) then\n{choice(inner, action)}\nend if\nelse " for m in alone]
+        branches = [
+            f"if (mutant_on({m.number})) then\nif ({m.now}) then\n{choice(inner, action)}\nend if\nelse " for m in alone
+        ]
         end = "\nend if" if alone else ""
         return "".join([*branches, "\n" if alone else "", f"if ({both}) then\n{choice(inner, action)}\nend if{end}"])
     loop = LOOP.match(text)
@@ -386,7 +400,11 @@ def with_switches(source, mutants, impure):
     for mutant in mutants:
         by_line.setdefault(mutant.line, []).append(mutant)
     lines = source.split("\n")
-    replaced = {s.first: (s.last, rewritten(s, by_line[s.first + 1], impure)) for s in statements(lines) if s.first + 1 in by_line}
+    replaced = {
+        s.first: (s.last, rewritten(s, by_line[s.first + 1], impure))
+        for s in statements(lines)
+        if s.first + 1 in by_line
+    }
     out, owners, number = [], {}, 0
     while number < len(lines):
         if number in replaced:

@@ -1,19 +1,22 @@
 #!/usr/bin/env python3
 """Puts small faults into src/, one at a time, and sees whether the tests notice.
 
-usage: mutate.py [--sample N] [--seed N] [--files FILE …] [--faults LIST] [--kinds KIND …] [--without TEST …] [--budget SECONDS]
+usage: mutate.py [--sample N] [--seed N] [--files FILE …] [--faults LIST] [--kinds KIND …] [--without TEST …] [--budget
+SECONDS]
                  [--jobs N] [--least PART]
 
-All faults of the sample are compiled into one copy of the sources, each behind a switch (SGMP_MUTANT). A first round of all
-tests without a fault tells which tests, and which of their runs, come by which fault and how long they take; then every fault
-is switched on, and the tests that come by it run until one fails or the budget is used up: first those that promise most per
-second, by what they have noticed before. Of a test only the runs that come by the fault are repeated (recall/). A fault that no
-test comes by, or that all let pass, has survived. equivalent.txt names those that change nothing, with the reason.
+All faults of the sample are compiled into one copy of the sources, each behind a switch (SGMP_MUTANT). A first round of
+all tests without a fault tells which tests, and which of their runs, come by which fault and how long they take; then
+every fault is switched on, and the tests that come by it run until one fails or the budget is used up: first those that
+promise most per second, by what they have noticed before. Of a test only the runs that come by the fault are repeated
+(recall/). A fault that no test comes by, or that all let pass, has survived. equivalent.txt names those that change
+nothing, with the reason.
 
-What was found is kept (build/mutation/memory.json): the same call again goes on where the last one ended, and tries survivors
-with tests that have changed or were beyond the budget.
+What was found is kept (build/mutation/memory.json): the same call again goes on where the last one ended, and tries
+survivors with tests that have changed or were beyond the budget.
 
-Results: report_*.txt and results_*.json in build/mutation. Exit code 1: less than 85 % noticed (--least), or less than 75 % in an area of 8.
+Results: report_*.txt and results_*.json in build/mutation. Exit code 1: less than 85 % noticed (--least), or less than
+75 % in an area of 8.
 """
 import argparse
 import collections
@@ -45,8 +48,10 @@ LEAST, LEAST_OF_AREA, AREA = 0.85, 0.75, 8
 SKIPPED = 77
 # Their runs are interrupted or timed: what fails on a busy machine must fail twice.
 TIMED = {f"regression_{name}" for name in ("cost", "folder", "hpc", "interrupt", "view")}
-COPIES = ("CHANGELOG.md", "CMakeLists.txt", "CONTRIBUTING.md", "LICENSE", "README.md", "cmake", "doc", "input", "packaging", "python", "scripts", "src", "tests",
-          "verification")  # as they are now
+COPIES = (
+    "CHANGELOG.md", "CMakeLists.txt", "CONTRIBUTING.md", "LICENSE", "README.md", "cmake", "doc", "input", "packaging",
+    "python", "scripts", "src", "tests", "verification",
+)  # as they are now
 # Nothing that a test could see: speed, times of clocks, hints to the system. The program's own file has no module.
 LEFT_OUT = re.compile(r"/(main|prefetch|large_pages|timers|process|cost_estimate)\.[fF]90$")
 
@@ -80,12 +85,21 @@ class Test:
         most = int(3.0*self.seconds) + 5 if self.seconds else 3600
         wait = 60.0 + 20.0*self.seconds if self.seconds else 3600.0
         with open(scratch / "output.txt", "w+", encoding="utf-8", errors="replace") as output:
-            process = subprocess.Popen(command, cwd=scratch, stdout=output, stderr=subprocess.STDOUT, start_new_session=True,
-                                       preexec_fn=lambda: prepare(most), env={**os.environ, **self.environment, **recall, **environment})
+            process = subprocess.Popen(
+                command,
+                cwd=scratch,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                preexec_fn=lambda: prepare(most),
+                env={**os.environ, **self.environment, **recall, **environment},
+            )
             code, seconds = wait_for(process, wait)
             output.seek(0)
             text = output.read()
-        fine = code is not None and (any(re.search(p, text) for p in self.passes) if self.passes else code in (0, SKIPPED))
+        fine = code is not None and (
+            any(re.search(p, text) for p in self.passes) if self.passes else code in (0, SKIPPED)
+        )
         return fine, text, seconds
 
 
@@ -139,7 +153,8 @@ def reason_of(mutant, known):
 
 
 def listed(path):
-    """Faults that a file lists: end of the path | part of a statement | what stands there instead | what is wrong | who notices."""
+    """Faults that a file lists: end of the path | part of a statement | what stands there instead | what is wrong | who
+    notices."""
     faults, stale = [], []
     for line in pathlib.Path(path).read_text(encoding="utf-8").splitlines():
         if line.strip() and not line.startswith("#"):
@@ -155,7 +170,8 @@ def listed(path):
 
 
 def draw(files, size, seed):
-    """A sample of all mutants of some files, in the order drawn, with some more for those that are no Fortran; how many there are."""
+    """A sample of all mutants of some files, in the order drawn, with some more for those that are no Fortran; how many
+    there are."""
     found = [m for file in files for m in mutants.candidates(file, (ROOT / file).read_text(encoding="utf-8"))]
     most = min(len(found), size + size//4 + 5) if size else len(found)
     return numbered(random.Random(seed).sample(found, most)), len(found)
@@ -171,7 +187,9 @@ def numbered(chosen):
 def make_tree(chosen):
     """A copy of the project whose sources hold the mutants; owners of the lines of each file."""
     tree = WORK / "tree"
-    files = [path for name in COPIES for path in ([ROOT / name] if (ROOT / name).is_file() else (ROOT / name).rglob("*"))]
+    files = [
+        path for name in COPIES for path in ([ROOT / name] if (ROOT / name).is_file() else (ROOT / name).rglob("*"))
+    ]
     wanted = {path.relative_to(ROOT): path for path in files if path.is_file() and "__pycache__" not in path.parts}
     wanted |= {pathlib.Path("src/base") / name: HERE / name for name in ("mutant.c", "mutant.f90")}
     for path in [path for name in COPIES for path in (tree / name).rglob("*")]:
@@ -256,7 +274,8 @@ def own_files(name, kind):
 
 # ------------------------------------------------------------------------------------------------ running
 def without_faults(tests, program, memory, jobs):
-    """Runs all tests once, where that is not known: which mutants they come by, how long they take. Returns those that pass."""
+    """Runs all tests once, where that is not known: which mutants they come by, how long they take. Returns those that
+    pass."""
     def first(test, worker):
         known = memory.first_round(test, program)
         if known is None:
@@ -338,8 +357,15 @@ def report(results, total, seconds, least):
         column = 2 if reason else 0 if killer else 1
         areas[mutant.folder][column] += 1
         if column == 1:
-            how = f"{ran} tests came by" + (f", {left} more beyond the budget" if left else "") if ran + left else "no test comes by"
-            survivors.append(f"{mutant.file}:{mutant.line}: {mutant.what} ({how})\n    {mutant.was.strip()}\n    {mutant.now.strip()}")
+            how = (
+                f"{ran} tests came by" + (f", {left} more beyond the budget" if left else "")
+                if ran + left
+                else "no test comes by"
+            )
+            survivors.append(
+                f"{mutant.file}:{mutant.line}: {mutant.what} ({how})\n    {mutant.was.strip()}\n    "
+                f"{mutant.now.strip()}"
+            )
         elif column == 2:
             survivors.append(f"{mutant.file}:{mutant.line}: {mutant.what} (equivalent: {reason})")
     noticed, survived, same = (sum(area[n] for area in areas.values()) for n in range(3))
@@ -366,11 +392,17 @@ def main():
     parser.add_argument("--files", nargs="*", default=[], help="sources, or folders of them (default src)")
     parser.add_argument("--faults", help="a file that lists faults by hand; with --sample both, else these alone")
     parser.add_argument("--fits", action="store_true", help="only see whether the faults listed still fit the sources")
-    parser.add_argument("--kinds", nargs="*", default=list(KINDS), choices=KINDS, help="labels of the tests that run (default all)")
+    parser.add_argument(
+        "--kinds", nargs="*", default=list(KINDS), choices=KINDS, help="labels of the tests that run (default all)"
+    )
     parser.add_argument("--without", nargs="*", default=[], help="tests that do not run")
     parser.add_argument("--budget", type=float, default=120.0, help="CPU seconds of tests per fault (default 120)")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="faults at the same time (default: processors)")
-    parser.add_argument("--least", type=float, default=LEAST, help="part that must be noticed (default 0.85); small samples scatter")
+    parser.add_argument(
+        "--jobs", type=int, default=os.cpu_count(), help="faults at the same time (default: processors)"
+    )
+    parser.add_argument(
+        "--least", type=float, default=LEAST, help="part that must be noticed (default 0.85); small samples scatter"
+    )
     options = parser.parse_args()
     if options.fits:
         print(f"{len(listed(options.faults))} faults fit the sources")
@@ -390,7 +422,10 @@ def main():
     memory.keep_unfit(m for m in drawn + by_hand if m not in built)
     chosen = [m for m in drawn if m in built][:size]
     unfit = len(drawn) + len(by_hand) - len(built)
-    print(f"{len(drawn) + len(by_hand)} faults, {unfit} of them no Fortran; built after {time.monotonic() - start:.0f} s", flush=True)
+    print(
+        f"{len(drawn) + len(by_hand)} faults, {unfit} of them no Fortran; built after {time.monotonic() - start:.0f} s",
+        flush=True,
+    )
     program = digest(sorted((WORK / "tree/src").rglob("*.*")))
     for old in (WORK / "records").glob("*"):
         if old.name != program:
@@ -404,7 +439,9 @@ def main():
 
     def judge(mutant, worker):
         reason = reason_of(mutant, known)
-        killer, ran, left = (None, 0, 0) if reason else try_mutant(mutant, tests, program, memory, options.budget, worker)
+        killer, ran, left = (
+            (None, 0, 0) if reason else try_mutant(mutant, tests, program, memory, options.budget, worker)
+        )
         verdict = f"equivalent: {reason}" if reason else killer or "SURVIVED"
         print(f"{mutant.file}:{mutant.line}: {mutant.what}: {verdict}", flush=True)
         return mutant, killer, ran, left, reason

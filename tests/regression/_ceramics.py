@@ -1,5 +1,5 @@
-"""Johnson and Holmquist's ceramics (JH-2) along a path of uniaxial strain, as a second implementation: implicit in all that the program
-takes from the beginning of the step, in shorter steps.
+"""Johnson and Holmquist's ceramics (JH-2) along a path of uniaxial strain, as a second implementation: implicit in all
+that the program takes from the beginning of the step, in shorter steps.
 """
 import math
 
@@ -12,14 +12,18 @@ def strengths(c, pressure, rate):
     """Of intact and of fractured matter."""
     unit = 1.5*(c["hugoniot_limit"] - c["hugoniot_pressure"])
     faster = 1 + c.get("rate_coefficient", 0.0)*math.log(max(1.0, rate/c.get("reference_rate", 1.0)))
-    intact = c["intact_strength"]*power((pressure + c["tension_limit"])/c["hugoniot_pressure"], c["intact_exponent"])*faster
+    intact = (
+        c["intact_strength"]
+        * power((pressure + c["tension_limit"]) / c["hugoniot_pressure"], c["intact_exponent"])
+        * faster
+    )
     fractured = c["fractured_strength"]*power(pressure/c["hugoniot_pressure"], c.get("fractured_exponent", 1.0))*faster
     return unit*intact, unit*min(fractured, c.get("fractured_limit", math.inf), intact)
 
 
 def squeezed(c, times, volumes, substeps):
-    """Pressure, von Mises stress, plastic strain, damage and bulking pressure at times when the volume is known, which is linear in
-    between."""
+    """Pressure, von Mises stress, plastic strain, damage and bulking pressure at times when the volume is known, which
+    is linear in between."""
     shear, k1 = c["shear_modulus"], c["k1"]
     axial = plastic = damage = bulking = pressure = 0.0
     found = [(0.0,)*5]
@@ -40,12 +44,19 @@ def squeezed(c, times, volumes, substeps):
                 if flow > 0:
                     for _ in range(3):  # damage, strength and bulking with the pressure that they make
                         now = max(curve + more, -c["tension_limit"]*(1 - grown))
-                        fatal = c["damage_strain"]*power((now + c["tension_limit"])/c["hugoniot_pressure"], c.get("damage_exponent", 1.0))
+                        fatal = c["damage_strain"] * power(
+                            (now + c["tension_limit"]) / c["hugoniot_pressure"], c.get("damage_exponent", 1.0)
+                        )
                         grown = min(1.0, damage + flow/fatal) if fatal > 0 else 1.0
                         intact, fractured = strengths(c, now, rate)
                         if k1*mu + bulking > 0:
                             energy = [(intact - d*(intact - fractured))**2/(6*shear) for d in (damage, grown)]
-                            more = math.sqrt((k1*mu + bulking)**2 + 2*c.get("bulking", 1.0)*k1*(energy[0] - energy[1])) - k1*mu
+                            more = (
+                                math.sqrt(
+                                    (k1 * mu + bulking) ** 2 + 2 * c.get("bulking", 1.0) * k1 * (energy[0] - energy[1])
+                                )
+                                - k1 * mu
+                            )
                 now = max(curve + more, -c["tension_limit"]*(1 - grown))
                 intact, fractured = strengths(c, now, rate)
                 return intact - grown*(intact - fractured), grown, more

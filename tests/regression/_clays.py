@@ -1,12 +1,12 @@
-"""Modified Cam-clay along a path of uniaxial strain, as a second implementation: rates of stress and of the preconsolidation, by Runge
-and Kutta's method in short steps; where the program solves for the end of a step.
+"""Modified Cam-clay along a path of uniaxial strain, as a second implementation: rates of stress and of the
+preconsolidation, by Runge and Kutta's method in short steps; where the program solves for the end of a step.
 """
 import math
 
 
 def consolidated(c, times, volumes, substeps):
-    """Pressure, von Mises stress, plastic shear strain and preconsolidation at times when the volume over the initial one is known,
-    which is linear in between."""
+    """Pressure, von Mises stress, plastic shear strain and preconsolidation at times when the volume over the initial
+    one is known, which is linear in between."""
     ratio, slope, kappa, start = c["critical_ratio"], c["compression_slope"], c["swelling_slope"], 1 + c["void_ratio"]
     stiff = 3*(1 - 2*c["poisson"])/(2*(1 + c["poisson"]))
     least = c.get("least_pressure", c["pressure0"]/1000)
@@ -18,7 +18,8 @@ def consolidated(c, times, volumes, substeps):
         return p + (q/ratio)**2/p
 
     def rates(s, v, rate, yields):
-        """Of pressure, deviator and plastic strain by that of the specific volume. The deviator is positive where compressed."""
+        """Of pressure, deviator and plastic strain by that of the specific volume. The deviator is positive where
+        compressed."""
         p, q, _ = s
         volume_rate = -rate/v                # compression positive
         shear_rate = 2/3*volume_rate
@@ -31,7 +32,8 @@ def consolidated(c, times, volumes, substeps):
         return [bulk*(volume_rate - flow*along_p), shear3*(shear_rate - flow*along_q), flow*abs(along_q)], push
 
     def advance(p, q, plastic, hardened, v, change, halvings):
-        """State when the specific volume has changed; a step in which it begins to yield is halved down to that point."""
+        """State when the specific volume has changed; a step in which it begins to yield is halved down to that
+        point."""
         state = [p, q, plastic]
         yields = ellipse(p, q) >= hardened*(1 - 1e-9) and rates(state, v, change, True)[1] > 0
         k1, _ = rates(state, v, change, yields)

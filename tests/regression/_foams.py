@@ -1,18 +1,23 @@
-"""Deshpande and Fleck's foam along a path of uniaxial strain, as a second implementation: rates of stress and of the plastic strain, by
-Runge and Kutta's method in short steps; where the program solves for the end of a step.
+"""Deshpande and Fleck's foam along a path of uniaxial strain, as a second implementation: rates of stress and of the
+plastic strain, by Runge and Kutta's method in short steps; where the program solves for the end of a step.
 """
 import math
 
 
 def crushed(c, volumes, substeps):
-    """Pressure, von Mises stress and plastic strain at volumes over the initial one; in between the logarithm is linear."""
+    """Pressure, von Mises stress and plastic strain at volumes over the initial one; in between the logarithm is
+    linear."""
     bulk, shear3 = c["young"]/(3*(1 - 2*c["poisson"])), 1.5*c["young"]/(1 + c["poisson"])
     sideways = c.get("plastic_poisson", 0.0)
     shape = 4.5*(1 - 2*sideways)/(1 + sideways)
 
     def curve(e):
         r = e/c["densification_strain"]
-        late = c["densification"]*math.log(1/(1 - r**c.get("densification_exponent", 1.0))) if "densification" in c else 0.0
+        late = (
+            c["densification"] * math.log(1 / (1 - r ** c.get("densification_exponent", 1.0)))
+            if "densification" in c
+            else 0.0
+        )
         return c["plateau"] + c.get("linear_hardening", 0.0)*r + late
 
     def equivalent(mean, q):

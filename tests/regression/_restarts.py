@@ -49,8 +49,10 @@ def execute(line, name, launcher=(), timeout=300):
     environment = dict(ENVIRONMENT)
     if launcher:
         environment.pop("OMPI_MCA_ess_singleton_isolated", None)
-    done = subprocess.run([*launcher, *line], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout, check=False,
-                          env=environment)
+    done = subprocess.run(
+        [*launcher, *line], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout, check=False,
+        env=environment,
+    )
     return Run(done.returncode, done.stdout.decode("utf-8", "replace"), os.path.join(SCRATCH, name))
 
 
@@ -90,8 +92,8 @@ def straight(report, name, text, threads=1, launcher=(), **settings):
 
 
 def goes_on(report, reference, name, text, step, threads=1, launcher=(), source=None, **settings):
-    """Restarts a copy of a finished run from the checkpoint of a step; the results must be those of the run. The checkpoints
-    may come from another run, of other ranks."""
+    """Restarts a copy of a finished run from the checkpoint of a step; the results must be those of the run. The
+    checkpoints may come from another run, of other ranks."""
     folder = clear(name)
     shutil.copytree((source or reference).folder, folder)
     for later in [other for other in checkpoints(folder) if other > step]:
@@ -99,7 +101,9 @@ def goes_on(report, reference, name, text, step, threads=1, launcher=(), source=
     os.remove(os.path.join(folder, "summary.json"))
     result = execute(command(name, text, ["--restart", "latest"], settings, threads), name, launcher)
     if report.finished(result, name):
-        report.check(result["restarted_from"].endswith(f"_{step:07d}.h5"), f"{name}: started from {result['restarted_from']}")
+        report.check(
+            result["restarted_from"].endswith(f"_{step:07d}.h5"), f"{name}: started from {result['restarted_from']}"
+        )
         for key in ("checksum", "steps", "particle_steps", "energy.total", "energy.remainder", "particles_lost"):
             report.check(result[key] == reference[key], f"{name}: {key} {result[key]}, straight {reference[key]}")
         same_files(report, reference.folder, folder, name, layouts=bool(launcher or source))
@@ -115,7 +119,9 @@ class Going:
         environment = dict(ENVIRONMENT)
         if launcher:
             environment.pop("OMPI_MCA_ess_singleton_isolated", None)
-        self.process = subprocess.Popen([*launcher, *line], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment)
+        self.process = subprocess.Popen(
+            [*launcher, *line], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment
+        )
 
     def wait_for(self, condition, seconds=60.0):
         """Waits until something is true or the run has ended; whether it became true."""

@@ -26,7 +26,8 @@ initial_stress bar xx="-0.5e-3*(1+cos(pi*min(abs(x-40)/12,1)))"
 history steps=5
 output csv at=end fields=stress,velocity,mass
 """
-# Plane pulses, of compression and of shear, that meet an edge at 45 degrees. Along x + y all is as it was: the other edge is that of a wider block.
+# Plane pulses, of compression and of shear, that meet an edge at 45 degrees. Along x + y all is as it was: the other
+# edge is that of a wider block.
 OBLIQUE = """
 parameter method = sgmp
 parameter edge = absorbing
@@ -72,19 +73,31 @@ velocity water {axis}="1e-3*exp(-(({axis}-20)/7)^2)"
 output csv at=end fields=pressure,velocity
 history steps=5
 """
-METHODS = [("sgmp", "musl"), ("sgmp", "usf"), ("sgmp", "usl"), ("sgmp", "usavg"), ("mpm", "musl"), ("mpm", "usf"), ("gimp", "musl"), ("gimp", "usl"), ("cpgimp", "usavg"), ("bspline", "musl")]
+METHODS = [
+    ("sgmp", "musl"), ("sgmp", "usf"), ("sgmp", "usl"), ("sgmp", "usavg"), ("mpm", "musl"), ("mpm", "usf"),
+    ("gimp", "musl"), ("gimp", "usl"), ("cpgimp", "usavg"), ("bspline", "musl"),
+]
 PULSE = 1e-3
 
 
 def coming_back(rows, beside):
-    """Largest wave towards lower x that the same bar without an end does not have, over the pulse: its velocity and stress have the same sign."""
+    """Largest wave towards lower x that the same bar without an end does not have, over the pulse: its velocity and
+    stress have the same sign."""
     other = {row["id"]: row for row in beside}
-    return max(abs(row["velocity_x"] + row["stress_xx"] - other[row["id"]]["velocity_x"] - other[row["id"]]["stress_xx"])/2
-               for row in rows if row["x"] < 76)/PULSE
+    return (
+        max(
+            abs(row["velocity_x"] + row["stress_xx"] - other[row["id"]]["velocity_x"] - other[row["id"]]["stress_xx"])
+            / 2
+            for row in rows
+            if row["x"] < 76
+        )
+        / PULSE
+    )
 
 
 def bars(report):
-    """What comes back of a plane pulse is below 2 %, of the longest steps that are stable below 4 %; its momentum and energy are taken by the edge; a free end gives all back."""
+    """What comes back of a plane pulse is below 2 %, of the longest steps that are stable below 4 %; its momentum and
+    energy are taken by the edge; a free end gives all back."""
     for method, update in METHODS:
         for cfl, most in (("0.5", 0.02), ("auto", 0.04)):
             name = f"bar_{method}_{update}_{cfl}"
@@ -100,9 +113,15 @@ def bars(report):
             report.check(back < most, f"{name}: {back:.4f} of the pulse comes back")
             momentum = sum(row["mass"]*row["velocity_x"] for row in rows)
             gained = history[0]["momentum_x"] + result["absorbing_edges.impulse"][0]
-            report.check(abs(gained - momentum) < 1e-10*history[0]["momentum_x"], f"{name}: momentum {momentum} instead of {gained}")
+            report.check(
+                abs(gained - momentum) < 1e-10 * history[0]["momentum_x"],
+                f"{name}: momentum {momentum} instead of {gained}",
+            )
             taken = result["absorbing_edges.energy_taken"]
-            report.check(abs(taken + result["energy.external_work"]) < 1e-10*taken, f"{name}: takes {taken}, external work {result['energy.external_work']}")
+            report.check(
+                abs(taken + result["energy.external_work"]) < 1e-10 * taken,
+                f"{name}: takes {taken}, external work {result['energy.external_work']}",
+            )
             # 1/2 rho v^2 + sigma^2/2 E over the pulse, 1e-6*0.75*12
             report.check(abs(taken - 9e-6) < 0.05*9e-6, f"{name}: takes {taken} of 9e-6")
     for edge in ("free", "slip"):
@@ -115,29 +134,65 @@ def bars(report):
 def oblique(report):
     """At 45 degrees: beside the same scene whose edge is too far away to be felt."""
     wave = "exp(-((x+y-20)/sqrt(2)/6)^2)"
-    # E = 1, nu = 1/4: lambda = mu = 0.4, c_p = sqrt(1.2), c_s = sqrt(0.4). Strains are -v/c, for compression along (1,1)/sqrt(2).
+    # E = 1, nu = 1/4: lambda = mu = 0.4, c_p = sqrt(1.2), c_s = sqrt(0.4). Strains are -v/c, for compression along
+    # (1,1)/sqrt(2).
     c_p, c_s = sqrt(1.2), sqrt(0.4)
     solid = "elastic density=1 young=1 poisson=0.25"
-    # By the closed form of plane waves 0.014 of compression and 0.071 of shear come back of compression; of shear, beyond the critical angle
+    # By the closed form of plane waves 0.014 of compression and 0.071 of shear come back of compression; of shear,
+    # beyond the critical angle
     # of 35 degrees, 0.17 of shear, and along the edge 0.42 of compression. The rest is short waves of the scheme.
-    cases = {"compression": {"most": 0.1, "material": solid, "vx": sqrt(0.5), "vy": sqrt(0.5), "stress":
-                             f'xx="-{1e-3*0.8/c_p}*{wave}" yy="-{1e-3*0.8/c_p}*{wave}" zz="-{1e-3*0.4/c_p}*{wave}" xy="-{1e-3*0.4/c_p}*{wave}"'},
-             "shear": {"most": 0.45, "material": solid, "vx": sqrt(0.5), "vy": -sqrt(0.5), "stress": f'xx="-{1e-3*c_s}*{wave}" yy="{1e-3*c_s}*{wave}"'}}
+    cases = {
+        "compression": {
+            "most": 0.1,
+            "material": solid,
+            "vx": sqrt(0.5),
+            "vy": sqrt(0.5),
+            "stress": f'xx="-{1e-3 * 0.8 / c_p}*{wave}" yy="-{1e-3 * 0.8 / c_p}*{wave}" '
+            f'zz="-{1e-3 * 0.4 / c_p}*{wave}" xy="-{1e-3 * 0.4 / c_p}*{wave}"',
+        },
+        "shear": {
+            "most": 0.45,
+            "material": solid,
+            "vx": sqrt(0.5),
+            "vy": -sqrt(0.5),
+            "stress": f'xx="-{1e-3 * c_s}*{wave}" yy="{1e-3 * c_s}*{wave}"',
+        },
+    }
     for method in ("gimp",):
         for name, case in cases.items():
             fields = {}
             for label, settings in (("edge", {}), ("far", {"edge": "free", "upper": 120}), ("free", {"edge": "free"})):
-                result = run(f"{name}_{method}_{label}", OBLIQUE.format(**{key: value for key, value in case.items() if key != 'most'}), threads=2, method=method, **settings)
+                result = run(
+                    f"{name}_{method}_{label}",
+                    OBLIQUE.format(**{key: value for key, value in case.items() if key != 'most'}),
+                    threads=2,
+                    method=method,
+                    **settings,
+                )
                 if not report.finished(result, f"{name} {method} {label}"):
                     return
-                # Nothing moves by half of a spacing; waves of the corners have not come so far, and the edge that answers was unstressed.
-                fields[label] = {(floor(2*row["x"]), floor(2*row["y"])): (row["velocity_x"], row["velocity_y"])
-                                 for row in result.table("particles_end.csv") if 40 < row["x"] < 58 and 0 < row["y"] < 20}
-            back = {label: max(hypot(v[0] - fields["far"][at][0], v[1] - fields["far"][at][1]) for at, v in fields[label].items())/PULSE
-                    for label in ("edge", "free")}
+                # Nothing moves by half of a spacing; waves of the corners have not come so far, and the edge that
+                # answers was unstressed.
+                fields[label] = {
+                    (floor(2 * row["x"]), floor(2 * row["y"])): (row["velocity_x"], row["velocity_y"])
+                    for row in result.table("particles_end.csv")
+                    if 40 < row["x"] < 58 and 0 < row["y"] < 20
+                }
+            back = {
+                label: max(
+                    hypot(v[0] - fields["far"][at][0], v[1] - fields["far"][at][1]) for at, v in fields[label].items()
+                )
+                / PULSE
+                for label in ("edge", "free")
+            }
             print(f"{name} {method}: {back}")
-            report.check(back["edge"] < case["most"], f"{name} {method}: {back['edge']:.3f} of the pulse comes back at 45 degrees")
-            report.check(back["free"] > 0.5, f"{name} {method}: {back['free']:.3f} of the pulse comes back from a free side")
+            report.check(
+                back["edge"] < case["most"],
+                f"{name} {method}: {back['edge']:.3f} of the pulse comes back at 45 degrees",
+            )
+            report.check(
+                back["free"] > 0.5, f"{name} {method}: {back['free']:.3f} of the pulse comes back from a free side"
+            )
 
 
 def rest(report):
@@ -152,10 +207,15 @@ def rest(report):
 
 
 def water(report):
-    """A plane pulse in a tank leaves by an edge, in the plane, in space and about the axis: c = 1, its pressure stays on the edge."""
-    shapes = {"plane": ("2", "x=0:4 y=0:40", "x-=slip x+=slip y-=slip y+=absorbing", "0,0", "4,40", "y"),
-              "space": ("3", "x=0:2 y=0:2 z=0:40", "x-=slip x+=slip y-=slip y+=slip z-=slip z+=absorbing", "0,0,0", "2,2,40", "z"),
-              "rings": ("axisymmetric", "r=0:4 z=0:40", "r+=slip z-=slip z+=absorbing", "0,0", "4,40", "z")}
+    """A plane pulse in a tank leaves by an edge, in the plane, in space and about the axis: c = 1, its pressure stays
+    on the edge."""
+    shapes = {
+        "plane": ("2", "x=0:4 y=0:40", "x-=slip x+=slip y-=slip y+=absorbing", "0,0", "4,40", "y"),
+        "space": (
+            "3", "x=0:2 y=0:2 z=0:40", "x-=slip x+=slip y-=slip y+=slip z-=slip z+=absorbing", "0,0,0", "2,2,40", "z",
+        ),
+        "rings": ("axisymmetric", "r=0:4 z=0:40", "r+=slip z-=slip z+=absorbing", "0,0", "4,40", "z"),
+    }
     for method in ("sgmp", "mpm"):
         for name, (dimension, grid, walls, lower, upper, axis) in shapes.items():
             deck = WATER.format(dimension=dimension, grid=grid, walls=walls, lower=lower, upper=upper, axis=axis)
@@ -168,7 +228,10 @@ def water(report):
             # Two pulses of half the height; that towards the wall comes back from it and leaves by the edge at last.
             left = {label: max(abs(row[f"velocity_{axis}"]) for row in rows[label])/(0.5*PULSE) for label in rows}
             print(f"water {name} {method}: {left}")
-            report.check(left["edge"] < (0.3 if method == "sgmp" else 0.02), f"water {name} {method}: {left['edge']:.4f} of the pulse is left")
+            report.check(
+                left["edge"] < (0.3 if method == "sgmp" else 0.02),
+                f"water {name} {method}: {left['edge']:.4f} of the pulse is left",
+            )
             report.check(left["free"] > 0.8, f"water {name} {method}: {left['free']:.4f} is left between walls")
 
 

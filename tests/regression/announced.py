@@ -3,15 +3,16 @@
 
 usage: announced.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Others of the kind have their own scripts: damping.py (static strain with every update, damping until a time), slice.py (a slice of space),
-verdict.py (crushed foam with mpm, projection behind damping).
+Others of the kind have their own scripts: damping.py (static strain with every update, damping until a time), slice.py
+(a slice of space), verdict.py (crushed foam with mpm, projection behind damping).
 """
 import math
 import os
 
 from _runs import SOURCE, Report, run
 
-# A soft ball that breaks on a plate and is eroded whole before anything of it meets the wall behind: 0.8 % of the mass, all of the energy.
+# A soft ball that breaks on a plate and is eroded whole before anything of it meets the wall behind: 0.8 % of the mass,
+# all of the energy.
 ERODED = """
 dimension 2
 grid cell=1 x=0:open y=0:20
@@ -116,7 +117,8 @@ pressure m face=y+ p="1e-3*min(t/60,1)"
 history steps=20
 output csv at=end fields=stress
 """
-# A ball of eight cells across in its first radial mode (poisson=0.25: x = 2.5634 of Love's equation, speed of sound sqrt(1.2)).
+# A ball of eight cells across in its first radial mode (poisson=0.25: x = 2.5634 of Love's equation, speed of sound
+# sqrt(1.2)).
 BALL = """
 parameter method = sgmp
 dimension 3
@@ -128,7 +130,11 @@ body m sphere material=m centre=(0.1,0.2,0.3) radius=1 ppc=2
 velocity m x="1e-3*(x-0.1)" y="1e-3*(y-0.2)" z="1e-3*(z-0.3)"
 history steps=1
 """
-WAYS = [(method, update) for method in ("sgmp", "mpm", "gimp", "cpgimp", "bspline") for update in ("musl", "usf", "usavg", "usl")]
+WAYS = [
+    (method, update)
+    for method in ("sgmp", "mpm", "gimp", "cpgimp", "bspline")
+    for update in ("musl", "usf", "usavg", "usl")
+]
 
 
 def eroded(report):
@@ -139,7 +145,9 @@ def eroded(report):
         report.check(share < 0.01, f"eroded: {share} of the mass")
         report.check(result["verdict"] == "doubtful", f"eroded: {result['verdict']}")
         for words in ("of the energy that the scene was given was eroded", "erosion has left nothing of body 'ball'"):
-            report.check(any(words in reason for reason in result["verdict_reasons"]), f"eroded: {result['verdict_reasons']}")
+            report.check(
+                any(words in reason for reason in result["verdict_reasons"]), f"eroded: {result['verdict_reasons']}"
+            )
 
 
 def leaving(report):
@@ -147,7 +155,10 @@ def leaving(report):
     result = run("leaving", LEAVING)
     if report.finished(result, "leaving"):
         report.check(result["particles_lost"] > 0, f"leaving: {result['particles_lost']} particles have left")
-        report.check(result["verdict"] == "doubtful" and any("is gone" in reason for reason in result["verdict_reasons"]), f"leaving: {result['verdict_reasons']}")
+        report.check(
+            result["verdict"] == "doubtful" and any("is gone" in reason for reason in result["verdict_reasons"]),
+            f"leaving: {result['verdict_reasons']}",
+        )
 
 
 def told(report, name, result, errors, allowed):
@@ -163,12 +174,17 @@ def told(report, name, result, errors, allowed):
 def between(result):
     """Errors of velocity and pressure in Sod's tube."""
     rows = [row for row in result.table("particles_end.csv") if 0.54 < row["x"] < 0.8]
-    return [sum(row[key] for row in rows)/len(rows)/exact - 1 for key, exact in (("velocity_x", 0.92745), ("pressure", 0.30313))]
+    return [
+        sum(row[key] for row in rows) / len(rows) / exact - 1
+        for key, exact in (("velocity_x", 0.92745), ("pressure", 0.30313))
+    ]
 
 
 def velocities(speed):
     """Errors of the velocities of bars."""
-    return lambda result: [row["velocity_x"]/speed - wanted for row, wanted in zip(result.table("bodies.csv")[-2:], (0, 1))]
+    return lambda result: [
+        row["velocity_x"] / speed - wanted for row, wanted in zip(result.table("bodies.csv")[-2:], (0, 1))
+    ]
 
 
 def stresses(result):
@@ -178,7 +194,8 @@ def stresses(result):
 
 
 def family(report, title, deck, scenes, errors, allowed):
-    """Runs of a deck by every method and update: each ends, or stops for its energy with mpm and usl, and its verdict goes with the truth; most are right."""
+    """Runs of a deck by every method and update: each ends, or stops for its energy with mpm and usl, and its verdict
+    goes with the truth; most are right."""
     right = 0
     for number, (method, update) in enumerate(WAYS):
         name = f"{title}_{method}_{update}"
@@ -191,8 +208,8 @@ def family(report, title, deck, scenes, errors, allowed):
 
 
 def burnt(report):
-    """TNT that fills a box and has burnt, by its equation of state at the energy that is left, but for waves: with usf the mean pressure is too high, and
-    the verdict says so."""
+    """TNT that fills a box and has burnt, by its equation of state at the energy that is left, but for waves: with usf
+    the mean pressure is too high, and the verdict says so."""
     with open(os.path.join(SOURCE, "verification/truth/worst/burn_600329.inp"), encoding="utf-8") as file:
         deck = file.read()
     cold = sum(factor*(1 - 0.30/rate)*math.exp(-rate) for factor, rate in ((371200, 4.15), (3210, 0.95)))
@@ -203,17 +220,25 @@ def burnt(report):
             exact = cold + 0.30*(6993 - result.table("history.csv")[-1]["kinetic_energy"]/(6*12))
             error = sum(row["pressure"]*row["mass"] for row in rows)/sum(row["mass"] for row in rows)/exact - 1
             told(report, f"burnt_{update}", result, [error], 0.1)
-            report.check(words == any("update=usf" in reason for reason in result["verdict_reasons"]), f"burnt_{update}: {error} {result['verdict_reasons']}")
+            report.check(
+                words == any("update=usf" in reason for reason in result["verdict_reasons"]),
+                f"burnt_{update}: {error} {result['verdict_reasons']}",
+            )
 
 
 def balls(report):
-    """The period of a small ball, from the first four instants at which it stands still; it is too long, and every method says so."""
+    """The period of a small ball, from the first four instants at which it stands still; it is too long, and every
+    method says so."""
     period = 2*math.pi/(2.5634*math.sqrt(1.2))
     for method in ("sgmp", "gimp", "cpgimp", "bspline", "mpm"):
         result = run(f"ball_{method}", BALL, method=method)
         if report.finished(result, f"ball_{method}"):
             rows = result.table("history.csv")
-            still = [b["time"] for a, b, c in zip(rows, rows[1:], rows[2:]) if a["kinetic_energy"] > b["kinetic_energy"] <= c["kinetic_energy"]]
+            still = [
+                b["time"]
+                for a, b, c in zip(rows, rows[1:], rows[2:])
+                if a["kinetic_energy"] > b["kinetic_energy"] <= c["kinetic_energy"]
+            ]
             error = 1.5*period/(still[3] - still[0]) - 1 if len(still) > 3 else 1.0
             report.check(-0.1 < error < 0.02 and result["verdict"] == "coarse" and result["verdict_error"] >= 0.1,
                          f"ball_{method}: off by {error} and {result['verdict']} {result['verdict_reasons']}")
@@ -227,8 +252,28 @@ def main():
     balls(report)
     burnt(report)
     family(report, "sod", SOD, ({"courant": 0.4}, {"courant": 0.2}, {"courant": 0.3}), between, 0.05)
-    family(report, "bars", BARS, ({"gap": 0.5}, {"gap": 2.3, "cells": 8}, {"gap": 1.5, "cells": 40}, {"gap": 0.3, "cells": 4}, {"gap": 0.5, "cells": 12}), velocities(0.01), 0.05)
-    family(report, "bounce", BOUNCE, ({"cells": 10}, {"cells": 40}, {"cells": 6}), lambda result: [result.table("bodies.csv")[-1]["velocity_x"]/0.01 - 1], 0.05)
+    family(
+        report,
+        "bars",
+        BARS,
+        (
+            {"gap": 0.5},
+            {"gap": 2.3, "cells": 8},
+            {"gap": 1.5, "cells": 40},
+            {"gap": 0.3, "cells": 4},
+            {"gap": 0.5, "cells": 12},
+        ),
+        velocities(0.01),
+        0.05,
+    )
+    family(
+        report,
+        "bounce",
+        BOUNCE,
+        ({"cells": 10}, {"cells": 40}, {"cells": 6}),
+        lambda result: [result.table("bodies.csv")[-1]["velocity_x"] / 0.01 - 1],
+        0.05,
+    )
     family(report, "pressed", PRESSED, ({"angle": 27}, {"angle": 0}, {"angle": 63}), stresses, 0.05)
     report.end()
 

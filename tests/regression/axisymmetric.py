@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Axisymmetric scenes against closed forms and an independent code: a clamped cylinder that rings, the Taylor bar, rings with swirl that leave the grid.
+"""Axisymmetric scenes against closed forms and an independent code: a clamped cylinder that rings, the Taylor bar,
+rings with swirl that leave the grid.
 
 usage: axisymmetric.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -65,12 +66,16 @@ def clamped_cylinder(report):
             if row["x0"] < 1/n:
                 axis.append(abs(row["stress_xx"] - stress))
         errors.append((sqrt(sum(w*w for w in way)/len(way))/AMPLITUDE, max(axis)/largest))
-    report.check(errors[0][0] < 5.0e-3 and errors[1][0] < 1.25e-3 and errors[0][0]/errors[1][0] > 3.7, f"displacement: {errors}")
+    report.check(
+        errors[0][0] < 5.0e-3 and errors[1][0] < 1.25e-3 and errors[0][0] / errors[1][0] > 3.7,
+        f"displacement: {errors}",
+    )
     report.check(errors[1][1] < 5e-3, f"stress on the axis: {errors}")
 
 
 def taylor_bar(report):
-    """Shape of the bar by the rule of the 3D example, as the independent code of the design has it, within half a per cent."""
+    """Shape of the bar by the rule of the 3D example, as the independent code of the design has it, within half a per
+    cent."""
     for method, expected in (("sgmp", (16.294, 13.278, 10.150)), ("gimp", (16.324, 13.244, 10.118))):
         result = run(f"bar_{method}", "taylor_bar_axisymmetric.inp", h=0.38, cfl=0.8, method=method)
         if not report.finished(result, method):
@@ -80,7 +85,9 @@ def taylor_bar(report):
         found = (max(row["z"] for row in rows) + half, 2*(max(row["x"] for row in rows if row["z"] < 0.38) + half),
                  2*(max(row["x"] for row in rows if abs(row["z"] - 0.2*25.4) < 0.19) + half))
         report.check(all(abs(f/e - 1) < 5e-3 for f, e in zip(found, expected)), f"{method}: {found} and not {expected}")
-        report.check(result["verdict"] == "sound" and all(row["x"] > 0 for row in rows), f"{method}: {result['verdict']}")
+        report.check(
+            result["verdict"] == "sound" and all(row["x"] > 0 for row in rows), f"{method}: {result['verdict']}"
+        )
     coarse = run("bar_fast", "taylor_bar_axisymmetric.inp", h=0.76, cfl=2)
     report.check(report.finished(coarse, "fast") and coarse["verdict"] == "sound", "not sound at CFL 2")
 
@@ -93,17 +100,31 @@ def thrown(report):
             continue
         rows = result.table("history.csv")
         first, last = rows[0], rows[-1]
-        report.check(result["particles"] == 0 and result["particles_lost"] > 0, f"{method}: {result['particles']} are left")
+        report.check(
+            result["particles"] == 0 and result["particles_lost"] > 0, f"{method}: {result['particles']} are left"
+        )
         # Half of m (z'^2 + (omega r)^2) of a ring: r^2 has the mean (1 + 4)/2, but for the points of particles.
         known = 0.5*3*pi*(4 - 1)*(1 + 2.5)
-        report.check(abs(first["kinetic_energy"]/known - 1) < 0.02, f"{method}: {first['kinetic_energy']} at the start, not {known}")
-        # Radial motion is made of swirl step by step: an error of the first order, 2.9e-4 with this step and half with its half.
+        report.check(
+            abs(first["kinetic_energy"] / known - 1) < 0.02,
+            f"{method}: {first['kinetic_energy']} at the start, not {known}",
+        )
+        # Radial motion is made of swirl step by step: an error of the first order, 2.9e-4 with this step and half with
+        # its half.
         gone = result["lost.kinetic_energy"] + result["lost.internal_energy"]
-        report.check(abs(gone/first["kinetic_energy"] - 1) < 1e-3, f"{method}: {gone} of {first['kinetic_energy']} is booked")
+        report.check(
+            abs(gone / first["kinetic_energy"] - 1) < 1e-3, f"{method}: {gone} of {first['kinetic_energy']} is booked"
+        )
         report.check(abs(result["energy.drift"]) < 1e-3, f"{method}: drift {result['energy.drift']}")
-        report.check(abs(last["angular_momentum"]) < 1e-12*first["angular_momentum"], f"{method}: {last['angular_momentum']} left about the axis")
+        report.check(
+            abs(last["angular_momentum"]) < 1e-12 * first["angular_momentum"],
+            f"{method}: {last['angular_momentum']} left about the axis",
+        )
         booked, written = result["lost.momentum"], [last["lost_momentum_" + axis] for axis in "xyz"]
-        report.check(booked == written and abs(written[2]/(3*3*pi) - 1) < 1e-12 and written[1] == 0, f"{method}: momentum {booked}, {written}")
+        report.check(
+            booked == written and abs(written[2] / (3 * 3 * pi) - 1) < 1e-12 and written[1] == 0,
+            f"{method}: momentum {booked}, {written}",
+        )
 
 
 def main():

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Air blast (doc/loads.md): impulses on a slab, a ball and an oblique plate in all spaces, units, what --check says, what is refused, the same bits.
+"""Air blast (doc/loads.md): impulses on a slab, a ball and an oblique plate in all spaces, units, what --check says,
+what is refused, the same bits.
 
 usage: blast.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Known from outside: the impulse is an integral over the surface of other printed fits to the same data, those of Swisdak (1994).
+Known from outside: the impulse is an integral over the surface of other printed fits to the same data, those of Swisdak
+(1994).
 """
 import math
 import os
@@ -54,16 +56,23 @@ def swisdak(pieces, z):
     return math.exp(sum(c*math.log(z)**i for i, c in enumerate(last)))
 
 
-ARRIVAL = [(1.5, (-0.7604, 1.8058, 0.1257, -0.0437, -0.0310, -0.00669)), (40, (-0.7137, 1.5732, 0.5561, -0.4213, 0.1054, -0.00929))]
+ARRIVAL = [
+    (1.5, (-0.7604, 1.8058, 0.1257, -0.0437, -0.0310, -0.00669)),
+    (40, (-0.7137, 1.5732, 0.5561, -0.4213, 0.1054, -0.00929)),
+]
 REFLECTED = [(40, (6.7853, -1.3466, 0.101, -0.01123))]
 PEAK = [(2.9, (7.2106, -2.1069, -0.3229, 0.1117, 0.0685))]
 REFLECTED_PEAK = [(2.0, (9.006, -2.6893, -0.6295, 0.1011, 0.29255, 0.13505, 0.019736))]
 DURATION = [(1.02, (0.5426, 3.2299, -1.5931, -5.9667, -4.0815, -0.9149))]
-INCIDENT = [(0.96, (5.522, 1.117, 0.6, -0.292, -0.087)), (2.38, (5.465, -0.308, -1.464, 1.362, -0.432)), (33.7, (5.2749, -0.4677, -0.2499, 0.0588, -0.00554))]
+INCIDENT = [
+    (0.96, (5.522, 1.117, 0.6, -0.292, -0.087)), (2.38, (5.465, -0.308, -1.464, 1.362, -0.432)),
+    (33.7, (5.2749, -0.4677, -0.2499, 0.0588, -0.00554)),
+]
 
 
 def impulse(distance, cosine, mass=1.0):
-    """kPa ms on a face (Randers-Pehrson and Bannister 1997): both parts decay within one duration, so their impulses add as they do."""
+    """kPa ms on a face (Randers-Pehrson and Bannister 1997): both parts decay within one duration, so their impulses
+    add as they do."""
     root = mass**(1/3)
     z = distance/root
     incident = root*swisdak(INCIDENT, z)
@@ -132,23 +141,54 @@ def refused(report, name, text, said):
 def checked(report):
     """What --check says of the face nearest to the charge; another explosive is as much TNT as its equivalent says."""
     text = run("checked", PLATE.replace("charge=1 ", "charge=0.5 tnt=2 "), options=["--check"]).text
-    numbers = [float(x) for x in re.findall(r"[-+]?\d+\.\d+(?:E[-+]?\d+)?", text[text.index("nearest face"):text.index("memory")])]
+    numbers = [
+        float(x)
+        for x in re.findall(r"[-+]?\d+\.\d+(?:E[-+]?\d+)?", text[text.index("nearest face") : text.index("memory")])
+    ]
     least = math.hypot(0.875, 0.3 - 0.28125, 0.4 - 0.40625)
-    expected = [least, least, swisdak(ARRIVAL, least), swisdak(DURATION, least), swisdak(PEAK, least)*1e-3, swisdak(INCIDENT, least)*1e-3,
-                swisdak(REFLECTED_PEAK, least)*1e-3, swisdak(REFLECTED, least)*1e-3]  # kPa and kPa ms; kg/(m ms2) are 1e6 Pa, ms are ms
-    for name, found, value in zip(("distance", "scaled distance", "arrival", "duration", "incident peak", "incident impulse", "reflected peak",
-                                   "reflected impulse"), numbers, expected, strict=True):
+    expected = [
+        least,
+        least,
+        swisdak(ARRIVAL, least),
+        swisdak(DURATION, least),
+        swisdak(PEAK, least) * 1e-3,
+        swisdak(INCIDENT, least) * 1e-3,
+        # kPa and kPa ms; kg/(m ms2) are 1e6 Pa, ms are ms
+        swisdak(REFLECTED_PEAK, least) * 1e-3,
+        swisdak(REFLECTED, least) * 1e-3,
+    ]
+    for name, found, value in zip(
+        (
+            "distance", "scaled distance", "arrival", "duration", "incident peak", "incident impulse", "reflected peak",
+            "reflected impulse",
+        ),
+        numbers,
+        expected,
+        strict=True,
+    ):
         near(report, "--check: " + name, found, value, 0.02)
 
 
 def refusals(report):
     refused(report, "no_units", PLATE.replace("units m kg ms", ""), "what the numbers of the deck mean")
-    refused(report, "near", PLATE.replace("point=(0.3,0.4,1)", "point=(0.3,0.4,0.2)"), "the fits of its blast begin at 0.178")
+    refused(
+        report, "near", PLATE.replace("point=(0.3,0.4,1)", "point=(0.3,0.4,0.2)"),
+        "the fits of its blast begin at 0.178",
+    )
     refused(report, "far", PLATE.replace("charge=1 ", "charge=1e-5 "), "the fits of its blast end at 40")
     refused(report, "burst", PLATE.replace("burst=surface", "burst=ground"), "free_air")
     refused(report, "beside", DISK.replace("point=(0,800)", "point=(10,800)"), "not on the axis")
-    refused(report, "flat", DISK.replace("axisymmetric", "2").replace("face=z+", "face=y+").replace(
-        "cylinder material=steel axis=(0,1) radius=500 length=100", "block material=steel lower=(0,0) upper=(500,100)"), "is a sphere, not a cylinder")
+    refused(
+        report,
+        "flat",
+        DISK.replace("axisymmetric", "2")
+        .replace("face=z+", "face=y+")
+        .replace(
+            "cylinder material=steel axis=(0,1) radius=500 length=100",
+            "block material=steel lower=(0,0) upper=(500,100)",
+        ),
+        "is a sphere, not a cylinder",
+    )
 
 
 if __name__ == "__main__":

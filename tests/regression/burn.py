@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Burn round obstacles (doc/theory.md 4): a disk and a ball in the way, turned bodies, a charge of two speeds, straight lines where they do.
+"""Burn round obstacles (doc/theory.md 4): a disk and a ball in the way, turned bodies, a charge of two speeds, straight
+lines where they do.
 
 usage: burn.py SGMP SOURCE_DIR SCRATCH_DIR
 
@@ -91,10 +92,15 @@ if __name__ == "__main__":
     box = compare(REPORT, "box", BOX, 1.0, lambda row: (math.hypot(row["x"], row["y"]), row["z"]))
     for title, threads, launcher in (("box_threads", 2, ()), ("box_ranks", 1, mpirun(3))):
         other = straight(REPORT, title, BOX, threads=threads, launcher=launcher)
-        REPORT.check(other["checksum"] == box["checksum"], f"{title}: checksum {other['checksum']}, not {box['checksum']}")
+        REPORT.check(
+            other["checksum"] == box["checksum"], f"{title}: checksum {other['checksum']}, not {box['checksum']}"
+        )
     layers(REPORT)
     for row in run("plain", PLAIN).table("particles_end.csv"):
         if abs(row["x"]) < 0.2:
             expected = math.hypot(row["x"], row["y"] - 5)/2
-            REPORT.check(abs(row["lighting_time"] - expected) < 1e-14, f"a block is lit at {row['lighting_time']}, not {expected}")
+            REPORT.check(
+                abs(row["lighting_time"] - expected) < 1e-14,
+                f"a block is lit at {row['lighting_time']}, not {expected}",
+            )
     REPORT.end()

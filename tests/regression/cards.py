@@ -30,9 +30,13 @@ def explained(report):
     for chapter in chapters:
         card = chapter.split("\n", 1)[0].strip()
         done = subprocess.run([SGMP, "help", card], capture_output=True, text=True, timeout=60, check=False)
-        report.check(done.returncode == 0 and not done.stderr.strip(), f"help {card}: exit code {done.returncode}\n{done.stderr}")
+        report.check(
+            done.returncode == 0 and not done.stderr.strip(), f"help {card}: exit code {done.returncode}\n{done.stderr}"
+        )
         for key in re.findall(r"^\| `([^`]+)`", chapter, re.MULTILINE):
-            report.check(re.search(rf"(^|\W){re.escape(key)}(\W|$)", done.stdout), f"help {card} has no {key}:\n{done.stdout}")
+            report.check(
+                re.search(rf"(^|\W){re.escape(key)}(\W|$)", done.stdout), f"help {card} has no {key}:\n{done.stdout}"
+            )
     for words in (["help", "nothing"], ["help", "velocty"]):
         done = subprocess.run([SGMP, *words], capture_output=True, text=True, timeout=60, check=False)
         report.check(done.returncode == 2, f"{' '.join(words)}: exit code {done.returncode}")
@@ -71,10 +75,15 @@ def same_and_other(report):
     }
     for name, deck in same.items():
         result = run("cards_same", deck)
-        report.check(result.code == 0 and result["checksum"] == reference["checksum"], f"{name} should change nothing\n{result.text}")
+        report.check(
+            result.code == 0 and result["checksum"] == reference["checksum"],
+            f"{name} should change nothing\n{result.text}",
+        )
     for name, deck in other.items():
         result = run("cards_other", deck)
-        report.check(result.code == 0 and result["checksum"] != reference["checksum"], f"{name} changes nothing\n{result.text}")
+        report.check(
+            result.code == 0 and result["checksum"] != reference["checksum"], f"{name} changes nothing\n{result.text}"
+        )
 
 
 def early_ends(report):
@@ -97,7 +106,12 @@ stop kinetic_below=0.04
         report.check(kinetic[-1] < 0.04*most <= min(kinetic[:-1]), f"kinetic_below: ended at {kinetic[-2:]} of {most}")
         report.check(abs(result["time"] - 0.2180) < 0.01, f"kinetic_below: ended at {result['time']}")
     # Friction leaves exp(-100 x 0.1) of the momentum: the first step is the last.
-    braked = vibrating.replace("time end=1 cfl=0.2", "time dt=0.1 steps=9").replace("cell=0.05", "cell=1").replace("sin(pi*x)", "1") + "damping rate=100\n"
+    braked = (
+        vibrating.replace("time end=1 cfl=0.2", "time dt=0.1 steps=9")
+        .replace("cell=0.05", "cell=1")
+        .replace("sin(pi*x)", "1")
+        + "damping rate=100\n"
+    )
     result = run("cards_braked", braked)
     report.check(result.code == 0 and result["steps"] == 1, f"kinetic_below in the first step: {result.text}")
     growing = """
@@ -112,7 +126,9 @@ stop energy_growth=$factor
 """
     for factor in (3, 30):
         result = run("cards_growing", growing.format(dt=0.3), factor=factor)
-        report.check(result.code == 4 and "energ" in result.text, f"energy_growth: exit code {result.code}\n{result.text}")
+        report.check(
+            result.code == 4 and "energ" in result.text, f"energy_growth: exit code {result.code}\n{result.text}"
+        )
         total = [row["total_energy"] for row in result.table("history.csv")]
         report.check(total[-1] > factor*total[0] and max(total[:-1]) <= factor*total[0],
                      f"energy_growth={factor}: ended at {[t/total[0] for t in total[-2:]]}")

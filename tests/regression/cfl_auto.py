@@ -31,8 +31,10 @@ def bar(report):
 
 def others(report):
     """Two and three dimensions, contact, and threads."""
-    scenes = [("beam", "beam.inp", {"h": 1.25, "t_end": 0.02}), ("taylor_bar", "taylor_bar.inp", {"h": 1.9, "t_end": 0.04}),
-              ("rings", "rings.inp", {"h": 2, "t_end": 3})]
+    scenes = [
+        ("beam", "beam.inp", {"h": 1.25, "t_end": 0.02}), ("taylor_bar", "taylor_bar.inp", {"h": 1.9, "t_end": 0.04}),
+        ("rings", "rings.inp", {"h": 2, "t_end": 3}),
+    ]
     for name, deck, settings in scenes:
         sums = set()
         for threads in (1, 2):
@@ -64,7 +66,10 @@ def alone(report):
         result = run(f"alone_{method}", ALONE, method=method)
         if not report.finished(result, f"alone, {method}"):
             continue
-        report.check(result["cfl_limit"] <= reach and result["cfl"] < reach, f"alone, {method}: cfl {result['cfl']} of {result['cfl_limit']}")
+        report.check(
+            result["cfl_limit"] <= reach and result["cfl"] < reach,
+            f"alone, {method}: cfl {result['cfl']} of {result['cfl_limit']}",
+        )
         row, = result.table("particles_end.csv")
         wrong = max(abs(row["x"] - 100.35), abs(row["y"] - (0.45 + 60 - 100)))
         report.check(wrong < 1e-9, f"alone, {method}: {wrong} cells beside its parabola after {result['steps']} steps")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Constants of materials: every one outside of the range that the reference states is an error of the deck that names it, and
-within the ranges nothing that a die throws ends a run without a word.
+"""Constants of materials: every one outside of the range that the reference states is an error of the deck that names
+it, and within the ranges nothing that a die throws ends a run without a word.
 
 usage: constants.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -84,9 +84,20 @@ def ranges(report):
                 continue
             for value in [*outside(interval), "1e70", "nan"]:
                 seen += 1
-                result = run("range", DECK.format(cards=with_key(base(card, kind), card, key, value)), options=["--check"])
-                words = "'" + key + "' =" if isinstance(value, float) else "beyond all measure" if value == "1e70" else "nan"
-                report.check(result.code == 3 and words in result.text, f"{card} {kind} {key}={value}: exit code {result.code}\n{result.text}")
+                result = run(
+                    "range", DECK.format(cards=with_key(base(card, kind), card, key, value)), options=["--check"]
+                )
+                words = (
+                    "'" + key + "' ="
+                    if isinstance(value, float)
+                    else "beyond all measure"
+                    if value == "1e70"
+                    else "nan"
+                )
+                report.check(
+                    result.code == 3 and words in result.text,
+                    f"{card} {kind} {key}={value}: exit code {result.code}\n{result.text}",
+                )
     report.check(seen > 150, f"{seen} values out of range")
 
 
@@ -99,12 +110,20 @@ def throws(report):
         for kind in table:
             for _ in range(THROWS):
                 cards = base(card, kind)
-                for _, key, interval, kinds in [entry for entry in keys if entry[0] == card and (not entry[3] or kind in entry[3])]:
+                for _, key, interval, kinds in [
+                    entry for entry in keys if entry[0] == card and (not entry[3] or kind in entry[3])
+                ]:
                     if key in ("energy0", "pressure0") or die.random() < 0.5:
                         continue
                     low, high, *_ = bounds(interval) if interval else (-math.inf, math.inf, False, False)
                     size = 10**die.uniform(-4, 4)
-                    value = low + size if low > -math.inf else high - size if high < math.inf else die.choice((-1, 1))*size
+                    value = (
+                        low + size
+                        if low > -math.inf
+                        else high - size
+                        if high < math.inf
+                        else die.choice((-1, 1)) * size
+                    )
                     if low > -math.inf and high < math.inf:
                         value = die.uniform(low, high)
                     cards = with_key(cards, card, key, f"{value:.6g}")
@@ -112,10 +131,15 @@ def throws(report):
                 ended[result.code] = ended.get(result.code, 0) + 1
                 if result.code == 0:
                     rows = result.table("particles_end.csv")
-                    finite = all(math.isfinite(value) for row in rows for value in row.values() if isinstance(value, float))
+                    finite = all(
+                        math.isfinite(value) for row in rows for value in row.values() if isinstance(value, float)
+                    )
                     report.check(finite and rows, f"{kind}: numbers that are none\n{cards}")
                 else:
-                    report.check(result.code in (3, 4) and re.search(r"error: .{10}", result.text), f"{kind}: exit code {result.code}\n{cards}\n{result.text}")
+                    report.check(
+                        result.code in (3, 4) and re.search(r"error: .{10}", result.text),
+                        f"{kind}: exit code {result.code}\n{cards}\n{result.text}",
+                    )
     report.check(ended.get(0, 0) > sum(ended.values())/2, f"ended with {ended}")
 
 

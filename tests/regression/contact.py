@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Contact in runs from decks: momentum, force pairs, threads, rebound, friction, rest, the same in every position on the grid.
+"""Contact in runs from decks: momentum, force pairs, threads, rebound, friction, rest, the same in every position on
+the grid.
 
 usage: contact.py SGMP_EXECUTABLE SOURCE_FOLDER SCRATCH_FOLDER
 """
@@ -57,7 +58,8 @@ contact all {contact}
 history steps=5
 """
 
-# Three blocks that touch exactly at the start, one of them stiffer and denser: {0} to {3} are filled in for each position.
+# Three blocks that touch exactly at the start, one of them stiffer and denser: {0} to {3} are filled in for each
+# position.
 PLACED = """
 title "Three blocks"
 dimension {dimension}
@@ -110,7 +112,9 @@ def bars(executable, scratch):
     """Momentum of the bars, impulse of the pair, rebound."""
     good = True
     for method in ("mpm", "gimp", "sgmp"):
-        data, _ = run(executable, os.path.join(scratch, "bars_" + method), BARS, "--threads", "1", "--set", "method=" + method)
+        data, _ = run(
+            executable, os.path.join(scratch, "bars_" + method), BARS, "--threads", "1", "--set", "method=" + method
+        )
         start = data["history"][0]["momentum_x"]
         drift = max(abs(row["momentum_x"]/start - 1) for row in data["history"])
         good &= check(drift < 1e-12, f"{method}: total momentum constant, drift {drift:.1e}")
@@ -134,7 +138,10 @@ def sliding(executable, scratch):
         data, summary = run(executable, os.path.join(scratch, "slide_" + threads), SLIDE, "--threads", threads)
         checksums.add(summary["checksum"])
     good = check(len(checksums) == 1, "the same bits with 1, 2 and 3 threads")
-    good &= check(all(row["torque_x"] == 0 and row["torque_y"] == 0 for row in data["contact"]), "in the plane the only torque is that about z")
+    good &= check(
+        all(row["torque_x"] == 0 and row["torque_y"] == 0 for row in data["contact"]),
+        "in the plane the only torque is that about z",
+    )
     block = [row for row in data["bodies"] if row["body"] == 2]
     way = math.hypot(block[-1]["x"] - block[0]["x"], block[-1]["y"] - block[0]["y"])
     exact = 0.5*10*(math.sin(math.pi/6) - 0.3*math.cos(math.pi/6))*block[-1]["time"]**2
@@ -143,50 +150,77 @@ def sliding(executable, scratch):
 
 def stack(blocks):
     """Cards of blocks that lie on each other, every third one in line."""
-    return "\n".join(f"body b{n} block material=m lower=({2 + n % 3*0.5},{4*n},0) upper=({8 + n % 3*0.5},{4*n + 4},0) ppc=2" for n in range(blocks))
+    return "\n".join(
+        f"body b{n} block material=m lower=({2 + n % 3 * 0.5},{4 * n},0) upper=({8 + n % 3 * 0.5},{4 * n + 4},0) ppc=2"
+        for n in range(blocks)
+    )
 
 
 def rest(executable, scratch):
     """Contact makes no energy out of rest: total energy less external work and energy taken, over the largest work.
 
-    Where strains are centred in time (usavg) nothing else is in that sum; with musl and usf it swings by 1.5 % without contact, too.
+    Where strains are centred in time (usavg) nothing else is in that sum; with musl and usf it swings by 1.5 % without
+    contact, too.
     """
     good = True
-    cases = [("sgmp", "usavg", 3, "friction=0.3"), ("sgmp", "usavg", 3, "friction=0"), ("sgmp", "usavg", 3, "friction=0.3 depth=0.6"),
-             ("sgmp", "usavg", 3, "friction=0.3 normal=average"), ("mpm", "usavg", 3, "friction=0.3"), ("gimp", "usavg", 2, "friction=0.3"),
-             ("sgmp", "musl", 3, "friction=0.3"), ("sgmp", "usf", 3, "friction=0.3"), ("gimp", "musl", 3, "friction=0.3")]
+    cases = [
+        ("sgmp", "usavg", 3, "friction=0.3"), ("sgmp", "usavg", 3, "friction=0"),
+        ("sgmp", "usavg", 3, "friction=0.3 depth=0.6"), ("sgmp", "usavg", 3, "friction=0.3 normal=average"),
+        ("mpm", "usavg", 3, "friction=0.3"), ("gimp", "usavg", 2, "friction=0.3"), ("sgmp", "musl", 3, "friction=0.3"),
+        ("sgmp", "usf", 3, "friction=0.3"), ("gimp", "musl", 3, "friction=0.3"),
+    ]
     for method, update, blocks, contact in cases:
         text = STACK.format(method=method, update=update, end=6, blocks=stack(blocks), contact=contact)
         rows = run(executable, os.path.join(scratch, "stack"), text, "--threads", "1")[0]["history"]
-        made = [row["total_energy"] - rows[0]["total_energy"] - row["external_work"] + row["contact_dissipation"] for row in rows]
+        made = [
+            row["total_energy"] - rows[0]["total_energy"] - row["external_work"] + row["contact_dissipation"]
+            for row in rows
+        ]
         work = max(abs(row["external_work"]) for row in rows)
         bound = 1e-3 if update == "usavg" else 0.02
         worst = max(map(abs, made))/work
-        good &= check(worst < bound, f"{method} {update}, {blocks} blocks, {contact}: energy of unknown origin {worst:.1e} (below {bound})")
+        good &= check(
+            worst < bound,
+            f"{method} {update}, {blocks} blocks, {contact}: energy of unknown origin {worst:.1e} (below {bound})",
+        )
         remainder = abs(rows[-1]["energy_remainder"])/work
         good &= check(remainder < 1e-12, f"   the ledger explains the kinetic energy, remainder {remainder:.1e}")
         if contact == "friction=0.3" and method == "sgmp" and update == "musl":
-            falls = sum(max(0, a["contact_dissipation"] - b["contact_dissipation"]) for a, b in zip(rows, rows[1:]))/work
+            falls = (
+                sum(max(0, a["contact_dissipation"] - b["contact_dissipation"]) for a, b in zip(rows, rows[1:])) / work
+            )
             good &= check(falls < 1e-14, f"   the energy taken never falls ({falls:.1e})")
     return good
 
 
 def blended(executable, scratch):
-    """A share of PIC takes the constrained velocity of the grid to the particles: that momentum is part of the force, too, so what blocks on
-    a rigid base have is what weight and force gave them."""
+    """A share of PIC takes the constrained velocity of the grid to the particles: that momentum is part of the force,
+    too, so what blocks on a rigid base have is what weight and force gave them."""
     good = True
     for method, update in (("sgmp", "musl"), ("mpm", "usl"), ("gimp", "usavg")):
-        text = STACK.format(method=f"{method} flip=0.9 mass_cutoff=1e-20", update=update, end=1, contact="friction=0.3",
-                            blocks="body base block material=m lower=(0,0,0) upper=(10,4,0) ppc=2\nrigid base\nbody b block material=m lower=(2,4,0) upper=(8,8,0) ppc=2\n"
-                                   "body c block material=m lower=(2.5,8,0) upper=(8.5,12,0) ppc=2")
-        data = run(executable, os.path.join(scratch, "blended"), text.replace("time cfl=0.4 end=1", "time dt=0.04 steps=400"), "--threads", "1")[0]
+        text = STACK.format(
+            method=f"{method} flip=0.9 mass_cutoff=1e-20",
+            update=update,
+            end=1,
+            contact="friction=0.3",
+            blocks="body base block material=m lower=(0,0,0) upper=(10,4,0) ppc=2\nrigid base\nbody b block "
+            "material=m lower=(2,4,0) upper=(8,8,0) ppc=2\n"
+            "body c block material=m lower=(2.5,8,0) upper=(8.5,12,0) ppc=2",
+        )
+        data = run(
+            executable, os.path.join(scratch, "blended"), text.replace("time cfl=0.4 end=1", "time dt=0.04 steps=400"),
+            "--threads", "1",
+        )[0]
         rows = list(zip(data["history"], [row["force_y"] for row in data["contact"] if row["pair"] == 1]))  # base and b
         scale, wrong = 0.0, []
         for (first, _), (second, push) in zip(rows[1:], rows[2:]):
             span = second["time"] - first["time"]
             wrong.append(second["momentum_y"] - first["momentum_y"] + 48*0.01*span + push*span)
             scale += abs(push*span)
-        good &= check(abs(sum(wrong)) < 1e-12*scale, f"{method} {update}, flip=0.9: momentum less weight and contact force {abs(sum(wrong))/scale:.1e}")
+        good &= check(
+            abs(sum(wrong)) < 1e-12 * scale,
+            f"{method} {update}, flip=0.9: momentum less weight and contact force {abs(sum(wrong)) / scale:.1e}",
+        )
     return good
 
 
@@ -199,27 +233,44 @@ def placed(turned, method, contact, dimension):
         low, high = [min(c) for c in corners], [max(c) for c in corners]
         v = direction(*velocity)
         depth = (0, 3) if dimension == 3 else (0, 0)
-        cards.append(f"body b{n} block material={material} lower=({low[0]},{low[1]},{depth[0]}) upper=({high[0]},{high[1]},{depth[1]}) ppc=2")
+        cards.append(
+            f"body b{n} block material={material} lower=({low[0]},{low[1]},{depth[0]}) "
+            f"upper=({high[0]},{high[1]},{depth[1]}) ppc=2"
+        )
         cards.append(f"velocity b{n} x={v[0]} y={v[1]}")
-    return PLACED.format(dimension=dimension, grid="z=0:3" if dimension == 3 else "", walls="wall z-=slip z+=slip" if dimension == 3 else "",
-                         method=method, gravity=direction(0.01, -0.02), blocks="\n".join(cards), contact=contact)
+    return PLACED.format(
+        dimension=dimension, grid="z=0:3" if dimension == 3 else "",
+        walls="wall z-=slip z+=slip" if dimension == 3 else "", method=method, gravity=direction(0.01, -0.02),
+        blocks="\n".join(cards), contact=contact,
+    )
 
 
 def positions(executable, scratch):
-    """The same result wherever the blocks lie on the grid and however they are turned; in 3D between walls, that of 2D."""
+    """The same result wherever the blocks lie on the grid and however they are turned; in 3D between walls, that of
+    2D."""
     same = (lambda x, y: (x, y), lambda x, y: (x, y))
-    others = {"moved by whole cells": (lambda x, y: (x + 7, y - 5), same[1]), "mirror image": (lambda x, y: (-x, y), lambda x, y: (-x, y)),
-              "quarter turn": (lambda x, y: (-y, x), lambda x, y: (-y, x)), "3D": same}
+    others = {
+        "moved by whole cells": (lambda x, y: (x + 7, y - 5), same[1]),
+        "mirror image": (lambda x, y: (-x, y), lambda x, y: (-x, y)),
+        "quarter turn": (lambda x, y: (-y, x), lambda x, y: (-y, x)),
+        "3D": same,
+    }
     good = True
-    for method, contact in (("sgmp", "friction=0.3"), ("sgmp update=usf", "friction=10 normal=average"), ("gimp update=usavg", "friction=0"),
-                            ("mpm", "friction=0.3 normal=stiffer"), ("sgmp update=usl", "friction=0.3 depth=0.6")):
+    for method, contact in (
+        ("sgmp", "friction=0.3"), ("sgmp update=usf", "friction=10 normal=average"),
+        ("gimp update=usavg", "friction=0"), ("mpm", "friction=0.3 normal=stiffer"),
+        ("sgmp update=usl", "friction=0.3 depth=0.6"),
+    ):
         folder = os.path.join(scratch, "placed")
         first = run(executable, folder, placed(same, method, contact, 2), "--threads", "1")[0]["bodies"]
         scale = max(math.hypot(row["velocity_x"], row["velocity_y"]) for row in first)
         for name, turned in others.items():
-            rows = run(executable, folder, placed(turned, method, contact, 3 if name == "3D" else 2), "--threads", "1")[0]["bodies"]
+            rows = run(executable, folder, placed(turned, method, contact, 3 if name == "3D" else 2), "--threads", "1")[
+                0
+            ]["bodies"]
             off = 0.0
-            # In 3D the line between bodies is looked for among other particles, and known to 3e-4 once they have been deformed.
+            # In 3D the line between bodies is looked for among other particles, and known to 3e-4 once they have been
+            # deformed.
             for a, b in zip(first, rows if name != "3D" else [row for row in rows if row["step"] <= 1]):
                 v = turned[1](a["velocity_x"], a["velocity_y"])
                 off = max(off, abs(v[0] - b["velocity_x"])/scale, abs(v[1] - b["velocity_y"])/scale)
@@ -229,21 +280,29 @@ def positions(executable, scratch):
 
 def strangers(executable, scratch):
     """A third body without a card for it is warned of, by name; none where every pair has one."""
-    third = BARS.replace("velocity left", "body third block material=one lower=1 upper=1.5\nvelocity left").replace("end=3", "end=0.1")
+    third = BARS.replace("velocity left", "body third block material=one lower=1 upper=1.5\nvelocity left").replace(
+        "end=3", "end=0.1"
+    )
     good = True
-    for name, deck, said in (("uncarded", third, True), ("all", third.replace("contact left right", "contact all"), False),
-                             ("pair", BARS.replace("end=3", "end=0.1"), False)):
+    for name, deck, said in (
+        ("uncarded", third, True), ("all", third.replace("contact left right", "contact all"), False),
+        ("pair", BARS.replace("end=3", "end=0.1"), False),
+    ):
         folder = os.path.join(scratch, "strangers_" + name)
         run(executable, folder, deck)
         with open(os.path.join(folder, "run.log"), encoding="utf-8") as file:
             log = file.read()
-        good &= check(("'left' and 'third' (2 such" in log) == said, f"{name}: {'a' if said else 'no'} warning of bodies without a card")
+        good &= check(
+            ("'left' and 'third' (2 such" in log) == said,
+            f"{name}: {'a' if said else 'no'} warning of bodies without a card",
+        )
     return good
 
 
 def pressed(executable, source, scratch):
-    """A plate pressed slowly into an elastic sphere (deck of verification/contact_hertz, coarse): the force late in the loading is
-    Hertz's, 4/3 E/(1 - nu^2) R^2 (d/R)^1.5, within a quarter; nodes a cell and a half away must see the other body."""
+    """A plate pressed slowly into an elastic sphere (deck of verification/contact_hertz, coarse): the force late in the
+    loading is Hertz's, 4/3 E/(1 - nu^2) R^2 (d/R)^1.5, within a quarter; nodes a cell and a half away must see the
+    other body."""
     with open(os.path.join(source, "verification", "contact_hertz", "hertz.inp"), encoding="utf-8") as file:
         deck = file.read()
     rows = run(executable, os.path.join(scratch, "pressed"), deck, "--threads", "1", "--set", "cells=12")[0]["contact"]

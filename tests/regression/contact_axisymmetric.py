@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Contact in axisymmetric scenes: the same as in one dimension where it is one-dimensional, Coulomb's friction round a plug, balances of
-momentum and energy of bodies that touch at all angles, the same upside down.
+"""Contact in axisymmetric scenes: the same as in one dimension where it is one-dimensional, Coulomb's friction round a
+plug, balances of momentum and energy of bodies that touch at all angles, the same upside down.
 
 usage: contact_axisymmetric.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -24,8 +24,10 @@ rigid punch {axis}="(t < 15) ? -1e-3/15*(1-cos(2*pi*t/15)) : 0"
 contact column punch normal=$normal
 history every=0.1
 """
-ROUND = COLUMN.format(dimension="axisymmetric", grid="r=0:1 z=0:open", wall="r+=slip z-=slip", shape="block material=m lower=(0,0)", top="(1,2)",
-                      punch="block material=m lower=(0,2) upper=(1,2.375)", axis="z")
+ROUND = COLUMN.format(
+    dimension="axisymmetric", grid="r=0:1 z=0:open", wall="r+=slip z-=slip", shape="block material=m lower=(0,0)",
+    top="(1,2)", punch="block material=m lower=(0,2) upper=(1,2.375)", axis="z",
+)
 STRAIGHT = COLUMN.format(dimension=1, grid="x=0:open", wall="x-=slip", shape="block material=m lower=0", top="2",
                          punch="block material=m lower=2 upper=2.375", axis="x")
 # A bore closes on a plug and draws it along.
@@ -47,15 +49,21 @@ history every=0.1
 def along(report):
     """A column under a punch: force over area is that of one dimension."""
     for method in ("sgmp", "mpm", "gimp"):
-        results = [run(f"{name}_{method}", deck, method=method) for name, deck in (("round", ROUND), ("straight", STRAIGHT))]
+        results = [
+            run(f"{name}_{method}", deck, method=method) for name, deck in (("round", ROUND), ("straight", STRAIGHT))
+        ]
         if not all([report.finished(result, result.folder) for result in results]):
             continue
         disc, line = (result.table("contact.csv") for result in results)
         tilted = run(f"tilted_{method}", ROUND, method=method, normal="first").table("contact.csv")
         aside = max(abs(row["force_x"]) for row in tilted)/max(abs(row["force_z"]) for row in tilted)
         report.check(aside < 0.02, f"{method}: the gradient of volume leads the force aside by {aside}")
-        worst = max(abs(a["force_z"]/pi - b["force_x"]) for a, b in zip(disc, line))/max(abs(b["force_x"]) for b in line)
-        report.check(len(disc) == len(line) and worst < 1e-4, f"{method}: force of the punch differs from that in 1D by {worst}")
+        worst = max(abs(a["force_z"] / pi - b["force_x"]) for a, b in zip(disc, line)) / max(
+            abs(b["force_x"]) for b in line
+        )
+        report.check(
+            len(disc) == len(line) and worst < 1e-4, f"{method}: force of the punch differs from that in 1D by {worst}"
+        )
 
 
 def across(report):
@@ -70,15 +78,21 @@ def across(report):
         report.check(abs(-friction/normal/0.2 - 1) < 0.01, f"{method}: friction {friction}, normal force {normal}")
         plug = [row for row in result.table("bodies.csv") if row["body"] == 1]
         gained = plug[-1]["mass"]*(plug[-1]["velocity_z"])
-        pulled = sum(b["force_z"]*(b["time"] - a["time"]) for a, b in zip(result.table("contact.csv"), result.table("contact.csv")[1:]))
+        pulled = sum(
+            b["force_z"] * (b["time"] - a["time"])
+            for a, b in zip(result.table("contact.csv"), result.table("contact.csv")[1:])
+        )
         report.check(abs(gained/pulled - 1) < 1e-10, f"{method}: the plug has gained {gained}, friction gave {pulled}")
 
 
 def seat(report):
-    """Bodies that touch at all angles: kinetic energy and momentum are accounted for, and nothing knows up from down."""
-    for method, update, more in (("sgmp", "musl", {}), ("sgmp", "usf", {"friction": 0}), ("sgmp", "usavg", {"normal": "average"}),
-                                 ("sgmp", "musl", {"normal": "first"}), ("mpm", "musl", {}), ("gimp", "musl", {"normal": "average"}),
-                                 ("gimp", "usl", {}), ("cpgimp", "musl", {}), ("bspline", "usavg", {})):
+    """Bodies that touch at all angles: kinetic energy and momentum are accounted for, and nothing knows up from
+    down."""
+    for method, update, more in (
+        ("sgmp", "musl", {}), ("sgmp", "usf", {"friction": 0}), ("sgmp", "usavg", {"normal": "average"}),
+        ("sgmp", "musl", {"normal": "first"}), ("mpm", "musl", {}), ("gimp", "musl", {"normal": "average"}),
+        ("gimp", "usl", {}), ("cpgimp", "musl", {}), ("bspline", "usavg", {}),
+    ):
         name = "_".join(["seat", method, update, *map(str, more.values())])
         up, down = (run(f"{name}_{way}", SEAT, method=method, update=update, up=way, **more) for way in (1, -1))
         if not (report.finished(up, name) and report.finished(down, name)):
@@ -90,16 +104,30 @@ def seat(report):
         report.check("friction" not in more or history[-1]["contact_dissipation"] > 0, f"{name}: contact gave energy")
         times = [row["time"] for row in history]
         span = dict(zip(times[1:], (b - a for a, b in zip(times, times[1:]))))
-        punched = -sum(row["force_z"]*span[row["time"]] for row in pairs if row["pair"] in (3, 5, 6) and row["time"] > 0)
+        punched = -sum(
+            row["force_z"] * span[row["time"]] for row in pairs if row["pair"] in (3, 5, 6) and row["time"] > 0
+        )
         gained = history[-1]["momentum_z"] - history[0]["momentum_z"]
-        report.check(abs(gained + punched) < 1e-10*abs(gained) and abs(gained) > 10, f"{name}: momentum {gained}, punch gave {-punched}")
+        report.check(
+            abs(gained + punched) < 1e-10 * abs(gained) and abs(gained) > 10,
+            f"{name}: momentum {gained}, punch gave {-punched}",
+        )
         ends = [sorted(((row["id"], row["x"], way*row["z"], row["stress_xx"], row["stress_zz"], way*row["stress_xz"])
                         for row in result.table("particles_end.csv"))) for way, result in ((1, up), (-1, down))]
         mirrored = {(round(x, 9), round(z, 9)): stresses for _, x, z, *stresses in ends[1]}
         found = [mirrored.get((round(x, 9), round(z, 9))) for _, x, z, *_ in ends[0]]
-        report.check(None not in found, f"{name}: {found.count(None)} particles of {len(found)} are elsewhere upside down")
-        report.check(all(abs(a - b) < 1e-8 for (_, _, _, *mine), other in zip(ends[0], found) if other for a, b in zip(mine, other)),
-                     f"{name}: other stresses upside down")
+        report.check(
+            None not in found, f"{name}: {found.count(None)} particles of {len(found)} are elsewhere upside down"
+        )
+        report.check(
+            all(
+                abs(a - b) < 1e-8
+                for (_, _, _, *mine), other in zip(ends[0], found)
+                if other
+                for a, b in zip(mine, other)
+            ),
+            f"{name}: other stresses upside down",
+        )
 
 
 def cone(report):
@@ -114,7 +142,10 @@ def cone(report):
         deepest = max(min((z - 2*r)/sqrt(5), 4 - r) if z > 0 else -1 for r, z in places)
         report.check(len(places) > 2000 and deepest < 0.25, f"{name}: a particle is {deepest} cells inside the cone")
         summary = result.summary["end_state"]
-        report.check(summary["particles_inside_other_bodies"] == 0, f"{name}: {summary['particles_inside_other_bodies']} particles said to be inside")
+        report.check(
+            summary["particles_inside_other_bodies"] == 0,
+            f"{name}: {summary['particles_inside_other_bodies']} particles said to be inside",
+        )
 
 
 def main():

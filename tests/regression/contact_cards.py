@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The keys of the card contact: which of several cards counts, whose normal, how close bodies touch, how deep it reaches.
+"""The keys of the card contact: which of several cards counts, whose normal, how close bodies touch, how deep it
+reaches.
 
 Expected: free flight by hand for the distance; for the others, two ways to say the same, which must give the same bits.
 
@@ -45,10 +46,14 @@ def slide(report, name, cards, plate=1e6, block=1e6):
 def precedence(report):
     """The card that names more counts, whatever the order of the cards."""
     rough, smooth, one = "contact plate block friction=0.6", "contact all friction=0", "contact block friction=0.2"
-    wanted = {card: slide(report, "alone", [card, "contact far" if card != smooth else ""]) for card in (rough, smooth, one)}
+    wanted = {
+        card: slide(report, "alone", [card, "contact far" if card != smooth else ""]) for card in (rough, smooth, one)
+    }
     report.check(len(set(wanted.values())) == 3, f"friction has no effect: {wanted}")
-    for cards, counts in (([rough, smooth], rough), ([smooth, rough], rough), ([one, rough], rough), ([rough, one], rough),
-                          ([smooth, one], one), ([one, smooth], one), ([smooth, rough, one], rough)):
+    for cards, counts in (
+        ([rough, smooth], rough), ([smooth, rough], rough), ([one, rough], rough), ([rough, one], rough),
+        ([smooth, one], one), ([one, smooth], one), ([smooth, rough, one], rough),
+    ):
         report.check(slide(report, "cards", cards) == wanted[counts], f"{cards}: not {counts} counts")
     turned = slide(report, "turned", ["contact block plate friction=0.6", "contact far"])
     report.check(turned is not None, "the pair the other way round")
@@ -62,14 +67,18 @@ def taken(report):
         ledger = result.table("history.csv")[-1]["contact_dissipation"]
         pairs = result.table("contact.csv")
         found = sum(row["dissipation"] for row in pairs if row["step"] == pairs[-1]["step"])
-        report.check(ledger > 0 and abs(found/ledger - 1) < 1e-12, f"taken by friction: {found}, in the ledger {ledger}")
+        report.check(
+            ledger > 0 and abs(found / ledger - 1) < 1e-12, f"taken by friction: {found}, in the ledger {ledger}"
+        )
 
 
 def normals(report):
     """`stiffer` is the normal of the body with the larger modulus."""
     for plate, block, same in ((1e6, 3e6, "second"), (3e6, 1e6, "first")):
-        found = {kind: slide(report, kind, [f"contact plate block friction=0.3 normal={kind}", "contact far"], plate, block)
-                 for kind in ("first", "second", "stiffer", "average", "separating")}
+        found = {
+            kind: slide(report, kind, [f"contact plate block friction=0.3 normal={kind}", "contact far"], plate, block)
+            for kind in ("first", "second", "stiffer", "average", "separating")
+        }
         report.check(found["stiffer"] == found[same], f"{plate:g}, {block:g}: stiffer is not {same}: {found}")
         report.check(len({found["first"], found["second"], found["average"]}) == 3, f"normals are alike: {found}")
 
@@ -81,7 +90,10 @@ def distance(report):
         for method in ("sgmp", "mpm") if dimension == 2 else ("sgmp",):
             for ppc, keys, wanted in ((2, "", 0.5), (3, "", 1/3), (2, "lambda=0.8", 0.8), (2, "lambda=0.35", 0.35)):
                 name = f"fall_{dimension}_{method}_{ppc}_{keys.replace('=', '')}"
-                deck = FALL.format(dimension=dimension, deep=4*(dimension - 2), thick=dimension - 2, method=method, ppc=ppc, keys=keys)
+                deck = FALL.format(
+                    dimension=dimension, deep=4 * (dimension - 2), thick=dimension - 2, method=method, ppc=ppc,
+                    keys=keys,
+                )
                 result = run(name, deck.replace("steps=900", "steps=700"))
                 if not report.finished(result, name):
                     continue
@@ -90,12 +102,16 @@ def distance(report):
                     continue
                 # The layers of particles nearest to each other start 1.2 and a spacing apart.
                 gap = 1.2 + cell/ppc - speed*dt*(step - 1)
-                report.check(abs(gap - wanted*cell) <= 2.5*speed*dt, f"{name}: touched at {gap/cell:.4f} cells, expected {wanted:.4f}")
+                report.check(
+                    abs(gap - wanted * cell) <= 2.5 * speed * dt,
+                    f"{name}: touched at {gap / cell:.4f} cells, expected {wanted:.4f}",
+                )
 
 
 def depth(report):
-    """The surfaces meet a fifth of a cell below a row of nodes: with half a cell of depth this one takes part and no other. So it does
-    where they meet two fifths below it, for depth is measured half way between the particles, which are half a cell apart."""
+    """The surfaces meet a fifth of a cell below a row of nodes: with half a cell of depth this one takes part and no
+    other. So it does where they meet two fifths below it, for depth is measured half way between the particles, which
+    are half a cell apart."""
     nodes = {}
     deck = FALL.format(dimension=2, deep=0, thick=0, method="sgmp", ppc=2, keys="depth=0.5")
     result = run("depth", deck.replace("(-4,-2,-0)", "(-4,-2.2,0)").replace("(4,0,0)", "(4,-0.2,0)"))
@@ -107,7 +123,8 @@ def depth(report):
         result = run("depth", deck.replace("(-4,-2,-0)", "(-4,-2.1,0)").replace("(4,0,0)", "(4,-0.1,0)"))
         if report.finished(result, f"depth {keys}"):
             nodes[keys] = max(row["contact_nodes"] for row in result.table("contact.csv"))
-    # The block is four cells wide: five nodes of a row carry it. Particles of both bodies lie within the cell and a half that
+    # The block is four cells wide: five nodes of a row carry it. Particles of both bodies lie within the cell and a
+    # half that
     # a node reaches of three rows: 0.8 cells below the surfaces, 0.2 and 1.2 above.
     report.check(nodes == {"": 15, "depth=0.5": 5, "depth=3": 15}, f"nodes in contact: {nodes}")
 

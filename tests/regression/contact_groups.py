@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Groups of bodies in contact (doc/contact.md): two halves of a plate and of a gas behave as one body, in all methods and spaces; names, warnings, the same bits.
+"""Groups of bodies in contact (doc/contact.md): two halves of a plate and of a gas behave as one body, in all methods
+and spaces; names, warnings, the same bits.
 
 usage: contact_groups.py SGMP SOURCE_DIR SCRATCH_DIR
 
@@ -33,7 +34,9 @@ output csv at=end
 """
 SPACES = {
     "2": ("x=0:2 y=0:open", "x-=slip x+=slip y-=slip", "lower=(0,{}) upper=(2,{})", "lower=({},{}) upper=({},{})", "y"),
-    "axisymmetric": ("r=0:2 z=0:open", "r+=slip z-=slip", "lower=(0,{}) upper=(2,{})", "lower=({},{}) upper=({},{})", "z"),
+    "axisymmetric": (
+        "r=0:2 z=0:open", "r+=slip z-=slip", "lower=(0,{}) upper=(2,{})", "lower=({},{}) upper=({},{})", "z",
+    ),
 }
 
 
@@ -45,12 +48,18 @@ def deck(dimension, method, update, halves, contact):
             return f"body {name} block material={material} {whole.format(low, high)} spacing=0.125"
         return "\n".join(f"body {name}{i} block material={material} {part.format(left, low, right, high)} spacing=0.125"
                          for i, (left, right) in enumerate(((0, 0.75), (0.75, 2)), 1))
-    return SCENE.format(dimension=dimension, method=method, update=update, grid=grid, walls=walls, axis=axis, contact=contact, plate=bodies("plate", "steel", 0, 0.75),
-                        gas=bodies("gas", "air", 0.75, 1.5), punch=whole.format(1.5, 2.25))
+
+    return SCENE.format(
+        dimension=dimension, method=method, update=update, grid=grid, walls=walls, axis=axis, contact=contact,
+        plate=bodies("plate", "steel", 0, 0.75), gas=bodies("gas", "air", 0.75, 1.5), punch=whole.format(1.5, 2.25),
+    )
 
 
 def same_as_whole(report):
-    for dimension, method, update in (("2", "sgmp", "musl"), ("2", "mpm", "usavg"), ("2", "gimp", "musl"), ("axisymmetric", "sgmp", "usf"), ("2", "bspline", "usl")):
+    for dimension, method, update in (
+        ("2", "sgmp", "musl"), ("2", "mpm", "usavg"), ("2", "gimp", "musl"), ("axisymmetric", "sgmp", "usf"),
+        ("2", "bspline", "usl"),
+    ):
         name = f"{dimension}_{method}_{update}"
         whole = straight(report, f"whole_{name}", deck(dimension, method, update, False, "all"))
         # Between the halves of the plate there is no card, nor between those of the gas.
@@ -58,7 +67,10 @@ def same_as_whole(report):
         halves = straight(report, f"halves_{name}", deck(dimension, method, update, True, cards))
         for key in ("energy.kinetic", "energy.internal", "energy.contact_dissipation"):
             a, b = whole[key], halves[key]
-            report.check(abs(a - b) < 1e-7*abs(whole["energy.initial_total"]), f"{name}: {key} of one body {a}, of two halves {b}")
+            report.check(
+                abs(a - b) < 1e-7 * abs(whole["energy.initial_total"]),
+                f"{name}: {key} of one body {a}, of two halves {b}",
+            )
 
 
 def looked_at(text):
@@ -66,11 +78,15 @@ def looked_at(text):
     path = os.path.join(SCRATCH, "looked_at.inp")
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)
-    return subprocess.run([SGMP, path, "--check"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, text=True, env=ENVIRONMENT).stdout
+    return subprocess.run(
+        [SGMP, path, "--check"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, text=True,
+        env=ENVIRONMENT,
+    ).stdout
 
 
 def card_group(report):
-    """With cards `group` the halves move as the whole does, whatever contact card is for them; the group's name stands for both."""
+    """With cards `group` the halves move as the whole does, whatever contact card is for them; the group's name stands
+    for both."""
     groups = "\ngroup plate plate1,plate2\ngroup gas bodies=(gas1,gas2)\n"
     for dimension, method, update in (("2", "sgmp", "musl"), ("2", "mpm", "usl"), ("axisymmetric", "gimp", "usavg")):
         name = f"{dimension}_{method}_{update}"
@@ -79,15 +95,20 @@ def card_group(report):
             halves = straight(report, f"group_{title}_{name}", deck(dimension, method, update, True, cards) + groups)
             for key in ("energy.kinetic", "energy.internal", "energy.contact_dissipation"):
                 a, b = whole[key], halves[key]
-                report.check(abs(a - b) < 1e-7*abs(whole["energy.initial_total"]), f"{name}, {title}: {key} of one body {a}, of a group of halves {b}")
+                report.check(
+                    abs(a - b) < 1e-7 * abs(whole["energy.initial_total"]),
+                    f"{name}, {title}: {key} of one body {a}, of a group of halves {b}",
+                )
 
 
 def checked(report):
     """--check says what is a field, what touches and what passes through."""
     groups = "\ngroup plate plate1,plate2\n"
     text = looked_at(deck("2", "sgmp", "musl", True, "plate punch") + groups)
-    for wanted in ("plate1+plate2, stick together (group plate)", "gas1+gas2, mix", "contact     plate1+plate2 and punch", "gas1+gas2 and punch pass through each other",
-                   "pass through each other; `contact all`"):
+    for wanted in (
+        "plate1+plate2, stick together (group plate)", "gas1+gas2, mix", "contact     plate1+plate2 and punch",
+        "gas1+gas2 and punch pass through each other", "pass through each other; `contact all`",
+    ):
         report.check(wanted in text, f"--check does not say '{wanted}':\n{text}")
     text = looked_at(deck("2", "sgmp", "musl", True, "plate1 punch"))
     report.check("'gas1' flows and sticks to 'plate2'" in text, f"gas that sticks to half a plate is not named\n{text}")
@@ -98,12 +119,18 @@ def checked(report):
 
 def errors(report):
     """What a group cannot be."""
-    for cards, message in (("group a plate1,plate3", "there is no body 'plate3'"), ("group a plate1,plate2\ngroup b plate2,gas1", "is in two groups: 'a' and 'b'"),
-                           ("group a plate1", "a group of one body"), ("group gas1 plate1,plate2", "'gas1' is the name of a body"),
-                           ("group a plate1,plate2\ngroup a gas1,gas2", "there are two groups 'a'"), ("group a plate1,plate1", "is named twice"),
-                           ("group a plate1,plate2\ncontact plate1 gas1", "name the group: a"), ("group a plate1,plate2\ncontact a a", "contact of a group with itself"),
-                           ("group a plate1,punch\nrigid punch", "body 'punch' is rigid"), ("group a plate1,gas1", "of gases or fluids and of solids: they stick together"),
-                           ("group a plate1,plate2,gas1,gas2,punch", "all bodies are in one group")):
+    for cards, message in (
+        ("group a plate1,plate3", "there is no body 'plate3'"),
+        ("group a plate1,plate2\ngroup b plate2,gas1", "is in two groups: 'a' and 'b'"),
+        ("group a plate1", "a group of one body"), ("group gas1 plate1,plate2", "'gas1' is the name of a body"),
+        ("group a plate1,plate2\ngroup a gas1,gas2", "there are two groups 'a'"),
+        ("group a plate1,plate1", "is named twice"),
+        ("group a plate1,plate2\ncontact plate1 gas1", "name the group: a"),
+        ("group a plate1,plate2\ncontact a a", "contact of a group with itself"),
+        ("group a plate1,punch\nrigid punch", "body 'punch' is rigid"),
+        ("group a plate1,gas1", "of gases or fluids and of solids: they stick together"),
+        ("group a plate1,plate2,gas1,gas2,punch", "all bodies are in one group"),
+    ):
         text = looked_at(deck("2", "sgmp", "musl", True, "all") + "\n" + cards + "\n")
         report.check(message in text, f"{cards!r}: no '{message}' in\n{text}")
 
@@ -119,7 +146,9 @@ def names(report):
 def warnings(report):
     text = deck("2", "sgmp", "musl", True, "plate1 punch")
     result = run("strangers", text, options=("--check",))
-    report.check("pass through each other" in result.text, f"bodies in other fields without a card are named\n{result.text}")
+    report.check(
+        "pass through each other" in result.text, f"bodies in other fields without a card are named\n{result.text}"
+    )
 
 
 def bits(report):
@@ -128,7 +157,10 @@ def bits(report):
         reference = straight(report, f"bits{len(groups)}", text)
         for title, threads, launcher in (("threads", 3, ()), ("ranks", 1, mpirun(3))):
             other = straight(report, f"bits_{title}{len(groups)}", text, threads=threads, launcher=launcher)
-            report.check(other["checksum"] == reference["checksum"], f"{title} {groups}: checksum {other['checksum']}, not {reference['checksum']}")
+            report.check(
+                other["checksum"] == reference["checksum"],
+                f"{title} {groups}: checksum {other['checksum']}, not {reference['checksum']}",
+            )
 
 
 if __name__ == "__main__":

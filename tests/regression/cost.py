@@ -32,14 +32,22 @@ def sparse(report):
     if not all([report.finished(none, "tiny"), report.finished(one, "one block"), report.finished(two, "two blocks")]):
         return
     report.check(two["particles"] == 2*one["particles"] == 2*32**3, f"{two['particles']} particles")
-    report.check(two["grid_points"] == 2*one["grid_points"], f"{two['grid_points']} points, one block has {one['grid_points']}")
+    report.check(
+        two["grid_points"] == 2 * one["grid_points"], f"{two['grid_points']} points, one block has {one['grid_points']}"
+    )
     block = one["peak_memory_bytes"] - none["peak_memory_bytes"]
     more = two["peak_memory_bytes"] - one["peak_memory_bytes"]
-    print(f"sparse scene: {one['peak_memory_bytes']/MIB:.1f} MiB with one block, {two['peak_memory_bytes']/MIB:.1f} with two; "
-          f"{one['solve_seconds']:.3f} s and {two['solve_seconds']:.3f} s")
+    print(
+        f"sparse scene: {one['peak_memory_bytes'] / MIB:.1f} MiB with one block, "
+        f"{two['peak_memory_bytes'] / MIB:.1f} with two; "
+        f"{one['solve_seconds']:.3f} s and {two['solve_seconds']:.3f} s"
+    )
     report.check(more <= 1.3*block + 2*MIB, f"the second block costs {more/MIB:.1f} MiB, the first {block/MIB:.1f}")
     # generous: other programs run on this machine
-    report.check(two["solve_seconds"] < 8*one["solve_seconds"] + 0.5, f"{two['solve_seconds']} s, one block {one['solve_seconds']} s")
+    report.check(
+        two["solve_seconds"] < 8 * one["solve_seconds"] + 0.5,
+        f"{two['solve_seconds']} s, one block {one['solve_seconds']} s",
+    )
 
 
 def dense(report):
@@ -55,9 +63,13 @@ def dense(report):
     large = run("large", "block.inp", cells=cells, steps=4, drift=0.001)
     if report.finished(small, "small") and report.finished(large, "large"):
         used = (large["peak_memory_bytes"] - small["peak_memory_bytes"])/large["particles"]
-        print(f"{large['particles']} particles: {stored:.1f} bytes per particle by --check, {used:.1f} by the peak of the process")
+        print(
+            f"{large['particles']} particles: {stored:.1f} bytes per particle by --check, {used:.1f} by the peak of "
+            f"the process"
+        )
         report.check(stored <= 160, f"{stored:.1f} bytes per particle stored")
-        # The peak is reached while the particles are made: positions, velocities, masses and their order are held twice.
+        # The peak is reached while the particles are made: positions, velocities, masses and their order are held
+        # twice.
         report.check(stored < used + 20 and used <= stored + 80, f"{used:.1f} bytes per particle at the peak")
 
 
@@ -65,7 +77,10 @@ def thin(report):
     """1000 cells in one dimension are a small matter."""
     result = run("bar", "bar.inp", cells=1000, steps=1000)
     if report.finished(result, "bar of 1000 cells"):
-        print(f"bar of 1000 cells, 1000 steps: {result['wall_seconds']:.3f} s, {result['peak_memory_bytes']/MIB:.1f} MiB")
+        print(
+            f"bar of 1000 cells, 1000 steps: {result['wall_seconds']:.3f} s, "
+            f"{result['peak_memory_bytes'] / MIB:.1f} MiB"
+        )
         report.check(result["steps"] == 1000 and result["particles"] == 2000, f"{result['steps']} steps")
         report.check(result["peak_memory_bytes"] < 50e6, f"{result['peak_memory_bytes']/MIB:.1f} MiB")
 
@@ -73,7 +88,11 @@ def thin(report):
 def many(report):
     """Bodies and shapes by the thousand are read and laid in seconds: copies of all of them with each took a minute."""
     head = "dimension 2\ngrid cell=1\ntime cfl=0.4 steps=1\nmaterial m elastic density=1 young=1 poisson=0.3\n"
-    bodies = "".join(f"body b{i} block material=m lower=({i%50*2},{i//50*2}) upper=({i%50*2 + 1},{i//50*2 + 1}) ppc=1\n" for i in range(1500))
+    bodies = "".join(
+        f"body b{i} block material=m lower=({i % 50 * 2},{i // 50 * 2}) upper=({i % 50 * 2 + 1},{i // 50 * 2 + 1}) "
+        f"ppc=1\n"
+        for i in range(1500)
+    )
     holes = "body b block material=m lower=(0,0) upper=(100,60) ppc=1\n" + "".join(
         f"subtract b sphere centre=({i%50*2 + 0.5},{i//50*2 + 0.5}) radius=0.6\n" for i in range(1500))
     for title, cards in (("bodies", bodies), ("holes", holes)):

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Damping (doc/damping.md): decay of a mode, of free flight and of a spin, the way to an equilibrium, the ledger, the same bits.
+"""Damping (doc/damping.md): decay of a mode, of free flight and of a spin, the way to an equilibrium, the ledger, the
+same bits.
 
 usage: damping.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Known from outside: exp(-rate t/2) of a mode, exp(-rate t) of what is free, the deflection and energy of a column under gravity.
+Known from outside: exp(-rate t/2) of a mode, exp(-rate t) of what is free, the deflection and energy of a column under
+gravity.
 """
 import math
 import os
@@ -98,7 +100,8 @@ history steps=1
 
 
 def oscillation(values, dt):
-    """Rate and frequency of a damped oscillation: v(k+1) + p v(k) + q v(k-1) = 0 has the roots exp((-rate +- i omega) dt)."""
+    """Rate and frequency of a damped oscillation: v(k+1) + p v(k) + q v(k-1) = 0 has the roots exp((-rate +- i omega)
+    dt)."""
     after, here, before = values[2:], values[1:-1], values[:-2]
     def product(a, b):
         return sum(x*y for x, y in zip(a, b))
@@ -109,20 +112,37 @@ def oscillation(values, dt):
 
 
 def ledger(report, name, result, balance):
-    """Kinetic energy to round-off, the total to what the scheme itself dissipates; the last row is that of the summary."""
+    """Kinetic energy to round-off, the total to what the scheme itself dissipates; the last row is that of the
+    summary."""
     energy, row = result["energy"], result.table("history.csv")[-1]
     supplied = energy["supplied"]
     report.check(abs(energy["remainder"]) < 1e-13*supplied, f"{name}: kinetic identity {energy['remainder']/supplied}")
-    gone = (energy["total"] + energy["damping_dissipation"] + energy["contact_dissipation"] - energy["initial_total"] - energy["external_work"])/supplied
+    gone = (
+        energy["total"]
+        + energy["damping_dissipation"]
+        + energy["contact_dissipation"]
+        - energy["initial_total"]
+        - energy["external_work"]
+    ) / supplied
     report.check(abs(gone) < balance, f"{name}: {gone} of the energy unexplained")
     report.check(abs(gone - energy["drift"]) < 1e-12, f"{name}: drift {energy['drift']}, not {gone}")
-    report.check(row["damping_dissipation"] == energy["damping_dissipation"] > 0, f"{name}: {row['damping_dissipation']} in history.csv")
-    report.check(abs(row["kinetic_energy"] - sum(body["kinetic_energy"] for body in result.table("bodies.csv")[-1:])) < 1e-13*supplied, f"{name}: bodies.csv")
+    report.check(
+        row["damping_dissipation"] == energy["damping_dissipation"] > 0,
+        f"{name}: {row['damping_dissipation']} in history.csv",
+    )
+    report.check(
+        abs(row["kinetic_energy"] - sum(body["kinetic_energy"] for body in result.table("bodies.csv")[-1:]))
+        < 1e-13 * supplied,
+        f"{name}: bodies.csv",
+    )
 
 
 def modes(report):
-    """A bar decays with half the rate whatever the scheme; its frequency falls as that of an oscillator, to the order of the step."""
-    for method, update in (("sgmp", "musl"), ("sgmp", "usf"), ("sgmp", "usl"), ("sgmp", "usavg"), ("mpm", "musl"), ("gimp", "musl")):
+    """A bar decays with half the rate whatever the scheme; its frequency falls as that of an oscillator, to the order
+    of the step."""
+    for method, update in (
+        ("sgmp", "musl"), ("sgmp", "usf"), ("sgmp", "usl"), ("sgmp", "usavg"), ("mpm", "musl"), ("gimp", "musl"),
+    ):
         name = f"bar_{method}_{update}"
         result = run(name, BAR, method=method, update=update)
         if not report.finished(result, name):
@@ -147,14 +167,25 @@ def flown(report, name, result):
     rows = [row for row in result.table("bodies.csv") if row["name"] == "free"]
     for row in rows[1:]:
         expected = math.exp(-0.5*(min(row["time"], 2.0) - 0.025))  # velocities are those half a step before
-        report.check(abs(row["velocity_x"]/expected - 1) < 1e-12, f"{name}: {row['velocity_x']} at {row['time']}, not {expected}")
+        report.check(
+            abs(row["velocity_x"] / expected - 1) < 1e-12,
+            f"{name}: {row['velocity_x']} at {row['time']}, not {expected}",
+        )
         report.check(abs(row["velocity_y"] + 0.5*row["velocity_x"]) < 1e-12, f"{name}: direction at {row['time']}")
-    report.check(all(abs(row["velocity_x"] - 1) < 1e-13 for row in result.table("bodies.csv")[1:] if row["name"] == "tool"), f"{name}: the tool is slowed")
-    report.check(abs(result["energy.damping_dissipation"]/(20*(1 - math.exp(-0.5*2*(2 - 0.025)))) - 1) < 1e-12, f"{name}: {result['energy.damping_dissipation']}")
+    report.check(
+        all(abs(row["velocity_x"] - 1) < 1e-13 for row in result.table("bodies.csv")[1:] if row["name"] == "tool"),
+        f"{name}: the tool is slowed",
+    )
+    report.check(
+        abs(result["energy.damping_dissipation"] / (20 * (1 - math.exp(-0.5 * 2 * (2 - 0.025)))) - 1) < 1e-12,
+        f"{name}: {result['energy.damping_dissipation']}",
+    )
     result = run("spinning", SPINNING)
     if report.finished(result, "spinning"):
         first, last = (result.table("history.csv")[row]["angular_momentum"] for row in (0, -1))
-        report.check(abs(last/first - math.exp(-(2 - 1/128))) < 1e-12, f"spinning: {last/first} of the angular momentum")
+        report.check(
+            abs(last / first - math.exp(-(2 - 1 / 128))) < 1e-12, f"spinning: {last / first} of the angular momentum"
+        )
         ledger(report, "spinning", result, 1e-4)
 
 
@@ -166,7 +197,9 @@ def equilibrium(report):
         worst = max(abs(row["displacement_x"] + 1e-4*(place - 0.5*place**2)) for row in rows
                     for place in [row["x"] - row["displacement_x"]])
         report.check(worst < 1e-4*1e-3, f"column: {worst} off the deflection")
-        report.check(abs(last["internal_energy"]/(1e-4**2/6) - 1) < 5e-3, f"column: elastic energy {last['internal_energy']}")
+        report.check(
+            abs(last["internal_energy"] / (1e-4**2 / 6) - 1) < 5e-3, f"column: elastic energy {last['internal_energy']}"
+        )
         report.check(11 <= last["time"] < 200, f"column: at rest at {last['time']}")
         report.check(last["kinetic_energy"] < 1e-6*last["total_energy"], "column: not at rest")
         ledger(report, "column", result, 0.02)
@@ -177,18 +210,25 @@ def equilibrium(report):
     if report.finished(result, "tumbling"):
         kinetic = [row["kinetic_energy"] for row in result.table("history.csv")]
         stops = [n for n, energy in enumerate(kinetic) if energy == 0]
-        report.check(stops and max(kinetic[stops[0]:]) < 1e-3*kinetic[0], f"tumbling: {stops[:1]}, then {max(kinetic[stops[0]:])/kinetic[0] if stops else None}")
+        report.check(
+            stops and max(kinetic[stops[0] :]) < 1e-3 * kinetic[0],
+            f"tumbling: {stops[:1]}, then {max(kinetic[stops[0] :]) / kinetic[0] if stops else None}",
+        )
 
 
 def weights(report):
-    """A column under its weight sinks as far as it should with every update, and the energy that gravity gives is found again (the order of the step, doc/damping.md)."""
+    """A column under its weight sinks as far as it should with every update, and the energy that gravity gives is found
+    again (the order of the step, doc/damping.md)."""
     for method in ("sgmp", "gimp", "mpm"):
         for update in ("musl", "usf", "usl", "usavg"):
             name = f"weight_{method}_{update}"
             result = run(name, WEIGHT, method=method, update=update)
             if report.finished(result, name):
-                worst = max(abs(row["displacement_x"] + 1e-4*(place - 0.5*place**2)) for row in result.table("particles_end.csv")
-                            for place in [row["x"] - row["displacement_x"]])
+                worst = max(
+                    abs(row["displacement_x"] + 1e-4 * (place - 0.5 * place**2))
+                    for row in result.table("particles_end.csv")
+                    for place in [row["x"] - row["displacement_x"]]
+                )
                 report.check(worst < 0.5e-4*0.003, f"{name}: {worst/0.5e-4} off the deflection")
                 report.check(abs(result["energy.drift"]) < 0.002, f"{name}: drift {result['energy.drift']}")
     result = run("weight_critical", WEIGHT, cells=4, rate=math.pi)
@@ -197,7 +237,8 @@ def weights(report):
 
 
 def rest(report):
-    """What is at rest under a load stays where it is, whatever updates the stress: an inclined strip with rotation=exact, its places at two times."""
+    """What is at rest under a load stays where it is, whatever updates the stress: an inclined strip with
+    rotation=exact, its places at two times."""
     for update in ("musl", "usf", "usavg"):
         places = []
         for span in (2, 3):
@@ -210,9 +251,14 @@ def rest(report):
 
 
 def bits(report):
-    """The same for threads, ranks and restarts, where velocities have companions: kept volumes, swirl, exact rotation, halves."""
-    scenes = {"kept": KEPT_PLANE + "velocity gas x=0.3*y\ndamping rate=0.05\n", "swirl": SWIRL + "damping rate=0.2 kinetic=yes\n",
-              "split": SPLIT + "damping rate=0.1\n", "tumbling": TUMBLING.replace("end=12", "steps=80").replace("kinetic=yes", "rate=0.3")}
+    """The same for threads, ranks and restarts, where velocities have companions: kept volumes, swirl, exact rotation,
+    halves."""
+    scenes = {
+        "kept": KEPT_PLANE + "velocity gas x=0.3*y\ndamping rate=0.05\n",
+        "swirl": SWIRL + "damping rate=0.2 kinetic=yes\n",
+        "split": SPLIT + "damping rate=0.1\n",
+        "tumbling": TUMBLING.replace("end=12", "steps=80").replace("kinetic=yes", "rate=0.3"),
+    }
     for name, text in scenes.items():
         text += "checkpoint every=30 keep=9\n"
         reference = straight(report, name, text)

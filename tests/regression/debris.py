@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Hypervelocity debris: a lead ball through a lead plate, most of which flies on in particles that have lost each other.
+"""Hypervelocity debris: a lead ball through a lead plate, most of which flies on in particles that have lost each
+other.
 
 usage: debris.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Known from outside: energy is conserved, nothing accelerates what flies freely, so that the time step goes back to what it was.
+Known from outside: energy and momentum are conserved, nothing accelerates what flies freely, so that the time step goes
+back to what it was.
 """
 from _runs import Report, run
 
@@ -32,22 +34,32 @@ history every=0.001
 def main():
     """With spall every method gets through; without it a run that goes wrong does not end as if nothing were."""
     report = Report()
-    for method, cfl, carries in (("sgmp", 0.25, "nothing"), ("sgmp", 0.5, "pressure"), ("gimp", 0.25, "nothing"), ("mpm", 0.2, "nothing")):
+    for method, cfl, carries in (
+        ("sgmp", 0.25, "nothing"), ("sgmp", 0.5, "pressure"), ("gimp", 0.25, "nothing"), ("mpm", 0.2, "nothing"),
+    ):
         name = f"{method}_{carries}"
         result = run(name, LEAD, method=method, cfl=cfl, carries=carries)
         if not report.finished(result, name):
             continue
         drift = result["energy.drift"]
+        momentum = [float(row["momentum_z"]) for row in result.table("history.csv")]
+        lost = abs(momentum[-1] / momentum[0] - 1)
+        report.check(lost < 1e-12, f"{name}: momentum {lost}")
         report.check(abs(drift) < (0.05 if carries == "nothing" else 0.07), f"{name}: energy {drift}")
         if carries == "nothing":
             # Shocks need shorter steps; what flies apart then needs none.
             steps = [float(row["dt"]) for row in result.table("history.csv")[1:]]
             report.check(steps[-1] >= steps[0], f"{name}: the step was {steps[0]} and ends at {steps[-1]}")
-        report.check(result["end_state.least_pressure"] > -1500, f"{name}: pressure {result['end_state.least_pressure']}")
+        report.check(
+            result["end_state.least_pressure"] > -1500, f"{name}: pressure {result['end_state.least_pressure']}"
+        )
         report.check(result["verdict"] == "doubtful", f"{name}: particles fly alone, verdict {result['verdict']}")
     for method in ("sgmp", "mpm"):
         result = run(f"{method}_whole", LEAD.replace("failure", "! failure"), method=method, cfl=0.2)
-        report.check(result.code != 0 or result["verdict"] == "doubtful", f"{method} without failure: {result.code} {result['verdict']}")
+        report.check(
+            result.code != 0 or result["verdict"] == "doubtful",
+            f"{method} without failure: {result.code} {result['verdict']}",
+        )
     report.end()
 
 

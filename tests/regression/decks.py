@@ -8,8 +8,10 @@ import os
 
 from _runs import INPUT, Report, own, run
 
-# deck: parameters that shorten it; the total energy may change by these fractions of its reference, the second with usl. They
-# are regression values, twice the largest drift of any method: velocities belong to the middle of steps, stresses to their
+# deck: parameters that shorten it; the total energy may change by these fractions of its reference, the second with
+# usl. They
+# are regression values, twice the largest drift of any method: velocities belong to the middle of steps, stresses to
+# their
 # ends, which coarse, fast ringing shows, and usl damps it as well. What each method should reach is in verification/.
 SHORT = {
     "bar.inp": ({"cells": 16, "steps": 50, "dt": 1e-4}, 2e-05, 2e-05),
@@ -51,10 +53,15 @@ def check(report, deck, method, update, more):
     history = result.table("history.csv")
     report.check(len(history) >= 2 and history[0]["step"] == 0 and history[-1]["step"] == result["steps"],
                  f"{name}: history from step {history[0]['step']} to {history[-1]['step']}")
-    report.check(abs(history[-1]["total_energy"] - energy["total"]) <= 1e-14*abs(energy["total"]), f"{name}: history ends elsewhere")
+    report.check(
+        abs(history[-1]["total_energy"] - energy["total"]) <= 1e-14 * abs(energy["total"]),
+        f"{name}: history ends elsewhere",
+    )
     if os.path.exists(os.path.join(result.folder, "particles_end.csv")):
         particles = result.table("particles_end.csv")
-        report.check([row["id"] for row in particles] == list(range(1, result["particles"] + 1)), f"{name}: ids of particles")
+        report.check(
+            [row["id"] for row in particles] == list(range(1, result["particles"] + 1)), f"{name}: ids of particles"
+        )
 
 
 def main():
@@ -80,7 +87,9 @@ def main():
     for deck in own(sorted(os.listdir(os.path.join(INPUT, "gallery")))):
         if deck.endswith(".inp"):
             result = run("check", os.path.join("gallery", deck), options=["--check"])
-            report.check(result.code == 0 and "memory" in result.text, f"gallery/{deck} --check: {result.code}\n{result.text}")
+            report.check(
+                result.code == 0 and "memory" in result.text, f"gallery/{deck} --check: {result.code}\n{result.text}"
+            )
     report.end()
 
 

@@ -3,8 +3,8 @@
 
 usage: documents.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Every `sgmp …` of README.md, the user guide and other pages is given to the program with --check, every `sgmp-view …` to its parser; words
-like DECK, NAME or … mark what is no command. Tecplot's macro is compared with what it reads.
+Every `sgmp …` of README.md, the user guide and other pages is given to the program with --check, every `sgmp-view …` to
+its parser; words like DECK, NAME or … mark what is no command. Tecplot's macro is compared with what it reads.
 """
 import glob
 import importlib.util
@@ -17,8 +17,10 @@ import sys
 
 from _runs import ENVIRONMENT, SCRATCH, SGMP, SOURCE, Report
 
-COMMANDS = ["README.md", "doc/methods.md", "doc/tasks.md", "doc/user-guide.md", "doc/damping.md", "doc/contact.md", "doc/rotation.md", "doc/time-step.md", "doc/results.md", "input/gallery/README.md",
-            "packaging/README.md"]
+COMMANDS = [
+    "README.md", "doc/methods.md", "doc/tasks.md", "doc/user-guide.md", "doc/damping.md", "doc/contact.md",
+    "doc/rotation.md", "doc/time-step.md", "doc/results.md", "input/gallery/README.md", "packaging/README.md",
+]
 OWN = """
 parameter h = 0.25
 parameter cfl = 0.5
@@ -54,8 +56,14 @@ def anchors(text):
 
 def links(report):
     """Files and headings that pages of this project point to."""
-    names = [os.path.relpath(path, SOURCE) for pattern in ("*.md", "doc/**/*.md", "input/**/*.md", "tests/*.md", "python/*.md", "packaging/*.md", "verification/**/*.md")
-             for path in glob.glob(os.path.join(SOURCE, pattern), recursive=True)]
+    names = [
+        os.path.relpath(path, SOURCE)
+        for pattern in (
+            "*.md", "doc/**/*.md", "input/**/*.md", "tests/*.md", "python/*.md", "packaging/*.md",
+            "verification/**/*.md",
+        )
+        for path in glob.glob(os.path.join(SOURCE, pattern), recursive=True)
+    ]
     report.check(len(names) > 20, f"only {len(names)} pages")
     for name in names:
         prose = re.sub(r"`[^`\n]*`", "", re.sub(r"^    .*$", "", read(name), flags=re.MULTILINE))
@@ -83,7 +91,9 @@ def commands(name):
 
 
 def call(words, folder):
-    done = subprocess.run(words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=ENVIRONMENT, timeout=300, check=False)
+    done = subprocess.run(
+        words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=ENVIRONMENT, timeout=300, check=False
+    )
     return done.returncode, done.stdout.decode("utf-8", "replace")
 
 
@@ -120,7 +130,9 @@ def understood(report):
                 continue
             if program == "sgmp-view":
                 if words[0] not in helps:
-                    helps[words[0]] = call([sys.executable, os.path.join(SOURCE, "scripts", "sgmp-view"), words[0], "--help"], SCRATCH)
+                    helps[words[0]] = call(
+                        [sys.executable, os.path.join(SOURCE, "scripts", "sgmp-view"), words[0], "--help"], SCRATCH
+                    )
                 code, text = helps[words[0]]
                 report.check(code == 0, f"{page}: {line}: {text[-200:]}")
                 for option in [word.split("=")[0] for word in words if word.startswith("--")]:
@@ -140,33 +152,53 @@ def understood(report):
 
 
 def lines(report):
-    """No line of a page is longer than 120 letters, but for rows of tables; `make wrap` wraps them. doc/verification is written by a program."""
+    """No line of a page is longer than 120 letters, but for rows of tables; `make wrap` wraps them. doc/verification is
+    written by a program."""
     sys.path.insert(0, os.path.join(SOURCE, "scripts", "dev"))
     from wrap import too_long
-    pages = [path for pattern in ("*.md", "doc/*.md", "input/**/*.md", "tests/**/*.md", "python/*.md", "packaging/*.md", "verification/**/*.md")
-             for path in glob.glob(os.path.join(SOURCE, pattern), recursive=True)]
+
+    pages = [
+        path
+        for pattern in (
+            "*.md", "doc/*.md", "input/**/*.md", "tests/**/*.md", "python/*.md", "packaging/*.md",
+            "verification/**/*.md",
+        )
+        for path in glob.glob(os.path.join(SOURCE, pattern), recursive=True)
+    ]
     report.check(len(pages) > 40, f"only {len(pages)} pages")
-    report.check(too_long("a " * 61) == [1] and not too_long("| " + "a " * 80), "wrap.py does not see a long line, or counts rows of tables")
+    report.check(
+        too_long("a " * 61) == [1] and not too_long("| " + "a " * 80),
+        "wrap.py does not see a long line, or counts rows of tables",
+    )
     for path in pages:
         name = os.path.relpath(path, SOURCE)
-        report.check(not too_long(read(name)), f"{name}: more than 120 letters in lines {too_long(read(name))}: make wrap")
+        report.check(
+            not too_long(read(name)), f"{name}: more than 120 letters in lines {too_long(read(name))}: make wrap"
+        )
 
 
 def tasks(report):
-    """Each task of doc/tasks.md has a command, what to look at, how accurate it is, and a page to go on with; `sgmp new` knows its decks."""
+    """Each task of doc/tasks.md has a command, what to look at, how accurate it is, and a page to go on with; `sgmp
+    new` knows its decks."""
     parts = re.split(r"^### ", read("doc/tasks.md"), flags=re.MULTILINE)[1:]
     report.check(len(parts) >= 20, f"doc/tasks.md: {len(parts)} tasks")
     known = call([SGMP, "new"], SCRATCH)[1]
     for part in parts:
         name = part.splitlines()[0]
         part = re.split(r"^## ", part, flags=re.MULTILINE)[0]
-        report.check(re.search(r"^    (sgmp|build/venv)", part, flags=re.MULTILINE), f"doc/tasks.md: {name}: no command")
+        report.check(
+            re.search(r"^    (sgmp|build/venv)", part, flags=re.MULTILINE), f"doc/tasks.md: {name}: no command"
+        )
         for word in ("*Look at*", "*Accuracy*"):
             report.check(word in part, f"doc/tasks.md: {name}: nothing about {word}")
         report.check(re.search(r"\]\([^)]*\.md", part), f"doc/tasks.md: {name}: no page to go on with")
         for deck in re.findall(r"^    sgmp new (\w+)", part, flags=re.MULTILINE):
-            report.check(re.search(rf"^  {deck} ", known, flags=re.MULTILINE), f"doc/tasks.md: {name}: sgmp new knows no {deck}")
-            report.check(re.search(rf"\b{deck}\.(inp|out)|SCRATCH", part), f"doc/tasks.md: {name}: {deck} is copied and not used")
+            report.check(
+                re.search(rf"^  {deck} ", known, flags=re.MULTILINE), f"doc/tasks.md: {name}: sgmp new knows no {deck}"
+            )
+            report.check(
+                re.search(rf"\b{deck}\.(inp|out)|SCRATCH", part), f"doc/tasks.md: {name}: {deck} is copied and not used"
+            )
         for script in re.findall(r"(?:python|sbatch) (scripts/\S+)", part):
             report.check(os.path.exists(os.path.join(SOURCE, script)), f"doc/tasks.md: {name}: no {script}")
 
@@ -175,9 +207,17 @@ def tecplot(report):
     """The macro for Tecplot names the variables of particles.dat in their order, and colours by the plastic strain."""
     macro = read("scripts/taylor_bar_tecplot.mcr")
     names = re.search(r"VarNameList = '(.*)'", macro).group(1)
-    report.check(shlex.split(names)[int(re.search(r"\|FIELD\| = (\d+)", macro).group(1)) - 1] == "plastic_strain", "the macro colours by another variable")
-    code, text = call([SGMP, os.path.join(SOURCE, "input", "taylor_bar.inp"), "--quiet", "--output", "bar.out",
-                       *(word for setting in ("format=tecplot", "h=3.8", "t_end=1e-3") for word in ("--set", setting))], SCRATCH)
+    report.check(
+        shlex.split(names)[int(re.search(r"\|FIELD\| = (\d+)", macro).group(1)) - 1] == "plastic_strain",
+        "the macro colours by another variable",
+    )
+    code, text = call(
+        [
+            SGMP, os.path.join(SOURCE, "input", "taylor_bar.inp"), "--quiet", "--output", "bar.out",
+            *(word for setting in ("format=tecplot", "h=3.8", "t_end=1e-3") for word in ("--set", setting)),
+        ],
+        SCRATCH,
+    )
     report.check(code == 0, f"Taylor bar with format=tecplot: {text}")
     with open(os.path.join(SCRATCH, "bar.out", "particles.dat"), encoding="utf-8") as file:
         head = file.read(2000)

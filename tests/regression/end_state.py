@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """What the end of a run looks like in summary.json (end_state.*), in short scenes whose ends are known from outside.
 
-Expected: p = (gamma - 1) energy0 of a gas at rest, bodies that are made of two pieces, uniform stretch x = X (1 + t), the particles
-in particles_end.csv.
+Expected: p = (gamma - 1) energy0 of a gas at rest, bodies that are made of two pieces, uniform stretch x = X (1 + t),
+the particles in particles_end.csv.
 
 usage: end_state.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -89,7 +89,11 @@ def near(report, name, result, expected, tolerance=1e-5):
     """The values of end_state."""
     for key, value in expected.items():
         found = result["end_state"].get(key)
-        fine = found == value if isinstance(value, str) else found is not None and abs(found - value) <= tolerance*max(1, abs(value))
+        fine = (
+            found == value
+            if isinstance(value, str)
+            else found is not None and abs(found - value) <= tolerance * max(1, abs(value))
+        )
         report.check(fine, f"{name}: {key} {found}, expected {value}")
 
 
@@ -97,28 +101,64 @@ def still(report):
     """All values of a scene at rest: walls double the width of 4 cells, and the height has walls at both ends."""
     result = run("still", STILL)
     if report.finished(result, "still"):
-        near(report, "still", result, {
-            "contact_share": 0, "viscous_share": 0, "projection_share": 0, "shortest_step": 1e-6, "longest_step": 1e-6, "limited_by": "fixed", "thinnest_body_cells": 8,
-            "lost_impulse": 0, "least_particles_per_cell": 4, "gaps": 0, "particles_larger_than_a_cell": 0, "particles_out_of_reach": 0,
-            "particles_inside_other_bodies": 0, "volume_over_box": 1, "box_reached": 1, "largest_compression": 1, "largest_expansion": 1,
-            "volume_without_room": 0, "least_pressure": 0.4*1, "largest_pressure": 0.4*2})
+        near(
+            report,
+            "still",
+            result,
+            {
+                "contact_share": 0,
+                "viscous_share": 0,
+                "projection_share": 0,
+                "shortest_step": 1e-6,
+                "longest_step": 1e-6,
+                "limited_by": "fixed",
+                "thinnest_body_cells": 8,
+                "lost_impulse": 0,
+                "least_particles_per_cell": 4,
+                "gaps": 0,
+                "particles_larger_than_a_cell": 0,
+                "particles_out_of_reach": 0,
+                "particles_inside_other_bodies": 0,
+                "volume_over_box": 1,
+                "box_reached": 1,
+                "largest_compression": 1,
+                "largest_expansion": 1,
+                "volume_without_room": 0,
+                "least_pressure": 0.4 * 1,
+                "largest_pressure": 0.4 * 2,
+            },
+        )
 
 
 def halves(report):
-    """What may fly apart - fluids, explosives, what fails or is eroded - is not called numerical fracture; anything else is."""
+    """What may fly apart - fluids, explosives, what fails or is eroded - is not called numerical fracture; anything
+    else is."""
     for matter in ("gas", "charge", "glass", "wax"):
         result = run(f"halves_{matter}", HALVES.format(matter=matter, cut=4))
         if report.finished(result, matter):
-            report.check(result["verdict"] == "sound" and result["end_state.particles_out_of_reach"] == 0, f"{matter}: {result.text}")
+            report.check(
+                result["verdict"] == "sound" and result["end_state.particles_out_of_reach"] == 0,
+                f"{matter}: {result.text}",
+            )
     result = run("halves_steel", HALVES.format(matter="steel", cut=4))
-    report.check(result["end_state.particles_out_of_reach"] == 4*4*4 and "50.00 % of body 'drops' is out of reach" in result.text, f"steel: {result.text}")
+    report.check(
+        result["end_state.particles_out_of_reach"] == 4 * 4 * 4
+        and "50.00 % of body 'drops' is out of reach" in result.text,
+        f"steel: {result.text}",
+    )
     result = run("halves_near", HALVES.format(matter="steel", cut=7))  # one cell apart, which is within reach
-    report.check(result["end_state.particles_out_of_reach"] == 0 and result["verdict"] == "sound", f"near: {result.text}")
+    report.check(
+        result["end_state.particles_out_of_reach"] == 0 and result["verdict"] == "sound", f"near: {result.text}"
+    )
 
 
 def uniform(report):
-    """Stretched to 1.5 times its length, or pressed to half of it, everywhere alike; and extremes over all particles."""
-    for name, rate, expected in (("stretched", 1, {"largest_expansion": 1.5}), ("pressed", -1, {"largest_compression": 2})):
+    """Stretched to 1.5 times its length, or pressed to half of it, everywhere alike; and extremes over all
+    particles."""
+    for name, rate, expected in (
+        ("stretched", 1, {"largest_expansion": 1.5}),
+        ("pressed", -1, {"largest_compression": 2}),
+    ):
         result = run(name, UNIFORM, rate=rate)
         if not report.finished(result, name):
             continue
@@ -133,24 +173,42 @@ def uniform(report):
 
 
 def scattered(report):
-    """Debris that is larger than a cell bears no stress and is not doubted; what holds together, or still bears stress, is."""
-    for material, carries, doubted in (("glass", "nothing", False), ("glass", "pressure", False), ("glass", "everything", True), ("steel", "nothing", True)):
+    """Debris that is larger than a cell bears no stress and is not doubted; what holds together, or still bears stress,
+    is."""
+    for material, carries, doubted in (
+        ("glass", "nothing", False), ("glass", "pressure", False), ("glass", "everything", True),
+        ("steel", "nothing", True),
+    ):
         name = f"scattered_{material}_{carries}"
         result = run(name, SCATTERED.format(material=material, carries=carries))
         if report.finished(result, name):
             large = result["end_state.particles_larger_than_a_cell"]
-            report.check((large > 0.5*256) == doubted and result["end_state.least_particles_per_cell"] < 0.9, f"{name}: {large} larger than a cell")
-            report.check(any("larger than a cell" in reason for reason in result["verdict_reasons"]) == doubted, f"{name}: {result['verdict_reasons']}")
+            report.check(
+                (large > 0.5 * 256) == doubted and result["end_state.least_particles_per_cell"] < 0.9,
+                f"{name}: {large} larger than a cell",
+            )
+            report.check(
+                any("larger than a cell" in reason for reason in result["verdict_reasons"]) == doubted,
+                f"{name}: {result['verdict_reasons']}",
+            )
 
 
 def one_lost(report):
-    """Angular momentum that leaves with a particle is not held against the run; the same run without a loss is doubted."""
+    """Angular momentum that leaves with a particle is not held against the run; the same run without a loss is
+    doubted."""
     kept = run("none_lost", TURNING, wide=16)
-    report.check(kept["particles_lost"] == 0 and kept["end_state.angular_momentum_change"] > 0.05, f"none lost: {kept.text}")
+    report.check(
+        kept["particles_lost"] == 0 and kept["end_state.angular_momentum_change"] > 0.05, f"none lost: {kept.text}"
+    )
     lost = run("one_lost", TURNING)
-    report.check(lost["particles_lost"] == 1 and "angular_momentum_change" not in lost["end_state"], f"one lost: {lost.text}")
+    report.check(
+        lost["particles_lost"] == 1 and "angular_momentum_change" not in lost["end_state"], f"one lost: {lost.text}"
+    )
     for result, doubted in ((kept, True), (lost, False)):
-        report.check(any("angular momentum" in reason for reason in result["verdict_reasons"]) == doubted, f"{result['verdict_reasons']}")
+        report.check(
+            any("angular momentum" in reason for reason in result["verdict_reasons"]) == doubted,
+            f"{result['verdict_reasons']}",
+        )
 
 
 def main():

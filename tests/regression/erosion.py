@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Erosion: what goes is booked. Mass, momentum and energy of what is left and of what has gone are those of the start; nothing is left that was to go.
+"""Erosion: what goes is booked. Mass, momentum and energy of what is left and of what has gone are those of the start;
+nothing is left that was to go.
 
 usage: erosion.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -28,41 +29,79 @@ def close(report, title, found, expected, size):
 
 def books(report):
     """Every method and update."""
-    for method, update in (("sgmp", "musl"), ("sgmp", "usf"), ("sgmp", "usl"), ("gimp", "musl"), ("gimp", "usavg"), ("mpm", "musl")):
+    for method, update in (
+        ("sgmp", "musl"), ("sgmp", "usf"), ("sgmp", "usl"), ("gimp", "musl"), ("gimp", "usavg"), ("mpm", "musl"),
+    ):
         name = f"books_{method}_{update}"
-        result = run(name, ERODING.replace("time_step=0.02", "") if update == "usf" else ERODING, method=method, update=update)
+        result = run(
+            name, ERODING.replace("time_step=0.02", "") if update == "usf" else ERODING, method=method, update=update
+        )
         if not report.finished(result, name):
             continue
         rows, history = result.table("particles_end.csv"), result.table("history.csv")
         start, end = history[0], history[-1]
         report.check(end["eroded_particles"] >= 20, f"{name}: {end['eroded_particles']} particles eroded")
-        report.check(end["eroded_particles"] + len(rows) == 4*(6*8 + 12*8 + 18*6), f"{name}: {end['eroded_particles']} eroded, {len(rows)} left")
+        report.check(
+            end["eroded_particles"] + len(rows) == 4 * (6 * 8 + 12 * 8 + 18 * 6),
+            f"{name}: {end['eroded_particles']} eroded, {len(rows)} left",
+        )
         mass = sum(row["mass"] for row in rows)
         close(report, f"{name}: mass", mass + end["eroded_mass"], 6*8 + 12*8 + 18*6, mass)
         momentum = sum(row["mass"]*row["velocity_x"] for row in rows)
         close(report, f"{name}: momentum of what is left", end["momentum_x"], momentum, mass)
         close(report, f"{name}: momentum", end["momentum_x"] + end["eroded_momentum_x"], start["momentum_x"], mass)
         kinetic = sum(0.5*row["mass"]*(row["velocity_x"]**2 + row["velocity_y"]**2) for row in rows)
-        close(report, f"{name}: kinetic energy of what is left", result["energy.kinetic"], kinetic, start["total_energy"])
+        close(
+            report, f"{name}: kinetic energy of what is left", result["energy.kinetic"], kinetic, start["total_energy"]
+        )
         internal = sum(row["energy"]*row["mass"] for row in rows)
-        close(report, f"{name}: internal energy of what is left", result["energy.internal"], internal, start["total_energy"])
+        close(
+            report,
+            f"{name}: internal energy of what is left",
+            result["energy.internal"],
+            internal,
+            start["total_energy"],
+        )
         close(report, f"{name}: kinetic identity", result["energy.remainder"], 0.0, start["total_energy"])
         gone = end["eroded_kinetic_energy"] + end["eroded_internal_energy"]
         report.check(gone > 0, f"{name}: {gone} of energy eroded")
         drift = (result["energy.total"] + gone - start["total_energy"])/start["total_energy"]
-        report.check(abs(drift - result["energy.drift"]) < 1e-9, f"{name}: drift {result['energy.drift']} instead of {drift}")
+        report.check(
+            abs(drift - result["energy.drift"]) < 1e-9, f"{name}: drift {result['energy.drift']} instead of {drift}"
+        )
         for key in ("mass", "kinetic_energy", "internal_energy"):
             report.check(result[f"eroded.{key}"] == end[f"eroded_{key}"], f"{name}: {key} of summary and history")
         for row in rows:
             if row["body"] == 1 and row["damage"] >= 1 or row["body"] == 2 and row["plastic_strain"] >= 0.05:
                 report.check(False, f"{name}: particle {row['id']} is still there")
-        report.check(any("was eroded" in reason for reason in result["verdict_reasons"]) == (end["eroded_mass"] > 0.05*252), f"{name}: {result['verdict_reasons']}")
+        report.check(
+            any("was eroded" in reason for reason in result["verdict_reasons"]) == (end["eroded_mass"] > 0.05 * 252),
+            f"{name}: {result['verdict_reasons']}",
+        )
         bodies = [row for row in result.table("bodies.csv") if row["step"] == end["step"]]
         for row in bodies:
             own = [particle for particle in rows if particle["body"] == row["body"]]
-            close(report, f"{name}: mass of body {row['body']}", row["mass"], sum(particle["mass"] for particle in own), mass)
-            close(report, f"{name}: centroid of body {row['body']}", row["x"]*row["mass"], sum(particle["mass"]*particle["x"] for particle in own), 30*mass)
-            close(report, f"{name}: energy of body {row['body']}", row["internal_energy"], sum(particle["mass"]*particle["energy"] for particle in own), start["total_energy"])
+            close(
+                report,
+                f"{name}: mass of body {row['body']}",
+                row["mass"],
+                sum(particle["mass"] for particle in own),
+                mass,
+            )
+            close(
+                report,
+                f"{name}: centroid of body {row['body']}",
+                row["x"] * row["mass"],
+                sum(particle["mass"] * particle["x"] for particle in own),
+                30 * mass,
+            )
+            close(
+                report,
+                f"{name}: energy of body {row['body']}",
+                row["internal_energy"],
+                sum(particle["mass"] * particle["energy"] for particle in own),
+                start["total_energy"],
+            )
 
 
 def steps(report):
@@ -72,18 +111,26 @@ def steps(report):
         if report.finished(result, f"steps_{limit}"):
             rows = result.table("particles_end.csv")
             report.check(len(rows) == (10 if goes else 11), f"limit {limit}: {len(rows)} particles")
-            report.check(result["eroded.particles"] == (1 if goes else 0), f"limit {limit}: {result['eroded.particles']} eroded")
+            report.check(
+                result["eroded.particles"] == (1 if goes else 0), f"limit {limit}: {result['eroded.particles']} eroded"
+            )
             if goes:
                 close(report, "momentum", result["eroded.momentum"][0], 9.0, 1.0)
                 close(report, "kinetic energy", result["eroded.kinetic_energy"], 40.5, 1.0)
-                report.check(result.table("history.csv")[-1]["dt"] > 0.1, f"limit {limit}: {result.table('history.csv')[-1]['dt']}")
+                report.check(
+                    result.table("history.csv")[-1]["dt"] > 0.1,
+                    f"limit {limit}: {result.table('history.csv')[-1]['dt']}",
+                )
 
 
 def nothing(report):
     """Without the card nothing is stored or written."""
     result = run("nothing", FAST.format(erode=""))
     if report.finished(result, "nothing"):
-        report.check("eroded_mass" not in result.table("history.csv")[0] and "eroded" not in result.summary, "nothing: columns of erosion")
+        report.check(
+            "eroded_mass" not in result.table("history.csv")[0] and "eroded" not in result.summary,
+            "nothing: columns of erosion",
+        )
 
 
 def main():

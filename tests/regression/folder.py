@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The folder of results belongs to one run, whose files only are in it; what cannot fit into memory is refused; odd masses are told.
+"""The folder of results belongs to one run, whose files only are in it; what cannot fit into memory is refused; odd
+masses are told.
 
 usage: folder.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -75,7 +76,9 @@ def orphans(report):
     with open(path, "r+b") as file:
         fcntl.lockf(file, fcntl.LOCK_EX, 1, 1)
         second = execute(command(name, DECK), name)
-    report.check(second.code == WRONG_FILE and str(os.getpid()) in second.text, f"{name}: exit code {second.code}\n{second.text}")
+    report.check(
+        second.code == WRONG_FILE and str(os.getpid()) in second.text, f"{name}: exit code {second.code}\n{second.text}"
+    )
     report.finished(execute(command(name, DECK), name), "after the orphan's end")
 
 
@@ -104,8 +107,10 @@ def stale(report):
     folder = clear(name)
     report.finished(execute(command(name, DECK + EVERYTHING), name), name)
     before = set(os.listdir(folder))
-    for needed in ("contact.csv", "motion.csv", "rigid.csv", "gauges.csv", "particles.pvd", "particles.vtkhdf", "particles.dat", "particles_end.csv",
-                   "particles_0000000.vtu"):
+    for needed in (
+        "contact.csv", "motion.csv", "rigid.csv", "gauges.csv", "particles.pvd", "particles.vtkhdf", "particles.dat",
+        "particles_end.csv", "particles_0000000.vtu",
+    ):
         report.check(needed in before, f"{name}: no {needed} to be removed")
     with open(os.path.join(folder, "notes.txt"), "w", encoding="ascii") as file:
         file.write("mine\n")
@@ -114,12 +119,14 @@ def stale(report):
     expected = {".lock", "run.log", "history.csv", "bodies.csv", "summary.json", "notes.txt"}
     left = {entry for entry in after - expected if not entry.endswith(".h5.old")}
     report.check(not left and expected <= after, f"{name}: {sorted(after)}")
-    execute(command(name, DECK + "body twin block material=m lower=(0,0) upper=(1,1)\n"), name)  # refused: bodies overlap
+    # refused: bodies overlap
+    execute(command(name, DECK + "body twin block material=m lower=(0,0) upper=(1,1)\n"), name)
     report.check("summary.json" not in os.listdir(folder), f"{name}: the summary of the run before survives a failure")
 
 
 def too_large(report):
-    """Under a limit on memory: refused before anything is allocated, with a remedy; --check says what would be needed."""
+    """Under a limit on memory: refused before anything is allocated, with a remedy; --check says what would be
+    needed."""
     name = "memory"
     settings = {"side": 4000, "spacing": 0.25}
 
@@ -128,10 +135,14 @@ def too_large(report):
 
     for options, code, words in (((), WRONG_DECK, "GiB of memory"), (("--check",), 0, "does not fit")):
         started = time.monotonic()
-        done = subprocess.run(command(name, DECK, options, settings), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
-                              timeout=300, env=ENVIRONMENT, preexec_fn=limited)
+        done = subprocess.run(
+            command(name, DECK, options, settings), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
+            timeout=300, env=ENVIRONMENT, preexec_fn=limited,
+        )
         text = done.stdout.decode("utf-8", "replace")
-        report.check(done.returncode == code and words in text, f"{name} {options}: exit code {done.returncode}\n{text}")
+        report.check(
+            done.returncode == code and words in text, f"{name} {options}: exit code {done.returncode}\n{text}"
+        )
         report.check(time.monotonic() - started < 60, f"{name} {options}: took {time.monotonic() - started:.0f} s")
 
 
@@ -145,8 +156,10 @@ def estimated(report):
         def limited():
             resource.setrlimit(resource.RLIMIT_AS, (600 * 1024**2, 600 * 1024**2))
 
-        done = subprocess.run(command(name, DECK, ("--check",), {"side": 10 * settings["side"], "spacing": settings.get("spacing", 0.5)}),
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, env=ENVIRONMENT, preexec_fn=limited)
+        done = subprocess.run(
+            command(name, DECK, ("--check",), {"side": 10 * settings["side"], "spacing": settings.get("spacing", 0.5)}),
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, env=ENVIRONMENT, preexec_fn=limited,
+        )
         found = re.search(r"about ([\d.]+) MiB needed", done.stdout.decode("utf-8", "replace"))
         if report.check(found, f"{title}: no need in\n{done.stdout.decode()}"):
             process = 20e6
@@ -162,8 +175,14 @@ def named_after_the_deck(report):
     os.makedirs(below, exist_ok=True)
     with open(os.path.join(below, "plate.thin.inp"), "w", encoding="utf-8") as file:
         file.write(DECK)
-    done = subprocess.run([SGMP, "decks/of_mine/plate.thin.inp", "--quiet", "--set", "steps=1"], cwd=SCRATCH, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, env=ENVIRONMENT)
-    report.check(done.returncode == 0 and os.path.exists(os.path.join(SCRATCH, "plate.thin.out", "summary.json")), f"named: {done.returncode} {done.stdout}")
+    done = subprocess.run(
+        [SGMP, "decks/of_mine/plate.thin.inp", "--quiet", "--set", "steps=1"], cwd=SCRATCH, stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT, check=False, env=ENVIRONMENT,
+    )
+    report.check(
+        done.returncode == 0 and os.path.exists(os.path.join(SCRATCH, "plate.thin.out", "summary.json")),
+        f"named: {done.returncode} {done.stdout}",
+    )
 
 
 def masses(report):
@@ -173,7 +192,9 @@ def masses(report):
     report.check(re.search(r"mass +6\.0+; of its shapes 3\.60+ \(\+66\.7 %\)", result.text), f"thin: {result.text}")
     line = [word for word in command("thin", thin) if word != "--quiet"]
     result = execute(line, "thin")
-    report.check("warning" in result.text and "'plate'" in result.text and "mass" in result.text, f"thin: {result.text}")
+    report.check(
+        "warning" in result.text and "'plate'" in result.text and "mass" in result.text, f"thin: {result.text}"
+    )
     result = execute(command("thick", DECK, ("--check",)), "thick")
     report.check("(+0.0 %)" in result.text, f"a mass that is right: {result.text}")
     result = execute([word for word in command("thick", DECK) if word != "--quiet"], "thick")
@@ -196,8 +217,10 @@ def no_dumps(report):
     os.makedirs(clear(name))
     os.symlink(os.path.join(SCRATCH, "no_such_folder", "file"), os.path.join(SCRATCH, name, "particles.vtkhdf"))
     result = execute(command(name, DECK + "output vtkhdf every=0.1\n"), name, mpirun(2), timeout=60)
-    report.check(result.code == WRONG_FILE and result.text.count("error: cannot create") == 1 and "HDF5-DIAG" not in result.text,
-                 f"{name}: exit code {result.code}\n{result.text}")
+    report.check(
+        result.code == WRONG_FILE and result.text.count("error: cannot create") == 1 and "HDF5-DIAG" not in result.text,
+        f"{name}: exit code {result.code}\n{result.text}",
+    )
 
 
 def linked_log(report):
@@ -211,8 +234,14 @@ def linked_log(report):
     os.symlink(kept, os.path.join(folder, "run.log"))
     result = execute(command(name, DECK), name)
     with open(kept, encoding="ascii") as file:
-        report.check(result.code == 0 and file.read() == "kept", f"{name}: exit code {result.code}, or the file that the link points to has changed")
-    report.check(not os.path.islink(os.path.join(folder, "run.log")) and os.path.getsize(os.path.join(folder, "run.log")) > 0, f"{name}: no run.log")
+        report.check(
+            result.code == 0 and file.read() == "kept",
+            f"{name}: exit code {result.code}, or the file that the link points to has changed",
+        )
+    report.check(
+        not os.path.islink(os.path.join(folder, "run.log")) and os.path.getsize(os.path.join(folder, "run.log")) > 0,
+        f"{name}: no run.log",
+    )
 
 
 def pipe(report):
@@ -225,7 +254,10 @@ def pipe(report):
     except subprocess.TimeoutExpired:
         report.check(False, f"{name}: waits for ever")
         return
-    report.check(result.code == WRONG_DECK and "is a pipe or a device" in result.text, f"{name}: exit code {result.code}\n{result.text}")
+    report.check(
+        result.code == WRONG_DECK and "is a pipe or a device" in result.text,
+        f"{name}: exit code {result.code}\n{result.text}",
+    )
 
 
 def title(report):
@@ -251,7 +283,10 @@ def main():
     os.makedirs(SCRATCH, exist_ok=True)
     report = Report()
     of_memory = () if SANITIZED else (too_large, estimated)
-    for check in (locked, orphans, interrupted, stale, *of_memory, masses, named_after_the_deck, full_log, no_dumps, linked_log, pipe, title):
+    for check in (
+        locked, orphans, interrupted, stale, *of_memory, masses, named_after_the_deck, full_log, no_dumps, linked_log,
+        pipe, title,
+    ):
         check(report)
     report.end()
 

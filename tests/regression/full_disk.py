@@ -27,7 +27,9 @@ def fill(report, folder, size, moved):
         sys.exit(77)
     try:
         result = execute(command("disk", DECK, settings=SETTINGS), "disk")
-        report.check(result.code == WRONG_FILE and "No space left" in result.text, f"exit code {result.code}\n{result.text}")
+        report.check(
+            result.code == WRONG_FILE and "No space left" in result.text, f"exit code {result.code}\n{result.text}"
+        )
         report.check(checkpoints(folder) == [20, 40], f"{checkpoints(folder)} {os.listdir(folder)}")
         report.check(not any(left.endswith(".part") for left in os.listdir(folder)), f"{os.listdir(folder)}")
         shutil.copytree(folder, moved)

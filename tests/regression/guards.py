@@ -37,7 +37,8 @@ material soft elastic density=2 young=50 poisson=0
 body bar block material=soft lower=0 upper=2 ppc=2
 {more}
 """
-# A bar that hangs at its foot bounces: the work of gravity comes back to nothing, the energies with it but for their ripple.
+# A bar that hangs at its foot bounces: the work of gravity comes back to nothing, the energies with it but for their
+# ripple.
 BOUNCING = """
 dimension 1
 grid cell=0.125 x=0:4
@@ -90,8 +91,10 @@ def blow_ups(report):
     failed(report, "courant", result, [r"particle \d+ of body bar", r"step \d+"], may_trap=True)
     for method in ("sgmp", "gimp", "mpm"):
         result = run(f"inside_out_{method}", BLOCK, cells=4, steps=200, dt="5*h/c", method=method)
-        failed(report, f"inside out {method}", result, [r"particle \d+ of body block is inside out or not a number after step \d+"],
-               may_trap=True)
+        failed(
+            report, f"inside out {method}", result,
+            [r"particle \d+ of body block is inside out or not a number after step \d+"], may_trap=True,
+        )
     result = run("taylor", "taylor_bar.inp", h=1.9, cfl=30, threads=2)
     failed(report, "taylor", result, [r"particle \d+ of body bar", r"step \d+"], may_trap=True)
 
@@ -99,11 +102,17 @@ def blow_ups(report):
 def small_steps(report):
     """A step below the deck's minimum names what limits it."""
     result = run("dt_min", FALLING.format(dt_min=" dt_min=1", more=""))
-    failed(report, "dt_min", result, [r"the time step \S+ is below its minimum 1\.0* in step 1", r"particle \d+ of body bar \(soft\)",
-                                      r"dt_min"])
+    failed(
+        report, "dt_min", result,
+        [r"the time step \S+ is below its minimum 1\.0* in step 1", r"particle \d+ of body bar \(soft\)", r"dt_min"],
+    )
     # A step that lands on an output time may be as short as it likes.
-    result = run("landing", FALLING.format(dt_min=" dt_min=0.01",
-                                           more="output vtu every=0.051\nstop kinetic_below=0").replace("end=10", "end=0.102"))
+    result = run(
+        "landing",
+        FALLING.format(dt_min=" dt_min=0.01", more="output vtu every=0.051\nstop kinetic_below=0").replace(
+            "end=10", "end=0.102"
+        ),
+    )
     report.finished(result, "landing")
 
 
@@ -113,24 +122,40 @@ def returning_work(report):
     if report.finished(result, "bouncing"):
         work = [row["external_work"] for row in result.table("history.csv")]
         total = [row["total_energy"] for row in result.table("history.csv")]
-        report.check(result["energy.supplied"] == max(work), f"bouncing: supplied {result['energy.supplied']}, {max(work)}")
-        report.check(any(t > 1.1*w for t, w in zip(total[1:], work[1:])), "bouncing: the ripple never shows: nothing was tested")
+        report.check(
+            result["energy.supplied"] == max(work), f"bouncing: supplied {result['energy.supplied']}, {max(work)}"
+        )
+        report.check(
+            any(t > 1.1 * w for t, w in zip(total[1:], work[1:])),
+            "bouncing: the ripple never shows: nothing was tested",
+        )
         expected = (total[-1] - work[-1])/max(work)
-        report.check(abs(result["energy.drift"] - expected) < 1e-12, f"bouncing: drift {result['energy.drift']}, {expected}")
+        report.check(
+            abs(result["energy.drift"] - expected) < 1e-12, f"bouncing: drift {result['energy.drift']}, {expected}"
+        )
         half = [*BOUNCING.split("end=40"), ""]
         run("bouncing_parts", half[0] + "end=40 steps=100" + half[1] + "checkpoint every=100\n")
-        result = run("bouncing_parts", half[0] + "end=40" + half[1] + "checkpoint every=100\n", options=["--restart", "latest"])
+        result = run(
+            "bouncing_parts", half[0] + "end=40" + half[1] + "checkpoint every=100\n", options=["--restart", "latest"]
+        )
         if report.finished(result, "bouncing on from a checkpoint"):
-            report.check(result["energy.supplied"] == max(work), f"bouncing: supplied {result['energy.supplied']} after a restart")
+            report.check(
+                result["energy.supplied"] == max(work),
+                f"bouncing: supplied {result['energy.supplied']} after a restart",
+            )
 
 
 def released_pressure(report):
-    """What matter gives away is no growth; an elastic wave takes p0 v from each length that it reaches, half of it to motion."""
+    """What matter gives away is no growth; an elastic wave takes p0 v from each length that it reaches, half of it to
+    motion."""
     for update in ("musl", "usf", "usl", "usavg"):
         result = run(f"released_{update}", RELEASED, update=update)
         if report.finished(result, f"released {update}"):
             report.check(abs(result["energy.drift"]) < 0.25, f"released {update}: drift {result['energy.drift']}")
-            report.check(0.5*0.1**2 < result["energy.supplied"] < 2*0.1**2, f"released {update}: supplied {result['energy.supplied']}")
+            report.check(
+                0.5 * 0.1**2 < result["energy.supplied"] < 2 * 0.1**2,
+                f"released {update}: supplied {result['energy.supplied']}",
+            )
 
 
 def nowhere(report):
@@ -138,17 +163,26 @@ def nowhere(report):
     for policy in ("error", "remove", "reflect"):
         for more in ('bodyforce all x="x > 1 ? sqrt(0.01-t) : 0"', 'wall y+=fixed\nwallmotion y+ x="sqrt(0.01-t)"'):
             deck = flying(2, "x=0:8 y=0:1", 20) + more.replace("\\n", "\n") + "\n"
-            failed(report, f"nowhere {policy}", run(f"nowhere_{policy}_{len(more)}", deck, policy=policy), [r"not a number", r"step \d+"])
+            failed(
+                report, f"nowhere {policy}", run(f"nowhere_{policy}_{len(more)}", deck, policy=policy),
+                [r"not a number", r"step \d+"],
+            )
 
 
 def named(report):
-    """A formula of t that stops being a number: the error stands at its card, a formula that keeps its value is not blamed."""
+    """A formula of t that stops being a number: the error stands at its card, a formula that keeps its value is not
+    blamed."""
     kept = 'load runner y="0*sqrt(t)"\n'
     for more in ('load runner x="sqrt(0.01-t)"', 'bodyforce runner x="sqrt(0.01-t)"', 'motion runner x="sqrt(0.01-t)"',
                  'pressure runner p="1/max(0,0.01-t)"'):
         deck = flying(2, "x=0:8 y=0:1", 20) + kept + more + "\n"
         line = deck.rstrip("\n").count("\n") + 1
-        failed(report, f"named {more}", run(f"named_{more.split()[0]}", deck), [rf"\.inp:{line}:1: error: a formula of this card has no value at time", r"step \d+"])
+        failed(
+            report,
+            f"named {more}",
+            run(f"named_{more.split()[0]}", deck),
+            [rf"\.inp:{line}:1: error: a formula of this card has no value at time", r"step \d+"],
+        )
 
 
 def leaving(report):
@@ -158,7 +192,10 @@ def leaving(report):
             name = f"leaving_{dimension}_{method}"
             deck = flying(dimension, extent, 150)
             result = run(name + "_error", deck, method=method)
-            failed(report, name, result, [r"particle \d+ of body runner left the grid along x at \S+ in step \d+", r"lost policy"])
+            failed(
+                report, name, result,
+                [r"particle \d+ of body runner left the grid along x at \S+ in step \d+", r"lost policy"],
+            )
             count = 6**dimension
             result = run(name + "_remove", deck, method=method, policy="remove")
             if report.finished(result, name):

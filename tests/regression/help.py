@@ -46,7 +46,10 @@ def main():
         report.check(option in options, f"--help does not list {option}")
     report.check(say("help", "options") == (code, usage), "help options says something else than --help")
     report.check("material" in say("help")[1] and "--help" in say("help")[1], "help lists no cards or hides --help")
-    for name, words in (("user-guide.md", ("help", "options", "--markdown")), ("deck-reference.md", ("help", "--markdown"))):
+    for name, words in (
+        ("user-guide.md", ("help", "options", "--markdown")),
+        ("deck-reference.md", ("help", "--markdown")),
+    ):
         report.check(say(*words)[1].strip() in document(name), f"doc/{name} is not what sgmp {' '.join(words)} says")
     report.check(say("completion", "zsh")[0] == 2, "a shell that is not supported is accepted")
     if shutil.which("bash"):

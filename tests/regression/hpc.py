@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The job scripts of scripts/hpc/ under a scheduler that is not there: it starts the ranks, warns them, and puts the job back
-into the queue until the run has come to its end, with the bits of one without interruption.
+"""The job scripts of scripts/hpc/ under a scheduler that is not there: it starts the ranks, warns them, and puts the
+job back into the queue until the run has come to its end, with the bits of one without interruption.
 
 usage: hpc.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -74,12 +74,20 @@ def job(report, reference, name, launcher, queue, environment, words, expected):
     options = ["--output", folder]
     for key, value in SETTINGS.items():
         options += ["--set", f"{key}={value}"]
-    environment = {**ENVIRONMENT, **environment, "PATH": tools + os.pathsep + os.environ["PATH"], "SGMP": SGMP, "DECK": path,
-                   "OPTIONS": " ".join(options)}
+    environment = {
+        **ENVIRONMENT,
+        **environment,
+        "PATH": tools + os.pathsep + os.environ["PATH"],
+        "SGMP": SGMP,
+        "DECK": path,
+        "OPTIONS": " ".join(options),
+    }
     codes = []
     while len(codes) <= WARNINGS + 1:
-        done = subprocess.run(["bash", os.path.join(SOURCE, "scripts", "hpc", name + ".sh"), *words(path, options)], cwd=SCRATCH,
-                              env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False)
+        done = subprocess.run(
+            ["bash", os.path.join(SOURCE, "scripts", "hpc", name + ".sh"), *words(path, options)], cwd=SCRATCH,
+            env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False,
+        )
         codes.append(done.returncode)
         if done.returncode != STOPPED:
             break
@@ -88,7 +96,9 @@ def job(report, reference, name, launcher, queue, environment, words, expected):
     report.check(len(lines(queued)) == (WARNINGS if queue else 0), f"{name}: queued again {lines(queued)}")
     report.check(all(expected(line) for line in lines(queued)), f"{name}: {lines(queued)}")
     placement = lines(started)
-    report.check(placement and all("--restart latest" in line and "bind" in line for line in placement), f"{name}: {placement}")
+    report.check(
+        placement and all("--restart latest" in line and "bind" in line for line in placement), f"{name}: {placement}"
+    )
     result = Run(codes[-1], text, folder)
     if report.check(result.summary.get("checksum") == reference["checksum"], f"{name}: other bits, {result.summary}"):
         same_files(report, reference.folder, folder, name)
@@ -103,8 +113,16 @@ def main():
         file.write("localhost\n")
     job(report, reference, "slurm", "srun", "scontrol", {"SLURM_CPUS_PER_TASK": "2", "SLURM_JOB_ID": "17"},
         lambda path, options: [path, *options], lambda line: line == "requeue 17")
-    job(report, reference, "pbs", "mpirun", "qsub", {"PBS_NODEFILE": nodes, "PBS_O_WORKDIR": SCRATCH, "OMP_NUM_THREADS": "1"},
-        lambda path, options: [], lambda line: line.startswith("-v DECK=") and line.endswith("pbs.sh"))
+    job(
+        report,
+        reference,
+        "pbs",
+        "mpirun",
+        "qsub",
+        {"PBS_NODEFILE": nodes, "PBS_O_WORKDIR": SCRATCH, "OMP_NUM_THREADS": "1"},
+        lambda path, options: [],
+        lambda line: line.startswith("-v DECK=") and line.endswith("pbs.sh"),
+    )
     job(report, reference, "lsf", "mpirun", None, {"OMP_NUM_THREADS": "1"}, lambda path, options: [], lambda line: True)
     report.end()
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Debris of hypervelocity impacts (doc/materials.md): energy that does not grow, in all methods and updates; collisions that keep momentum; a Whipple shield that is
-computed to its end, with and without contact, and through whose whole wall nothing leaks; torn matter without a card; the same bits.
+"""Debris of hypervelocity impacts (doc/materials.md): energy that does not grow, in all methods and updates; collisions
+that keep momentum; a Whipple shield that is computed to its end, with and without contact, and through whose whole wall
+nothing leaks; torn matter without a card; the same bits.
 
 usage: hypervelocity.py SGMP SOURCE_DIR SCRATCH_DIR
 
@@ -90,7 +91,9 @@ output csv at=end
 
 
 def fastest(result):
-    return max(math.sqrt(sum(row[f"velocity_{axis}"]**2 for axis in "xyz")) for row in result.table("particles_end.csv"))
+    return max(
+        math.sqrt(sum(row[f"velocity_{axis}"] ** 2 for axis in "xyz")) for row in result.table("particles_end.csv")
+    )
 
 
 def energies(report, name, result, drift, speed):
@@ -101,13 +104,33 @@ def energies(report, name, result, drift, speed):
 
 def cloud(report):
     # The fastest of the start has 7500 m/s. What carries nothing flies on.
-    for settings in ({"cfl": 0.1}, {"cfl": 0.8}, {"method": "mpm"}, {"method": "gimp"}, {"method": "bspline"}, {"update": "usf"}, {"update": "usl"}, {"update": "usavg"}):
+    for settings in (
+        {"cfl": 0.1},
+        {"cfl": 0.8},
+        {"method": "mpm"},
+        {"method": "gimp"},
+        {"method": "bspline"},
+        {"update": "usf"},
+        {"update": "usl"},
+        {"update": "usavg"},
+    ):
         name = "_".join(["cloud", *map(str, settings.values())])
         energies(report, name, run(name, CLOUD, **settings), 0.001, 7600)
     # With pressure what debris gives is settled step by step, but with usavg.
-    for settings in ({"cfl": 0.25}, {"cfl": 0.8}, {"method": "gimp", "cfl": 0.8}, {"method": "cpgimp", "cfl": 0.8}, {"method": "bspline"},
-                     {"update": "usf", "cfl": 0.8}, {"update": "usavg"}, {"method": "mpm"}, {"method": "mpm", "cfl": 0.8}, {"update": "usl"},
-                     {"update": "usl", "cfl": 0.8}, {"update": "usl", "method": "mpm", "cfl": 0.4}):
+    for settings in (
+        {"cfl": 0.25},
+        {"cfl": 0.8},
+        {"method": "gimp", "cfl": 0.8},
+        {"method": "cpgimp", "cfl": 0.8},
+        {"method": "bspline"},
+        {"update": "usf", "cfl": 0.8},
+        {"update": "usavg"},
+        {"method": "mpm"},
+        {"method": "mpm", "cfl": 0.8},
+        {"update": "usl"},
+        {"update": "usl", "cfl": 0.8},
+        {"update": "usl", "method": "mpm", "cfl": 0.4},
+    ):
         name = "_".join(["pressure", *map(str, settings.values())])
         result = run(name, CLOUD, carries="pressure", **settings)
         energies(report, name, result, 0.03 if settings.get("update") == "usavg" else 0.002, 1.5*7500)
@@ -117,7 +140,11 @@ def cloud(report):
 
 def announced(report):
     """What cannot be cured is said before a step is taken."""
-    for settings, words in (({"update": "usl"}, "update=usl strains"), ({"carries": "everything"}, "carries everything"), ({}, "")):
+    for settings, words in (
+        ({"update": "usl"}, "update=usl strains"),
+        ({"carries": "everything"}, "carries everything"),
+        ({}, ""),
+    ):
         result = run("announced", CLOUD, options=("--check",), **settings)
         said = "update=usl strains" in result.text, "carries everything" in result.text
         report.check(said == ("usl" in words, "everything" in words), f"announced {settings}: {result.text[-400:]}")
@@ -132,8 +159,14 @@ def momentum(report):
             continue
         first, last = (float(result.table("history.csv")[row]["momentum_z"]) for row in (0, -1))
         report.check(abs(last - first) < 1e-9*9e4*1e-3, f"momentum {method}: {first} becomes {last}")
-        report.check(result["energy.collision_heat"] > 1e-3*result["energy.initial_total"], f"momentum {method}: nothing collides")
-        report.check(abs(result["energy.remainder"]) < 1e-10*result["energy.initial_total"], f"momentum {method}: remainder {result['energy.remainder']}")
+        report.check(
+            result["energy.collision_heat"] > 1e-3 * result["energy.initial_total"],
+            f"momentum {method}: nothing collides",
+        )
+        report.check(
+            abs(result["energy.remainder"]) < 1e-10 * result["energy.initial_total"],
+            f"momentum {method}: remainder {result['energy.remainder']}",
+        )
 
 
 def free_debris(report):
@@ -160,13 +193,18 @@ def torn(report):
 
 
 def bits(report):
-    for title, deck, settings in (("bits", CLOUD, {"carries": "pressure", "t_end": 0.007}),
-                                  ("bits_contact", SHIELD.format(contact="contact all friction=0.2"), {"t_end": 0.007})):
+    for title, deck, settings in (
+        ("bits", CLOUD, {"carries": "pressure", "t_end": 0.007}),
+        ("bits_contact", SHIELD.format(contact="contact all friction=0.2"), {"t_end": 0.007}),
+    ):
         reference = straight(report, title, deck, **settings)
         report.check(reference["energy.collision_heat"] > 0, f"{title}: nothing collides")
         for how, threads, launcher in (("threads", 2, ()), ("ranks", 1, mpirun(3))):
             other = straight(report, f"{title}_{how}", deck, threads=threads, launcher=launcher, **settings)
-            report.check(other["checksum"] == reference["checksum"], f"{title} {how}: checksum {other['checksum']}, not {reference['checksum']}")
+            report.check(
+                other["checksum"] == reference["checksum"],
+                f"{title} {how}: checksum {other['checksum']}, not {reference['checksum']}",
+            )
         goes_on(report, reference, f"{title}_again", deck, checkpoints(f"{SCRATCH}/{title}")[-2], **settings)
 
 

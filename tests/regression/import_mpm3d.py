@@ -25,7 +25,9 @@ FIRST_ENDS = os.environ.get("SGMP_TEST_FIRST_ENDS", "") not in ("", "0")
 
 
 def sgmp(*words, folder=DECKS):
-    done = subprocess.run([EXECUTABLE, *words], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False)
+    done = subprocess.run(
+        [EXECUTABLE, *words], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False
+    )
     return done.returncode, done.stdout.decode("utf-8", "replace")
 
 
@@ -85,7 +87,8 @@ def broken():
 
 
 def files():
-    """A deck that is there is not overwritten; a foreign deck of another name is one line; options of runs are refused."""
+    """A deck that is there is not overwritten; a foreign deck of another name is one line; options of runs are
+    refused."""
     out = fresh("files")
     sgmp("import", "points.mpm", "--output", out)
     code, printed = sgmp("import", "points.mpm", "--output", out)
@@ -120,8 +123,8 @@ def thickness(folder, name):
 
 
 def keep_3d():
-    """One cell thick or not: the same run, for masses and energies times the thickness. A slope of points, whose rows are alike; two cells
-    between planes of symmetry with gimp, where all nodes are held, bspline alike."""
+    """One cell thick or not: the same run, for masses and energies times the thickness. A slope of points, whose rows
+    are alike; two cells between planes of symmetry with gimp, where all nodes are held, bspline alike."""
     for name in ("edge_load", "slope_points", "two_cells"):
         (thin, _), (thick, _) = run(name), run(name, "--keep-3d")
         for file, dimension in ((thin, 2), (thick, 3)):
@@ -129,18 +132,24 @@ def keep_3d():
         factor = thickness(thin, name)
         for column in ("kinetic_energy", "total_energy", "momentum_x"):
             a, b = float(last_row(thin)[column])*factor, float(last_row(thick)[column])
-            expect(abs(a - b) <= 1e-6 * abs(b) + 1e-12, f"{name}, {column}: {a} in plane strain, {b} in three dimensions")
+            expect(
+                abs(a - b) <= 1e-6 * abs(b) + 1e-12, f"{name}, {column}: {a} in plane strain, {b} in three dimensions"
+            )
     folder = fresh("two_cells_bimp")
     os.makedirs(folder)
     with open(os.path.join(folder, "x.mpm"), "w", encoding="utf-8") as file:
         file.write(read(DECKS, "two_cells.mpm").replace("\ngimp\n", "\nbimp\n"))
     code, printed = sgmp("import", "x.mpm", folder=folder)
-    expect(code == 0 and "dimension 2\n" in read(folder, "x.inp") and "method bspline" in read(folder, "x.inp"), f"bimp: {printed}")
+    expect(
+        code == 0 and "dimension 2\n" in read(folder, "x.inp") and "method bspline" in read(folder, "x.inp"),
+        f"bimp: {printed}",
+    )
 
 
 def shared_field():
-    """Without cont two components share a field: the second bar, which flies away, takes the first with it. Apart, their centres were 4.4 from
-    each other at the end, and the first at rest; together both have half of the speed in the mean."""
+    """Without cont two components share a field: the second bar, which flies away, takes the first with it. Apart,
+    their centres were 4.4 from each other at the end, and the first at rest; together both have half of the speed in
+    the mean."""
     folder, _ = run("shared_field")
     rows = [dict(zip(("x", "v"), (float(row["x"]), float(row["velocity_x"])))) for row in table(folder)]
     first, second = rows[:8], rows[8:]
@@ -152,7 +161,8 @@ def shared_field():
 
 
 def total_lagrangian():
-    """Total Lagrangian motion knows no box: nothing is lost, and a block without stress flies on at its speed, 10 to the right and 6 down."""
+    """Total Lagrangian motion knows no box: nothing is lost, and a block without stress flies on at its speed, 10 to
+    the right and 6 down."""
     folder, _ = run("total_lagrangian")
     rows = table(folder)
     expect(len(rows) == 128, f"total_lagrangian: {len(rows)} of 128 particles")
@@ -162,9 +172,12 @@ def total_lagrangian():
 
 
 def hot_expansion():
-    """In expansion the pressure is rho0 c0^2 mu = 200 (V0/V - 1), whatever the energy; in the law with the energy it is far from it."""
+    """In expansion the pressure is rho0 c0^2 mu = 200 (V0/V - 1), whatever the energy; in the law with the energy it is
+    far from it."""
     folder, printed = run("hot_expansion")
-    expect("hot_expansion.mpm:16:1: warning: the rows of body 1 lie off the middle" in printed, f"no warning: {printed}")
+    expect(
+        "hot_expansion.mpm:16:1: warning: the rows of body 1 lie off the middle" in printed, f"no warning: {printed}"
+    )
     native = read(folder, "hot_expansion.inp")
     shutil.copy(os.path.join(folder, "hot_expansion_body_1.txt"), os.path.join(SCRATCH, "hot_expansion_body_1.txt"))
     with open(os.path.join(SCRATCH, "thermal.inp"), "w", encoding="utf-8") as file:
@@ -179,12 +192,15 @@ def hot_expansion():
 
 def table(folder):
     """Rows of particles_end.csv, by name."""
-    rows = [row for row in csv.reader(read(folder, "particles_end.csv").splitlines()) if row and not row[0].startswith("#")]
+    rows = [
+        row for row in csv.reader(read(folder, "particles_end.csv").splitlines()) if row and not row[0].startswith("#")
+    ]
     return [dict(zip(rows[0], row)) for row in rows[1:]]
 
 
 def nothing_left():
-    """A deck that was imported to one that cannot be is not left behind, so that the mended one needs no other folder."""
+    """A deck that was imported to one that cannot be is not left behind, so that the mended one needs no other
+    folder."""
     for name in ("poisson", "far_away"):
         folder = fresh("left")
         sgmp("import", os.path.join("broken", name + ".mpm"), "--output", folder)
@@ -209,7 +225,9 @@ material
 seos 1 2 3940 1.49 1.96 0
 """
     if discs:
-        bodies = "".join(f"particle cicle 1\n 1 8.93e-3 {spacing} 0 0 {spacing * k:.2f} {radius}\n" for k in range(layers))
+        bodies = "".join(
+            f"particle cicle 1\n 1 8.93e-3 {spacing} 0 0 {spacing * k:.2f} {radius}\n" for k in range(layers)
+        )
     else:
         places = [(x, y, (k + 0.5) * spacing) for k in range(layers) for x, y in flat]
         bodies = f"particle point 1 {len(places)}\n" + "".join(
@@ -221,7 +239,9 @@ seos 1 2 3940 1.49 1.96 0
 def bar_shape(folder):
     """L, D, W by the rule of scripts/taylor_bar_report.py."""
     spacing, cell, level = 0.38, 0.76, 0.2 * 25.4
-    rows = [row for row in csv.reader(read(folder, "particles_end.csv").splitlines()) if row and not row[0].startswith("#")]
+    rows = [
+        row for row in csv.reader(read(folder, "particles_end.csv").splitlines()) if row and not row[0].startswith("#")
+    ]
     columns = [rows[0].index(name) for name in ("x", "y", "z")]
     points = []
     for row in rows[1:]:
@@ -266,20 +286,27 @@ def against_native(name, options, native, native_options, tolerance):
         expect(code == 0, f"{deck}: {printed}")
         energies.append(float(last_row(folder)["kinetic_energy"]))
     print(f"{name}: kinetic energy {energies[0]}, {native} {energies[1]}")
-    expect(abs(energies[0] / energies[1] - 1) < tolerance, f"{name}: kinetic energy {energies[0]}, {native} {energies[1]}")
+    expect(
+        abs(energies[0] / energies[1] - 1) < tolerance, f"{name}: kinetic energy {energies[0]}, {native} {energies[1]}"
+    )
 
 
 def without_viscosity():
     """The slab of explosive as MPM3D has it, which gives explosives no bulk viscosity."""
     path = os.path.join(SCRATCH, "tnt_slab_inviscid.inp")
-    lines = [line for line in read(SOURCE, "input", "tnt_slab.inp").splitlines() if not re.match("viscosity |parameter linear", line)]
+    lines = [
+        line
+        for line in read(SOURCE, "input", "tnt_slab.inp").splitlines()
+        if not re.match("viscosity |parameter linear", line)
+    ]
     with open(path, "w", encoding="utf-8") as file:
         file.write("\n".join(lines) + "\n")
     return path
 
 
 def membrane_deck():
-    """Cook's membrane, nearly incompressible: particles on a lattice of half a cell, loads that rise on the last column, damping to rest."""
+    """Cook's membrane, nearly incompressible: particles on a lattice of half a cell, loads that rise on the last
+    column, damping to rest."""
     places = [((i + 0.5)/2, (j + 0.5)/2) for j in range(120) for i in range(96)]
     places = [(x, y) for x, y in places if 44/48*x <= y <= 44 + 16/48*x]
     edge = [n for n, (x, _) in enumerate(places, 1) if x > 47.5]
@@ -331,7 +358,10 @@ def displacements(name, deck, expected):
         file.write(deck)
     code, printed = sgmp(name + ".mpm", "--quiet", "--output", "out", folder=folder)
     expect(code == 0 and "warning" not in printed, f"{name}: {printed}")
-    rows = [dict(zip(("step", "time", "gauge", "particle", "x", "y"), row)) for row in csv.reader(read(folder, "out", "gauges.csv").splitlines()[1:])]
+    rows = [
+        dict(zip(("step", "time", "gauge", "particle", "x", "y"), row))
+        for row in csv.reader(read(folder, "out", "gauges.csv").splitlines()[1:])
+    ]
     for gauge, axis, start, moved in expected:
         last = [float(row[axis]) for row in rows if row["gauge"] == str(gauge)][-1] - start
         print(f"{name}: {last}, MPM3D {moved}")
@@ -342,9 +372,14 @@ def ranks():
     """Two ranks: one writes and says so, both read; one rank alone, which may be quiet."""
     out = fresh("ranks")
     if shutil.which("mpirun"):
-        done = subprocess.run(["mpirun", "-np", "2", "--oversubscribe", EXECUTABLE, "explosive_row.mpm", "--check", "--output", out],
-                              cwd=DECKS, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120, check=False)
-        expect(done.returncode == 0 and done.stdout.decode().count("explosive_row.mpm is ") == 1, f"two ranks: {done.stdout.decode()}")
+        done = subprocess.run(
+            ["mpirun", "-np", "2", "--oversubscribe", EXECUTABLE, "explosive_row.mpm", "--check", "--output", out],
+            cwd=DECKS, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120, check=False,
+        )
+        expect(
+            done.returncode == 0 and done.stdout.decode().count("explosive_row.mpm is ") == 1,
+            f"two ranks: {done.stdout.decode()}",
+        )
     for words, times in (((), 1), (("--quiet",), 0)):
         code, printed = sgmp("explosive_row.mpm", "--check", "--output", out, *words)
         expect(code == 0 and printed.count("explosive_row.mpm is ") == times, f"one rank {words}: {printed}")
@@ -359,7 +394,8 @@ def main():
     hot_expansion()
     nothing_left()
     taylor()
-    # A row of explosive in one dimension (its files cut steps short, others than in the native deck); the free beam in two, m and s there, mm and ms in the native deck.
+    # A row of explosive in one dimension (its files cut steps short, others than in the native deck); the free beam in
+    # two, m and s there, mm and ms in the native deck.
     against_native("explosive_row", [], without_viscosity(), ["ppc=1"], 0.005)
     against_native("free_beam", ["t_end=2e-6"], "beam.inp", ["t_end=2e-3"], 0.005)
     if FULL:

@@ -11,8 +11,9 @@ import signal
 import subprocess
 import time
 
-from _restarts import (ENVIRONMENT, FULL, Going, checkpoints, clear, command, deck, execute, mpirun, path_of, same_files,
-                       straight)
+from _restarts import (
+    ENVIRONMENT, FULL, Going, checkpoints, clear, command, deck, execute, mpirun, path_of, same_files, straight,
+)
 from _runs import INPUT, SCRATCH, Report
 
 DECK = deck("block.inp", "output vtkhdf every=0.002 fields=stress\noutput vtu every=0.002\ngauge g point=(1,1,1)\n"
@@ -46,10 +47,14 @@ def stops(report, reference, title, stop, launcher=(), options=(), threads=1):
     result = stop(going)
     report.check(time.monotonic() - asked < 20, f"{name}: took {time.monotonic() - asked:.1f} s to stop")
     report.check(result.code == STOPPED, f"{name}: exit code {result.code}\n{result.text}")
-    report.check(result.summary.get("exit_status") == STOPPED, f"{name}: summary.json says {result.summary.get('exit_status')}")
+    report.check(
+        result.summary.get("exit_status") == STOPPED, f"{name}: summary.json says {result.summary.get('exit_status')}"
+    )
     report.check("stopped by" in result.text and "--restart latest" in result.text, f"{name}: says only {result.text}")
     saved = checkpoints(result.folder)
-    if report.check(saved and saved[-1] == result.summary.get("steps"), f"{name}: {saved}, last step {result.summary.get('steps')}"):
+    if report.check(
+        saved and saved[-1] == result.summary.get("steps"), f"{name}: {saved}, last step {result.summary.get('steps')}"
+    ):
         report.check(saved[-1] < SETTINGS["steps"], f"{name}: stopped only at the end")
         finish(report, reference, name, name, layouts=bool(launcher))
 
@@ -73,10 +78,13 @@ def requests(report, reference):
     stops(report, reference, "file", by_file)
     report.check(not os.path.exists(os.path.join(SCRATCH, "stop_file", "stop")), "the stop file is still there")
     name, seconds = "time_limit", []
-    while len(seconds) < 3 and min(seconds, default=3) >= 3:  # a machine with other work may hold one up; without its reserve none stops before
+    # a machine with other work may hold one up; without its reserve none stops before
+    while len(seconds) < 3 and min(seconds, default=3) >= 3:
         clear(name)
         result = execute(line(name, "--time-limit", "0:00:03", settings=ENDLESS), name)
-        report.check(result.code == STOPPED and "time limit" in result.text, f"{name}: exit code {result.code}\n{result.text}")
+        report.check(
+            result.code == STOPPED and "time limit" in result.text, f"{name}: exit code {result.code}\n{result.text}"
+        )
         seconds.append(result.summary.get("wall_seconds", 9))
     report.check(min(seconds) < 3, f"{name}: stopped after {seconds} s")
 
@@ -121,14 +129,23 @@ def damaged(report, reference):
     flipped[len(good)//2] ^= 1
     zeroed = bytearray(good)
     zeroed[middle - 512:middle] = bytes(512)
-    for title, contents in (("cut short", good[:len(good)*2//3]), ("bit flipped", bytes(flipped)), ("zeroed", bytes(zeroed)),
-                            ("empty", b""), ("text", b"step,time\n"*99), ("another HDF5 file", other)):
+    for title, contents in (
+        ("cut short", good[: len(good) * 2 // 3]), ("bit flipped", bytes(flipped)), ("zeroed", bytes(zeroed)),
+        ("empty", b""), ("text", b"step,time\n" * 99), ("another HDF5 file", other),
+    ):
         with open(newest, "wb") as file:
             file.write(contents)
         result = execute(line(name, "--restart", newest), name)
-        report.check(result.code == WRONG_FILE and newest in result.text and "remedy" in result.text and "HDF5-DIAG" not in result.text,
-                     f"{title}: exit code {result.code}\n{result.text}")
-        report.check(title != "another HDF5 file" or "is not a checkpoint of sgmp" in result.text, f"{title}: {result.text}")
+        report.check(
+            result.code == WRONG_FILE
+            and newest in result.text
+            and "remedy" in result.text
+            and "HDF5-DIAG" not in result.text,
+            f"{title}: exit code {result.code}\n{result.text}",
+        )
+        report.check(
+            title != "another HDF5 file" or "is not a checkpoint of sgmp" in result.text, f"{title}: {result.text}"
+        )
         result = execute(line(name, "--restart", "latest"), name)
         report.finished(result, f"latest, {title}")
         report.check("warning" in result.text and newest in result.text, f"{title}: no warning\n{result.text}")
@@ -142,9 +159,13 @@ def damaged(report, reference):
         with open(path, "wb") as file:
             file.write(good[:999])
     result = execute(line(name, "--restart", "latest"), name)
-    report.check(result.code == WRONG_FILE and "is whole" in result.text, f"none whole: exit code {result.code}\n{result.text}")
+    report.check(
+        result.code == WRONG_FILE and "is whole" in result.text, f"none whole: exit code {result.code}\n{result.text}"
+    )
     result = execute(line(name, "--restart", "nothing.h5"), name)
-    report.check(result.code == WRONG_FILE and "nothing.h5" in result.text, f"missing: exit code {result.code}\n{result.text}")
+    report.check(
+        result.code == WRONG_FILE and "nothing.h5" in result.text, f"missing: exit code {result.code}\n{result.text}"
+    )
 
 
 def any_bit(report, reference):
@@ -184,8 +205,10 @@ def starve(report, name, text, bytes_, what):
     for step in checkpoints(folder):
         with open(path_of(folder, step), "rb") as file:
             before[step] = file.read()
-    done = subprocess.run(line(name, "--restart", "latest", text=text), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          check=False, timeout=300, env=ENVIRONMENT, preexec_fn=limited(bytes_))
+    done = subprocess.run(
+        line(name, "--restart", "latest", text=text), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
+        timeout=300, env=ENVIRONMENT, preexec_fn=limited(bytes_),
+    )
     words = done.stdout.decode("utf-8", "replace")
     report.check(done.returncode == WRONG_FILE and "too large" in words and what in words,
                  f"{name}: exit code {done.returncode}, not about {what}\n{words}")
@@ -227,11 +250,15 @@ def other_decks(report, reference):
     refused = execute(line(name, "--restart", "latest", settings={**SETTINGS, "material": "j2"}), name)
     report.check(refused.code == WRONG_DECK and "material=j2" in refused.text and "material=elastic" in refused.text and
                  f"block.inp:{body}:1" in refused.text, f"other material: exit code {refused.code}\n{refused.text}")
-    for wrong in (DECK + "gravity (0,0,-1)\n", DECK.replace("gauge g point=(1,1,1)\n", ""), DECK + "gauge g2 point=(2,2,2)\n"):
+    for wrong in (
+        DECK + "gravity (0,0,-1)\n", DECK.replace("gauge g point=(1,1,1)\n", ""), DECK + "gauge g2 point=(2,2,2)\n",
+    ):
         refused = execute(line(name, "--restart", "latest", text=wrong), name)
         report.check(refused.code == WRONG_DECK and "checkpoint, balance, stop" in refused.text,
                      f"other cards: exit code {refused.code}\n{refused.text}")
-    free = DECK.replace("every=20\n", "every=50 keep=3\n").replace("output vtu every=0.002", "output tecplot every=0.002")
+    free = DECK.replace("every=20\n", "every=50 keep=3\n").replace(
+        "output vtu every=0.002", "output tecplot every=0.002"
+    )
     longer = execute(line(name, "--restart", "latest", text=free + "stop energy_growth=20\n",
                           settings={**SETTINGS, "steps": 320}), name)
     if report.finished(longer, "free cards changed"):
@@ -246,7 +273,9 @@ def sets_aside(report, reference):
     folder = clear(name)
     shutil.copytree(reference.folder, folder)
     old = checkpoints(folder)
-    result = execute(line(name, settings={**SETTINGS, "steps": 5}, text=DECK.replace("checkpoint every=20\n", "")), name)
+    result = execute(
+        line(name, settings={**SETTINGS, "steps": 5}, text=DECK.replace("checkpoint every=20\n", "")), name
+    )
     report.finished(result, name)
     report.check(not checkpoints(folder), f"{name}: {checkpoints(folder)}")
     report.check(os.path.exists(path_of(folder, old[-1]) + ".old"), f"{name}: the old checkpoints are gone")

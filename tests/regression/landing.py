@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Dumps and histories change no stability limit: a vibrating bar at the Courant numbers of a scan, bare, with histories and with
-dumps at intervals that are no multiple of the step.
+"""Dumps and histories change no stability limit: a vibrating bar at the Courant numbers of a scan, bare, with histories
+and with dumps at intervals that are no multiple of the step.
 
 usage: landing.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Expected values: rows stand at the first step at or after their time; energies are those that a linear bar must keep. Where steps
-alternate between m (1 - e) and m (1 + e), modes with (w m)^2 between 2/(1 + e) and 2/(1 - e) grow although they are stable at
-either length (doc/time-step.md); with intervals of 2.5 steps cut at their ends the bars of TROUBLE gain a thousandfold.
+Expected values: rows stand at the first step at or after their time; energies are those that a linear bar must keep.
+Where steps alternate between m (1 - e) and m (1 + e), modes with (w m)^2 between 2/(1 + e) and 2/(1 - e) grow although
+they are stable at either length (doc/time-step.md); with intervals of 2.5 steps cut at their ends the bars of TROUBLE
+gain a thousandfold.
 """
 import math
 
@@ -49,7 +50,9 @@ def kept(report):
         bare = run("bare", BAR + BARE, **settings)
         report.check(abs(energy(bare) - 1) < 0.04, f"{method} {update} {cfl}: bare {energy(bare)}")
         rows = run("rows", BAR + ROWS, **settings)
-        report.check(rows["checksum"] == bare["checksum"], f"{method} {update} {cfl}: rows change the run: {energy(rows)}")
+        report.check(
+            rows["checksum"] == bare["checksum"], f"{method} {update} {cfl}: rows change the run: {energy(rows)}"
+        )
         for name, cards in (("dumps", DUMPS), ("far", FAR_DUMPS)):
             result = run(name, BAR + cards, **settings)
             report.check(abs(energy(result) - 1) < 0.04, f"{method} {update} {cfl}: {name} {energy(result)}")
@@ -60,21 +63,31 @@ def limits(report):
     for method, update in (("sgmp", "musl"), ("gimp", "musl"), ("gimp", "usl"), ("mpm", "usl")):
         largest = {}
         for name, cards in (("bare", BARE), ("rows", ROWS), ("far", FAR_DUMPS)):
-            sound = [cfl for cfl in SCAN if abs(energy(run(name, BAR + cards, method=method, update=update, cfl=cfl)) - 1) < 0.2]
+            sound = [
+                cfl
+                for cfl in SCAN
+                if abs(energy(run(name, BAR + cards, method=method, update=update, cfl=cfl)) - 1) < 0.2
+            ]
             largest[name] = max([cfl for k, cfl in enumerate(SCAN) if sound[:k + 1] == SCAN[:k + 1]], default=0.6)
         report.check(largest["bare"] == largest["rows"] == largest["far"], f"{method} {update}: {largest}")
 
 
 def rows_in_time(report):
-    """Each row stands at the first step at or after its time; every step has a row where they are longer than the interval."""
+    """Each row stands at the first step at or after its time; every step has a row where they are longer than the
+    interval."""
     step = 1.3/32
-    result = run("times", BAR.replace("time cfl=cfl end=40", f"time dt={step!r} steps=200") + "history every=0.1\n", method="sgmp")
+    result = run(
+        "times", BAR.replace("time cfl=cfl end=40", f"time dt={step!r} steps=200") + "history every=0.1\n",
+        method="sgmp",
+    )
     expected = [0.0]
     for k in range(1, 201):
         if math.floor(k*step/0.1 + 1e-9) > math.floor((k - 1)*step/0.1 + 1e-9):
             expected.append(k*step)
     found = [row["time"] for row in result.table("history.csv")]
-    report.check(len(found) == len(expected) and all(abs(a - b) < 1e-12 for a, b in zip(found, expected)), f"rows at {found[:9]}")
+    report.check(
+        len(found) == len(expected) and all(abs(a - b) < 1e-12 for a, b in zip(found, expected)), f"rows at {found[:9]}"
+    )
     result = run("often", BAR.replace("time cfl=cfl end=40", f"time dt={step!r} steps=20") + "history every=1e-12\n")
     report.check([row["step"] for row in result.table("history.csv")] == list(range(21)), "a row for every step")
 

@@ -3,8 +3,9 @@
 
 usage: loads.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Known from outside: a pulse p(t) on the end of a rod is the stress -p(t - x/c) in it and the work of p^2/(rho c); momentum is the force times the time; a block that is
-pressed all around keeps its momentum; the same pulse on a face of a block between slip walls, in the plane, in space and along an axis, is that of the rod.
+Known from outside: a pulse p(t) on the end of a rod is the stress -p(t - x/c) in it and the work of p^2/(rho c);
+momentum is the force times the time; a block that is pressed all around keeps its momentum; the same pulse on a face of
+a block between slip walls, in the plane, in space and along an axis, is that of the rod.
 """
 import math
 import os
@@ -28,9 +29,14 @@ pressure rod face=x- p="{PULSE}"
 output csv at=end fields=stress,initial_position
 """
 # The same along the last axis of other spaces, four cells wide; about an axis along z.
-BLOCKS = {"plane": ("2", "x=0:4/cells y=-0.25:1.25", "x-=slip x+=slip", "(0,0)", "(4/cells,1)", "y"),
-          "space": ("3", "x=0:2/cells y=0:2/cells z=-0.25:1.25", "x-=slip x+=slip y-=slip y+=slip", "(0,0,0)", "(2/cells,2/cells,1)", "z"),
-          "rings": ("axisymmetric", "r=0:4/cells z=-0.25:1.25", "r+=slip", "(0,0)", "(4/cells,1)", "z")}
+BLOCKS = {
+    "plane": ("2", "x=0:4/cells y=-0.25:1.25", "x-=slip x+=slip", "(0,0)", "(4/cells,1)", "y"),
+    "space": (
+        "3", "x=0:2/cells y=0:2/cells z=-0.25:1.25", "x-=slip x+=slip y-=slip y+=slip", "(0,0,0)",
+        "(2/cells,2/cells,1)", "z",
+    ),
+    "rings": ("axisymmetric", "r=0:4/cells z=-0.25:1.25", "r+=slip", "(0,0)", "(4/cells,1)", "z"),
+}
 # What moves through many cells while it is loaded in every way: by tables, on faces that turn, on a part of it.
 MOVING = """
 parameter method = sgmp
@@ -83,7 +89,10 @@ def exact(x):
 def ledger(report, name, result):
     """Kinetic energy to round-off."""
     energy = result["energy"]
-    report.check(abs(energy["remainder"]) < 1e-12*energy["supplied"], f"{name}: kinetic identity {energy['remainder']/energy['supplied']}")
+    report.check(
+        abs(energy["remainder"]) < 1e-12 * energy["supplied"],
+        f"{name}: kinetic identity {energy['remainder'] / energy['supplied']}",
+    )
 
 
 def rod_error(rows, axis="x"):
@@ -95,7 +104,10 @@ def rod_error(rows, axis="x"):
 def pulse(report):
     """The stress in the rod, the work done on it and the momentum that it gets."""
     work = PEAK**2*LASTS*3/8/2  # the integral of p^2/(rho c)
-    for method, update, most in (("sgmp", "musl", 0.05), ("sgmp", "usf", 0.05), ("sgmp", "usavg", 0.05), ("mpm", "musl", 0.03), ("gimp", "usl", 0.03), ("bspline", "musl", 0.05)):
+    for method, update, most in (
+        ("sgmp", "musl", 0.05), ("sgmp", "usf", 0.05), ("sgmp", "usavg", 0.05), ("mpm", "musl", 0.03),
+        ("gimp", "usl", 0.03), ("bspline", "musl", 0.05),
+    ):
         errors = []
         for cells in (64, 128):
             name = f"rod_{method}_{update}_{cells}"
@@ -104,10 +116,16 @@ def pulse(report):
                 return
             ledger(report, name, result)
             errors.append(rod_error(result.table("particles_end.csv")))
-            report.check(abs(result["energy.external_work"]/work - 1) < 0.02, f"{name}: work {result['energy.external_work']}, not {work}")
+            report.check(
+                abs(result["energy.external_work"] / work - 1) < 0.02,
+                f"{name}: work {result['energy.external_work']}, not {work}",
+            )
             # The pressure of a step is that of its beginning; the first lasts half a step.
             dt = 0.1/cells
-            impulse = sum(dt*(0.5 if k == 0 else 1)*PEAK*math.sin(math.pi*k*dt/LASTS)**2 for k in range(math.ceil(LASTS/dt)))
+            impulse = sum(
+                dt * (0.5 if k == 0 else 1) * PEAK * math.sin(math.pi * k * dt / LASTS) ** 2
+                for k in range(math.ceil(LASTS / dt))
+            )
             momentum = result.table("history.csv")[-1]["momentum_x"]
             report.check(abs(momentum/impulse - 1) < 1e-9, f"{name}: momentum {momentum}, not {impulse}")
         report.check(errors[1] < most, f"{name}: stress is off by {errors}")
@@ -123,7 +141,11 @@ def spaces(report):
             return
         line = sorted((row["x0"], row["stress_xx"]) for row in rod.table("particles_end.csv"))
         for space, (dimension, extent, walls, lower, upper, axis) in BLOCKS.items():
-            text = scene.replace("dimension 1", f"dimension {dimension}").replace("x=-0.25:1.25", extent).replace("lower=0 upper=1", f"lower={lower} upper={upper}")
+            text = (
+                scene.replace("dimension 1", f"dimension {dimension}")
+                .replace("x=-0.25:1.25", extent)
+                .replace("lower=0 upper=1", f"lower={lower} upper={upper}")
+            )
             text = text.replace("face=x-", f"face={axis}-").replace("\ntime", f"\nwall {walls}\ntime")
             result = run(f"{space}_{method}", text, method=method, cells=32)
             if not report.finished(result, f"{space}_{method}"):
@@ -136,7 +158,8 @@ def spaces(report):
 
 
 def forces(report):
-    """A force that all particles share moves a body as a whole; that on a part is the same momentum; about an axis it is that on whole rings."""
+    """A force that all particles share moves a body as a whole; that on a part is the same momentum; about an axis it
+    is that on whole rings."""
     scene = """
 dimension {dimension}
 grid cell=0.5
@@ -147,7 +170,9 @@ body ball sphere centre={centre} radius=1.5 material=rubber ppc=2 jitter={jitter
 load ball where="{where}" {axis}="3*ramp(t)"
 history steps=1
 """
-    for dimension, centre, axis, jitter in ((1, "0", "x", 0.3), (2, "(0,0)", "y", 0.3), (3, "(0,0,0)", "z", 0.3), ("axisymmetric", "(0,0)", "z", 0)):
+    for dimension, centre, axis, jitter in (
+        (1, "0", "x", 0.3), (2, "(0,0)", "y", 0.3), (3, "(0,0,0)", "z", 0.3), ("axisymmetric", "(0,0)", "z", 0),
+    ):
         for part, where in (("all", "1"), ("part", f"{axis} > 0.4")):
             name = f"force_{dimension}_{part}"
             result = run(name, scene.format(dimension=dimension, centre=centre, axis=axis, jitter=jitter, where=where))
@@ -159,7 +184,10 @@ history steps=1
             report.check(abs(momentum/impulse - 1) < 1e-11, f"{name}: momentum {momentum}, not {impulse}")
             if part == "all":  # work is what the body has
                 kinetic = result["energy.kinetic"]
-                report.check(abs(result["energy.external_work"]/kinetic - 1) < 1e-9, f"{name}: work {result['energy.external_work']}, energy {kinetic}")
+                report.check(
+                    abs(result["energy.external_work"] / kinetic - 1) < 1e-9,
+                    f"{name}: work {result['energy.external_work']}, energy {kinetic}",
+                )
 
 
 def patch(report):
@@ -179,15 +207,23 @@ def tables(report):
     path = os.path.join(SCRATCH, "pull.csv")
     with open(path, "w", encoding="utf-8") as file:
         file.write("\N{BYTE ORDER MARK}t,value  # how hard\n0,0\n2, 1\n5,0.25\n")
-    formula = MOVING.replace('table pull file="pull.csv"\n', "").replace("pull(t)", "(t<2 ? t/2 : 1-0.25*(t-2))").replace("steps=80", "steps=45")
+    formula = (
+        MOVING.replace('table pull file="pull.csv"\n', "")
+        .replace("pull(t)", "(t<2 ? t/2 : 1-0.25*(t-2))")
+        .replace("steps=80", "steps=45")
+    )
     first, second = run("by_table", MOVING.replace("steps=80", "steps=45")), run("by_formula", formula)
     if report.finished(first, "by_table") and report.finished(second, "by_formula"):
         for key in ("energy.external_work", "energy.kinetic", "energy.internal"):
-            report.check(abs(first[key]/second[key] - 1) < 1e-12, f"tables: {key} {first[key]}, by formula {second[key]}")
+            report.check(
+                abs(first[key] / second[key] - 1) < 1e-12, f"tables: {key} {first[key]}, by formula {second[key]}"
+            )
     with open(os.path.join(SCRATCH, "by_table", "run.log"), encoding="utf-8") as file:
         said = [line for line in file if line.startswith("table pull")]
     report.check(len(said) == 1 and "checksum=" in said[0], f"tables: the complete deck says {said}")
-    for title, before, after, message in (("other_rows", 'pull.csv"', 'pull.csv" checksum="0123456789ABCDEF"', "have the checksum"),):
+    for title, before, after, message in (
+        ("other_rows", 'pull.csv"', 'pull.csv" checksum="0123456789ABCDEF"', "have the checksum"),
+    ):
         result = run(title, MOVING.replace(before, after))
         report.check(result.code == 3 and message in result.text, f"{title}: exit code {result.code}: {result.text}")
 
@@ -200,33 +236,58 @@ def changed_table(report, name, text, **settings):
     with open(path, "w", encoding="utf-8") as file:
         file.write(rows.replace("0.25", "0.5"))
     result = execute(command(name, text, ["--restart", "latest"], settings), name)
-    report.check(result.code == 3 and "table pull" in result.text, f"{name}: exit code {result.code} with other rows: {result.text}")
+    report.check(
+        result.code == 3 and "table pull" in result.text,
+        f"{name}: exit code {result.code} with other rows: {result.text}",
+    )
     with open(path, "w", encoding="utf-8") as file:
         file.write(rows)
 
 
 def mistakes(report):
     """What a deck must not say, and what it is told."""
-    cases = (("a face beyond the dimension", "face=y+ p=", "face=z+ p=", "there is no face 'z+' in 2D"),
-             ("no such face", 'where="y<3"', 'where="y<-300"', "there are no such faces"),
-             ("nobody bears the load", 'where="x0>4"', 'where="x0>400"', "the load acts on no particle"),
-             ("time chooses", 'where="x0>4"', 'where="x0>t"', "'where' cannot depend on t"),
-             ("a load on all", 'load block', 'load all', "a load acts on one body"),
-             ("no lattice", "radius=3 material=rubber ppc=2", "radius=3 material=rubber ppc=2 layout=gauss", "have no known faces"),
-             ("a rigid body", "history", "rigid ball x=1\nhistory", "is rigid"),
-             ("split particles", "method $method update=$update", "method $method update=$update split=1", "faces of particles are not split"),
-             ("a table without rows", "rows=(0,0),(2,1),(3,0.5)", "", "either a file or rows"),
-             ("rows that do not grow", "(2,1),(3,0.5)", "(2,1),(2,0.5)", "t = 2 does not follow t = 2"),
-             ("a table twice", "table push", "table pull", "'pull' is defined twice"),
-             ("opposite faces", "pressure ball", "body web block lower=(30,0) upper=(30.5,4) material=rubber ppc=2\npressure web p=1\npressure ball", "show opposite faces"),
-             ("a wrong row alone", "(3,0.5)", "(3,1e99)", "beyond all measure"), ("a wrong row alone", "(3,0.5)", "(3,1e99)", "1 error(s) in the deck"),
-             ("a table without an argument", '"2*pull(t)"', '"2*pull"', "'pull' is a function: write pull(…)"),
-             ("a spoilt row", "pull.csv", "spoilt.csv", "'O' is not a number"),
-             ("a sum", "pull.csv", "sum.csv", "'1+2' is not a number"),
-             ("no such file", "pull.csv", "pul.csv", "cannot be opened"),
-             ("a checksum of other rows", "rows=(0,0),(2,1),(3,0.5)", "rows=(0,0),(2,1),(3,0.5) checksum=00000000000000AB", "have the checksum"),
-             ("where the load acts is no number", 'where="x0>4"', 'where="sqrt(x0-4)"', "is not a number at some places of body 'block'"),
-             ("where the faces are is no number", 'where="y<3"', 'where="sqrt(y-3)"', "is not a number at some places of body 'block'"))
+    cases = (
+        ("a face beyond the dimension", "face=y+ p=", "face=z+ p=", "there is no face 'z+' in 2D"),
+        ("no such face", 'where="y<3"', 'where="y<-300"', "there are no such faces"),
+        ("nobody bears the load", 'where="x0>4"', 'where="x0>400"', "the load acts on no particle"),
+        ("time chooses", 'where="x0>4"', 'where="x0>t"', "'where' cannot depend on t"),
+        ("a load on all", 'load block', 'load all', "a load acts on one body"),
+        (
+            "no lattice", "radius=3 material=rubber ppc=2", "radius=3 material=rubber ppc=2 layout=gauss",
+            "have no known faces",
+        ),
+        ("a rigid body", "history", "rigid ball x=1\nhistory", "is rigid"),
+        (
+            "split particles", "method $method update=$update", "method $method update=$update split=1",
+            "faces of particles are not split",
+        ),
+        ("a table without rows", "rows=(0,0),(2,1),(3,0.5)", "", "either a file or rows"),
+        ("rows that do not grow", "(2,1),(3,0.5)", "(2,1),(2,0.5)", "t = 2 does not follow t = 2"),
+        ("a table twice", "table push", "table pull", "'pull' is defined twice"),
+        (
+            "opposite faces", "pressure ball",
+            "body web block lower=(30,0) upper=(30.5,4) material=rubber ppc=2\npressure web p=1\npressure ball",
+            "show opposite faces",
+        ),
+        ("a wrong row alone", "(3,0.5)", "(3,1e99)", "beyond all measure"),
+        ("a wrong row alone", "(3,0.5)", "(3,1e99)", "1 error(s) in the deck"),
+        ("a table without an argument", '"2*pull(t)"', '"2*pull"', "'pull' is a function: write pull(…)"),
+        ("a spoilt row", "pull.csv", "spoilt.csv", "'O' is not a number"),
+        ("a sum", "pull.csv", "sum.csv", "'1+2' is not a number"),
+        ("no such file", "pull.csv", "pul.csv", "cannot be opened"),
+        (
+            "a checksum of other rows", "rows=(0,0),(2,1),(3,0.5)",
+            "rows=(0,0),(2,1),(3,0.5) checksum=00000000000000AB", "have the checksum",
+        ),
+        (
+            "where the load acts is no number", 'where="x0>4"', 'where="sqrt(x0-4)"',
+            "is not a number at some places of body 'block'",
+        ),
+        (
+            "where the faces are is no number", 'where="y<3"', 'where="sqrt(y-3)"',
+            "is not a number at some places of body 'block'",
+        ),
+    )
     with open(os.path.join(SCRATCH, "spoilt.csv"), "w", encoding="utf-8") as file:
         file.write("O,0\n1,1\n2,1\n")
     with open(os.path.join(SCRATCH, "sum.csv"), "w", encoding="utf-8") as file:
@@ -248,7 +309,10 @@ def bits(report):
             other = straight(report, title, text, threads=threads, launcher=launcher, method=method, update=update)
             for key in ("checksum", "energy.external_work", "energy.total"):
                 report.check(other[key] == reference[key], f"{title}: {key} {other[key]}, not {reference[key]}")
-        goes_on(report, reference, f"{name}_again", text, checkpoints(os.path.join(SCRATCH, name))[0], method=method, update=update)
+        goes_on(
+            report, reference, f"{name}_again", text, checkpoints(os.path.join(SCRATCH, name))[0], method=method,
+            update=update,
+        )
     changed_table(report, f"{name}_again", text, method=method, update=update)
 
 

@@ -63,8 +63,16 @@ STRIP = {"dimension": 2, "grid": "x=0:4 y=0:open", "walls": "x-=slip x+=slip y-=
 def mapped(report, result, stem, *options):
     """The particle file of a body from the checkpoint of a run."""
     checkpoint = next(os.path.join(result.folder, name) for name in os.listdir(result.folder) if name.endswith(".h5"))
-    done = subprocess.run([sys.executable, os.path.join(SOURCE, "scripts", "sgmp-view"), "map", checkpoint, "-o", os.path.join(SCRATCH, stem), *options],
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, text=True)
+    done = subprocess.run(
+        [
+            sys.executable, os.path.join(SOURCE, "scripts", "sgmp-view"), "map", checkpoint, "-o",
+            os.path.join(SCRATCH, stem), *options,
+        ],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=False,
+        text=True,
+    )
     report.check(done.returncode == 0, f"map {stem}: exit code {done.returncode}\n{done.stdout}")
     return done.stdout
 
@@ -104,7 +112,10 @@ def begins(report, name, result, before, part, tolerance):
     """A run begins with the energy and mass of the one before, or a part of them."""
     first, last = result.table("history.csv")[0], before.table("history.csv")[-1]
     totals = [row["kinetic_energy"] + row["internal_energy"] for row in (first, last)]
-    report.check(isclose(totals[0], part * totals[1], rel_tol=tolerance), f"{name}: begins with the energy {totals[0]}, {part} of {totals[1]}")
+    report.check(
+        isclose(totals[0], part * totals[1], rel_tol=tolerance),
+        f"{name}: begins with the energy {totals[0]}, {part} of {totals[1]}",
+    )
     mass = [run_.table("bodies.csv")[-1]["mass"] for run_ in (result, before)]
     report.check(isclose(mass[0], part * mass[1], rel_tol=1e-12), f"{name}: mass {mass[0]}, {part} of {mass[1]}")
 
@@ -112,7 +123,10 @@ def begins(report, name, result, before, part, tolerance):
 def goes_on(report, name, result, whole, part, most):
     """And ends with nearly the kinetic energy that the straight run has: half a step of acceleration is missing."""
     ends = [run_.table("history.csv")[-1]["kinetic_energy"] for run_ in (result, whole)]
-    report.check(isclose(ends[0], part * ends[1], rel_tol=most), f"{name}: ends with the kinetic energy {ends[0]}, {part} of {ends[1]}")
+    report.check(
+        isclose(ends[0], part * ends[1], rel_tol=most),
+        f"{name}: ends with the kinetic energy {ends[0]}, {part} of {ends[1]}",
+    )
 
 
 def bars(report):
@@ -134,19 +148,30 @@ def bars(report):
         twin = alone.get(round(row["y"], 6))
         if not report.check(twin is not None, f"strip: a particle at y = {row['y']} where the line has none"):
             return
-        for there, here in (("stress_xx", "stress_yy"), ("stress_yy", "stress_zz"), ("plastic_strain", "plastic_strain"), ("velocity_x", "velocity_y")):
-            report.check(isclose(twin[there], row[here], rel_tol=1e-7, abs_tol=1e-11), f"strip: {here} {row[here]}, of the line {twin[there]}")
+        for there, here in (
+            ("stress_xx", "stress_yy"), ("stress_yy", "stress_zz"), ("plastic_strain", "plastic_strain"),
+            ("velocity_x", "velocity_y"),
+        ):
+            report.check(
+                isclose(twin[there], row[here], rel_tol=1e-7, abs_tol=1e-11),
+                f"strip: {here} {row[here]}, of the line {twin[there]}",
+            )
     for row, other in zip(sorted(line.table("particles_end.csv"), key=lambda row: row["x"]), straight):
         report.check(abs(row["x"] - other["x"]) < 0.02, f"line: x {row['x']}, of the straight run {other['x']}")
-        report.check(abs(row["plastic_strain"] - other["plastic_strain"]) < 0.03 * 0.16, f"line: plastic strain {row['plastic_strain']} of {other['plastic_strain']}")
+        report.check(
+            abs(row["plastic_strain"] - other["plastic_strain"]) < 0.03 * 0.16,
+            f"line: plastic strain {row['plastic_strain']} of {other['plastic_strain']}",
+        )
 
 
 def broken(report):
     """What a file cannot give."""
     deck = BAR.format(body=from_file("wrong", "bar", "m", 0.5), **LINE)
-    for head, row, message in (("x volume density", "1 0.5 0", "gives a density that is not positive"),
-                               ("x volume damage", "1 0.5 0.5", "gives damage, which material of body 'bar' does not keep"),
-                               ("x volume plastic_strian", "1 0.5 0.5", "a particle has no 'plastic_strian'")):
+    for head, row, message in (
+        ("x volume density", "1 0.5 0", "gives a density that is not positive"),
+        ("x volume damage", "1 0.5 0.5", "gives damage, which material of body 'bar' does not keep"),
+        ("x volume plastic_strian", "1 0.5 0.5", "a particle has no 'plastic_strian'"),
+    ):
         with open(os.path.join(SCRATCH, "wrong_bar.txt"), "w", encoding="utf-8") as file:
             file.write(f"{head}\n{row}\n")
         result = run("wrong", deck)
@@ -154,7 +179,10 @@ def broken(report):
     with open(os.path.join(SCRATCH, "wrong_bar.txt"), "w", encoding="utf-8") as file:
         file.write("x volume stress_xx\n1 0.5 0.001\n")
     result = run("wrong_stress", deck.replace("eos m", "! ").replace("history", "initial_stress bar xx=1\nhistory"))
-    report.check(result.code == 3 and "has a card initial_stress" in result.text, f"initial_stress: exit code {result.code}, {result.text}")
+    report.check(
+        result.code == 3 and "has a card initial_stress" in result.text,
+        f"initial_stress: exit code {result.code}, {result.text}",
+    )
 
 
 def main():

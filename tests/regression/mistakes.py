@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Mistakes that people make, each in a deck that is right but for it: what the program says of them is in mistakes.txt, word for word.
+"""Mistakes that people make, each in a deck that is right but for it: what the program says of them is in mistakes.txt,
+word for word.
 
-No mistake may pass in silence: a deck ends with an error, or the check warns. The decks without a mistake must do neither.
+No mistake may pass in silence: a deck ends with an error, or the check warns. The decks without a mistake must do
+neither.
 
 usage: mistakes.py SGMP SOURCE_DIR SCRATCH_DIR [--record]
 """
@@ -65,7 +67,14 @@ def particles(columns):
     """Sixteen particles with those columns: names of what is known, or id."""
     lines = []
     for n in range(16):
-        known = {"id": n + 1, "x": 0.325 + 0.05*(n//4), "y": 0.525 + 0.05*(n % 4), "z": 0.725, "volume": 1.25e-4, "mass": 0.98125}
+        known = {
+            "id": n + 1,
+            "x": 0.325 + 0.05 * (n // 4),
+            "y": 0.525 + 0.05 * (n % 4),
+            "z": 0.725,
+            "volume": 1.25e-4,
+            "mass": 0.98125,
+        }
         lines.append(" ".join(f"{known[column]:g}" for column in columns.split()))
     return "\n".join(lines) + "\n"
 
@@ -101,23 +110,37 @@ MISTAKES = [
     ("a negative end", ROD, "end=0.012", "end=-0.012"),
     ("a Courant number ten times too large", ROD, "cfl=0.5", "cfl=5"),
     ("gravity as one number", ROD, "viscosity all", "viscosity all\ngravity -9.81e-3"),
-    ("D3 with the sign of codes in which pressure is positive", ROD, "reference_rate=1e-3", "reference_rate=1e-3 failure=yes d1=0.05 d2=3.44 d3=2.12 d4=0.002"),
+    (
+        "D3 with the sign of codes in which pressure is positive", ROD, "reference_rate=1e-3",
+        "reference_rate=1e-3 failure=yes d1=0.05 d2=3.44 d3=2.12 d4=0.002",
+    ),
     ("two methods", ROD, "method sgmp update=musl", "method sgmp update=musl\nmethod gimp"),
     ("two bodies of one name", ROD, "body rod cylinder", "body plate cylinder"),
     ("a scene in 3D called plane", ROD, "dimension 3", "dimension 2"),
     ("a forgotten contact", ROD, "contact rod plate friction=0.1\n", ""),
-    ("a rigid rod on a rigid plate", ROD, "velocity rod z=-speed\ncontact rod plate friction=0.1", "rigid plate\nrigid rod z=-speed\ncontact all"),
-    ("a free rigid rod beside a rigid plate", ROD, "velocity rod z=-speed\ncontact rod plate friction=0.1",
-     "velocity rod z=speed\nrigid plate\nrigid rod free=yes\ncontact all"),
-    ("two bodies in one place", ROD, "centre=(0,0,0) axis=(0,0,1) radius=3 length=9 ppc=2\nintersect rod block lower=(0,0,0) upper=(6,6,9)",
-     "centre=(5,5,-4) axis=(0,0,1) radius=3 length=9 ppc=2"),
+    (
+        "a rigid rod on a rigid plate", ROD, "velocity rod z=-speed\ncontact rod plate friction=0.1",
+        "rigid plate\nrigid rod z=-speed\ncontact all",
+    ),
+    (
+        "a free rigid rod beside a rigid plate", ROD, "velocity rod z=-speed\ncontact rod plate friction=0.1",
+        "velocity rod z=speed\nrigid plate\nrigid rod free=yes\ncontact all",
+    ),
+    (
+        "two bodies in one place", ROD,
+        "centre=(0,0,0) axis=(0,0,1) radius=3 length=9 ppc=2\nintersect rod block lower=(0,0,0) upper=(6,6,9)",
+        "centre=(5,5,-4) axis=(0,0,1) radius=3 length=9 ppc=2",
+    ),
     ("a body astride a wall", ROD, "lower=(0,0,-9)", "lower=(-5,0,-9)"),
     ("a body out of the grid", ROD, "grid cell=h x=0:open", "grid cell=h x=0:12"),
     ("a plate thinner than its particles", ROD, "lower=(0,0,-9)", "lower=(0,0,-0.1)"),
     ("particles farther apart than a cell", ROD, "upper=(15,15,0) ppc=2", "upper=(15,15,0) spacing=3"),
     ("200 particles per cell and axis", ROD, "upper=(15,15,0) ppc=2", "upper=(15,15,0) ppc=200"),
     ("upper below lower", ROD, "upper=(15,15,0)", "upper=(15,15,-10)"),
-    ("a shape that cuts all of a body away", ROD, "rod block lower=(0,0,0) upper=(6,6,9)", "rod block lower=(20,0,0) upper=(26,6,9)"),
+    (
+        "a shape that cuts all of a body away", ROD, "rod block lower=(0,0,0) upper=(6,6,9)",
+        "rod block lower=(20,0,0) upper=(26,6,9)",
+    ),
     ("a gauge far from any body", ROD, "point=(0.4,0.4,1)", "point=(40,40,100)"),
     ("output every 1e-9", ROD, "csv at=end", "vtu every=1e-9"),
     ("a forgotten detonation", TNT, "detonation point=0\n", ""),
@@ -135,8 +158,11 @@ FILES = [
     ("a misspelt name of a column", "x y z volumes\n" + particles("x y z volume")),
     ("a name for each column but one", "id x y z\n" + particles("id x y z volume")),
 ]
-RIGHT = [("rod", ROD, ""), ("explosive", TNT, ""), ("file", FILE, particles("x y z volume")),
-         ("file with a line of names", FILE, "volume z y x\n" + particles("volume z y x")), ("file with commas", FILE, particles("x y z volume").replace(" ", ","))]
+RIGHT = [
+    ("rod", ROD, ""), ("explosive", TNT, ""), ("file", FILE, particles("x y z volume")),
+    ("file with a line of names", FILE, "volume z y x\n" + particles("volume z y x")),
+    ("file with commas", FILE, particles("x y z volume").replace(" ", ",")),
+]
 
 
 def check(deck, text):
@@ -144,8 +170,10 @@ def check(deck, text):
     for name, content in (("deck.inp", deck), ("particles.txt", text)):
         with open(os.path.join(SCRATCH, name), "w", encoding="utf-8") as file:
             file.write(content)
-    done = subprocess.run([SGMP, "deck.inp", "--check", "--threads", "1"], cwd=SCRATCH, env=ENVIRONMENT, capture_output=True, text=True,
-                          check=False)
+    done = subprocess.run(
+        [SGMP, "deck.inp", "--check", "--threads", "1"], cwd=SCRATCH, env=ENVIRONMENT, capture_output=True, text=True,
+        check=False,
+    )
     return done.returncode, done.stderr
 
 
@@ -155,7 +183,9 @@ def main():
     for name, deck, text in RIGHT:
         code, complaints = check(deck, text)
         report.check(code == 0 and not complaints, f"the right deck ({name}) is complained of: {complaints}")
-    decks = [(what, deck.replace(old, new), particles("x y z volume"), old in deck) for what, deck, old, new in MISTAKES]
+    decks = [
+        (what, deck.replace(old, new), particles("x y z volume"), old in deck) for what, deck, old, new in MISTAKES
+    ]
     for what, deck, text, found in decks + [(what, FILE, text, True) for what, text in FILES]:
         code, complaints = check(deck, text)
         report.check(found, f"{what}: the deck has no such text")
@@ -165,7 +195,9 @@ def main():
         with open(GOLDEN, "w", encoding="utf-8") as file:
             file.write(said)
     with open(GOLDEN, encoding="utf-8") as file:
-        lines = list(difflib.unified_diff(file.read().splitlines(), said.splitlines(), "mistakes.txt", "now", lineterm="", n=1))
+        lines = list(
+            difflib.unified_diff(file.read().splitlines(), said.splitlines(), "mistakes.txt", "now", lineterm="", n=1)
+        )
     report.check(not lines, "other words:\n" + "\n".join(lines))
     report.end()
 

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Volume-normalised stress: the same in one, two and three dimensions, momentum kept, several bodies, and that it does something.
+"""Volume-normalised stress: the same in one, two and three dimensions, momentum kept, several bodies, and that it does
+something.
 
 usage: normalised.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 from _runs import Report, run
 
-# A bar that vibrates so hard that the volume at the centres is uneven; the walls across it are slippery, the ends fixed or free.
+# A bar that vibrates so hard that the volume at the centres is uneven; the walls across it are slippery, the ends fixed
+# or free.
 BAR = """
 parameter stress = normalised
 parameter update = musl
@@ -28,12 +30,17 @@ def bar(dimension, end):
     walls = "".join(f" {axis}-=slip {axis}+=slip" for axis in "yz"[:dimension - 1])
     lower = ",".join(["0" if end == "fixed" else "0.25"] + ["0"] * (dimension - 1))
     upper = ",".join(["1" if end == "fixed" else "0.75"] + ["0.25"] * (dimension - 1))
-    return BAR.format(dimension=dimension, box="0:1" if end == "fixed" else "-1:2", across=across, walls=walls, end=end, lower=lower, upper=upper)
+    return BAR.format(
+        dimension=dimension, box="0:1" if end == "fixed" else "-1:2", across=across, walls=walls, end=end, lower=lower,
+        upper=upper,
+    )
 
 
 def along(result):
     """Position, velocity and stress along the bar by the particles' places; the particles of a section must agree."""
-    rows = sorted((round(row["x"], 9), row["x"], row["velocity_x"], row["stress_xx"]) for row in result.table("particles_end.csv"))
+    rows = sorted(
+        (round(row["x"], 9), row["x"], row["velocity_x"], row["stress_xx"]) for row in result.table("particles_end.csv")
+    )
     sections = {}
     for key, *values in rows:
         sections.setdefault(key, []).append(values)
@@ -93,12 +100,18 @@ contact all
 
 def state(result, body=None):
     rows = [row for row in result.table("particles_end.csv") if body is None or row["body"] == body]
-    return sorted((row["x0"] if "x0" in row else 0.0, row["x"], row["y"], row["velocity_x"], row["stress_xx"], row["stress_xy"]) for row in rows)
+    return sorted(
+        (row["x0"] if "x0" in row else 0.0, row["x"], row["y"], row["velocity_x"], row["stress_xx"], row["stress_xy"])
+        for row in rows
+    )
 
 
 def several_bodies(report):
     """Bodies that share a field are one body to it; a body with a field of its own does not see the others' volume."""
-    results = {name: run(f"blocks_{name}", BLOCKS.format(bodies=bodies)) for name, bodies in (("one", ONE), ("two", TWO), ("neighbour", NEIGHBOUR))}
+    results = {
+        name: run(f"blocks_{name}", BLOCKS.format(bodies=bodies))
+        for name, bodies in (("one", ONE), ("two", TWO), ("neighbour", NEIGHBOUR))
+    }
     for name, result in results.items():
         if not report.finished(result, name):
             return
@@ -107,14 +120,21 @@ def several_bodies(report):
     report.check(len(one) == len(two) and miss < 1e-10, f"two bodies that share a field differ from one by {miss}")
     alone = state(results["neighbour"], 1)
     miss = max(abs(a - b) for p, q in zip(one, alone) for a, b in zip(p, q))
-    report.check(len(one) == len(alone) and miss < 1e-10, f"a neighbour with a field of its own changes a body by {miss}")
-    report.check(state(run("blocks_plain", BLOCKS.format(bodies=ONE), stress="plain")) != one, "normalised stress has no effect on the blocks")
+    report.check(
+        len(one) == len(alone) and miss < 1e-10, f"a neighbour with a field of its own changes a body by {miss}"
+    )
+    report.check(
+        state(run("blocks_plain", BLOCKS.format(bodies=ONE), stress="plain")) != one,
+        "normalised stress has no effect on the blocks",
+    )
 
 
 def momentum(report):
     """Momentum is kept to round-off, with free surfaces and uneven particles, in two and three dimensions."""
-    for name, deck, settings in (("plane", BLOCKS.format(bodies=ONE), {}),
-                                 ("space", "block.inp", {"cells": 5, "steps": 60, "drift": 0.3, "jitter": 0.4, "stress": "normalised"})):
+    for name, deck, settings in (
+        ("plane", BLOCKS.format(bodies=ONE), {}),
+        ("space", "block.inp", {"cells": 5, "steps": 60, "drift": 0.3, "jitter": 0.4, "stress": "normalised"}),
+    ):
         result = run(f"momentum_{name}", deck, **settings)
         if not report.finished(result, name):
             return
@@ -122,7 +142,10 @@ def momentum(report):
         for axis in "xyz":
             values = [row[f"momentum_{axis}"] for row in rows]
             scale = max(abs(row["momentum_x"]) for row in rows)
-            report.check(max(abs(v - values[0]) for v in values) < 1e-11 * scale, f"{name}: momentum along {axis} drifts: {values[0]} to {values[-1]}")
+            report.check(
+                max(abs(v - values[0]) for v in values) < 1e-11 * scale,
+                f"{name}: momentum along {axis} drifts: {values[0]} to {values[-1]}",
+            )
         report.check(abs(rows[-1]["energy_remainder"]) < 1e-11 * rows[0]["total_energy"],
                      f"{name}: kinetic energy that the identity leaves unexplained: {rows[-1]['energy_remainder']}")
 

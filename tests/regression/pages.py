@@ -3,14 +3,14 @@
 
 The browser is Chromium without a display (chromium of Debian, or what CHROMIUM names; scripts/setup/setup.sh --test
 installs it). Without one the pages are only parsed: tags, pictures, nothing from elsewhere. Screenshots stay in the
-scratch folder. Pages of `make doc` are looked at where they have been made.
+scratch folder. The start page and three more of `make doc` are written here (by MkDocs, which the same set-up
+installs) and looked at, too. What is missing is said at the end.
 
 usage: pages.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 
 import base64
 import functools
-import glob
 import html
 import html.parser
 import http.server
@@ -35,6 +35,12 @@ from _dumps import Cloud, lattice, write_run  # noqa: E402
 from sgmp_view import command  # noqa: E402
 
 WIDTHS = (1280, 400)
+DOCUMENTS = {  # pages of `make doc` and what they are made of
+    "index.html": "README.md",
+    "doc/tasks.html": "doc/tasks.md",
+    "doc/verdict.html": "doc/verdict.md",
+    "doc/hard-cases.html": "doc/hard-cases.md",
+}
 DECK = """
 title "A block that flies <fast> & far"
 units mm g ms
@@ -49,22 +55,22 @@ history steps=1
 gauge corner point=(0,0)
 output vtu every=1 fields=stress,pressure
 """
-# Looks at the page as it is shown and writes what it has found into it.
+# Looks at the page as it is shown and writes what it has found into the page around it.
 LOOK = """<script>window.addEventListener('load', () => {
   const images = [...document.images].map(i => [i.complete && i.naturalWidth > 0, i.getBoundingClientRect().width]);
   const texts = [...document.querySelectorAll('p,li,td,th,h1,h2,a,pre')].filter(e => e.textContent.trim());
   const scrolls = e => e && (['auto', 'scroll'].includes(getComputedStyle(e).overflowX) || scrolls(e.parentElement));
   const wide = texts.filter(e => e.getBoundingClientRect().right > innerWidth + 1 && !scrolls(e)
     && !e.closest('.wy-nav-side'));
-  const found = {width: innerWidth, scroll: document.documentElement.scrollWidth, images: images, texts: texts.length,
-    least: Math.min(...texts.map(e => parseFloat(getComputedStyle(e).fontSize))), height: document.body.scrollHeight,
+  const root = document.documentElement;
+  const found = {width: innerWidth, scroll: root.scrollWidth, images: images, texts: texts.length,
+    least: Math.min(...texts.map(e => parseFloat(getComputedStyle(e).fontSize))), height: root.scrollHeight,
     wide: wide.map(e => e.textContent.slice(0, 40))};
-  parent.postMessage(JSON.stringify(found), '*');
+  parent.document.getElementById('found').textContent = JSON.stringify(found);
 });</script>"""
 # A window cannot be narrower than 500 pixels, a frame in it can.
-FRAME = """<!doctype html><body style="margin:0"><pre id="found"></pre><script>addEventListener('message', e => {
-  document.getElementById('found').textContent = e.data;
-});</script><iframe src="%s" style="border:0;width:%dpx;height:900px"></iframe></body>"""
+FRAME = """<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><body style="margin:0">
+<pre id="found"></pre><iframe src="%s" style="border:0;width:%dpx;height:900px"></iframe></body>"""
 
 
 class Tags(html.parser.HTMLParser):
@@ -106,7 +112,7 @@ def parsed(report, path):
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):
-    """Serves the pages of `make doc`, whose search does not work from files."""
+    """Serves the scratch folder: the search of `make doc` does not work from files."""
 
     def log_message(self, *words):
         pass
@@ -118,61 +124,53 @@ def browser():
     return next((shutil.which(name) for name in names if name and shutil.which(name)), None)
 
 
-def shown(program, path, width, place):
+def shown(program, path, width, host):
     """What the page says of itself once it is shown, lines of its console; a screenshot stays in the scratch folder."""
-    place = place or f"file://{os.path.dirname(path)}"
     copy, frame = os.path.join(os.path.dirname(path), "look.html"), os.path.join(SCRATCH, "frame.html")
     with open(path, encoding="utf-8") as file:
         text = file.read()
     with open(copy, "w", encoding="utf-8") as file:
         file.write(text.replace("</body>", LOOK + "</body>"))
     with open(frame, "w", encoding="utf-8") as file:
-        file.write(FRAME % (f"{place}/look.html", width))
+        file.write(FRAME % (f"{host}/{os.path.relpath(copy, SCRATCH)}", width))
     common = [program, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run"]
-    common += [f"--user-data-dir={SCRATCH}/browser", "--enable-logging=stderr", "--virtual-time-budget=10000"]
+    common += [f"--user-data-dir={SCRATCH}/browser", "--enable-logging=stderr"]
 
     def called(*words):
         words = [*common, *words]
         return subprocess.run(words, capture_output=True, text=True, timeout=120, check=False, env=ENVIRONMENT)
 
-    done = called("--window-size=1400,900", "--dump-dom", f"file://{frame}")
-    found = re.search(r'<pre id="found">(.+?)</pre>', done.stdout)
-    found = json.loads(html.unescape(found.group(1))) if found else None
-    if found:
-        name = os.path.splitext(os.path.basename(path))[0]
-        found["screenshot"] = os.path.join(SCRATCH, f"{name}_{width}.png")
-        height = min(int(found["height"]) + 40, 12000)
-        called(
-            f"--window-size={width},{height}",
-            f"--screenshot={found['screenshot']}",
-            f"{place}/{os.path.basename(path)}",
-        )
+    done = called("--window-size=1400,900", "--dump-dom", f"{host}/frame.html")
     os.remove(copy)
-    return found, [line for line in done.stderr.splitlines() if "CONSOLE" in line and "Lunr index" not in line]
+    found = re.search(r'<pre id="found">(.+?)</pre>', done.stdout)
+    if not found:
+        return None, [done.stderr[-300:]]
+    found = json.loads(html.unescape(found.group(1)))
+    name = os.path.splitext(os.path.basename(path))[0]
+    found["screenshot"] = os.path.join(SCRATCH, f"{name}_{width}.png")
+    size = f"--window-size={width},{min(int(found['height']) + 40, 12000)}"
+    page = f"{host}/{os.path.relpath(path, SCRATCH)}"
+    again = called(size, "--virtual-time-budget=10000", f"--screenshot={found['screenshot']}", page)
+    said = done.stderr + again.stderr
+    return found, [line for line in said.splitlines() if "CONSOLE" in line and "Lunr index" not in line]
 
 
-def looked_at(report, program, path, pictures, place=None):
-    """A page at both widths."""
+def looked_at(report, program, path, pictures, host):
+    """A page at both widths: pictures are shown and as wide as a third of it, texts are not cut off."""
     for width in WIDTHS:
-        for _ in range(3):  # a page from a server is not always shown in time
-            found, console = shown(program, path, width, place)
-            if found:
-                break
+        found, console = shown(program, path, width, host)
         what = f"{os.path.basename(path)} at {width}"
-        if not report.check(found, f"{what}: not shown"):
+        if not report.check(found, f"{what}: not shown: {console}"):
             continue
         report.check(not console, f"{what}: console: {console[:3]}")
         report.check(found["width"] == width and found["scroll"] <= width, f"{what}: {found['scroll']} pixels wide")
         report.check(not found["wide"], f"{what}: cut off: {found['wide'][:3]}")
         report.check(found["least"] >= 10, f"{what}: letters of {found['least']} pixels")
         report.check(found["texts"] > 5, f"{what}: {found['texts']} texts")
-        if pictures is not None:
-            report.check(len(found["images"]) == pictures, f"{what}: {len(found['images'])} pictures of {pictures}")
+        report.check(len(found["images"]) == pictures, f"{what}: {len(found['images'])} pictures of {pictures}")
         for complete, across in found["images"]:
-            report.check(complete and 20 <= across <= width, f"{what}: a picture {across} wide, complete: {complete}")
-        if pictures:
-            report.check(max(across for _, across in found["images"]) > 0.3 * width, f"{what}: pictures are small")
-            report.check(os.path.getsize(found["screenshot"]) > 10000, f"{what}: the screenshot is empty")
+            report.check(complete and 150 <= across <= width, f"{what}: a picture {across} wide, complete: {complete}")
+        report.check(os.path.getsize(found["screenshot"]) > 10000, f"{what}: the screenshot is empty")
 
 
 def pages(report):
@@ -201,26 +199,44 @@ def pages(report):
             report.check(not end.code, f"sgmp-view report {name}.out: {end.code}")
 
 
+def documents(report, program, host):
+    """Pages of `make doc`: each picture that the source names is in the page, and shown."""
+    sys.path.insert(0, os.path.join(SOURCE, "scripts", "dev"))
+    from site_pages import write_site
+
+    said = write_site(SOURCE, os.path.join(SCRATCH, "site"))
+    site = os.path.join(SCRATCH, "site", "html")
+    if not report.check(not said, f"mkdocs: {said}"):
+        return
+    for name, source in DOCUMENTS.items():
+        with open(os.path.join(SOURCE, source), encoding="utf-8") as file:
+            pictures = len(re.findall(r"!\[[^]]*\][\[(]", file.read()))
+        path = os.path.join(site, name)
+        if report.check(os.path.exists(path), f"{name} is not written") and program:
+            looked_at(report, program, path, pictures, host)
+
+
 def main():
     """All of it."""
     report = Report()
     os.chdir(SCRATCH)
     pages(report)
     program = browser()
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=SCRATCH))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    host = f"http://127.0.0.1:{server.server_port}"
     for name, pictures in (("block", 8), ("plug", 8)):
         path = os.path.join(SCRATCH, f"{name}.html")
         report.check(parsed(report, path) == pictures, f"{name}: {pictures} pictures")
         if program:
-            looked_at(report, program, path, pictures)
-    site = os.path.join(SOURCE, "build", "site", "html")
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=site))
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    for name in ("index.html", "README.html", "doc/user-guide.html", "doc/verdict.html"):
-        for path in glob.glob(os.path.join(site, name)) if program else ():
-            looked_at(report, program, path, None, f"http://127.0.0.1:{server.server_port}/{os.path.dirname(name)}")
+            looked_at(report, program, path, pictures, host)
+    if importlib.util.find_spec("mkdocs"):
+        documents(report, program, host)
+    else:
+        print("not looked at: pages of `make doc`; missing: MkDocs (pip install 'mkdocs>=1.6,<2')")
     server.shutdown()
     if not program:
-        print("no Chromium: pages were parsed, not shown")
+        print("parsed, not shown; missing: Chromium (Debian, Ubuntu: apt-get install chromium; or CHROMIUM=PROGRAM)")
     report.end()
 
 

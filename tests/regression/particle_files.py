@@ -40,8 +40,16 @@ def particles():
     for j in range(8):
         for i in range(16):
             core = 4 <= i < 8
-            rows.append({"x": 0.025 + 0.05*i, "y": 0.225 + 0.05*j, "volume": 0.0025, "velocity_x": 1.5 if core else -0.5,
-                         "id": (37*len(rows) + 11) % 1009, "material": "hard" if core else "soft"})
+            rows.append(
+                {
+                    "x": 0.025 + 0.05 * i,
+                    "y": 0.225 + 0.05 * j,
+                    "volume": 0.0025,
+                    "velocity_x": 1.5 if core else -0.5,
+                    "id": (37 * len(rows) + 11) % 1009,
+                    "material": "hard" if core else "soft",
+                }
+            )
     random.Random(4).shuffle(rows)
     return rows
 
@@ -71,11 +79,16 @@ def kept(report):
     report.check(sorted(row["id"] for row in table) == sorted(known), "particles_end.csv has other ids than the file")
     for row in table:
         given = known[row["id"]]
-        report.check(abs(row["x0"] - given["x"]) < 1e-12 and abs(row["y0"] - given["y"]) < 1e-12, f"id {row['id']} began elsewhere")
+        report.check(
+            abs(row["x0"] - given["x"]) < 1e-12 and abs(row["y0"] - given["y"]) < 1e-12,
+            f"id {row['id']} began elsewhere",
+        )
         report.check(row["body"] == (2 if given["material"] == "hard" else 1), f"id {row['id']} is of another material")
     gauge = one.table("gauges.csv")[0]
     nearest = min(rows, key=lambda row: (row["x"] - 0.42)**2 + (row["y"] - 0.42)**2)
-    report.check(gauge["particle"] == nearest["id"], f"the gauge follows particle {gauge['particle']}, not {nearest['id']}")
+    report.check(
+        gauge["particle"] == nearest["id"], f"the gauge follows particle {gauge['particle']}, not {nearest['id']}"
+    )
     order = [int(row["id"]) for row in table]
     with open(os.path.join(one.folder, "particles.dat"), encoding="utf-8") as file:
         ids = [int(line.split()[7]) for line in file if re.match(r"[-\s\d]", line)]
@@ -84,11 +97,16 @@ def kept(report):
         report.check(array("i", order).tobytes() in file.read(), "particles.vtkhdf: other ids")
     with open(sorted(glob.glob(os.path.join(one.folder, "particles_*.vtu")))[-1], "rb") as file:
         report.check(array("i", order).tobytes() in file.read(), "vtu: other ids")
-    write("sorted.csv", [{**row, "material": row["material"].upper()} for row in sorted(rows, key=lambda row: row["id"])], ("x", "y", "volume", "velocity_x", "id", "material"))
+    write(
+        "sorted.csv", [{**row, "material": row["material"].upper()} for row in sorted(rows, key=lambda row: row["id"])],
+        ("x", "y", "volume", "velocity_x", "id", "material"),
+    )
     other = run("sorted", deck("sorted.csv", "sorted.csv"))
     report.check(other["checksum"] == one["checksum"], "the order of the lines changes the bits")
     two = straight(report, "two_ranks", text, launcher=mpirun(2))
-    report.check(two["checksum"] == one["checksum"] and two.table("particles_end.csv") == table, "two ranks: other ids or bits")
+    report.check(
+        two["checksum"] == one["checksum"] and two.table("particles_end.csv") == table, "two ranks: other ids or bits"
+    )
     goes_on(report, one, "again", text, checkpoints(one.folder)[0])
 
 
@@ -101,7 +119,10 @@ def alone(report):
     write("all.csv", rows, ("id", "material", "volume", "y", "x", "velocity_x"))
     first, second = run("alone", deck("soft.txt", "hard.txt")), run("together", deck("all.csv", "all.csv"))
     report.check(first["checksum"] == second["checksum"], "a column material gives other bits than a file for each")
-    report.check([row["id"] for row in first.table("particles_end.csv")] == list(range(1, len(rows) + 1)), "ids count from 1 without a column")
+    report.check(
+        [row["id"] for row in first.table("particles_end.csv")] == list(range(1, len(rows) + 1)),
+        "ids count from 1 without a column",
+    )
 
 
 MISTAKES = [
@@ -114,8 +135,16 @@ MISTAKES = [
     ("x,y,volume,id", None, r"deck\.inp:10:1: .*several bodies take their particles from .*bad\.csv"),
     ("x,y,z,volume,velocity_x,velocity_y,velocity_z,id,material,x", None, r"bad\.csv:1:59: .*two columns 'x'"),
     (",".join(["x,y,volume"] + ["x"] * 38), None, r"bad\.csv:1:1: .*there are 41 columns"),
-    ("x,y,volume,material", ("hard", "hrad"), r"bad\.csv:\d+:\d+: .*no material 'hrad'\s+remedy: did you mean 'hard'\?"),
-    ("x,y,volume,material", ("hard", "spare"), r"bad\.csv:\d+:\d+: .*no body takes the particles of material 'spare'\s+remedy: add a card"),
+    (
+        "x,y,volume,material",
+        ("hard", "hrad"),
+        r"bad\.csv:\d+:\d+: .*no material 'hrad'\s+remedy: did you mean 'hard'\?",
+    ),
+    (
+        "x,y,volume,material",
+        ("hard", "spare"),
+        r"bad\.csv:\d+:\d+: .*no body takes the particles of material 'spare'\s+remedy: add a card",
+    ),
     ("x,y,volume,material", ("soft", "hard"), r"deck\.inp:10:1: .*has no particles of material 'soft'"),
     ("id,x,y,volume,material", ("\n11,", "\n48,"), r"bad\.csv:\d+:1: .*two particles have the id 48"),
     ("x,y,volume,material,id", (",11\n", ",-11\n"), r"bad\.csv:\d+:\d+: .*an id is a whole number from 0"),
@@ -123,7 +152,11 @@ MISTAKES = [
     ("x,y,volume,material,id", (",11\n", ",2147483648\n"), r"bad\.csv:\d+:\d+: .*an id is a whole number from 0"),
     ("x,y,volume,material", (",soft\n", "\n"), r"bad\.csv:\d+:1: .*not a particle \(3 numbers, not 4\)"),
     ("x,y,volume,material,z", (",0\n", ",0.1\n"), r"bad\.csv:\d+:\d+: .*a component beyond the dimension is not 0"),
-    ("x,y,volume,material,velocity_z", (",0\n", ",0.1\n"), r"bad\.csv:\d+:\d+: .*a component beyond the dimension is not 0"),
+    (
+        "x,y,volume,material,velocity_z",
+        (",0\n", ",0.1\n"),
+        r"bad\.csv:\d+:\d+: .*a component beyond the dimension is not 0",
+    ),
 ]
 
 
@@ -141,10 +174,15 @@ def refused(report):
             with open(path, "w", encoding="utf-8") as file:
                 file.write(content.replace(*change))
         result = run("deck", text)
-        report.check(result.code == 3 and re.search(said, result.text), f"{columns} {change}: exit code {result.code}, said: {result.text}")
+        report.check(
+            result.code == 3 and re.search(said, result.text),
+            f"{columns} {change}: exit code {result.code}, said: {result.text}",
+        )
     result = run("deck", text.replace("body core file material=hard", "body core file material=soft"))
-    report.check(result.code == 3 and re.search(r"deck\.inp:11:\d+: error: body 'matrix' takes the same particles", result.text),
-                 f"two bodies of one material: exit code {result.code}, said: {result.text}")
+    report.check(
+        result.code == 3 and re.search(r"deck\.inp:11:\d+: error: body 'matrix' takes the same particles", result.text),
+        f"two bodies of one material: exit code {result.code}, said: {result.text}",
+    )
 
 
 def about_an_axis(report):

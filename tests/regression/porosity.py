@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Porous matter: a block that is compressed and let expand, against Herrmann's P-alpha solved by bisection in finer steps, and
-plates that meet, against the jump conditions of the precursor and the compacting shock, worked out from the equations alone. Both
-with pores that stay and with pores that are compressed elastically; there a block is squeezed, let go and squeezed again, against
-Herrmann's differential equation step by step, and weak waves run with the speed that was asked for.
+"""Porous matter: a block that is compressed and let expand, against Herrmann's P-alpha solved by bisection in finer
+steps, and plates that meet, against the jump conditions of the precursor and the compacting shock, worked out from the
+equations alone. Both with pores that stay and with pores that are compressed elastically; there a block is squeezed,
+let go and squeezed again, against Herrmann's differential equation step by step, and weak waves run with the speed that
+was asked for.
 
 usage: porosity.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -51,14 +52,22 @@ def stiffness(alpha, ce):
 
 
 def elastic_change(before, after, ce):
-    """Change of the pressure on an elastic curve from one distention to another, by Simpson's rule on either side of the first one."""
+    """Change of the pressure on an elastic curve from one distention to another, by Simpson's rule on either side of
+    the first one."""
     ends = [before, after]
     if (before - ALPHA)*(after - ALPHA) < 0:
         ends.insert(1, ALPHA)
     change = 0.0
     for a, b in zip(ends, ends[1:]):
         n = 8
-        change -= (b - a)/(3*n)*sum((1, 4, 2)[0 if k in (0, n) else 1 if k % 2 else 2]*stiffness(a + (b - a)*k/n, ce) for k in range(n + 1))
+        change -= (
+            (b - a)
+            / (3 * n)
+            * sum(
+                (1, 4, 2)[0 if k in (0, n) else 1 if k % 2 else 2] * stiffness(a + (b - a) * k / n, ce)
+                for k in range(n + 1)
+            )
+        )
     return change
 
 
@@ -72,7 +81,8 @@ def first_distention(ce):
 
 
 def elastic_path(volumes, ce):
-    """Pressures and distentions at volumes, with as many steps between; what is known of the past is the last pressure and distention."""
+    """Pressures and distentions at volumes, with as many steps between; what is known of the past is the last pressure
+    and distention."""
     energy, pressure, alpha, first, found = 0.0, 0.0, ALPHA, first_distention(ce), []
     for old, new in zip(volumes, volumes[1:]):
         for i in range(10):
@@ -126,14 +136,22 @@ history steps=20
     largest = max(abs(pressure) for pressure, _ in wanted)
     worst = [max(abs(row["pressure"] - p) for row, (p, _) in zip(rows[1:], wanted))/largest,
              max(abs(row["distention"] - a) for row, (_, a) in zip(rows[1:], wanted))/(ALPHA - 1)]
-    print(f"pore_speed {ce:.0f}: pressures up to {max(p for p, _ in wanted)/1e9:.3f} and down to {min(p for p, _ in wanted)/1e9:.3f} GPa off by {worst[0]:.1e} of the largest, "
-          f"distentions down to {min(a for _, a in wanted):.4f}, at most {max(a for _, a in wanted):.4f}, off by {worst[1]:.1e}")
+    print(
+        f"pore_speed {ce:.0f}: pressures up to {max(p for p, _ in wanted) / 1e9:.3f} and down to "
+        f"{min(p for p, _ in wanted) / 1e9:.3f} GPa off by {worst[0]:.1e} of the largest, "
+        f"distentions down to {min(a for _, a in wanted):.4f}, at most {max(a for _, a in wanted):.4f}, off by "
+        f"{worst[1]:.1e}"
+    )
     report.check(max(worst) < 3e-3, f"pore_speed {ce}: pressure and distention off by {worst}")
-    report.check(min(p for p, _ in wanted) < -0.05*largest and max(p for p, _ in wanted) > 2*P0, f"pore_speed {ce}: pressures from {min(p for p, _ in wanted)} to {largest}")
+    report.check(
+        min(p for p, _ in wanted) < -0.05 * largest and max(p for p, _ in wanted) > 2 * P0,
+        f"pore_speed {ce}: pressures from {min(p for p, _ in wanted)} to {largest}",
+    )
 
 
 def weak_wave(report, ce):
-    """Plates that meet with 1 m/s: pressure rho c v behind a front that runs with the speed of sound of the porous matter."""
+    """Plates that meet with 1 m/s: pressure rho c v behind a front that runs with the speed of sound of the porous
+    matter."""
     length, cells = 0.5, 800
     t_end = 0.7*length/ce
     result = run(f"weak_{ce:.0f}", f"""dimension 1
@@ -203,18 +221,26 @@ history steps=10
     volumes = [DENSITY/row["density"] for row in rows]
     wanted = path(volumes, series)
     least = min(volumes)
-    report.check(least < 0.9 and (volumes[-1] > least + 0.004) == bool(compressed), f"{name}: volume down to {least}, {volumes[-1]} in the end")
+    report.check(
+        least < 0.9 and (volumes[-1] > least + 0.004) == bool(compressed),
+        f"{name}: volume down to {least}, {volumes[-1]} in the end",
+    )
     largest = max(pressure for pressure, _ in wanted)
     for row, (pressure, alpha) in zip(rows[1:], wanted):
-        report.check(abs(row["pressure"] - pressure) < 2e-3*largest, f"{name}: pressure {row['pressure']}, expected {pressure}")
-        report.check(abs(row["distention"] - alpha) < 2e-3*(ALPHA - 1), f"{name}: distention {row['distention']}, expected {alpha}")
+        report.check(
+            abs(row["pressure"] - pressure) < 2e-3 * largest, f"{name}: pressure {row['pressure']}, expected {pressure}"
+        )
+        report.check(
+            abs(row["distention"] - alpha) < 2e-3 * (ALPHA - 1),
+            f"{name}: distention {row['distention']}, expected {alpha}",
+        )
     closed = wanted[-1][1]
     report.check(closed < 1.15 and (closed > 1.02) == bool(compressed), f"{name}: distention {closed}")
 
 
 def jump(before, up, first=ALPHA, stays=ALPHA):
-    """Shock into matter of pressure, volume, energy and velocity `before` that brings it to the velocity up: pressure, volume, energy
-    and speed. Volumes over the initial one, energies per initial volume."""
+    """Shock into matter of pressure, volume, energy and velocity `before` that brings it to the velocity up: pressure,
+    volume, energy and speed. Volumes over the initial one, energies per initial volume."""
     p, v, e, u = before
 
     def behind(volume):
@@ -223,7 +249,12 @@ def jump(before, up, first=ALPHA, stays=ALPHA):
             cold = porous(volume, 0.0, alpha, False)
             slope = porous(volume, 1.0, alpha, False) - cold
             return (cold + slope*(e + p*(v - volume)/2))/(1 - slope*(v - volume)/2)
-        alpha = stays if stays <= bound(pressure(stays), first) else bisected(lambda x: x - bound(pressure(x), first), 1.0, stays)
+
+        alpha = (
+            stays
+            if stays <= bound(pressure(stays), first)
+            else bisected(lambda x: x - bound(pressure(x), first), 1.0, stays)
+        )
         return pressure(alpha)
     volume = bisected(lambda x: (up - u)**2*DENSITY - (behind(x) - p)*(v - x), 0.35, v*(1 - 1e-9))
     pressure = behind(volume)
@@ -260,14 +291,25 @@ output csv at=end fields=pressure,density,energy,distention
         return
     front = (speed - up)*t_end
     inside = [row for row in result.table("particles_end.csv") if 0.25*front < abs(row["x"]) < 0.75*front]
-    found = {key: sum(row[key]/row["density"] for row in inside)/sum(1/row["density"] for row in inside) for key in ("pressure", "distention")}
+    found = {
+        key: sum(row[key] / row["density"] for row in inside) / sum(1 / row["density"] for row in inside)
+        for key in ("pressure", "distention")
+    }
     density = len(inside)/sum(1/row["density"] for row in inside)
-    print(f"{up:6.0f} m/s, pore_speed {ce:.0f}: shock {speed:6.0f} m/s, p {pressure/1e9:.4f} GPa, found {found['pressure']/1e9:.4f}; density {DENSITY/volume:.1f}, found {density:.1f}; "
-          f"distention {found['distention']:.4f}, {len(inside)} particles")
+    print(
+        f"{up:6.0f} m/s, pore_speed {ce:.0f}: shock {speed:6.0f} m/s, p {pressure / 1e9:.4f} GPa, found "
+        f"{found['pressure'] / 1e9:.4f}; density {DENSITY / volume:.1f}, found {density:.1f}; "
+        f"distention {found['distention']:.4f}, {len(inside)} particles"
+    )
     report.check(len(inside) > 20, f"{up} m/s: {len(inside)} particles behind the shock")
-    report.check(abs(found["pressure"]/pressure - 1) < 0.02, f"{up} m/s: pressure {found['pressure']}, expected {pressure}")
+    report.check(
+        abs(found["pressure"] / pressure - 1) < 0.02, f"{up} m/s: pressure {found['pressure']}, expected {pressure}"
+    )
     report.check(abs(density*volume/DENSITY - 1) < 0.002, f"{up} m/s: density {density}, expected {DENSITY/volume}")
-    report.check(abs(found["distention"] - bound(pressure, begins)) < 0.01, f"{up} m/s: distention {found['distention']}, expected {bound(pressure, begins)}")
+    report.check(
+        abs(found["distention"] - bound(pressure, begins)) < 0.01,
+        f"{up} m/s: distention {found['distention']}, expected {bound(pressure, begins)}",
+    )
 
 
 def main():

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Rigid bodies that turn as prescribed, or are free: rotation, tumbling, bouncing, an impact, rolling, and the same bits for threads,
-ranks and restarts.
+"""Rigid bodies that turn as prescribed, or are free: rotation, tumbling, bouncing, an impact, rolling, and the same
+bits for threads, ranks and restarts.
 
 usage: rigid.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -131,7 +131,8 @@ def turned(row):
 
 
 def tumbling(report):
-    """Energy and angular momentum from what rigid.csv says, with the exact moments of the block; momentum; the particles."""
+    """Energy and angular momentum from what rigid.csv says, with the exact moments of the block; momentum; the
+    particles."""
     result = run("tumbling", TUMBLING)
     if not report.finished(result, "tumbling"):
         return
@@ -155,11 +156,17 @@ def tumbling(report):
 
 
 def tools(report):
-    """Particles of a tool that turns are where the angle has taken them: (sin(3t))/3 of cos(3t), by the midpoint rule."""
+    """Particles of a tool that turns are where the angle has taken them: (sin(3t))/3 of cos(3t), by the midpoint
+    rule."""
     for name, dimension, method, turn, axis in (
-            ("plane", 2, "sgmp", 'omega_z="cos(3*t)"', 2), ("usf", 2, "mpm update=usf", 'omega_z="cos(3*t)"', 2),
-            ("space", 3, "gimp update=usl", 'omega_y="cos(3*t)"', 1), ("usavg", 3, "sgmp update=usavg rotation=exact", 'omega_x="cos(3*t)"', 0)):
-        result = run(f"tool_{name}", TOOL.format(dimension=dimension, method=method, turn=turn, thick=0.5 if dimension == 3 else 0))
+        ("plane", 2, "sgmp", 'omega_z="cos(3*t)"', 2), ("usf", 2, "mpm update=usf", 'omega_z="cos(3*t)"', 2),
+        ("space", 3, "gimp update=usl", 'omega_y="cos(3*t)"', 1),
+        ("usavg", 3, "sgmp update=usavg rotation=exact", 'omega_x="cos(3*t)"', 0),
+    ):
+        result = run(
+            f"tool_{name}",
+            TOOL.format(dimension=dimension, method=method, turn=turn, thick=0.5 if dimension == 3 else 0),
+        )
         if not report.finished(result, name):
             continue
         row = result.table("rigid.csv")[-1]
@@ -189,7 +196,9 @@ def drop(report):
                 report.check(abs(row["y"] - (9 - 5*row["time"]**2)) < 5e-3, f"drop: at {row['y']} after {row['time']}")
         top = max(row["y"] for row in rows if row["time"] > 0.8)
         report.check(8.5 < top < 9, f"drop: bounces to {top}")
-        report.check(max(abs(row["velocity_x"]) + abs(row["omega_z"]) for row in rows) < 1e-9, "drop: does not stay upright")
+        report.check(
+            max(abs(row["velocity_x"]) + abs(row["omega_z"]) for row in rows) < 1e-9, "drop: does not stay upright"
+        )
         history = result.table("history.csv")
         gained = max(row["total_energy"] - row["external_work"] + row["contact_dissipation"] for row in history)/1400
         report.check(gained < 0.012, f"drop, {update}: {gained} of the energy is of unknown origin")
@@ -205,8 +214,8 @@ def drop(report):
 
 
 def impact(report):
-    """A body that hits an elastic rod, held at its other end, has 2 exp(-1 - exp(-2/m)/2) of its speed back (Saint-Venant; m: mass over the
-    rod's, below 1.7), after (2 + m (1 + exp(-2/m)/2)) L/c."""
+    """A body that hits an elastic rod, held at its other end, has 2 exp(-1 - exp(-2/m)/2) of its speed back
+    (Saint-Venant; m: mass over the rod's, below 1.7), after (2 + m (1 + exp(-2/m)/2)) L/c."""
     with open(os.path.join(SOURCE, "verification/rigid/rod.inp"), encoding="utf-8") as file:
         deck = file.read()
     for mass in (0.5, 1.0):
@@ -218,7 +227,10 @@ def impact(report):
         report.check(abs(speed/back - 1) < 0.01, f"impact, {mass}: {speed} of the speed, not {back}")
         touched = [row["time"] for row in rows if row["force_x"] > 0]
         until = 2 + mass*(1 + 0.5*math.exp(-2/mass))
-        report.check(abs((touched[-1] - touched[0])/until - 1) < 0.02, f"impact, {mass}: parts after {touched[-1] - touched[0]}, not {until}")
+        report.check(
+            abs((touched[-1] - touched[0]) / until - 1) < 0.02,
+            f"impact, {mass}: parts after {touched[-1] - touched[0]}, not {until}",
+        )
 
 
 def rolls(report):
@@ -239,14 +251,19 @@ def face(report):
         if not report.finished(result, f"face, {method}"):
             continue
         rows = result.table("particles_end.csv")
-        report.check(len(rows) == 8*columns and result["particles_lost"] == 64 - len(rows), f"face, {method}: {len(rows)} particles, {result['particles_lost']} lost")
+        report.check(
+            len(rows) == 8 * columns and result["particles_lost"] == 64 - len(rows),
+            f"face, {method}: {len(rows)} particles, {result['particles_lost']} lost",
+        )
         worst = max(math.hypot(row["displacement_x"] - 1.75, row["displacement_y"]) for row in rows)
         report.check(worst < 1e-12, f"face, {method}: a particle is {worst} from its place")
 
 
 def bits(report):
     """Threads, ranks, restarts; momentum of all that moves but the tool."""
-    for name, update, rotation in (("crowd", "musl", ""), ("crowd_usavg", "usavg", ""), ("crowd_exact", "musl", " rotation=exact")):
+    for name, update, rotation in (
+        ("crowd", "musl", ""), ("crowd_usavg", "usavg", ""), ("crowd_exact", "musl", " rotation=exact"),
+    ):
         text = CROWD.format(update=update, rotation=rotation)
         reference = straight(report, name, text)
         for title, threads, launcher in ((f"{name}_threads", 3, ()), (f"{name}_ranks", 1, mpirun(2))):
@@ -260,19 +277,28 @@ def bits(report):
     # cuts that move, and layouts at other steps: a node that bodies have left is still listed on one of three ranks
     text = CROWD.format(update="usavg stress=plain surfaces=plain", rotation="")
     reference, other = straight(report, "cuts", text), straight(report, "cuts_ranks", text, launcher=mpirun(3))
-    report.check(other["checksum"] == reference["checksum"], f"cuts: {other['checksum']} on three ranks, not {reference['checksum']}")
+    report.check(
+        other["checksum"] == reference["checksum"],
+        f"cuts: {other['checksum']} on three ranks, not {reference['checksum']}",
+    )
     reference = straight(report, "alone", ALONE)
     rows = reference.table("rigid.csv")
     way = max(abs(after["y"] - before["y"]) for before, after in zip(rows, rows[1:]))
     report.check(way > 1, f"alone: {way} in a step: nothing was tested")
     for ranks in (2, 3):
         other = straight(report, f"alone_{ranks}", ALONE, launcher=mpirun(ranks))
-        report.check(other["checksum"] == reference["checksum"] and other.table("rigid.csv") == rows, f"alone: {ranks} ranks are not one")
+        report.check(
+            other["checksum"] == reference["checksum"] and other.table("rigid.csv") == rows,
+            f"alone: {ranks} ranks are not one",
+        )
     history = run("crowd_alone", CROWD.format(update="musl", rotation="").replace("rigid tool", "!")
                   .replace("body tool", "! ").replace("gravity", "!")).table("history.csv")
     for axis in "xyz":
         values = [row[f"momentum_{axis}"] for row in history]
-        report.check(max(abs(value - values[0]) for value in values) < 1e-11*40, f"crowd: momentum along {axis} changes: {values[0]} {values[-1]}")
+        report.check(
+            max(abs(value - values[0]) for value in values) < 1e-11 * 40,
+            f"crowd: momentum along {axis} changes: {values[0]} {values[-1]}",
+        )
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Particles of bodies beside a second, plain implementation: every point of a lattice is asked for itself whether it is inside.
+"""Particles of bodies beside a second, plain implementation: every point of a lattice is asked for itself whether it is
+inside.
 
-The shapes' formulas are those of solid geometry, written down here once more: a cone frustum that widens, a tangent ogive
-(an arc that leaves the base upright and ends in the tip), half-spaces, turned bodies, Gauss points of cells.
+The shapes' formulas are those of solid geometry, written down here once more: a cone frustum that widens, a tangent
+ogive (an arc that leaves the base upright and ends in the tip), half-spaces, turned bodies, Gauss points of cells.
 
 usage: seeding.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -47,7 +48,8 @@ def cone(centre, axis, radius, top, length):
 
 
 def ogive(centre, axis, radius, length):
-    """Inside a tangent ogive: a circle with its centre in the plane of the base, beyond the axis, through edge and tip."""
+    """Inside a tangent ogive: a circle with its centre in the plane of the base, beyond the axis, through edge and
+    tip."""
     beyond = (length**2 - radius**2)/(2*radius) # (radius + beyond)^2 = length^2 + beyond^2
 
     def inside(point):
@@ -123,11 +125,24 @@ def solids(report):
     origin = "lattice_origin=(0.1,-0.05,0.15) spacing=0.4"
     points = list(lattice(corner, spacing, -8, 8))
     for name, card, inside in (
-            ("widening", "cone material=m centre=(0,0,-1) radius=1 top=2.6 length=3", cone((0, 0, -1), (0, 0, 1), 1, 2.6, 3)),
-            ("pointed", "cone material=m centre=(0,1,0) axis=(0,2,0) radius=2 length=3", cone((0, 1, 0), (0, 1, 0), 2, 0, 3)),
-            ("oblique", "cone material=m centre=(1,0,0) axis=(3,-4,12) radius=0.5 top=2 length=4", cone((1, 0, 0), (3, -4, 12), 0.5, 2, 4)),
-            ("slender", "ogive material=m centre=(0,0,0) radius=1.5 length=5", ogive((0, 0, 0), (0, 0, 1), 1.5, 5)),
-            ("down", "ogive material=m centre=(0,0.3,1) axis=(0,0,-2) radius=2 length=3", ogive((0, 0.3, 1), (0, 0, -1), 2, 3))):
+        (
+            "widening", "cone material=m centre=(0,0,-1) radius=1 top=2.6 length=3",
+            cone((0, 0, -1), (0, 0, 1), 1, 2.6, 3),
+        ),
+        (
+            "pointed", "cone material=m centre=(0,1,0) axis=(0,2,0) radius=2 length=3",
+            cone((0, 1, 0), (0, 1, 0), 2, 0, 3),
+        ),
+        (
+            "oblique", "cone material=m centre=(1,0,0) axis=(3,-4,12) radius=0.5 top=2 length=4",
+            cone((1, 0, 0), (3, -4, 12), 0.5, 2, 4),
+        ),
+        ("slender", "ogive material=m centre=(0,0,0) radius=1.5 length=5", ogive((0, 0, 0), (0, 0, 1), 1.5, 5)),
+        (
+            "down", "ogive material=m centre=(0,0.3,1) axis=(0,0,-2) radius=2 length=3",
+            ogive((0, 0.3, 1), (0, 0, -1), 2, 3),
+        ),
+    ):
         compare(report, name, f"{card} {origin}", [point for point in points if inside(point)], spacing**3)
 
 
@@ -140,8 +155,15 @@ def cuts(report):
     card = "block material=m lower=(0,0,0) upper=(4,4,4) spacing=0.5"
     compare(report, "behind", card, [p for p in points if plane(p)], spacing**3,
             more="intersect b halfspace centre=(2.1,2.1,2.1) axis=(1,2,3)")
-    compare(report, "beyond", card, [p for p in points if plane(p) and not wedge(p)], spacing**3,
-            more="intersect b halfspace centre=(2.1,2.1,2.1) axis=(10,20,30)\nsubtract b halfspace centre=(1,0,0) axis=(5,0,-1)")
+    compare(
+        report,
+        "beyond",
+        card,
+        [p for p in points if plane(p) and not wedge(p)],
+        spacing**3,
+        more="intersect b halfspace centre=(2.1,2.1,2.1) axis=(10,20,30)\nsubtract b halfspace centre=(1,0,0) "
+        "axis=(5,0,-1)",
+    )
     ball = [p for p in points if sum((c - 2.2)**2 for c in p) <= 1.1**2]
     compare(report, "ball", card, ball, spacing**3, more="intersect b sphere centre=(2.2,2.2,2.2) radius=1.1")
 
@@ -152,15 +174,29 @@ def polygons(report):
     hook = ((0.0, 0.0), (3.03, 0.4), (3.0, 3.0), (2.2, 1.1), (0.4, 3.5))
     points = [point for point in lattice(corner, spacing, -1, 5, 2) if polygon(*hook)(point)]
     for name, way in (("hook", hook), ("hook_back", hook[::-1])):
-        compare(report, name, f"polygon material=m corners={','.join(f'({x},{y})' for x, y in way)} spacing=0.25 lattice_origin=(0.1,-0.05)", points,
-                spacing**2, 2)
+        compare(
+            report,
+            name,
+            f"polygon material=m corners={','.join(f'({x},{y})' for x, y in way)} spacing=0.25 "
+            f"lattice_origin=(0.1,-0.05)",
+            points,
+            spacing**2,
+            2,
+        )
     # Points on the sides: those of the lower ones belong to it, whatever their last bits.
-    compare(report, "tile", "polygon material=m corners=(0,0),(2.1,0),(2.1,0.7),(0,0.7) spacing=0.1 lattice_origin=(-0.05,-0.05)",
-            [(0.1*i, 0.1*j) for i in range(21) for j in range(7)], 0.01, 2)
+    compare(
+        report, "tile",
+        "polygon material=m corners=(0,0),(2.1,0),(2.1,0.7),(0,0.7) spacing=0.1 lattice_origin=(-0.05,-0.05)",
+        [(0.1 * i, 0.1 * j) for i in range(21) for j in range(7)], 0.01, 2,
+    )
     outer, notch = ((0.0, -1.0), (2.0, 0.3), (1.4, 4.1), (0.0, 3.0)), ((0.9, 0.0), (3.0, 1.3), (3.0, 2.5))
-    points = [p for p in lattice((0.0, -1.0), spacing, -1, 5, 2) if p[0] > 0 and polygon(*outer)(p) and not polygon(*notch)(p)]
-    compare(report, "spindle", "polygon material=m corners=(0,-1),(2,0.3),(1.4,4.1),(0,3) spacing=0.25", points, lambda p: 2*math.pi*p[0]*spacing**2,
-            "axisymmetric", "subtract b polygon corners=(0.9,0),(3,1.3),(3,2.5)")
+    points = [
+        p for p in lattice((0.0, -1.0), spacing, -1, 5, 2) if p[0] > 0 and polygon(*outer)(p) and not polygon(*notch)(p)
+    ]
+    compare(
+        report, "spindle", "polygon material=m corners=(0,-1),(2,0.3),(1.4,4.1),(0,3) spacing=0.25", points,
+        lambda p: 2 * math.pi * p[0] * spacing**2, "axisymmetric", "subtract b polygon corners=(0.9,0),(3,1.3),(3,2.5)",
+    )
 
 
 def turns(report):
@@ -169,8 +205,11 @@ def turns(report):
     body = block((0, 0), (3, 1.2))
     corner = (0.1, 0.05)
     inside = [turned(p, degrees, pivot) for p in lattice(corner, spacing, -1, 4, 2) if body(p)]
-    compare(report, "turned", "block material=m lower=(0,0) upper=(3,1.2) spacing=0.3 lattice_origin=(0.1,0.05) rotation=35 pivot=(1,2)",
-            inside, spacing**2, 2)
+    compare(
+        report, "turned",
+        "block material=m lower=(0,0) upper=(3,1.2) spacing=0.3 lattice_origin=(0.1,0.05) rotation=35 pivot=(1,2)",
+        inside, spacing**2, 2,
+    )
     places, weights = (0.5 - math.sqrt(0.15), 0.5, 0.5 + math.sqrt(0.15)), (5/18, 8/18, 5/18)
     # Along its diagonal, the box is turned to stand almost upright; a box around that diagonal would be far too narrow.
     body = block((0, 0), (8, 6))
@@ -180,10 +219,15 @@ def turns(report):
             points[cell[0] + x, cell[1] + y] = wx*wy
     inside = {p: w for p, w in points.items() if body(turned(p, -degrees, pivot))}
     rounded = {tuple(round(c, 6) for c in p): w for p, w in inside.items()}
-    compare(report, "gauss", "block material=m lower=(0,0) upper=(8,6) layout=gauss ppc=3 rotation=35 pivot=(1,2)", list(inside),
-            lambda p: rounded.get(tuple(round(c, 6) for c in p), -1), 2)
+    compare(
+        report, "gauss", "block material=m lower=(0,0) upper=(8,6) layout=gauss ppc=3 rotation=35 pivot=(1,2)",
+        list(inside), lambda p: rounded.get(tuple(round(c, 6) for c in p), -1), 2,
+    )
     inside = [p for p in lattice((0.2, 0.3), 0.25, -5, 5, 2) if ring((0.3, -0.2), 3, 1.7)(p)]
-    compare(report, "ring", "ring material=m centre=(0.3,-0.2) radius=3 inner=1.7 spacing=0.25 lattice_origin=(0.2,0.3)", inside, 0.0625, 2)
+    compare(
+        report, "ring", "ring material=m centre=(0.3,-0.2) radius=3 inner=1.7 spacing=0.25 lattice_origin=(0.2,0.3)",
+        inside, 0.0625, 2,
+    )
 
 
 def spun(point, degrees, axis, pivot):
@@ -206,8 +250,15 @@ def revolutions(report):
     def revolved(point):
         along, beside = along_and_beside(point, centre, axis)
         return polygon(*section)((beside, along))
-    compare(report, "revolved", f"revolved material=m corners={','.join(f'({r},{z})' for r, z in section)} centre=(1,0,0.5) axis=(2,-1,2) {origin}",
-            [p for p in points if revolved(p)], spacing**3)
+
+    compare(
+        report,
+        "revolved",
+        f"revolved material=m corners={','.join(f'({r},{z})' for r, z in section)} centre=(1,0,0.5) axis=(2,-1,2) "
+        f"{origin}",
+        [p for p in points if revolved(p)],
+        spacing**3,
+    )
 
     def prism(point):
         return polygon((-3, -3), (4, -2), (0, 4.1))(point[:2]) and -2 <= point[2] < 3
@@ -218,8 +269,11 @@ def revolutions(report):
             [p for p in points if prism(p) and not bar(p)], spacing**3,
             more="subtract b block lower=(-1,-5,-1) upper=(1,5,1) rotation=40 rotation_axis=(1,2,3) pivot=(1,0,1)")
     body = [p for p in points if block((-2, -1, 0), (3, 1, 2))(p)]
-    compare(report, "leaning", f"block material=m lower=(-2,-1,0) upper=(3,1,2) rotation=-25 rotation_axis=(0,1,1) pivot=(1,2,3) {origin}",
-            [spun(p, -25, (0, 1, 1), (1, 2, 3)) for p in body], spacing**3)
+    compare(
+        report, "leaning",
+        f"block material=m lower=(-2,-1,0) upper=(3,1,2) rotation=-25 rotation_axis=(0,1,1) pivot=(1,2,3) {origin}",
+        [spun(p, -25, (0, 1, 1), (1, 2, 3)) for p in body], spacing**3,
+    )
 
 
 def rows(report):
@@ -232,10 +286,16 @@ def rows(report):
             [p for p in points if any(math.dist(p, c) <= 1.1 for c in places)], spacing**3)
 
     def hole(point):
-        return any(block((-4.5 + 3*i, -9, -1), (-3.5 + 3*i, 9, 1))(spun(point, -30, (0, 0, 1), (-4 + 3*i, 0, 0))) for i in range(3))
-    compare(report, "holes", f"block material=m lower=(-6,-2,-2) upper=(6,2,2) {origin}",
-            [p for p in points if block((-6, -2, -2), (6, 2, 2))(p) and not hole(p)], spacing**3,
-            more="subtract b block lower=(-4.5,-9,-1) upper=(-3.5,9,1) rotation=30 pivot=(-4,0,0) copies=3 offset=(3,0,0)")
+        return any(
+            block((-4.5 + 3 * i, -9, -1), (-3.5 + 3 * i, 9, 1))(spun(point, -30, (0, 0, 1), (-4 + 3 * i, 0, 0)))
+            for i in range(3)
+        )
+
+    compare(
+        report, "holes", f"block material=m lower=(-6,-2,-2) upper=(6,2,2) {origin}",
+        [p for p in points if block((-6, -2, -2), (6, 2, 2))(p) and not hole(p)], spacing**3,
+        more="subtract b block lower=(-4.5,-9,-1) upper=(-3.5,9,1) rotation=30 pivot=(-4,0,0) copies=3 offset=(3,0,0)",
+    )
 
 
 def files(report):
@@ -244,7 +304,9 @@ def files(report):
     with open(path, "w", encoding="utf-8") as file:
         file.write("0.5 0.5 0.5 0.125\n1.5 0.5 0.5 0\n")
     result = run("volumes", DECK.format(dimension=3, card=f"file material=m file={path}", more=""))
-    report.check(result.code == 3 and "volumes.txt:2" in result.text, f"zero volume: exit code {result.code}\n{result.text}")
+    report.check(
+        result.code == 3 and "volumes.txt:2" in result.text, f"zero volume: exit code {result.code}\n{result.text}"
+    )
 
 
 def main():

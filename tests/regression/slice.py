@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A slice of space between walls that slip is the plane: with contact, where bodies are curved, and with walls that rub.
+"""A slice of space between walls that slip is the plane: with contact, where bodies are curved, and with walls that
+rub.
 
 usage: slice.py SGMP SOURCE_DIR SCRATCH_DIR
 
@@ -7,7 +8,10 @@ The reference is the same scene in the plane; particles of all layers must move 
 """
 from _runs import Report, run
 
-METHODS = ("sgmp", "sgmp stress=plain rotation=plain surfaces=plain", "gimp", "cpgimp update=usavg", "bspline update=usf", "mpm")
+METHODS = (
+    "sgmp", "sgmp stress=plain rotation=plain surfaces=plain", "gimp", "cpgimp update=usavg", "bspline update=usf",
+    "mpm",
+)
 HITS = """dimension {space}
 grid cell=0.25 {grid} y=-1:open
 wall y-=slip {walls}
@@ -41,19 +45,36 @@ def end_of(report, name, text):
     found = {}
     if report.finished(result, name):
         for row in result.table("particles_end.csv"):
-            found.setdefault((row["body"], round(row["x0"], 6), round(row["y0"], 6)), []).append((row["velocity_x"], row["velocity_y"]))
+            found.setdefault((row["body"], round(row["x0"], 6), round(row["y0"], 6)), []).append(
+                (row["velocity_x"], row["velocity_y"])
+            )
     return found
 
 
 def compare(report, name, scene, method, allowed):
     """All layers against the plane, over the largest velocity there."""
-    plane = end_of(report, name + "_plane", scene.format(space=2, grid="", walls="", method=method, low="", high="", ball="sphere centre=(-0.25,3.25)"))
-    space = end_of(report, name + "_slice", scene.format(space=3, grid="z=0:0.5", walls="z-=slip z+=slip", method=method, low=",0", high=",0.5",
-                                                        ball="cylinder centre=(-0.25,3.25,0) axis=(0,0,1) length=0.5"))
+    plane = end_of(
+        report, name + "_plane",
+        scene.format(space=2, grid="", walls="", method=method, low="", high="", ball="sphere centre=(-0.25,3.25)"),
+    )
+    space = end_of(
+        report,
+        name + "_slice",
+        scene.format(
+            space=3, grid="z=0:0.5", walls="z-=slip z+=slip", method=method, low=",0", high=",0.5",
+            ball="cylinder centre=(-0.25,3.25,0) axis=(0,0,1) length=0.5",
+        ),
+    )
     report.check(set(plane) == set(space) and len(plane) > 30, f"{name}: other particles")
     largest = max(abs(v) for row in plane.values() for v in row[0])
-    worst = max((abs(v - w) for place, row in plane.items() for layer in space.get(place, []) for v, w in zip(row[0], layer)), default=0.0)
-    report.check(worst < allowed*largest, f"{name}: particles of the slice move otherwise, by {worst/largest:.3g} of the largest velocity")
+    worst = max(
+        (abs(v - w) for place, row in plane.items() for layer in space.get(place, []) for v, w in zip(row[0], layer)),
+        default=0.0,
+    )
+    report.check(
+        worst < allowed * largest,
+        f"{name}: particles of the slice move otherwise, by {worst / largest:.3g} of the largest velocity",
+    )
 
 
 def main():

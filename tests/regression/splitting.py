@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Splitting of stretched particles (doc/volumes.md, 5): a bar pulled to ten times its length, gas in ten times its space.
+"""Splitting of stretched particles (doc/volumes.md, 5): a bar pulled to ten times its length, gas in ten times its
+space.
 
 usage: splitting.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Known from outside: a bar that flies apart uniformly has the same density everywhere; gas fills its box, p V = (gamma - 1) E;
-halves of halves add up to what was there at the start.
+Known from outside: a bar that flies apart uniformly has the same density everywhere; gas fills its box, p V = (gamma -
+1) E; halves of halves add up to what was there at the start.
 """
 import math
 
@@ -24,7 +25,9 @@ def families(report, name, rows):
         parts[root] = parts.get(root, 0.0) + 0.5**depth
         masses.setdefault(root, set()).add(row["mass"]*2**depth)
     report.check(len(seen) == len(rows), f"{name}: {len(rows) - len(seen)} particles twice")
-    report.check(all(part == 1.0 for part in parts.values()), f"{name}: families with parts {sorted(set(parts.values()))}")
+    report.check(
+        all(part == 1.0 for part in parts.values()), f"{name}: families with parts {sorted(set(parts.values()))}"
+    )
     report.check(all(len(mass) == 1 for mass in masses.values()), f"{name}: halves that are none")
     order = [(int(row["id"]), int(row["path"])) for row in rows]
     report.check(order == sorted(order), f"{name}: rows are not ordered by id and path")
@@ -32,8 +35,10 @@ def families(report, name, rows):
 
 def bar(report):
     """No gaps, the density everywhere, whatever the method; without splitting the verdict recommends it."""
-    for method, update, least, most in (("sgmp", "musl", 0.097, 0.102), ("gimp", "musl", 0.097, 0.102), ("cpgimp", "musl", 0.097, 0.102), ("mpm", "musl", 0.085, 0.115),
-                                        ("sgmp", "usl", 0.097, 0.102), ("sgmp", "usavg", 0.09, 0.115)):
+    for method, update, least, most in (
+        ("sgmp", "musl", 0.097, 0.102), ("gimp", "musl", 0.097, 0.102), ("cpgimp", "musl", 0.097, 0.102),
+        ("mpm", "musl", 0.085, 0.115), ("sgmp", "usl", 0.097, 0.102), ("sgmp", "usavg", 0.09, 0.115),
+    ):
         name = f"bar_{method}_{update}"
         result = run(name, BAR, method=method, update=update)
         if not report.finished(result, name):
@@ -44,24 +49,41 @@ def bar(report):
         cells = {int(row["x"]/H) for row in rows}
         report.check(cells == set(range(max(cells) + 1)), f"{name}: gaps {set(range(max(cells) + 1)) - cells}")
         report.check(result["verdict"] == "sound", f"{name}: {result['verdict_reasons']}")
-        report.check(abs(sum(row["mass"] for row in rows) - 1) < 1e-12, f"{name}: mass {sum(row['mass'] for row in rows)}")
+        report.check(
+            abs(sum(row["mass"] for row in rows) - 1) < 1e-12, f"{name}: mass {sum(row['mass'] for row in rows)}"
+        )
         families(report, name, rows)
         start = result["energy.initial_total"]
         report.check(abs(result["energy.total"]/start - 1) < 0.01, f"{name}: energy {result['energy.total']/start}")
-        report.check(abs(result["energy.remainder"]) < 1e-13*start, f"{name}: kinetic identity {result['energy.remainder']/start}")
+        report.check(
+            abs(result["energy.remainder"]) < 1e-13 * start,
+            f"{name}: kinetic identity {result['energy.remainder'] / start}",
+        )
         history = result.table("history.csv")[-1]
-        report.check(history["split_energy"] == result["energy.split_energy"] > 0, f"{name}: split energy {history['split_energy']}")
+        report.check(
+            history["split_energy"] == result["energy.split_energy"] > 0,
+            f"{name}: split energy {history['split_energy']}",
+        )
         kinetic = sum(0.5*row["mass"]*(row["velocity_x"]**2 + row["velocity_y"]**2) for row in rows)
-        report.check(abs(kinetic - result["energy.kinetic"]) < 1e-12*start, f"{name}: {kinetic} of kinetic energy, {result['energy.kinetic']} in the ledger")
+        report.check(
+            abs(kinetic - result["energy.kinetic"]) < 1e-12 * start,
+            f"{name}: {kinetic} of kinetic energy, {result['energy.kinetic']} in the ledger",
+        )
     result = run("whole", BAR.replace(" split=split", "").replace("parameter split = 0.6\n", ""))
     if not report.finished(result, "whole"):
         return
-    report.check(any("split=0.75" in reason for reason in result["verdict_reasons"]), f"whole: {result['verdict_reasons']}")
-    report.check("split_energy" not in result.table("history.csv")[0] and "split_energy" not in result["energy"], "whole: columns of splitting")
+    report.check(
+        any("split=0.75" in reason for reason in result["verdict_reasons"]), f"whole: {result['verdict_reasons']}"
+    )
+    report.check(
+        "split_energy" not in result.table("history.csv")[0] and "split_energy" not in result["energy"],
+        "whole: columns of splitting",
+    )
 
 
 def misled(rows, time):
-    """How far the velocities are from those of a ball that flies apart freely, in the middle: x = X (1 + 0.5 t), y = Y (1 + 0.7 t) + X t, z = Z (1 + t)."""
+    """How far the velocities are from those of a ball that flies apart freely, in the middle: x = X (1 + 0.5 t), y = Y
+    (1 + 0.7 t) + X t, z = Z (1 + t)."""
     wrong = []
     for row in rows:
         x, z = row["x"]/(1 + 0.5*time), row["z"]/(1 + time)
@@ -71,10 +93,14 @@ def misled(rows, time):
 
 
 def space(report):
-    """Momentum and mass where halves go in all directions; velocities nearer to the exact ones than without splitting."""
+    """Momentum and mass where halves go in all directions; velocities nearer to the exact ones than without
+    splitting."""
     wrong = {}
     for name, words in (("space", " split=0.7"), ("space_whole", "")):
-        result = run(name, SPLIT_SPACE.replace("output vtkhdf", "output csv at=end fields=mass,path").replace(" split=0.7", words))
+        result = run(
+            name,
+            SPLIT_SPACE.replace("output vtkhdf", "output csv at=end fields=mass,path").replace(" split=0.7", words),
+        )
         if not report.finished(result, name):
             return
         rows, history = result.table("particles_end.csv"), result.table("history.csv")
@@ -85,13 +111,17 @@ def space(report):
         report.check(max(row["path"] for row in rows) >= 4, "space: nothing is split twice")
         mass = sum(row["mass"] for row in rows)
         for axis in "xyz":
-            report.check(abs(history[-1][f"momentum_{axis}"] - history[0][f"momentum_{axis}"]) < 1e-13*mass, f"space: momentum along {axis}")
+            report.check(
+                abs(history[-1][f"momentum_{axis}"] - history[0][f"momentum_{axis}"]) < 1e-13 * mass,
+                f"space: momentum along {axis}",
+            )
     report.check(wrong["space"] < 0.8*wrong["space_whole"], f"space: velocities wrong by {wrong}")
 
 
 def axis(report):
-    """A cylinder that flies apart to five times its radius: the density is the same everywhere, a part of the radius holds its square of the mass, and there
-    is room for all volumes (of rings cut into equal halves a seventh has none)."""
+    """A cylinder that flies apart to five times its radius: the density is the same everywhere, a part of the radius
+    holds its square of the mass, and there is room for all volumes (of rings cut into equal halves a seventh has
+    none)."""
     for method, least, most in (("sgmp", 0.95, 1.02), ("gimp", 0.94, 1.02), ("mpm", 0.92, 1.02)):
         name = f"axis_{method}"
         result = run(name, SPLIT_AXIS, method=method)
@@ -100,21 +130,33 @@ def axis(report):
         rows, history = result.table("particles_end.csv"), result.table("history.csv")
         radius = 1 + history[-1]["time"]
         densities = [row["density"]*radius**2 for row in rows if row["x"] < 0.8*radius]
-        report.check(least < min(densities) and max(densities) < most, f"{name}: density {min(densities)} to {max(densities)}")
+        report.check(
+            least < min(densities) and max(densities) < most, f"{name}: density {min(densities)} to {max(densities)}"
+        )
         mass = sum(row["mass"] for row in rows)
         report.check(abs(mass/math.pi - 1) < 1e-12, f"{name}: mass {mass/math.pi}")
         for part, band in ((0.5, 1e-12), (0.2, 0.05)):
             inside = sum(row["mass"] for row in rows if row["x"] < part*radius)/mass/part**2
-            report.check(abs(inside - 1) < band, f"{name}: mass inside {part} of the radius over what belongs there {inside}")
-        report.check(abs(history[-1]["momentum_z"] - history[0]["momentum_z"]) < 1e-13*mass, f"{name}: momentum along the axis")
+            report.check(
+                abs(inside - 1) < band, f"{name}: mass inside {part} of the radius over what belongs there {inside}"
+            )
+        report.check(
+            abs(history[-1]["momentum_z"] - history[0]["momentum_z"]) < 1e-13 * mass, f"{name}: momentum along the axis"
+        )
         start = result["energy.initial_total"]
-        report.check(abs(result["energy.remainder"]) < 1e-13*start, f"{name}: kinetic identity {result['energy.remainder']/start}")
+        report.check(
+            abs(result["energy.remainder"]) < 1e-13 * start,
+            f"{name}: kinetic identity {result['energy.remainder'] / start}",
+        )
         report.check(result["verdict"] == "sound", f"{name}: {result['verdict_reasons']}")
 
 
 def swirled(report):
-    """A spinning cylinder of soft rubber that flies apart: halves keep the moment about the axis, and the ledger is exact with all updates."""
-    text = SPLIT_AXIS.replace("dimension axisymmetric", "dimension axisymmetric swirl=yes").replace("velocity bar ", "velocity bar spin=0.5 ")
+    """A spinning cylinder of soft rubber that flies apart: halves keep the moment about the axis, and the ledger is
+    exact with all updates."""
+    text = SPLIT_AXIS.replace("dimension axisymmetric", "dimension axisymmetric swirl=yes").replace(
+        "velocity bar ", "velocity bar spin=0.5 "
+    )
     for update in ("musl", "usf", "usl", "usavg"):
         name = f"swirled_{update}"
         result = run(name, text, method="sgmp", update=update)
@@ -125,14 +167,19 @@ def swirled(report):
         # A cylinder of radius and length 1: pi/2 omega.
         report.check(abs(moment[0]/(0.25*math.pi) - 1) < 0.02, f"{name}: moment about the axis {moment[0]}")
         report.check(abs(moment[1] - moment[0]) < 1e-12*moment[0], f"{name}: moment about the axis {moment}")
-        report.check(abs(result["energy.remainder"]) < 1e-12*start, f"{name}: kinetic identity {result['energy.remainder']/start}")
+        report.check(
+            abs(result["energy.remainder"]) < 1e-12 * start,
+            f"{name}: kinetic identity {result['energy.remainder'] / start}",
+        )
         paths = {int(row["path"]) for row in result.table("particles_end.csv")}
         report.check(max(paths) > 1, f"{name}: nothing was split")
 
 
 def gas(report):
     """Ten times its space: with splitting the gas fills it."""
-    deck = KEPT.format(dimension=2, grid="x=0:40 y=0:4", walls="x-=slip x+=slip y-=slip y+=slip", upper="4,4,0").replace("steps=80", "end=300")
+    deck = KEPT.format(
+        dimension=2, grid="x=0:40 y=0:4", walls="x-=slip x+=slip y-=slip y+=slip", upper="4,4,0"
+    ).replace("steps=80", "end=300")
     deck = deck.replace("viscosity air quadratic=1.5 linear=0.06\n", "").replace("kept\n", "kept split=0.75\n")
     result = run("gas", deck + "output csv at=end fields=pressure,volume,energy,mass,path\n")
     if not report.finished(result, "gas"):
@@ -143,8 +190,14 @@ def gas(report):
     pressure = sum(row["pressure"]*row["volume"] for row in rows)/volume
     report.check(abs(volume/160 - 1) < 0.03, f"gas: volumes {volume/160}")
     report.check(abs(pressure*160/(0.4*inner) - 1) < 0.03, f"gas: pressure {pressure*160/(0.4*inner)}")
-    report.check(abs(result["energy.total"]/result["energy.initial_total"] - 1) < 0.03, f"gas: energy {result['energy.total']/result['energy.initial_total']}")
-    report.check(abs(result["energy.remainder"]) < 1e-12*result["energy.initial_total"], f"gas: kinetic identity {result['energy.remainder']}")
+    report.check(
+        abs(result["energy.total"] / result["energy.initial_total"] - 1) < 0.03,
+        f"gas: energy {result['energy.total'] / result['energy.initial_total']}",
+    )
+    report.check(
+        abs(result["energy.remainder"]) < 1e-12 * result["energy.initial_total"],
+        f"gas: kinetic identity {result['energy.remainder']}",
+    )
     report.check(result["verdict"] == "sound", f"gas: {result['verdict_reasons']}")
 
 

@@ -5,7 +5,10 @@ usage: threads.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import os
 
-from _runs import CONE, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, METALS, SCATTERED, SEAT, SPLIT, SPLIT_GAS, SPLIT_SPACE, SWIRL, Report, own, run
+from _runs import (
+    CONE, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_SPACE, METALS, SCATTERED, SEAT, SPLIT, SPLIT_GAS,
+    SPLIT_SPACE, SWIRL, Report, own, run,
+)
 
 # Detonation from a corner of a charge in two or three dimensions, walls on two sides.
 CHARGE = """
@@ -72,7 +75,9 @@ def same_for_threads(report):
                     title = f"{name}_{method}_{update}_{threads}"
                     result = run(title, deck, threads=threads, method=method, update=update, **settings)
                     if report.finished(result, title):
-                        sums[threads] = (result["checksum"], result["energy.total"], result["energy.kinetic"], result["steps"])
+                        sums[threads] = (
+                            result["checksum"], result["energy.total"], result["energy.kinetic"], result["steps"],
+                        )
                 report.check(len(set(sums.values())) == 1, f"{name} {method} {update}: {sums}")
 
 
@@ -92,10 +97,15 @@ def same_for_output(report):
     include = f'include "{os.path.join(INPUT, "block.inp")}"\n'
     settings = {"cells": 4, "steps": 20, "drift": 0.3, "jitter": 0.3}
     plain = run("plain", "block.inp", **settings)
-    more = run("more", include + "output vtu fields=stress,pressure,von_mises\noutput tecplot\ngauge g point=(1,1,1)\n", **settings)
+    more = run(
+        "more", include + "output vtu fields=stress,pressure,von_mises\noutput tecplot\ngauge g point=(1,1,1)\n",
+        **settings,
+    )
     if report.finished(plain, "plain") and report.finished(more, "more"):
         report.check(plain["checksum"] == more["checksum"], "output changes the result")
-        report.check(any(name.endswith(".vtu") for _, _, files in os.walk(more.folder) for name in files), "no .vtu was written")
+        report.check(
+            any(name.endswith(".vtu") for _, _, files in os.walk(more.folder) for name in files), "no .vtu was written"
+        )
 
 
 def main():

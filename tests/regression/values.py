@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""What users read in files, against closed forms: fields of particles, columns of histories, laws of materials in one step.
+"""What users read in files, against closed forms: fields of particles, columns of histories, laws of materials in one
+step.
 
 All expected values are worked out here, from the deck's numbers alone. A velocity that is linear in space strains the
-particles away from a body's surface exactly as its gradient says, whatever the kernel, and so does a force that is linear.
+particles away from a body's surface exactly as its gradient says, whatever the kernel, and so does a force that is
+linear.
 
 usage: values.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -38,8 +40,10 @@ def strained(name, dimension=3, law=ELASTIC, more="", fields="", scale=1.0, meth
     axes = "xyz"[:dimension]
     velocity = " ".join(f'{a}="' + "".join(f"{scale*GRAD[i][j]:+}*{b}" for j, b in enumerate(axes)) + '"'
                         for i, a in enumerate(axes))
-    deck = STRAINED.format(dimension=dimension, law=law, velocity=velocity, more=more, fields=fields, dt=dt, before=before,
-                           size=",".join(["8"]*dimension))
+    deck = STRAINED.format(
+        dimension=dimension, law=law, velocity=velocity, more=more, fields=fields, dt=dt, before=before,
+        size=",".join(["8"] * dimension),
+    )
     result = run(name, deck, method=method)
     rows = result.table("particles_end.csv")
     middle = min(rows, key=lambda row: sum((row[f"{a}0"] - 4.25)**2 for a in axes))
@@ -58,7 +62,10 @@ def fields(report):
         for method in METHODS:
             name = f"strained_{dimension}_{method}"
             row, _ = strained(name, dimension, method=method)
-            strain = [[0.5*DT*(GRAD[i][j] + GRAD[j][i]) if max(i, j) < dimension else 0.0 for j in range(3)] for i in range(3)]
+            strain = [
+                [0.5 * DT * (GRAD[i][j] + GRAD[j][i]) if max(i, j) < dimension else 0.0 for j in range(3)]
+                for i in range(3)
+            ]
             trace = sum(strain[i][i] for i in range(3))
             stress = {a: LAMBDA*trace*(a[0] == a[1]) + 2*SHEAR*strain["xyz".index(a[0])]["xyz".index(a[1])]
                       for a in ("xx", "yy", "zz", "xy", "yz", "xz")}
@@ -67,7 +74,9 @@ def fields(report):
                 close(report, row[f"stress_{a}"], stress[a], f"{name}: stress_{a}", 1e-3)
             mean = (stress["xx"] + stress["yy"] + stress["zz"])/3
             close(report, row["pressure"], -mean, f"{name}: pressure", 1e-3)
-            double = sum((stress[a] - mean)**2 for a in ("xx", "yy", "zz")) + 2*sum(stress[a]**2 for a in ("xy", "yz", "xz"))
+            double = sum((stress[a] - mean) ** 2 for a in ("xx", "yy", "zz")) + 2 * sum(
+                stress[a] ** 2 for a in ("xy", "yz", "xz")
+            )
             close(report, row["von_mises"], math.sqrt(1.5*double), f"{name}: von_mises", 1e-3)
             for i, a in enumerate("xyz"[:dimension]):
                 speed = sum(GRAD[i][j]*row[f"{b}0"] for j, b in enumerate("xyz"[:dimension]))
@@ -108,7 +117,10 @@ output csv fields=plastic_strain,damage,temperature,von_mises,pressure,density
         else:
             close(report, row["damage"], 1.0, f"{name}: damage", 1e-12)
             close(report, row["von_mises"], 0.0, f"{name}: von_mises", 1e-12, 1.0)
-            report.check(failing <= row["plastic_strain"] < failing + 3*rate*dt, f"{name}: {row['plastic_strain']} when it failed")
+            report.check(
+                failing <= row["plastic_strain"] < failing + 3 * rate * dt,
+                f"{name}: {row['plastic_strain']} when it failed",
+            )
         if failing is not None and not failed:
             close(report, row["damage"], row["plastic_strain"]/failing, f"{name}: damage", 1e-6)
         if name == "heated":
@@ -117,16 +129,21 @@ output csv fields=plastic_strain,damage,temperature,von_mises,pressure,density
 
 
 def viscosity(report):
-    """Bulk viscosity of one material only; its work heats an equation of state; an explosive that is not lit has none."""
+    """Bulk viscosity of one material only; its work heats an equation of state; an explosive that is not lit has
+    none."""
     quadratic, linear, c0, tiny = 2.0, 0.5, 7.0, 1e-9
     law = f"johnson_cook density={DENSITY} young={YOUNG} poisson={POISSON} yield=1e9"
     eos = f"eos m gruneisen c0={c0} s=1.5 gamma0=0"
     trace = -sum(GRAD[i][i] for i in range(3))*4
     other = "material other elastic density=1 young=1 poisson=0"
-    for name, before, card, factor in (("mine", "", f"viscosity m quadratic={quadratic} linear={linear}", 1),
-                                       ("all", "", f"viscosity quadratic={quadratic} linear={linear}", 1),
-                                       ("later", "", f"{other}\nviscosity other", 0), ("earlier", other, "viscosity other", 0)):
-        row, _ = strained(f"viscosity_{name}", law=law, before=before, more=f"{eos}\n{card}", fields=",energy", scale=-4, dt=tiny)
+    for name, before, card, factor in (
+        ("mine", "", f"viscosity m quadratic={quadratic} linear={linear}", 1),
+        ("all", "", f"viscosity quadratic={quadratic} linear={linear}", 1),
+        ("later", "", f"{other}\nviscosity other", 0), ("earlier", other, "viscosity other", 0),
+    ):
+        row, _ = strained(
+            f"viscosity_{name}", law=law, before=before, more=f"{eos}\n{card}", fields=",energy", scale=-4, dt=tiny
+        )
         sound = math.sqrt(c0**2 + 4/3*SHEAR/DENSITY)
         heat = (DENSITY*quadratic*trace**2 - DENSITY*linear*sound*trace)*-trace*tiny # per initial volume
         close(report, row["energy"], factor*heat, f"viscosity {name}: energy", 1e-6, heat)
@@ -142,33 +159,51 @@ velocity b x="-0.1*x"
 {where}
 output csv fields=pressure,energy
 """
-    for name, where, lit in (("far", "detonation point=(1000,0,0)", 0), ("plane", "detonation point=(0,0,0) normal=(5,0,0)", 10),
-                             ("point", "detonation point=(0,0,0)", 10), ("late", "detonation point=(0,0,0) time=4e-3", 6)):
+    for name, where, lit in (
+        ("far", "detonation point=(1000,0,0)", 0), ("plane", "detonation point=(0,0,0) normal=(5,0,0)", 10),
+        ("point", "detonation point=(0,0,0)", 10), ("late", "detonation point=(0,0,0) time=4e-3", 6),
+    ):
         result = run(f"charge_{name}", charge.format(where=where))
         rows = result.table("particles_end.csv")
         # Lit where the front has been: x < D t, by particles at (i + 1/2)/2 that hardly move.
         front = sum(1 for row in rows if abs(row["pressure"]) > 1e-3)
-        report.check(abs(front - 2*500*1e-3*lit) <= 1, f"charge {name}: {front} particles lit, expected {2*500*1e-3*lit}")
+        report.check(
+            abs(front - 2 * 500 * 1e-3 * lit) <= 1,
+            f"charge {name}: {front} particles lit, expected {2 * 500 * 1e-3 * lit}",
+        )
         if lit == 0:
             report.check(all(abs(row["velocity_x"] + 0.1*0.5*(row["id"] - 0.5)) < 1e-9 for row in rows[1:-1]),
                          f"charge {name}: something pushes what is not lit")
-            report.check(result["energy.viscous_dissipation"] == 0, f"charge {name}: {result['energy.viscous_dissipation']}")
+            report.check(
+                result["energy.viscous_dissipation"] == 0, f"charge {name}: {result['energy.viscous_dissipation']}"
+            )
 
 
 def step_sizes(report):
     """dt = C h/(c + |v|) with the sound speeds of the laws at rest, and the limit of growth."""
     wave = math.sqrt((LAMBDA + 2*SHEAR)/DENSITY)
-    laws = {"elastic": (ELASTIC, "", wave), "neo_hookean": (ELASTIC.replace("elastic", "neo_hookean", 1), "", wave),
-            "j2": (ELASTIC.replace("elastic", "j2", 1) + " yield=1", "", wave),
-            "gruneisen": (ELASTIC.replace("elastic", "johnson_cook", 1) + " yield=1", "eos m gruneisen c0=9 s=1.5 gamma0=2",
-                          math.sqrt(81 + 4/3*SHEAR/DENSITY))}
+    laws = {
+        "elastic": (ELASTIC, "", wave),
+        "neo_hookean": (ELASTIC.replace("elastic", "neo_hookean", 1), "", wave),
+        "j2": (ELASTIC.replace("elastic", "j2", 1) + " yield=1", "", wave),
+        "gruneisen": (
+            ELASTIC.replace("elastic", "johnson_cook", 1) + " yield=1", "eos m gruneisen c0=9 s=1.5 gamma0=2",
+            math.sqrt(81 + 4 / 3 * SHEAR / DENSITY),
+        ),
+    }
     for name, (law, more, sound) in laws.items():
         for speed in (0.0, 5.0):
-            deck = f"grid cell=0.5\ntime cfl=0.4 steps=1\nmaterial m {law}\n{more}\n" \
-                   f'body b block material=m lower=(0,0,0) upper=(2,2,2) ppc=2\nvelocity b x="{speed}*0.6" y="-{speed}*0.8"\n'
+            deck = (
+                f"grid cell=0.5\ntime cfl=0.4 steps=1\nmaterial m {law}\n{more}\n"
+                f'body b block material=m lower=(0,0,0) upper=(2,2,2) ppc=2\nvelocity b x="{speed}*0.6" '
+                f'y="-{speed}*0.8"\n'
+            )
             result = run(f"step_{name}", deck)
             # The speed of the first step is that of the start: velocities are uniform, nothing is strained.
-            close(report, result.table("history.csv")[1]["dt"], 0.4*0.5/(sound + speed), f"step of {name} at {speed}", 1e-9)
+            close(
+                report, result.table("history.csv")[1]["dt"], 0.4 * 0.5 / (sound + speed), f"step of {name} at {speed}",
+                1e-9,
+            )
     deck = """
 dimension 1
 grid cell=0.5 x=0:30
@@ -216,8 +251,11 @@ gauge second point=(9.8,0.2,2.7)
             way = speeds[b][i]*time + sum(pull[i]*(k + 0.5)*dt*dt for k in range(20))
             close(report, row[a], centres[b][i] + way, f"body {b}: {a}", 1e-9)
             kinetic += 0.5*masses[b]*speed**2
-        close(report, row["kinetic_energy"], 0.5*masses[b]*sum((speeds[b][i] + pull[i]*(time - dt/2))**2 for i in range(3)),
-              f"body {b}: kinetic_energy", 1e-9)
+        close(
+            report, row["kinetic_energy"],
+            0.5 * masses[b] * sum((speeds[b][i] + pull[i] * (time - dt / 2)) ** 2 for i in range(3)),
+            f"body {b}: kinetic_energy", 1e-9,
+        )
     last = result.table("history.csv")[-1]
     start = 0.5*sum(masses[b]*sum(v*v for v in speeds[b]) for b in masses)
     close(report, last["kinetic_energy"], kinetic, "kinetic_energy", 1e-9)
@@ -252,10 +290,28 @@ velocity b x="1e-4*sin(pi*x)"
         for time, kinetic in ((0.125, 0.5), (0.25, 0.0), (0.5, 1.0)):
             row = min(rows, key=lambda row, time=time: abs(row["time"] - time))
             close(report, row["kinetic_energy"], kinetic*energy, f"{method}: kinetic energy at {time}", 0.02, energy)
-            close(report, row["internal_energy"], (1 - kinetic)*energy, f"{method}: internal energy at {time}", 0.02, energy)
-            close(report, row["total_energy"], row["kinetic_energy"] + row["internal_energy"], f"{method}: total energy", 1e-12)
-        report.check(all(row["external_work"] == 0 and row["contact_dissipation"] == 0 and row["viscous_dissipation"] == 0
-                         for row in rows), f"{method}: work from nowhere")
+            close(
+                report,
+                row["internal_energy"],
+                (1 - kinetic) * energy,
+                f"{method}: internal energy at {time}",
+                0.02,
+                energy,
+            )
+            close(
+                report,
+                row["total_energy"],
+                row["kinetic_energy"] + row["internal_energy"],
+                f"{method}: total energy",
+                1e-12,
+            )
+        report.check(
+            all(
+                row["external_work"] == 0 and row["contact_dissipation"] == 0 and row["viscous_dissipation"] == 0
+                for row in rows
+            ),
+            f"{method}: work from nowhere",
+        )
 
 
 def forces(report):
@@ -293,8 +349,15 @@ output csv fields=initial_position
         rows = run(f"places_{method}", deck, method=method).table("particles_end.csv")
         row = min(rows, key=lambda row: (row["x0"] - 4.25)**2 + (row["y0"] - 7.25)**2 + (row["z0"] - 4.25)**2)
         for a, force in (("x", 2*row["x0"]), ("y", 3*row["y0"] + row["z0"]), ("z", -row["z0"])):
-            close(report, row[f"velocity_{a}"], force*(steps - 0.5)*1e-6, f"{method}: body force of the present {a}", 1e-6)
-    # Velocities that alternate from particle to particle give nodes none: what is left of them is flip to the number of steps. All
+            close(
+                report,
+                row[f"velocity_{a}"],
+                force * (steps - 0.5) * 1e-6,
+                f"{method}: body force of the present {a}",
+                1e-6,
+            )
+    # Velocities that alternate from particle to particle give nodes none: what is left of them is flip to the number of
+    # steps. All
     # of gravity arrives, whatever part of the velocity comes from increments.
     deck = """
 parameter method=sgmp
@@ -311,11 +374,18 @@ output csv
     for method in METHODS:
         rows = run(f"flip_{method}", deck, method=method).table("particles_end.csv")
         for row in rows[18:22]:
-            close(report, row["velocity_x"], 5 + 1e8*2.5e-9 + (1 if row["id"] % 2 else -1)*0.7**3, f"{method}: flip", 1e-6)
+            close(
+                report,
+                row["velocity_x"],
+                5 + 1e8 * 2.5e-9 + (1 if row["id"] % 2 else -1) * 0.7**3,
+                f"{method}: flip",
+                1e-6,
+            )
 
 
 def contact(report):
-    """A block on a rigid table: what the table bears, with its lever; work of a rigid tool, first or second of the pair."""
+    """A block on a rigid table: what the table bears, with its lever; work of a rigid tool, first or second of the
+    pair."""
     deck = """
 grid cell=1
 method sgmp

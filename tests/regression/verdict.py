@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""The verdict on a run: each criterion with a deck that trips it and one beside it that does not; the same for any ranks and threads.
+"""The verdict on a run: each criterion with a deck that trips it and one beside it that does not; the same for any
+ranks and threads.
 
 usage: verdict.py SGMP SOURCE_DIR SCRATCH_DIR
 
-That the decks are unsound is known from outside: a bar that flies apart uniformly to ten times its length has no gaps; gas between
-walls fills the box once; a block under its weight has the density that its modulus allows; energy is conserved.
+That the decks are unsound is known from outside: a bar that flies apart uniformly to ten times its length has no gaps;
+gas between walls fills the box once; a block under its weight has the density that its modulus allows; energy is
+conserved.
 """
 import math
 import os
@@ -121,7 +123,8 @@ body plate block material=m lower=(0,0) upper=(4,4) ppc=2 overlap=allow
 body ball sphere material=m centre=(2,height) radius=1 ppc=2 overlap=allow
 contact all
 """
-# A disk that turns and falls; nothing but its weight acts on it. A wall that it never reaches, or another body that it may touch, could turn it.
+# A disk that turns and falls; nothing but its weight acts on it. A wall that it never reaches, or another body that it
+# may touch, could turn it.
 TURNING = """
 parameter method = sgmp
 parameter rotation = plain
@@ -169,7 +172,8 @@ body b block material=m lower=(0,0) upper=(2,0.5) ppc=2
 velocity b x=0.1
 bodyforce b y="(x0 < 1 ? pull : -1)*min(t/0.2,1)"
 """
-# Soil without cohesion, whose particles fly apart along the cone as it shears: dilatancy as large as friction makes energy.
+# Soil without cohesion, whose particles fly apart along the cone as it shears: dilatancy as large as friction makes
+# energy.
 DILATING = """
 parameter dilatancy = 30
 dimension 2
@@ -182,7 +186,8 @@ gravity (0,-9.81)
 material sand mohr_coulomb density=1500 young=1e6 poisson=0.3 friction=30 dilatancy=dilatancy
 body heap block material=sand lower=(-0.25,0.5) upper=(0.25,1) ppc=2
 """
-# Liquid under a pressure, whose outer particles lie on faces of cells (shift 0): that of the last pushes a node to which it gives no mass.
+# Liquid under a pressure, whose outer particles lie on faces of cells (shift 0): that of the last pushes a node to
+# which it gives no mass.
 FACES = """
 parameter method = mpm
 parameter shift = 0
@@ -264,20 +269,33 @@ def doubts(report, name, deck, words, **settings):
     """A run that ends with exit code 0 and is called doubtful for a reason with these words."""
     result = run(name, deck, **settings)
     if report.finished(result, name):
-        report.check(result["verdict"] == "doubtful" and "verdict_error" not in result.summary, f"{name}: {result['verdict']}")
-        report.check(any(words in reason for reason in result["verdict_reasons"]), f"{name}: {result['verdict_reasons']}")
-        report.check(f"verdict: doubtful: {result['verdict_reasons'][0]}" in result.text, f"{name}: not in words: {result.text}")
+        report.check(
+            result["verdict"] == "doubtful" and "verdict_error" not in result.summary, f"{name}: {result['verdict']}"
+        )
+        report.check(
+            any(words in reason for reason in result["verdict_reasons"]), f"{name}: {result['verdict_reasons']}"
+        )
+        report.check(
+            f"verdict: doubtful: {result['verdict_reasons'][0]}" in result.text, f"{name}: not in words: {result.text}"
+        )
     return result
 
 
 def coarse(report, name, deck, words, least, **settings):
-    """A run that is right in kind: coarse for a reason with these words, and says which error to expect, not below `least`."""
+    """A run that is right in kind: coarse for a reason with these words, and says which error to expect, not below
+    `least`."""
     result = run(name, deck, **settings)
     if report.finished(result, name):
-        report.check(result["verdict"] == "coarse" and result["verdict_error"] >= least, f"{name}: {result['verdict']} {result.summary.get('verdict_error')}")
+        report.check(
+            result["verdict"] == "coarse" and result["verdict_error"] >= least,
+            f"{name}: {result['verdict']} {result.summary.get('verdict_error')}",
+        )
         reason = next((reason for reason in result["verdict_reasons"] if words in reason), "no such reason")
         told = re.search(r"verdict: coarse: expect errors of (\d+) %: " + re.escape(reason), result.text)
-        report.check(told and 100*least <= float(told[1]) <= 100*result["verdict_error"] + 1, f"{name}: not in words: {result.text}")
+        report.check(
+            told and 100 * least <= float(told[1]) <= 100 * result["verdict_error"] + 1,
+            f"{name}: not in words: {result.text}",
+        )
         with open(os.path.join(result.folder, "run.log"), encoding="utf-8") as log:
             report.check("verdict: coarse: expect errors of" in log.read(), f"{name}: not in run.log")
     return result
@@ -287,7 +305,10 @@ def sound(report, name, deck, **settings):
     """A run that is not doubted."""
     result = run(name, deck, **settings)
     if report.finished(result, name):
-        report.check(result["verdict"] == "sound" and result["verdict_reasons"] == [] and result["verdict_error"] == 0.05, f"{name}: {result['verdict_reasons']}")
+        report.check(
+            result["verdict"] == "sound" and result["verdict_reasons"] == [] and result["verdict_error"] == 0.05,
+            f"{name}: {result['verdict_reasons']}",
+        )
         with open(os.path.join(result.folder, "run.log"), encoding="utf-8") as log:
             report.check("verdict: sound" in log.read(), f"{name}: not in run.log")
     return result
@@ -300,9 +321,19 @@ def criteria(report):
         report.check(result["end_state.particles_out_of_reach"] >= 32, f"{method}: {result['end_state']}")
         sound(report, f"stretch_little_{method}", STRETCH, method=method, strain=0.5)
     for method in ("sgmp", "gimp"):  # each second cell has no particle, all are in reach of each other
-        result = doubts(report, f"gaps_{method}", STRETCH.replace("0.25", "0.125"), "between others have no particle", method=method, strain=3)
-        report.check(result["end_state.particles_out_of_reach"] == 0 and result["end_state.gaps"] > 0.6, f"gaps {method}: {result['end_state']}")
-        sound(report, f"split_{method}", STRETCH.replace("0.25", "0.125").replace("method $method", "method $method split=0.75"), method=method, strain=3)
+        result = doubts(
+            report, f"gaps_{method}", STRETCH.replace("0.25", "0.125"), "between others have no particle",
+            method=method, strain=3,
+        )
+        report.check(
+            result["end_state.particles_out_of_reach"] == 0 and result["end_state.gaps"] > 0.6,
+            f"gaps {method}: {result['end_state']}",
+        )
+        sound(
+            report, f"split_{method}",
+            STRETCH.replace("0.25", "0.125").replace("method $method", "method $method split=0.75"), method=method,
+            strain=3,
+        )
     doubts(report, "stretch", STRETCH, "larger than a cell")
     doubts(report, "stretch", STRETCH, "no room in the cells")
     for method in ("gimp", "mpm"):
@@ -310,11 +341,18 @@ def criteria(report):
         report.check("drift of volumes" in result.text, f"gas {method}: no warning at the start: {result.text}")
     doubts(report, "gas_half", GAS, "no room in the cells", fill=6, t_end=0.2)
     doubts(report, "gas_mpm", GAS, "times the closed box", method="mpm", t_end=0.2)
-    sound(report, "gas_kept", GAS.replace("stress=$stress", "volumes=kept").replace("ppc=2", "ppc=3"), fill=6, t_end=0.2)
+    sound(
+        report, "gas_kept", GAS.replace("stress=$stress", "volumes=kept").replace("ppc=2", "ppc=3"), fill=6, t_end=0.2
+    )
     result = doubts(report, "gas_normalised", GAS, "energy has grown", fill=6, stress="normalised", t_end=0.2)
-    report.check("of which they have reached" in result.text, f"gas that does not fill what it has reached: {result['verdict_reasons']}")
+    report.check(
+        "of which they have reached" in result.text,
+        f"gas that does not fill what it has reached: {result['verdict_reasons']}",
+    )
     result = sound(report, "gas", GAS)
-    report.check(abs(result["end_state.volume_over_box"] - 1) < 0.03, f"gas: volumes {result['end_state.volume_over_box']}")
+    report.check(
+        abs(result["end_state.volume_over_box"] - 1) < 0.03, f"gas: volumes {result['end_state.volume_over_box']}"
+    )
     doubts(report, "heap", HEAP, "times as dense")
     result = sound(report, "heap_stiff", HEAP, young=30)
     report.check(1 < result["end_state.largest_compression"] < 1.3, f"heap: {result['end_state']}")
@@ -328,14 +366,19 @@ def criteria(report):
     turning(report)
     for method in ("sgmp", "gimp", "bspline"):
         result = doubts(report, f"lid_{method}", LID, "moves towards one across its way", method=method)
-        report.check("a wall moves towards one across its way" in result.text.split("verdict")[0], f"lid {method}: no warning at the start: {result.text}")
+        report.check(
+            "a wall moves towards one across its way" in result.text.split("verdict")[0],
+            f"lid {method}: no warning at the start: {result.text}",
+        )
     sound(report, "lid_mpm", LID, method="mpm")
     coarse(report, "plate", LID, "of the energy that the scene was given is gone", 0.1, sides="free")
     doubts(report, "pulled", PULLED, "walls with friction have held back by")
     sound(report, "pressed", PULLED, pull=-0.2)
     doubts(report, "dilating", DILATING, "energy that it never had")
     result = run("dilating_little", DILATING, dilatancy=0)
-    report.check(not any("never had" in reason for reason in result["verdict_reasons"]), f"dilating: {result['verdict_reasons']}")
+    report.check(
+        not any("never had" in reason for reason in result["verdict_reasons"]), f"dilating: {result['verdict_reasons']}"
+    )
     faces(report)
     plain = INCLINED.replace("rotation=$rotation", "rotation=$rotation stress=plain surfaces=plain")
     taken = coarse(report, "inclined_sgmp", plain, "forces that no particle feels", 0.15, method="sgmp")
@@ -344,7 +387,10 @@ def criteria(report):
         found = tuple(result[key] for key in ("stress", "rotation", "surfaces"))
         report.check(found == words, f"inclined: the run says it took {found}, not {words}")
     coarse(report, "inclined_bspline", INCLINED, "cells thick", 0.15, method="bspline")
-    coarse(report, "inclined_let_go", plain.replace("rate=0.1", "rate=0.1 until=790"), "forces that no particle feels", 0.15, method="sgmp")
+    coarse(
+        report, "inclined_let_go", plain.replace("rate=0.1", "rate=0.1 until=790"), "forces that no particle feels",
+        0.15, method="sgmp",
+    )
     gone = doubts(report, "gone", GONE, "no particle is left")
     report.check(gone["particles_lost"] == 16, f"gone: {gone.text}")
     leaving(report)
@@ -361,29 +407,44 @@ def criteria(report):
 
 
 def failing(report):
-    """Failure by a strain of the particle alone: doubtful where strength rules, silent where nothing has failed, where a fracture energy is given, and of a cloud of debris."""
+    """Failure by a strain of the particle alone: doubtful where strength rules, silent where nothing has failed, where
+    a fracture energy is given, and of a cloud of debris."""
     words = "failure by a strain follows the cell"
     result = doubts(report, "notched", NOTCHED, words)
     report.check(0.1 < result["end_state.failure_share"] < 1, f"notched: {result['end_state']}")
     doubts(report, "notched_moving", NOTCHED, words, frame=3000)
     doubts(report, "notched_eroded", NOTCHED.replace("failure steel plastic", "erode steel plastic"), words)
     result = run("notched_whole", NOTCHED, limit=9)
-    report.check(not any(words in reason for reason in result["verdict_reasons"]) and result["end_state.failure_share"] == 0, f"not failed: {result['verdict_reasons']}")
+    report.check(
+        not any(words in reason for reason in result["verdict_reasons"]) and result["end_state.failure_share"] == 0,
+        f"not failed: {result['verdict_reasons']}",
+    )
     result = run("notched_energy", NOTCHED.replace("=limit", "=limit fracture_energy=200"))
-    report.check(not any(words in reason for reason in result["verdict_reasons"]), f"by fracture energy: {result['verdict_reasons']}")
+    report.check(
+        not any(words in reason for reason in result["verdict_reasons"]),
+        f"by fracture energy: {result['verdict_reasons']}",
+    )
     result = run("notched_marked", NOTCHED.replace("=limit", "=limit carries=everything"))
-    report.check(not any(words in reason for reason in result["verdict_reasons"]), f"a mark: {result['verdict_reasons']}")
+    report.check(
+        not any(words in reason for reason in result["verdict_reasons"]), f"a mark: {result['verdict_reasons']}"
+    )
     cloud = run("cloud", CLOUD)
     report.check(not any(words in reason for reason in cloud["verdict_reasons"]), f"cloud: {cloud['verdict_reasons']}")
     report.check(cloud["end_state.failure_share"] > 0.002, f"cloud: nothing has failed: {cloud['end_state']}")
 
 
 def foam(report):
-    """Foam that a part squeezes slowly to 0.6 of its length between walls: stress by its curve, and the error is not larger than what is told."""
+    """Foam that a part squeezes slowly to 0.6 of its length between walls: stress by its curve, and the error is not
+    larger than what is told."""
     for method, error in (("sgmp", 0.15), ("mpm", 0.4)):
-        result = coarse(report, f"foam_{method}", FOAM, "mpm jump" if method == "mpm" else "foam was crushed", error, method=method)
+        result = coarse(
+            report, f"foam_{method}", FOAM, "mpm jump" if method == "mpm" else "foam was crushed", error, method=method
+        )
         rows = [row for row in result.table("particles_end.csv") if 0.5 < row["x0"] < 1.5]
-        ends = [(row["x0"], row["displacement_x"]) for row in (min(rows, key=lambda row: row["x0"]), max(rows, key=lambda row: row["x0"]))]
+        ends = [
+            (row["x0"], row["displacement_x"])
+            for row in (min(rows, key=lambda row: row["x0"]), max(rows, key=lambda row: row["x0"]))
+        ]
         strain = -math.log(1 + (ends[1][1] - ends[0][1])/(ends[1][0] - ends[0][0]))
         plastic = (strain - 0.01)/(1 + 0.01/1.5)
         off = sum(row["stress_xx"] for row in rows)/len(rows)/(plastic - strain) - 1
@@ -391,33 +452,47 @@ def foam(report):
 
 
 def leaving(report):
-    """A block of 2 x 2 flies out of the grid with the velocity 2: when half of it is out, so are half of its mass 4, momentum 8 and energy 8, and what is left flies on."""
-    for method, update, steps in (("sgmp", "musl", 225), ("sgmp", "usf", 225), ("mpm", "usl", 200), ("gimp", "usavg", 225)):
+    """A block of 2 x 2 flies out of the grid with the velocity 2: when half of it is out, so are half of its mass 4,
+    momentum 8 and energy 8, and what is left flies on."""
+    for method, update, steps in (
+        ("sgmp", "musl", 225), ("sgmp", "usf", 225), ("mpm", "usl", 200), ("gimp", "usavg", 225),
+    ):
         name = f"leaving_{method}_{update}"
         result = run(name, GONE, steps=steps, method=method, update=update)
         report.check(result["verdict"] != "doubtful", f"{name}: {result['verdict_reasons']}")
         lost = result["lost"]
-        for found, expected in ((lost["mass"], 2), (lost["momentum"][0], 4), (lost["kinetic_energy"], 4), (result["energy.total"], 4)):
+        for found, expected in (
+            (lost["mass"], 2), (lost["momentum"][0], 4), (lost["kinetic_energy"], 4), (result["energy.total"], 4),
+        ):
             report.check(abs(found/expected - 1) < 1e-12, f"{name}: {lost}, {found}, not {expected}")
         report.check(abs(lost["internal_energy"]) < 1e-12, f"{name}: {lost}")
         report.check(abs(result["energy.drift"]) < 1e-12, f"{name}: drift {result['energy.drift']}")
         for row in result.table("bodies.csv"):
             report.check(abs(row["velocity_x"] - 2) < 1e-12, f"{name}: {row['velocity_x']} at {row['time']}")
         row = result.table("history.csv")[-1]
-        report.check(row["lost_mass"] == lost["mass"] and row["lost_kinetic_energy"] == lost["kinetic_energy"], f"{name}: {row}")
+        report.check(
+            row["lost_mass"] == lost["mass"] and row["lost_kinetic_energy"] == lost["kinetic_energy"], f"{name}: {row}"
+        )
 
 
 def faces(report):
-    """A force on a node without mass moves nothing: here the pressure of 3 for the first kick, half of a step of 0.001, out of a momentum of 3 x 2 x 0.1."""
+    """A force on a node without mass moves nothing: here the pressure of 3 for the first kick, half of a step of 0.001,
+    out of a momentum of 3 x 2 x 0.1."""
     result = doubts(report, "faces", FACES, "grid points without mass")
     momentum = [row["momentum_x"] for row in result.table("history.csv")]
-    report.check(abs(result["end_state.lost_impulse"] - 0.0015) < 1e-12 and abs(momentum[-1] - momentum[0] + 0.0015) < 1e-12,
-                 f"faces: {result['end_state.lost_impulse']}, momentum {momentum}")
+    report.check(
+        abs(result["end_state.lost_impulse"] - 0.0015) < 1e-12 and abs(momentum[-1] - momentum[0] + 0.0015) < 1e-12,
+        f"faces: {result['end_state.lost_impulse']}, momentum {momentum}",
+    )
     for name, settings in (("inside", {"shift": 0.25}), ("sgmp", {"method": "sgmp"})):
         result = run(f"faces_{name}", FACES, **settings)
         momentum = [row["momentum_x"] for row in result.table("history.csv")]
-        report.check(result["end_state.lost_impulse"] == 0 and abs(momentum[-1] - momentum[0]) < 1e-15 and
-                     not any("without mass" in reason for reason in result["verdict_reasons"]), f"faces {name}: {result['end_state']} {momentum}")
+        report.check(
+            result["end_state.lost_impulse"] == 0
+            and abs(momentum[-1] - momentum[0]) < 1e-15
+            and not any("without mass" in reason for reason in result["verdict_reasons"]),
+            f"faces {name}: {result['end_state']} {momentum}",
+        )
 
 
 def loss_of_spin(particles):
@@ -427,9 +502,18 @@ def loss_of_spin(particles):
     def about(x, y, vx, vy):
         """Angular momentum about the centre of mass of (name or function) coordinates and velocities."""
         places, speeds = ([[f(p) for p in particles] for f in pair] for pair in ((x, y), (vx, vy)))
-        centre, drift = ([sum(p["mass"]*value for p, value in zip(particles, values))/mass for values in pair] for pair in (places, speeds))
-        return sum(p["mass"]*((places[0][i] - centre[0])*(speeds[1][i] - drift[1]) - (places[1][i] - centre[1])*(speeds[0][i] - drift[0]))
-                   for i, p in enumerate(particles))
+        centre, drift = (
+            [sum(p["mass"] * value for p, value in zip(particles, values)) / mass for values in pair]
+            for pair in (places, speeds)
+        )
+        return sum(
+            p["mass"]
+            * (
+                (places[0][i] - centre[0]) * (speeds[1][i] - drift[1])
+                - (places[1][i] - centre[1]) * (speeds[0][i] - drift[0])
+            )
+            for i, p in enumerate(particles)
+        )
 
     now = about(*(lambda p, name=name: p[name] for name in ("x", "y", "velocity_x", "velocity_y")))
     then = about(lambda p: p["x0"], lambda p: p["y0"], lambda p: 1 - 3*(p["y0"] - 0.04), lambda p: 3*(p["x0"] - 0.03))
@@ -437,13 +521,18 @@ def loss_of_spin(particles):
 
 
 def turning(report):
-    """Angular momentum about the centre of mass, which uniform gravity does not change; found here from particles_end.csv."""
+    """Angular momentum about the centre of mass, which uniform gravity does not change; found here from
+    particles_end.csv."""
     for space in (2, 3):
-        result = doubts(report, f"turning_{space}", TURNING, "the angular momentum of body 'disk' has changed by", space=space)
+        result = doubts(
+            report, f"turning_{space}", TURNING, "the angular momentum of body 'disk' has changed by", space=space
+        )
         expected = loss_of_spin(result.table("particles_end.csv"))
         report.check(abs(result["end_state.angular_momentum_change"] - expected) < 2e-3*expected,
                      f"turning {space}: {result['end_state.angular_momentum_change']}, expected {expected}")
-    exact = coarse(report, "turning_exact", TURNING, "of the energy that the scene was given is gone", 0.1, rotation="exact")
+    exact = coarse(
+        report, "turning_exact", TURNING, "of the energy that the scene was given is gone", 0.1, rotation="exact"
+    )
     report.check(exact["end_state.angular_momentum_change"] < 0.01, f"turning exact: {exact['end_state']}")
     result = sound(report, "falling", TURNING, spin=0)
     report.check("angular_momentum_change" not in result["end_state"], f"nothing turns: {result['end_state']}")
@@ -451,16 +540,25 @@ def turning(report):
     report.check("angular_momentum_change" not in result["end_state"], f"a wall: {result['end_state']}")
     straight = run("turning_straight", TURNING)
     again = run("turning_again", TURNING, options=("--restart", os.path.join(straight.folder, "checkpoint_0000050.h5")))
-    report.check(again.code == 0 and again["end_state"] == straight["end_state"] and again["verdict_reasons"] == straight["verdict_reasons"],
-                 f"turning, restarted: {again['end_state']} {straight['end_state']}")
+    report.check(
+        again.code == 0
+        and again["end_state"] == straight["end_state"]
+        and again["verdict_reasons"] == straight["verdict_reasons"],
+        f"turning, restarted: {again['end_state']} {straight['end_state']}",
+    )
 
 
 def everywhere(report):
     """What no method resolves is called so with every method and update."""
     for method in ("sgmp", "gimp", "mpm"):
         for update in ("musl", "usf", "usl", "usavg"):
-            for name, deck, words in (("stretch", STRETCH, "numerical fracture"), ("heap", HEAP, "times as dense"), ("flat", FLAT, "times as dense")):
-                text = deck.replace("method $method", "method sgmp").replace("method sgmp\n", f"method {method} update={update}\n")
+            for name, deck, words in (
+                ("stretch", STRETCH, "numerical fracture"), ("heap", HEAP, "times as dense"),
+                ("flat", FLAT, "times as dense"),
+            ):
+                text = deck.replace("method $method", "method sgmp").replace(
+                    "method sgmp\n", f"method {method} update={update}\n"
+                )
                 doubts(report, f"{name}_{method}_{update}", text, words)
     sound(report, "flat_little", FLAT, part=0.5)
 
@@ -468,24 +566,33 @@ def everywhere(report):
 def failures(report):
     """A run that fails is doubtful, and says why."""
     result = run("failed", RINGING, cfl=6)
-    report.check(result.code == 4 and result["verdict"] == "doubtful" and result["verdict_reasons"][0].startswith("it failed: "),
-                 f"failed: {result.code} {result.summary.get('verdict_reasons')}")
+    report.check(
+        result.code == 4 and result["verdict"] == "doubtful" and result["verdict_reasons"][0].startswith("it failed: "),
+        f"failed: {result.code} {result.summary.get('verdict_reasons')}",
+    )
 
 
 def layouts(report):
     """The same findings for any number of ranks and threads."""
-    for name, deck in (("stretch", STRETCH), ("gas_half", GAS.replace("fill = 12", "fill = 6")), ("turning", TURNING), ("within", WITHIN)):
+    for name, deck in (
+        ("stretch", STRETCH), ("gas_half", GAS.replace("fill = 12", "fill = 6")), ("turning", TURNING),
+        ("within", WITHIN),
+    ):
         expected = run(name + "_1", deck)
         for ranks, threads in ((1, 2), (3, 1)):
             folder = os.path.join(SCRATCH, f"{name}_{ranks}_{threads}")
             command = ["mpirun", "--oversubscribe", "-n", str(ranks), SGMP,
                        os.path.join(SCRATCH, name + "_1.inp"), "--quiet", "--threads", str(threads), "--output", folder]
             environment = {key: value for key, value in ENVIRONMENT.items() if key != "OMPI_MCA_ess_singleton_isolated"}
-            done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False, env=environment)
+            done = subprocess.run(
+                command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False, env=environment
+            )
             result = Run(done.returncode, done.stdout.decode(), folder)
             if report.finished(result, f"{name} {ranks}x{threads}"):
                 for key in ("verdict", "verdict_reasons", "end_state"):
-                    report.check(result[key] == expected[key], f"{name} {ranks}x{threads}: {key} {result[key]}, {expected[key]}")
+                    report.check(
+                        result[key] == expected[key], f"{name} {ranks}x{threads}: {key} {result[key]}, {expected[key]}"
+                    )
 
 
 def main():

@@ -13,7 +13,10 @@ try:
     import h5py
     import numpy as np
 except ImportError as missing:
-    print(f"SKIPPED: {missing}; scripts/setup/setup.sh --test installs it (pip install -r scripts/setup/requirements-test.txt)")
+    print(
+        f"SKIPPED: {missing}; scripts/setup/setup.sh --test installs it (pip install -r "
+        f"scripts/setup/requirements-test.txt)"
+    )
     sys.exit(77)
 
 try:
@@ -51,19 +54,31 @@ def plate():
 
 
 def sums_problems(report, name, path):
-    """The sums of the grid have names, and under these they are what particles give: their mass; with swirl, where m X^2 stands behind m v X, no more
-    than the largest radius makes of it."""
+    """The sums of the grid have names, and under these they are what particles give: their mass; with swirl, where m
+    X^2 stands behind m v X, no more than the largest radius makes of it."""
     with h5py.File(path, "r") as file:
         fields = json.loads(file["contents"][()])["fields"]
         names = fields[0]["columns"].split()
         sums = dict(zip(names, np.asarray(file["field_1/moments"]).T))
-        mass = sum(file[f"body_{b}/particles"][:, 2*found_axes(file)].sum() for b in range(1, 1 + len(json.loads(file["contents"][()])["bodies"])))
-    report.check(len(names) == len(set(names)) == len(sums) and {"mass", "momentum", "force"} <= set(names), f"{name}: sums {names}")
+        mass = sum(
+            file[f"body_{b}/particles"][:, 2 * found_axes(file)].sum()
+            for b in range(1, 1 + len(json.loads(file["contents"][()])["bodies"]))
+        )
+    report.check(
+        len(names) == len(set(names)) == len(sums) and {"mass", "momentum", "force"} <= set(names),
+        f"{name}: sums {names}",
+    )
     if len(fields) == 1:
-        report.check(abs(sums["mass"].sum()/mass - 1) < 1e-12, f"{name}: mass of the grid {sums['mass'].sum():.6g}, of particles {mass:.6g}")
+        report.check(
+            abs(sums["mass"].sum() / mass - 1) < 1e-12,
+            f"{name}: mass of the grid {sums['mass'].sum():.6g}, of particles {mass:.6g}",
+        )
     if name == "swirl":
         radius = sums["radial"].sum()/mass
-        report.check(radius**2 <= sums["gyration"].sum()/mass <= 12**2, f"{name}: mean radius {radius:.4g}, gyration {sums['gyration'].sum()/mass:.4g}")
+        report.check(
+            radius**2 <= sums["gyration"].sum() / mass <= 12**2,
+            f"{name}: mean radius {radius:.4g}, gyration {sums['gyration'].sum() / mass:.4g}",
+        )
 
 
 def found_axes(file):
@@ -72,12 +87,23 @@ def found_axes(file):
 
 
 def cut_sums(report):
-    """A checkpoint whose list of checksums has lost its second half is refused: what they were of would be believed unread."""
-    deck = "\n".join(line for line in IMPACT.splitlines() if "plate" not in line).replace("time end", "checkpoint every=1000\ntime end") + "\n"
+    """A checkpoint whose list of checksums has lost its second half is refused: what they were of would be believed
+    unread."""
+    deck = (
+        "\n".join(line for line in IMPACT.splitlines() if "plate" not in line).replace(
+            "time end", "checkpoint every=1000\ntime end"
+        )
+        + "\n"
+    )
     result = run("sums", deck.replace("contact all\n", ""))
     if not report.finished(result, "sums"):
         return
-    path = os.path.join(result.folder, sorted(entry for entry in os.listdir(result.folder) if entry.endswith(".h5") and entry.startswith("checkpoint_"))[-1])
+    path = os.path.join(
+        result.folder,
+        sorted(
+            entry for entry in os.listdir(result.folder) if entry.endswith(".h5") and entry.startswith("checkpoint_")
+        )[-1],
+    )
     whole = run("sums", deck.replace("contact all\n", ""), options=("--restart", path))
     report.finished(whole, "whole checkpoint")
     with h5py.File(path, "r+") as file:
@@ -85,7 +111,10 @@ def cut_sums(report):
         del file["checked/sums"]
         file["checked/sums"] = sums[:len(sums)//2]
     again = run("sums", deck.replace("contact all\n", ""), options=("--restart", path))
-    report.check(again.code == 5 and "its checksums do not fit its contents" in again.text, f"half of the checksums: exit code {again.code}\n{again.text}")
+    report.check(
+        again.code == 5 and "its checksums do not fit its contents" in again.text,
+        f"half of the checksums: exit code {again.code}\n{again.text}",
+    )
 
 
 def main():
@@ -98,22 +127,34 @@ def main():
         if not report.finished(result, name):
             continue
         table = read_particles_csv(result.folder)
-        path = sorted(entry for entry in os.listdir(result.folder) if entry.startswith("checkpoint_") and entry.endswith(".h5"))[-1]
+        path = sorted(
+            entry for entry in os.listdir(result.folder) if entry.startswith("checkpoint_") and entry.endswith(".h5")
+        )[-1]
         found = read_dump(os.path.join(result.folder, path))
         report.check(abs(found.time - result["time"]) <= 1e-15*result["time"], f"{name}: time {found.time}")
-        report.check(len(found.points) == len(table.points), f"{name}: {len(found.points)} particles, not {len(table.points)}")
+        report.check(
+            len(found.points) == len(table.points), f"{name}: {len(found.points)} particles, not {len(table.points)}"
+        )
         scale = np.abs(table.points).max()
         report.check(np.allclose(found.points, table.points, rtol=0, atol=1e-15*scale), f"{name}: other places")
         for field in ("id", "body", "velocity", *FIELDS.split(",")):
             wanted = table.fields[field]
             have = found.fields.get(field, np.zeros_like(wanted))
-            report.check(np.allclose(have, wanted, rtol=2e-15, atol=1e-15*np.abs(wanted).max()), f"{name}: other {field}")
+            report.check(
+                np.allclose(have, wanted, rtol=2e-15, atol=1e-15 * np.abs(wanted).max()), f"{name}: other {field}"
+            )
         sums_problems(report, name, os.path.join(result.folder, path))
         for number, (body, mask) in enumerate(found.bodies.items(), 1):
-            report.check(f"body {body} " in deck and mask.sum() == (table.fields["body"] == number).sum(), f"{name}: particles of {body}")
+            report.check(
+                f"body {body} " in deck and mask.sum() == (table.fields["body"] == number).sum(),
+                f"{name}: particles of {body}",
+            )
         if pandas:
             frame = found.frame()
-            report.check(np.array_equal(frame["velocity_y"], found.fields["velocity"][:, 1]) and len(frame) == len(found.points), f"{name}: table of pandas")
+            report.check(
+                np.array_equal(frame["velocity_y"], found.fields["velocity"][:, 1]) and len(frame) == len(found.points),
+                f"{name}: table of pandas",
+            )
     wrong = os.path.join(SCRATCH, "wrong.h5")
     with open(wrong, "wb") as file:
         file.write(b"not HDF5")

@@ -17,7 +17,10 @@ try:
     from vtkmodules.vtkIOHDF import vtkHDFReader
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 except ImportError as missing:
-    print(f"SKIPPED: {missing}; scripts/setup/setup.sh --test installs it (pip install -r scripts/setup/requirements-test.txt)")
+    print(
+        f"SKIPPED: {missing}; scripts/setup/setup.sh --test installs it (pip install -r "
+        f"scripts/setup/requirements-test.txt)"
+    )
     sys.exit(77)
 
 VERTEX = 1
@@ -68,8 +71,11 @@ def read_vtu(folder):
 
 def same_grid(report, title, one, other):
     """The same points, cells and values."""
-    report.check(one.GetNumberOfPoints() == other.GetNumberOfPoints() == one.GetNumberOfCells(),
-                 f"{title}: {one.GetNumberOfPoints()} points, {one.GetNumberOfCells()} cells, {other.GetNumberOfPoints()} in the .vtu")
+    report.check(
+        one.GetNumberOfPoints() == other.GetNumberOfPoints() == one.GetNumberOfCells(),
+        f"{title}: {one.GetNumberOfPoints()} points, {one.GetNumberOfCells()} cells, {other.GetNumberOfPoints()} in "
+        f"the .vtu",
+    )
     pairs = [("points", one.GetPoints().GetData(), other.GetPoints().GetData()),
              ("connectivity", one.GetCells().GetConnectivityArray(), other.GetCells().GetConnectivityArray()),
              ("offsets", one.GetCells().GetOffsetsArray(), other.GetCells().GetOffsetsArray())]
@@ -82,7 +88,9 @@ def same_grid(report, title, one, other):
         if report.check(first is not None and second is not None, f"{title}: no {name}"):
             first, second = vtk_to_numpy(first), vtk_to_numpy(second)
             report.check(first.shape == second.shape and numpy.array_equal(first, second), f"{title}: other {name}")
-    report.check(all(one.GetCellType(cell) == VERTEX for cell in range(one.GetNumberOfCells())), f"{title}: not vertices")
+    report.check(
+        all(one.GetCellType(cell) == VERTEX for cell in range(one.GetNumberOfCells())), f"{title}: not vertices"
+    )
 
 
 def compare(report, name, folder, dumps):
@@ -124,7 +132,9 @@ def main():
     report = Report()
     for name, text, settings, dumps in SCENES:
         result = straight(report, name, text, **settings)
-        if report.check(os.path.exists(os.path.join(result.folder, "particles.vtkhdf")), f"{name}: no file\n{result.text}"):
+        if report.check(
+            os.path.exists(os.path.join(result.folder, "particles.vtkhdf")), f"{name}: no file\n{result.text}"
+        ):
             compare(report, name, result.folder, dumps)
     # How many dumps there will be is known, or is not.
     crash(report, "crash_known", deck("taylor_bar.inp", "output vtkhdf every=t_end/20\ncheckpoint every=30\n"),

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Slip walls with friction (doc/loads.md): a block that slides down a slope, sticks to it, is stopped, is dragged; mirrored faces, spaces, the ledger.
+"""Slip walls with friction (doc/loads.md): a block that slides down a slope, sticks to it, is stopped, is dragged;
+mirrored faces, spaces, the ledger.
 
 usage: wall_friction.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Known from outside: Coulomb's law for a rigid block. Gravity g sets in as g sin(pi t/(2 B))^2 until t = B, whose integral is R = t - B/2 behind it, and that of R is
-(t - B)^2/2 + B (t - B)/2 + B^2 (1/4 - 1/pi^2).
+Known from outside: Coulomb's law for a rigid block. Gravity g sets in as g sin(pi t/(2 B))^2 until t = B, whose
+integral is R = t - B/2 behind it, and that of R is (t - B)^2/2 + B (t - B)/2 + B^2 (1/4 - 1/pi^2).
 """
 import math
 
@@ -38,17 +39,28 @@ output csv at=end fields=displacement
 """
 SIN, COS = math.sin(math.radians(30)), math.cos(math.radians(30))
 # All but mpm with usl, which breaks in bodies at rest as well.
-WAYS = [("sgmp", update) for update in ("musl", "usf", "usl", "usavg")] + [("mpm", "musl"), ("mpm", "usavg"), ("gimp", "musl"), ("gimp", "usf"),
-                                                                           ("cpgimp", "usl"), ("bspline", "musl"), ("bspline", "usl")]
+WAYS = [("sgmp", update) for update in ("musl", "usf", "usl", "usavg")] + [
+    ("mpm", "musl"), ("mpm", "usavg"), ("gimp", "musl"), ("gimp", "usf"), ("cpgimp", "usl"), ("bspline", "musl"),
+    ("bspline", "usl"),
+]
 WAYS = [(*way, "auto") for way in WAYS] + [("sgmp", update, "exact") for update in ("musl", "usf", "usl", "usavg")]
 # The same scene on other faces and in other spaces: replacements, and the axis along which it slides.
-UPPER = (("y=0:open", "y=open:0"), ("wall y-=slip", "wall y+=slip"), ("wallfriction y-", "wallfriction y+"), ("wallmotion y-", "wallmotion y+"),
-         ("lower=(0,0) upper=(2,0.5)", "lower=(0,-0.5) upper=(2,0)"), ('y="-down', 'y="down'))
-LEFT = (("x=open:open y=0:open", "x=0:open y=open:open"), ("wall y-=slip", "wall x-=slip"), ("wallfriction y-", "wallfriction x-"),
-        ('wallmotion y- x="wall', 'wallmotion x- y="wall'), ("upper=(2,0.5)", "upper=(0.5,2)"), ("velocity b x", "velocity b y"), ('b x="along', 'b y="along'),
-        ('y="-down', 'x="-down'))
-SPACE = (("dimension 2", "dimension 3"), ("y=0:open", "y=0:0.5 z=0:open"), ("wall y-=slip", "wall z-=slip y-=slip y+=slip"), ("wallfriction y-", "wallfriction z-"),
-         ("wallmotion y-", "wallmotion z-"), ("lower=(0,0) upper=(2,0.5)", "lower=(0,0,0) upper=(2,0.5,0.5)"), ('y="-down', 'z="-down'))
+UPPER = (
+    ("y=0:open", "y=open:0"), ("wall y-=slip", "wall y+=slip"), ("wallfriction y-", "wallfriction y+"),
+    ("wallmotion y-", "wallmotion y+"), ("lower=(0,0) upper=(2,0.5)", "lower=(0,-0.5) upper=(2,0)"),
+    ('y="-down', 'y="down'),
+)
+LEFT = (
+    ("x=open:open y=0:open", "x=0:open y=open:open"), ("wall y-=slip", "wall x-=slip"),
+    ("wallfriction y-", "wallfriction x-"), ('wallmotion y- x="wall', 'wallmotion x- y="wall'),
+    ("upper=(2,0.5)", "upper=(0.5,2)"), ("velocity b x", "velocity b y"), ('b x="along', 'b y="along'),
+    ('y="-down', 'x="-down'),
+)
+SPACE = (
+    ("dimension 2", "dimension 3"), ("y=0:open", "y=0:0.5 z=0:open"), ("wall y-=slip", "wall z-=slip y-=slip y+=slip"),
+    ("wallfriction y-", "wallfriction z-"), ("wallmotion y-", "wallmotion z-"),
+    ("lower=(0,0) upper=(2,0.5)", "lower=(0,0,0) upper=(2,0.5,0.5)"), ('y="-down', 'z="-down'),
+)
 
 
 def ramp(t):
@@ -78,7 +90,10 @@ def near(report, what, value, expected, part):
 def ledger(report, name, result):
     """Kinetic identity, and no energy from nowhere."""
     energy = result["energy"]
-    report.check(abs(energy["remainder"]) < 1e-13*energy["supplied"], f"{name}: kinetic identity {energy['remainder']/energy['supplied']}")
+    report.check(
+        abs(energy["remainder"]) < 1e-13 * energy["supplied"],
+        f"{name}: kinetic identity {energy['remainder'] / energy['supplied']}",
+    )
     return result.table("history.csv")[-1]
 
 
@@ -99,20 +114,25 @@ def slopes(report):
         name = f"rest_{method}_{update}_{rotation}"
         ways = []
         for t_end in (1.3, 2.3):
-            result = run(name, SLOPE, method=method, update=update, rotation=rotation, mu=0.8, along=SIN, down=COS, t_end=t_end)
+            result = run(
+                name, SLOPE, method=method, update=update, rotation=rotation, mu=0.8, along=SIN, down=COS, t_end=t_end
+            )
             if not report.finished(result, name):
                 return
             ledger(report, name, result)
             ways.append(way(result))
-        # Sheared by its weight it moves by 4.3e-4 and vibrates; it would creep by 1e-3 if what strains it did not stick, too.
+        # Sheared by its weight it moves by 4.3e-4 and vibrates; it would creep by 1e-3 if what strains it did not
+        # stick, too.
         report.check(3e-4 < ways[0] < 1e-3 and abs(ways[1] - ways[0]) < 2.5e-4, f"{name}: moved by {ways}")
-        # What its loads give is little: the scheme loses up to 9 % of it, and makes 6 % where nodes stick and slide in turns (gimp).
+        # What its loads give is little: the scheme loses up to 9 % of it, and makes 6 % where nodes stick and slide in
+        # turns (gimp).
         drift, taken = result["energy.drift"], result["energy.contact_dissipation"]
         report.check(-0.15 < drift < 0.1 and taken > 0, f"{name}: drift {drift}, friction takes {taken}")
 
 
 def stopped(report):
-    """A block that comes with a speed is stopped; one at rest is dragged by a wall until it has its speed. It is the same seen from the wall."""
+    """A block that comes with a speed is stopped; one at rest is dragged by a wall until it has its speed. It is the
+    same seen from the wall."""
     speed, mu = 0.2, 0.3
     end = (speed/mu) + BEGIN/2                   # of the sliding
     distance = speed*end - mu*ramp(end)[1]
@@ -123,7 +143,10 @@ def stopped(report):
         if not (report.finished(result, name) and report.finished(dragged, name)):
             continue
         near(report, f"stopped {name}: distance", way(result), distance, 0.01)
-        near(report, f"stopped {name}: friction", ledger(report, name, result)["contact_dissipation"], 0.5*speed**2, 0.01)
+        near(
+            report, f"stopped {name}: friction", ledger(report, name, result)["contact_dissipation"], 0.5 * speed**2,
+            0.01,
+        )
         last = ledger(report, name, dragged)
         near(report, f"dragged {name}: way", way(dragged), speed*1.3 - distance, 0.01)
         near(report, f"dragged {name}: momentum", last["momentum_x"], speed, 0.05)  # it vibrates
@@ -145,13 +168,17 @@ def faces(report):
             result = run(name, changed(SLOPE, changes), **settings)
             if not report.finished(result, name):
                 continue
-            found = [way(result, axis), ledger(report, name, result)["contact_dissipation"]*(2 if title == "space" else 1)]
+            found = [
+                way(result, axis),
+                ledger(report, name, result)["contact_dissipation"] * (2 if title == "space" else 1),
+            ]
             for value, wanted in zip(found, expected):
                 near(report, name, value, wanted, 1e-9)
 
 
 def pipe(report):
-    """A ring that is pressed outwards slides along its pipe: what its motion along the axis loses is friction times what presses."""
+    """A ring that is pressed outwards slides along its pipe: what its motion along the axis loses is friction times
+    what presses."""
     text = """
 parameter method = sgmp
 dimension axisymmetric
@@ -175,12 +202,18 @@ history every=0.1
         walls = result["friction_walls"]
         near(report, f"pipe {method}: momentum", last["momentum_z"], mass - 0.2*walls["pressed_impulse"], 1e-10)
         # What presses is mass times force less what the hoop stress of the stretched ring bears.
-        near(report, f"pipe {method}: pressed", walls["pressed_impulse"] - walls["pulled_impulse"], mass*ramp(1.0)[0], 0.02)
+        near(
+            report, f"pipe {method}: pressed", walls["pressed_impulse"] - walls["pulled_impulse"], mass * ramp(1.0)[0],
+            0.02,
+        )
 
 
 def flutter(report):
     """Sliding of an elastic body on a rigid plane is unstable: where that makes the wall pull the run is doubted."""
-    for method, update, mu, sound in (("sgmp", "musl", 0.3, False), ("gimp", "musl", 0.3, False), ("sgmp", "usl", 0.3, True), ("sgmp", "musl", 0.2, True), ("gimp", "musl", 0.2, True)):
+    for method, update, mu, sound in (
+        ("sgmp", "musl", 0.3, False), ("gimp", "musl", 0.3, False), ("sgmp", "usl", 0.3, True),
+        ("sgmp", "musl", 0.2, True), ("gimp", "musl", 0.2, True),
+    ):
         name = f"flutter_{method}_{update}_{mu}"
         result = run(name, SLOPE, method=method, update=update, mu=mu, along=SIN, down=COS, young=2500)
         if not report.finished(result, name):

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A build without MPI beside one with it: the same bits, files and checkpoints; refused under a launcher of several processes.
+"""A build without MPI beside one with it: the same bits, files and checkpoints; refused under a launcher of several
+processes.
 
 usage: serial.py SERIAL_SGMP SOURCE_DIR SCRATCH_DIR SGMP      (`make test-serial` builds the first)
 """
@@ -9,7 +10,8 @@ import subprocess
 import sys
 
 SERIAL, SOURCE, SCRATCH, PARALLEL = (os.path.abspath(path) for path in sys.argv[1:5])
-# Deck and parameters: 1D, plane with contact, axisymmetric with failure and contact, space; one that writes each kind of file.
+# Deck and parameters: 1D, plane with contact, axisymmetric with failure and contact, space; one that writes each kind
+# of file.
 SCENES = {
     "bar": ("bar.inp", {"cells": 32, "steps": 100, "dt": 1e-4}),
     "rings": ("rings.inp", {"h": 4, "t_end": 0.4}),
@@ -24,8 +26,10 @@ FILES = ("history.csv", "bodies.csv", "contact.csv", "particles_end.csv", "parti
 def run(program, name, words, **environment):
     """(exit code, what is printed, folder)"""
     folder = os.path.join(SCRATCH, name)
-    done = subprocess.run([program, *words, "--output", folder, "--quiet"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          env={**os.environ, "OMP_WAIT_POLICY": "passive", **environment}, timeout=600, check=False)
+    done = subprocess.run(
+        [program, *words, "--output", folder, "--quiet"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        env={**os.environ, "OMP_WAIT_POLICY": "passive", **environment}, timeout=600, check=False,
+    )
     return done.returncode, done.stdout.decode(), folder
 
 
@@ -76,7 +80,10 @@ def main():
     begun = sorted(name for name in os.listdir(whole[2]) if name.startswith("checkpoint"))[0]
     again = run(SERIAL, "again", [*settings, "--restart", os.path.join(whole[2], begun)])
     check(whole[0] == 0 and again[0] == 0, f"restart: {whole[1][-300:]} {again[1][-300:]}")
-    check(again[0] == 0 and checksum(whole[2]) == checksum(again[2]), "restart from the other build's checkpoint: other bits")
+    check(
+        again[0] == 0 and checksum(whole[2]) == checksum(again[2]),
+        "restart from the other build's checkpoint: other bits",
+    )
     code, text, _ = run(SERIAL, "launched", settings, OMPI_COMM_WORLD_SIZE="2")
     check(code == 2 and "built without MPI" in text, f"started by a launcher as two: {code} {text[-300:]}")
     code, text, _ = run(SERIAL, "launched", settings, OMPI_COMM_WORLD_SIZE="1")

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""scripts/hpc/slurm.sh under a real SLURM: munge, a controller and a node of its own on this machine, in the scratch folder and gone afterwards.
-A job whose time limit is a minute is warned, writes a checkpoint, puts itself back into the queue, goes on from there, until the
-run has come to its end with the bits of one without interruption.
+"""scripts/hpc/slurm.sh under a real SLURM: munge, a controller and a node of its own on this machine, in the scratch
+folder and gone afterwards. A job whose time limit is a minute is warned, writes a checkpoint, puts itself back into the
+queue, goes on from there, until the run has come to its end with the bits of one without interruption.
 
 usage: slurm.py SGMP SOURCE_DIR SCRATCH_DIR     exit code 77 where SLURM is missing, with what is
 
-Needs root, or the right to start slurmd, and on Debian: apt-get install --no-install-recommends slurmctld slurmd slurm-client munge
+Needs root, or the right to start slurmd, and on Debian: apt-get install --no-install-recommends slurmctld slurmd
+slurm-client munge
 """
 import os
 import shutil
@@ -18,11 +19,18 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.p
 from _restarts import clear, deck, same_files, straight  # noqa: E402
 from _runs import SCRATCH, SGMP, SOURCE, Report, Run  # noqa: E402
 
-PROGRAMS = {"munged": "munge", "slurmctld": "slurmctld", "slurmd": "slurmd", "sbatch": "slurm-client", "srun": "slurm-client",
-            "scontrol": "slurm-client"}
+PROGRAMS = {
+    "munged": "munge",
+    "slurmctld": "slurmctld",
+    "slurmd": "slurmd",
+    "sbatch": "slurm-client",
+    "srun": "slurm-client",
+    "scontrol": "slurm-client",
+}
 MISSING = 77
 SECONDS = 900  # for all jobs together
-RANKS = 2 if os.getloadavg()[0] < os.cpu_count() else 1  # ranks that wait for each other on a busy machine hardly get on
+# ranks that wait for each other on a busy machine hardly get on
+RANKS = 2 if os.getloadavg()[0] < os.cpu_count() else 1
 LONG = 90      # seconds of the whole run: longer than from the start to the warning, at any load of the machine
 DECK = deck("block.inp", "checkpoint every=100000\n")
 SETTINGS = {"cells": 6, "drift": 0.001, "jitter": 0.3}
@@ -79,8 +87,12 @@ class Cluster:
         self.environment = {**os.environ, "SLURM_CONF": os.path.join(folder, "slurm.conf")}
         port = 20000 + os.getpid() % 20000
         with open(self.environment["SLURM_CONF"], "w", encoding="ascii") as file:
-            file.write(CONFIGURATION.format(host=socket.gethostname().split(".")[0], address="127.0.0.1", port=port, next_port=port + 1, user="root",
-                                            folder=folder, cores=max(RANKS, os.cpu_count())))
+            file.write(
+                CONFIGURATION.format(
+                    host=socket.gethostname().split(".")[0], address="127.0.0.1", port=port, next_port=port + 1,
+                    user="root", folder=folder, cores=max(RANKS, os.cpu_count()),
+                )
+            )
         with open(os.path.join(folder, "cgroup.conf"), "w", encoding="ascii") as file:
             file.write("CgroupPlugin=autodetect\nIgnoreSystemd=yes\n")
 
@@ -91,8 +103,10 @@ class Cluster:
         with open(key, "wb") as file:
             file.write(os.urandom(128))
         os.chmod(key, 0o600)
-        self.spawn("munged", "--foreground", f"--socket={munge}/socket", f"--key-file={key}", f"--pid-file={munge}/pid", f"--log-file={munge}/log",
-                   f"--seed-file={munge}/seed")
+        self.spawn(
+            "munged", "--foreground", f"--socket={munge}/socket", f"--key-file={key}", f"--pid-file={munge}/pid",
+            f"--log-file={munge}/log", f"--seed-file={munge}/seed",
+        )
         wait(lambda: os.path.exists(f"{munge}/socket"), 30)
         self.spawn("slurmctld", "-D")
         self.spawn("slurmd", "-D", "-N", socket.gethostname().split(".")[0])
@@ -101,11 +115,15 @@ class Cluster:
     def spawn(self, program, *options):
         """A daemon in the foreground, its words in a file."""
         with open(os.path.join(self.folder, program + ".out"), "wb") as out:
-            self.processes.append(subprocess.Popen([which(program), *options], stdout=out, stderr=subprocess.STDOUT, env=self.environment))
+            self.processes.append(
+                subprocess.Popen([which(program), *options], stdout=out, stderr=subprocess.STDOUT, env=self.environment)
+            )
 
     def ask(self, *words):
         """What a command of SLURM says."""
-        done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=self.environment, check=False, timeout=60)
+        done = subprocess.run(
+            words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=self.environment, check=False, timeout=60
+        )
         return done.stdout.decode("utf-8", "replace")
 
     def words(self):
@@ -148,8 +166,10 @@ def submit(cluster, name):
     for key, value in SETTINGS.items():
         options += ["--set", f"{key}={value}"]
     cluster.environment["SGMP"] = SGMP
-    said = cluster.ask("sbatch", f"--ntasks-per-node={RANKS}", "--cpus-per-task=1", "--time=1", "--signal=USR1@50", f"--output={printed}",
-                       f"--chdir={SCRATCH}", os.path.join(SOURCE, "scripts", "hpc", "slurm.sh"), path, *options)
+    said = cluster.ask(
+        "sbatch", f"--ntasks-per-node={RANKS}", "--cpus-per-task=1", "--time=1", "--signal=USR1@50",
+        f"--output={printed}", f"--chdir={SCRATCH}", os.path.join(SOURCE, "scripts", "hpc", "slurm.sh"), path, *options,
+    )
     return said.split()[-1], folder, printed
 
 
@@ -162,7 +182,8 @@ def main():
     report = Report()
     SETTINGS["steps"] = 400
     trial = straight(report, "trial", DECK, **SETTINGS)
-    seconds = min(trial["solve_seconds"], trial["cpu_seconds"])  # of a busy machine the clock says less than the processor
+    # of a busy machine the clock says less than the processor
+    seconds = min(trial["solve_seconds"], trial["cpu_seconds"])
     SETTINGS["steps"] = max(400, int(400*LONG/seconds))
     reference = straight(report, "reference", DECK, **SETTINGS)
     cluster = Cluster(os.path.join(SCRATCH, "cluster"))
@@ -176,10 +197,15 @@ def main():
             if report.check(ended, f"the run did not come to its end\n{state}\n{text}\n{cluster.words()}"):
                 restarts = int(state.split("Restarts=")[1].split()[0])
                 print(f"job {job}: {restarts} times back in the queue")
-                report.check(restarts >= 1 and text.count("stopped by SIGUSR1") == restarts, f"{restarts} restarts\n{state}\n{text}")
+                report.check(
+                    restarts >= 1 and text.count("stopped by SIGUSR1") == restarts,
+                    f"{restarts} restarts\n{state}\n{text}",
+                )
                 result = Run(0, text, folder)
-                report.check(result["checksum"] == reference["checksum"] and result["ranks"] == RANKS,
-                             f"checksum {result['checksum']} of {result['ranks']} ranks, expected {reference['checksum']}")
+                report.check(
+                    result["checksum"] == reference["checksum"] and result["ranks"] == RANKS,
+                    f"checksum {result['checksum']} of {result['ranks']} ranks, expected {reference['checksum']}",
+                )
                 same_files(report, reference.folder, folder, "job", layouts=True)
     finally:
         cluster.stop()

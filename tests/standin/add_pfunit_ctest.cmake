@@ -1,5 +1,6 @@
 # The stand-in's add_pfunit_ctest, with the arguments of pFUnit's:
-#   add_pfunit_ctest(name TEST_SOURCES a.pf … [OTHER_SOURCES …] [LINK_LIBRARIES …] [LABELS …] [MAX_PES n] [WORKING_DIRECTORY dir])
+#   add_pfunit_ctest(name TEST_SOURCES a.pf … [OTHER_SOURCES …] [LINK_LIBRARIES …] [LABELS …] [MAX_PES n]
+#                    [WORKING_DIRECTORY dir])
 
 set(funit_dir "${CMAKE_CURRENT_LIST_DIR}")
 set(funit_build_dir "${CMAKE_CURRENT_BINARY_DIR}/standin")
@@ -18,7 +19,8 @@ target_compile_options(funit PRIVATE $<$<Fortran_COMPILER_ID:GNU>:-Wno-compare-r
 target_link_libraries(funit PUBLIC MPI::MPI_Fortran)
 
 function(add_pfunit_ctest name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "MAX_PES;WORKING_DIRECTORY" "TEST_SOURCES;OTHER_SOURCES;LINK_LIBRARIES;LABELS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "MAX_PES;WORKING_DIRECTORY"
+    "TEST_SOURCES;OTHER_SOURCES;LINK_LIBRARIES;LABELS")
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_TEST_SOURCES)
     message(FATAL_ERROR "add_pfunit_ctest(${name}): no TEST_SOURCES, or unknown arguments: ${arg_UNPARSED_ARGUMENTS}")
   endif()
@@ -43,7 +45,8 @@ function(add_pfunit_ctest name)
   if(arg_MAX_PES)
     set(mpi_use "  use mpi\n")
     set(mpi_start "  call MPI_Init(ierror)\n  call MPI_Comm_rank(MPI_COMM_WORLD, rank, ierror)\n")
-    set(mpi_end "  call MPI_Bcast(has_failed, 1, MPI_LOGICAL, 0, MPI_COMM_WORLD, ierror)\n  call MPI_Finalize(ierror)\n")
+    set(mpi_end "  call MPI_Bcast(has_failed, 1, MPI_LOGICAL, 0, MPI_COMM_WORLD, ierror)\n")
+    string(APPEND mpi_end "  call MPI_Finalize(ierror)\n")
     set(declare "  integer :: rank, ierror\n")
     # Only one process speaks; the others end with the same code.
     set(stop "  if (has_failed) then\n    if (rank == 0) error stop 2\n    stop\n  end if\n")

@@ -109,7 +109,8 @@ contains
     if (.not. any_exceptions()) return
     do i = 1, size(exceptions)
       write (line, '(i0)') exceptions(i)%location%line_number
-      text = text // '  Location: [' // trim(exceptions(i)%location%file_name) // ':' // trim(line) // ']' // new_line_char &
+      text = text // '  Location: [' // trim(exceptions(i)%location%file_name) // ':' // trim(line) // ']' // &
+        new_line_char &
              // '  ' // trim(exceptions(i)%message) // new_line_char
     end do
   end function exception_text

@@ -68,7 +68,8 @@ BASIC = """
     if (size(shape_a) == size(shape_b)) then
       if (all(shape_a == shape_b)) return
     end if
-    call complain('shapes differ: expected ' // list_text(shape_a) // ' but found ' // list_text(shape_b), message, location)
+    call complain('shapes differ: expected ' // list_text(shape_a) // ' but found ' // list_text(shape_b), &
+      message, location)
   end subroutine assertSameShape
 
   !> "[1,2,3]"
@@ -149,7 +150,8 @@ CONDITION = """
 
 CHECK = """
   !> Compares element by element (a scalar expectation with each) and complains about the first that fails.
-  subroutine check_{tag}(relation, expected_shape, expected, actual_shape, actual, message, location{tolerance_argument})
+  subroutine check_{tag}(relation, expected_shape, expected, actual_shape, actual, message, &
+    location{tolerance_argument})
     character(*), intent(in) :: relation
     integer, intent(in) :: expected_shape(:), actual_shape(:)
     {type}, intent(in) :: expected(:), actual(:)
@@ -264,7 +266,9 @@ def checker(tag, ftype):
     if tag == "logical":
         return text + HOLDS_LOGICAL
     guard = GUARD if is_real else ""
-    within = f"\n      if (present(tolerance)) holds_{tag} = within_{tag}(expected, actual, tolerance)" if is_real else ""
+    within = (
+        f"\n      if (present(tolerance)) holds_{tag} = within_{tag}(expected, actual, tolerance)" if is_real else ""
+    )
     text += HOLDS_ORDERED.format(tag=tag, type=ftype, guard=guard, or_within=within,
                                  relative=RELATIVE.format(tag=tag) if is_real else "", **tolerance)
     return text + (WITHIN.format(tag=tag, type=ftype) if is_real else "")
@@ -288,7 +292,11 @@ def main():
                 body.append(text)
     interfaces = "".join(f"  interface {name}\n" + "".join(f"    module procedure {p}\n" for p in procedures)
                          + f"  end interface {name}\n\n" for name, procedures in generic.items())
-    plain = [n for n, *_ in CONDITIONS if n.startswith("assertN") or n in ("assertTrue", "assertFalse", "assertAny", "assertAll")]
+    plain = [
+        n
+        for n, *_ in CONDITIONS
+        if n.startswith("assertN") or n in ("assertTrue", "assertFalse", "assertAny", "assertAll")
+    ]
     public = ", &\n            ".join(["fail", "assertSameShape", *plain, *generic])
     with open(sys.argv[1], "w", encoding="utf-8") as file:
         file.write(HEAD.format(public=public, interfaces=interfaces) + "".join(body) + "\nend module funit_asserts\n")

@@ -164,7 +164,9 @@ class Preprocessor:
             return
         match = re.match(r"(?:[\w\s()*=,]*?\b)?(subroutine|function)\s+(\w+)\s*(\(([\w\s,]*)\))?", lower)
         if self.pending and not re.match(r"subroutine\s+\w+\s*(\([\w\s,]*\))?\s*$", lower):
-            raise Rejected(number, "a plain `subroutine name` or `subroutine name(this)`, on one line, must follow a directive")
+            raise Rejected(
+                number, "a plain `subroutine name` or `subroutine name(this)`, on one line, must follow a directive"
+            )
         if not match or lower.startswith("end") or not self.contains:
             return
         name = match.group(2)
@@ -300,8 +302,11 @@ class Preprocessor:
                 seen.add(match.group(1).lower())
         least, most = ASSERTIONS[key]
         if not least <= positional <= most:
-            raise Rejected(number, f"@{name} takes {most} unnamed argument{'s' if most != 1 else ''}, not {positional}; "
-                           "name message= and tolerance=")
+            raise Rejected(
+                number,
+                f"@{name} takes {most} unnamed argument{'s' if most != 1 else ''}, not {positional}; "
+                "name message= and tolerance=",
+            )
 
     # --------------------------------------------------------------------------------------------------- suite
     def suite(self):
@@ -310,7 +315,10 @@ class Preprocessor:
         before, after = (self.hooks.get(k, (0, None))[1] for k in ("before", "after"))
         out = self.output
         out += ["", f"subroutine {self.module}_suite()"]
-        out += ["  use funit_runner, only: test_begin, test_end, test_disabled", "  use funit_core, only: anyExceptions"]
+        out += [
+            "  use funit_runner, only: test_begin, test_end, test_disabled",
+            "  use funit_core, only: anyExceptions",
+        ]
         if self.is_mpi:
             out += ["  use pfunit_runner, only: MpiTestMethod, mpi_test_begin, mpi_test_end"]
         # An alias for each, because a local name may not be the same as that of this subroutine.
@@ -333,7 +341,9 @@ class Preprocessor:
                     body.append(f"call {alias[after]}{argument}")
                 if self.is_mpi:
                     out.append(f"  call mpi_test_begin(this_, {label}, {npes}, takes_part)")
-                    out += ["  if (takes_part) then", *("    " + b for b in body), "  end if", "  call mpi_test_end(this_)"]
+                    out += [
+                        "  if (takes_part) then", *("    " + b for b in body), "  end if", "  call mpi_test_end(this_)",
+                    ]
                 else:
                     out += [f"  call test_begin({label})", *("  " + b for b in body), "  call test_end()"]
         out.append(f"end subroutine {self.module}_suite")

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Axisymmetric scenes: a clamped cylinder and a breathing sphere against their modes, the Taylor bar to its converged shape.
+"""Axisymmetric scenes: a clamped cylinder and a breathing sphere against their modes, the Taylor bar to its converged
+shape.
 
-Bounds of errors are those of an independent two-stage code for the same method (doc/theory.md, 7); modes are closed forms.
+Bounds of errors are those of an independent two-stage code for the same method (doc/theory.md, 7); modes are closed
+forms.
 """
 
 import sys
@@ -25,7 +27,9 @@ BREATHING = {"sgmp": (-5.4e-3, -1.9e-3, -3.3e-4), "mpm": (-3.6e-3, -1.6e-3, -1.9
 def bessel(x):
     """J1 and its derivative."""
     terms = [(-1) ** m / (factorial(m) * factorial(m + 1)) for m in range(20)]
-    return sum(a * (x / 2) ** (2 * m + 1) for m, a in enumerate(terms)), sum(a * (m + 0.5) * (x / 2) ** (2 * m) for m, a in enumerate(terms))
+    return sum(a * (x / 2) ** (2 * m + 1) for m, a in enumerate(terms)), sum(
+        a * (m + 0.5) * (x / 2) ** (2 * m) for m, a in enumerate(terms)
+    )
 
 
 def breathing_number(poisson):
@@ -40,15 +44,17 @@ def breathing_number(poisson):
 
 
 def frequency(history, guess):
-    """Angular frequency of a mode from its kinetic energy, cos^2(w t): phase of the harmonic 2 w, window by window over whole periods,
-    then the slope of that phase."""
+    """Angular frequency of a mode from its kinetic energy, cos^2(w t): phase of the harmonic 2 w, window by window over
+    whole periods, then the slope of that phase."""
     time, kinetic = np.array(history["time"]), np.array(history["kinetic_energy"])
     window = pi / guess  # a period of the kinetic energy
     starts = np.arange(0, time[-1] - window, 0.25 * window)
     phases = []
     for start in starts:
         inside = (time >= start) & (time < start + window)
-        waves = np.column_stack([np.ones(inside.sum()), np.cos(2 * guess * time[inside]), np.sin(2 * guess * time[inside])])
+        waves = np.column_stack(
+            [np.ones(inside.sum()), np.cos(2 * guess * time[inside]), np.sin(2 * guess * time[inside])]
+        )
         _, cosine, sine = np.linalg.lstsq(waves, kinetic[inside], rcond=None)[0]
         phases.append(np.arctan2(-sine, cosine))  # of cos(2 w t + phase)
     slope = np.polyfit(starts, np.unwrap(phases), 1)[0]
@@ -56,13 +62,21 @@ def frequency(history, guess):
 
 
 def variant(deck, name):
-    """Deck and parameters of a method; those that have no correction of the hoop strain get a copy of the deck without it."""
+    """Deck and parameters of a method; those that have no correction of the hoop strain get a copy of the deck without
+    it."""
     chosen = dict(VARIANTS[name])
     if chosen["method"] == "sgmp":
         return deck, {**chosen, "hoop": 1 / 12} if name == "normalised" else chosen
     copy = BUILD / "decks" / Path(deck).name
     copy.parent.mkdir(parents=True, exist_ok=True)
-    copy.write_text("\n".join(line.replace(" hoop=hoop", "") for line in (ROOT / deck).read_text().splitlines() if not line.startswith("parameter hoop")) + "\n")
+    copy.write_text(
+        "\n".join(
+            line.replace(" hoop=hoop", "")
+            for line in (ROOT / deck).read_text().splitlines()
+            if not line.startswith("parameter hoop")
+        )
+        + "\n"
+    )
     return str(copy.relative_to(ROOT)), chosen
 
 
@@ -78,7 +92,9 @@ def cylinder(book):
         found = []
         for n, run, ringing in zip(sizes, short, long):
             particles = run.particles()
-            x0, x, stress = particles.fields["initial_position"][:, 0], particles.points[:, 0], particles.column("stress_xx")
+            x0, x, stress = (
+                particles.fields["initial_position"][:, 0], particles.points[:, 0], particles.column("stress_xx"),
+            )
             swing = 1e-5 / (CLAMPED * speed) * np.sin(CLAMPED * speed * run.summary["time"])
             values = np.array([bessel(CLAMPED * r) for r in x0])
             exact = swing * ((LAME + 2 * SHEAR) * CLAMPED * values[:, 1] + LAME * values[:, 0] / x0)
@@ -92,20 +108,42 @@ def cylinder(book):
         book.near(example, f"order of the displacement, {NAMES[name]}, 1/32 to 1/64", order, 2.0, 0.15)
         if name in FREQUENCY:
             for n, (displacement, _, shift), want, pitch in zip(sizes, found, DISPLACEMENT[name], FREQUENCY[name]):
-                book.at_most(example, f"error of the displacement at R/h = {n}, {NAMES[name]}, over the independent code's", displacement / want, 1.15)
-                book.within(example, f"error of the frequency at R/h = {n}, {NAMES[name]}, against the independent code", shift, pitch, 0.1)
-    book.at_most(example, "stress on the axis at R/h = 64, SGMP with C(2): error over the largest stress", curves["sgmp"][2][1], 1.15 * 8.2e-4,
-                 "the error is smooth along r, of second order, and grows in time: 9.4e-4 at 0.18 and 1.4e-3 at 0.22 of the period, MPM 1.0e-3; 8.2e-4 in the independent code", known=1.15e-3)
+                book.at_most(
+                    example, f"error of the displacement at R/h = {n}, {NAMES[name]}, over the independent code's",
+                    displacement / want, 1.15,
+                )
+                book.within(
+                    example, f"error of the frequency at R/h = {n}, {NAMES[name]}, against the independent code", shift,
+                    pitch, 0.1,
+                )
+    book.at_most(
+        example,
+        "stress on the axis at R/h = 64, SGMP with C(2): error over the largest stress",
+        curves["sgmp"][2][1],
+        1.15 * 8.2e-4,
+        "the error is smooth along r, of second order, and grows in time: 9.4e-4 at 0.18 and 1.4e-3 at 0.22 of the "
+        "period, MPM 1.0e-3; 8.2e-4 in the independent code",
+        known=1.15e-3,
+    )
     figure, axis = subplots(figsize=(5, 3.6))
     for name, found in curves.items():
-        axis.loglog([1 / n for n in sizes], [f[0] for f in found], color=COLOURS[name], marker=MARKERS[name], label=NAMES[name])
+        axis.loglog(
+            [1 / n for n in sizes], [f[0] for f in found], color=COLOURS[name], marker=MARKERS[name], label=NAMES[name]
+        )
     axis.set_xlabel("h/R")
     axis.set_ylabel("displacement error / amplitude")
     axis.legend()
-    book.figure("axisymmetric_cylinder", figure, "Clamped cylinder after a fifth of a period: rms error of the displacement.")
-    book.table("axisymmetric_cylinder", ["", *(f"{q} R/h = {n}" for q in ("displacement", "stress on the axis", "frequency") for n in sizes)], rows,
-               "Clamped cylinder: rms error of the displacement over its amplitude, largest error of the radial stress within a cell of the axis, "
-               "error of the frequency over five periods.")
+    book.figure(
+        "axisymmetric_cylinder", figure, "Clamped cylinder after a fifth of a period: rms error of the displacement."
+    )
+    book.table(
+        "axisymmetric_cylinder",
+        ["", *(f"{q} R/h = {n}" for q in ("displacement", "stress on the axis", "frequency") for n in sizes)],
+        rows,
+        "Clamped cylinder: rms error of the displacement over its amplitude, largest error of the radial stress "
+        "within a cell of the axis, "
+        "error of the frequency over five periods.",
+    )
     book.command(Case(CYLINDER, n=64, t_end=0.2 * 2 * pi / (CLAMPED * speed)))
 
 
@@ -122,8 +160,13 @@ def sphere(book, full):
         rows.append([NAMES[name], *(f"{e:.3g}" for e in errors)])
         for n, error, want in zip(sizes, errors, BREATHING.get(name, ())):
             book.at_most(example, f"error of the frequency at R/h = {n}, {NAMES[name]}", abs(error), 1.5 * abs(want))
-    book.table("axisymmetric_sphere", ["", *(f"R/h = {n}" for n in sizes)], rows, "Breathing sphere: error of the frequency over four periods. The lattice is cut "
-               "by the sphere, so that its volume is off by +5e-3, +2.8e-3, -1.8e-4 at these sizes.")
+    book.table(
+        "axisymmetric_sphere",
+        ["", *(f"R/h = {n}" for n in sizes)],
+        rows,
+        "Breathing sphere: error of the frequency over four periods. The lattice is cut "
+        "by the sphere, so that its volume is off by +5e-3, +2.8e-3, -1.8e-4 at these sizes.",
+    )
     book.command(Case(SPHERE, n=64, k=number, t_end=4 * 2 * pi / exact))
 
 
@@ -134,24 +177,46 @@ def taylor(book, full):
     rows = []
     for name, cfl in (("sgmp", 0.8), ("gimp", 0.8), ("mpm", 0.8)):
         mine = [h for h in sizes if h > 0.05 or name == "sgmp"]
-        runs = solve([Case("taylor_bar_axisymmetric", h=h, cfl=cfl if h > 0.05 else 1.6, **VARIANTS[name]) for h in mine], workers=2)
+        runs = solve(
+            [Case("taylor_bar_axisymmetric", h=h, cfl=cfl if h > 0.05 else 1.6, **VARIANTS[name]) for h in mine],
+            workers=2,
+        )
         for h, run in zip(mine, runs):
             shape = of_rings(run, h / 2)
             total = run.history()["total_energy"]
-            rows.append([NAMES[name], f"{h:g}", *(f"{value:.3f}" for value in shape), f"{float(total.max() / total[0]):.3f}", f"{run.cpu_seconds:.1f}"])
+            rows.append(
+                [
+                    NAMES[name], f"{h:g}", *(f"{value:.3f}" for value in shape), f"{float(total.max() / total[0]):.3f}",
+                    f"{run.cpu_seconds:.1f}",
+                ]
+            )
         if name != "mpm":
             for (what, (want, band)), value in zip(REFERENCE.items(), shape):
-                book.near(example, f"{what} at h = {mine[-1]} mm, {NAMES[name]} (mm), against the converged shape", value, want, band + (0.02 if mine[-1] > 0.05 else 0.0))
+                book.near(
+                    example, f"{what} at h = {mine[-1]} mm, {NAMES[name]} (mm), against the converged shape", value,
+                    want, band + (0.02 if mine[-1] > 0.05 else 0.0),
+                )
         else:
-            book.at_least(example, "MPM does not converge: L of the reference less that of MPM at the finest grid (mm)", REFERENCE["L"][0] - shape[0], 0.1)
-    book.table("axisymmetric_taylor_bar", ["", "h (mm)", "L", "D", "W", "Emax/E0", "CPU s"], rows, "Taylor bar at 190 m/s, surfaces extrapolated by half a particle in its stretched "
-               "spacing. Converged shape, by an independent code: L = 16.34 ± 0.02, D = 13.43 ± 0.02, W = 10.135 ± 0.01 mm.")
+            book.at_least(
+                example, "MPM does not converge: L of the reference less that of MPM at the finest grid (mm)",
+                REFERENCE["L"][0] - shape[0], 0.1,
+            )
+    book.table(
+        "axisymmetric_taylor_bar",
+        ["", "h (mm)", "L", "D", "W", "Emax/E0", "CPU s"],
+        rows,
+        "Taylor bar at 190 m/s, surfaces extrapolated by half a particle in its stretched "
+        "spacing. Converged shape, by an independent code: L = 16.34 ± 0.02, D = 13.43 ± 0.02, W = 10.135 ± 0.01 mm.",
+    )
     book.command(Case("taylor_bar_axisymmetric", h=0.1, cfl=0.8))
 
 
 def check(book, full):
     book.section("Axisymmetric scenes")
-    book.say("No part of the paper. Modes of a clamped cylinder and of a free sphere in closed form; the Taylor bar refined until its shape no longer changes.")
+    book.say(
+        "No part of the paper. Modes of a clamped cylinder and of a free sphere in closed form; the Taylor bar "
+        "refined until its shape no longer changes."
+    )
     cylinder(book)
     sphere(book, full)
     taylor(book, full)

@@ -7,7 +7,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import numpy as np  # noqa: E402
-from common import COLOURS, NAMES, VARIANTS, Case, main, point, slopes, solve, subplots, work_precision  # noqa: E402
+from common import (  # noqa: E402
+    COLOURS, NAMES, VARIANTS, Case, draw_plane, main, point, slopes, solve, subplots, work_precision,
+)
 
 SCHEMES = ("usf", "musl", "usl")
 LINES = {"usf": "--", "musl": "-", "usl": ":"}
@@ -19,7 +21,8 @@ def reference():
 
 
 def period(run):
-    """Period of the motion: the kinetic energy, fitted with a constant and the first mode's cos(2 w t), has half of it."""
+    """Period of the motion: the kinetic energy, fitted with a constant and the first mode's cos(2 w t), has half of
+    it."""
     history = run.history()
     time, kinetic = 1e3 * history["time"], history["kinetic_energy"]
 
@@ -50,12 +53,14 @@ def linearity(y, stress):
 
 
 def deflection_error(run):
-    """Root mean square (mm) of the middle line's deflection at 50 us less that of finite elements (reference/deflection.csv)."""
+    """Root mean square (mm) of the middle line's deflection at 50 us less that of finite elements
+    (reference/deflection.csv)."""
     with open(Path(__file__).with_name("reference") / "deflection.csv") as stream:
         rows = list(csv.DictReader(stream))
     particles = run.particles()
     start = particles.fields["initial_position"]
-    near = np.flatnonzero(np.abs(start[:, 1] - 5.0) < 0.75 * run.summary["spacing"])  # one row on either side, or the row on the line
+    # one row on either side, or the row on the line
+    near = np.flatnonzero(np.abs(start[:, 1] - 5.0) < 0.75 * run.summary["spacing"])
     columns, which = np.unique(start[near, 0].round(6), return_inverse=True)
     moved = particles.points[near, 1] - start[near, 1]
     middle = np.bincount(which, moved) / np.bincount(which)
@@ -67,37 +72,62 @@ def accuracy(book, runs, coarse, full):
     """Error over the cell size, and its price."""
     sizes = (1.0, 0.5, 0.3125)
     errors = [deflection_error(run) for run in (coarse["musl", 1.0], coarse["musl", 0.5], runs["sgmp", "musl"])]
-    book.at_least("beam", "order of SGMP MUSL in the deflection, 1 to 0.3125 mm", slopes([sizes[0], sizes[-1]], [errors[0], errors[-1]])[0], 1.8,
-                  "finite elements, reference/finite_elements.py")
-    book.at_most("beam", "deflection of SGMP MUSL at h = 0.3125 mm less that of finite elements, rms (mm; largest 0.487)", errors[-1], 0.003)
-    book.say("<b>Error norm.</b> The deflection of the middle line at 50 µs against finite elements (total Lagrangian, two meshes extrapolated): "
-             "verification/beam/reference/finite_elements.py, good to about 0.0001 mm.")
+    book.at_least(
+        "beam", "order of SGMP MUSL in the deflection, 1 to 0.3125 mm",
+        slopes([sizes[0], sizes[-1]], [errors[0], errors[-1]])[0], 1.8, "finite elements, reference/finite_elements.py",
+    )
+    book.at_most(
+        "beam", "deflection of SGMP MUSL at h = 0.3125 mm less that of finite elements, rms (mm; largest 0.487)",
+        errors[-1], 0.003,
+    )
+    book.say(
+        "<b>Error norm.</b> The deflection of the middle line at 50 µs against finite elements (total Lagrangian, "
+        "two meshes extrapolated): "
+        "verification/beam/reference/finite_elements.py, good to about 0.0001 mm."
+    )
     if not full:
         return
     curves = [(NAMES[m], m, "-", VARIANTS[m]) for m in ("mpm", "gimp", "cpgimp", "sgmp", "normalised")]
-    curves += [(f"SGMP {u.upper()}", "sgmp", LINES.get(u, "-."), {"method": "sgmp", "update": u}) for u in ("usf", "usl", "usavg")]
+    curves += [
+        (f"SGMP {u.upper()}", "sgmp", LINES.get(u, "-."), {"method": "sgmp", "update": u})
+        for u in ("usf", "usl", "usavg")
+    ]
     curves = [(f"{name}, CFL 0.5", method, line, parameters) for name, method, line, parameters in curves]
-    curves += [(f"{NAMES[m]}, CFL {c}", m, (0, (6, 1, 1, 1, 1, 1)), {**VARIANTS[m], "cfl": c}) for m, c in (("gimp", 1.3), ("sgmp", 2.0), ("normalised", 2.0))]
+    curves += [
+        (f"{NAMES[m]}, CFL {c}", m, (0, (6, 1, 1, 1, 1, 1)), {**VARIANTS[m], "cfl": c})
+        for m, c in (("gimp", 1.3), ("sgmp", 2.0), ("normalised", 2.0))
+    ]
     points = []
     for curve, method, line, parameters in curves:
         for h, run in zip(sizes, solve([Case("beam", h=h, **parameters) for h in sizes], may_fail=True)):
             if run.exit_code == 0:
                 points.append(point(curve, method, f"h = {h} mm", run, deflection_error(run), line))
-    work_precision(book, "beam_work_precision", "Beam, 50 µs", points, "error of the deflection (mm)", (0.02, 0.005, 0.002, 0.001))
+    work_precision(
+        book, "beam_work_precision", "Beam, 50 µs", points, "error of the deflection (mm)", (0.02, 0.005, 0.002, 0.001)
+    )
 
 
 def draw_energies(book, runs):
     figure, axes = subplots(1, 3, figsize=(13, 4.2))
-    for axis, column, title in zip(axes, ("kinetic_energy", "internal_energy", "total_energy"), ("Kinetic", "Internal", "Total")):
+    for axis, column, title in zip(
+        axes, ("kinetic_energy", "internal_energy", "total_energy"), ("Kinetic", "Internal", "Total")
+    ):
         for (method, update), run in runs.items():
             history = run.history()
-            axis.plot(1e3 * history["time"], history[column] / history["total_energy"][0], LINES[update], color=COLOURS[method],
-                      linewidth=1.2, label=f"{NAMES[method]} {update.upper()}")
+            axis.plot(
+                1e3 * history["time"], history[column] / history["total_energy"][0], LINES[update],
+                color=COLOURS[method], linewidth=1.2, label=f"{NAMES[method]} {update.upper()}",
+            )
         axis.set(xlabel="time (µs)", xlim=(0, 50), ylim=(0, 1.6) if title == "Total" else (-0.02, 1.6))
         axis.set_title(f"{title} energy", loc="left", fontweight="bold")
     axes[0].set_ylabel("energy / initial energy")
     axes[2].legend(ncol=2, loc="lower right")
-    book.figure("beam_energies", figure, "Energies of the six combinations, h = 0.3125 mm (Fig. 7). MPM USL leaves at once; MPM USF gains energy without end.")
+    book.figure(
+        "beam_energies",
+        figure,
+        "Energies of the six combinations, h = 0.3125 mm (Fig. 7). MPM USL leaves at once; MPM USF gains energy "
+        "without end.",
+    )
 
 
 def draw_stress(book, runs):
@@ -105,13 +135,15 @@ def draw_stress(book, runs):
     for (method, update), run in runs.items():
         axis = axes[SCHEMES.index(update), ("mpm", "sgmp").index(method)]
         axis.set_title(f"{NAMES[method]}, {update.upper()}", loc="left", fontweight="bold")
-        axis.set(aspect="equal", xlim=(-2, 62), ylim=(-2.5, 12.5))
         if run.exit_code:
-            axis.text(30, 5, f"blown up: ended at t = {1e3 * run.history()['time'][-1]:.1f} µs", ha="center", va="center")
+            axis.set(aspect="equal", xlim=(-2, 62), ylim=(-2.5, 12.5))
+            axis.text(
+                30, 5, f"blown up: ended at t = {1e3 * run.history()['time'][-1]:.1f} µs", ha="center", va="center"
+            )
             continue
         particles = run.particles()
-        dots = axis.scatter(particles.points[:, 0], particles.points[:, 1], s=1.0, c=1e-3 * particles.column("stress_xx"),
-                            cmap="RdBu_r", vmin=-4, vmax=4, linewidths=0)
+        dots = draw_plane(axis, particles.points, 1e-3 * particles.column("stress_xx"), run.summary["spacing"], (-4, 4))
+        axis.set(xlim=(-2, 62), ylim=(-2.5, 12.5))
     for axis in axes[-1]:
         axis.set_xlabel("x (mm)")
     for axis in axes[:, 0]:
@@ -135,7 +167,10 @@ def draw_section(book, runs, theory):
         axis.set_title(update.upper(), loc="left", fontweight="bold")
         axis.legend(loc="lower right")
     axes[0].set_ylabel("height above the middle (mm)")
-    book.figure("beam_section", figure, "Stress across the height at mid-span and 50 µs, with the stress of Timoshenko's first mode.")
+    book.figure(
+        "beam_section", figure,
+        "Stress across the height at mid-span and 50 µs, with the stress of Timoshenko's first mode.",
+    )
 
 
 def check(book, full):
@@ -143,10 +178,15 @@ def check(book, full):
     theory = reference()
     omega = 2 * np.pi / theory["period_timoshenko_us"]
     surface = theory["surface_stress_mid_span_mpa"] * np.sin(omega * 50.0)
-    book.say("A free-free beam, 60 x 10 mm, plane strain, starts with the velocity of the first Euler-Bernoulli mode. Its slenderness is only 6, so the "
-             f"period to be expected is Timoshenko's {theory['period_timoshenko_us']:.2f} µs and not {theory['period_euler_bernoulli_us']:.2f} µs; 50 µs are 1.7 "
-             "periods. (The paper counts three: those of the energy.) Eq. 90 lacks brackets: E H²/(12 ρ (1-ν²)). The text's \"USF SGMP and USL SGMP "
-             "give almost identical results\" is a slip for USF and MUSL.")
+    book.say(
+        "A free-free beam, 60 x 10 mm, plane strain, starts with the velocity of the first Euler-Bernoulli mode. "
+        "Its slenderness is only 6, so the "
+        f"period to be expected is Timoshenko's {theory['period_timoshenko_us']:.2f} µs and not "
+        f"{theory['period_euler_bernoulli_us']:.2f} µs; 50 µs are 1.7 "
+        "periods. (The paper counts three: those of the energy.) Eq. 90 lacks brackets: E H²/(12 ρ (1-ν²)). The "
+        "text's \"USF SGMP and USL SGMP "
+        "give almost identical results\" is a slip for USF and MUSL."
+    )
     keys = [(method, update) for method in ("mpm", "sgmp") for update in SCHEMES]
     runs = dict(zip(keys, solve([Case("beam", method=m, update=u) for m, u in keys], may_fail=True)))
     book.command(*[run.case for run in runs.values()])
@@ -159,7 +199,10 @@ def check(book, full):
         book.at_most("beam", f"SGMP {update.upper()}: Emax/E0", total.max() / total[0], 1.01)
         book.within("beam", f"SGMP {update.upper()}: period (µs)", period(run), theory["period_timoshenko_us"], 0.01)
         remainder = np.abs(run.history()["energy_remainder"]).max() / total[0]
-        book.at_most("beam", f"SGMP {update.upper()}: kinetic energy that the identity leaves unexplained, relative", remainder, 1e-10)
+        book.at_most(
+            "beam", f"SGMP {update.upper()}: kinetic energy that the identity leaves unexplained, relative", remainder,
+            1e-10,
+        )
     total = runs["sgmp", "musl"].history()["total_energy"]
     book.at_most("beam", "SGMP MUSL: energy drift at 50 µs, relative", abs(total[-1] / total[0] - 1), 0.005)
     for update in SCHEMES:
@@ -177,18 +220,31 @@ def check(book, full):
     for update in SCHEMES:
         for h, run in ((0.3125, runs["sgmp", update]), (0.5, coarse[update, 0.5]), (1.0, coarse[update, 1.0])):
             total = run.history()["total_energy"]
-            rows.append([f"SGMP {update.upper()}", h, period(run), 100 * (total[-1] / total[0] - 1), linearity(*section_stress(run, h))[0],
-                         run.cpu_seconds])
+            rows.append(
+                [
+                    f"SGMP {update.upper()}", h, period(run), 100 * (total[-1] / total[0] - 1),
+                    linearity(*section_stress(run, h))[0], run.cpu_seconds,
+                ]
+            )
     for h, lost in ((0.5, 4.36), (1.0, 14.5)):
-        book.regression("beam", f"SGMP USL: energy lost at h = {h:g} mm (%)", -next(r[3] for r in rows if r[:2] == ["SGMP USL", h]), lost, 0.05)
+        book.regression(
+            "beam", f"SGMP USL: energy lost at h = {h:g} mm (%)", -next(r[3] for r in rows if r[:2] == ["SGMP USL", h]),
+            lost, 0.05,
+        )
     book.table("beam", ["scheme", "h (mm)", "period (µs)", "energy change (%)", "R² of stress", "CPU time (s)"], rows,
                "SGMP over the cell size; CFL 0.5.")
     accuracy(book, runs, coarse, full)
     if full:
-        shifted = solve([Case("beam", method=m, update="usf", shift_x=0.078125, shift_y=0.078125) for m in ("mpm", "sgmp")], may_fail=True)
+        shifted = solve(
+            [Case("beam", method=m, update="usf", shift_x=0.078125, shift_y=0.078125) for m in ("mpm", "sgmp")],
+            may_fail=True,
+        )
         for m, run in zip(("MPM", "SGMP"), shifted):
             total = run.history()["total_energy"]
-            book.say(f"Shifted by a quarter of a cell along x and y, {m} USF ends with {total[-1] / total[0]:.4g} times its energy.")
+            book.say(
+                f"Shifted by a quarter of a cell along x and y, {m} USF ends with {total[-1] / total[0]:.4g} times "
+                f"its energy."
+            )
 
 
 if __name__ == "__main__":

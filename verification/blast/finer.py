@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Overpressure and arrival at the nearest station with 5 to 20 cells to the radius of the charge, in a scene that ends soon after; minutes of one core.
+"""Overpressure and arrival at the nearest station with 5 to 20 cells to the radius of the charge, in a scene that ends
+soon after; minutes of one core.
 
 usage: verification/blast/finer.py
 """
@@ -20,9 +21,15 @@ def main():
     print(f"one dimension: {exact[0]:.2f} MPa after {1e3*exact[1]:.1f} us")
     for name, variant in {**METHODS, "sgmp, volumes=plain": VARIANTS["sgmp"]}.items():
         for n in SIZES:
-            run = solve([Case(SPHERE, keep_dumps=True, n=n, reach=8, t_end=0.085, every=0.0025, **variant)], workers=1)[0]
+            run = solve([Case(SPHERE, keep_dumps=True, n=n, reach=8, t_end=0.085, every=0.0025, **variant)], workers=1)[
+                0
+            ]
             peak, arrival, _ = measure(run, RADIUS/n, NEAR)[0]
-            print(f"{name}, {n} cells: {peak:.2f} MPa ({100*(peak/exact[0] - 1):+.1f} %) after {1e3*arrival:.1f} us, {run.cpu_seconds:.0f} s", flush=True)
+            print(
+                f"{name}, {n} cells: {peak:.2f} MPa ({100 * (peak / exact[0] - 1):+.1f} %) after "
+                f"{1e3 * arrival:.1f} us, {run.cpu_seconds:.0f} s",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

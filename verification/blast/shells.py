@@ -1,5 +1,6 @@
-"""A second implementation: a sphere (or slab) of TNT in air by Lagrangian hydrodynamics in one dimension: compatible differences (the work of the forces is
-the change of the energies), predictor and corrector, quadratic and linear viscosity. Nothing of it comes from the solver."""
+"""A second implementation: a sphere (or slab) of TNT in air by Lagrangian hydrodynamics in one dimension: compatible
+differences (the work of the forces is the change of the energies), predictor and corrector, quadratic and linear
+viscosity. Nothing of it comes from the solver."""
 import sys
 from pathlib import Path
 
@@ -11,7 +12,8 @@ AIR, GAMMA, AMBIENT = 1.225e-6, 1.4, 0.101325  # g/mm^3, MPa
 
 
 def merge(k, x, u, energy, start, density, matter, tnt, lit, arrived):
-    """Makes one of the shells k and k + 1: mass, momentum and energy stay, the kinetic energy that goes becomes heat."""
+    """Makes one of the shells k and k + 1: mass, momentum and energy stay, the kinetic energy that goes becomes
+    heat."""
     mass = 0.5*(np.concatenate([[0], matter]) + np.concatenate([matter, [0]]))
     before, joined = 0.5*mass[k:k + 3] @ u[k:k + 3]**2, matter[k] + matter[k + 1]
     u, heat = u.copy(), start[k:k + 2] @ energy[k:k + 2]
@@ -22,12 +24,17 @@ def merge(k, x, u, energy, start, density, matter, tnt, lit, arrived):
     volume = start[k] + start[k + 1]
     start, energy, matter = (np.delete(a, k + 1) for a in (start, energy, matter))
     start[k], energy[k], matter[k] = volume, heat/volume, joined
-    return np.delete(x, k + 1), np.delete(u, k + 1), energy, start, *(np.delete(a, k + 1) for a in (density,)), matter, *(np.delete(a, k + 1) for a in (tnt, lit, arrived))
+    return (
+        np.delete(x, k + 1), np.delete(u, k + 1), energy, start, *(np.delete(a, k + 1) for a in (density,)), matter,
+        *(np.delete(a, k + 1) for a in (tnt, lit, arrived)),
+    )
 
 
 def blast(cells, radius, outer, t_end, stations, sphere=True, cfl=0.4, stretch=1.0):
-    """The charge, of `cells` shells, lit at its centre, in air to `outer`. Times, pressures at the stations and of the air that was there at the start, the
-    outer radius of the products, and the shells at the end. Shells of air widen by the factor `stretch` from one to the next; those that the expansion makes thinner than a tenth of the charge's are merged."""
+    """The charge, of `cells` shells, lit at its centre, in air to `outer`. Times, pressures at the stations and of the
+    air that was there at the start, the outer radius of the products, and the shells at the end. Shells of air widen by
+    the factor `stretch` from one to the next; those that the expansion makes thinner than a tenth of the charge's are
+    merged."""
     width = [radius/cells]
     while sum(width) < outer - radius:
         width.append(width[-1]*stretch)
@@ -90,6 +97,8 @@ def blast(cells, radius, outer, t_end, stations, sphere=True, cfl=0.4, stretch=1
         time += step
         thin = cells + np.argmin(np.diff(x)[cells:-1])
         if x[thin + 1] - x[thin] < 0.1*radius/cells:
-            x, u, energy, start, density, matter, tnt, lit, arrived = merge(thin, x, u, energy, start, density, matter, tnt, lit, arrived)
+            x, u, energy, start, density, matter, tnt, lit, arrived = merge(
+                thin, x, u, energy, start, density, matter, tnt, lit, arrived
+            )
             mass = 0.5*(np.concatenate([[0], matter]) + np.concatenate([matter, [0]]))
     return np.array(out), np.array(rows), np.array(edges), (x, u, energy, volumes(x)/start)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Contact in axisymmetric scenes: two rods that collide, a plate on a sphere, a sphere that falls on a plate, a plug drawn along
-a bore, a punch; against closed forms and linear elasticity."""
+"""Contact in axisymmetric scenes: two rods that collide, a plate on a sphere, a sphere that falls on a plate, a plug
+drawn along a bore, a punch; against closed forms and linear elasticity."""
 import sys
 from math import pi
 from pathlib import Path
@@ -20,20 +20,34 @@ STIFFNESS = 1/(1 - 0.3**2)  # E*, of an elastic body on a rigid one
 def rods(book, full):
     """One-dimensional waves: force, time of contact, speeds afterwards, momentum along the axis."""
     cases = [(method, ratio) for method in METHODS for ratio in (1, 4)]
-    runs = solve([deck(f"{FOLDER}/bars", method=method, cells=200 if full else 100, ratio=ratio) for method, ratio in cases])
+    runs = solve(
+        [deck(f"{FOLDER}/bars", method=method, cells=200 if full else 100, ratio=ratio) for method, ratio in cases]
+    )
     for (method, ratio), run in zip(cases, runs):
         name = f"coaxial rods, impedance 1:{ratio}, {NAMES[method]}"
         force = 1e-3*ratio/(1 + ratio)*pi*0.1**2
         rows, history = contact(run), run.history()
         inside = (rows["time"] > 0.5) & (rows["time"] < 1.5)
-        book.within(name, "force while in contact, over that of the exact stress", -rows["force_z"][inside].mean()/force, 1.0, 0.02)
+        book.within(
+            name, "force while in contact, over that of the exact stress", -rows["force_z"][inside].mean() / force, 1.0,
+            0.02,
+        )
         book.within(name, "time at which they part", rows["time"][-rows["force_z"] > 0.5*force][-1], 2.0, 0.02)
         for number, speed in ((1, (1 - ratio)/(1 + ratio)), (2, 2/(1 + ratio))):
-            book.near(name, f"speed of rod {number} afterwards over that before", body(run, number)["velocity_z"][-1]/1e-3, speed, 0.03)
-        book.at_most(name, "change of momentum along z, relative", max(abs(history["momentum_z"]/history["momentum_z"][0] - 1)), 1e-12)
+            book.near(
+                name, f"speed of rod {number} afterwards over that before", body(run, number)["velocity_z"][-1] / 1e-3,
+                speed, 0.03,
+            )
+        book.at_most(
+            name, "change of momentum along z, relative",
+            max(abs(history["momentum_z"] / history["momentum_z"][0] - 1)), 1e-12,
+        )
         book.at_most(name, "kinetic energy that the ledger does not explain, relative",
                      abs(history["energy_remainder"][-1])/history["total_energy"][0], 1e-12)
-        book.at_most(name, "energy that contact gave, relative", -history["contact_dissipation"].min()/history["total_energy"][0], 1e-12)
+        book.at_most(
+            name, "energy that contact gave, relative",
+            -history["contact_dissipation"].min() / history["total_energy"][0], 1e-12,
+        )
     book.command(runs[0].case)
 
 
@@ -62,7 +76,10 @@ def plate(book, full):
                 continue
             name = f"plate on a sphere, axisymmetric, {cells} cells per radius, d = {100*middle:.1f} % of R"
             book.within(name, "force over that of the elastic sphere", ratio, 1.0, 0.05)
-            book.within(name, "contact radius over that of the elastic sphere", radius[band].mean()/circle, 1.0, 0.1, f"it is {circle*cells:.1f} cells")
+            book.within(
+                name, "contact radius over that of the elastic sphere", radius[band].mean() / circle, 1.0, 0.1,
+                f"it is {circle * cells:.1f} cells",
+            )
         smooth = np.convolve(force, np.ones(9)/9, mode="same")[4:-4]
         axis.plot(100*depth[4:-4], smooth, label=f"{cells} cells per radius", linewidth=1)
     axis.plot(100*exact[:, 1], exact[:, 2], "k-", linewidth=2, label="elastic sphere")
@@ -70,8 +87,14 @@ def plate(book, full):
     axis.plot(100*d, hertz(d), "k--", label="Hertz")
     axis.set(xlabel="approach of plate and centre (% of R)", ylabel="force / $E R^2$", xlim=(0, 2), ylim=(0, None))
     axis.legend()
-    book.figure("contact_axisymmetric", figure, "Plate on a sphere, axisymmetric: force against approach, running means over nine rows.")
-    book.table("contact_axisymmetric", ["cells per R", "d/R", "F over elastic sphere", "a over elastic sphere", "a/h"], rows, "Force and contact radius.")
+    book.figure(
+        "contact_axisymmetric", figure,
+        "Plate on a sphere, axisymmetric: force against approach, running means over nine rows.",
+    )
+    book.table(
+        "contact_axisymmetric", ["cells per R", "d/R", "F over elastic sphere", "a over elastic sphere", "a/h"], rows,
+        "Force and contact radius.",
+    )
     book.command(*[run.case for run in runs])
 
 
@@ -85,9 +108,15 @@ def drop(book, full):
         name = f"sphere falls on a plate, {NAMES[method]}, {cells} cells per radius"
         rows = contact(run)
         touching = rows["time"][rows["force_z"] > 0]
-        book.within(name, "duration over Hertz's", (touching[-1] - touching[0])/(2.868*(mass**2/(STIFFNESS**2*speed))**0.2), 1.0, 0.06)
+        book.within(
+            name, "duration over Hertz's",
+            (touching[-1] - touching[0]) / (2.868 * (mass**2 / (STIFFNESS**2 * speed)) ** 0.2), 1.0, 0.06,
+        )
         smooth = np.convolve(rows["force_z"], np.ones(21)/21, mode="same")
-        book.within(name, "largest force, mean over one time unit, over Hertz's", smooth.max()/(4/3*STIFFNESS*depth**1.5), 1.0, 0.06)
+        book.within(
+            name, "largest force, mean over one time unit, over Hertz's",
+            smooth.max() / (4 / 3 * STIFFNESS * depth**1.5), 1.0, 0.06,
+        )
         book.within(name, "speed of rebound over that of impact", body(run, 1)["velocity_z"][-1]/speed, 1.0, 0.03)
     book.command(runs[0].case)
 
@@ -101,10 +130,18 @@ def plug(book, full):
         rows = contact(run)
         squeeze = 1e-3*2*pi*2  # pressure E d/R on 2 pi R L
         sliding = rows["time"] > 31
-        book.within(name, "radial force over that of the exact pressure", -rows["force_x"][sliding].mean()/squeeze, 1.0, 0.05)
-        book.within(name, "friction over normal force", rows["force_z"][sliding].mean()/-rows["force_x"][sliding].mean(), 0.2, 1e-3)
+        book.within(
+            name, "radial force over that of the exact pressure", -rows["force_x"][sliding].mean() / squeeze, 1.0, 0.05
+        )
+        book.within(
+            name, "friction over normal force", rows["force_z"][sliding].mean() / -rows["force_x"][sliding].mean(), 0.2,
+            1e-3,
+        )
         moved = body(run, 1)
-        book.within(name, "momentum of the plug over mu p 2 pi R L t", moved["mass"][-1]*moved["velocity_z"][-1]/(0.2*squeeze*(moved["time"][-1] - 30)), 1.0, 0.05)
+        book.within(
+            name, "momentum of the plug over mu p 2 pi R L t",
+            moved["mass"][-1] * moved["velocity_z"][-1] / (0.2 * squeeze * (moved["time"][-1] - 30)), 1.0, 0.05,
+        )
     book.command(runs[0].case)
 
 

@@ -14,7 +14,9 @@ def check(book, full):
     """Impedances 1 : 1 and 1 : 4; equal wave speeds, so the bars part after 2 L/c in both."""
     book.section("Contact: two bars")
     cases = [(method, ratio) for method in METHODS for ratio in (1, 4)]
-    runs = solve([deck("contact_bars/bars", method=method, cells=200 if full else 100, ratio=ratio) for method, ratio in cases])
+    runs = solve(
+        [deck("contact_bars/bars", method=method, cells=200 if full else 100, ratio=ratio) for method, ratio in cases]
+    )
     for (method, ratio), run in zip(cases, runs):
         force = SPEED*ratio/(1 + ratio)
         rows, momentum = contact(run), run.history()["momentum_x"]

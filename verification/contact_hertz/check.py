@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A rigid plate pressed on an elastic sphere: force and contact radius against Hertz and against the elastic sphere of finite size."""
+"""A rigid plate pressed on an elastic sphere: force and contact radius against Hertz and against the elastic sphere of
+finite size."""
 import sys
 from pathlib import Path
 
@@ -17,8 +18,9 @@ BANDS = ((0.004, 0.006), (0.008, 0.012), (0.013, 0.017), (0.017, 0.02))
 
 
 def measured(run):
-    """Approach at the middle of each row, force on the whole sphere, contact radius; all in units of radius and Young's modulus.
-    The radius comes from the torque of the reaction: Hertz's pressure on a quarter of a circle has its centre at 3/8 a in x and y."""
+    """Approach at the middle of each row, force on the whole sphere, contact radius; all in units of radius and Young's
+    modulus. The radius comes from the torque of the reaction: Hertz's pressure on a quarter of a circle has its centre
+    at 3/8 a in x and y."""
     rows = contact(run)
     depth = DEPTH*0.5*(rows["time"][1:] + rows["time"][:-1])/rows["time"][-1]
     force = rows["force_z"][1:]
@@ -30,9 +32,13 @@ def check(book, full):
     """Quick: 16 and 24 cells per radius; full: 8 to 48."""
     book.section("Contact: Hertz")
     exact = curve()
-    book.say("Hertz takes the sphere for a half-space. The model is a sphere between two plates, measured from its centre: linear elasticity "
-             "(Legendre series, elastic_sphere.py) gives 5.3 % more force at d = 1 % of the radius and 7.7 % at 2 %. Means over bands of d, for the elastic "
-             "plate of finite size the force rings with it.")
+    book.say(
+        "Hertz takes the sphere for a half-space. The model is a sphere between two plates, measured from its "
+        "centre: linear elasticity "
+        "(Legendre series, elastic_sphere.py) gives 5.3 % more force at d = 1 % of the radius and 7.7 % at 2 %. "
+        "Means over bands of d, for the elastic "
+        "plate of finite size the force rings with it."
+    )
     sizes = (8, 16, 24, 32, 48) if full else (16, 24)
     runs = solve([deck("contact_hertz/hertz", cells=cells) for cells in sizes])
     figure, axis = subplots(figsize=(7.2, 4.6))
@@ -53,7 +59,9 @@ def check(book, full):
             note = f"the contact radius is {radius*cells:.1f} cells"
             known = KNOWN.get((cells, number), (None, None))
             book.within(name, "force over that of the elastic sphere", ratio, 1.0, 0.05, note, known=known[0])
-            book.within(name, "contact radius over that of the elastic sphere", found/radius, 1.0, 0.1, note, known=known[1])
+            book.within(
+                name, "contact radius over that of the elastic sphere", found / radius, 1.0, 0.1, note, known=known[1]
+            )
         smooth = np.convolve(force, np.ones(9)/9, mode="same")[4:-4]
         axis.plot(100*depth[4:-4], smooth, label=f"{cells} cells per radius", linewidth=1)
     axis.plot(100*exact[:, 1], exact[:, 2], "k-", linewidth=2, label="elastic sphere")
@@ -63,8 +71,11 @@ def check(book, full):
     axis.set_title("Force of a plate on a sphere", loc="left", fontweight="bold")
     axis.legend()
     book.figure("contact_hertz", figure, "Force against approach, running means over nine rows.")
-    book.table("contact_hertz", ["cells per R", "d/R", "F over elastic sphere", "F over Hertz", "a over elastic sphere", "a/h"], rows,
-               "Force and contact radius.")
+    book.table(
+        "contact_hertz",
+        ["cells per R", "d/R", "F over elastic sphere", "F over Hertz", "a over elastic sphere", "a/h"], rows,
+        "Force and contact radius.",
+    )
     book.command(*[run.case for run in runs])
 
 

@@ -1,9 +1,10 @@
 """A sphere pressed between two rigid, frictionless plates: linear elasticity without Hertz's half-space.
 
-Hertz takes the sphere near the contact for a half-space. In a sphere of finite size the centre follows the plate a little, and the
-force at a given approach of plate and centre is larger: by 5 % at 1 % of the radius, 8 % at 2 %. Here the sphere's surface displacement
-under a normal traction is summed over Legendre polynomials (Lurie's solution for the sphere), and the pressure on N rings of the contact
-circle is found that keeps the surface in the plane of the plate. The pressure vanishes at the circle's edge, which ties approach to radius.
+Hertz takes the sphere near the contact for a half-space. In a sphere of finite size the centre follows the plate a
+little, and the force at a given approach of plate and centre is larger: by 5 % at 1 % of the radius, 8 % at 2 %. Here
+the sphere's surface displacement under a normal traction is summed over Legendre polynomials (Lurie's solution for the
+sphere), and the pressure on N rings of the contact circle is found that keeps the surface in the plane of the plate.
+The pressure vanishes at the circle's edge, which ties approach to radius.
 """
 import math
 
@@ -11,8 +12,8 @@ import numpy as np
 
 
 def compliance(n, poisson, shear):
-    """Radial and tangential displacement (the latter times dP_n/d theta) at the surface of a unit sphere for the traction
-    sigma_rr = P_n, sigma_r_theta = 0."""
+    """Radial and tangential displacement (the latter times dP_n/d theta) at the surface of a unit sphere for the
+    traction sigma_rr = P_n, sigma_r_theta = 0."""
     radial = 2*shear*(n + 1)*(n*n - n - 2 - 2*poisson)
     radial_2 = 2*shear*n*(n - 1)
     ratio = -(n*n + 2*n - 1 + 2*poisson)/(n - 1) if n > 0 else 0.0

@@ -17,8 +17,15 @@ def stacks(book, full):
     cases += [(2, "sgmp", "usavg", {}), (3, "sgmp", "usavg", {"friction": 0}), (3, "sgmp", "usavg", {"depth": 0.6}),
               (3, "sgmp", "usavg", {"normal": "average"})]
     if full:
-        cases += [(10, method, update, {}) for method in METHODS for update in ("musl", "usavg")] + [(3, "cpgimp", "usavg", {})]
-    runs = solve([deck(f"contact_rest/stack_{blocks}", method=method, update=update, **more) for blocks, method, update, more in cases])
+        cases += [(10, method, update, {}) for method in METHODS for update in ("musl", "usavg")] + [
+            (3, "cpgimp", "usavg", {})
+        ]
+    runs = solve(
+        [
+            deck(f"contact_rest/stack_{blocks}", method=method, update=update, **more)
+            for blocks, method, update, more in cases
+        ]
+    )
     rows = []
     for (blocks, method, update, more), run in zip(cases, runs):
         what = ", ".join(f"{key} {value}" for key, value in more.items())
@@ -28,8 +35,10 @@ def stacks(book, full):
         book.at_most(name, "largest energy of unknown origin over the work", most, BOUND)
         if update == "usavg":  # the others take energy from what vibrates, without contact, too
             book.at_most(name, "its mean over the last fifth", abs(mean), 1e-3)
-    book.table("contact_rest", ["case", "energy of unknown origin, late mean", "largest", "taken by contact", "falls of that"], rows,
-               "Over the largest external work, t = 40.")
+    book.table(
+        "contact_rest", ["case", "energy of unknown origin, late mean", "largest", "taken by contact", "falls of that"],
+        rows, "Over the largest external work, t = 40.",
+    )
     book.command(runs[0].case)
 
 

@@ -18,7 +18,13 @@ def check(book, full):
     cases = [(method, "musl") for method in METHODS]
     if full:
         cases += [(method, update) for method in METHODS for update in ("usf", "usl", "usavg")]
-    runs = solve([Case("rings", h=1 if full else 2, method=method, update=update, cfl=0.5 if method == "sgmp" else 0.3) for method, update in cases], may_fail=True)
+    runs = solve(
+        [
+            Case("rings", h=1 if full else 2, method=method, update=update, cfl=0.5 if method == "sgmp" else 0.3)
+            for method, update in cases
+        ],
+        may_fail=True,
+    )
     rows = []
     for (method, update), run in zip(cases, runs):
         name = f"rings, {NAMES[method]} {update.upper()}"
@@ -31,15 +37,19 @@ def check(book, full):
         loss = 1 - history["total_energy"][-1]/history["total_energy"][0]
         touched = pair["time"][np.abs(pair["force_x"]) > 0]
         rebound = 0.5*(right["velocity_x"][-1] - left["velocity_x"][-1])
-        rows.append([name, float(drift), float(100*loss), float(rebound/SPEED), f"{touched[0]:.3g} to {touched[-1]:.3g} ms"])
+        rows.append(
+            [name, float(drift), float(100 * loss), float(rebound / SPEED), f"{touched[0]:.3g} to {touched[-1]:.3g} ms"]
+        )
         book.at_most(name, "change of momentum over that of one ring", drift, 1e-12)
         if update == "musl":
             book.at_most(name, "energy lost over the whole collision (%)", 100*loss, 2.0,
                          "" if full else "the ring is five cells thick, and each closing of a contact takes energy",
                          known=None if full else {"sgmp": 3.096, "mpm": 3.01}.get(method))
             book.at_most(name, "last contact (ms)", touched[-1], 4.0)
-    book.table("contact_rings", ["case", "momentum", "energy lost (%)", "rebound over speed", "contact"], rows,
-               "Momentum relative to that of one ring. The rest of the rings' energy after the rebound is in their vibration.")
+    book.table(
+        "contact_rings", ["case", "momentum", "energy lost (%)", "rebound over speed", "contact"], rows,
+        "Momentum relative to that of one ring. The rest of the rings' energy after the rebound is in their vibration.",
+    )
     book.command(*[run.case for run in runs])
 
 

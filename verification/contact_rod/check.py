@@ -21,8 +21,10 @@ def closest(point, a, b, c):
     tiny = 1e-300
     found = a + ab*(vb/(va + vb + vc + tiny))[:, None] + ac*(vc/(va + vb + vc + tiny))[:, None]
     for start, edge, part, inside in (
-            (a, ac, d2/(d2 - d6 + tiny), (vb <= 0) & (d2 >= 0) & (d6 <= 0)), (a, ab, d1/(d1 - d3 + tiny), (vc <= 0) & (d1 >= 0) & (d3 <= 0)),
-            (b, c - b, (d4 - d3)/((d4 - d3) + (d5 - d6) + tiny), (va <= 0) & (d4 >= d3) & (d5 >= d6))):
+        (a, ac, d2 / (d2 - d6 + tiny), (vb <= 0) & (d2 >= 0) & (d6 <= 0)),
+        (a, ab, d1 / (d1 - d3 + tiny), (vc <= 0) & (d1 >= 0) & (d3 <= 0)),
+        (b, c - b, (d4 - d3) / ((d4 - d3) + (d5 - d6) + tiny), (va <= 0) & (d4 >= d3) & (d5 >= d6)),
+    ):
         found[inside] = (start + np.clip(part, 0, 1)[:, None]*edge)[inside]
     for corner, inside in ((c, (d6 >= 0) & (d5 <= d6)), (b, (d3 >= 0) & (d4 <= d3)), (a, (d1 <= 0) & (d2 <= 0))):
         found[inside] = corner[inside]
@@ -30,8 +32,8 @@ def closest(point, a, b, c):
 
 
 def plate_surface(particles):
-    """Triangles between the particles of the plate's top layer, which were neighbours at the start, where they are now. Rows on
-    the far sides of the symmetry planes are mirrored."""
+    """Triangles between the particles of the plate's top layer, which were neighbours at the start, where they are now.
+    Rows on the far sides of the symmetry planes are mirrored."""
     number, points, start = particles.column("body"), particles.points, particles.fields["initial_position"]
     top = np.flatnonzero((number == 1) & (start[:, 2] > -0.75*SPACING))
     place = {tuple(np.round(start[n, :2]/SPACING - 0.5).astype(int)): points[n] for n in top}
@@ -50,8 +52,9 @@ def plate_surface(particles):
 
 
 def overlaps(particles):
-    """How far the rod's particles lie below the surface through the particles of the plate's top layer, in spacings, and their distance
-    from the rod's axis at the start. Touching surfaces would have -1, less where the plate's layer has become thinner."""
+    """How far the rod's particles lie below the surface through the particles of the plate's top layer, in spacings,
+    and their distance from the rod's axis at the start. Touching surfaces would have -1, less where the plate's layer
+    has become thinner."""
     surface = plate_surface(particles)
     a, b, c = surface[:, 0], surface[:, 1], surface[:, 2]
     normals = np.cross(b - a, c - a)
@@ -62,7 +65,8 @@ def overlaps(particles):
         way = points[n] - closest(points[n], a, b, c)
         distance = np.linalg.norm(way, axis=1)
         near = np.flatnonzero(distance <= distance.min() + 1e-9)
-        side = (way[near]*normals[near]).sum(1)  # at an edge or a corner the triangle that faces the particle most tells the side
+        # at an edge or a corner the triangle that faces the particle most tells the side
+        side = (way[near]*normals[near]).sum(1)
         found.append(-np.sign(side[abs(side).argmax()])*distance.min()/SPACING)
         radius.append(np.hypot(*start[n, :2]))
     return np.array(found), np.array(radius)
@@ -82,11 +86,21 @@ def check(book, full):
         book.at_most(name, "change of momentum, relative", max(abs(momentum/momentum[0] - 1)), 1e-11)
         book.at_most(name, "largest overlap under the rod's face (spacings)", face, 0.0)
         if method == "sgmp":
-            book.at_most(name, "largest overlap (spacings)", found.max(), 0.0,
-                         "the rod's sharp edge, one particle wide, cuts into the wall of the crater; see doc/contact.md", known=KNOWN)
-    book.table("contact_rod", ["method", "largest overlap (spacings)", "under the rod's face", "particles beyond the surface",
-                                     "particles within a spacing of it"], rows,
-               "Rod particles beyond the surface through the centres of the plate's top layer, at the end; touching surfaces would have -1.")
+            book.at_most(
+                name, "largest overlap (spacings)", found.max(), 0.0,
+                "the rod's sharp edge, one particle wide, cuts into the wall of the crater; see doc/contact.md",
+                known=KNOWN,
+            )
+    book.table(
+        "contact_rod",
+        [
+            "method", "largest overlap (spacings)", "under the rod's face", "particles beyond the surface",
+            "particles within a spacing of it",
+        ],
+        rows,
+        "Rod particles beyond the surface through the centres of the plate's top layer, at the end; touching "
+        "surfaces would have -1.",
+    )
     book.command(*[run.case for run in runs])
 
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Three to five bodies in contact, drawn by seed: unequal densities and stiffnesses, any friction, rigid tools, at an angle to the grid.
+"""Three to five bodies in contact, drawn by seed: unequal densities and stiffnesses, any friction, rigid tools, at an
+angle to the grid.
 
     python3 verification/contact_scenes/check.py [--full]      some scenes, or all
     python3 verification/contact_scenes/check.py --show pile 3 the deck of one
@@ -61,7 +62,10 @@ def momentum(book, scene, run):
     time = history["time"]
     mass = sum(block.mass for block in scene.soft())
     if scene.kind == "flight":
-        scale = sum(np.linalg.norm([body(run, b + 1)[f"velocity_{a}"][0] for a in "xyz"])*block.mass for b, block in enumerate(scene.blocks))
+        scale = sum(
+            np.linalg.norm([body(run, b + 1)[f"velocity_{a}"][0] for a in "xyz"]) * block.mass
+            for b, block in enumerate(scene.blocks)
+        )
         wrong = max(np.abs(history[f"momentum_{a}"] - history[f"momentum_{a}"][0]).max() for a in "xyz")
         return book.at_most(scene.name, "momentum from nowhere over the bodies'", wrong/scale, 1e-12)
     along, up = along_and_up(scene, history, "momentum_")
@@ -83,7 +87,8 @@ def pile(book, scene, run):
 
 
 def rest(book, scene, run):
-    """Comes to rest; the base carries the weight and nothing else; frictionless contact never gives energy (MUSL: an identity at each node, but for the first step of a contact)."""
+    """Comes to rest; the base carries the weight and nothing else; frictionless contact never gives energy (MUSL: an
+    identity at each node, but for the first step of a contact)."""
     momentum(book, scene, run)
     if scene.friction == 0:
         book.at_most(scene.name, "falls of the energy taken by contact", excess(run.history(), scene.update)[2], 1e-10)
@@ -120,8 +125,8 @@ def flight(book, scene, run):
 
 
 def press(book, scene, run):
-    """Springs in series. Nodes up to half a cell inside a block obey the contact of its face, too: the springs are up to a cell shorter
-    than the blocks of four cells, 4/3 as stiff. The work of the tools is the energy of the blocks.
+    """Springs in series. Nodes up to half a cell inside a block obey the contact of its face, too: the springs are up
+    to a cell shorter than the blocks of four cells, 4/3 as stiff. The work of the tools is the energy of the blocks.
     """
     energy(book, scene, run)
     book.within(scene.name, "force over that of springs in series", stiffness(scene, run), 1.12, 0.24)
@@ -140,7 +145,10 @@ def press_refined(book):
     scenes = [Scene("press", 16, fine) for fine in (1, 2, 4)]
     excess = [stiffness(scene, run) - 1 for scene, run in zip(scenes, solve([case(scene) for scene in scenes]))]
     for coarse, fine, scene in zip(excess, excess[1:], scenes[1:]):
-        book.near(scene.name, f"order in h of what the force is too large by ({coarse:.3f}, {fine:.3f})", math.log2(coarse/fine), 1, 0.5)
+        book.near(
+            scene.name, f"order in h of what the force is too large by ({coarse:.3f}, {fine:.3f})",
+            math.log2(coarse / fine), 1, 0.5,
+        )
 
 
 def check(book, full):

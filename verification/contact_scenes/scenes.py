@@ -1,5 +1,6 @@
-"""Contact scenes drawn by seed: three to five bodies of unequal densities and stiffnesses, in two and three dimensions, at an angle to the
-grid. Each scene is laid out along its own axes (x along the surface, y up) and turned about the grid's origin; gravity turns with it."""
+"""Contact scenes drawn by seed: three to five bodies of unequal densities and stiffnesses, in two and three dimensions,
+at an angle to the grid. Each scene is laid out along its own axes (x along the surface, y up) and turned about the
+grid's origin; gravity turns with it."""
 import math
 import random
 from dataclasses import dataclass, field
@@ -54,7 +55,8 @@ class Scene:
         while True:
             self.blocks, self.motions = [], []
             getattr(self, self.kind)()
-            self.dt = self.courant/max(math.sqrt(block.young/block.density*1.2) for block in self.soft())  # 1.2: waves at nu = 0.25
+            # 1.2: waves at nu = 0.25
+            self.dt = self.courant/max(math.sqrt(block.young/block.density*1.2) for block in self.soft())
             self.end = max(self.end, self.least*self.dt)
             self.steps = math.ceil(self.end/self.dt)
             if self.steps <= self.fine*MOST_STEPS[self.dimension]:
@@ -64,7 +66,10 @@ class Scene:
     def name(self):
         ratios = "/".join(f"{block.density:g}:{block.young:g}" for block in self.soft())
         fine = f", cells of 1/{self.fine}" if self.fine > 1 else ""
-        return f"{self.kind} {self.seed} ({self.dimension}D, {self.turn} degrees, friction {self.friction:g}, {ratios}{fine})"
+        return (
+            f"{self.kind} {self.seed} ({self.dimension}D, {self.turn} degrees, friction {self.friction:g}, "
+            f"{ratios}{fine})"
+        )
 
     def soft(self):
         """Bodies that are not rigid."""
@@ -105,8 +110,8 @@ class Scene:
         self.lay(self.luck.choice(("tower", "bridge", "pair")), self.matter(3))
 
     def rest(self):
-        """The same with the heavy ones below and PIC's damping: comes to rest and stays there. Without friction blocks side by side
-        push each other apart when they are loaded: towers only."""
+        """The same with the heavy ones below and PIC's damping: comes to rest and stays there. Without friction blocks
+        side by side push each other apart when they are loaded: towers only."""
         self.update, self.flip, self.least = "musl", 0.95, 8000
         stuff = sorted(self.matter(3), reverse=True)
         layout = "tower" if self.friction == 0 else self.luck.choice(("tower", "bridge", "pair"))
@@ -118,7 +123,9 @@ class Scene:
         height = self.luck.choice((2, 3))
         if layout == "tower":
             for level, matter in enumerate(stuff):
-                self.add((self.luck.choice((0, 0.5, 1)) if self.friction else 0, level*height, 0), (5, height, 3), matter)
+                self.add(
+                    (self.luck.choice((0, 0.5, 1)) if self.friction else 0, level * height, 0), (5, height, 3), matter
+                )
         else:
             low = 0 if layout == "bridge" else height
             self.add((0, low, 0), (3, height, 3), stuff[0])
@@ -127,9 +134,9 @@ class Scene:
         self.end = 2*self.load()
 
     def incline(self):
-        """Two blocks on each other on a rigid slope of 30 degrees: Coulomb's law for both, whatever they weigh. Where they slide, friction
-        holds the upper one on the lower: with the slope's coefficient it would be at the very edge of slipping. The heavier one is the upper: a
-        light one is thrown by what the other vibrates."""
+        """Two blocks on each other on a rigid slope of 30 degrees: Coulomb's law for both, whatever they weigh. Where
+        they slide, friction holds the upper one on the lower: with the slope's coefficient it would be at the very edge
+        of slipping. The heavier one is the upper: a light one is thrown by what the other vibrates."""
         self.update = self.luck.choice(("musl", "usavg"))
         self.flip = 0.99
         self.base(14 if self.friction < 1 else 6)
@@ -157,8 +164,8 @@ class Scene:
         self.end = 0.02/speed + 10/slowest
 
     def press(self):
-        """Two blocks in series between rigid tools that come closer by a hundredth of a cell, slowly. Without friction the blocks
-        would be squeezed out sideways."""
+        """Two blocks in series between rigid tools that come closer by a hundredth of a cell, slowly. Without friction
+        the blocks would be squeezed out sideways."""
         self.friction = self.friction or 1.0
         self.poisson = 0.0
         stuff = self.matter(2)
@@ -183,15 +190,29 @@ class Scene:
     def deck(self):
         """The deck's text."""
         slope = SLOPE if self.kind == "incline" else 0.0
-        lines = [f'title "{self.name}"', f"dimension {self.dimension}", "grid cell=1",
-                 f"method {self.method} update={self.update} flip={self.flip:g} mass_cutoff=1e-20", f"time dt={self.dt!r} steps={self.steps}"]
+        lines = [
+            f'title "{self.name}"', f"dimension {self.dimension}", "grid cell=1",
+            f"method {self.method} update={self.update} flip={self.flip:g} mass_cutoff=1e-20",
+            f"time dt={self.dt!r} steps={self.steps}",
+        ]
         if self.gravity:
-            lines.append("gravity " + vector(self.turned((self.gravity*math.sin(slope), -self.gravity*math.cos(slope), 0))))
+            lines.append(
+                "gravity " + vector(self.turned((self.gravity * math.sin(slope), -self.gravity * math.cos(slope), 0)))
+            )
         for block in self.blocks:
-            lines.append(f"material m_{block.name} elastic density={block.density:g} young={block.young or 1:g} poisson={self.poisson:g} strain=small")
-            lines.append(f"body {block.name} block material=m_{block.name} lower={vector(block.lower)} upper={vector(block.upper)} ppc=2 rotation={self.turn}")
+            lines.append(
+                f"material m_{block.name} elastic density={block.density:g} young={block.young or 1:g} "
+                f"poisson={self.poisson:g} strain=small"
+            )
+            lines.append(
+                f"body {block.name} block material=m_{block.name} lower={vector(block.lower)} "
+                f"upper={vector(block.upper)} ppc=2 rotation={self.turn}"
+            )
         for block, motion in zip(self.blocks, self.motions):
-            lines.append(f"velocity {block.name} " + " ".join(f"{axis}={value!r}" for axis, value in zip("xyz", self.turned(motion))))
+            lines.append(
+                f"velocity {block.name} "
+                + " ".join(f"{axis}={value!r}" for axis, value in zip("xyz", self.turned(motion)))
+            )
         for block in self.blocks:
             if block.young > 0:
                 continue

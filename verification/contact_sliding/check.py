@@ -10,7 +10,8 @@ from common import main, solve  # noqa: E402
 from contact import METHODS, NAMES, body, contact, deck  # noqa: E402
 
 TURNS, G = (0, 30, 45), 10.0
-STIFF = 1e7      # a block of 1e6 Pa bends by half a per cent under its weight: its surface is not that of the plate, and
+# a block of 1e6 Pa bends by half a per cent under its weight: its surface is not that of the plate, and
+STIFF = 1e7
                  # friction over normal force, both in the directions of the plate, is off by as much
 SLIDING = 0.1    # (s) by when all of the block slides; before, parts of it still stick and friction is less
 
@@ -40,7 +41,10 @@ def incline(book, method, turn, run):
     book.within(name, "mean normal force over m g cos", force @ normal/weight, 1.0, 0.02)
     late = rows["time"] > SLIDING
     force = np.array([(rows["force_x"]*span)[late].sum(), (rows["force_y"]*span)[late].sum()])
-    book.within(name, f"friction over normal force, means from {SLIDING} s on", abs(force @ along)/(force @ normal), 0.3, 0.005)
+    book.within(
+        name, f"friction over normal force, means from {SLIDING} s on", abs(force @ along) / (force @ normal), 0.3,
+        0.005,
+    )
     # A block that does not turn: the contact's moment about its centroid has the mean 0.
     middle = {axis: 0.5*(block[axis] + np.append(block[axis][0], block[axis][:-1])) for axis in "xy"}
     moment = rows["torque_z"] - (middle["x"]*rows["force_y"] - middle["y"]*rows["force_x"])
@@ -57,12 +61,19 @@ def check(book, full):
         incline(book, method, turn, run)
     book.command(runs[0].case)
     cases = [(method, turn, friction) for method in METHODS for turn in TURNS for friction in (0.3, 2)]
-    runs = solve([deck("contact_sliding/decelerating", method=method, turn=turn, friction=friction) for method, turn, friction in cases])
+    runs = solve(
+        [
+            deck("contact_sliding/decelerating", method=method, turn=turn, friction=friction)
+            for method, turn, friction in cases
+        ]
+    )
     for (method, turn, friction), run in zip(cases, runs):
         block = body(run, 2)
         time = block["time"][-1]
-        book.within(f"decelerating plate at {turn} degrees, friction {friction}, {NAMES[method]}", "way of the block (m)",
-                    way(block, turn), 3*time - 0.5*min(6.0, friction*G)*(time - 0.3)**2, 0.01)
+        book.within(
+            f"decelerating plate at {turn} degrees, friction {friction}, {NAMES[method]}", "way of the block (m)",
+            way(block, turn), 3 * time - 0.5 * min(6.0, friction * G) * (time - 0.3) ** 2, 0.01,
+        )
     book.command(runs[0].case)
 
 

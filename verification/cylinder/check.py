@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Cylinder test: speed of the copper wall against Gurney's formula.
 
-v = G/sqrt(M/C + 1/2), M and C the masses of copper and TNT to a length: what the wall comes to, which at 19 mm it has not quite reached. Constants G in use for TNT
-of 1.63 g/cm^3: 2.37 and 2.44 km/s, and 2.46 by the fit 0.52 + 0.28 D (D = 6.93 km/s). They are 3.7 % apart, and the methods that calculate G miss measured ones by
-2.6 % on average (Mathieu, Phys. Chem. Chem. Phys. 2025, doi 10.1039/d5cp00761e): 5 % is asked for of the lowest, about what both make together.
+v = G/sqrt(M/C + 1/2), M and C the masses of copper and TNT to a length: what the wall comes to, which at 19 mm it has
+not quite reached. Constants G in use for TNT of 1.63 g/cm^3: 2.37 and 2.44 km/s, and 2.46 by the fit 0.52 + 0.28 D (D =
+6.93 km/s). They are 3.7 % apart, and the methods that calculate G miss measured ones by 2.6 % on average (Mathieu,
+Phys. Chem. Chem. Phys. 2025, doi 10.1039/d5cp00761e): 5 % is asked for of the lowest, about what both make together.
 """
 
 import sys
@@ -30,8 +31,14 @@ def check(book, full):
             speeds = [float(np.interp(at, way, speed)) for at in (5, 12.5, 19)]
             rows.append([volumes, f"{h}", *(f"{v:.0f}" for v in speeds), f"{run.cpu_seconds:.0f}"])
             if volumes == "plain":
-                book.within("cylinder test", f"speed of the wall at 19 mm, h = {h} mm (m/s), against Gurney's formula", speeds[-1], GURNEY, 0.05)
-    book.table("cylinder_test", ["volumes", "h (mm)", "5 mm", "12.5 mm", "19 mm", "CPU s"], rows, f"Speed of the wall (m/s) after so many mm. Gurney: {GURNEY:.0f} to {HIGHEST:.0f} m/s at the end.")
+                book.within(
+                    "cylinder test", f"speed of the wall at 19 mm, h = {h} mm (m/s), against Gurney's formula",
+                    speeds[-1], GURNEY, 0.05,
+                )
+    book.table(
+        "cylinder_test", ["volumes", "h (mm)", "5 mm", "12.5 mm", "19 mm", "CPU s"], rows,
+        f"Speed of the wall (m/s) after so many mm. Gurney: {GURNEY:.0f} to {HIGHEST:.0f} m/s at the end.",
+    )
     book.command(Case(CYLINDER, h=0.325))
 
 

@@ -3,11 +3,10 @@
 
     build/venv/bin/python verification/errors/references.py [beam blast rings ball]        minutes each
 
-beam: finite elements (verification/surfaces/elements.py) of two meshes, taken to their limit with the second order of the elements
-blast: spherical shells (verification/blast/shells.py), two numbers of shells
-rings: finite elements, verification/surfaces/bounce.json and bounce_rings.csv
-taylor: an independent code, verification/bar_surface.py
-ball: nothing but this program: gimp and bspline with cells of 0.4 of the deck's
+beam: finite elements (verification/surfaces/elements.py) of two meshes, taken to their limit with the second order of
+the elements blast: spherical shells (verification/blast/shells.py), two numbers of shells rings: finite elements,
+verification/surfaces/bounce.json and bounce_rings.csv taylor: an independent code, verification/bar_surface.py ball:
+nothing but this program: gimp and bspline with cells of 0.4 of the deck's
 """
 
 import json
@@ -92,11 +91,22 @@ def ball():
     from sgmp_view.quantities import quantity_of
     found = []
     for method in ("gimp", "bspline"):
-        text = (ROOT / "input/gallery/ball_plate.inp").read_text().replace("method sgmp", f"method {method}").replace("h = 0.25", "h = 0.1")
+        text = (
+            (ROOT / "input/gallery/ball_plate.inp")
+            .read_text()
+            .replace("method sgmp", f"method {method}")
+            .replace("h = 0.25", "h = 0.1")
+        )
         folder = common.BUILD / "errors" / f"ball_{method}"
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "ball.inp").write_text(text)
-        common.subprocess.run([str(common.SOLVER), str(folder / "ball.inp"), "--quiet", "--threads", "1", "--output", str(folder / "out")], check=True)
+        common.subprocess.run(
+            [
+                str(common.SOLVER), str(folder / "ball.inp"), "--quiet", "--threads", "1", "--output",
+                str(folder / "out"),
+            ],
+            check=True,
+        )
         found.append([quantity_of(folder / "out", name) for name in BALL])
     first, second = np.array(found)
     return dict(zip(BALL, np.column_stack([0.5 * (first + second), 0.5 * np.abs(first - second)]).tolist()))

@@ -10,7 +10,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from common import Case, main, slopes, solve, subplots  # noqa: E402
 
 GAMMA = 1.4
-VARIANTS = {"sgmp": {"method": "sgmp"}, "normalised": {"method": "sgmp", "stress": "normalised"}, "gimp": {"method": "gimp"}}
+VARIANTS = {
+    "sgmp": {"method": "sgmp"},
+    "normalised": {"method": "sgmp", "stress": "normalised"},
+    "gimp": {"method": "gimp"},
+}
 
 
 def deck(name, **parameters):
@@ -22,14 +26,21 @@ def profile(run):
     particles = run.particles()
     order = np.argsort(particles.points[:, 0], kind="stable")
     fields = particles.fields
-    return {"x": particles.points[order, 0], "y": particles.points[order, 1], "velocity": fields["velocity"][order, 0],
-            "start": fields["initial_position"][order, 0], "pressure": fields["pressure"][order], "density": fields["density"][order]}
+    return {
+        "x": particles.points[order, 0],
+        "y": particles.points[order, 1],
+        "velocity": fields["velocity"][order, 0],
+        "start": fields["initial_position"][order, 0],
+        "pressure": fields["pressure"][order],
+        "density": fields["density"][order],
+    }
 
 
 # ---------------------------------------------------------------- exact solutions
 
 def riemann(x, left=(1.0, 0.0, 1.0), right=(0.125, 0.0, 0.1)):
-    """Density, velocity and pressure at x = (position - membrane)/time (Toro, chapter 4): pressure between the waves by bisection."""
+    """Density, velocity and pressure at x = (position - membrane)/time (Toro, chapter 4): pressure between the waves by
+    bisection."""
     def jump(p, state):
         density, _, p0 = state
         c = math.sqrt(GAMMA*p0/density)
@@ -88,8 +99,11 @@ def hugoniot(case):
 
 def sod(book, full):
     sizes = (100, 200, 400, 800) if full else (100, 200, 400)
-    book.say("Sod's shock tube at t = 0.2, γ = 1.4: the solution of the Riemann problem is exact. L1 errors of density and pressure per length; bulk "
-             "viscosity b1 = 1.5, b2 = 0.3: with the customary 0.06 the particles ring behind the shock.")
+    book.say(
+        "Sod's shock tube at t = 0.2, γ = 1.4: the solution of the Riemann problem is exact. L1 errors of density "
+        "and pressure per length; bulk "
+        "viscosity b1 = 1.5, b2 = 0.3: with the customary 0.06 the particles ring behind the shock."
+    )
     rows, figure_run = [], None
     for name, variant in VARIANTS.items():
         runs = solve([deck("sod", cells=n, **variant) for n in sizes])
@@ -98,7 +112,9 @@ def sod(book, full):
             table = profile(run)
             exact = riemann((table["x"] - 0.5)/0.2)
             volume = 1/(n*2)*np.where(table["start"] < 0.5, 1, 0.125)/table["density"]
-            errors.append([(abs(table["density"] - exact[0])*volume).sum(), (abs(table["pressure"] - exact[2])*volume).sum()])
+            errors.append(
+                [(abs(table["density"] - exact[0]) * volume).sum(), (abs(table["pressure"] - exact[2]) * volume).sum()]
+            )
             rows.append([name, n, *map(float, errors[-1])])
             figure_run = run if name == "sgmp" and n == 200 else figure_run
         density, pressure = {"sgmp": (0.008, 0.010), "normalised": (0.006, 0.008), "gimp": (0.011, 0.012)}[name]
@@ -127,18 +143,31 @@ def sod(book, full):
 
 
 SHOCKS = {
-    "planar Noh": (dict(fluid="ideal_gas", gamma=5/3, pressure=1e-6, density=1.0, speed=1.0, t_end=0.6), 0.03),
-    "water, stiffened gas, 500 m/s": (dict(fluid="stiffened_gas", gamma=4.4, p_inf=600.0, pressure=0.1, density=1.0e-3,
-                                           speed=500.0, length=1.0, t_end=3.0e-4), 0.01),
-    "water, Tait, 500 m/s": (dict(fluid="tait", gamma=7.15, c0=1480.0, pressure=0.1, density=1.0e-3, speed=500.0, t_end=3.0e-4), 0.01),
-    "water, Grüneisen, 200 m/s": (dict(fluid="gruneisen", c0=1483.0, s=1.75, gamma0=0.28, density=1.0e-3, speed=200.0,
-                                      t_end=3.0e-4), 0.01),
+    "planar Noh": (dict(fluid="ideal_gas", gamma=5 / 3, pressure=1e-6, density=1.0, speed=1.0, t_end=0.6), 0.03),
+    "water, stiffened gas, 500 m/s": (
+        dict(
+            fluid="stiffened_gas", gamma=4.4, p_inf=600.0, pressure=0.1, density=1.0e-3, speed=500.0, length=1.0,
+            t_end=3.0e-4,
+        ),
+        0.01,
+    ),
+    "water, Tait, 500 m/s": (
+        dict(fluid="tait", gamma=7.15, c0=1480.0, pressure=0.1, density=1.0e-3, speed=500.0, t_end=3.0e-4),
+        0.01,
+    ),
+    "water, Grüneisen, 200 m/s": (
+        dict(fluid="gruneisen", c0=1483.0, s=1.75, gamma0=0.28, density=1.0e-3, speed=200.0, t_end=3.0e-4),
+        0.01,
+    ),
 }
 
 
 def shocks(book, full):
-    book.say("A fluid runs against a rigid wall. Exact: jump conditions with the equation of state. Mean over the volume of the middle half of what the shock "
-             "has passed (the wall's first cells are heated: Noh's wall heating). Water in mm, g, ms, MPa.")
+    book.say(
+        "A fluid runs against a rigid wall. Exact: jump conditions with the equation of state. Mean over the volume "
+        "of the middle half of what the shock "
+        "has passed (the wall's first cells are heated: Noh's wall heating). Water in mm, g, ms, MPa."
+    )
     rows = []
     for title, (parameters, tolerance) in SHOCKS.items():
         for name, variant in VARIANTS.items():
@@ -162,8 +191,11 @@ def shocks(book, full):
 
 
 def column(book, full):
-    book.say("A column of depth 1 in a box of slip walls, g = 1, sound speed 20 √(g H). Exact: dp/dy = -ρ(p) g with p = 0 at the surface, in closed form "
-             "for Tait's equation.")
+    book.say(
+        "A column of depth 1 in a box of slip walls, g = 1, sound speed 20 √(g H). Exact: dp/dy = -ρ(p) g with p = "
+        "0 at the surface, in closed form "
+        "for Tait's equation."
+    )
     n, bulk = 7.0, 400.0
     for name, variant in VARIANTS.items():
         run = solve([deck("column", **variant)])[0]
@@ -180,8 +212,14 @@ def column(book, full):
         exact = bulk/n*(density**n - 1)
         error = abs(table["pressure"] - exact)
         inside = y < top - 0.05
-        book.at_most("hydrostatic column", f"error of the pressure over that at the bottom, {name}, mean", error[inside].mean(), 0.01)
-        book.at_most("hydrostatic column", f"error of the pressure over that at the bottom, {name}, largest", error[inside].max(), 0.03)
+        book.at_most(
+            "hydrostatic column", f"error of the pressure over that at the bottom, {name}, mean", error[inside].mean(),
+            0.01,
+        )
+        book.at_most(
+            "hydrostatic column", f"error of the pressure over that at the bottom, {name}, largest",
+            error[inside].max(), 0.03,
+        )
 
 
 def vortex(book, full):
@@ -190,7 +228,10 @@ def vortex(book, full):
         run = solve([deck("vortex", **variant)])[0]
         history = run.history()
         exact = math.exp(-4*math.pi**2*0.01*history["time"][-1])
-        book.within("decaying vortex", f"kinetic energy left, {name}", history["kinetic_energy"][-1]/history["kinetic_energy"][0], exact, 0.02)
+        book.within(
+            "decaying vortex", f"kinetic energy left, {name}",
+            history["kinetic_energy"][-1] / history["kinetic_energy"][0], exact, 0.02,
+        )
 
 
 def check(book, full):

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Cook's membrane at rest by SGMP's quadrature, without the program: linear, particles where they start; as it is, and with F-bar.
+"""Cook's membrane at rest by SGMP's quadrature, without the program: linear, particles where they start; as it is, and
+with F-bar.
 
     python3 verification/hard/at_rest.py
 
-Prints deflection of the tip over that of finite elements and roughness of the pressure, as doc/hard-cases.md measures them. F-bar takes
-the volumetric strain as a mean, of the particles around a centre or of the centres around a node, and the transposed force, so that the
-work is that of one energy.
+Prints deflection of the tip over that of finite elements and roughness of the pressure, as doc/hard-cases.md measures
+them. F-bar takes the volumetric strain as a mean, of the particles around a centre or of the centres around a node, and
+the transposed force, so that the work is that of one energy.
 """
 import numpy as np
 from finite_elements import membrane as membrane_by_elements
@@ -28,7 +29,9 @@ def interpolation(x, y):
     i, j = np.floor(s).astype(int), np.floor(t).astype(int)
     for a in (0, 1):
         for b in (0, 1):
-            np.add.at(weights, (np.arange(len(x)), np.maximum(i + a, 0), j + b), np.abs(1 - a - s + i)*np.abs(1 - b - t + j))
+            np.add.at(
+                weights, (np.arange(len(x)), np.maximum(i + a, 0), j + b), np.abs(1 - a - s + i) * np.abs(1 - b - t + j)
+            )
     return weights.reshape(len(x), -1)
 
 
@@ -38,7 +41,9 @@ def corners():
     i, j = np.indices((COLUMNS - 1, ROWS - 1))
     for a in (0, 1):
         for b in (0, 1):
-            mean[i, j, i + a, j + b], along[i, j, i + a, j + b], across[i, j, i + a, j + b] = 0.25, (2*a - 1)/(2*H), (2*b - 1)/(2*H)
+            mean[i, j, i + a, j + b], along[i, j, i + a, j + b], across[i, j, i + a, j + b] = (
+                0.25, (2 * a - 1) / (2 * H), (2 * b - 1) / (2 * H),
+            )
     return [matrix.reshape((COLUMNS - 1)*(ROWS - 1), -1) for matrix in (mean, along, across)]
 
 
@@ -82,7 +87,11 @@ def main():
         reference = membrane_by_elements(poisson, LOAD, 20)(47.5, 59.5)[1]
         for averaged in ("", "particles", "nodes"):
             tip, roughness = solve(poisson, averaged)
-            print(f"nu = {poisson}, {'F-bar of ' + averaged if averaged else 'as it is'}: deflection {tip/reference:.4f}, roughness {roughness:.3f}", flush=True)
+            print(
+                f"nu = {poisson}, {'F-bar of ' + averaged if averaged else 'as it is'}: deflection "
+                f"{tip / reference:.4f}, roughness {roughness:.3f}",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

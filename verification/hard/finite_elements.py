@@ -17,7 +17,8 @@ def shape(s, t):
 
 
 def membrane(poisson, load, n, young=1.0):
-    """Displacements of Cook's membrane under its own weight `load` along y, n x n elements: the field as a function of a point."""
+    """Displacements of Cook's membrane under its own weight `load` along y, n x n elements: the field as a function of
+    a point."""
     side = 2*n + 1
     u, v = np.meshgrid(np.linspace(0, 1, side), np.linspace(0, 1, side))
     x = 48*u

@@ -9,22 +9,25 @@ def colour_of(fields, name):
     return np.linalg.norm(fields["velocity"], axis=1) if name == "speed" else fields[name]
 
 
-def portraits(table, name, runs, colour, caption, axes=(0, 1), names=None, select=None, layout=None, panel=(2.3, 2.7)):
-    """The particles in the end, drawn as the viewer draws them: a panel for each run that came to its end, in one scale of places and of colours.
-    `colour`: a field, or speed; `axes`: those across and up; `select`: which particles, of their places."""
+def portraits(table, name, runs, colour, caption, axes=(0, 1), names=None, cut=False, layout=None, panel=(2.3, 2.7)):
+    """The particles in the end, drawn as the viewer draws them: a panel for each run that came to its end, in one scale
+    of places and of colours. `colour`: a field, or speed; `axes`: those across and up, in 3D a third one towards the
+    viewer; `cut`: the section through the middle instead of what is seen from outside."""
     spacing = next(run.summary["spacing"] for run in runs.values() if run.exit_code == 0)
     shown = [(run.particles(), (names or NAMES)[method]) for method, run in runs.items() if run.exit_code == 0]
     values = [colour_of(particles.fields, colour) for particles, _ in shown]
     rows, columns = layout or (1, len(shown))
-    canvas, panels = figure(rows, columns, figsize=(panel[0]*columns, panel[1]*rows), sharex=True, sharey=True, squeeze=False)
+    canvas, panels = figure(
+        rows, columns, figsize=(panel[0] * columns, panel[1] * rows), sharex=True, sharey=True, squeeze=False
+    )
     ends = []
     limits = tuple(np.percentile(np.concatenate(values), (4, 96)))
     for axis, (particles, title), value in zip(panels.ravel(), shown, values):
-        chosen = slice(None) if select is None else select(particles.points)
-        places = np.zeros((len(particles.points[chosen]), 3))
-        places[:, :2] = particles.points[chosen][:, axes]
-        drawn = draw_particles(axis, places, value[chosen].astype(float), spacing, limits=limits if colour != "body" else (0.5, value.max() + 0.5),
-                               most=900, whole_numbers=colour == "body")
+        places = np.zeros((len(particles.points), 3))
+        places[:, :len(axes)] = particles.points[:, axes]
+        scale = limits if colour != "body" else (0.5, value.max() + 0.5)
+        drawn = draw_particles(axis, places, value.astype(float), spacing, view="z", cut=cut, limits=scale, most=900,
+                               whole_numbers=colour == "body")
         ends.append([*axis.get_xlim(), *axis.get_ylim()])
         axis.set(title=title, xlabel="xyz"[axes[0]], ylabel="xyz"[axes[1]])
         axis.label_outer()

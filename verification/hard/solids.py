@@ -17,20 +17,34 @@ LOAD = 2e-7
 
 def taylor(table):
     """Taylor bar along four directions."""
-    table.case("Taylor bar along x, y, z and a diagonal", """
-The halves of a copper cylinder of radius 3.8 mm and length 50.8 mm run into each other end-on at 190 m/s each, so each hits a mirror as a Taylor bar hits a rigid smooth wall, and no wall fixes
-the direction. Density 8.93e-3 g/mm^3, E = 117 GPa, nu = 0.35, yield stress 157 MPa + 425 MPa times the plastic strain, Grueneisen c0 = 3940 m/s, s = 1.49, gamma = 1.96; h = 1.27 mm (three cells per radius), 80 us, Courant number 0.5.
-The particles lie on the same axis-parallel lattice whatever the axis. Length: 25.4 mm times the extent along the axis over that at the start. Foot: 7.6 mm times the largest distance from the axis of particles
-within h of the middle over that at the start. Experiment: 16.2 and 13.5 mm.""")
+    table.case(
+        "Taylor bar along x, y, z and a diagonal",
+        """
+The halves of a copper cylinder of radius 3.8 mm and length 50.8 mm run into each other end-on at 190 m/s each, so
+each hits a mirror as a Taylor bar hits a rigid smooth wall, and no wall fixes the direction. Density 8.93e-3
+g/mm^3, E = 117 GPa, nu = 0.35, yield stress 157 MPa + 425 MPa times the plastic strain, Grueneisen c0 = 3940 m/s, s
+= 1.49, gamma = 1.96; h = 1.27 mm (three cells per radius), 80 us, Courant number 0.5. The particles lie on the same
+axis-parallel lattice whatever the axis. Length: 25.4 mm times the extent along the axis over that at the start.
+Foot: 7.6 mm times the largest distance from the axis of particles within h of the middle over that at the start.
+Experiment: 16.2 and 13.5 mm.""",
+    )
     found = {name: run_methods("taylor", ax=a[0], ay=a[1], az=a[2]) for name, a in DIRECTIONS.items()}
     shapes = {name: {m: shape_of(run, DIRECTIONS[name]) for m, run in runs.items()} for name, runs in found.items()}
     for number, (what, experiment) in enumerate((("length", 16.2), ("diameter of the foot", 13.5))):
         for name, runs in found.items():
-            table.row(f"{what} along {name} (mm)", {m: shapes[name][m][number] for m in METHODS}, experiment, within(experiment, 0.05), runs)
+            table.row(
+                f"{what} along {name} (mm)",
+                {m: shapes[name][m][number] for m in METHODS},
+                experiment,
+                within(experiment, 0.05),
+                runs,
+            )
         spread = {m: np.ptp([shapes[name][m][number] for name in DIRECTIONS])/experiment for m in METHODS}
         table.row(f"{what}, spread over the directions", spread, 0.0, at_most(0.02))
-    portraits(table, "taylor", found["x"], "plastic_strain", "Both halves along x in the end, particles within a cell of the plane through the axis.",
-              select=lambda points: np.abs(points[:, 2]) < 1.27)
+    portraits(
+        table, "taylor", found["x"], "plastic_strain",
+        "Section through the axis of both halves along x in the end (mm).", axes=(0, 1, 2), cut=True,
+    )
 
 
 def shape_of(run, direction):
@@ -48,10 +62,16 @@ def shape_of(run, direction):
 
 def membrane(table):
     """Cook's membrane."""
-    table.case("Cook's membrane, nearly incompressible", """
-Plane strain; corners (0,0), (48,44), (48,60), (0,44), clamped at x = 0, E = density = 1, loaded from rest by a body force of 2e-7 per volume along y at t = 0 and never damped; h = 2. The mean of the deflection at (47.5, 59.5) over t = 0 to 1500
-under a Hann window is the static one. Reference: finite elements of nine nodes, 20 x 20 (the last row has the largest difference from 14 x 14, that of nu = 0.4999). Pressure: time means under the same window of the 16 particles nearest to (22, 32), a square
-of 4 x 4 at distances of h/2; their rms deviation from the plane that fits them best, over their rms.""")
+    table.case(
+        "Cook's membrane, nearly incompressible",
+        """
+Plane strain; corners (0,0), (48,44), (48,60), (0,44), clamped at x = 0, E = density = 1, loaded from rest by a body
+force of 2e-7 per volume along y at t = 0 and never damped; h = 2. The mean of the deflection at (47.5, 59.5) over t
+= 0 to 1500 under a Hann window is the static one. Reference: finite elements of nine nodes, 20 x 20 (the last row
+has the largest difference from 14 x 14, that of nu = 0.4999). Pressure: time means under the same window of the 16
+particles nearest to (22, 32), a square of 4 x 4 at distances of h/2; their rms deviation from the plane that fits
+them best, over their rms.""",
+    )
     poissons = (0.3, 0.49, 0.499, 0.4999)
     tips, check = {}, {}
     for poisson in poissons:
@@ -60,22 +80,49 @@ of 4 x 4 at distances of h/2; their rms deviation from the plane that fits them 
         check[poisson] = membrane_by_elements(poisson, LOAD, 14)(47.5, 59.5)[1]/reference - 1
         found = {m: measures(run) for m, run in runs.items()}
         tips[poisson] = {m: found[m][0]/reference for m in METHODS}
-        locking = {"sgmp": "no locking, but too soft, by 2.4 % at nu = 0.3 already",
-                   "all": "volumetric locking: every particle is a constraint on volume, more than the nodes can take; there is no F-bar or B-bar here"}
-        table.row(f"deflection over the finite elements', nu = {poisson}", tips[poisson], 1.0, within(1, 0.03), runs, locking)
-        table.row(f"roughness of the pressure, nu = {poisson}", {m: found[m][1] for m in METHODS}, 0.0, at_most(0.1), runs,
-                  {"sgmp": "pressures that alternate from cell to cell exert no force on the nodes, so what a sudden load leaves of them stays, it seems. A static linear calculation with the same quadrature, without the program, has 0.06 at any nu (verification/hard/at_rest.py); "
-                          "a mean volumetric strain (F-bar) makes it worse there: 0.65 (mean of the particles around a centre) and 0.81 (of the centres around a node) at nu = 0.4999",
-                   "all": "pressures alternate between the particles of a cell: the other face of locking, below"})
-    table.row("finite elements 14 x 14 over 20 x 20, less 1, largest", {"sgmp": max(abs(v) for v in check.values())}, 0.0, at_most(0.02))
+        locking = {
+            "sgmp": "no locking, but too soft, by 2.4 % at nu = 0.3 already",
+            "all": "volumetric locking: every particle is a constraint on volume, more than the nodes can take; "
+            "there is no F-bar or B-bar here",
+        }
+        table.row(
+            f"deflection over the finite elements', nu = {poisson}", tips[poisson], 1.0, within(1, 0.03), runs, locking
+        )
+        table.row(
+            f"roughness of the pressure, nu = {poisson}",
+            {m: found[m][1] for m in METHODS},
+            0.0,
+            at_most(0.1),
+            runs,
+            {
+                "sgmp": "pressures that alternate from cell to cell exert no force on the nodes, so what a sudden "
+                "load leaves of them stays, it seems. A static linear calculation with the same quadrature, "
+                "without the program, has 0.06 at any nu (verification/hard/at_rest.py); "
+                "a mean volumetric strain (F-bar) makes it worse there: 0.65 (mean of the particles around a "
+                "centre) and 0.81 (of the centres around a node) at nu = 0.4999",
+                "all": "pressures alternate between the particles of a cell: the other face of locking, below",
+            },
+        )
+    table.row(
+        "finite elements 14 x 14 over 20 x 20, less 1, largest",
+        {"sgmp": max(abs(v) for v in check.values())},
+        0.0,
+        at_most(0.02),
+    )
     canvas, axis = figure(figsize=(6.4, 3.6))
     for method in METHODS:
-        axis.semilogx([0.5 - p for p in poissons], [tips[p][method] for p in poissons], color=COLOURS[method], marker=MARKERS[method], label=NAMES[method])
+        axis.semilogx(
+            [0.5 - p for p in poissons], [tips[p][method] for p in poissons], color=COLOURS[method],
+            marker=MARKERS[method], label=NAMES[method],
+        )
     axis.axhline(1, color="0.5", linewidth=0.8)
     axis.set(xlabel="1/2 - nu", ylabel="deflection over the finite elements'")
     axis.invert_xaxis()
     axis.legend()
-    table.picture("membrane", canvas, "Cook's membrane: deflection over that of finite elements as the material becomes incompressible.")
+    table.picture(
+        "membrane", canvas,
+        "Cook's membrane: deflection over that of finite elements as the material becomes incompressible.",
+    )
 
 
 def measures(run):

@@ -1,4 +1,5 @@
-"""The table of hard cases: quantities of several methods beside a reference, with what the program itself said of its runs."""
+"""The table of hard cases: quantities of several methods beside a reference, with what the program itself said of its
+runs."""
 import json
 import math
 import sys
@@ -40,7 +41,8 @@ def near(reference, absolute):
 
 
 def run_methods(deck, methods=METHODS, **parameters):
-    """The same deck of verification/hard, or of another folder of verification (folder/name), by every method: runs by name, failed ones too."""
+    """The same deck of verification/hard, or of another folder of verification (folder/name), by every method: runs by
+    name, failed ones too."""
     path = f"verification/{deck if '/' in deck else f'hard/{deck}'}.inp"
     cases = [Case(path, method=method, **parameters) for method in methods]
     return dict(zip(methods, solve(cases, may_fail=True)))
@@ -65,8 +67,8 @@ class Table:
         print(f"\n{title}", flush=True)
 
     def row(self, quantity, values, reference, bound, runs=None, reasons=None):
-        """A quantity by method. `runs`: from which their verdicts are taken; `reasons`: why a method misses the bound, which then
-        is a weakness that is known."""
+        """A quantity by method. `runs`: from which their verdicts are taken; `reasons`: why a method misses the bound,
+        which then is a weakness that is known."""
         reasons = reasons or {}
         cells = {}
         for method, value in values.items():
@@ -77,9 +79,17 @@ class Table:
             met = bound.holds(value)
             cells[method] = {"value": value if math.isfinite(value) else None, "met": met, "verdict": verdict,
                              "reason": "" if met else reasons.get(method, reasons.get("all", ""))}
-        self.cases[-1]["rows"].append({"quantity": quantity, "reference": reference, "bound": bound.words, "methods": cells})
-        print(f"  {quantity}: " + ", ".join(f"{method} {value:.5g}{'' if cells[method]['met'] else ' (!)'}" for method, value in values.items())
-              + f"; {bound.words} of {reference:g}", flush=True)
+        self.cases[-1]["rows"].append(
+            {"quantity": quantity, "reference": reference, "bound": bound.words, "methods": cells}
+        )
+        print(
+            f"  {quantity}: "
+            + ", ".join(
+                f"{method} {value:.5g}{'' if cells[method]['met'] else ' (!)'}" for method, value in values.items()
+            )
+            + f"; {bound.words} of {reference:g}",
+            flush=True,
+        )
         if runs:
             self.cases[-1]["commands"].append(next(iter(runs.values())).case.command())
 
@@ -106,30 +116,38 @@ class Table:
         results = [{"case": case["title"], **row} for case in self.cases for row in case["rows"]]
         (self.output / "results.json").write_text(json.dumps({"command": command, "results": results}, indent=1) + "\n")
 
-    def publish(self, path, head):
-        """The page of documents, with its pictures beside it."""
-        lines = [head]
-        for case in self.cases:
-            lines += [f"## {case['title']}", "", case["statement"].strip(), ""]
-            lines += ["| quantity | " + " | ".join(NAMES[m] for m in METHODS) + " | reference | bound | verdict of the runs |",
-                      "|" + "---|"*(len(METHODS) + 4)]
-            lines += [markdown_row(row) for row in case["rows"]] + [""]
-            reasons = {}
-            for row in case["rows"]:
-                for method, cell in row["methods"].items():
-                    if cell["reason"]:
-                        reasons.setdefault(cell["reason"], []).append(NAMES[method])
-            lines += [f"* {', '.join(dict.fromkeys(who))}: {why}." for why, who in reasons.items()]
-            lines += [""]*bool(reasons)
-            if case["commands"]:
-                lines += [f"First row: `{case['commands'][0]}`; the other methods and rows by `--set`.", ""]
-            folder = path.with_suffix("").name
-            lines += [f"![{name}]({folder}/{name}.png)\n\n{caption}\n" for name, caption in case["pictures"]]
-            for name, _ in case["pictures"]:
-                path.with_suffix("").mkdir(exist_ok=True)
-                with Image.open(self.output / f"{name}.png") as image:  # few colours are a third of the bytes
-                    image.convert("RGB").quantize(64).save(path.with_suffix("") / f"{name}.png", optimize=True)
-        path.write_text("\n".join(lines).rstrip() + "\n")
+    def publish(self, path, head, keep):
+        """The page of documents, with its pictures beside it; `keep`: other cases stay as they are there."""
+        parts = {case["title"]: self.page_of(case, path.with_suffix("").name) for case in self.cases}
+        if keep and path.exists():
+            before = path.read_text().split("\n## ")[1:]
+            parts = {part.split("\n")[0]: f"## {part.rstrip()}\n" for part in before} | parts
+        path.with_suffix("").mkdir(exist_ok=True)
+        for name in (name for case in self.cases for name, _ in case["pictures"]):
+            with Image.open(self.output / f"{name}.png") as image:  # few colours are a third of the bytes
+                image.convert("RGB").quantize(64).save(path.with_suffix("") / f"{name}.png", optimize=True)
+        path.write_text("\n".join([head, *parts.values()]).rstrip() + "\n")
+
+    @staticmethod
+    def page_of(case, folder):
+        """What the page says of a case; `folder`: that of the pictures."""
+        lines = [f"## {case['title']}", "", case["statement"].strip(), ""]
+        lines += [
+            "| quantity | " + " | ".join(NAMES[m] for m in METHODS) + " | reference | bound | verdict of the runs |",
+            "|" + "---|" * (len(METHODS) + 4),
+        ]
+        lines += [markdown_row(row) for row in case["rows"]] + [""]
+        reasons = {}
+        for row in case["rows"]:
+            for method, cell in row["methods"].items():
+                if cell["reason"]:
+                    reasons.setdefault(cell["reason"], []).append(NAMES[method])
+        lines += [f"* {', '.join(dict.fromkeys(who))}: {why}." for why, who in reasons.items()]
+        lines += [""]*bool(reasons)
+        if case["commands"]:
+            lines += [f"First row: `{case['commands'][0]}`; the other methods and rows by `--set`.", ""]
+        lines += [f"![{name}]({folder}/{name}.png)\n\n{caption}\n" for name, caption in case["pictures"]]
+        return "\n".join(lines)
 
 
 def markdown_row(row):
@@ -142,7 +160,11 @@ def markdown_row(row):
             continue
         text = "failed" if cell["value"] is None else f"{cell['value']:.4g}"
         cells.append(text if cell["met"] else f"**{text}**")
-    return f"| {row['quantity']} | " + " | ".join(cells) + f" | {row['reference']:.4g} | {row['bound']} | {verdicts(row)} |"
+    return (
+        f"| {row['quantity']} | "
+        + " | ".join(cells)
+        + f" | {row['reference']:.4g} | {row['bound']} | {verdicts(row)} |"
+    )
 
 
 def verdicts(row):

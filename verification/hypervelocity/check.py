@@ -1,16 +1,20 @@
 #!/usr/bin/env python3
 """Hypervelocity impact of aluminium on aluminium: Whipple shields, craters, ballistic limits.
 
-Known from outside: energy is conserved, debris does not pass a whole wall. Printed equations (lengths in cm, densities in g/cm^3, yield stresses in ksi, speeds in km/s,
-Brinell's hardness HB):
+Known from outside: energy is conserved, debris does not pass a whole wall. Printed equations (lengths in cm, densities
+in g/cm^3, yield stresses in ksi, speeds in km/s, Brinell's hardness HB):
 
-    P  = 5.24 d^(19/18) (rho_p/rho_t)^(1/2) (V/C)^(2/3)/HB^(1/4), C: speed of sound in the target                            crater in a thick target   (1)
-    dc = ((t_w (sigma/40)^(1/2) + t_b)/(0.6 rho_p^(1/2) V^(2/3)))^(18/19)                                                  V below 2.6 to 3 km/s       (2)
-    dc = 3.918 t_w^(2/3) S^(1/3) (sigma/70)^(1/3)/(rho_p^(1/3) rho_b^(1/9) V^(2/3))                                        V above 7 km/s              (3)
+    P  = 5.24 d^(19/18) (rho_p/rho_t)^(1/2) (V/C)^(2/3)/HB^(1/4), C: speed of sound in the target
+    crater in a thick target   (1)
+    dc = ((t_w (sigma/40)^(1/2) + t_b)/(0.6 rho_p^(1/2) V^(2/3)))^(18/19)
+    V below 2.6 to 3 km/s       (2)
+    dc = 3.918 t_w^(2/3) S^(1/3) (sigma/70)^(1/3)/(rho_p^(1/3) rho_b^(1/9) V^(2/3))
+    V above 7 km/s              (3)
 
-(1) Cour-Palais, Int. J. Impact Engng 5 (1987), 221-237, and Christiansen et al., NASA/TM-2009-214785; (2), (3) Christiansen's, as in Ryan and Christiansen, Acta
-Astronautica 69 (2011), 245-257 (head on; (3) for bumpers of a fourth of the diameter at least). Shots: Piekutowski's, 2017-T4 on 1.28 mm of 6061-T6 and 3.2 mm of
-2219-T87, 101.6 mm apart: 4.511 mm at 7.00 km/s is held, 4.765 mm at 6.98 km/s is not.
+(1) Cour-Palais, Int. J. Impact Engng 5 (1987), 221-237, and Christiansen et al., NASA/TM-2009-214785; (2), (3)
+Christiansen's, as in Ryan and Christiansen, Acta Astronautica 69 (2011), 245-257 (head on; (3) for bumpers of a fourth
+of the diameter at least). Shots: Piekutowski's, 2017-T4 on 1.28 mm of 6061-T6 and 3.2 mm of 2219-T87, 101.6 mm apart:
+4.511 mm at 7.00 km/s is held, 4.765 mm at 6.98 km/s is not.
 """
 
 import shutil
@@ -45,7 +49,14 @@ def slow_limit(v, density=2.785):
 
 def fast_limit(v, density=2.785, bumper=2.703):
     """(3), mm."""
-    return 10 * 3.918 * WALL ** (2 / 3) * GAP ** (1 / 3) * (KSI / 70) ** (1 / 3) / (density ** (1 / 3) * bumper ** (1 / 9) * v ** (2 / 3))
+    return (
+        10
+        * 3.918
+        * WALL ** (2 / 3)
+        * GAP ** (1 / 3)
+        * (KSI / 70) ** (1 / 3)
+        / (density ** (1 / 3) * bumper ** (1 / 9) * v ** (2 / 3))
+    )
 
 
 def wall_in(run, name):
@@ -63,7 +74,9 @@ def front(run, time):
     order = np.argsort(now.points[behind, 2])
     mass = now.mass[behind][order].cumsum()
     foremost = mass <= 0.02 * mass[-1]
-    return float(-(now.mass[behind][order] @ (now.velocity[behind, 2][order] * foremost)) / (now.mass[behind][order] @ foremost))
+    return float(
+        -(now.mass[behind][order] @ (now.velocity[behind, 2][order] * foremost)) / (now.mass[behind][order] @ foremost)
+    )
 
 
 def shield(book, full):
@@ -83,14 +96,29 @@ def shield(book, full):
             pushed = (mass * end.column("velocity_z"))[body == 3].sum()
             found.append((abs(front(run, 0.012)), abs(pushed)))
             drift = run.summary["energy"]["drift"]
-            rows.append([word, h, f"{100 * drift:+.2f} %", f"{speed.max() / 1000:.1f}", f"{found[-1][0] / 1000:.2f}", f"{pushed:.0f}", f"{leaked:.1e}", run.summary["verdict"]])
+            rows.append(
+                [
+                    word, h, f"{100 * drift:+.2f} %", f"{speed.max() / 1000:.1f}", f"{found[-1][0] / 1000:.2f}",
+                    f"{pushed:.0f}", f"{leaked:.1e}", run.summary["verdict"],
+                ]
+            )
             case = f"shield, {word}, h = {h} mm"
             book.at_most(case, "|drift| of the energy", abs(drift), 0.03)
             book.at_most(case, "fastest particle at the end (m/s)", speed.max(), 9000)
             book.at_most(case, "debris behind the whole wall over the ball's mass", leaked, 1e-4)
-        book.within(f"shield, {word}", f"speed of the cloud's front, h = {sizes[-2]} against {sizes[-1]} mm", found[-2][0], found[-1][0], 0.05)
-        book.within(f"shield, {word}", f"momentum of the wall, h = {sizes[-2]} against {sizes[-1]} mm", found[-2][1], found[-1][1], 0.05, NOTES["shield"], KNOWN.get(word))
-    book.table("hypervelocity_shield", ["", "h (mm)", "drift", "fastest (km/s)", "front (km/s)", "wall (g m/s; the ball had 1070)", "leak", "verdict"], rows, "Whipple shield at 40 µs.")
+        book.within(
+            f"shield, {word}", f"speed of the cloud's front, h = {sizes[-2]} against {sizes[-1]} mm", found[-2][0],
+            found[-1][0], 0.05,
+        )
+        book.within(
+            f"shield, {word}", f"momentum of the wall, h = {sizes[-2]} against {sizes[-1]} mm", found[-2][1],
+            found[-1][1], 0.05, NOTES["shield"], KNOWN.get(word),
+        )
+    book.table(
+        "hypervelocity_shield",
+        ["", "h (mm)", "drift", "fastest (km/s)", "front (km/s)", "wall (g m/s; the ball had 1070)", "leak", "verdict"],
+        rows, "Whipple shield at 40 µs.",
+    )
     book.command(Case(f"{FOLDER}/whipple.inp", h=0.25))
 
 
@@ -104,14 +132,28 @@ def crater(book, full):
         runs = solve([Case(f"{FOLDER}/crater.inp", keep_dumps=True, h=h, speed=speed) for speed in speeds])
         walls = [wall_in(run, "target")["crater"] for run in runs]
         for speed, run, wall in zip(speeds, runs, walls):
-            rows.append([h, speed, f"{wall['depth']:.2f}", f"{crater_depth(5, speed / 1000):.2f}", f"{wall['radius']:.2f}", f"{wall['volume']:.0f}", f"{100 * run.summary['energy']['drift']:+.2f} %"])
-        axis.plot([v / 1000 for v in speeds], [wall["depth"] for wall in walls], "os^"[len(rows) // 3 - 1], label=f"h = {h} mm")
+            rows.append(
+                [
+                    h, speed, f"{wall['depth']:.2f}", f"{crater_depth(5, speed / 1000):.2f}", f"{wall['radius']:.2f}",
+                    f"{wall['volume']:.0f}", f"{100 * run.summary['energy']['drift']:+.2f} %",
+                ]
+            )
+        axis.plot(
+            [v / 1000 for v in speeds], [wall["depth"] for wall in walls], "os^"[len(rows) // 3 - 1],
+            label=f"h = {h} mm",
+        )
     for speed, wall in zip(speeds, walls):
-        book.within("crater", f"depth at {speed} m/s, h = {h} mm (mm), against (1)", wall["depth"], crater_depth(5, speed / 1000), 0.1, NOTES["crater"], KNOWN.get(("crater", speed, h)))
+        book.within(
+            "crater", f"depth at {speed} m/s, h = {h} mm (mm), against (1)", wall["depth"],
+            crater_depth(5, speed / 1000), 0.1, NOTES["crater"], KNOWN.get(("crater", speed, h)),
+        )
     axis.set(xlabel="speed (km/s)", ylabel="depth (mm)")
     axis.legend(fontsize=7)
     book.figure("hypervelocity_crater", figure, "Depth of the crater of a ball of 5 mm of 2024-T3 in 6061-T6.")
-    book.table("hypervelocity_crater", ["h (mm)", "m/s", "depth (mm)", "(1)", "radius (mm)", "volume (mm³)", "drift"], rows, "Craters.")
+    book.table(
+        "hypervelocity_crater", ["h (mm)", "m/s", "depth (mm)", "(1)", "radius (mm)", "volume (mm³)", "drift"], rows,
+        "Craters.",
+    )
     book.command(Case(f"{FOLDER}/crater.inp", h=0.5, speed=6000))
 
 
@@ -123,33 +165,83 @@ def limits(book, full):
         for (d, v, through), run in zip(SHOTS, runs):
             wall = wall_in(run, "wall")
             rows.append(shot_row(h, d, v, run, wall))
-            book.add("Piekutowski's shots", f"perforated: {d} mm at {v} m/s, h = {h} mm (measured: {'yes' if through else 'no'})", float(wall["perforated"]), float(through), "equal to",
-                     wall["perforated"] == through, NOTES["limit"] if wall["perforated"] != through else "", KNOWN.get(("shot", d, h)))
+            book.add(
+                "Piekutowski's shots",
+                f"perforated: {d} mm at {v} m/s, h = {h} mm (measured: {'yes' if through else 'no'})",
+                float(wall["perforated"]),
+                float(through),
+                "equal to",
+                wall["perforated"] == through,
+                NOTES["limit"] if wall["perforated"] != through else "",
+                KNOWN.get(("shot", d, h)),
+            )
     figure, axis = subplots(figsize=(5, 3.6))
-    for curve, law, colour in ((np.linspace(1.5, 3, 30), slow_limit, "0.3"), (np.linspace(7, 10, 30), fast_limit, "0.6")):
+    for curve, law, colour in (
+        (np.linspace(1.5, 3, 30), slow_limit, "0.3"),
+        (np.linspace(7, 10, 30), fast_limit, "0.6"),
+    ):
         axis.plot(curve, law(curve), color=colour, label="equation (2)" if law is slow_limit else "equation (3)")
-    points = [(speed, part, law) for law, of in ((slow_limit, (2000, 2500, 3000)), (fast_limit, (7000, 8500, 10000) if full else (8500,))) for speed in of for part in (0.8, 1.2)]
-    runs = solve([Case(f"{FOLDER}/shield.inp", keep_dumps=True, h=0.64, d=round(part * law(speed / 1000), 3), speed=speed, t_end=0.06 * 7000 / speed) for speed, part, law in points])
+    points = [
+        (speed, part, law)
+        for law, of in ((slow_limit, (2000, 2500, 3000)), (fast_limit, (7000, 8500, 10000) if full else (8500,)))
+        for speed in of
+        for part in (0.8, 1.2)
+    ]
+    runs = solve(
+        [
+            Case(
+                f"{FOLDER}/shield.inp", keep_dumps=True, h=0.64, d=round(part * law(speed / 1000), 3), speed=speed,
+                t_end=0.06 * 7000 / speed,
+            )
+            for speed, part, law in points
+        ]
+    )
     for (speed, part, law), run in zip(points, runs):
         wall, d = wall_in(run, "wall"), run.case.parameters["d"]
         rows.append(shot_row(0.64, d, speed, run, wall))
         axis.plot(speed / 1000, d, "ko" if wall["perforated"] else "kx", fillstyle="none")
         through = part > 1
-        book.add("limits", f"perforated: {part} of the limit {law(speed / 1000):.2f} mm at {speed} m/s, h = 0.64 mm", float(wall["perforated"]), float(through), "equal to",
-                 wall["perforated"] == through, NOTES["limit"] if wall["perforated"] != through else "", KNOWN.get(("limit", speed, part)))
+        book.add(
+            "limits",
+            f"perforated: {part} of the limit {law(speed / 1000):.2f} mm at {speed} m/s, h = 0.64 mm",
+            float(wall["perforated"]),
+            float(through),
+            "equal to",
+            wall["perforated"] == through,
+            NOTES["limit"] if wall["perforated"] != through else "",
+            KNOWN.get(("limit", speed, part)),
+        )
     for d, v, through in SHOTS:
-        axis.plot(v / 1000, d, "r^" if through else "rv", label=f"{d} mm: {'perforated' if through else 'held'} (measured)")
+        axis.plot(
+            v / 1000, d, "r^" if through else "rv", label=f"{d} mm: {'perforated' if through else 'held'} (measured)"
+        )
     axis.set(xlabel="speed (km/s)", ylabel="diameter (mm)")
     axis.legend(fontsize=7)
-    book.figure("hypervelocity_limits", figure, "Rings: the wall is perforated in the computation, crosses: it is not (h = 0.64 mm); triangles: Piekutowski's shots.")
-    book.table("hypervelocity_limits", ["h (mm)", "d (mm)", "m/s", "perforated", "opening (mm)", "least thickness (mm)", "bulge (mm)", "drift", "verdict"], rows, "Shots at the shield.")
+    book.figure(
+        "hypervelocity_limits",
+        figure,
+        "Rings: the wall is perforated in the computation, crosses: it is not (h = 0.64 mm); triangles: "
+        "Piekutowski's shots.",
+    )
+    book.table(
+        "hypervelocity_limits",
+        [
+            "h (mm)", "d (mm)", "m/s", "perforated", "opening (mm)", "least thickness (mm)", "bulge (mm)", "drift",
+            "verdict",
+        ],
+        rows,
+        "Shots at the shield.",
+    )
     book.command(Case(f"{FOLDER}/shield.inp", h=0.32, d=4.765, speed=6980))
 
 
 def lead(book):
     """A lead ball through a lead plate, from a deck of MPM3D that has no failure: to its end, and the hole."""
     shutil.rmtree(BUILD / "lead", ignore_errors=True)
-    subprocess.run([SOLVER, "import", ROOT / FOLDER / "lead.mpm", "--output", BUILD / "lead"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    subprocess.run(
+        [SOLVER, "import", ROOT / FOLDER / "lead.mpm", "--output", BUILD / "lead"], check=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )
     text = (BUILD / "lead" / "lead.inp").read_text() + "output vtu every=0.05 fields=density,mass\n"
     rows = []
     for method in ("sgmp", "gimp", "mpm"):
@@ -157,37 +249,63 @@ def lead(book):
         run = solve([Case(f"build/verification/lead_{method}.inp", keep_dumps=True)])[0]
         hole, drift = 0.5 * wall_in(run, "body_2")["opening"]["diameter"], run.summary["energy"]["drift"]
         rows.append([method, f"{100 * drift:+.2f} %", f"{hole:.1f}", run.summary["verdict"], f"{run.cpu_seconds:.0f}"])
-        book.at_most(f"lead, {method}", "|drift| of the energy at 100 µs", abs(drift), 0.03, NOTES["torn"], KNOWN.get(("lead", method)))
-        book.near(f"lead, {method}", "radius of the hole (mm)", hole, 25.0, 2.0, NOTES["hole"], KNOWN.get(("hole", method)))
-    book.table("hypervelocity_lead", ["method", "drift", "radius of the hole (mm)", "verdict", "CPU s"], rows, "Lead ball of 7.42 mm radius through 6.36 mm of lead at 6.58 km/s, 3D, h = 2.12 mm, C = 0.5.")
+        book.at_most(
+            f"lead, {method}", "|drift| of the energy at 100 µs", abs(drift), 0.03, NOTES["torn"],
+            KNOWN.get(("lead", method)),
+        )
+        book.near(
+            f"lead, {method}", "radius of the hole (mm)", hole, 25.0, 2.0, NOTES["hole"], KNOWN.get(("hole", method))
+        )
+    book.table(
+        "hypervelocity_lead", ["method", "drift", "radius of the hole (mm)", "verdict", "CPU s"], rows,
+        "Lead ball of 7.42 mm radius through 6.36 mm of lead at 6.58 km/s, 3D, h = 2.12 mm, C = 0.5.",
+    )
     book.command(f"build/release/sgmp import {FOLDER}/lead.mpm")
 
 
 def shot_row(h, d, v, run, wall):
-    return [h, d, v, "yes" if wall["perforated"] else "no", f"{wall['opening']['diameter']:.2f}" if wall["perforated"] and not wall.get("broken_up") else "",
-            "" if wall.get("broken_up") else f"{wall['thickness']['least']:.2f}", "" if wall.get("broken_up") else f"{wall['bulge']['height']:.2f}",
-            f"{100 * run.summary['energy']['drift']:+.2f} %", run.summary["verdict"]]
+    return [
+        h, d, v, "yes" if wall["perforated"] else "no",
+        f"{wall['opening']['diameter']:.2f}" if wall["perforated"] and not wall.get("broken_up") else "",
+        "" if wall.get("broken_up") else f"{wall['thickness']['least']:.2f}",
+        "" if wall.get("broken_up") else f"{wall['bulge']['height']:.2f}",
+        f"{100 * run.summary['energy']['drift']:+.2f} %", run.summary["verdict"],
+    ]
 
 
 NOTES = {
-    "crater": "deeper than the equation at all speeds and both sizes; what has failed in tension counts as gone (doc/results.md)",
+    "crater": "deeper than the equation at all speeds and both sizes; what has failed in tension counts as gone "
+    "(doc/results.md)",
     "torn": "torn lead keeps the rule of trapezoids, and the Courant number is the deck's 0.5",
     "hole": "three cells through the plate",
     "shield": "four cells through the bumper at the coarser size",
-    "limit": "five cells through the wall; its spall strength decides (doc/results.md), and rings of debris strike less than the fragments of a shot",
+    "limit": "five cells through the wall; its spall strength decides (doc/results.md), and rings of debris strike "
+    "less than the fragments of a shot",
 }
 KNOWN = {
     "contact": 1082.9,
-    ("crater", 3000, 0.5): 6.945, ("crater", 6000, 0.5): 11.97, ("crater", 7000, 0.5): 13.16,
-    ("shot", 4.765, 0.64): 0.0, ("shot", 4.765, 0.32): 0.0,  # 1: perforated
-    ("limit", 2000, 1.2): 0.0, ("limit", 2500, 1.2): 0.0, ("limit", 3000, 1.2): 0.0, ("limit", 8500, 0.8): 1.0, ("limit", 8500, 1.2): 0.0,
-    ("lead", "gimp"): 0.0359, ("lead", "mpm"): 0.0618, ("hole", "gimp"): 29.05, ("hole", "mpm"): 28.54,
+    ("crater", 3000, 0.5): 6.945,
+    ("crater", 6000, 0.5): 11.97,
+    ("crater", 7000, 0.5): 13.16,
+    ("shot", 4.765, 0.64): 0.0,
+    ("shot", 4.765, 0.32): 0.0,  # 1: perforated
+    ("limit", 2000, 1.2): 0.0,
+    ("limit", 2500, 1.2): 0.0,
+    ("limit", 3000, 1.2): 0.0,
+    ("limit", 8500, 0.8): 1.0,
+    ("limit", 8500, 1.2): 0.0,
+    ("lead", "gimp"): 0.0359,
+    ("lead", "mpm"): 0.0618,
+    ("hole", "gimp"): 29.05,
+    ("hole", "mpm"): 28.54,
 }
 
 
 def check(book, full):
     book.section("Hypervelocity impact")
-    book.say("No part of the paper. Aluminium on aluminium at 2 to 10 km/s, axisymmetric, with constants of the library.")
+    book.say(
+        "No part of the paper. Aluminium on aluminium at 2 to 10 km/s, axisymmetric, with constants of the library."
+    )
     shield(book, full)
     crater(book, full)
     limits(book, full)

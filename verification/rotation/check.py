@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Exact rotation (doc/rotation.md): a free disk and a ring of five cells keep their angular momentum; bar, vortex and rings are as good as without it."""
+"""Exact rotation (doc/rotation.md): a free disk and a ring of five cells keep their angular momentum; bar, vortex and
+rings are as good as without it."""
 import importlib.util
 import sys
 from pathlib import Path
@@ -33,10 +34,18 @@ def disk(book, full):
         name = f"free disk, R/h = {RADIUS/case['h']:g}, {case.get('update', 'musl').upper()}, {turns}"
         history, change = run.history(), 100*(angular_momentum(run) - 1)
         remainder = np.abs(history["energy_remainder"]).max()/history["total_energy"][0]
-        rows.append([name, float(change), float(100*(history["total_energy"][-1]/history["total_energy"][0] - 1)), float(remainder)])
+        rows.append(
+            [
+                name, float(change), float(100 * (history["total_energy"][-1] / history["total_energy"][0] - 1)),
+                float(remainder),
+            ]
+        )
         book.near(name, "change of angular momentum (%)", change, 0.0, 1.0 if turns == "ten turns" else 0.1)
         book.at_most(name, "remainder of the ledger over the energy", remainder, 1e-12)
-    book.table("rotation_disk", ["case", "angular momentum (%)", "energy (%)", "remainder"], rows, "Free disk with rotation=exact: changes.")
+    book.table(
+        "rotation_disk", ["case", "angular momentum (%)", "energy (%)", "remainder"], rows,
+        "Free disk with rotation=exact: changes.",
+    )
     book.command(runs[0].case)
 
 
@@ -64,7 +73,12 @@ def vortex(book, full):
     shared = importlib.util.module_from_spec(module)
     module.loader.exec_module(shared)
     for n in (16, 32, 64) if full else (16, 32):
-        runs = solve([Case("vortex", keep_dumps=True, amplitude=0.25, cells=n, cfl=0.8, method="sgmp", rotation=rotation) for rotation in ("plain", "exact")])
+        runs = solve(
+            [
+                Case("vortex", keep_dumps=True, amplitude=0.25, cells=n, cfl=0.8, method="sgmp", rotation=rotation)
+                for rotation in ("plain", "exact")
+            ]
+        )
         plain, exact = (shared.error(run, 1.0) for run in runs)
         book.within(f"vortex, h = 1/{n}, rotation=exact", "error over that of plain", exact/plain, 1.0, 0.05)
     book.command(runs[1].case)

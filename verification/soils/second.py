@@ -1,12 +1,14 @@
-"""A second implementation: a column of sand (Drucker and Prager's, without cohesion and dilatancy) that collapses over a rough floor, plane or round, by the
-material point method with the functions of mpm or gimp, plainly or with the change of volume and the mean stress averaged over the particles of a cell.
+"""A second implementation: a column of sand (Drucker and Prager's, without cohesion and dilatancy) that collapses over
+a rough floor, plane or round, by the material point method with the functions of mpm or gimp, plainly or with the
+change of volume and the mean stress averaged over the particles of a cell.
 
-Sand that flows without dilatancy keeps its volume. Plain mpm and gimp ask that of each particle, which are more than the nodes can take: the heap locks, the
-more the more particles there are in a cell. Averaged, a cell asks it once.
+Sand that flows without dilatancy keeps its volume. Plain mpm and gimp ask that of each particle, which are more than
+the nodes can take: the heap locks, the more the more particles there are in a cell. Averaged, a cell asks it once.
 
     python3 verification/soils/second.py
 
-prints a table of both; needs numpy alone. Lengths in half widths (radii), times in roots of them over gravity, stresses in density times gravity times them.
+prints a table of both; needs numpy alone. Lengths in half widths (radii), times in roots of them over gravity, stresses
+in density times gravity times them.
 """
 import numpy as np
 
@@ -16,14 +18,25 @@ BEHIND = 1  # rows of nodes behind the walls
 
 
 def functions(place, half):
-    """Weights of three nodes along an axis, and their slopes (per cell): linear functions averaged over a particle of half size `half` (cells)."""
+    """Weights of three nodes along an axis, and their slopes (per cell): linear functions averaged over a particle of
+    half size `half` (cells)."""
     base = np.floor(place - 0.5).astype(int)
     weights, slopes = [], []
     for k in range(3):
         d = place - base - k
         far, sign = np.abs(d), np.sign(d)
-        weights.append(np.select([far < half, far < 1 - half, far < 1 + half], [1 - (d*d + half*half)/(2*half), 1 - far, (1 + half - far)**2/(4*half)], 0.0))
-        slopes.append(np.select([far < half, far < 1 - half, far < 1 + half], [-d/half, -sign, -sign*(1 + half - far)/(2*half)], 0.0))
+        weights.append(
+            np.select(
+                [far < half, far < 1 - half, far < 1 + half],
+                [1 - (d * d + half * half) / (2 * half), 1 - far, (1 + half - far) ** 2 / (4 * half)], 0.0,
+            )
+        )
+        slopes.append(
+            np.select(
+                [far < half, far < 1 - half, far < 1 + half], [-d / half, -sign, -sign * (1 + half - far) / (2 * half)],
+                0.0,
+            )
+        )
     return base, weights, slopes
 
 
@@ -40,11 +53,18 @@ def yielded(stress, ratio):
 
 
 def collapse(cells, per_cell, friction, height=2.0, ring=False, averaged=False, half=None):
-    """Places, masses and volumes of the particles in the end; `half` is the half size of a particle in cells, by default gimp's (mpm: 1e-9)."""
+    """Places, masses and volumes of the particles in the end; `half` is the half size of a particle in cells, by
+    default gimp's (mpm: 1e-9)."""
     h = 1/cells
     half = 0.5/per_cell if half is None else half
     spacing = h/per_cell
-    x, y = (a.ravel() for a in np.meshgrid((np.arange(cells*per_cell) + 0.5)*spacing, (np.arange(round(height*cells*per_cell)) + 0.5)*spacing, indexing="ij"))
+    x, y = (
+        a.ravel()
+        for a in np.meshgrid(
+            (np.arange(cells * per_cell) + 0.5) * spacing,
+            (np.arange(round(height * cells * per_cell)) + 0.5) * spacing, indexing="ij",
+        )
+    )
     mass = (x if ring else np.ones_like(x))*spacing**2
     volume, u, v, stress = mass.copy(), np.zeros_like(x), np.zeros_like(x), np.zeros((4, len(x)))
     ratio = 6*np.sin(np.radians(friction))/(3 - np.sin(np.radians(friction)))
@@ -64,7 +84,10 @@ def collapse(cells, per_cell, friction, height=2.0, ring=False, averaged=False, 
             return np.bincount(nodes.ravel(), weights=values.ravel(), minlength=wide*tall)
 
         def mean_of_cell(values, cell=cell):
-            return (np.bincount(cell, weights=volume*values, minlength=wide*tall)/np.maximum(np.bincount(cell, weights=volume, minlength=wide*tall), 1e-300))[cell]
+            return (
+                np.bincount(cell, weights=volume * values, minlength=wide * tall)
+                / np.maximum(np.bincount(cell, weights=volume, minlength=wide * tall), 1e-300)
+            )[cell]
 
         load = stress.copy()
         if averaged:
@@ -95,7 +118,15 @@ def collapse(cells, per_cell, friction, height=2.0, ring=False, averaged=False, 
         turn, shear = 0.5*(xy - yx), xy + yx
         lame = (BULK - 2/3*SHEAR)*trace
         a, b, c, d = stress
-        stress = yielded(np.array([a + 2*turn*d + lame + 2*SHEAR*xx, b - 2*turn*d + lame + 2*SHEAR*yy, c + lame + 2*SHEAR*zz, d + turn*(b - a) + SHEAR*shear]), ratio)
+        stress = yielded(
+            np.array(
+                [
+                    a + 2 * turn * d + lame + 2 * SHEAR * xx, b - 2 * turn * d + lame + 2 * SHEAR * yy,
+                    c + lame + 2 * SHEAR * zz, d + turn * (b - a) + SHEAR * shear,
+                ]
+            ),
+            ratio,
+        )
         volume = volume*((1 + xx)*(1 + yy) - xy*yx)*(1 + zz)
         x, y = np.clip(x, 1e-6, (wide - 4)*h), np.clip(y, 1e-6, (tall - 4)*h)
     return x, y, mass, volume
@@ -104,11 +135,16 @@ def collapse(cells, per_cell, friction, height=2.0, ring=False, averaged=False, 
 def within(x, mass, ring):
     """Mean height of what lies within half of the half width (radius), and the front of 99 % of the mass."""
     order = np.argsort(x)
-    return mass[x < 0.5].sum()/(0.125 if ring else 0.5), x[order][np.searchsorted(np.cumsum(mass[order])/mass.sum(), 0.99)]
+    return mass[x < 0.5].sum() / (0.125 if ring else 0.5), x[order][
+        np.searchsorted(np.cumsum(mass[order]) / mass.sum(), 0.99)
+    ]
 
 
 def main():
-    print("column of height   functions  particles    plain: top, within half, front       averaged: top, within half, front")
+    print(
+        "column of height   functions  particles    plain: top, within half, front       averaged: top, within "
+        "half, front"
+    )
     for ring, height in ((False, 2.0), (True, 1.0)):
         for name, half in (("mpm", 1e-9), ("gimp", None)):
             for per_cell in (2, 3, 4):

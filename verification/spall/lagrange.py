@@ -1,4 +1,5 @@
-"""Von Neumann and Richtmyer's scheme for the flyer plate: a second implementation, one-dimensional, Lagrangian, mesh instead of particles."""
+"""Von Neumann and Richtmyer's scheme for the flyer plate: a second implementation, one-dimensional, Lagrangian, mesh
+instead of particles."""
 import numpy as np
 
 RHO, C0, S, GAMMA = 8.93e-3, 3940.0, 1.489, 1.99  # copper: mm, g, ms, MPa
@@ -23,9 +24,12 @@ def logarithmic(bulk):
     return lambda v: (-bulk*np.log(v), 0.0)
 
 
-def free_surface(lower, upper, velocity, state, young, poisson, yield_stress, pmin, end, h, quadratic=1.5, linear=0.06, start=RHO, sound=C0):
-    """Time and velocity of the free surface at `upper`; `velocity` and `state` are functions of position and volume, `start` and `sound` density and bulk
-    sound speed at the start."""
+def free_surface(
+    lower, upper, velocity, state, young, poisson, yield_stress, pmin, end, h, quadratic=1.5, linear=0.06, start=RHO,
+    sound=C0,
+):
+    """Time and velocity of the free surface at `upper`; `velocity` and `state` are functions of position and volume,
+    `start` and `sound` density and bulk sound speed at the start."""
     shear, bulk = young/(2*(1 + poisson)), young/(3*(1 - 2*poisson))
     n = round((upper - lower)/h)
     x = np.linspace(lower, upper, n + 1)
@@ -47,7 +51,8 @@ def free_surface(lower, upper, velocity, state, young, poisson, yield_stress, pm
         new = np.diff(x)/h
         density = start/new
         q = np.where(du < 0, density*du*(quadratic*du - linear*c), 0.0)
-        s_new = np.clip(s + 4/3*shear*dt*du/(0.5*(new + v)*h), -2/3*yield_stress, 2/3*yield_stress)  # along x; the others -s/2
+        # along x; the others -s/2
+        s_new = np.clip(s + 4/3*shear*dt*du/(0.5*(new + v)*h), -2/3*yield_stress, 2/3*yield_stress)
         s_new[failed] = 0.0
         a, b = state(new)
         dv = new - v

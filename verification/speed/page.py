@@ -8,12 +8,29 @@ from common import ROOT, plt, subplots  # noqa: E402
 from scenes import METHODS, SCENES  # noqa: E402
 
 PAGE = ROOT / "doc/speed-and-accuracy.md"
-NAMES = {"sgmp": "SGMP", "normalised": "SGMP, normalised", "mpm": "MPM", "gimp": "GIMP", "cpgimp": "cpGIMP", "bspline": "B-spline",
-         "sgmp usf": "SGMP USF", "sgmp usl": "SGMP USL", "sgmp usavg": "SGMP USAVG"}
+NAMES = {
+    "sgmp": "SGMP",
+    "normalised": "SGMP, normalised",
+    "mpm": "MPM",
+    "gimp": "GIMP",
+    "cpgimp": "cpGIMP",
+    "bspline": "B-spline",
+    "sgmp usf": "SGMP USF",
+    "sgmp usl": "SGMP USL",
+    "sgmp usavg": "SGMP USAVG",
+}
 # Okabe and Ito's colours, which people with any kind of colour blindness tell apart; line and marker differ as well.
-LOOKS = {"sgmp": ("#0072B2", "s", "-"), "normalised": ("#56B4E9", "D", "-"), "mpm": ("#D55E00", "o", "-"), "gimp": ("#E69F00", "^", "-"),
-         "cpgimp": ("#CC79A7", "v", "-"), "bspline": ("#009E73", "P", "-"), "sgmp usf": ("#000000", "1", "--"), "sgmp usl": ("#000000", "2", ":"),
-         "sgmp usavg": ("#000000", "3", "-.")}
+LOOKS = {
+    "sgmp": ("#0072B2", "s", "-"),
+    "normalised": ("#56B4E9", "D", "-"),
+    "mpm": ("#D55E00", "o", "-"),
+    "gimp": ("#E69F00", "^", "-"),
+    "cpgimp": ("#CC79A7", "v", "-"),
+    "bspline": ("#009E73", "P", "-"),
+    "sgmp usf": ("#000000", "1", "--"),
+    "sgmp usl": ("#000000", "2", ":"),
+    "sgmp usavg": ("#000000", "3", "-."),
+}
 
 
 def chosen(best, rows):
@@ -29,12 +46,16 @@ def chosen(best, rows):
 def draw(name, scene, curves):
     """Error over seconds, of the whole process and of the solution alone."""
     figure, axes = subplots(1, 2, figsize=(10.4, 4.3), sharey=True)
-    for axis, key, label in zip(axes, ("process", "solve"), ("CPU time of the whole process (s)", "CPU time of the time loop (s)")):
+    for axis, key, label in zip(
+        axes, ("process", "solve"), ("CPU time of the whole process (s)", "CPU time of the time loop (s)")
+    ):
         for curve, (best, rows) in curves.items():
             rows = sorted(chosen(best, rows), key=lambda row: (scene.scan + scene.fine).index(row["size"]))
             colour, marker, line = LOOKS[curve]
-            axis.plot([max(row[key], 1e-3) for row in rows], [row["error"] for row in rows], line, color=colour, marker=marker, markersize=5,
-                      linewidth=1.3, label=f"{NAMES[curve]}, C = {best:g}" if best else None)
+            axis.plot(
+                [max(row[key], 1e-3) for row in rows], [row["error"] for row in rows], line, color=colour,
+                marker=marker, markersize=5, linewidth=1.3, label=f"{NAMES[curve]}, C = {best:g}" if best else None,
+            )
         axis.set(xscale="log", yscale="log", xlabel=label)
         axis.grid(which="both", alpha=0.25)
     axes[0].set_ylabel(scene.label[0].upper() + scene.label[1:])
@@ -58,25 +79,41 @@ def cheapest(rows, goal):
 
 def summary(found):
     """CPU seconds for an error, by methods; the least is bold."""
-    lines = ["| scene | error | " + " | ".join(NAMES[method] for method in METHODS) + " | SGMP, other updates |", "|" + "---|"*(len(METHODS) + 3)]
+    lines = [
+        "| scene | error | " + " | ".join(NAMES[method] for method in METHODS) + " | SGMP, other updates |",
+        "|" + "---|" * (len(METHODS) + 3),
+    ]
     for name, curves in found.items():
         for goal in SCENES[name].goals:
             runs = {method: cheapest(curves[method][1], goal) if method in curves else None for method in METHODS}
             others = [run for curve in curves if curve not in METHODS and (run := cheapest(curves[curve][1], goal))]
             runs["other"] = min(others, key=lambda run: run["process"], default=None)
             least = min((run["process"] for run in runs.values() if run), default=None)
-            cells = ["–" if run is None else f"**{seconds(run['process'])}**" if run["process"] <= 1.1*least else seconds(run["process"])
-                     for run in runs.values()]
+            cells = [
+                "–"
+                if run is None
+                else f"**{seconds(run['process'])}**"
+                if run["process"] <= 1.1 * least
+                else seconds(run["process"])
+                for run in runs.values()
+            ]
             if runs["other"]:
                 cells[-1] += " " + NAMES[runs["other"]["curve"]].split()[-1]
             unit = SCENES[name].label[SCENES[name].label.rindex("("):]
-            lines.append(f"| {SCENES[name].title} | {goal:g}{' ' + unit[1:-1] if unit != '(1)' else ''} | " + " | ".join(cells) + " |")
+            lines.append(
+                f"| {SCENES[name].title} | {goal:g}{' ' + unit[1:-1] if unit != '(1)' else ''} | "
+                + " | ".join(cells)
+                + " |"
+            )
     return lines
 
 
 def curves_table(scene, curves):
     """Each curve's best Courant number and what it reaches at the finest size."""
-    lines = [f"| method | best Courant number | finest ({scene.unit}) | error | process, CPU s | time loop, CPU s | steps |", "|---|---|---|---|---|---|---|"]
+    lines = [
+        f"| method | best Courant number | finest ({scene.unit}) | error | process, CPU s | time loop, CPU s | steps |",
+        "|---|---|---|---|---|---|---|",
+    ]
     for curve, (best, rows) in curves.items():
         made, rows = len(rows), chosen(best, rows)
         if not rows:
@@ -84,7 +121,10 @@ def curves_table(scene, curves):
             continue
         finest = max(rows, key=lambda row: (scene.scan + scene.fine).index(row["size"]))
         lower = f" ({finest['courant']:g} there)" if finest["courant"] < best else ""
-        lines.append(f"| {NAMES[curve]} | {best:g}{lower} | {finest['size']:g} | {finest['error']:.3g} | {seconds(finest['process'])} | {seconds(finest['solve'])} | {finest['steps']} |")
+        lines.append(
+            f"| {NAMES[curve]} | {best:g}{lower} | {finest['size']:g} | {finest['error']:.3g} | "
+            f"{seconds(finest['process'])} | {seconds(finest['solve'])} | {finest['steps']} |"
+        )
     return lines
 
 
@@ -101,10 +141,20 @@ def write(found, table):
     PAGE.write_text(text)
     with open(table, "w", newline="") as stream:
         writer = csv.writer(stream)
-        writer.writerow(["scene", "curve", "size", "unit", "courant", "error", "process CPU s", "time loop CPU s", "process wall s", "steps", "particles"])
+        writer.writerow(
+            [
+                "scene", "curve", "size", "unit", "courant", "error", "process CPU s", "time loop CPU s",
+                "process wall s", "steps", "particles",
+            ]
+        )
         for name, curves in found.items():
             for curve, (_, rows) in curves.items():
                 for row in rows:
-                    writer.writerow([name, curve, row["size"], SCENES[name].unit, row["courant"], "failed" if row["error"] is None else row["error"],
-                                     row["process"], row["solve"], row["wall"], row["steps"], row["particles"]])
+                    writer.writerow(
+                        [
+                            name, curve, row["size"], SCENES[name].unit, row["courant"],
+                            "failed" if row["error"] is None else row["error"], row["process"], row["solve"],
+                            row["wall"], row["steps"], row["particles"],
+                        ]
+                    )
     print(f"written: {PAGE.relative_to(ROOT)}, {table.relative_to(ROOT)}")

@@ -1,4 +1,5 @@
-"""The scenes of doc/speed-and-accuracy.md: deck, sizes, methods, Courant numbers to try, and how far a run is from its reference."""
+"""The scenes of doc/speed-and-accuracy.md: deck, sizes, methods, Courant numbers to try, and how far a run is from its
+reference."""
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,7 +21,8 @@ UPDATES = {f"sgmp {update}": {"update": update} for update in ("usf", "usl", "us
 
 @dataclass
 class Scene:
-    """One example. Every curve is run at the sizes of `scan` with all Courant numbers, at those of `fine` with its best one."""
+    """One example. Every curve is run at the sizes of `scan` with all Courant numbers, at those of `fine` with its best
+    one."""
 
     title: str
     deck: str                      # below the root
@@ -54,7 +56,9 @@ def bar_size(cells, courant):
 
 def vortex_error(run):
     cloud = run.particles()
-    moved = cloud.points[:, :2] - load("vortex").exact(cloud.fields["initial_position"][:, :2], 0.25, run.summary["time"])
+    moved = cloud.points[:, :2] - load("vortex").exact(
+        cloud.fields["initial_position"][:, :2], 0.25, run.summary["time"]
+    )
     return float(np.sqrt(np.mean(np.sum(moved**2, axis=1))))
 
 
@@ -69,46 +73,136 @@ def hertz_error(run, exact=[]):
 
 SCENES = {
     "bar": Scene(
-        "Bar with large deformation, 1D", "input/bar_large.inp", bar_size, (16, 64, 256), (1024,), (0.1, 0.3, 0.6, 1.0, 1.5, 2.0),
-        lambda run: load("bar").error(run, 0.3536), "error of displacement, rms (m)", (1e-4, 1e-5, 1e-6, 1e-7), "cells",
+        "Bar with large deformation, 1D",
+        "input/bar_large.inp",
+        bar_size,
+        (16, 64, 256),
+        (1024,),
+        (0.1, 0.3, 0.6, 1.0, 1.5, 2.0),
+        lambda run: load("bar").error(run, 0.3536),
+        "error of displacement, rms (m)",
+        (1e-4, 1e-5, 1e-6, 1e-7),
+        "cells",
         "the manufactured solution at the largest strain (7 %), exact",
-        "Runs up to 256 cells cost little more than the start of the process. Plain SGMP, GIMP and B-spline stop at some 4e-6 m, and with more cells their errors rise again, for what their quadrature of the stress\n"
-        "lacks does not vanish with h ([normalised-stress.md](normalised-stress.md)); SGMP with normalised stress and cpGIMP (particles laid at equal distances, as it wants them) go on falling, the former at the larger Courant number.\n"
+        "Runs up to 256 cells cost little more than the start of the process. Plain SGMP, GIMP and B-spline stop at "
+        "some 4e-6 m, and with more cells their errors rise again, for what their quadrature of the stress\n"
+        "lacks does not vanish with h ([normalised-stress.md](normalised-stress.md)); SGMP with normalised stress "
+        "and cpGIMP (particles laid at equal distances, as it wants them) go on falling, the former at the larger "
+        "Courant number.\n"
         "MPM does not converge: particles cross cells.",
-        curves={name: {**parameters, **({"layout": "uniform"} if "gimp" in name else {})} for name, parameters in {**METHODS, **UPDATES}.items()}),
+        curves={
+            name: {**parameters, **({"layout": "uniform"} if "gimp" in name else {})}
+            for name, parameters in {**METHODS, **UPDATES}.items()
+        },
+    ),
     "beam": Scene(
-        "Free vibration of a beam, plane strain", "input/beam.inp", by_h, (1.25, 0.625), (0.3125,), (0.4, 0.8, 1.2, 1.6, 2.0),
-        lambda run: load("beam").deflection_error(run), "error of deflection, rms (mm)", (0.03, 0.01, 0.003, 0.001), "mm",
-        "the deflection of the middle line at 50 µs by finite elements, two meshes extrapolated (largest 0.487 mm, good to 0.0001 mm)",
-        "**SGMP loses to GIMP**: at one cell size its deflection is wrong by four times as much. A run of it is cheap (larger step, fewer operations), but it needs half the cell size, eight times the work, to make that up. All updates of SGMP and\n"
-        "both stresses share the error, so it comes neither from the time step nor from the stress; why is not known. The good coarse value of MPM is luck: its error grows with finer cells."),
+        "Free vibration of a beam, plane strain",
+        "input/beam.inp",
+        by_h,
+        (1.25, 0.625),
+        (0.3125,),
+        (0.4, 0.8, 1.2, 1.6, 2.0),
+        lambda run: load("beam").deflection_error(run),
+        "error of deflection, rms (mm)",
+        (0.03, 0.01, 0.003, 0.001),
+        "mm",
+        "the deflection of the middle line at 50 µs by finite elements, two meshes extrapolated (largest 0.487 mm, "
+        "good to 0.0001 mm)",
+        "**SGMP loses to GIMP**: at one cell size its deflection is wrong by four times as much. A run of it is "
+        "cheap (larger step, fewer operations), but it needs half the cell size, eight times the work, to make that "
+        "up. All updates of SGMP and\n"
+        "both stresses share the error, so it comes neither from the time step nor from the stress; why is not "
+        "known. The good coarse value of MPM is luck: its error grows with finer cells.",
+    ),
     "taylor_rings": Scene(
-        "Taylor bar, axisymmetric", "input/taylor_bar_axisymmetric.inp", by_h, (0.76, 0.4), (0.2,), (0.25, 0.5, 1.0, 1.5, 2.0),
-        lambda run: bar_surface.error(bar_surface.of_rings(run, run.summary["h"] / 2)), "error of shape, mean of L, D, W (1)", (0.01, 0.005, 0.003), "mm",
+        "Taylor bar, axisymmetric",
+        "input/taylor_bar_axisymmetric.inp",
+        by_h,
+        (0.76, 0.4),
+        (0.2,),
+        (0.25, 0.5, 1.0, 1.5, 2.0),
+        lambda run: bar_surface.error(bar_surface.of_rings(run, run.summary["h"] / 2)),
+        "error of shape, mean of L, D, W (1)",
+        (0.01, 0.005, 0.003),
+        "mm",
         "the converged shape: L 16.34, D 13.43, W 10.135 mm; mean of the three relative errors, by the outermost rings",
-        "USF is the cheapest by far: at C = 2 it lets the bar of 0.4 mm cells come out as well as MUSL does with 0.2 mm. Methods with MUSL lie within a factor of two of each other, MPM falls behind."),
+        "USF is the cheapest by far: at C = 2 it lets the bar of 0.4 mm cells come out as well as MUSL does with "
+        "0.2 mm. Methods with MUSL lie within a factor of two of each other, MPM falls behind.",
+    ),
     "taylor_cubes": Scene(
-        "Taylor bar, 3D", "input/taylor_bar.inp", by_h, (1.0, 0.76), (0.5,), (0.5, 1.0, 1.5, 2.0, 2.2),
-        lambda run: bar_surface.error(bar_surface.of_cubes(run)), "error of shape, mean of L, D, W (1)", (0.02, 0.01, 0.007), "mm",
+        "Taylor bar, 3D",
+        "input/taylor_bar.inp",
+        by_h,
+        (1.0, 0.76),
+        (0.5,),
+        (0.5, 1.0, 1.5, 2.0, 2.2),
+        lambda run: bar_surface.error(bar_surface.of_cubes(run)),
+        "error of shape, mean of L, D, W (1)",
+        (0.02, 0.01, 0.007),
+        "mm",
         "the same shape; the surface of cubes is a flight of stairs, whose largest radius per sector is taken",
-        "What is left below one per cent is the surface, not the method: finer cells hardly help, and rings get the same error in a fifteenth of the time. Down to that level SGMP is the cheapest, with the largest step; with the same cells GIMP and\n"
-        "cpGIMP get to 0.6 and 0.8 % at 0.76 mm, for three times its time. B-spline with 0.5 mm cells was not run.", curves=dict(METHODS)),
+        "What is left below one per cent is the surface, not the method: finer cells hardly help, and rings get the "
+        "same error in a fifteenth of the time. Down to that level SGMP is the cheapest, with the largest step; "
+        "with the same cells GIMP and\n"
+        "cpGIMP get to 0.6 and 0.8 % at 0.76 mm, for three times its time. B-spline with 0.5 mm cells was not run.",
+        curves=dict(METHODS),
+    ),
     "tnt": Scene(
-        "TNT slab, 1D", "input/tnt_slab.inp", lambda h, courant: {**by_h(h, courant), "t_end": 0.014}, (1.0, 0.25), (0.1,), (0.05, 0.1, 0.2, 0.4, 0.8),
-        lambda run: load("tnt_slab").measure(run, TaylorWave())["L1"], "error of pressure behind the front, L1 (GPa)", (0.5, 0.3, 0.1), "mm",
+        "TNT slab, 1D",
+        "input/tnt_slab.inp",
+        lambda h, courant: {**by_h(h, courant), "t_end": 0.014},
+        (1.0, 0.25),
+        (0.1,),
+        (0.05, 0.1, 0.2, 0.4, 0.8),
+        lambda run: load("tnt_slab").measure(run, TaylorWave())["L1"],
+        "error of pressure behind the front, L1 (GPa)",
+        (0.5, 0.3, 0.1),
+        "mm",
         "the Chapman-Jouguet state and the Taylor wave at 14 µs, exact (peak 20.98, plateau 5.63 GPa)",
-        "SGMP with normalised stress is the cheapest, alone or with others, at every error, and the only one that gets below 0.1 GPa. Plain SGMP gets worse from 0.25 to 0.1 mm: the noise of its quadrature grows with the number of steps. GIMP stays at 0.6 GPa, MPM is off by\n"
-        "more with each refinement. A C of 0.8 is good enough for this norm, which looks behind the front; the peak wants 0.1 (verification/tnt_slab)."),
+        "SGMP with normalised stress is the cheapest, alone or with others, at every error, and the only one that "
+        "gets below 0.1 GPa. Plain SGMP gets worse from 0.25 to 0.1 mm: the noise of its quadrature grows with the "
+        "number of steps. GIMP stays at 0.6 GPa, MPM is off by\n"
+        "more with each refinement. A C of 0.8 is good enough for this norm, which looks behind the front; the peak "
+        "wants 0.1 (verification/tnt_slab).",
+    ),
     "vortex": Scene(
-        "Generalised vortex, 2D", "input/vortex.inp", by_cells, (8, 16), (32,), (0.4, 0.8, 1.2, 1.6, 2.0),
-        vortex_error, "error of position, rms (m)", (0.02, 0.01, 0.004), "cells/m",
+        "Generalised vortex, 2D",
+        "input/vortex.inp",
+        by_cells,
+        (8, 16),
+        (32,),
+        (0.4, 0.8, 1.2, 1.6, 2.0),
+        vortex_error,
+        "error of position, rms (m)",
+        (0.02, 0.01, 0.004),
+        "cells/m",
         "the manufactured solution after one period, amplitude 0.25 (largest shear 1.7), exact",
-        "Most of the time goes into the body force, a long formula of place, so that a cheaper step gains little here. SGMP, plain or normalised, falls from 1 to 0.35 cm between 16 and 32 cells per metre; MPM and GIMP get worse, as their particles leave the lattice."),
+        "Most of the time goes into the body force, a long formula of place, so that a cheaper step gains little "
+        "here. SGMP, plain or normalised, falls from 1 to 0.35 cm between 16 and 32 cells per metre; MPM and GIMP "
+        "get worse, as their particles leave the lattice.",
+    ),
     "hertz": Scene(
-        "Plate on a sphere (Hertz), axisymmetric, contact", "verification/contact_axisymmetric/hertz.inp", by_cells, (16, 32), (48,), (0.2, 0.4, 0.8),
-        hertz_error, "error of force, rms of two approaches (1)", (0.05, 0.02, 0.01), "cells/radius",
-        "linear elasticity of a sphere between plates (Legendre series), at approaches of 1.5 and 1.9 % of the radius, where the contact circle is 0.13 radii",
-        "MPM and SGMP are the cheapest as long as 3 % are enough. **Below 2 % SGMP loses**: with 48 cells to the radius GIMP, cpGIMP and B-spline have half its error at twice its cost; no C above 0.8 was tried, for contact bears none (doc/time-step.md), so\n"
-        "that SGMP's larger step brings nothing. Errors do not fall in order with h, as the contact circle is 2 to 6 cells wide: 1.9 % by USL with 16 cells and 1 % by MPM with 32 are chance, with 48 cells both are worse.",
-        curves={name: parameters for name, parameters in {**METHODS, **UPDATES}.items() if name not in ("normalised", "sgmp usavg")}),
+        "Plate on a sphere (Hertz), axisymmetric, contact",
+        "verification/contact_axisymmetric/hertz.inp",
+        by_cells,
+        (16, 32),
+        (48,),
+        (0.2, 0.4, 0.8),
+        hertz_error,
+        "error of force, rms of two approaches (1)",
+        (0.05, 0.02, 0.01),
+        "cells/radius",
+        "linear elasticity of a sphere between plates (Legendre series), at approaches of 1.5 and 1.9 % of the "
+        "radius, where the contact circle is 0.13 radii",
+        "MPM and SGMP are the cheapest as long as 3 % are enough. **Below 2 % SGMP loses**: with 48 cells to the "
+        "radius GIMP, cpGIMP and B-spline have half its error at twice its cost; no C above 0.8 was tried, for "
+        "contact bears none (doc/time-step.md), so\n"
+        "that SGMP's larger step brings nothing. Errors do not fall in order with h, as the contact circle is 2 to "
+        "6 cells wide: 1.9 % by USL with 16 cells and 1 % by MPM with 32 are chance, with 48 cells both are worse.",
+        curves={
+            name: parameters
+            for name, parameters in {**METHODS, **UPDATES}.items()
+            if name not in ("normalised", "sgmp usavg")
+        },
+    ),
 }

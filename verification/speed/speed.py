@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Error against CPU seconds, every method with its best Courant number: figures and tables of doc/speed-and-accuracy.md.
+"""Error against CPU seconds, every method with its best Courant number: figures and tables of
+doc/speed-and-accuracy.md.
 
     python3 verification/speed/speed.py                 run what is missing, then write the page and its figures
     python3 verification/speed/speed.py beam hertz      some scenes only; the page is written from all that has been run
     python3 verification/speed/speed.py --draw          no runs
 
-A run that was made by the same executable from the same deck is not repeated (build/speed/SCENE.json), so the script may be stopped and
-started again. Short runs are repeated and the least counts. One thread; nothing else should run on the machine, and where it does, user
-CPU time suffers less than wall time.
+A run that was made by the same executable from the same deck is not repeated (build/speed/SCENE.json), so the script
+may be stopped and started again. Short runs are repeated and the least counts. One thread; nothing else should run on
+the machine, and where it does, user CPU time suffers less than wall time.
 """
 import argparse
 import hashlib
@@ -44,15 +45,21 @@ class Ledger:
         """The row of a run: from the file, or made now unless `make` is false (then None)."""
         text = timed_deck(scene)
         parameters = {**scene.curves[curve], **scene.size(size, courant)}
-        key = hashlib.sha256("\n".join([self.digest, text, json.dumps(parameters, sort_keys=True)]).encode()).hexdigest()[:20]
+        key = hashlib.sha256(
+            "\n".join([self.digest, text, json.dumps(parameters, sort_keys=True)]).encode()
+        ).hexdigest()[:20]
         if key not in self.rows:
             if not make:
                 return None
             self.rows[key] = {"curve": curve, "size": size, "courant": courant, **self.measure(scene, text, parameters)}
             self.path.write_text(json.dumps(self.rows, indent=0))
             row = self.rows[key]
-            print(f"  {curve:12s} {size:8g} {scene.unit:12s} Courant {courant:<5g} error {row['error'] if row['error'] else 'failed'}"
-                  f"  {row['process']:.2f} s", flush=True)
+            print(
+                f"  {curve:12s} {size:8g} {scene.unit:12s} Courant {courant:<5g} error "
+                f"{row['error'] if row['error'] else 'failed'}"
+                f"  {row['process']:.2f} s",
+                flush=True,
+            )
         return self.rows[key]
 
     def measure(self, scene, text, parameters):
@@ -65,8 +72,10 @@ class Ledger:
             shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir(parents=True)
             started = time.monotonic()
-            process = subprocess.Popen([str(self.solver), str(deck), *case.arguments(), "--output", str(folder), "--threads", "1", "--quiet"],
-                                       stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, cwd=ROOT)
+            process = subprocess.Popen(
+                [str(self.solver), str(deck), *case.arguments(), "--output", str(folder), "--threads", "1", "--quiet"],
+                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, cwd=ROOT,
+            )
             complaint = process.stderr.read().decode(errors="replace")
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode, wall = os.waitstatus_to_exitcode(status), time.monotonic() - started
@@ -74,9 +83,16 @@ class Ledger:
                 sys.exit(f"exit code {process.returncode}: {case.command()}\n{complaint}")
             summary = read_summary(folder)
             failed = process.returncode != 0 or summary["particles_lost"] > 0
-            row = {"process": usage.ru_utime, "solve": usage.ru_utime * summary["solve_seconds"] / wall, "wall": wall,
-                   "steps": summary["steps"], "particles": summary["particles"],
-                   "error": None if failed else scene.error(Run(case, folder, process.returncode, usage.ru_utime, summary))}
+            row = {
+                "process": usage.ru_utime,
+                "solve": usage.ru_utime * summary["solve_seconds"] / wall,
+                "wall": wall,
+                "steps": summary["steps"],
+                "particles": summary["particles"],
+                "error": None
+                if failed
+                else scene.error(Run(case, folder, process.returncode, usage.ru_utime, summary)),
+            }
             repeats = best["repeats"] + 1 if best else 1
             if best is None or row["process"] < best["process"]:
                 best = row
@@ -95,7 +111,9 @@ def best_courant(rows):
     rows = sorted(rows, key=lambda row: row["courant"])
     if not rows or rows[0]["error"] is None:
         return None
-    return max(row["courant"] for row in rows if row["error"] is not None and row["error"] <= TOLERANCE * rows[0]["error"])
+    return max(
+        row["courant"] for row in rows if row["error"] is not None and row["error"] <= TOLERANCE * rows[0]["error"]
+    )
 
 
 def collect(ledger, scene, make):

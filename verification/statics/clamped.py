@@ -1,4 +1,5 @@
-"""A cantilever in plane strain by finite elements of nine nodes: the reference of beam.inp. Shares nothing with the solver."""
+"""A cantilever in plane strain by finite elements of nine nodes: the reference of beam.inp. Shares nothing with the
+solver."""
 import sys
 from pathlib import Path
 
@@ -9,8 +10,8 @@ from finite_elements import GAUSS, WEIGHTS, shape  # noqa: E402
 
 
 def cantilever(length, poisson, load, n, young=1.0):
-    """Mean deflection of the end of a strip of height 1, clamped at x = 0, uniform shear traction of the resultant `load` at x = length;
-    n elements over the height, as long as they are high."""
+    """Mean deflection of the end of a strip of height 1, clamped at x = 0, uniform shear traction of the resultant
+    `load` at x = length; n elements over the height, as long as they are high."""
     columns = round(n*length)
     wide, high = 2*columns + 1, 2*n + 1
     lame, shear = young*poisson/((1 + poisson)*(1 - 2*poisson)), young/(2*(1 + poisson))

@@ -1,5 +1,5 @@
-"""A thin neo-Hookean strip in plane strain, clamped at one end, held level and in its place along x at the other, as an extensible elastic line: the reference
-of membrane.inp. Shares nothing with the solver."""
+"""A thin neo-Hookean strip in plane strain, clamped at one end, held level and in its place along x at the other, as an
+extensible elastic line: the reference of membrane.inp. Shares nothing with the solver."""
 import numpy as np
 
 
@@ -17,11 +17,13 @@ def stretch(poisson, young=1.0):
 
 
 def pulled(length, pull, load, pressure, poisson, n):
-    """Places x, y of the line at n + 1 equal parts of its length at the start: force `pull` along x at its end, whose angle is 0 and which no force holds
-    along y; dead load along y and pressure from below, per length of the line at the start and as it is.
+    """Places x, y of the line at n + 1 equal parts of its length at the start: force `pull` along x at its end, whose
+    angle is 0 and which no force holds along y; dead load along y and pressure from below, per length of the line at
+    the start and as it is.
 
-    Reissner's line without shear: B theta'' = lambda (R_x sin theta - R_y cos theta), B = E/(12 (1 - nu^2)), theta = 0 at both ends, the force R is
-    that at the end less the loads beyond. Central differences; R of the last iterate, Newton's method for theta.
+    Reissner's line without shear: B theta'' = lambda (R_x sin theta - R_y cos theta), B = E/(12 (1 - nu^2)), theta = 0
+    at both ends, the force R is that at the end less the loads beyond. Central differences; R of the last iterate,
+    Newton's method for theta.
     """
     longer, bending, step = stretch(poisson), 1/(12*(1 - poisson**2)), length/n
     theta, factor = np.zeros(n + 1), np.ones(n)
@@ -34,7 +36,9 @@ def pulled(length, pull, load, pressure, poisson, n):
             factor = longer(0.5*(across[1:] + across[:-1])*np.cos(middle) + 0.5*(up[1:] + up[:-1])*np.sin(middle))
         at_nodes = 0.5*(factor[1:] + factor[:-1])
         sine, cosine = np.sin(theta[inner]), np.cos(theta[inner])
-        rest = bending*(theta[2:] - 2*theta[inner] + theta[:-2])/step**2 - at_nodes*(across[inner]*sine - up[inner]*cosine)
+        rest = bending * (theta[2:] - 2 * theta[inner] + theta[:-2]) / step**2 - at_nodes * (
+            across[inner] * sine - up[inner] * cosine
+        )
         change = three(bending/step**2, -2*bending/step**2 - at_nodes*(across[inner]*cosine + up[inner]*sine), -rest)
         theta[inner] += change
         if abs(change).max() < 1e-12:

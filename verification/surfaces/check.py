@@ -23,7 +23,8 @@ from common import Book, Case, solve  # noqa: E402
 
 METHOD = "sgmp"
 REFERENCE = json.loads((HERE / "bounce.json").read_text())
-BEAM = math.sqrt(0.010049548312533213)  # first angular frequency of the free beam, finite elements of nine nodes, eight over the thickness
+# first angular frequency of the free beam, finite elements of nine nodes, eight over the thickness
+BEAM = math.sqrt(0.010049548312533213)
 THICKNESSES, ANGLES = (2, 4), (0, 8, 15, 30, 45)
 RINGS = {2.0: 0.05, 1.0: 0.02, 0.5: 0.015}  # cell (mm): what the rebound may be off
 
@@ -31,7 +32,11 @@ RINGS = {2.0: 0.05, 1.0: 0.02, 0.5: 0.015}  # cell (mm): what the rebound may be
 def deck(path, method, **parameters):
     """A deck with the words of a method in place of its own, which --set cannot give."""
     lines = (common.ROOT / path).read_text().splitlines()
-    lines = [f"method {method}" if line.startswith("method ") else line for line in lines if not line.startswith("parameter method")]
+    lines = [
+        f"method {method}" if line.startswith("method ") else line
+        for line in lines
+        if not line.startswith("parameter method")
+    ]
     folder = common.BUILD / "decks" / "".join(c if c.isalnum() else "_" for c in method)
     folder.mkdir(parents=True, exist_ok=True)
     copy = folder / Path(path).name
@@ -57,20 +62,33 @@ def strips(book, full, method):
         ratio, spread = loads.stretched(run, angle)
         rows.append([n, angle, float(ratio - 1), float(spread)])
         book.near("strip", f"error of the stretch, {n} cells thick, {angle} degrees, {method}", ratio - 1, 0.0, 0.01)
-    book.table("strips at angles", ["cells", "degrees", "error of the stretch", "spread of the stress"], rows, f"Free strips, {method}.")
+    book.table(
+        "strips at angles", ["cells", "degrees", "error of the stretch", "spread of the stress"], rows,
+        f"Free strips, {method}.",
+    )
 
 
 def prestressed(book, full, method):
     """A bar at rest under stress stays at rest."""
     cases = [(stress, jitter) for stress in (0.1, 0.01, -0.1) for jitter in (1e-3, 0.1)]
-    decks = [deck("verification/surfaces/prestressed.inp", method, stress=stress, jitter=jitter) for stress, jitter in cases]
+    decks = [
+        deck("verification/surfaces/prestressed.inp", method, stress=stress, jitter=jitter) for stress, jitter in cases
+    ]
     rows = []
     for (stress, jitter), run in zip(cases, solve(decks)):
         kinetic = run.history()["kinetic_energy"] / (0.5 * stress**2 * 40)
         rows.append([stress, jitter, float(kinetic[-1]), float(kinetic.max())])
-        book.at_most("prestressed bar", f"kinetic over elastic energy at 3000 h/c, {stress:g} E, jitter {jitter:g}, {method}", kinetic[-1],
-                     1e-6 if jitter < 0.01 else max(1e-6, float(kinetic[1])))  # displaced far: below what the first move makes
-    book.table("prestressed bar", ["stress over E", "jitter", "at the end", "largest"], rows, f"Bar at rest under stress, {method}.")
+        book.at_most(
+            "prestressed bar",
+            f"kinetic over elastic energy at 3000 h/c, {stress:g} E, jitter {jitter:g}, {method}",
+            kinetic[-1],
+            # displaced far: below what the first move makes
+            1e-6 if jitter < 0.01 else max(1e-6, float(kinetic[1])),
+        )
+    book.table(
+        "prestressed bar", ["stress over E", "jitter", "at the end", "largest"], rows,
+        f"Bar at rest under stress, {method}.",
+    )
 
 
 def rebound(run, angle, speed):
@@ -99,7 +117,10 @@ def rings(book, full, method):
             found = rebound(run, 0, body["speed"])
             rows.append([name, h, found, body["rebound"], body["rebound_uncertainty"]])
             book.within("rings", f"rebound, {name}, h = {h:g} mm, {method}", found, body["rebound"], RINGS[h])
-    book.table("rings", ["case", "h (mm)", "rebound", "finite elements", "difference of two meshes"], rows, f"Rings that bounce, {method}.")
+    book.table(
+        "rings", ["case", "h (mm)", "rebound", "finite elements", "difference of two meshes"], rows,
+        f"Rings that bounce, {method}.",
+    )
 
 
 def disks(book, full, method):
@@ -107,25 +128,37 @@ def disks(book, full, method):
     body, rows = REFERENCE["disks"], []
     for cells in (4, 16) if full else (4, 8):
         angles, h = (0, 17, 44), body["outer"] / cells
-        found = [rebound(run, angle, body["speed"]) for angle, run in zip(angles, solve([bouncing("disks", h, angle, method) for angle in angles]))]
+        found = [
+            rebound(run, angle, body["speed"])
+            for angle, run in zip(angles, solve([bouncing("disks", h, angle, method) for angle in angles]))
+        ]
         rows.append([cells, *found, body["rebound"]])
         for angle, value in zip(angles, found):
             book.within("disks", f"restitution, R/h = {cells}, {angle} degrees, {method}", value, body["rebound"], 0.02)
-        book.at_most("disks", f"spread of the restitution over angles, R/h = {cells}, {method}", max(found) - min(found), 0.01)
-    book.table("disks", ["R/h", *(f"{angle} degrees" for angle in (0, 17, 44)), "finite elements"], rows, f"Disks that bounce, {method}.")
+        book.at_most(
+            "disks", f"spread of the restitution over angles, R/h = {cells}, {method}", max(found) - min(found), 0.01
+        )
+    book.table(
+        "disks", ["R/h", *(f"{angle} degrees" for angle in (0, 17, 44)), "finite elements"], rows,
+        f"Disks that bounce, {method}.",
+    )
 
 
 def beams(book, full, method):
     """Free beams at angles: frequency, and what is left of the amplitude, by fits of the velocity in the middle."""
     rows, cases = [], [(cells, angle) for cells in (4, 8) for angle in (0, 15, 30)]
-    runs = solve([deck("verification/surfaces/beam.inp", method, cells=cells, angle=angle, omega=BEAM) for cells, angle in cases])
+    runs = solve(
+        [deck("verification/surfaces/beam.inp", method, cells=cells, angle=angle, omega=BEAM) for cells, angle in cases]
+    )
     for (cells, angle), run in zip(cases, runs):
         with open(run.folder / "gauges.csv", newline="") as file:
             table = list(csv.DictReader(file))
         names = [name for name in table[0] if "velocity" in name]
         time = np.array([float(row["time"]) for row in table])
         turn = math.radians(angle)
-        across = np.array([-math.sin(turn) * float(row[names[0]]) + math.cos(turn) * float(row[names[1]]) for row in table])
+        across = np.array(
+            [-math.sin(turn) * float(row[names[0]]) + math.cos(turn) * float(row[names[1]]) for row in table]
+        )
 
         def fit(omega, part=slice(None)):
             matrix = np.column_stack([np.cos(omega * time[part]), np.sin(omega * time[part])])
@@ -137,9 +170,17 @@ def beams(book, full, method):
         period = 2 * math.pi / omega
         kept = fit(omega, time > time[-1] - period)[1] / fit(omega, time < period)[1]
         rows.append([cells, angle, float(omega / BEAM - 1), kept])
-        book.near("free beam", f"error of the frequency, {cells} cells, {angle} degrees, {method}", omega / BEAM - 1, 0.0, 0.02 if cells == 4 else 0.006)
-        book.at_least("free beam", f"amplitude after three periods over the first, {cells} cells, {angle} degrees, {method}", kept, 0.95)
-    book.table("free beams", ["cells", "degrees", "error of the frequency", "amplitude kept"], rows, f"Free beams, {method}.")
+        book.near(
+            "free beam", f"error of the frequency, {cells} cells, {angle} degrees, {method}", omega / BEAM - 1, 0.0,
+            0.02 if cells == 4 else 0.006,
+        )
+        book.at_least(
+            "free beam", f"amplitude after three periods over the first, {cells} cells, {angle} degrees, {method}",
+            kept, 0.95,
+        )
+    book.table(
+        "free beams", ["cells", "degrees", "error of the frequency", "amplitude kept"], rows, f"Free beams, {method}."
+    )
 
 
 def check(book, full, method=METHOD):

@@ -24,9 +24,14 @@ def disk(centre, radius, divisions, core=0.5):
     x, y = np.meshgrid(a * np.linspace(-1, 1, 2 * n + 1), a * ramp, indexing="ij")
     bulge = 1 - 0.1 * ((x / a) ** 2 * (y / a) ** 2)
     blocks = [block_nodes(x * bulge, y * bulge)]
-    edges = [(np.column_stack([np.full(n + 1, a), a * ramp]), ramp * np.pi / 4),
-             (np.column_stack([a * np.linspace(1, -1, 2 * n + 1), np.full(2 * n + 1, a)]), np.linspace(1, 3, 2 * n + 1) * np.pi / 4),
-             (np.column_stack([np.full(n + 1, -a), a * ramp[::-1]]), np.pi - ramp[::-1] * np.pi / 4)]
+    edges = [
+        (np.column_stack([np.full(n + 1, a), a * ramp]), ramp * np.pi / 4),
+        (
+            np.column_stack([a * np.linspace(1, -1, 2 * n + 1), np.full(2 * n + 1, a)]),
+            np.linspace(1, 3, 2 * n + 1) * np.pi / 4,
+        ),
+        (np.column_stack([np.full(n + 1, -a), a * ramp[::-1]]), np.pi - ramp[::-1] * np.pi / 4),
+    ]
     for inside, angle in edges:
         b = 1 - 0.1 * ((inside[:, 0] / a) ** 2 * (inside[:, 1] / a) ** 2)
         inside, rim = inside * b[:, None], radius * np.column_stack([np.cos(angle), np.sin(angle)])
@@ -51,7 +56,9 @@ def merge(blocks, tolerance):
         quads.append(elements + shift)
         shift += len(points)
     nodes = np.concatenate(nodes)
-    _, first, number = np.unique(np.round(nodes / tolerance).astype(np.int64), axis=0, return_index=True, return_inverse=True)
+    _, first, number = np.unique(
+        np.round(nodes / tolerance).astype(np.int64), axis=0, return_index=True, return_inverse=True
+    )
     return nodes[first], number.ravel()[np.concatenate(quads)]
 
 
@@ -68,7 +75,9 @@ class Mesh:
         mass = np.zeros(quads.shape)
         for xi, eta in GAUSS:
             shape = 0.25 * (1 + CORNERS[:, 0] * xi) * (1 + CORNERS[:, 1] * eta)
-            slope = 0.25 * np.column_stack([CORNERS[:, 0] * (1 + CORNERS[:, 1] * eta), CORNERS[:, 1] * (1 + CORNERS[:, 0] * xi)])
+            slope = 0.25 * np.column_stack(
+                [CORNERS[:, 0] * (1 + CORNERS[:, 1] * eta), CORNERS[:, 1] * (1 + CORNERS[:, 0] * xi)]
+            )
             J = np.einsum("eai,aj->eij", corner, slope)
             det = np.linalg.det(J)
             assert det.min() > 0
@@ -77,7 +86,9 @@ class Mesh:
             mass += density * det[:, None] * shape
         self.B, self.w = np.stack(self.B), np.stack(self.w)          # (4, elements, 4, 2) and (4, elements)
         self.m = np.bincount(quads.ravel(), mass.ravel(), len(nodes))
-        side = np.min([np.linalg.norm(corner[:, a] - corner[:, b], axis=1) for a, b in ((0, 1), (1, 2), (2, 3), (3, 0))], axis=0)
+        side = np.min(
+            [np.linalg.norm(corner[:, a] - corner[:, b], axis=1) for a, b in ((0, 1), (1, 2), (2, 3), (3, 0))], axis=0
+        )
         self.side = side.min()
         self.dt = 0.5 * self.side / self.speed
 

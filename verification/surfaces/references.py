@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Makes bounce.json and the histories bounce_<case>.csv: bodies on a rigid frictionless wall, by finite elements on two meshes.
+"""Makes bounce.json and the histories bounce_<case>.csv: bodies on a rigid frictionless wall, by finite elements on two
+meshes.
 
     python3 verification/surfaces/references.py [CASE ...]
 
@@ -16,7 +17,8 @@ from elements import bounce, disk, ring
 
 HERE = Path(__file__).resolve().parent
 RUBBER = 1.01e-3  # g/mm^3, lengths in mm, times in ms, stresses in MPa
-# shape, outer and inner radius, Young's modulus, Poisson's ratio, speed, end, elements through the thickness (disks: half the radius)
+# shape, outer and inner radius, Young's modulus, Poisson's ratio, speed, end, elements through the thickness (disks:
+# half the radius)
 CASES = {
     "rings": ("ring", 40.0, 30.0, 73.0, 0.4, 30.0, 5.0, (8, 16)),
     "rings_thin": ("ring", 40.0, 34.0, 73.0, 0.3, 15.0, 7.0, (4, 6)),
@@ -45,9 +47,19 @@ def run(case):
     np.savetxt(HERE / f"bounce_{case}.csv", rows[:, :3], fmt="%.5f", delimiter=",", comments="",
                header="time_ms,kinetic_over_first,mean_velocity_over_first")
     coarse, fine = found
-    return {"shape": shape, "outer": outer, "inner": inner, "young": young, "poisson": poisson, "speed": speed, "end": end,
-            "rebound": round(fine["rebound"], 4), "rebound_uncertainty": round(abs(fine["rebound"] - coarse["rebound"]), 4),
-            "kinetic_end": round(fine["kinetic_end"], 4), "meshes": found}
+    return {
+        "shape": shape,
+        "outer": outer,
+        "inner": inner,
+        "young": young,
+        "poisson": poisson,
+        "speed": speed,
+        "end": end,
+        "rebound": round(fine["rebound"], 4),
+        "rebound_uncertainty": round(abs(fine["rebound"] - coarse["rebound"]), 4),
+        "kinetic_end": round(fine["kinetic_end"], 4),
+        "meshes": found,
+    }
 
 
 if __name__ == "__main__":

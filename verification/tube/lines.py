@@ -1,9 +1,11 @@
-"""A second implementation: gas in an elastic tube in one dimension, Lagrangian, staggered in space and time, linear in the tube."""
+"""A second implementation: gas in an elastic tube in one dimension, Lagrangian, staggered in space and time, linear in
+the tube."""
 import numpy as np
 
 
 def breathe(cells, end, samples, courant=0.25):
-    """Times, and the displacement of the outer radius at them; `cells` to the radius 1 of the bore, the tube reaches to 2."""
+    """Times, and the displacement of the outer radius at them; `cells` to the radius 1 of the bore, the tube reaches to
+    2."""
     pressure0, gamma, density = 1e-3, 1.4, np.where(np.arange(2 * cells) < cells, 1e-3, 1.0)
     lame, shear = 0.3 / (1.3 * 0.4), 1 / 2.6
     start = np.arange(2 * cells + 1) / cells
@@ -25,7 +27,8 @@ def breathe(cells, end, samples, courant=0.25):
         gas = density < 0.5
         sigma[gas] = around[gas] = -pressure0 * (area[gas] / swollen[gas]) ** gamma
         force = np.zeros_like(start)
-        for side, sign in ((slice(None, -1), 1), (slice(1, None), -1)):   # work of the cells over a change of each of their radii
+        # work of the cells over a change of each of their radii
+        for side, sign in ((slice(None, -1), 1), (slice(1, None), -1)):
             force[side] += sign * sigma * centre - 0.5 * around * width
         acceleration = force / mass
         acceleration[0] = 0

@@ -1,8 +1,10 @@
-"""Detonation products in a tube that they half fill, by Lagrangian hydrodynamics of its own: compatible differences (the work of the forces is the
-change of the energies), predictor and corrector, quadratic and linear viscosity. Nothing of it comes from the solver."""
+"""Detonation products in a tube that they half fill, by Lagrangian hydrodynamics of its own: compatible differences
+(the work of the forces is the change of the energies), predictor and corrector, quadratic and linear viscosity. Nothing
+of it comes from the solver."""
 import numpy as np
 
-A, B, R1, R2, OMEGA, ENERGY, DENSITY, SPEED = 371200, 3210, 4.15, 0.95, 0.30, 6993, 1.63e-3, 6930  # TNT: MPa, g/mm^3, mm/ms
+# TNT: MPa, g/mm^3, mm/ms
+A, B, R1, R2, OMEGA, ENERGY, DENSITY, SPEED = 371200, 3210, 4.15, 0.95, 0.30, 6993, 1.63e-3, 6930
 
 
 def cold(v):
@@ -22,8 +24,8 @@ def sound(v, energy):
 
 
 def tube(cells, t_end, length=12.0, fill=6.0, cfl=0.3):
-    """The charge, lit at the closed end, fills the tube and comes to rest: mean pressure over JWL of the whole, inner energy over that at the start,
-    least and largest volume over the initial one."""
+    """The charge, lit at the closed end, fills the tube and comes to rest: mean pressure over JWL of the whole, inner
+    energy over that at the start, least and largest volume over the initial one."""
     x, u, energy = np.linspace(0, fill, cells + 1), np.zeros(cells + 1), np.full(cells, float(ENERGY))
     size = fill/cells
     mass = np.full(cells + 1, DENSITY*size)

@@ -1,8 +1,8 @@
 """Runs of the program that do not come by the fault that is switched on are recalled, not repeated.
 
-mutate.py puts this folder into PYTHONPATH. A run is known by its command line, the files that this names, and how often it has been seen
-before in the same script; what it printed and which files of the scratch folder it changed are kept, with the faults that it
-came by. Nothing is recalled that could depend on a run that did come by the fault.
+mutate.py puts this folder into PYTHONPATH. A run is known by its command line, the files that this names, and how often
+it has been seen before in the same script; what it printed and which files of the scratch folder it changed are kept,
+with the faults that it came by. Nothing is recalled that could depend on a run that did come by the fault.
 """
 import collections
 import hashlib
@@ -54,7 +54,9 @@ def depends(words, text):
     """Whether a run may read what is doubtful."""
     if doubtful and any(word in RESTARTS for word in words):
         return True
-    return any(folder in word for folder in doubtful for word in words) or any(folder.encode() in text for folder in doubtful)
+    return any(folder in word for folder in doubtful for word in words) or any(
+        folder.encode() in text for folder in doubtful
+    )
 
 
 def cpu_seconds():
@@ -66,8 +68,11 @@ def cpu_seconds():
 def key_of(words, text, settings):
     """The name of a run's record."""
     environment = settings.get("env") or os.environ
-    told = sorted((name, value) for name, value in environment.items()
-                  if name.startswith(("SGMP_", "OMP_", "OMPI_")) and not name.startswith(("SGMP_MUTANT", "SGMP_TEST_FIRST")))
+    told = sorted(
+        (name, value)
+        for name, value in environment.items()
+        if name.startswith(("SGMP_", "OMP_", "OMPI_")) and not name.startswith(("SGMP_MUTANT", "SGMP_TEST_FIRST"))
+    )
     how = sorted((name, repr(value)) for name, value in settings.items() if name not in ("env", "timeout", "check"))
     same = hashlib.sha1(TEMPORARY.sub("", repr((words, told, how))).encode() + text).hexdigest()
     seen[same] += 1
@@ -115,8 +120,18 @@ def keep(folder, done, before, after, reaches, seconds):
     for number, path in enumerate(changed):
         shutil.copyfile(path, part / str(number), follow_symlinks=False)
     with open(part / "record", "wb") as file:
-        pickle.dump({"code": done.returncode, "stdout": done.stdout, "stderr": done.stderr, "seconds": seconds, "reaches": reaches,
-                     "changed": changed, "removed": [path for path in before if path not in after]}, file)
+        pickle.dump(
+            {
+                "code": done.returncode,
+                "stdout": done.stdout,
+                "stderr": done.stderr,
+                "seconds": seconds,
+                "reaches": reaches,
+                "changed": changed,
+                "removed": [path for path in before if path not in after],
+            },
+            file,
+        )
     part.rename(folder)
 
 
@@ -150,7 +165,9 @@ def run(*positional, check=False, **settings):
     seconds = cpu_seconds() - cpu
     note(seconds, reaches)
     if FAULT in reaches or not may:
-        doubtful.update(output_folder(words), (os.path.dirname(path) for path, state in after.items() if before.get(path) != state))
+        doubtful.update(
+            output_folder(words), (os.path.dirname(path) for path, state in after.items() if before.get(path) != state)
+        )
     elif not folder.exists():
         keep(folder, done, before, after, reaches, seconds)
     if check:

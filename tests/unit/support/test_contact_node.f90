@@ -9,7 +9,8 @@ module test_contact_node
 
 contains
 
-  !> Nodes at some points (i, j, k), in ascending order; both bodies have mass at each, the first in record n of its field.
+  !> Nodes at some points (i, j, k), in ascending order; both bodies have mass at each, the first in record n of its
+  !! field.
   subroutine shared_nodes_of_two(shared, ndim, point)
     type(shared_nodes_t), intent(out) :: shared
     integer, intent(in) :: ndim, point(:, :)
@@ -43,8 +44,8 @@ contains
     allocate (shared%gap(nodes), shared%middle(nodes), source=0.0_dp)
   end subroutine shared_nodes_of_two
 
-  !> Surface particles of a body around the first node, all in one bin: positions relative to the node, 0 along axes that do not
-  !! exist, and offsets.
+  !> Surface particles of a body around the first node, all in one bin: positions relative to the node, 0 along axes
+  !! that do not exist, and offsets.
   subroutine put_around(shared, body, place, offset)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: body

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """A second implementation of the one-dimensional bar, by another route than the solver's, for its reference numbers.
 
-It shares no line and no data structure with the solver: particles scatter straight to nodes with the effective three-node
-stencil of SGMP (the solver goes through cell centres), and there are no walls: the bar is continued by its mirror image to
-a ring of length 2 L, on which the odd velocity keeps the ends at rest (the solver folds). numpy only.
+It shares no line and no data structure with the solver: particles scatter straight to nodes with the effective
+three-node stencil of SGMP (the solver goes through cell centres), and there are no walls: the bar is continued by its
+mirror image to a ring of length 2 L, on which the odd velocity keeps the ends at rest (the solver folds). numpy only.
 
     python3 independent.py            writes errors.csv beside this file (ten minutes)
 """
@@ -52,7 +52,10 @@ def weights(method, x, h, half):
     def hat(s):
         return np.clip(1 - np.abs(s), 0, None)
 
-    return nearest - 1, (first_integral(xi + l) - first_integral(xi - l)) / (2 * l), (hat(xi + l) - hat(xi - l)) / (2 * l * h)
+    return (
+        nearest - 1, (first_integral(xi + l) - first_integral(xi - l)) / (2 * l),
+        (hat(xi + l) - hat(xi - l)) / (2 * l * h),
+    )
 
 
 class Ring:
@@ -60,7 +63,9 @@ class Ring:
 
     def __init__(self, method, cells, layout="gauss", v0=V0, young=YOUNG, density=DENSITY, large=False):
         x = positions(cells, layout)
-        self.method, self.h, self.nodes, self.young, self.density, self.large = method, 1 / cells, 2 * cells, young, density, large
+        self.method, self.h, self.nodes, self.young, self.density, self.large = (
+            method, 1 / cells, 2 * cells, young, density, large,
+        )
         self.start = np.concatenate([x, 2 * LENGTH - x[::-1]])
         self.x = self.start.copy()
         self.mass = np.full(self.x.size, 0.5 * density / cells)
@@ -91,7 +96,10 @@ class Ring:
         self.node = [np.mod(first + a, self.nodes).astype(int) for a in range(3)]
         m = self.scatter(self.mass)
         p = self.scatter(self.mass * self.v)
-        force = -sum(np.bincount(self.node[a], self.g[a] * self.stress * self.stretch * self.volume0, self.nodes) for a in range(3))
+        force = -sum(
+            np.bincount(self.node[a], self.g[a] * self.stress * self.stretch * self.volume0, self.nodes)
+            for a in range(3)
+        )
         if self.large:
             force += self.scatter(self.mass * self.body_force())
         active = m > 1e-12 * self.mass[0]
@@ -156,7 +164,9 @@ def main():
             print(rows[-1], flush=True)
     for layout in ("uniform", "gauss"):
         for cells in (32, 50):
-            for method, cfls in (("mpm", (0.3, 0.8, 1.0)), ("gimp", (1.5, 1.8, 2.0)), ("sgmp", (2.0, 2.3, 2.4, 2.5, 2.6, 3.0))):
+            for method, cfls in (
+                ("mpm", (0.3, 0.8, 1.0)), ("gimp", (1.5, 1.8, 2.0)), ("sgmp", (2.0, 2.3, 2.4, 2.5, 2.6, 3.0)),
+            ):
                 for cfl in cfls:
                     rows.append((f"stability {layout} cfl {cfl}", method, cells, growth(method, cells, cfl, layout)))
                     print(rows[-1], flush=True)

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Deflection of the beam's middle line after 50 us by finite elements: the reference for the work-precision diagram.
 
-Bilinear elements with 2 x 2 points on the undeformed beam (total Lagrangian), plane strain, St. Venant-Kirchhoff, lumped mass, explicit.
-The material differs from the solver's rate form by the square of the strain, 1e-4. Two meshes, 30 and 60 elements high, are
-extrapolated with order 2; the script prints how far that moves the finer one.
+Bilinear elements with 2 x 2 points on the undeformed beam (total Lagrangian), plane strain, St. Venant-Kirchhoff,
+lumped mass, explicit. The material differs from the solver's rate form by the square of the strain, 1e-4. Two meshes,
+30 and 60 elements high, are extrapolated with order 2; the script prints how far that moves the finer one.
 
     python3 verification/beam/reference/finite_elements.py        writes deflection.csv (two minutes)
 """
@@ -30,7 +30,10 @@ def velocity(x):
 
 def forces(u, v, gradients, weight):
     """Internal forces on the nodes; u, v: displacements, shape (nx+1, ny+1)."""
-    corners = [(slice(None, -1), slice(None, -1)), (slice(1, None), slice(None, -1)), (slice(1, None), slice(1, None)), (slice(None, -1), slice(1, None))]
+    corners = [
+        (slice(None, -1), slice(None, -1)), (slice(1, None), slice(None, -1)), (slice(1, None), slice(1, None)),
+        (slice(None, -1), slice(1, None)),
+    ]
     fu, fv = np.zeros_like(u), np.zeros_like(v)
     for gx, gy in gradients:
         f11, f12, f21, f22 = 1.0, 0.0, 0.0, 1.0
@@ -78,7 +81,10 @@ def main():
     x, coarse = deflection(30)
     fine_x, fine = deflection(60)
     best = fine[::2] + (fine[::2] - coarse) / 3
-    print(f"extrapolation moves the finer mesh by {np.abs(best - fine[::2]).max():.2e} mm; largest deflection {np.abs(best).max():.5f} mm")
+    print(
+        f"extrapolation moves the finer mesh by {np.abs(best - fine[::2]).max():.2e} mm; largest deflection "
+        f"{np.abs(best).max():.5f} mm"
+    )
     with open(Path(__file__).with_name("deflection.csv"), "w", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(["x_mm", "u_y_mm"])

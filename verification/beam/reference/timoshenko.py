@@ -3,8 +3,8 @@
 
 State (W, psi, M, Q): deflection, rotation, moment, shear force, with
   W' = psi + Q/(k G H),  psi' = M/(E' I),  M' = -Q - rho I w^2 psi,  Q' = -rho H w^2 W,
-E' = E/(1-nu^2), I = H^3/12, k = 5/6, per unit thickness. Free ends: M = Q = 0. The initial velocity of the example is projected
-on the mode, which gives the bending stress at mid-span over time.
+E' = E/(1-nu^2), I = H^3/12, k = 5/6, per unit thickness. Free ends: M = Q = 0. The initial velocity of the example is
+projected on the mode, which gives the bending stress at mid-span over time.
 
     python3 timoshenko.py             writes mode.csv beside this file: period and stress at the surface
 """
@@ -51,7 +51,12 @@ def initial_velocity(x):
     """Eqs. 89-93."""
     bl = BETA * LENGTH
     c1, c2 = np.cosh(bl) - np.cos(bl), np.sin(bl) - np.sinh(bl)
-    return Y_MAX / (2 * c2) * OMEGA_EULER * (c1 * (np.sin(BETA * x) + np.sinh(BETA * x)) + c2 * (np.cos(BETA * x) + np.cosh(BETA * x)))
+    return (
+        Y_MAX
+        / (2 * c2)
+        * OMEGA_EULER
+        * (c1 * (np.sin(BETA * x) + np.sinh(BETA * x)) + c2 * (np.cos(BETA * x) + np.cosh(BETA * x)))
+    )
 
 
 def mid_span():
@@ -77,6 +82,9 @@ if __name__ == "__main__":
     omega, stress = mid_span()
     with open(Path(__file__).with_name("mode.csv"), "w") as stream:
         stream.write("quantity,value\n")
-        stream.write(f"period_timoshenko_us,{2e6 * np.pi / omega:.4f}\nperiod_euler_bernoulli_us,{2e6 * np.pi / OMEGA_EULER:.4f}\n")
+        stream.write(
+            f"period_timoshenko_us,{2e6 * np.pi / omega:.4f}\n"
+            f"period_euler_bernoulli_us,{2e6 * np.pi / OMEGA_EULER:.4f}\n"
+        )
         stream.write(f"surface_stress_mid_span_mpa,{1e-6 * stress:.3f}\n")
     print(2e6 * np.pi / omega, 2e6 * np.pi / OMEGA_EULER, 1e-6 * stress)

@@ -10,7 +10,14 @@ def run(mode, s, jit, seed, end, N, v0, cfl, flip):
         M=np.zeros(Nc); Q=np.zeros(Nc); T=np.zeros(Nc); W=np.zeros(Nc)      # centre c: x=c-.5 ; ghosts 0 and N+1
         for p in range(P):
             u=x[p]+.5; i=int(np.floor(u)); r=u-i
-            M[i]+=(1-r)*m[p]; M[i+1]+=r*m[p]; Q[i]+=(1-r)*m[p]*v[p]; Q[i+1]+=r*m[p]*v[p]; T[i]+=(1-r)*sg[p]*V[p]; T[i+1]+=r*sg[p]*V[p]; W[i]+=(1-r)*V[p]; W[i+1]+=r*V[p]
+            M[i] += (1 - r) * m[p]
+            M[i + 1] += r * m[p]
+            Q[i] += (1 - r) * m[p] * v[p]
+            Q[i + 1] += r * m[p] * v[p]
+            T[i] += (1 - r) * sg[p] * V[p]
+            T[i + 1] += r * sg[p] * V[p]
+            W[i] += (1 - r) * V[p]
+            W[i + 1] += r * V[p]
         for A in (M,T,W): A[1]+=A[0]; A[N]+=A[N+1]
         Q[1]-=Q[0]; Q[N]-=Q[N+1]
         ka=np.ones(Nc)
@@ -37,7 +44,8 @@ def run(mode, s, jit, seed, end, N, v0, cfl, flip):
         if mode==2: Ls=L*ka; Lv=Ls
         if mode==3: Lv=L*ka                           # volume by kappa, stress by the plain strain
         if mode==4: Ls=L*ka                           # stress by kappa, volume plain
-        if mode==5:                                   # volume relaxes to the room: only the part kappa-1 of the volume, per crossing time
+        # volume relaxes to the room: only the part kappa-1 of the volume, per crossing time
+        if mode==5:
             for c in range(1,N+1): Lv[c]=L[c]+abs(L[c])*(ka[c]-1)
         for A in (Ls,Lv): A[0]=A[1]; A[N+1]=A[N]
         for p in range(P):
@@ -53,8 +61,21 @@ names=['plain','normalised','kappa in strain and volume','kappa in volume','kapp
 for s,j in((.1,1e-3),(.1,.1),(.01,.1),(-.1,.1),(-.1,1e-3)):
     for mode in range(5):
         o=run(mode,s,j,3,3000.,40,0.,.4,1.); at=lambda t,c:np.interp(t,o[:,0],o[:,c])
-        print('s %5.2f jitter %.0e %-27s K/U0 at t=10 %.1e, 500 %.1e, 3000 %.1e, max %.1e; mean stress %.4f'%(s,j,names[mode],at(10,1),at(500,1),o[-1,1],o[:,1].max(),o[-1,3]),flush=True)
+        print(
+            's %5.2f jitter %.0e %-27s K/U0 at t=10 %.1e, 500 %.1e, 3000 %.1e, max %.1e; mean stress %.4f'
+            % (s, j, names[mode], at(10, 1), at(500, 1), o[-1, 1], o[:, 1].max(), o[-1, 3]),
+            flush=True,
+        )
 print('wave: v0 = 0.05 sin, s = 0.05, jitter 0.1: total energy (K+U), with booked')
 for mode in range(5):
     o=run(mode,.05,.1,3,2000.,40,.05,.4,1.); E=o[:,1]+o[:,2]
-    print('%-27s drift of K+U at 80, 500, 2000: %.2e %.2e %.2e; with booked term: %.2e %.2e %.2e; K kept (max last 200 over max first 200) %.3f'%(names[mode],*[np.interp(t,o[:,0],E)/E[0]-1 for t in(80,500,2000)],*[np.interp(t,o[:,0],E+o[:,4])/E[0]-1 for t in(80,500,2000)],o[-500:-1,1].max()/o[:100,1].max()),flush=True)
+    print(
+        '%-27s drift of K+U at 80, 500, 2000: %.2e %.2e %.2e; with booked term: %.2e %.2e %.2e; K kept (max last '
+        '200 over max first 200) %.3f'
+        % (
+            names[mode], *[np.interp(t, o[:, 0], E) / E[0] - 1 for t in (80, 500, 2000)],
+            *[np.interp(t, o[:, 0], E + o[:, 4]) / E[0] - 1 for t in (80, 500, 2000)],
+            o[-500:-1, 1].max() / o[:100, 1].max(),
+        ),
+        flush=True,
+    )

@@ -1,4 +1,5 @@
-"""Walls: pairs by folded sums against a scene with mirror images; identity and patch test. h = 1, wall at x = 0, body at x > 0."""
+"""Walls: pairs by folded sums against a scene with mirror images; identity and patch test. h = 1, wall at x = 0, body
+at x > 0."""
 import numpy as np
 rng=np.random.default_rng(1)
 n=14; off=4                      # nodes -4..9 along x ; centres -4+.5...; wall node index 4 = x 0 ; y nodes -4..
@@ -15,7 +16,8 @@ def gath(X,C):
     i,r=W(X); o=0
     for a in(0,1):
         for b in(0,1):
-            w=(r[:,0] if a else 1-r[:,0])*(r[:,1] if b else 1-r[:,1]); o=o+w.reshape((-1,)+(1,)*(C.ndim-2))*C[i[:,0]+a,i[:,1]+b]
+            w = (r[:, 0] if a else 1 - r[:, 0]) * (r[:, 1] if b else 1 - r[:, 1])
+            o = o + w.reshape((-1,) + (1,) * (C.ndim - 2)) * C[i[:, 0] + a, i[:, 1] + b]
     return o
 def pairs(X,V):                  # mx[c]: pair (c, c+x), hat along y; my
     i,r=W(X); mx,my=np.zeros((n,n)),np.zeros((n,n))
@@ -34,14 +36,18 @@ def grad(v,X,V,wall,cross=0):
     Vc=scat(X,V); Vg=Vc[g].copy(); mx,my=pairs(X,V)
     if wall:
         Vc=even(Vc); my=even(my)           # pairs along the wall: add the ghost's
-        mw=mx[g].copy(); mx[g]=0           # pair across the wall: (g,c0); pairs (g-1,g) are empty: no particle lies there
-    kx,ky=np.zeros((n,n)),np.zeros((n,n)); kx[:-1]=.5*div(mx[:-1],Vc[:-1]+Vc[1:]); ky[:,:-1]=.5*div(my[:,:-1],Vc[:,:-1]+Vc[:,1:])
+        # pair across the wall: (g,c0); pairs (g-1,g) are empty: no particle lies there
+        mw=mx[g].copy(); mx[g]=0
+    kx, ky = np.zeros((n, n)), np.zeros((n, n))
+    kx[:-1] = 0.5 * div(mx[:-1], Vc[:-1] + Vc[1:])
+    ky[:, :-1] = 0.5 * div(my[:, :-1], Vc[:, :-1] + Vc[:, 1:])
     Lx,Ly,H=D(v,'x'),D(v,'y'),D(v,'h')
     inc=ky[:,:-1,None]*(H[:,:-1]-H[:,1:]); Lx[:,:-1]+=inc; Lx[:,1:]+=inc
     if wall: ok=np.arange(n-1)>=c0
     else: ok=np.ones(n-1,bool)
     inc=kx[:-1,:,None]*(H[:-1]-H[1:])*ok[:,None,None]; Ly[:-1]+=inc; Ly[1:]+=inc
-    if wall=='slip':                        # mirrored H: component i along the wall is odd, normal even -> pair across: -2 k H, 0
+    # mirrored H: component i along the wall is odd, normal even -> pair across: -2 k H, 0
+    if wall=='slip':
         k=.5*div(mw,Vc[c0]);                 # 2 mw/(2 Vc) * 1/2
         Ly[c0,:,1]+=-2*k*H[c0,:,1]
     if wall=='fixed' and cross==1:
@@ -82,7 +88,9 @@ def centre_force(X,V,sig,wall):
     T=scat(X,sig*V[:,None,None]); Vc=scat(X,V); mx,my=pairs(X,V)
     s=np.array([[1,-1],[-1,1]]) if wall=='slip' else np.ones((2,2))
     T[c0]+=s*T[g]; T[g]=0; Vc,my=even(Vc),even(my); mw=mx[g].copy(); mx[g]=0
-    kx,ky=np.zeros((n,n)),np.zeros((n,n)); kx[:-1]=.5*div(mx[:-1],Vc[:-1]+Vc[1:]); ky[:,:-1]=.5*div(my[:,:-1],Vc[:,:-1]+Vc[:,1:])
+    kx, ky = np.zeros((n, n)), np.zeros((n, n))
+    kx[:-1] = 0.5 * div(mx[:-1], Vc[:-1] + Vc[1:])
+    ky[:, :-1] = 0.5 * div(my[:, :-1], Vc[:, :-1] + Vc[:, 1:])
     Hf=np.zeros((n,n,2)); t=ky[:,:-1,None]*(T[:,:-1,:,0]+T[:,1:,:,0]); Hf[:,:-1]+=t; Hf[:,1:]-=t
     t=kx[:-1,:,None]*(T[:-1,:,:,1]+T[1:,:,:,1]); Hf[:-1]+=t; Hf[1:]-=t
     if wall=='slip': Hf[c0,:,1]+=-div(mw,Vc[c0])*T[c0,:,1,1]
@@ -93,11 +101,14 @@ def centre_force(X,V,sig,wall):
     return constrain(f,wall)
 sig=rng.normal(size=(300,2,2)); sig=sig+sig.transpose(0,2,1)
 for w in('slip','fixed'):
-    v=constrain(rng.normal(size=(n,n,2)),w); p=(sig*V[:,None,None]*gath(X,grad(v,X,V,w))).sum(); q=(centre_force(X,V,sig,w)*v).sum()
+    v = constrain(rng.normal(size=(n, n, 2)), w)
+    p = (sig * V[:, None, None] * gath(X, grad(v, X, V, w))).sum()
+    q = (centre_force(X, V, sig, w) * v).sum()
     print(w,'identity f.v + sum V sigma:L relative %.1e'%(abs(p+q)/abs(p)))
 # patch: half plane strip oblique, meets the wall; uniform tension along e; free strip ends beyond view
 def strip(theta,N):
-    a=np.arange(-4,9,1/N)+.5/N; xx,yy=np.meshgrid(a,a,indexing='ij'); X=np.column_stack([xx.ravel(),yy.ravel()])   # cell-aligned fine points, cut by the strip
+    # cell-aligned fine points, cut by the strip
+    a=np.arange(-4,9,1/N)+.5/N; xx,yy=np.meshgrid(a,a,indexing='ij'); X=np.column_stack([xx.ravel(),yy.ravel()])
     e=np.array([np.cos(theta),np.sin(theta)]); t=-X[:,0]*e[1]+(X[:,1]-1.0)*e[0]
     ok=(np.abs(t)<1.13)&(X[:,0]>0)&(X[:,0]<6); return X[ok],np.full(ok.sum(),1/N**2),e
 for th in(8,15,30):
@@ -105,9 +116,14 @@ for th in(8,15,30):
     for w,cr in(('slip',0),('fixed',0),('fixed',1)):
         f=forces(X,V,S,w,cr)
         if w=='slip': f[off]*=0 if False else 1
-        out.append('%s%s: first row of nodes %.4f second %.4f third %.4f'%(w,' with cross' if cr else '',*[np.abs(f[off+k,2:-4]).max() for k in(1,2,3)]))
+        out.append(
+            '%s%s: first row of nodes %.4f second %.4f third %.4f'
+            % (w, ' with cross' if cr else '', *[np.abs(f[off + k, 2:-4]).max() for k in (1, 2, 3)])
+        )
     # plain for comparison: pair moments off
     P=pairs; globals()['pairs']=lambda X,V:(np.zeros((n,n)),np.zeros((n,n)))
     f=forces(X,V,S,'fixed'); globals()['pairs']=P
-    out.append('plain fixed %.4f %.4f %.4f'%tuple(np.abs(f[off+k,2:-4]).max() for k in(1,2,3))); print(th,' | '.join(out))
-    # slip wall: traction of the wall on tangential: expected flux for node row 0..1: mirrored stress state is not uniform (shear odd), so the wall reaction is f = T e (e.n) * length on B
+    out.append('plain fixed %.4f %.4f %.4f' % tuple(np.abs(f[off + k, 2:-4]).max() for k in (1, 2, 3)))
+    print(th, ' | '.join(out))
+    # slip wall: traction of the wall on tangential: expected flux for node row 0..1: mirrored stress state is not
+    # uniform (shear odd), so the wall reaction is f = T e (e.n) * length on B

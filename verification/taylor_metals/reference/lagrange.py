@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """Shapes of Taylor bars by finite elements: a second, Lagrangian implementation, without particles and without a grid.
 
-    build/venv/bin/python verification/taylor_metals/reference/lagrange.py           writes shapes.csv beside it (some minutes)
+    build/venv/bin/python verification/taylor_metals/reference/lagrange.py           writes shapes.csv beside it (some
+    minutes)
 
-Quadrilaterals of revolution with one point of integration (Flanagan and Belytschko, Int. J. Num. Meth. Engng 17 (1981), 679-706: uniform strain, stiffness against hourglasses),
-Jaumann's rate, Johnson and Cook's or Zerilli and Armstrong's law by radial return (rate of plastic strain of the step, temperature of the step before), Mie and Grueneisen's equation on the Hugoniot,
-von Neumann and Richtmyer's viscosity with the linear term. Constants are read from input/materials. Units mm, g, ms.
+Quadrilaterals of revolution with one point of integration (Flanagan and Belytschko, Int. J. Num. Meth. Engng 17 (1981),
+679-706: uniform strain, stiffness against hourglasses), Jaumann's rate, Johnson and Cook's or Zerilli and Armstrong's
+law by radial return (rate of plastic strain of the step, temperature of the step before), Mie and Grueneisen's equation
+on the Hugoniot, von Neumann and Richtmyer's viscosity with the linear term. Constants are read from input/materials.
+Units mm, g, ms.
 """
 
 import csv
@@ -20,8 +23,10 @@ from material_library import constants  # noqa: E402
 
 SCALE = {"density": 1e-6, "young": 1e-6, "yield": 1e-6, "hardening_modulus": 1e-6, "reference_rate": 1e-3,
          "thermal_stress": 1e-6, "thermal_hardening": 1e-6}  # SI to mm, g, ms
-BARS = (("copper", 3.81, 25.4, 190), ("iron", 3.81, 25.4, 221), ("iron", 3.81, 25.4, 279), ("steel_4340", 3.81, 25.4, 208), ("steel_4340", 3.81, 25.4, 343),
-        ("copper_zerilli", 3.81, 25.4, 190), ("iron_zerilli", 3.81, 25.4, 221))
+BARS = (
+    ("copper", 3.81, 25.4, 190), ("iron", 3.81, 25.4, 221), ("iron", 3.81, 25.4, 279), ("steel_4340", 3.81, 25.4, 208),
+    ("steel_4340", 3.81, 25.4, 343), ("copper_zerilli", 3.81, 25.4, 190), ("iron_zerilli", 3.81, 25.4, 221),
+)
 T_END, ROOM, TAYLOR_QUINNEY, HOURGLASS = 0.09, 293.0, 0.9, 0.05
 
 
@@ -42,12 +47,18 @@ class Metal:
 
     def flow(self, plastic, rate, temperature):
         if self.thermal:
-            activated = np.exp((-self.thermal_softening + self.thermal_rate * np.log(np.maximum(rate / self.reference_rate, 1))) * temperature)
+            activated = np.exp(
+                (-self.thermal_softening + self.thermal_rate * np.log(np.maximum(rate / self.reference_rate, 1)))
+                * temperature
+            )
             return (self.__dict__["yield"] + self.hardening_modulus * plastic**self.hardening_exponent
                     + (self.thermal_stress + self.thermal_hardening * np.sqrt(plastic)) * activated)
         warm = np.clip((temperature - ROOM) / (self.melt_temperature - ROOM), 0, 1)
-        return ((self.__dict__["yield"] + self.hardening_modulus * plastic**self.hardening_exponent)
-                * (1 + self.rate_coefficient * np.log(np.maximum(rate / self.reference_rate, 1))) * (1 - warm**self.thermal_exponent))
+        return (
+            (self.__dict__["yield"] + self.hardening_modulus * plastic**self.hardening_exponent)
+            * (1 + self.rate_coefficient * np.log(np.maximum(rate / self.reference_rate, 1)))
+            * (1 - warm**self.thermal_exponent)
+        )
 
     def pressure(self, v, energy):
         eta = 1 - v
@@ -69,8 +80,10 @@ class Bar:
         self.columns, self.rows = cells, rows
         inner, outer = self.r[self.corners[0]], self.r[self.corners[1]]
         height = length / rows
-        part = {0: outer**3 / 3 - inner**3 / 3, 1: 0.5 * (outer**2 - inner**2)}  # integrals of r^2 and of r over the width
-        weight = (part[0] - inner * part[1]) / (outer - inner)                   # of r times the shape function of the outer corners
+        # integrals of r^2 and of r over the width
+        part = {0: outer**3 / 3 - inner**3 / 3, 1: 0.5 * (outer**2 - inner**2)}
+        # of r times the shape function of the outer corners
+        weight = (part[0] - inner * part[1]) / (outer - inner)
         self.mass = np.zeros_like(self.r)
         for corner, share in zip(self.corners, (part[1] - weight, weight, weight, part[1] - weight)):
             np.add.at(self.mass, corner, metal.density * np.pi * height * share)
@@ -93,7 +106,9 @@ class Bar:
         metal = self.metal
         middle, area, by_r, by_z, gamma = self.geometry()
         vr, vz = self.vr[self.corners], self.vz[self.corners]
-        rate = np.stack([np.sum(by_r * vr, 0), np.sum(by_z * vz, 0), vr.mean(0) / middle, 0.5 * np.sum(by_z * vr + by_r * vz, 0)])
+        rate = np.stack(
+            [np.sum(by_r * vr, 0), np.sum(by_z * vz, 0), vr.mean(0) / middle, 0.5 * np.sum(by_z * vr + by_r * vz, 0)]
+        )
         spin = 0.5 * np.sum(by_z * vr - by_r * vz, 0)
         growth = rate[0] + rate[1] + rate[2]
         old = self.stress
@@ -120,7 +135,12 @@ class Bar:
         density = metal.density / self.volume
         q = density * (1.5**2 * closing**2 - 0.06 * metal.c0 * closing)
         mean = 0.5 * (old + self.stress)
-        work = 0.5 * (before + self.volume) * dt * (mean[0] * rate[0] + mean[1] * rate[1] + mean[2] * rate[2] + 2 * mean[3] * rate[3])
+        work = (
+            0.5
+            * (before + self.volume)
+            * dt
+            * (mean[0] * rate[0] + mean[1] * rate[1] + mean[2] * rate[2] + 2 * mean[3] * rate[3])
+        )
         change = self.volume - before
         energy = self.energy + work - change * (0.5 * self.p + q)
         base = metal.pressure(self.volume, 0)
@@ -132,7 +152,10 @@ class Bar:
         ring = 2 * np.pi * middle * area
         fr, fz = np.zeros_like(self.r), np.zeros_like(self.z)
         for i, corner in enumerate(self.corners):
-            np.add.at(fr, corner, -ring * (total[0] * by_r[i] + total[3] * by_z[i] + 0.25 * total[2] / middle + self.glass[0] * gamma[i]))
+            np.add.at(
+                fr, corner,
+                -ring * (total[0] * by_r[i] + total[3] * by_z[i] + 0.25 * total[2] / middle + self.glass[0] * gamma[i]),
+            )
             np.add.at(fz, corner, -ring * (total[1] * by_z[i] + total[3] * by_r[i] + self.glass[1] * gamma[i]))
         self.vr += dt * fr / self.mass
         self.vz += dt * fz / self.mass
@@ -142,15 +165,24 @@ class Bar:
         self.r += dt * self.vr
         self.z += dt * self.vz
         speed = np.sqrt(metal.c0**2 + 4 / 3 * metal.shear / metal.density) + metal.s * np.abs(closing)
-        side = area / np.sqrt(np.maximum((self.r[self.corners[2]] - self.r[self.corners[0]])**2 + (self.z[self.corners[2]] - self.z[self.corners[0]])**2,
-                                         (self.r[self.corners[3]] - self.r[self.corners[1]])**2 + (self.z[self.corners[3]] - self.z[self.corners[1]])**2))
+        side = area / np.sqrt(
+            np.maximum(
+                (self.r[self.corners[2]] - self.r[self.corners[0]]) ** 2
+                + (self.z[self.corners[2]] - self.z[self.corners[0]]) ** 2,
+                (self.r[self.corners[3]] - self.r[self.corners[1]]) ** 2
+                + (self.z[self.corners[3]] - self.z[self.corners[1]]) ** 2,
+            )
+        )
         return 0.6 * float(np.min(side / speed))
 
     def shape(self, length):
         """L, D at the foot, W at 0.2 of the initial length above the foot, and the largest diameter."""
         outer = np.arange(self.rows + 1) * (self.columns + 1) + self.columns
         foot = self.z.min()
-        return (self.z.max() - foot, 2 * self.r[outer[0]], 2 * float(np.interp(0.2 * length, self.z[outer] - foot, self.r[outer])), 2 * self.r.max())
+        return (
+            self.z.max() - foot, 2 * self.r[outer[0]],
+            2 * float(np.interp(0.2 * length, self.z[outer] - foot, self.r[outer])), 2 * self.r.max(),
+        )
 
 
 def compute(metal, radius, length, speed, cells):

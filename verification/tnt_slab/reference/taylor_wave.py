@@ -2,8 +2,8 @@
 """Exact solution of the detonation from a rigid wall: Chapman-Jouguet state of the JWL Hugoniot, and the self-similar
 Taylor wave along the isentrope, by quadrature; numpy only. GPa, g/cm^3, km/s, mm, us.
 
-On the isentrope p(V) = A e^(-R1 V) + B e^(-R2 V) + C V^-(1+w); du = -(c/V) dV towards the wall, x/t = u + c; where u = 0 the
-plateau begins.
+On the isentrope p(V) = A e^(-R1 V) + B e^(-R2 V) + C V^-(1+w); du = -(c/V) dV towards the wall, x/t = u + c; where u =
+0 the plateau begins.
 
     python3 taylor_wave.py            writes profile.csv beside this file: x/(D t), pressure, density, velocity
 """
@@ -60,8 +60,11 @@ class TaylorWave:
 
 if __name__ == "__main__":
     wave = TaylorWave()
-    print(f"D {1e3 * wave.speed:.1f} m/s, p {wave.peak:.3f} GPa, rho {1e3 * wave.peak_density:.1f}, u {1e3 * wave.particle_speed:.1f} m/s, "
-          f"plateau {wave.plateau:.3f} GPa, {1e3 * wave.plateau_density:.1f} up to {wave.plateau_end:.4f} D t")
+    print(
+        f"D {1e3 * wave.speed:.1f} m/s, p {wave.peak:.3f} GPa, rho {1e3 * wave.peak_density:.1f}, u "
+        f"{1e3 * wave.particle_speed:.1f} m/s, "
+        f"plateau {wave.plateau:.3f} GPa, {1e3 * wave.plateau_density:.1f} up to {wave.plateau_end:.4f} D t"
+    )
     xi = np.linspace(0, 1, 501)
     with open(Path(__file__).with_name("profile.csv"), "w") as stream:
         stream.write("x/(D t),pressure_gpa,density_g_cm3,velocity_km_s\n")
