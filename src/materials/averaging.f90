@@ -21,6 +21,7 @@
 !! constants and the total sum m E, is symmetric in the masses, and knows neither gaps nor other
 !! fields. Only the largest E so far drives anything: waves of (NL2) do not.
 module sgmp_averaging
+  use sgmp_columns, only: averaging_rates, averaging_sums
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
@@ -30,8 +31,6 @@ module sgmp_averaging
 
   integer, parameter :: averaging_values = 3  !! kept of the average: itself, its rate, and the part
                                               !! of its peak that has driven something
-  integer, parameter :: averaging_sums = 3    !! on the grid: M, M E, M k
-  integer, parameter :: averaging_rates = 2   !! what particles read: E/k, 1/k
   real(dp), parameter :: least_spread = 0.1_dp  !! k of a point; 0 where its only particle is at it
   real(dp), parameter :: largest_turn = 1.0_dp  !! of the fastest wave of the grid in a step; 2 is
                                                 !! where (NL2) is stable without friction
