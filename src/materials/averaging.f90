@@ -3,7 +3,7 @@
 !!
 !! The average E of the plastic strain e obeys the implicit gradient equation (Peerlings, de Borst,
 !! Brekelmans and de Vree 1996, Int. J. Numer. Methods Eng. 39, 3391; for plasticity Engelen, Geers
-!! and Baaijens 2003, Int. J. Plasticity 19, 403),
+!! and Baaijens 2003, Int. J. Plasticity 19, 403; both from memory of the literature),
 !!
 !!     E - l^2 div grad E = e,     no flux through surfaces,                            (NL1)
 !!
