@@ -3,7 +3,7 @@
 !!
 !! The average E of the plastic strain e obeys the implicit gradient equation (Peerlings, de Borst,
 !! Brekelmans and de Vree 1996, Int. J. Numer. Methods Eng. 39, 3391; for plasticity Engelen, Geers
-!! and Baaijens 2003, Int. J. Plasticity 19, 403),
+!! and Baaijens 2003, Int. J. Plasticity 19, 403; both from memory of the literature),
 !!
 !!     E - l^2 div grad E = e,     no flux through surfaces,                            (NL1)
 !!
@@ -21,6 +21,7 @@
 !! constants and the total sum m E, is symmetric in the masses, and knows neither gaps nor other
 !! fields. Only the largest E so far drives anything: waves of (NL2) do not.
 module sgmp_averaging
+  use sgmp_columns, only: averaging_rates, averaging_sums
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
@@ -30,8 +31,6 @@ module sgmp_averaging
 
   integer, parameter :: averaging_values = 3  !! kept of the average: itself, its rate, and the part
                                               !! of its peak that has driven something
-  integer, parameter :: averaging_sums = 3    !! on the grid: M, M E, M k
-  integer, parameter :: averaging_rates = 2   !! what particles read: E/k, 1/k
   real(dp), parameter :: least_spread = 0.1_dp  !! k of a point; 0 where its only particle is at it
   real(dp), parameter :: largest_turn = 1.0_dp  !! of the fastest wave of the grid in a step; 2 is
                                                 !! where (NL2) is stable without friction

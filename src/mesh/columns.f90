@@ -14,6 +14,7 @@ module sgmp_columns
   use sgmp_voigt, only: flux_components
   implicit none
   private
+  public :: averaging_rates, averaging_sums
   public :: block_t, columns_t, column_image, column_name, columns_ask, columns_before, &
             columns_keep_behind, columns_make, columns_range, columns_turn_back
   public :: pair_sums, twist_takes, twists
@@ -97,6 +98,9 @@ module sgmp_columns
     type(block_t), allocatable :: blocks(:)  !! in the order of columns
   end type columns_t
 
+  !> By which plastic strain is averaged (sgmp_averaging): sums M, M E, M k; what particles read of
+  !! them, E/k and 1/k.
+  integer, parameter :: averaging_sums = 3, averaging_rates = 2
   !> Columns of pairs and quads, by dimension: one for each axis, in space one for each two axes.
   integer, parameter :: pair_sums(3) = [0, 2, 6]
   !> Second differences at a centre (xy, in space xz and yz), and in space the third; by dimension.

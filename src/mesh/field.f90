@@ -5,9 +5,8 @@
 !! same widened so that every stencil of a work point falls on stored (if need be empty) points; a
 !! point's record is base + i.
 module sgmp_field
-  use sgmp_averaging, only: averaging_rates
   use sgmp_axis, only: axis_hoop_weights
-  use sgmp_columns, only: collide_kick, columns_keep_behind, columns_make, &
+  use sgmp_columns, only: averaging_rates, collide_kick, columns_keep_behind, columns_make, &
                           columns_t, relax_total
   use sgmp_drive, only: drive_t
   use sgmp_kernels, only: kernel_centred, kernel_folds, kernel_sgmp, stencil_width
