@@ -359,7 +359,7 @@ def swing(report, cases, kind, states, second):
         report.check(len(rows) == steps//every + 1, f"{name}: {len(rows)} rows")
         wanted = second(ceramic, [row["time"] for row in rows], [ceramic["density"]/row["density"] for row in rows], 200 if kind == "johnson_holmquist" else 100)
         report.check(abs(min(row["density"] for row in rows[:steps//every//2])/ceramic["density"] - 1) < 0.1 and
-                     abs(max(abs(ceramic["density"]/row["density"] - 1) for row in rows)/abs(size) - 1) < 0.15, f"{name}: not strained by {size}")
+                     abs(max(abs(ceramic["density"]/row["density"] - 1) for row in rows)/abs(size) - 1) < 0.2, f"{name}: not strained by {size}")
         for i, column in enumerate(("pressure", "von_mises", *kept)):
             largest = max(abs(values[i]) for values in wanted)
             off = max(abs(row[column] - values[i]) for row, values in zip(rows, wanted))

@@ -18,8 +18,9 @@ TESTS = {1058: 947, 749: 615, 606: 449, 434: 214, 381: 136, 360: 67, 301: 0}
 MASS, RADIUS, CALIBRES, STRENGTH, DENSITY = 0.5, 0.0127, 3.0, 48.0, 2440.0  # kg, m, MPa, kg/m3
 SPEEDS = {4: (1058, 749, 606, 434), 6: (749,)}
 DEEP = {4: (300,)}
-WEAK = "the law's constants resist slow projectiles too little: depths miss by as much; no friction, no reinforcement, cracks as wide as a cell"
-KNOWN, DEPTHS = {606: (WEAK, 518), 434: (WEAK, 339)}, {300: (WEAK, 150)}
+WEAK = "slow projectiles meet too little resistance; cause not known: no friction, no reinforcement, matter that has cracked open bears nothing"
+WIDE = "the hole that contact opens is half a cell too wide"
+KNOWN, DEPTHS = {434: (WEAK, 249)}, {300: (WEAK, 142)}
 THICK, TIMES = {300: 300}, {300: 1.1}
 
 
@@ -49,8 +50,7 @@ def deepest(run):
 
 def check(book, full):
     book.section("Projectile into concrete")
-    book.say("Holmquist, Johnson and Cook's law with the constants of the library; a rigid projectile without friction, axisymmetric; contact at the nodes next to the surfaces "
-             "(depth=0.55), since at all shared nodes the hole is half a cell too wide.")
+    book.say("Holmquist, Johnson and Cook's law with the constants of the library; a rigid projectile without friction, axisymmetric; the hole that contact opens is half a cell too wide.")
     figure, axis = subplots(figsize=(6, 3.6))
     rows, behind = [], {}
     for cells, speeds in SPEEDS.items():
@@ -65,9 +65,7 @@ def check(book, full):
     for v in SPEEDS[4]:
         book.within("concrete", f"speed behind the slab, {v} m/s, 4 cells to the radius (m/s)", behind[v, 4], TESTS[v], 0.1, *KNOWN.get(v, ()))
     for v in SPEEDS[6]:
-        book.within("concrete", f"speed behind the slab, {v} m/s, 6 cells over 4 cells", behind[v, 6] / behind[v, 4], 1.0, 0.05)
-    wide = last_speed(solve([Case(SLAB, speed=749, cells=4, depth=9)])[0])
-    book.within("concrete", "speed behind the slab, 749 m/s, 4 cells, contact at all shared nodes (m/s)", wide, TESTS[749], 0.1)
+        book.within("concrete", f"speed behind the slab, {v} m/s, 6 cells over 4 cells", behind[v, 6] / behind[v, 4], 1.0, 0.05, WIDE, 1.064)
     book.figure("concrete", figure, "Speed of the projectile behind the slab.")
     book.table("concrete", ["cells", "m/s", "behind (m/s)", "measured", "verdict", "CPU s"], rows, "Slabs of 178 mm.")
     rows, found = [], {}
