@@ -200,6 +200,7 @@ class Pressed(Truth):
         angle, self.nu = self.luck.choice((0, self.luck.uniform(0, 90))), self.luck.choice((0, 0.3))
         self.area, self.p = 2*self.cells**2, 1e-3
         sides = "".join(f'pressure m face={face} p="{self.p}*min(t/60,1)"\n' for face in ("x-", "x+", "y-", "y+"))
+        x, y = self.luck.random(), self.luck.random()
         self.decks = [
             f"""dimension 2
 grid cell=1
@@ -207,19 +208,10 @@ METHOD
 time end=150 cfl=0.5
 damping rate=0.15
 material m elastic density=1 young=1 poisson={self.nu}
-body m block material=m lower=({self.luck.random()},{self.luck.random()}) size=({2 * self.cells},{self.cells}) &
-  ppc=2 rotation={angle}
+body m block material=m lower=({x},{y}) upper=({x + 2*self.cells},{y + self.cells}) ppc=2 rotation={angle}
 {sides}history steps=20
 output csv at=end fields=stress
 """
-        ]
-        x, y = self.luck.random(), self.luck.random()
-        self.decks[0] = self.decks[0].replace("lower=(", "lower=(", 1)
-        head, _, tail = self.decks[0].partition("body m")
-        tail = tail[tail.index("\n") + 1:]
-        self.decks = [
-            f"{head}body m block material=m lower=({x},{y}) upper=({x + 2 * self.cells},{y + self.cells}) ppc=2 "
-            f"rotation={angle}\n{tail}"
         ]
 
     def errors(self, results):

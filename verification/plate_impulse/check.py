@@ -3,7 +3,7 @@
 
 G. N. Nurick and J. B. Martin, Int. J. Impact Engng 8 (1989), 171-186: deflection of the middle over thickness = 0.425 phi + 0.277 with phi =
 I/(pi R t^2 sqrt(density yield)), I the impulse (both constants at second hand, as in blast_load: the abstract and the notation were at hand, the
-equation was not). Their points scatter by about a thickness, which is the bound.
+equation was not). The bound of one thickness is ours.
 """
 
 import sys

@@ -16,7 +16,7 @@ SEDOV, DENSITY, VELOCITY, PRESSURE = "verification/sedov/sedov.inp", 6.0, 1 / 3,
 
 
 def profile(run, n):
-    """Means of density, radial velocity and pressure over shells a cell thick, weighted by mass as a finite volume would have them."""
+    """Means of density, radial velocity and pressure of the particles in shells a cell thick."""
     p = run.particles()
     radius = np.hypot(p.points[:, 0], p.points[:, 2])
     speed = (p.column("velocity_x") * p.points[:, 0] + p.column("velocity_z") * p.points[:, 2]) / radius

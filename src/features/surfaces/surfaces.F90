@@ -128,38 +128,7 @@ contains
     call weigh(n, rows_around(field, s, first), size(field%moment, 1), &
                field%moment(1, field%columns%mass), &
                field%moment(1, field%columns%pairs), field%pairs%weight)
-    if (field%columns%room > 0) call part_debris(n, rows_around(field, s, first), &
-                                                 size(field%moment, 1), &
-                                                 field%moment(1, field%columns%room), &
-                                                 field%pairs%weight)
   end subroutine weigh_row
-
-  !> Pairs and quads hold together what has not come apart: at all of their centres there is some of
-  !! it. A centre without it then has no force, and nodes around such centres may be left out.
-  pure subroutine part_debris(n, r, points, room, k)
-    integer, intent(in) :: n, r(ROWS), points    !! r: rows_around
-    real(dp), intent(in) :: room(points)
-    real(dp), intent(inout) :: k(points, pair_sums(NDIM))
-    integer :: i, c, x, y
-#if NDIM == 3
-    integer :: z, yz
-#endif
-    do i = 0, n - 1
-      c = r(MIDDLE) + i
-      x = c - 1
-      y = r(MIDDLE - 1) + i
-      if (.not. all(room([c, x]) > 0.0_dp)) k(c, 1) = 0.0_dp
-      if (.not. all(room([c, y]) > 0.0_dp)) k(c, 2) = 0.0_dp
-#if NDIM == 3
-      z = r(MIDDLE - 3) + i
-      yz = r(MIDDLE - 4) + i
-      if (.not. all(room([c, z]) > 0.0_dp)) k(c, 3) = 0.0_dp
-      if (.not. all(room([c, y, z, yz]) > 0.0_dp)) k(c, 4) = 0.0_dp
-      if (.not. all(room([c, x, z, z - 1]) > 0.0_dp)) k(c, 5) = 0.0_dp
-      if (.not. all(room([c, x, y, y - 1]) > 0.0_dp)) k(c, 6) = 0.0_dp
-#endif
-    end do
-  end subroutine part_debris
 
   !> The same of some centres.
   pure subroutine weigh(n, r, points, v, m, k)
