@@ -95,7 +95,8 @@ contains
         call errors%add(card%place('name'), "'"//name//"' is the name of a body", &
                         'give the group another one')
         return
-      else if (word_position(name, bodies%group) > 0) then
+      end if
+      if (word_position(name, bodies%group) > 0) then
         call errors%add(card%place('name'), "there are two groups '"//name//"'", &
                         'rename one of them')
         return

@@ -405,7 +405,7 @@ contains
     type(string_t), allocatable, intent(inout) :: warnings(:)
     type(extent_t) :: extents(size(model%bodies))
     character(:), allocatable :: names
-    logical :: meet
+    logical :: meet, grouped                     !! grouped: one to others, as the deck says
     integer :: a, b
     do b = 1, size(model%bodies)
       extents(b) = extent_of(model, b)
@@ -413,14 +413,14 @@ contains
     do a = 1, size(model%bodies)
       do b = a + 1, size(model%bodies)
         meet = collide(extents(a), extents(b), scene%time%end)
+        grouped = scene%bodies(a)%leader > 0 .and. &
+                  scene%bodies(a)%leader == scene%bodies(b)%leader
         names = "'"//trim(model%bodies(a)%name)//"' and '"//trim(model%bodies(b)%name)//"'"
         if (pass_through(model%bodies(a), model%bodies(b), meet)) then
           call warn(warnings, names//' are both rigid: they do not feel each other, with or '// &
                     'without contact; make one of them deformable')
-        else if (scene%bodies(a)%leader > 0 .and. &
-                 scene%bodies(a)%leader == scene%bodies(b)%leader) then
-          cycle  ! as the deck says
-        else if (meet .and. model%bodies(a)%field == model%bodies(b)%field) then
+        else if (meet .and. .not. grouped .and. &
+                 model%bodies(a)%field == model%bodies(b)%field) then
           call warn(warnings, names//' move towards each other and will stick '// &
                     'together where they meet, since no card contact is for them')
         else

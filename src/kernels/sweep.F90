@@ -183,16 +183,22 @@ contains
         call auxmesh_mirror(field, mesh, p, plan%swirl, NDIM*size(plan%vectors), &
                             task%stride, work%records(first))
       end if
-      if (plan%collide) call auxmesh_collide(field, p, task%collide - 1, task%stride, &
-                                             work%records(first))
-      if (plan%average) call auxmesh_average(field, p, task%average, task%stride, &
-                                             work%records(first))
-      if (plan%relax) then
-        call auxmesh_relax(field, p, task%gradient - 1, task%relax, task%stride, &
-                           work%records(first))
-      end if
+      call fill_extras(field, plan, task, p, work%records(first))
     end do
   end subroutine fill_records
+
+  !> What some scenes read besides velocities and gradients, into the records of a plane.
+  subroutine fill_extras(field, plan, task, plane, records)
+    type(field_t), intent(in) :: field
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: plane
+    real(dp), intent(inout) :: records(*)
+    if (plan%collide) call auxmesh_collide(field, plane, task%collide - 1, task%stride, records)
+    if (plan%average) call auxmesh_average(field, plane, task%average, task%stride, records)
+    if (plan%relax) call auxmesh_relax(field, plane, task%gradient - 1, task%relax, task%stride, &
+                                       records)
+  end subroutine fill_extras
 
   !> All rows of one body in one plane.
   subroutine sweep_plane(mesh, field, body, plan, task, plane, stencil, lane_sums, lead, planes, &

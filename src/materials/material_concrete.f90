@@ -17,8 +17,9 @@
 !! pressure; mu_lock beyond mu_plock. Dense matter follows (HJC6) up and down, with its first slope
 !! where x < 0. Powers of what is negative are 0.
 !!
-!! The paper gives (HJC1), (HJC3) to (HJC7); the straight line (HJC2) from A (1 - D) without pressure
-!! to nothing at the limit of tension is the line of its figure. A gap closes where it opened.
+!! The paper gives (HJC1), (HJC3) to (HJC7); the straight line (HJC2) from A (1 - D) without
+!! pressure to nothing at the limit of tension is the line of its figure. A gap closes where it
+!! opened.
 !!
 !! Explicit, as published: the strength of a step is that of the damage before it, with the pressure
 !! after it.
@@ -165,7 +166,8 @@ contains
       call fault_make(fault, 'lock_pressure', 'pores are closed at a pressure not above the '// &
                       'one at which they begin to close', 'lock_pressure above crush_pressure')
       return
-    else if (law%dense_compression <= law%crush_compression) then
+    end if
+    if (law%dense_compression <= law%crush_compression) then
       call fault_make(fault, 'lock_compression', 'material without pores is not denser than '// &
                       'material whose pores begin to close', 'more than crush_compression')
       return
@@ -274,7 +276,7 @@ contains
     real(dp), intent(in) :: trial(lanes)       !! von Mises norm of the trial deviator (stress)
     real(dp), intent(inout) :: ep(lanes)       !! equivalent plastic strain, updated
     real(dp), intent(inout) :: damage(lanes)   !! updated by (HJC3)
-    real(dp), intent(inout) :: greatest(lanes) !! compression so far, m, updated
+    real(dp), intent(inout) :: greatest(lanes)  !! compression so far, m, updated
     real(dp), intent(out) :: pressure(lanes)   !! (stress)
     real(dp), intent(out) :: slope(lanes)      !! dp/dmu where mu falls (stress)
     real(dp), intent(out) :: factor(lanes)     !! scales the trial deviator

@@ -4,12 +4,12 @@
 module sgmp_build_model
   use sgmp_absorbing_build, only: absorbing_check, absorbing_declare, absorbing_fill
   use sgmp_angular_momentum, only: angular_momentum_note
+  use sgmp_averaging, only: averaging_spread
   use sgmp_body, only: body_t
   use sgmp_build_burn, only: burn_light
   use sgmp_build_columns, only: columns_build
   use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
-  use sgmp_averaging, only: averaging_spread
   use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, law_set_average, &
                                law_set_length, law_slots
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &

@@ -159,16 +159,16 @@ contains
   end subroutine driven_nodes_hold
 
   !> Which components of a node's velocity parts prescribe, walls or not.
-  pure subroutine driven_nodes_pin(field, s, i, record, pinned)
+  pure subroutine driven_nodes_pin(field, s, i, record, held)
     type(field_t), intent(in) :: field
     integer, intent(in) :: s, i, record          !! work interval, place in it, record
-    logical, intent(out) :: pinned(3)
+    logical, intent(out) :: held(3)
     real(dp) :: part(most_drives)
     logical :: rules(3, most_drives)
-    pinned = .false.
+    held = .false.
     if (.not. any(field%drives%acts)) return
     call shares_of(field, s, i, record, part, rules)
-    pinned = any(rules, dim=2)
+    held = any(rules, 2)
   end subroutine driven_nodes_pin
 
   !> A force with which contact pushes a node, which whoever prescribes its motion takes: what it
