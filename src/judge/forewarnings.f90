@@ -215,7 +215,7 @@ contains
   end function gas_enclosed
 
   !> Products of explosives that fly many times the size of their charge through open sides: each is
-  !! soon alone in its cells, which costs ten times a particle among others.
+  !! soon alone in its cells, at the price of a full chunk.
   subroutine look_for_flying_gas(scene, model, warnings)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model

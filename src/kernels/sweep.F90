@@ -9,14 +9,15 @@
 !!
 !! Longer than 500 lines: the buffers of planes, their joints included, are nobody else's.
 module DIM(sgmp_sweep)
-  use DIM(sgmp_auxmesh), only: auxmesh_average, auxmesh_collide, auxmesh_fill, auxmesh_midway, &
-                              auxmesh_mirror, auxmesh_relax, auxmesh_swirl
+  use DIM(sgmp_auxmesh), only: auxmesh_copy, auxmesh_fill, auxmesh_midway, auxmesh_mirror, &
+                              auxmesh_relax, auxmesh_swirl
 #if NDIM == 2
   use DIM(sgmp_auxmesh), only: auxmesh_fill_cells
 #endif
   use sgmp_bin_change, only: bin_close
   use sgmp_body, only: body_t
   use DIM(sgmp_chunk), only: chunk_advance, most_rows, task_make, task_t
+  use sgmp_columns, only: averaging_rates, collide_total
   use sgmp_drive, only: drive_sums
   use sgmp_field, only: field_t
   use sgmp_kernels, only: stencil_width
@@ -194,8 +195,10 @@ contains
     type(task_t), intent(in) :: task
     integer, intent(in) :: plane
     real(dp), intent(inout) :: records(*)
-    if (plan%collide) call auxmesh_collide(field, plane, task%collide - 1, task%stride, records)
-    if (plan%average) call auxmesh_average(field, plane, task%average, task%stride, records)
+    if (plan%collide) call auxmesh_copy(field, plane, task%collide, collide_total(NDIM), &
+                                        field%collide, task%stride, records)
+    if (plan%average) call auxmesh_copy(field, plane, task%average, averaging_rates, &
+                                        field%average, task%stride, records)
     if (plan%relax) call auxmesh_relax(field, plane, task%gradient - 1, task%relax, task%stride, &
                                        records)
   end subroutine fill_extras

@@ -5,8 +5,7 @@
 !!
 !! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
 module DIM(sgmp_auxmesh)
-  use sgmp_averaging, only: averaging_rates
-  use sgmp_columns, only: collide_kick, collide_total, node_acceleration, node_swirl, &
+  use sgmp_columns, only: collide_kick, node_acceleration, node_swirl, &
                           relax_dilation, relax_total
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
@@ -15,7 +14,7 @@ module DIM(sgmp_auxmesh)
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: auxmesh_average, auxmesh_collide, auxmesh_fill, auxmesh_midway, auxmesh_mirror, &
+  public :: auxmesh_copy, auxmesh_fill, auxmesh_midway, auxmesh_mirror, &
             auxmesh_relax, auxmesh_swirl
   public :: node_rows
 #if NDIM == 2
@@ -198,29 +197,14 @@ contains
     end do
   end subroutine auxmesh_relax
 
-  !> Adds to the records of one plane what debris collides by.
-  pure subroutine auxmesh_collide(field, plane, before, stride, records)
-    type(field_t), intent(in) :: field
-    integer, intent(in) :: plane                 !! plane of the field
-    integer, intent(in) :: before                !! components of a record before it
-    integer, intent(in) :: stride                !! components of a record
-    real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
-    integer :: s, i, from, to
-    do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
-      do i = field%work%first(s), field%work%last(s)
-        from = field%neighbour(0, 0, s) + i
-        to = from - field%plane_start(plane) + 1
-        records(before + 1:before + collide_total(NDIM), to) = &
-          field%collide(from, :collide_total(NDIM))
-      end do
-    end do
-  end subroutine auxmesh_collide
-
-  !> Adds to the records of one plane what plastic strain is averaged by.
-  pure subroutine auxmesh_average(field, plane, at, stride, records)
+  !> Copies values of the points of one plane into its records: what debris collides by, what
+  !! plastic strain is averaged by.
+  pure subroutine auxmesh_copy(field, plane, at, components, values, stride, records)
     type(field_t), intent(in) :: field
     integer, intent(in) :: plane                 !! plane of the field
     integer, intent(in) :: at                    !! first component of a record
+    integer, intent(in) :: components
+    real(dp), intent(in) :: values(:, :)         !! (points, components or more)
     integer, intent(in) :: stride                !! components of a record
     real(dp), intent(inout) :: records(stride, *)  !! (stride, points of the plane)
     integer :: s, i, from, to
@@ -228,10 +212,10 @@ contains
       do i = field%work%first(s), field%work%last(s)
         from = field%neighbour(0, 0, s) + i
         to = from - field%plane_start(plane) + 1
-        records(at:at + averaging_rates - 1, to) = field%average(from, :)
+        records(at:at + components - 1, to) = values(from, :components)
       end do
     end do
-  end subroutine auxmesh_average
+  end subroutine auxmesh_copy
 
   !> Takes gradients in the records of one plane, which are those of the velocity after a kick, back
   !! by a part of it, and adds the square of the acceleration behind them.
