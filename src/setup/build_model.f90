@@ -58,6 +58,7 @@ module sgmp_build_model
   public :: model_build
 
   integer, parameter :: body_terms = 9  !! of the initial sums over a body
+  real(dp), parameter :: still = 1.0e-12_dp  !! velocity over c + |v| below which all is round-off
 
 contains
 
@@ -613,7 +614,9 @@ contains
     counted = .not. model%bodies%rigid .or. model%bodies%rigid_motion%free
     call ledger_open(model%ledger, sum(model%totals%bodies%kinetic, mask=counted), &
                      sum(model%totals%bodies%internal), &
-                     [(sum(model%totals%bodies%momentum(c), mask=counted), c=1, 3)])
+                     [(sum(model%totals%bodies%momentum(c), mask=counted), c=1, 3)], &
+                     least=0.5_dp*sum(model%totals%bodies%mass, mask=counted)* &
+                           (still*model%findings%fastest)**2)
   end subroutine open_ledger
 
   !> Mass, moment, momentum, kinetic and internal energy of a chunk.
