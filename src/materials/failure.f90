@@ -17,11 +17,14 @@
 !! with density, speed of sound in the bulk and yield stress of the start; (GR2) grows with the rate
 !! at which the volume opens, and is not below a pmin of its own.
 !!
+!! or little by little with plastic strain, by the stress in it (sgmp_ductility).
+!!
 !! Failed matter carries nothing, or pressure alone (it closes again when it is compressed to its
 !! initial density), or everything: then the damage is only a mark. A fluid tears without damage:
 !! its pressure does not fall below pmin. With a fracture energy matter does not fail at once
 !! (sgmp_softening); limits may scatter from particle to particle (sgmp_strength).
 module sgmp_failure
+  use sgmp_ductility, only: ductility_given, ductility_keys, ductility_read, ductility_t
   use sgmp_keys, only: key, key_t, kind_integer, kind_real, kind_word, values_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_spelling, only: word_position, words_joined
@@ -29,7 +32,7 @@ module sgmp_failure
   private
   public :: failure_keys, failure_read
   public :: failure_t, failure_judge, failure_bounds, failure_softens, largest_principal_stress
-  public :: failure_set_spall, failure_tension
+  public :: failure_by_strain, failure_set_spall, failure_tension
   public :: carries_nothing, carries_pressure, carries_everything, failure_none
 
   integer, parameter :: carries_nothing = 1, carries_pressure = 2, carries_everything = 3
@@ -53,6 +56,7 @@ module sgmp_failure
     real(dp) :: weibull = 0.0_dp                     !! modulus of the limits' scatter; 0: none
     integer :: seed = 0                              !! of the scatter
     real(dp) :: length = 0.0_dp                      !! over which plastic strain is averaged
+    type(ductility_t) :: ductility                   !! damage by stress and plastic strain
   end type failure_t
 
 contains
@@ -72,6 +76,7 @@ contains
                 unit='stress', range='(0,inf)'), &
             key('plastic_strain', kind_real, 'equivalent plastic strain at which it fails', &
                 range='(0,inf)'), &
+            ductility_keys(), &
             key('carries', kind_word, 'post-failure strength: what failed material carries; '// &
                 'everything: damage is only '// &
                 'a mark', choices=words_joined(carries_names), &
@@ -82,8 +87,8 @@ contains
                 'it all is lost at once', &
                 unit='stress length', range='(0,inf)'), &
             key('length', kind_real, 'length of the material over which plastic strain is '// &
-                'averaged for plastic_strain, d1 to d5 and the heat of johnson_cook: failure '// &
-                'then does not follow cells of half of it and less; see doc/materials.md', &
+                'averaged for plastic_strain, plastic_work, hosford_strain, d1 to d5 and the '// &
+                'heat of johnson_cook: failure then does not follow cells of half of it and less; see doc/materials.md', &
                 unit='length', range='(0,inf)'), &
             key('weibull', kind_real, 'Weibull modulus of all limits of this card, and of the '// &
                 'failure strain of d1 to d5, which scatter from particle to particle; the '// &
@@ -107,7 +112,14 @@ contains
     law%weibull = values%number('weibull')
     law%seed = nint(values%number('seed'))
     law%length = values%number('length')
+    law%ductility = ductility_read(values)
   end function failure_read
+
+  !> Whether plastic strain makes matter fail.
+  elemental logical function failure_by_strain(law) result(yes)
+    type(failure_t), intent(in) :: law
+    yes = law%plastic_strain < failure_none .or. ductility_given(law%ductility)
+  end function failure_by_strain
 
   !> Whether matter softens before it has failed.
   pure logical function failure_softens(law) result(yes)

@@ -36,6 +36,7 @@ module sgmp_material_history
     kept_t('compaction', .true., .true., 'greatest compression (material)'), &
     kept_t('preconsolidation', .true., .true., 'preconsolidation (material)'), &
     kept_t('lighting_time', .true., .true., 'lighting time (explosive, detonation)'), &
+    kept_t('afterburnt', .true., .true., 'part of the afterburn that is given (eos afterburn)'), &
     kept_t('deformation', .false., .false., 'deformation gradient (neo-Hookean material)'), &
     kept_t('stretch', .false., .false., &
            'diagonal of the deformation gradient (method cpgimp, split)'), &
@@ -66,6 +67,7 @@ module sgmp_material_history
     logical :: compaction = .false.     !! greatest compression of concrete
     logical :: preconsolidation = .false.  !! of clays
     logical :: lighting = .false.       !! lighting time of an explosive
+    logical :: afterburnt = .false.     !! part of the afterburn of products
     logical :: deformation = .false.    !! deformation gradient
     logical :: averaged = .false.       !! plastic strain averaged over a length
     real(dp) :: first_temperature = 0.0_dp
@@ -96,6 +98,7 @@ module sgmp_material_history
     integer :: compaction = 0    !! greatest compression of concrete
     integer :: preconsolidation = 0  !! of clays
     integer :: lighting = 0      !! lighting time of an explosive
+    integer :: afterburnt = 0    !! part of the afterburn that is given
     integer :: deformation = 0   !! deformation gradient, row by row
     integer :: stretch = 0       !! its diagonal alone, for cpGIMP and to split particles
     integer :: initial = 0       !! initial position, for body forces that use it
@@ -173,6 +176,7 @@ contains
       call slots_ask(slots, 'averaging', [(0.0_dp, d=1, averaging_values)])
     end if
     if (wants%lighting) call slots_ask(slots, 'lighting_time', none)
+    if (wants%afterburnt) call slots_ask(slots, 'afterburnt', none)
     if (wants%deformation) then
       call slots_ask(slots, 'deformation', [(merge(1.0_dp, 0.0_dp, mod(d, ndim + 1) == 0), &
                                              d=0, ndim**2 - 1)])
@@ -193,6 +197,7 @@ contains
     slots%compaction = slots_column(slots, 'compaction')
     slots%preconsolidation = slots_column(slots, 'preconsolidation')
     slots%lighting = slots_column(slots, 'lighting_time')
+    slots%afterburnt = slots_column(slots, 'afterburnt')
     slots%deformation = slots_column(slots, 'deformation')
     slots%stretch = slots_column(slots, 'stretch')
     slots%initial = slots_column(slots, 'initial')

@@ -2,6 +2,7 @@
 !! tears, softening, and bulk viscosity: what the stress update does that is the same in every
 !! space.
 module sgmp_pressure
+  use sgmp_afterburn, only: afterburn_lanes
   use sgmp_burn, only: burn_fraction_lanes
   use sgmp_constitutive, only: constitutive_t, eos_lanes, eos_linear, eos_none
   use sgmp_eos, only: eos_energy_lanes, eos_energy_pressure, eos_sound_speed_lanes
@@ -23,18 +24,24 @@ module sgmp_pressure
 
 contains
 
-  !> Detonation products: JWL pressure behind the burn front, none ahead of it.
+  !> Detonation products: JWL pressure behind the burn front, none ahead of it; heated by afterburn.
   subroutine explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: dt, time, mass(lanes), old_volume(lanes), trace(lanes)
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
-    real(dp) :: burnt(lanes), none(lanes)
+    real(dp) :: burnt(lanes), none(lanes), heat(lanes)
     none = 0.0_dp
+    heat = 0.0_dp
     call burn_fraction_lanes(time, b(1, law%slots%lighting), law%detonation_speed, law%h, &
                              law%burn_cells, burnt)
-    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, none, none, burnt, &
+    if (law%slots%afterburnt > 0) then
+      call afterburn_lanes(law%afterburn, time, dt, b(1, law%slots%lighting), &
+                           b(1, law%slots%stress), b(1, law%slots%afterburnt), heat)
+      heat = heat*mass/(law%density*old_volume)
+    end if
+    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, heat, none, burnt, &
                            b(1, law%slots%energy), b(1, law%slots%stress), speed2, q, work)
   end subroutine explosive
 
