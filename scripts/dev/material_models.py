@@ -77,7 +77,10 @@ EQUATIONS = {
               "Hugoniots of six metals and of water (hugoniot); paths of the library's metals (tests/regression/library.py)"),
     "tillotson": ("a_thermal=0.5 b_thermal=1.5 bulk=100 bulk2=100 e0=10 e_incipient=3 e_complete=10", SOLIDS, "(TI1)–(TI3), Tillotson 1962 as in Melosh 1989: melts and evaporates; not linear in E",
                   "limits in closed form, measured Hugoniots of aluminium and iron within 2 % (test_eos_tillotson)"),
+    "table": ('file="gas.txt" energy0=2.5', SOLIDS, "(TB1), (TB2): a file of densities, energies and pressures, bicubic with limited slopes (Steffen 1990); not linear in E",
+              "an ideal gas to round-off, Tillotson's aluminium, isentrope, monotone points (test_eos_table); a shock tube beside `ideal_gas` (tests/regression/tables.py)"),
 }
+GAS = "".join(f"{0.25*1.2**i} {0.5*1.2**j} {0.4*0.25*1.2**i*0.5*1.2**j}\n" for i in range(20) for j in range(20))  # the table of `table`
 NOTES = {"j2": "; energy with an equation of state, damage with `failure`", "johnson_cook": " (temperature and damage where asked for); energy with an equation of state",
          "steinberg_guinan": " (temperature with `specific_heat`); energy with an equation of state",
          "zerilli_armstrong": " (temperature with `specific_heat`); energy with an equation of state",
@@ -109,6 +112,8 @@ def run(sgmp, cards, *options, steps=1, n=4):
         deck = os.path.join(folder, "deck.inp")
         with open(deck, "w", encoding="utf-8") as file:
             file.write(DECK.format(cards=cards, steps=steps, n=n))
+        with open(os.path.join(folder, "gas.txt"), "w", encoding="ascii") as file:
+            file.write(GAS)
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         done = subprocess.run([sgmp, deck, "--threads", "1", "--output", os.path.join(folder, "out"), *options], capture_output=True, text=True, check=False,
                               env={**os.environ, "OMP_WAIT_POLICY": "passive"})

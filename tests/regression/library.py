@@ -36,7 +36,7 @@ history steps={every}
 # m kg s of one unit of length, mass, time; strain rate of the path (1/s).
 SYSTEMS = (("m kg s", (1.0, 1.0, 1.0), 1.0), ("cm mg us", (1e-2, 1e-6, 1e-6), 1e3))
 CUSTOMARY = ("mm g ms", (1e-3, 1e-3, 1e-3), 1e3)  # in which the decks of input/ are
-COUNT = 38
+COUNT = 39
 
 
 class Eos:
