@@ -26,7 +26,7 @@ EXAMPLES = ("bar", "bar_rotated", "bar_stability", "beam", "energy", "tnt_slab",
             "contact_bars", "contact_sliding", "contact_rolling", "contact_rings", "contact_hertz", "contact_gap", "contact_rod",
             "contact_rest", "contact_scenes", "rotation", "contact_axisymmetric", "axisymmetric", "swirl", "tube", "noh", "sedov", "cavity", "cylinder", "blast", "blast_load", "plate_impulse", "charge_plate",
             "penetration", "perforation", "long_rod", "fluids", "flows", "hugoniot", "piston", "spall", "hypervelocity", "volumes",
-            "statics", "rigid", "soils", "length")
+            "statics", "rigid", "soils", "length", "fragments")
 
 
 def load(example):

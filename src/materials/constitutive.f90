@@ -31,6 +31,7 @@ module sgmp_constitutive
   use sgmp_erosion, only: erosion_read, erosion_t
   use sgmp_failure, only: carries_everything, failure_by_strain, failure_none, failure_read, &
                           failure_set_spall, failure_softens, failure_t
+  use sgmp_flaws, only: flaws_crack_speed
   use sgmp_heating, only: heating_t
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
   use sgmp_kinds, only: dp, lanes
@@ -522,7 +523,7 @@ contains
                                                   [character(16) :: 'principal_stress', &
                                                    'plastic_strain', 'fracture_energy', &
                                                    'spall_strain', 'toughness', 'weibull', &
-                                                   'length', 'plastic_work', &
+                                                   'length', 'plastic_work', 'flaws', &
                                                    'hosford_strain', 'hosford_exponent', &
                                                    'hosford_friction', 'hosford_power'])) then
         call fault_make(fault, '', "a fluid such as '"//name//"' fails by pmin alone", &
@@ -549,17 +550,37 @@ contains
                                                       'pmin', 'principal_stress', &
                                                       'plastic_strain', 'spall_strain', &
                                                       'toughness', 'length', 'plastic_work', &
-                                                      'hosford_strain']))) then
+                                                      'hosford_strain', 'flaws']))) then
       call fault_make(fault, '', "nothing says when '"//name//"' fails", &
                       'give pmin, principal_stress, plastic_strain, plastic_work or '// &
                       'hosford_strain, or johnson_cook failure=yes')
     end if
     call ductility_check(values, fault)
+    if (.not. allocated(fault)) call check_flaws(values, fault)
     if (.not. allocated(fault)) call check_damage(law, name, fault)
     if (.not. allocated(fault) .and. values%has('length')) call check_length(law, name, fault)
     if (.not. allocated(fault)) call check_spall(values, name, fault)
     if (law%softens .and. .not. allocated(fault)) call check_softening(law, name, fault)
   end subroutine check_criteria
+
+  !> Whether flaws have both constants, and are alone.
+  pure subroutine check_flaws(values, fault)
+    class(values_t), intent(in) :: values
+    type(fault_t), allocatable, intent(out) :: fault
+    if (values%has('flaws') .neqv. values%has('flaw_exponent')) then
+      call fault_make(fault, '', 'Grady and Kipp need flaws and flaw_exponent', 'give both')
+    else if (any_given(values, [character(16) :: 'crack_speed', 'flaw_count']) .and. &
+             .not. values%has('flaws')) then
+      call fault_make(fault, '', 'there are no flaws from which cracks run', &
+                      'give flaws and flaw_exponent')
+    else if (values%has('flaws') .and. &
+             any_given(values, [character(16) :: 'pmin', 'principal_stress', 'plastic_strain', &
+                                'spall_strain', 'toughness', 'plastic_work', 'hosford_strain', &
+                                'fracture_energy', 'weibull', 'length'])) then
+      call fault_make(fault, 'flaws', 'matter that breaks by its flaws has no other criterion', &
+                      'keep flaws, flaw_exponent, crack_speed, seed and carries alone')
+    end if
+  end subroutine check_flaws
 
   !> Whether one thing alone makes the damage of a law grow.
   pure subroutine check_damage(law, name, fault)
@@ -632,6 +653,11 @@ contains
     yield = 0.0_dp
     if (law%failure%spall_strain > 0.0_dp) yield = law_yield_stress(law, 0.0_dp)
     call failure_set_spall(law%failure, law%density, law%bulk_speed, yield)
+    if (law%failure%flaws%speed <= 0.0_dp) then
+      law%failure%flaws%speed = flaws_crack_speed &
+                                *sqrt(law%bulk_speed**2 + 4.0_dp/3.0_dp*law%elastic%shear &
+                                      /law%density)
+    end if
   end subroutine law_set_spall
 
   !> Gives a law criteria of erosion from the values of its keys. What goes takes its internal
@@ -662,15 +688,23 @@ contains
     character(*), intent(in) :: name  !! of the material
     type(fault_t), allocatable, intent(out) :: fault
     if (law%jc%failure) then
-      call fault_make(fault, 'fracture_energy', "the damage of '"//name// &
+      call fault_make(fault, softener(law), "the damage of '"//name// &
                       "' grows by Johnson and Cook's constants already", &
-                      'remove fracture_energy, or failure=yes of the material')
+                      'remove '//softener(law)//', or failure=yes of the material')
     else if (law%failure%carries == carries_everything) then
-      call fault_make(fault, 'fracture_energy', "'"//name//"' carries everything when it has "// &
+      call fault_make(fault, softener(law), "'"//name//"' carries everything when it has "// &
                       'failed, and does not soften', &
-                      'remove fracture_energy, or carries=everything')
+                      'remove '//softener(law)//', or carries=everything')
     end if
   end subroutine check_softening
+
+  !> The key by which a law softens.
+  pure function softener(law) result(key)
+    type(constitutive_t), intent(in) :: law
+    character(:), allocatable :: key
+    key = 'fracture_energy'
+    if (law%failure%flaws%number > 0.0_dp) key = 'flaws'
+  end function softener
 
   !> Gives a law its lengths: the side of the cells, for viscosity and burn front, and the width of
   !! the band in which a crack opens.
@@ -728,7 +762,7 @@ contains
     type(constitutive_t), intent(in) :: law
     real(dp) :: width
     width = huge(1.0_dp)
-    if (law%softens .and. law%bulk_speed > 0.0_dp) then
+    if (law%failure%fracture_energy > 0.0_dp .and. law%softens .and. law%bulk_speed > 0.0_dp) then
       width = softening_widest(law%failure, law%density*law%bulk_speed**2, law%elastic%shear)
     end if
   end function law_widest_band

@@ -25,6 +25,7 @@
 !! (sgmp_softening); limits may scatter from particle to particle (sgmp_strength).
 module sgmp_failure
   use sgmp_ductility, only: ductility_given, ductility_keys, ductility_read, ductility_t
+  use sgmp_flaws, only: flaws_t
   use sgmp_keys, only: key, key_t, kind_integer, kind_real, kind_word, values_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_spelling, only: word_position, words_joined
@@ -56,6 +57,7 @@ module sgmp_failure
     real(dp) :: weibull = 0.0_dp                     !! modulus of the limits' scatter; 0: none
     integer :: seed = 0                              !! of the scatter
     real(dp) :: length = 0.0_dp                      !! over which plastic strain is averaged
+    type(flaws_t) :: flaws                           !! of brittle matter
     type(ductility_t) :: ductility                   !! damage by stress and plastic strain
   end type failure_t
 
@@ -90,10 +92,18 @@ contains
                 'averaged for plastic_strain, plastic_work, hosford_strain, d1 to d5 and the '// &
                 'heat of johnson_cook: failure then does not follow cells of half of it and less; see doc/materials.md', &
                 unit='length', range='(0,inf)'), &
+            key('flaws', kind_real, 'k of the k e^m flaws per volume that grow at strains below '// &
+                'e (Grady and Kipp): brittle matter, alone', unit='1/volume', range='(0,inf)'), &
+            key('flaw_exponent', kind_real, 'm of it; with flaws', range='[1,inf)'), &
+            key('crack_speed', kind_real, 'speed of the cracks from flaws; default: 0.4 of that '// &
+                'of longitudinal waves', unit='speed', range='(0,inf)'), &
+            key('flaw_count', kind_real, 'number of flaws of a particle that must grow to break '// &
+                'it; default: 1; Benz and Asphaug take the logarithm of the number of particles', &
+                range='[1,inf)'), &
             key('weibull', kind_real, 'Weibull modulus of all limits of this card, and of the '// &
                 'failure strain of d1 to d5, which scatter from particle to particle; the '// &
                 'given ones are the means', range='[0.5,inf)'), &
-            key('seed', kind_integer, 'another number, another scatter', range='[0,inf)', &
+            key('seed', kind_integer, 'another number, another scatter, and other flaws', range='[0,inf)', &
                 default='0')]
   end function failure_keys
 
@@ -113,6 +123,8 @@ contains
     law%seed = nint(values%number('seed'))
     law%length = values%number('length')
     law%ductility = ductility_read(values)
+    law%flaws = flaws_t(values%number('flaws'), values%number('flaw_exponent', 1.0_dp), &
+                        values%number('crack_speed'), values%number('flaw_count', 1.0_dp))
   end function failure_read
 
   !> Whether plastic strain makes matter fail.
@@ -124,7 +136,7 @@ contains
   !> Whether matter softens before it has failed.
   pure logical function failure_softens(law) result(yes)
     type(failure_t), intent(in) :: law
-    yes = law%fracture_energy > 0.0_dp
+    yes = law%fracture_energy > 0.0_dp .or. law%flaws%number > 0.0_dp
   end function failure_softens
 
   !> Gives the law what Grady's tensions need of the material.

@@ -52,6 +52,8 @@ module sgmp_material_history
     kept_t('averaged_strain', .true., .false., 'averaged plastic strain (failure length)'), &
     kept_t('averaging', .false., .false., &
            'average, its rate, and what it drove (failure length)'), &
+    kept_t('flaw_strain', .true., .false., 'strain of the weakest flaw (failure flaws)'), &
+    kept_t('flaw_radius', .false., .false., 'radius of the particle (failure flaws)'), &
     kept_t('path', .true., .false., 'path from the particle that was split (split)')]
 
   !> Columns that a law wants besides volume and stress, with their first values where not 0.
@@ -111,6 +113,8 @@ module sgmp_material_history
     integer :: viscous = 0       !! debris: viscous pressure that acts next; negative: settled
     integer :: averaged = 0      !! largest averaged plastic strain so far
     integer :: averaging = 0     !! average, its rate, and what of that peak drove something
+    integer :: flaw_strain = 0   !! at which the weakest flaw grows
+    integer :: flaw_radius = 0   !! of a ball as large as the particle at the start
     integer :: path = 0          !! from the particle that it comes from, where particles are split:
                                  !! 1, and of the halves of b 2 b and 2 b + 1
     integer :: total = 1
@@ -210,6 +214,8 @@ contains
     slots%viscous = slots_column(slots, 'viscous_pressure')
     slots%averaged = slots_column(slots, 'averaged_strain')
     slots%averaging = slots_column(slots, 'averaging')
+    slots%flaw_strain = slots_column(slots, 'flaw_strain')
+    slots%flaw_radius = slots_column(slots, 'flaw_radius')
     slots%path = slots_column(slots, 'path')
     if (slots%stress > 0) slots%stresses = size(slots%list(1)%start)
   end subroutine name_slots

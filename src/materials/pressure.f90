@@ -6,7 +6,8 @@ module sgmp_pressure
   use sgmp_burn, only: burn_fraction_lanes
   use sgmp_constitutive, only: constitutive_t, eos_lanes, eos_linear, eos_none
   use sgmp_eos, only: eos_energy_lanes, eos_energy_pressure, eos_sound_speed_lanes
-  use sgmp_failure, only: carries_nothing, failure_bounds, failure_none
+  use sgmp_failure, only: carries_nothing, failure_bounds, failure_none, largest_principal_stress
+  use sgmp_flaws, only: flaws_advance
   use sgmp_heating, only: compression_heat_lanes
   use sgmp_kinds, only: dp, lanes
   use sgmp_pores, only: narrow, pores_slow, porous_lanes, squeeze_pores
@@ -73,8 +74,9 @@ contains
   !> What softening leaves of the stress that undamaged matter would carry, and the work that is
   !! done with it. Without an equation of state the pressure follows the volume, as where matter has
   !! failed.
-  subroutine soften(law, before, mass, old_volume, trace, late, nb, b, mean, speed2, work)
+  subroutine soften(law, dt, before, mass, old_volume, trace, late, nb, b, mean, speed2, work)
     type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt
     real(dp), intent(in) :: before(lanes)        !! part of the strength before the step
     real(dp), intent(in) :: mass(lanes), old_volume(lanes), trace(lanes)
     real(dp), intent(in) :: late(lanes)          !! 1/2 new deviator : strain, undamaged
@@ -91,10 +93,15 @@ contains
       stress = 0.0_dp
       stress(:, :n) = deviator
       stress(:, :3) = stress(:, :3) + spread(whole, 2, 3)
-      strength = 1.0_dp
-      if (law%slots%strength > 0) strength = b(:, law%slots%strength)
-      strain = merge(law%slots%averaged, law%slots%plastic, law%slots%averaged > 0)
-      call softening_damage(law%failure, law%softening, stress, b(1, strain), strength, damage)
+      if (law%slots%flaw_strain > 0) then
+        call crack(law, dt, stress, b(1, law%slots%flaw_strain), b(1, law%slots%flaw_radius), &
+                   damage)
+      else
+        strength = 1.0_dp
+        if (law%slots%strength > 0) strength = b(:, law%slots%strength)
+        strain = merge(law%slots%averaged, law%slots%plastic, law%slots%averaged > 0)
+        call softening_damage(law%failure, law%softening, stress, b(1, strain), strength, damage)
+      end if
       do l = 1, lanes
         left = 1.0_dp - damage(l)
         deviator(l, :) = left*deviator(l, :)
@@ -115,6 +122,22 @@ contains
       end do
     end associate
   end subroutine soften
+
+  !> Damage by flaws that grow in the stress that undamaged matter would carry.
+  pure subroutine crack(law, dt, stress, first, radius, damage)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, stress(lanes, components)
+    real(dp), intent(in) :: first(lanes), radius(lanes)  !! of flaws_first
+    real(dp), intent(inout) :: damage(lanes)
+    real(dp) :: young, strain(lanes)
+    integer :: l
+    young = 9.0_dp*law%elastic%bulk*law%elastic%shear &
+            /(3.0_dp*law%elastic%bulk + law%elastic%shear)
+    do l = 1, lanes
+      strain(l) = largest_principal_stress(stress(l, :))/young
+    end do
+    call flaws_advance(law%failure%flaws, dt, strain, first, radius, damage)
+  end subroutine crack
 
   !> The tension that a fluid bears is bounded.
   pure subroutine cavitate(law, mass, old_volume, nb, b, mean, speed2, work)

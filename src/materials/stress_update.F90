@@ -713,7 +713,7 @@ contains
       end if
     end if
     if (law%softens) then
-      call soften(law, left, mass, before%volume, trace, late, nb, b, mean, speed2, work)
+      call soften(law, dt, left, mass, before%volume, trace, late, nb, b, mean, speed2, work)
     end if
     if (law%porosity%porous) then
       if (.not. law%softens) call release(law, failed, mass, before%volume, trace, nb, b, mean, &

@@ -55,6 +55,8 @@ EXPECTED = {
                   r"eos_table_cold\.tab:3:9: error: a temperature is not above 0", r"\| 2 0 0\.2 -1", r"{d}:18:21: error: the density of the material, 9.*, is not in the table",
                   r"{d}:22:78: error: there is no energy of afterburn", r"{d}:24:72: error: nothing says when the afterburn",
                   r"{d}:26:74: error: afterburn has a window of time and a rate", r"^14 error"],
+    "flaws": [r"{d}:6:1: error: Grady and Kipp need flaws and flaw_exponent", r"{d}:8:1: error: there are no flaws from which cracks run",
+              r"{d}:10:17: error: matter that breaks by its flaws has no other criterion", r"{d}:12:17: error: 'd' carries everything", r"^4 error"],
     "contact": [r"{d}:8:13: error: there is no body 'wal'", r"did you mean 'wall'", r"{d}:9:13: error: contact of a body with itself",
                 r"{d}:11:1: error: there are two cards for this contact", r"{d}:12:24: error: 'middle'",
                 r"{d}:13:14: error: the velocity of a rigid body cannot depend on position",

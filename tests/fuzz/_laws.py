@@ -1,5 +1,5 @@
 """What random scenes of the last seeds have beyond those of _further.py: tables as equations of state, afterburn of products, damage that knows the
-stress, and a length over which plastic strain is averaged. Each is drawn from a stream that its caller gives."""
+stress, flaws, and a length over which plastic strain is averaged. Each is drawn from a stream that its caller gives."""
 
 
 def table_fluid(luck, numbers, file):
@@ -44,6 +44,12 @@ def ductile(luck, numbers):
                          + luck.choice(("", " hosford_power=0.5"))))
     words += luck.choice(("", "", f" pmin=-{numbers['young']*0.01:g}", f" weibull={luck.choice((2, 8))}"))
     return f"failure {numbers['name']} {words} carries={luck.choice(('nothing', 'pressure', 'everything'))}"
+
+
+def flawed(luck, numbers):
+    """The card failure with flaws, in a cell one of them below a strain of a hundredth, or of a thousandth."""
+    return (f"failure {numbers['name']} flaws={luck.choice((1e12, 1e18))} flaw_exponent=6 seed={luck.randint(0, 3)} carries={luck.choice(('nothing', 'pressure'))}"
+            + luck.choice(("", " flaw_count=8", f" crack_speed={luck.choice((0.1, 10))}")))
 
 
 def averaged(card, length):

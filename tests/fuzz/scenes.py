@@ -5,7 +5,7 @@ turn or are free, initial rotation, damping, loads that rise, ends at rest. Four
 the materials and loads of _latest.py, tables, walls that move, particle files; of those from 80000000 on four of five what is in _newest.py: ceramics,
 more shapes, gauges, and keys that no other scene has; of those from 120000000 on what is in _further.py: parts that are moved, walls that rub or let waves out,
 foam, spall, all words of `method sgmp`; of those from 160000000 on concrete; of those from 200000000 on what is in _laws.py: tables as equations of state,
-afterburn, damage that knows the stress, averaged strain. Each is run with one and two threads, on two ranks and from a
+afterburn, damage that knows the stress, flaws, averaged strain. Each is run with one and two threads, on two ranks and from a
 checkpoint; then
 
 * the same exit code, bits, histories and verdict in all of them;
@@ -269,6 +269,8 @@ class Scene:
                 card = further.spall(luck, numbers) if grady else features.failure(luck, numbers, damages, 0.01*numbers["young"])
                 if wears and not damages:
                     card = laws.ductile(self.stream(f"ductile {numbers['name']}"), numbers)
+                if self.has_law(f"flaws {numbers['name']}", 0.3) and not damages:
+                    card = laws.flawed(self.stream(f"flaws of {numbers['name']}"), numbers)
                 heated = "specific_heat" in lines[0] and kind != "johnson_cook"
                 if self.has_law("length", 0.5) and not heated:
                     card = laws.averaged(card, self.stream("length of all").choice((0.7, 2, 3)))
@@ -620,7 +622,7 @@ def never_drawn():
     """What the last seeds must draw, and do not in 400 scenes."""
     texts = "".join(Scene(seed).text() for seed in range(LAWS, LAWS + 400))
     return [word for word in ("motion ", "wallfriction ", "=absorbing", " crushable_foam ", " concrete ", " toughness=", " spall_strain=", " surfaces=corrected",
-                         " table file=", " afterburn=", " plastic_work=", " hosford_strain=", ",averaged_strain") if word not in texts]
+                         " table file=", " afterburn=", " plastic_work=", " hosford_strain=", " flaws=", ",averaged_strain") if word not in texts]
 
 
 def main():

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Damage that knows the stress, along paths of one deformation that no wave reaches: drawn, sheared, drawn with sides held back (a notch);
 Cockcroft and Latham, Hosford and Coulomb, beside a second integration of stress, plastic strain and damage in ten times as many steps, which takes
-principal stresses by Jacobi's rotations. Pure shear in closed form.
+principal stresses by Jacobi's rotations. Pure shear in closed form. Flaws of brittle matter (Grady and Kipp) that is drawn elastically: damage and stress of
+each particle by the strain of its weakest flaw, which scatters as it must.
 
 usage: ductile.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -91,8 +92,43 @@ def deck(gradient, law, time):
             f"velocity b {speeds}\ngauge middle point=({CELL/4},{CELL/4},{CELL/4}) fields=plastic_strain,damage\nhistory steps={STEPS//20}\n")
 
 
+def flawed(report):
+    """Matter that is drawn along one axis and breaks by flaws: (e/2.4e-3)^6 of them grow below e in a particle."""
+    power, speed, count, rate = 6.0, 40.0, 4.0, 0.002
+    number = (1/2.4e-3)**power/(CELL/2)**3
+    cards = (f"dimension 3\ngrid cell={CELL}\nmethod mpm\ntime dt={1/STEPS!r} steps={STEPS}\n"
+             f"material m j2 density=1 young={YOUNG} poisson={POISSON} yield=1e6\n"
+             f"failure m flaws={number!r} flaw_exponent={power} crack_speed={speed*CELL/100!r} flaw_count={count} seed=5\n"
+             f"body b block material=m lower=({','.join([str(-3*CELL)]*3)}) upper=({','.join([str(3*CELL)]*3)}) ppc=2\n"
+             f'velocity b x="{rate!r}*x"\noutput csv at=end fields=stress,damage,flaw_strain\n')
+    result = run("flawed", cards)
+    if not report.finished(result, "flawed"):
+        return
+    volume = (CELL/2)**3
+    radius, lame, broken = (0.75*volume/math.pi)**(1/3), BULK - 2*SHEAR/3, 0
+    rows = [row for row in result.table("particles_end.csv") if max(abs(row[axis]) for axis in "xyz") < CELL]
+    every = [row["flaw_strain"] for row in result.table("particles_end.csv")]
+    mean = math.gamma(1 + 1/power)*(1/(number*volume))**(1/power)
+    report.check(abs(sum(every)/len(every)/mean - 1) < 0.03, f"weakest flaws grow at {sum(every)/len(every):.4g} in the mean, not {mean:.4g}")
+    for row in rows:
+        damage, first, steps = 0.0, row["flaw_strain"], 10*STEPS
+        for n in range(steps):
+            strain = math.log(1 + rate*(n + 0.5)/steps)
+            pull = (lame + 2*SHEAR)*strain/YOUNG
+            growing = 0.0 if pull <= first else 1 + number*volume*(pull**power - first**power)
+            if growing:
+                damage = max(damage, min((damage**(1/3) + growing*speed*CELL/100/steps/radius)**3, growing/count, 1.0))
+        strain = math.log(1 + rate)
+        stress = (1 - damage)*(lame + 2*SHEAR)*strain
+        broken += damage > 0.05
+        report.check(abs(row["damage"] - damage) < 0.03, f"a particle has a damage of {row['damage']:.4g}, not {damage:.4g}")
+        report.check(abs(row["stress_xx"] - stress) < 0.04*(lame + 2*SHEAR)*strain, f"a particle bears {row['stress_xx']:.4g}, not {stress:.4g}")
+    report.check(len(rows) == 64 and 10 < broken < 64, f"{broken} of {len(rows)} particles are damaged")
+
+
 def main():
     report = Report()
+    flawed(report)
     for name, gradient in PATHS.items():
         for kind, law in (("work", WORK), ("hosford", HOSFORD)):
             result = run(f"{name}_{kind}", deck(gradient, law, 1.0))

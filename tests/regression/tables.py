@@ -43,7 +43,7 @@ def rows(path, factors=(1, 1, 1)):
         file.write("# density energy pressure temperature\n")
         for i in range(12):
             for j in range(14):
-                rho, e = 0.02*400**(i/11)/factors[0], 1e4*500**(j/13)/factors[1]
+                rho, e = 0.005*1600**(i/11)/factors[0], 1e4*500**(j/13)/factors[1]
                 file.write(f"{rho!r}, {e!r}, {0.4*rho*e*factors[0]*factors[1]/factors[2]!r}, {300*e*factors[1]!r}\n")
 
 
