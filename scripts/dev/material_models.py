@@ -81,6 +81,10 @@ EQUATIONS = {
               "an ideal gas to round-off, Tillotson's aluminium, isentrope, monotone points (test_eos_table); a shock tube beside `ideal_gas` (tests/regression/tables.py)"),
 }
 GAS = "".join(f"{0.25*1.2**i} {0.5*1.2**j} {0.4*0.25*1.2**i*0.5*1.2**j}\n" for i in range(20) for j in range(20))  # the table of `table`
+# name: card failure of `j2`, none of which fails
+FAILURES = {"plastic_strain": "plastic_strain=9", "pmin": "pmin=-1e9", "plastic_work": "plastic_work=9e9",
+            "hosford_strain": "hosford_strain=9e9 hosford_exponent=1.5 hosford_friction=0.1", "flaws": "flaws=1e-30 flaw_exponent=8",
+            "length": "plastic_strain=9 length=2"}
 NOTES = {"j2": "; energy with an equation of state, damage with `failure`", "johnson_cook": " (temperature and damage where asked for); energy with an equation of state",
          "steinberg_guinan": " (temperature with `specific_heat`); energy with an equation of state",
          "zerilli_armstrong": " (temperature with `specific_heat`); energy with an equation of state",
@@ -98,6 +102,8 @@ velocity b x="0.2*sin(pi*x/{n})*cos(pi*y/{n})" y="-0.2*cos(pi*x/{n})*sin(pi*y/{n
 
 
 def cards_of(kind, name):
+    if kind == "failure":
+        return cards_of("law", "j2") + f"\nfailure m {FAILURES[name]}"
     if kind == "law":
         law, *others = LAWS[name][0]
     elif name == "jwl":
@@ -144,6 +150,7 @@ def measure(sgmp, chosen):
     """Time of a particle-step over that of the elastic law: the least of several runs of each, in turns, for others use the machine, too."""
     size, few, many, rounds = 24, 2, 42, 9
     all_cards = {f"law {name}": cards_of("law", name) for name in LAWS} | {f"eos {name}": cards_of("eos", name) for name in EQUATIONS}
+    all_cards |= {f"failure {name}": cards_of("failure", name) for name in FAILURES}
     if chosen:
         all_cards = {key: cards for key, cards in all_cards.items() if key.split()[1] in ("elastic", *chosen)}
     least = {key: [float("inf")]*2 for key in all_cards}
@@ -195,6 +202,9 @@ def tables(sgmp):
     if prices:
         text += (f"\nTime: of a particle-step over that of `elastic`, {prices['elastic_ns']} ns (3D, one thread). `johnson_cook` with rate, temperature and\ndamage, `fluid` with a viscosity; "
                  "equations of state with an inviscid `fluid`, `jwl` with `explosive`.\n")
+        asked = [f"`{name}` {price('failure', name)}" for name in FAILURES if f"failure {name}" in prices]
+        if asked:
+            text += f"A card `failure` of `j2`, while nothing fails: {', '.join(asked)} (`j2` alone {price('law', 'j2')}; `length` with\n`plastic_strain`).\n"
     return text
 
 

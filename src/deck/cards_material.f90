@@ -173,6 +173,7 @@ contains
     i = word_position(card%word('material'), draft%scene%materials%name)
     if (i == 0) return
     call law_set_spall(draft%scene%materials(i)%law)
+    call check_resolved(card, draft, i)
     associate (cell => draft%scene%grid%cell, &
                widest => law_widest_band(draft%scene%materials(i)%law) &
                /method_band(draft%scene%method%kind))
@@ -183,6 +184,21 @@ contains
                             ', a lower limit or a higher fracture_energy')
     end associate
   end subroutine check_failure
+
+  !> Warns of cells that do not resolve the length of a material.
+  subroutine check_resolved(card, draft, material)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer, intent(in) :: material
+    real(dp), parameter :: rounding = 1.0e-9_dp
+    associate (cell => draft%scene%grid%cell, &
+               length => draft%scene%materials(material)%law%failure%length)
+      if (.not. length > 0.0_dp .or. length >= 2.0_dp*cell*(1.0_dp - rounding)) return
+      call draft%errors%warn(card%place('length'), 'cells of '//real_text(cell)//' do not '// &
+                             'resolve a length of '//real_text(length)//': failure follows the '// &
+                             'cell', 'use cells of half of it or less')
+    end associate
+  end subroutine check_resolved
 
   subroutine read_erode(card, draft)
     type(deck_card_t), intent(in) :: card

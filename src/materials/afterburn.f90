@@ -32,7 +32,7 @@ contains
   function afterburn_keys() result(keys)
     type(key_t), allocatable :: keys(:)
     keys = [key('afterburn', kind_real, 'energy per initial volume that the products give when '// &
-                'they burn in air, beside energy0', unit='stress', range='(0,inf)'), &
+                'they burn in air, beside energy0; 0: none', unit='stress', range='[0,inf)'), &
             key('afterburn_start', kind_real, 'time after the front at which that begins', &
                 unit='time', range='[0,inf)'), &
             key('afterburn_end', kind_real, 'and ends; in between the rate is even', &
@@ -68,6 +68,7 @@ contains
       return
     end if
     law%energy = values%number('afterburn')
+    if (law%energy <= 0.0_dp) return
     law%start = values%number('afterburn_start')
     law%end = values%number('afterburn_end')
     law%rate = values%number('afterburn_rate')
