@@ -5,8 +5,8 @@ module sgmp_card_values
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_file_rows, only: file_rows_read
   use sgmp_keys, only: key_t, kind_expression, kind_integer, kind_interval, kind_list, &
-                       kind_logical, kind_name_word, kind_points, kind_real, kind_rows, kind_vector, &
-                       kind_word
+                       kind_logical, kind_name_word, kind_points, kind_real, kind_rows, &
+                       kind_vector, kind_word
   use sgmp_kinds, only: dp
   use sgmp_parameters, only: name_size, parameters_t
   use sgmp_spelling, only: suggestion, word_count, word_in_list, word_is_identifier, word_item, &

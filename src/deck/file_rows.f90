@@ -36,11 +36,8 @@ contains
     integer, intent(in) :: number
     type(deck_errors_t), intent(inout) :: errors
     logical, intent(out) :: failed
-    type(position_t) :: place
-    character(:), allocatable :: path, line, wrong
-    real(dp), allocatable :: row(:)
-    integer, allocatable :: columns(:)
-    integer :: unit, status, n
+    character(:), allocatable :: path
+    integer :: unit, status
     logical :: before
     before = card%failed
     card%failed = .false.
@@ -52,6 +49,26 @@ contains
       failed = .true.
       return
     end if
+    call read_rows(card, number, path, unit, errors)
+    close (unit)
+    if (.not. card%failed .and. card%at('checksum') > 0) then
+      call file_rows_check_sum(card, card%values(number)%rows, errors)
+    end if
+    failed = card%failed
+    card%failed = before .or. failed
+  end subroutine file_rows_read
+
+  !> Reads the rows of an open file.
+  subroutine read_rows(card, number, path, unit, errors)
+    type(deck_card_t), intent(inout) :: card
+    integer, intent(in) :: number, unit
+    character(*), intent(in) :: path
+    type(deck_errors_t), intent(inout) :: errors
+    type(position_t) :: place
+    character(:), allocatable :: line, wrong
+    real(dp), allocatable :: row(:)
+    integer, allocatable :: columns(:)
+    integer :: n
     place%file = path
     n = 0
     associate (value => card%values(number))
@@ -60,38 +77,30 @@ contains
         place%source = line
         if (number_row_is_empty(line)) cycle
         call read_line(line, row, columns, place%column, wrong)
-        if (wrong == '' .and. n > 0) then
+        if (n == 0 .and. wrong == '') then
+          allocate (value%rows(size(row), 64), value%columns(size(row), 64), value%lines(64))
+        else if (wrong == '') then
           if (size(row) /= size(value%rows, 1)) wrong = integer_text(size(row))// &
             ' numbers in a row, not '//integer_text(size(value%rows, 1))
         end if
         if (wrong /= '') then
           call card_fail(card, errors, place, wrong, row_expected)
-          exit
+          return
         end if
-        if (n == 0) then
-          allocate (value%rows(size(row), 64), value%columns(size(row), 64), value%lines(64))
-        else if (n == size(value%lines)) then
-          call widen(value%rows, value%columns, value%lines)
-        end if
+        if (n == size(value%lines)) call widen(value%rows, value%columns, value%lines)
         n = n + 1
         value%rows(:, n) = row
         value%columns(:, n) = columns
         value%lines(n) = place%line
       end do
-      close (unit)
-      if (n == 0 .and. .not. card%failed) then
+      if (n > 0) then
+        value%rows = value%rows(:, :n)
+      else
         call card_fail(card, errors, value%position, "the file '"//path//"' has no numbers", &
                        row_expected)
-      else if (n > 0) then
-        value%rows = value%rows(:, :n)
       end if
     end associate
-    if (.not. card%failed .and. card%at('checksum') > 0) then
-      call file_rows_check_sum(card, card%values(number)%rows, errors)
-    end if
-    failed = card%failed
-    card%failed = before .or. failed
-  end subroutine file_rows_read
+  end subroutine read_rows
 
   !> Makes room for as many rows again.
   pure subroutine widen(rows, columns, lines)

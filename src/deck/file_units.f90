@@ -102,7 +102,8 @@ contains
       associate (key => keys(i), value => card%values(i))
         if (key%unit == '' .or. .not. value%present .or. value%named) cycle
         if (key%kind == kind_rows) then
-          if (.not. card%failed) call file_rows_convert(key%unit, names(from), names(to), value%rows)
+          if (card%failed) cycle
+          call file_rows_convert(key%unit, names(from), names(to), value%rows)
           cycle
         end if
         call units_in_si(key%unit, names(from), old, known)

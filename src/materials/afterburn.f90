@@ -52,22 +52,8 @@ contains
     type(afterburn_t), intent(out) :: law
     type(history_t), intent(inout) :: history
     type(fault_t), allocatable, intent(inout) :: fault
-    character(*), parameter :: others(*) = [character(18) :: 'afterburn_start', &
-      'afterburn_end', 'afterburn_rate', 'afterburn_pressure', 'afterburn_order', &
-      'afterburn_exponent']
-    logical :: window, miller
-    integer :: k
-    window = values%has(trim(others(1))) .or. values%has(trim(others(2)))
-    miller = any([(values%has(trim(others(k))), k=3, size(others))])
-    if (.not. values%has('afterburn')) then
-      do k = 1, size(others)
-        if (values%has(trim(others(k))) .and. .not. allocated(fault)) &
-          call fault_make(fault, trim(others(k)), 'there is no energy of afterburn', &
-                          'add afterburn=…, or remove '//trim(others(k)))
-      end do
-      return
-    end if
-    law%energy = values%number('afterburn')
+    if (values%has('afterburn')) law%energy = values%number('afterburn')
+    if (.not. allocated(fault)) call check_keys(values, fault)
     if (law%energy <= 0.0_dp) return
     law%start = values%number('afterburn_start')
     law%end = values%number('afterburn_end')
@@ -76,20 +62,36 @@ contains
     law%order = values%number('afterburn_order', 0.5_dp)
     law%exponent = values%number('afterburn_exponent', 1.0_dp/6.0_dp)
     history%afterburnt = .true.
-    if (allocated(fault)) return
-    if (window .and. miller) then
+  end subroutine afterburn_read
+
+  !> Whether the keys go together.
+  pure subroutine check_keys(values, fault)
+    class(values_t), intent(in) :: values
+    type(fault_t), allocatable, intent(inout) :: fault
+    character(*), parameter :: of_window(*) = [character(18) :: 'afterburn_start', 'afterburn_end']
+    character(*), parameter :: of_rate(*) = [character(18) :: 'afterburn_rate', &
+      'afterburn_pressure', 'afterburn_order', 'afterburn_exponent']
+    logical :: window(size(of_window)), rate(size(of_rate))
+    integer :: k
+    window = [(values%has(trim(of_window(k))), k=1, size(of_window))]
+    rate = [(values%has(trim(of_rate(k))), k=1, size(of_rate))]
+    if (.not. values%has('afterburn')) then
+      if (any(window) .or. any(rate)) call fault_make(fault, '', 'there is no energy of afterburn', &
+                                                      'add afterburn=…')
+    else if (any(window) .and. any(rate)) then
       call fault_make(fault, 'afterburn', 'afterburn has a window of time and a rate', &
                       'give afterburn_start and afterburn_end, or afterburn_rate and '// &
                       'afterburn_pressure')
-    else if (miller .and. .not. (law%rate > 0.0_dp .and. values%has('afterburn_pressure'))) then
+    else if (any(rate) .and. .not. all(rate(:2))) then
       call fault_make(fault, 'afterburn', "Miller's rate needs afterburn_rate and "// &
                       'afterburn_pressure', 'give both')
-    else if (.not. miller .and. .not. law%end > law%start) then
+    else if (.not. any(rate) .and. values%number('afterburn') > 0.0_dp .and. &
+             values%number('afterburn_end') <= values%number('afterburn_start')) then
       call fault_make(fault, 'afterburn', 'nothing says when the afterburn takes place', &
                       'give afterburn_end above afterburn_start, or afterburn_rate and '// &
                       'afterburn_pressure')
     end if
-  end subroutine afterburn_read
+  end subroutine check_keys
 
   !> Part that is given in a window of time.
   pure real(dp) function afterburn_window(law, elapsed) result(part)

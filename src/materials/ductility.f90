@@ -12,8 +12,8 @@
 !!     g = (((s1 - s2)^a + (s2 - s3)^a + (s1 - s3)^a)/2)^(1/a) + c (s1 + s3),
 !!
 !! so that b is the strain at failure in uniaxial and in equibiaxial tension; where g <= 0 nothing
-!! fails. a = 1 is Mohr and Coulomb's, a = 2 von Mises' with a pressure. The stress is that at the end
-!! of a step.
+!! fails. a = 1 is Mohr and Coulomb's, a = 2 von Mises' with a pressure. The stress is that at the
+!! end of a step.
 module sgmp_ductility
   use sgmp_keys, only: fault_make, fault_t, key, key_t, kind_real, values_t
   use sgmp_kinds, only: dp, lanes

@@ -22,8 +22,8 @@ module sgmp_eos_table
   use sgmp_text, only: percent_text, real_text
   implicit none
   private
-  public :: table_check, table_gaseous, table_holds, table_init, table_keys, table_lanes, table_read, &
-            table_t, table_terms
+  public :: table_check, table_gaseous, table_holds, table_init, table_keys, table_lanes, &
+            table_read, table_t, table_terms
 
   integer, parameter :: probes = 4                !! along each side of a field, for (TB1)
   real(dp), parameter :: overhang = 0.5_dp        !! of the last interval
@@ -55,8 +55,8 @@ contains
                 'run.log says it: rows with another one are refused')]
   end function table_keys
 
-  !> Equation from the values of its keys: the first pressure must be in the table, waves must have a
-  !! speed everywhere, and with a temperature there must be an entropy.
+  !> Equation from the values of its keys: the first pressure must be in the table, waves must have
+  !! a speed everywhere, and with a temperature there must be an entropy.
   pure subroutine table_read(density, values, table, fault)
     real(dp), intent(in) :: density     !! initial density (mass/volume)
     class(values_t), intent(in) :: values
@@ -90,7 +90,7 @@ contains
     real(dp), allocatable, intent(out) :: density(:), energy(:)
     integer, allocatable, intent(out) :: row(:, :)  !! (density, energy)
     type(fault_t), allocatable, intent(inout) :: fault
-    integer :: total, inner, outer, slow, fast, i, j
+    integer :: total, inner, outer, slow, i, j
     total = size(rows, 2)
     if (size(rows, 1) < 3 .or. size(rows, 1) > 4 .or. total < 4) then
       call fault_make(fault, file, 'a table has three or four numbers in a row, and four rows '// &
@@ -98,7 +98,6 @@ contains
       return
     end if
     slow = merge(1, 2, abs(rows(1, 2) - rows(1, 1)) <= 0.0_dp)
-    fast = 3 - slow
     inner = 1
     do while (inner < total)
       if (abs(rows(slow, inner + 1) - rows(slow, 1)) > 0.0_dp) exit
@@ -107,24 +106,7 @@ contains
     outer = total/inner
     do i = 1, total
       j = i - 1 - inner*((i - 1)/inner)   ! place among those of the same slow value
-      if (abs(rows(slow, i) - rows(slow, i - j)) > 0.0_dp) then
-        call fault_make(fault, file, 'the grid of the table has a gap', grid_expected, [slow, i])
-      else if (abs(rows(fast, i) - rows(fast, j + 1)) > 0.0_dp) then
-        call fault_make(fault, file, real_text(rows(fast, i))//' is not '// &
-                        real_text(rows(fast, j + 1))//' as in the first rows', grid_expected, &
-                        [fast, i])
-      else if (j > 0) then
-        if (.not. rows(fast, i) > rows(fast, i - 1)) call fault_make(fault, file, &
-          real_text(rows(fast, i))//' does not follow '//real_text(rows(fast, i - 1)), &
-          grid_expected, [fast, i])
-      else if (i > 1) then
-        if (.not. rows(slow, i) > rows(slow, i - 1)) call fault_make(fault, file, &
-          real_text(rows(slow, i))//' does not follow '//real_text(rows(slow, i - 1)), &
-          grid_expected, [slow, i])
-      end if
-      if (allocated(fault)) return
-      if (rows(1, i) <= 0.0_dp) call fault_make(fault, file, 'a density is not above 0', &
-                                                grid_expected, [1, i])
+      call check_row(rows, slow, i, j, fault)
       if (allocated(fault)) return
     end do
     if (inner*outer /= total .or. inner < 2 .or. outer < 2) then
@@ -137,6 +119,31 @@ contains
     density = rows(1, row(:, 1))
     energy = rows(2, row(1, :))
   end subroutine find_grid
+
+  !> Whether row i, with j rows of the same slow value before it, goes on with the grid.
+  pure subroutine check_row(rows, slow, i, j, fault)
+    real(dp), intent(in) :: rows(:, :)
+    integer, intent(in) :: slow                  !! column that grows slowly
+    integer, intent(in) :: i, j
+    type(fault_t), allocatable, intent(inout) :: fault
+    integer :: grows
+    associate (fast => 3 - slow)
+      grows = merge(fast, slow, j > 0)
+      if (abs(rows(slow, i) - rows(slow, i - j)) > 0.0_dp) then
+        call fault_make(fault, file, 'the grid of the table has a gap', grid_expected, [slow, i])
+      else if (abs(rows(fast, i) - rows(fast, j + 1)) > 0.0_dp) then
+        call fault_make(fault, file, real_text(rows(fast, i))//' is not '// &
+                        real_text(rows(fast, j + 1))//' as in the first rows', grid_expected, &
+                        [fast, i])
+      else if (rows(1, i) <= 0.0_dp) then
+        call fault_make(fault, file, 'a density is not above 0', grid_expected, [1, i])
+      else if (i > 1) then
+        if (rows(grows, i) > rows(grows, i - 1)) return
+        call fault_make(fault, file, real_text(rows(grows, i))//' does not follow '// &
+                        real_text(rows(grows, i - 1)), grid_expected, [grows, i])
+      end if
+    end associate
+  end subroutine check_row
 
   !> Slopes at all points.
   pure subroutine table_init(density0, density, energy, pressure, table)
@@ -210,8 +217,8 @@ contains
           q = patch(table, i, j, rho, e)
           if (q(2) + q(1)*q(3)/rho**2 > 0.0_dp) cycle
           call fault_make(fault, file, 'waves have no speed at a density of '//real_text(rho)// &
-                          ' and an energy of '//real_text(e)//': dp/drho + p/rho^2 dp/de is not '// &
-                          'above 0', 'leave out densities and energies where matter falls '// &
+                          ' and an energy of '//real_text(e)//': dp/drho + p/rho^2 dp/de is '// &
+                          'not above 0', 'leave out densities and energies where matter falls '// &
                           'apart, or take closer points', [3, row(i, j)])
           return
         end do

@@ -90,21 +90,23 @@ contains
                 unit='stress length', range='(0,inf)'), &
             key('length', kind_real, 'length of the material over which plastic strain is '// &
                 'averaged for plastic_strain, plastic_work, hosford_strain, d1 to d5 and the '// &
-                'heat of johnson_cook: failure then does not follow cells of half of it and less; see doc/materials.md', &
+                'heat of johnson_cook: failure then does not follow cells of half of it and '// &
+                'less; see doc/materials.md', &
                 unit='length', range='(0,inf)'), &
-            key('flaws', kind_real, 'k of the k e^m flaws per volume that grow at strains below '// &
-                'e (Grady and Kipp): brittle matter, alone', unit='1/volume', range='(0,inf)'), &
+            key('flaws', kind_real, 'k of the k e^m flaws per volume that grow at strains '// &
+                'below e (Grady and Kipp): brittle matter, alone', unit='1/volume', &
+                range='(0,inf)'), &
             key('flaw_exponent', kind_real, 'm of it; with flaws', range='[1,inf)'), &
-            key('crack_speed', kind_real, 'speed of the cracks from flaws; default: 0.4 of that '// &
-                'of longitudinal waves', unit='speed', range='(0,inf)'), &
-            key('flaw_count', kind_real, 'number of flaws of a particle that must grow to break '// &
-                'it; default: 1; Benz and Asphaug take the logarithm of the number of particles', &
+            key('crack_speed', kind_real, 'speed of the cracks from flaws; default: 0.4 of '// &
+                'that of longitudinal waves', unit='speed', range='(0,inf)'), &
+            key('flaw_count', kind_real, 'number of flaws of a particle that must grow to '// &
+                'break it; default: 1; Benz and Asphaug take the logarithm of the number of particles', &
                 range='[1,inf)'), &
             key('weibull', kind_real, 'Weibull modulus of all limits of this card, and of the '// &
                 'failure strain of d1 to d5, which scatter from particle to particle; the '// &
                 'given ones are the means', range='[0.5,inf)'), &
-            key('seed', kind_integer, 'another number, another scatter, and other flaws', range='[0,inf)', &
-                default='0')]
+            key('seed', kind_integer, 'another number, another scatter, and other flaws', &
+                range='[0,inf)', default='0')]
   end function failure_keys
 
   !> Criteria from the values of those keys.

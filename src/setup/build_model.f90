@@ -29,7 +29,7 @@ module sgmp_build_model
   use sgmp_load, only: load_is_bound
   use sgmp_loads_build, only: loads_add_columns, loads_declare, loads_fill
   use sgmp_lost_policy, only: lost_reflect, lost_remove
-  use sgmp_material_history, only: slots_ask, slots_first_values
+  use sgmp_material_history, only: slots_ask, slots_first_values, slots_t
   use sgmp_material_weight, only: stress_energy
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_method, only: method_t
@@ -339,10 +339,7 @@ contains
       if (law%scatter%weibull > 0.0_dp .and. .not. law%rigid) then
         call slots_ask(slots, 'yield_factor', one)
       end if
-      if (law%failure%flaws%number > 0.0_dp .and. .not. law%rigid) then
-        call slots_ask(slots, 'flaw_strain', one)
-        call slots_ask(slots, 'flaw_radius', one)
-      end if
+      call ask_flaws(law%failure%flaws%number, law%rigid, slots)
       if (scene%method%volumes_kept .and. law%eos /= eos_none .and. .not. law%rigid) then
         call slots_ask(slots, 'compliance', none(:1))
       end if
@@ -501,6 +498,17 @@ contains
       call set_factor(law%scatter%weibull, law%scatter%seed, law%slots%yield_factor, body%particles)
     end associate
   end subroutine set_strength
+
+  !> Columns of flaws, where matter has them.
+  pure subroutine ask_flaws(flaws, rigid, slots)
+    real(dp), intent(in) :: flaws        !! per volume
+    logical, intent(in) :: rigid
+    type(slots_t), intent(inout) :: slots
+    real(dp), parameter :: one(1) = 1.0_dp
+    if (rigid .or. .not. flaws > 0.0_dp) return
+    call slots_ask(slots, 'flaw_strain', one)
+    call slots_ask(slots, 'flaw_radius', one)
+  end subroutine ask_flaws
 
   !> The weakest flaw of each particle, and its size; in one and two dimensions it is as deep as it
   !! is wide, of a ring its cross-section counts.

@@ -76,7 +76,7 @@ EXPECTED = {
                   r"eos_table_still\.tab:1:5: error: waves have no speed at a density of 2",
                   r"eos_table_cold\.tab:3:9: error: a temperature is not above 0", r"\| 2 0 0\.2 -1",
                   r"{d}:18:21: error: the density of the material, 9.*, is not in the table",
-                  r"{d}:22:78: error: there is no energy of afterburn",
+                  r"{d}:22:1: error: there is no energy of afterburn",
                   r"{d}:24:72: error: nothing says when the afterburn",
                   r"{d}:26:74: error: afterburn has a window of time and a rate", r"^14 error"],
     "flaws": [r"{d}:6:1: error: Grady and Kipp need flaws and flaw_exponent",
