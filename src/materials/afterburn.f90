@@ -76,8 +76,9 @@ contains
     window = [(values%has(trim(of_window(k))), k=1, size(of_window))]
     rate = [(values%has(trim(of_rate(k))), k=1, size(of_rate))]
     if (.not. values%has('afterburn')) then
-      if (any(window) .or. any(rate)) call fault_make(fault, '', 'there is no energy of afterburn', &
-                                                      'add afterburn=…')
+      if (any(window) .or. any(rate)) then
+        call fault_make(fault, '', 'there is no energy of afterburn', 'add afterburn=…')
+      end if
     else if (any(window) .and. any(rate)) then
       call fault_make(fault, 'afterburn', 'afterburn has a window of time and a rate', &
                       'give afterburn_start and afterburn_end, or afterburn_rate and '// &

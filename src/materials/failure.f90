@@ -100,7 +100,8 @@ contains
             key('crack_speed', kind_real, 'speed of the cracks from flaws; default: 0.4 of '// &
                 'that of longitudinal waves', unit='speed', range='(0,inf)'), &
             key('flaw_count', kind_real, 'number of flaws of a particle that must grow to '// &
-                'break it; default: 1; Benz and Asphaug take the logarithm of the number of particles', &
+                'break it; default: 1; Benz and Asphaug take the logarithm of the number of '// &
+                'particles', &
                 range='[1,inf)'), &
             key('weibull', kind_real, 'Weibull modulus of all limits of this card, and of the '// &
                 'failure strain of d1 to d5, which scatter from particle to particle; the '// &
