@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Equations of state from files, and afterburn. A shock tube with a table of the ideal gas is that of `ideal_gas`, in other units, too, and a restart refuses
-other rows. Products in a closed box get the heat of afterburn and no more.
+"""Equations of state from files, and afterburn. A shock tube with a table of the ideal gas is that of `ideal_gas`, in
+other units, too, and a restart refuses other rows. Products in a closed box get the heat of afterburn and no more.
 
 usage: tables.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -23,7 +23,8 @@ body right block lower=0.5 upper=1 material=right ppc=4
 output csv at=end fields=density,pressure,energy
 checkpoint every=50 keep=9
 """
-GAS = "".join(f"material {name} fluid density={density}\neos {name} {{eos}} energy0={energy}\n" for name, density, energy in (("left", 1, 2.5e5), ("right", 0.125, 2.5e4)))
+GAS = "".join(f"material {name} fluid density={density}\neos {name} {{eos}} energy0={energy}\n"
+              for name, density, energy in (("left", 1, 2.5e5), ("right", 0.125, 2.5e4)))
 BOX = """
 dimension 1
 grid cell=0.1 x=0:1
@@ -52,35 +53,44 @@ def tubes(report):
     rows(os.path.join(SCRATCH, "air.tab"))
     rows(os.path.join(SCRATCH, "metric.tab"), (1e3, 1e6, 1e9))
     tabled = GAS.format(eos='table file="air.tab"')
-    metric = GAS.format(eos='table file="metric.tab"').replace("=1\n", "=1e-3\n").replace("=0.125", "=1.25e-4").replace("2.5e5", "2.5e-4").replace("250000.0", "2.5e-4")
+    metric = GAS.format(eos='table file="metric.tab"')
+    for metres, millimetres in (("=1\n", "=1e-3\n"), ("=0.125", "=1.25e-4"), ("250000.0", "2.5e-4")):
+        metric = metric.replace(metres, millimetres)
     with open(os.path.join(SCRATCH, "gas_metric.inp"), "w", encoding="ascii") as opened:
         opened.write("units mm mg us scope=file\n" + metric.replace("25000.0", "2.5e-5"))
     ends = {}
-    for name, cards in (("ideal", GAS.format(eos="ideal_gas gamma=1.4")), ("tabled", tabled), ("metric", 'include "gas_metric.inp"')):
+    scenes = {"ideal": GAS.format(eos="ideal_gas gamma=1.4"), "tabled": tabled, "metric": 'include "gas_metric.inp"'}
+    for name, cards in scenes.items():
         result = run(name, TUBE.format(cards=cards))
         if report.finished(result, name):
             ends[name] = sorted(result.table("particles_end.csv"), key=lambda row: row["x"])
     for name in ("tabled", "metric"):
         if len(ends) == 3:
-            off = max(abs(a[key] - b[key])/max(abs(c[key]) for c in ends["ideal"]) for a, b in zip(ends["ideal"], ends[name]) for key in ("x", "density", "pressure", "energy"))
+            off = max(abs(a[key] - b[key])/max(abs(c[key]) for c in ends["ideal"])
+                      for key in ("x", "density", "pressure", "energy") for a, b in zip(ends["ideal"], ends[name]))
             report.check(off < 1e-7, f"{name}: {off:.1e} from the ideal gas")
     rows(os.path.join(SCRATCH, "air.tab"), (1, 1, 1.001))
     folder = os.path.join(SCRATCH, "tabled")
     middle = sorted(name for name in os.listdir(folder) if name.startswith("checkpoint"))[0]
     result = run("again", TUBE.format(cards=tabled), options=["--restart", os.path.join(folder, middle)])
-    report.check(result.code == 3 and "checksum" in result.text, f"another table: exit code {result.code}\n{result.text}")
+    report.check(result.code == 3 and "checksum" in result.text,
+                 f"another table: exit code {result.code}\n{result.text}")
 
 
 def boxes(report):
     """Energy of products per initial volume at the end of 0.4 time units, all lit at once nearly."""
-    for name, words, part in (("none", "", 0.0), ("window", "afterburn=10 afterburn_start=0.1 afterburn_end=0.3", 1.0), ("half", "afterburn=10 afterburn_start=0.2 afterburn_end=0.6", 0.5),
-                              ("rate", "afterburn=10 afterburn_rate=2 afterburn_pressure=1 afterburn_order=1 afterburn_exponent=0", 1 - math.exp(-0.8))):
+    rate = "afterburn=10 afterburn_rate=2 afterburn_pressure=1 afterburn_order=1 afterburn_exponent=0"
+    for name, words, part in (("none", "", 0.0),
+                              ("window", "afterburn=10 afterburn_start=0.1 afterburn_end=0.3", 1.0),
+                              ("half", "afterburn=10 afterburn_start=0.2 afterburn_end=0.6", 0.5),
+                              ("rate", rate, 1 - math.exp(-0.8))):
         result = run("box_" + name, BOX.format(words=words, more=",afterburnt"*bool(words)))
         if report.finished(result, "box " + name):
             ends = result.table("particles_end.csv")
             energy = sum(row["energy"] for row in ends)/len(ends)
             report.check(abs(energy - 7 - 10*part) < 0.03, f"{name}: the energy is {energy}, not {7 + 10*part}")
-            report.check(all(abs(row.get("afterburnt", 0.0) - part) < 3e-3 for row in ends), f"{name}: not the part {part} is burnt")
+            report.check(all(abs(row.get("afterburnt", 0.0) - part) < 3e-3 for row in ends),
+                         f"{name}: not the part {part} is burnt")
 
 
 def main():
