@@ -3,8 +3,8 @@
 module sgmp_cards_material
   use sgmp_constitutive, only: eos_keys, eos_names, eos_none, eos_read, eos_table, law_check, &
                                law_keys, law_read, law_set_erosion, law_set_failure, &
-                               law_set_spall, law_set_viscosity, law_widest_band, material_explosive, &
-                               material_names
+                               law_set_spall, law_set_viscosity, law_widest_band, &
+                               material_explosive, material_names
   use sgmp_deck_card, only: deck_card_t
   use sgmp_erosion, only: erosion_keys
   use sgmp_failure, only: failure_keys

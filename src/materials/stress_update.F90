@@ -634,7 +634,7 @@ contains
     call von_mises(b(1, s), mean, norm)
     if (law%softens) late = work - 0.5_dp*(mean*trace)
     if (law%fails) norm = (1.0_dp - failed)*norm
-    if (law%slots%averaged > 0) driven = b(:, law%slots%averaging + averaging_values - 1)
+    driven = average_used(law, nb, b)
     call return_to_yield(law, shear, dt, norm, mean, nb, b, factor, increment)
     if (law%fails) factor = (1.0_dp - failed)*factor
     call relax(factor, mean, strain, trace, b(1, s), work)
@@ -665,10 +665,7 @@ contains
                   b(1, law%slots%temperature))
       end if
     end if
-    if (ductility_given(law%failure%ductility)) then
-      if (law%slots%averaged > 0) increment = b(:, law%slots%averaged) - driven
-      call wear(law, mean, increment, nb, b)
-    end if
+    call wear(law, mean, driven, increment, nb, b)
     if (law%fails) then
       call come_apart(law, dt, mass, trace, left, late, before, nb, b, failed, mean, speed2, q, &
                       work)
@@ -678,14 +675,27 @@ contains
     call add_mean(mean, b(1, s))
   end subroutine plastic
 
+  !> The average of plastic strain that damage has seen so far; 0 where nothing is averaged.
+  pure function average_used(law, nb, b) result(used)
+    type(constitutive_t), intent(in) :: law
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: b(lanes, nb)
+    real(dp) :: used(lanes)
+    used = 0.0_dp
+    if (law%slots%averaged > 0) used = b(:, law%slots%averaging + averaging_values - 1)
+  end function average_used
+
   !> Damage by the stress at the end of a step and the plastic strain in it, or its average.
-  pure subroutine wear(law, mean, increment, nb, b)
+  pure subroutine wear(law, mean, driven, increment, nb, b)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: mean(lanes)          !! of the stress
+    real(dp), intent(in) :: driven(lanes)        !! average_used before the step
     real(dp), intent(inout) :: increment(lanes)  !! of plastic strain; over the strength after it
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)      !! with the deviator
     real(dp) :: deviator(lanes, 6)
+    if (.not. ductility_given(law%failure%ductility)) return
+    if (law%slots%averaged > 0) increment = b(:, law%slots%averaged) - driven
     deviator = 0.0_dp
     deviator(:, :NSTRESS) = b(:, law%slots%stress:law%slots%stress + NSTRESS - 1)
     if (law%slots%strength > 0) increment = increment/b(:, law%slots%strength)

@@ -36,7 +36,8 @@ def afterburn(luck):
         start = luck.choice((0, 0.5))
         return energy + f" afterburn_start={start} afterburn_end={start + luck.choice((0.01, 2))}"
     energy += f" afterburn_rate={luck.choice((0.1, 10))} afterburn_pressure={luck.choice((0.1, 1))}"
-    return energy + luck.choice(("", " afterburn_order=1 afterburn_exponent=1", " afterburn_order=2 afterburn_exponent=0"))
+    return energy + luck.choice(("", " afterburn_order=1 afterburn_exponent=1",
+                                 " afterburn_order=2 afterburn_exponent=0"))
 
 
 def ductile(luck, numbers):
