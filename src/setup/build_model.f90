@@ -22,13 +22,14 @@ module sgmp_build_model
   use sgmp_features, only: features_walls_act
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
+  use sgmp_flaws, only: flaws_first
   use sgmp_kernels, only: bin_span, method_band, method_cpgimp, method_half_size, method_kernel, &
                           stencil_shift, stencil_width
-  use sgmp_kinds, only: dp, i4, lanes
+  use sgmp_kinds, only: dp, i4, lanes, pi
   use sgmp_load, only: load_is_bound
   use sgmp_loads_build, only: loads_add_columns, loads_declare, loads_fill
   use sgmp_lost_policy, only: lost_reflect, lost_remove
-  use sgmp_material_history, only: slots_ask, slots_first_values
+  use sgmp_material_history, only: slots_ask, slots_first_values, slots_t
   use sgmp_material_weight, only: stress_energy
   use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
   use sgmp_method, only: method_t
@@ -44,9 +45,10 @@ module sgmp_build_model
   use sgmp_rigid_motion, only: motion_energy
   use sgmp_scene, only: body_card_t, scene_space, scene_t, time_card_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
+  use sgmp_space, only: space_axisymmetric
   use sgmp_stages, only: stage_columns, stage_terms
   use sgmp_step, only: step_start
-  use sgmp_strength, only: strength_factor
+  use sgmp_strength, only: strength_factor, strength_variate
   use sgmp_sums, only: removed_causes, removed_sums
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
@@ -290,6 +292,7 @@ contains
       call set_swirl(card, mesh, body)
       if (seeded) call set_rotation(card, mesh, body)
       call set_strength(body)
+      call set_flaws(mesh, body)
       if (seeded) call stress_fill(card, scene%gravity, mesh, body, error)
       if (allocated(error)) return
       if (seeded) call file_state_fill(card, mesh%space, body, error)
@@ -337,6 +340,7 @@ contains
       if (law%scatter%weibull > 0.0_dp .and. .not. law%rigid) then
         call slots_ask(slots, 'yield_factor', one)
       end if
+      call ask_flaws(law%failure%flaws%number, law%rigid, slots)
       if (scene%method%volumes_kept .and. law%eos /= eos_none .and. .not. law%rigid) then
         call slots_ask(slots, 'compliance', none(:1))
       end if
@@ -495,6 +499,43 @@ contains
       call set_factor(law%scatter%weibull, law%scatter%seed, law%slots%yield_factor, body%particles)
     end associate
   end subroutine set_strength
+
+  !> Columns of flaws, where matter has them.
+  pure subroutine ask_flaws(flaws, rigid, slots)
+    real(dp), intent(in) :: flaws        !! per volume
+    logical, intent(in) :: rigid
+    type(slots_t), intent(inout) :: slots
+    real(dp), parameter :: one(1) = 1.0_dp
+    if (rigid .or. .not. flaws > 0.0_dp) return
+    call slots_ask(slots, 'flaw_strain', one)
+    call slots_ask(slots, 'flaw_radius', one)
+  end subroutine ask_flaws
+
+  !> The weakest flaw of each particle, and its size; in one and two dimensions it is as deep as it
+  !! is wide, of a ring its cross-section counts.
+  subroutine set_flaws(mesh, body)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    real(dp) :: volume
+    integer :: c, l
+    if (body%law%slots%flaw_strain == 0) return
+    associate (particles => body%particles, slots => body%law%slots, failure => body%law%failure)
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          volume = particles%state(l, slots%volume, c)
+          if (mesh%space == space_axisymmetric) then
+            volume = volume/(2.0_dp*pi*mesh%h*particles%motion(l, 1, c))
+          end if
+          volume = volume**(3.0_dp/real(particles%ndim, dp))
+          call flaws_first(failure%flaws, volume, strength_variate(failure%seed, &
+                                                                   particles%id(l, c)), &
+                           particles%state(l, slots%flaw_strain, c), &
+                           particles%state(l, slots%flaw_radius, c))
+        end do
+      end do
+    end associate
+  end subroutine set_flaws
 
   !> Factor of each particle on what scatters, if there is a column for it.
   subroutine set_factor(weibull, seed, column, particles)
