@@ -113,7 +113,7 @@ contains
     real(dp), parameter :: tolerated = 0.1_dp
     real(dp) :: mass, expected
     integer :: b
-    do b = 1, size(model%bodies)
+    do b = 1, size(scene%bodies)
       mass = model%totals%bodies(b)%mass
       expected = shape_mass(scene, model, b)
       if (expected <= 0.0_dp .or. abs(mass - expected) <= tolerated*expected) cycle
@@ -145,6 +145,7 @@ contains
     do a = 1, size(model%bodies)
       do b = a + 1, size(model%bodies)
         if (model%bodies(a)%field == model%bodies(b)%field) cycle
+        if (any(model%bodies([a, b])%twin_of > 0)) cycle
         if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
         if (contact_between(model%contact, model%bodies(a)%field, model%bodies(b)%field)) cycle
         found = found + 1
@@ -164,8 +165,8 @@ contains
     type(string_t), allocatable, intent(inout) :: warnings(:)
     integer :: a, b
     if (size(model%contact%pairs) == 0) return
-    do a = 1, size(model%bodies)
-      do b = 1, size(model%bodies)
+    do a = 1, size(scene%bodies)
+      do b = 1, size(scene%bodies)
         if (model%bodies(a)%field /= model%bodies(b)%field) cycle
         if (scene%bodies(a)%leader > 0 .and. scene%bodies(a)%leader == scene%bodies(b)%leader) cycle
         if (.not. law_is_spherical(model%bodies(a)%law) .or. &
@@ -273,7 +274,7 @@ contains
     character(31) :: limit
     character(:), allocatable :: advice
     integer :: b
-    do b = 1, size(model%bodies)
+    do b = 1, size(scene%bodies)
       particles = parallel_sum(stress_returned(scene%bodies(b), scene%gravity, model%mesh, &
                                                model%bodies(b)))
       if (particles == 0_i8) cycle
@@ -300,7 +301,7 @@ contains
     integer(i8) :: cells
     real(dp) :: filled
     integer :: b
-    do b = 1, size(model%bodies)
+    do b = 1, size(scene%bodies)
       associate (card => scene%bodies(b), h => model%mesh%h)
         if (card%layout /= layout_file) then
           if (model%bodies(b)%spacing <= h*(1.0_dp + 1.0e-9_dp)) cycle
@@ -385,7 +386,7 @@ contains
     real(dp) :: first
     integer :: b
     if (scene%time%end <= 0.0_dp) return
-    do b = 1, size(model%bodies)
+    do b = 1, size(scene%bodies)
       associate (particles => model%bodies(b)%particles, slots => model%bodies(b)%law%slots)
         if (slots%lighting == 0) cycle
         first = parallel_min(minval(particles%state(:, slots%lighting, :particles%chunks), &
@@ -403,15 +404,15 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     type(string_t), allocatable, intent(inout) :: warnings(:)
-    type(extent_t) :: extents(size(model%bodies))
+    type(extent_t) :: extents(size(scene%bodies))
     character(:), allocatable :: names
     logical :: meet, grouped                     !! grouped: one to others, as the deck says
     integer :: a, b
-    do b = 1, size(model%bodies)
+    do b = 1, size(scene%bodies)
       extents(b) = extent_of(model, b)
     end do
-    do a = 1, size(model%bodies)
-      do b = a + 1, size(model%bodies)
+    do a = 1, size(scene%bodies)
+      do b = a + 1, size(scene%bodies)
         meet = collide(extents(a), extents(b), scene%time%end)
         grouped = scene%bodies(a)%leader > 0 .and. &
                   scene%bodies(a)%leader == scene%bodies(b)%leader

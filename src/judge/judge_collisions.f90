@@ -41,6 +41,7 @@ contains
     speed2 = 2.0_dp*model%ledger%supplied/max(sum(model%totals%bodies%mass), tiny(1.0_dp))
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
+        if (any(pair%body > size(scene%bodies))) cycle  ! a twin
         if (.not. all([(bounces(scene, model, pair%body(b)), b=1, 2)])) cycle
         mass = minval(model%totals%bodies(pair%body)%mass)
         if (sum(pair%impulse**2) < least_blow**2*mass**2*speed2) cycle

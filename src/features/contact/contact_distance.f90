@@ -4,6 +4,7 @@ module sgmp_contact_distance
   use sgmp_body, only: body_t
   use sgmp_contact_normals, only: contact_normal, volume_gradient
   use sgmp_contact_pairs, only: contact_pair_t, normal_separating
+  use sgmp_contact_resolve, only: link_sharing
   use sgmp_field, only: field_t
   use sgmp_kernels, only: stencil_reach
   use sgmp_kinds, only: dp, lanes
@@ -60,7 +61,8 @@ contains
     end do
   end subroutine distance_detect
 
-  !> Debris touches whatever it meets; all directions are alike, and any is the normal.
+  !> Debris touches whatever it meets, and matter what goes on behind a seam, from the start of the
+  !! step; all directions are alike, and any is the normal.
   pure subroutine touch(shared, l)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: l
@@ -68,6 +70,9 @@ contains
     shared%gap(l) = 0.0_dp
     shared%middle(l) = 0.0_dp
     shared%link(l)%normal = [1.0_dp, 0.0_dp, 0.0_dp]
+    if (.not. shared%link(l)%seam) return
+    shared%link(l)%state = link_sharing
+    shared%link(l)%held_normal = shared%link(l)%normal
   end subroutine touch
 
   !> Normal of a link and whether its bodies touch. The normal is that of the shortest line between

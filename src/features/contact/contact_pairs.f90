@@ -28,6 +28,8 @@ module sgmp_contact_pairs
     real(dp) :: depth = huge(1.0_dp)
       !! contact acts at nodes this near to where the bodies touch (cells)
     integer :: normal = normal_separating  !! one of normal_*, the stiffer already resolved
+    integer :: family = 0
+      !! of bodies that touch themselves, where both are labels of it (sgmp_self_contact)
     logical :: fills = .false.
       !! one of the fields is gas, which comes as near as any of its particles does
     ! what has happened since the start, vectors along the axes of output

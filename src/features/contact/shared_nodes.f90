@@ -334,15 +334,16 @@ contains
     end do
   end subroutine shared_meet
 
-  !> Which links of a node share their velocity: where debris is more than half of one body's mass.
+  !> Which links of a node share their velocity: where matter goes on from one label to another, and
+  !! where debris is more than half of one body's mass.
   pure subroutine shared_share(shared, n, fields)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n                     !! the node
     type(field_t), intent(in) :: fields(:)       !! those that collide know the mass of their debris
     integer :: at(2), l, side
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
-      shared%link(l)%shares = .false.
-      if (.not. shared%meets(l)) cycle
+      shared%link(l)%shares = shared%link(l)%seam
+      if (.not. shared%meets(l) .or. shared%link(l)%seam) cycle
       at = shared_members(shared, n, l)
       do side = 1, 2
         associate (field => fields(shared%field(at(side))))
