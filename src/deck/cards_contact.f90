@@ -252,7 +252,7 @@ contains
     type(draft_t), intent(inout) :: draft
     integer :: b, named(2)
     logical :: flows
-    associate (scene => draft%scene, place => card%place('self'))
+    associate (scene => draft%scene)
       named = [word_position(card%word('first'), scene%bodies%name), &
                word_position(card%word('second'), scene%bodies%name)]
       do b = 1, size(scene%bodies)
@@ -260,7 +260,7 @@ contains
         if (scene%bodies(b)%material == 0) cycle
         flows = law_is_spherical(scene%materials(scene%bodies(b)%material)%law)
         if (.not. (flows .or. scene%bodies(b)%rigid)) cycle
-        call draft%errors%add(place, "body '"//trim(scene%bodies(b)%name)//"' "// &
+        call draft%errors%add(card%place('self'), "body '"//trim(scene%bodies(b)%name)//"' "// &
                               trim(merge('is rigid', 'flows   ', scene%bodies(b)%rigid))// &
                               ' and does not touch itself', 'remove self=yes')
         return
