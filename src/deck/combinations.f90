@@ -146,6 +146,10 @@ module sgmp_combinations
               'not worked out: along the seams between the fields of one body it would act on '// &
               'each by itself', &
               'remove one of them'), &
+    refusal_t('self', 'surfaces', '', &
+              'along the seams between the fields of one body each would take its edge for a '// &
+              'surface', &
+              'write surfaces=plain, or leave the word out'), &
     refusal_t('self', 'motion', '', &
               'not worked out: parts that are moved and get another field', &
               'remove one of them, or move a rigid body that touches this one'), &
