@@ -43,7 +43,7 @@ module sgmp_self_contact
     integer :: next_step = 0                    !! when patches are looked at again, at the latest
     real(dp) :: next_time = -huge(1.0_dp)
     logical :: fresh = .false.                  !! nodes have yet to decide
-    integer :: crowded = 0                      !! patches for which no label was left
+    integer :: crowded = 0                      !! most patches for which no label was left
     real(dp), allocatable :: table(:, :)
       !! (self_table, rows) where patches are: family, box, coordinates of the patch, its particles
       !! there, their lower and upper corner less the box (cells); patch. By box and patch.
@@ -64,7 +64,7 @@ contains
     real(dp), allocatable :: own(:, :), all(:)
     type(labels_t) :: labels
     real(dp) :: fastest
-    integer :: b, n, family, crowded
+    integer :: b, n, family, crowded, all_crowded
     if (step < self%next_step .and. time < self%next_time) return
     allocate (own(self_table, 64))
     n = 0
@@ -79,12 +79,12 @@ contains
     self%next_step = step + most_steps
     self%next_time = time + travel/max(hurry*fastest, tiny(1.0_dp))
     self%fresh = .true.
-    self%crowded = 0
+    all_crowded = 0
     do family = 1, maxval(bodies%family)
       if (.not. any(bodies%family == family)) cycle
       b = findloc(bodies%family, family, 1)
       call choose_labels(self, family, mesh%ndim, bodies(b)%labels, labels, crowded)
-      self%crowded = self%crowded + crowded
+      all_crowded = all_crowded + crowded
       if (same(labels, bodies(b)%labels)) cycle
       do b = 1, size(bodies)
         if (bodies(b)%family /= family) cycle
@@ -92,6 +92,7 @@ contains
         bodies(b)%relabels = .true.
       end do
     end do
+    self%crowded = max(self%crowded, all_crowded)
   end subroutine self_look
 
   !> Whether two sets of labels are one.

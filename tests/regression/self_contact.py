@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+"""Bodies that touch themselves (`contact … self=yes`, doc/contact.md): parts of one body behave as bodies of their own
+do, matter stays whole along the seams between its velocity fields, nothing sticks or passes, the same bits.
+
+usage: self_contact.py SGMP SOURCE_DIR SCRATCH_DIR
+
+Known from outside: two blocks that collide do so whether the deck calls them one body or two; contact makes no energy
+and no momentum; a symmetric body stays symmetric; a body that meets nothing does not feel the word.
+"""
+from _restarts import checkpoints, goes_on, mpirun, same_files, straight
+from _runs import Report
+
+# Two blocks, with {whole} = "add a" parts of one body. Both have seams when they meet: patches are cubes of 8 cells.
+BLOCKS = """
+dimension {dimension}
+grid cell=1
+method {method}
+time cfl=0.4 end=75
+material m elastic density=1 young=1 poisson=0.3
+body a block material=m lower=({x},0) upper=({x}+7.5,{thick}) ppc=2
+{whole} block lower=({x}+34,3) upper=({x}+46,3+{thick}) {rest}
+velocity all x="-0.2*max(-1,min(1,{axis}))" {along}=0.01
+contact all {self} friction=0.3
+history steps=20
+output csv at=end fields=stress
+"""
+# A U whose legs come together.
+STRIP = """
+dimension 2
+grid cell=1
+method {method}
+time cfl=0.4 end={end}
+material m elastic density=1 young=1 poisson=0.3
+body u block material=m lower=(0,0) upper=(40,6) ppc=2
+add u block lower=(0,26) upper=(40,32)
+add u block lower=(0,0) upper=(8,32)
+velocity u y="0.2*max(-1,min(1,(16-y)/5))*max(0,min(1,(x-8)/32))"
+{contact}
+history steps=20
+checkpoint every=100 keep=9
+output csv at=end
+"""
+
+
+def blocks(dimension, method, self_):
+    axial = dimension == "axisymmetric"
+    text = BLOCKS.format(
+        dimension=dimension, method=method, x=0, thick=10, self="self=yes" if self_ else "",
+        axis="y-20" if axial else "x-20", along="z" if axial else "y", rest="" if self_ else "material=m ppc=2",
+        whole="add a" if self_ else "body b",
+    )
+    if axial:  # the same along the axis, as rings
+        for one, other in (("lower=(0,0)", "lower=(5,0)"), ("upper=(0+7.5,10)", "upper=(15,7.5)"),
+                           ("lower=(0+34,3)", "lower=(8,34)"), ("upper=(0+46,3+10)", "upper=(18,46)"),
+                           ("x=\"-0.2", "z=\"-0.2"), ("y-20", "z-20"), (" z=0.01", "")):
+            text = text.replace(one, other)
+    return text
+
+
+def as_two(report):
+    """One body of two blocks, and two bodies."""
+    for dimension, method in (
+        ("2", "mpm update=musl"), ("2", "gimp update=usavg"), ("2", "bspline update=usf"),
+        ("2", "sgmp stress=plain rotation=plain surfaces=plain update=usl"), ("axisymmetric", "mpm update=usavg"),
+    ):
+        name = dimension + "_" + "_".join(method.split()[:2])
+        one = straight(report, f"one_{name}", blocks(dimension, method, True))
+        two = straight(report, f"two_{name}", blocks(dimension, method, False))
+        report.check(two["energy.contact_dissipation"] > 1e-3*two["energy.initial_total"], f"{name}: no collision")
+        for key in ("energy.kinetic", "energy.internal", "energy.contact_dissipation"):
+            a, b = one[key], two[key]
+            report.check(
+                abs(a - b) < 1e-9*two["energy.initial_total"], f"{name}: {key} of one body {a}, of two {b}",
+            )
+
+
+def strip(method, contact, end=100):
+    return STRIP.format(method=method, contact=contact, end=end)
+
+
+def closes(report):
+    """The legs neither pass nor stick; momentum, symmetry, energy; they would stick without the card."""
+    result = straight(report, "strip", strip("gimp update=usavg", "contact all self=yes friction=0.2", end=240))
+    first = result["energy.initial_total"]
+    for row in result.table("history.csv"):
+        report.check(
+            abs(row["momentum_x"]) + abs(row["momentum_y"]) < 1e-12, f"strip: momentum at {row['time']}",
+        )
+        energy = row["total_energy"] + row["contact_dissipation"]
+        report.check(energy < 1.002*first, f"strip: energy {energy} at {row['time']}, first {first}")
+    touched = [row for row in result.table("contact.csv") if row["contact_nodes"] > 0]
+    report.check(touched, "strip: nothing touches")
+    report.check(not result.table("contact.csv")[-1]["contact_nodes"], "strip: the legs have not come apart again")
+    legs = [row["y"] for row in result.table("particles_end.csv") if row["x"] > 20]
+    report.check(
+        abs(sum(legs)/len(legs) - 16) < 1e-9, f"strip: mean height {sum(legs)/len(legs)} of what is symmetric about 16",
+    )
+    gap = min(y for y in legs if y > 16) - max(y for y in legs if y < 16)
+    report.check(gap > 0.25, f"strip: a gap of {gap} cells between the legs")
+    report.check(sum(y > 16 for y in legs)*2 == len(legs), "strip: legs have passed each other")
+
+
+def feels_nothing(report):
+    """Where nothing meets the word changes no bit of any particle."""
+    for method in ("mpm update=musl", "sgmp stress=plain rotation=plain surfaces=plain update=usavg"):
+        name = method.split()[0]
+        found = []
+        for title, contact in (("with", "contact all self=yes"), ("without", "")):
+            result = straight(report, f"{title}_{name}", strip(method, contact, end=8))
+            with open(result.folder + "/particles_end.csv", "rb") as file:
+                found.append(file.read())
+        report.check(found[0] == found[1], f"{name}: self=yes is felt where nothing meets")
+
+
+def same_bits(report):
+    """Threads, ranks, restart."""
+    text = strip("mpm update=musl", "contact all self=yes friction=0.2", end=70)
+    first = straight(report, "first", text)
+    at = [step for step in checkpoints(first.folder) if step % 100 == 0][-1]  # labels have changed by then
+    for name, options in (("threads", {"threads": 2}), ("ranks", {"launcher": mpirun(3)})):
+        other = straight(report, name, text, **options)
+        report.check(first["checksum"] == other["checksum"], f"{name}: other bits")
+        same_files(report, first.folder, other.folder, name, layouts=True)
+    goes_on(report, first, "restart", text, at)
+    goes_on(report, first, "restart_ranks", text, at, launcher=mpirun(3))
+
+
+if __name__ == "__main__":
+    REPORT = Report()
+    as_two(REPORT)
+    closes(REPORT)
+    feels_nothing(REPORT)
+    same_bits(REPORT)
+    REPORT.end()
