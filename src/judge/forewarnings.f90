@@ -13,6 +13,7 @@ module sgmp_forewarnings
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_coordinate, mesh_occupied, wall_free
   use sgmp_model, only: model_t
+  use sgmp_near_parts, only: near_parts
   use sgmp_parallel, only: parallel_max, parallel_min, parallel_sum
   use sgmp_particle_file, only: particle_file_columns
   use sgmp_particles, only: particles_t
@@ -58,7 +59,22 @@ contains
     call look_at_lighting(scene, model, warnings)
     call look_for_collisions(scene, model, warnings)
     call look_for_flying_gas(scene, model, warnings)
+    call look_for_near_parts(model, warnings)
   end subroutine forewarnings_find
+
+  !> Parts of a body that touches itself which patches cannot tell apart.
+  subroutine look_for_near_parts(model, warnings)
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    integer :: b
+    do b = 1, size(model%bodies)
+      if (model%bodies(b)%family == 0 .or. model%bodies(b)%twin_of > 0) cycle
+      if (.not. near_parts(model%bodies(b)%particles)) cycle
+      call warn(warnings, "parts of body '"//trim(model%bodies(b)%name)//"' lie less than 16 "// &
+                'cells apart: self=yes may not tell them apart, and where they meet they stick '// &
+                'together; smaller cells, or bodies of their own')
+    end do
+  end subroutine look_for_near_parts
 
   subroutine warn(warnings, text)
     type(string_t), allocatable, intent(inout) :: warnings(:)
