@@ -68,6 +68,8 @@ EXPECTED = {
                 r"{d}:14:1: error: body 'wall' is made rigid twice",
                 r"{d}:15:23: error: 'friction' = -1 is out of range"],
     "contact_alone": [r"{d}:7:1: error: 'contact' in a deck with one body"],
+    "contact_self": [r"{d}:13:18: error: contact self=yes does not go with rotation=exact", r"{d}:14:18: error: body 'gas' flows and does not touch itself",
+                     r"{d}:15:23: error: body 'tool' is rigid and does not touch itself", r"^3 error"],
     "contact_rigid": [r"{d}:10:1: error: contact of two rigid bodies"],
     "copies_plane": [r"{d}:5:62: error: the copies of a cylinder leave the axis",
                      r"{d}:6:53: error: the copies move towards the axis",
