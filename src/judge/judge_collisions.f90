@@ -63,9 +63,10 @@ contains
     type(opinion_t), intent(inout) :: opinion
     type(model_t), intent(in) :: model
     if (model%contact%self%crowded == 0) return
-    call opinion%object('more parts of a body that touches itself met than it has velocity fields: '// &
-                        'some of them ('//integer_text(model%contact%self%crowded)//' patches) '// &
-                        'stuck together; smaller cells')
+    call opinion%object('more parts of a body that touches itself met than it has velocity '// &
+                        'fields: some of them ('// &
+                        integer_text(model%contact%self%crowded)// &
+                        ' patches) stuck together; smaller cells')
   end subroutine judge_crowd
 
   !> Bodies of method sgmp that come back from a wall: those that fly against the one velocity with

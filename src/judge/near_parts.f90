@@ -109,6 +109,7 @@ contains
 
   !> Whether the cells of two neighbouring patches are not all joined, by faces, edges or corners,
   !! in the patches that are around both.
+  ! allow(S901): a flood fill, its box before it and the question after it
   pure function apart(cell, start, around, two) result(yes)
     integer, intent(in) :: cell(:, :)            !! (3, cells)
     integer, intent(in) :: start(:)              !! first cell of each patch, and one more

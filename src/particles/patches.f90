@@ -67,7 +67,8 @@ contains
       if (labels%patch(middle_one) == patch) then
         label = labels%label(middle_one)
         return
-      else if (labels%patch(middle_one) < patch) then
+      end if
+      if (labels%patch(middle_one) < patch) then
         low = middle_one + 1
       else
         high = middle_one - 1

@@ -82,6 +82,7 @@ contains
   end subroutine cost_estimate_write_need
 
   !> Groups of bodies that move in one velocity field, which of them touch, and what the others do.
+  ! allow(S901): four lists, each with what it leaves out
   subroutine put_contact(scene, model)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model

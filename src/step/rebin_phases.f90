@@ -42,6 +42,7 @@ module sgmp_rebin_phases
 contains
 
   !> Moves particles to their new bins, follows them with the grid, and folds the moments at walls.
+  ! allow(S901): movers of all kinds, one after the other
   subroutine phase_rebin_particles(plan, mesh, fields, bodies, contact, team, ranks, findings, &
                                    timers)
     type(plan_t), intent(in) :: plan

@@ -33,7 +33,7 @@ module sgmp_self_contact
   real(dp), parameter :: travel = 0.5_dp        !! cells that a particle may go until then
   real(dp), parameter :: hurry = 2.0_dp         !! by which it may get faster
   integer, parameter :: most_steps = 16         !! until then
-  real(dp), parameter :: reach = 2.5_dp         !! cells around a node that its labels are looked for
+  real(dp), parameter :: reach = 2.5_dp         !! cells around a node, for its labels
   real(dp), parameter :: seam = 1.5_dp
     !! patches between the means of two labels around a node, below which matter goes on
 
@@ -384,6 +384,7 @@ contains
   end subroutine self_decide
 
   !> Whether matter goes on from one label to another around a node.
+  ! allow(S901): one loop over the boxes around, and what to leave out of it
   pure function one_matter(self, ndim, body, other, point) result(yes)
     type(self_t), intent(in) :: self
     integer, intent(in) :: ndim, other

@@ -24,7 +24,8 @@ module sgmp_surface_exposure
 contains
 
   !> Makes surface particles of all that lie bare in the marked bins of this rank.
-  !! What other labels of a body that touches itself fill counts, too: at a seam there is no surface.
+  !! What other labels of a body that touches itself fill counts, too: a seam is no surface.
+  ! allow(S901): one loop over lanes, and what to leave out of it
   pure subroutine surface_expose(surface, b, bodies, fields, mesh)
     type(surface_t), intent(inout) :: surface
     integer, intent(in) :: b               !! the body
