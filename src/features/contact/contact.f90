@@ -86,7 +86,8 @@ contains
     call shared_build(contact%shared, mesh, fields, bodies, contact%pairs, planes, &
                       contact%at_surface)
     if (contact%at_surface) call levers_layout(contact%levers, contact%shared, mesh%h)
-    call memory_give(contact%memory, contact%shared)
+    call memory_give(contact%memory, contact%shared, &
+                     contact%pairs(:merge(size(contact%pairs), 0, contact%self%on)))
     contact%self%fresh = contact%self%on
   end subroutine contact_layout
 
@@ -132,16 +133,17 @@ contains
     type(body_t), intent(in) :: bodies(:)
     integer, intent(in) :: threads
     type(clouds_t) :: clouds
-    integer :: n, b
+    integer :: n, b, labelled
+    labelled = merge(size(contact%pairs), 0, contact%self%on)
     do b = 1, size(bodies)
       call surface_pack(contact%shared%surface(b), bodies(b)%particles, &
                         bodies(b)%law%slots%surface, threads)
     end do
     !$omp parallel num_threads(threads) if(threads > 1) default(none) &
-    !$omp& shared(contact, mesh, fields, bodies) private(n, clouds)
+    !$omp& shared(contact, mesh, fields, bodies, labelled) private(n, clouds)
     !$omp do schedule(dynamic, 16)
     do n = 1, contact%shared%nodes
-      call shared_share(contact%shared, n, fields)
+      call shared_share(contact%shared, n, fields, contact%pairs(:labelled))
       call distance_detect(contact%shared, n, mesh, fields, bodies, contact%pairs, clouds)
     end do
     !$omp end do nowait

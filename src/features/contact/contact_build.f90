@@ -46,13 +46,15 @@ contains
         if (model%bodies(a)%family > 0 .and. &
             model%bodies(a)%family == model%bodies(b)%family) then
           first = self_card(scene%contacts, leader(a))
-          pair = make_pair(scene%contacts(first), a, b, model)
+          pair = make_pair(scene%contacts(first), [a, b], of, model)
           pair%family = model%bodies(a)%family
         else
           if (card(a, b) == 0) cycle
-          pair = make_pair(scene%contacts(first), a, b, model)
+          pair = make_pair(scene%contacts(first), [a, b], of, model)
         end if
         pair%field = model%bodies(pair%body)%field
+        pair%kind = merge(model%bodies(pair%body)%family, pair%field, &
+                          model%bodies(pair%body)%family > 0)
         if (is_listed(model%contact%pairs, pair%field)) cycle
         pair%fills = pair%normal == normal_separating .and. &
                      any(law_gaseous(model%bodies%law) .and. &
@@ -277,13 +279,17 @@ contains
   end function best_card
 
   !> A pair in the order of its card, so that `first` and `second` mean what the card says.
-  pure function make_pair(card, a, b, model) result(pair)
+  pure function make_pair(card, two, of, model) result(pair)
     type(contact_card_t), intent(in) :: card
-    integer, intent(in) :: a, b
+    integer, intent(in) :: two(2)
+    integer, intent(in) :: of(:)                 !! body of the deck that each is, or is a twin of
     type(model_t), intent(in) :: model
     type(contact_pair_t) :: pair
-    pair%body = [a, b]
-    if (card%body(1) == b .or. card%body(2) == a) pair%body = [b, a]
+    pair%body = two
+    if (of(two(1)) > of(two(2))) pair%body = two([2, 1])
+    if (card%body(1) == of(pair%body(2)) .or. card%body(2) == of(pair%body(1))) then
+      pair%body = pair%body([2, 1])
+    end if
     pair%friction = card%friction
     pair%lambda = card%lambda
     if (pair%lambda <= 0.0_dp) then

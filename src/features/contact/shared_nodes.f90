@@ -6,7 +6,7 @@
 !! any thread, and two ranks that both solve a node find the same.
 module sgmp_shared_nodes
   use sgmp_body, only: body_t
-  use sgmp_contact_pairs, only: contact_pair_t
+  use sgmp_contact_pairs, only: contact_pair_t, pair_turn
   use sgmp_contact_resolve, only: contact_link_t, link_free
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_reach
@@ -341,12 +341,14 @@ contains
 
   !> Which links of a node share their velocity: where matter goes on from one label to another, and
   !! where debris is more than half of one body's mass.
-  pure subroutine shared_share(shared, n, fields)
+  pure subroutine shared_share(shared, n, fields, pairs)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n                     !! the node
     type(field_t), intent(in) :: fields(:)       !! those that collide know the mass of their debris
+    type(contact_pair_t), intent(in) :: pairs(:)  !! all, or none where no body touches itself
     integer :: at(2), l, side
     call join_seams(shared, n, fields)
+    if (size(pairs) > 0) call hand_on(shared, n, pairs)
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       shared%link(l)%shares = shared%link(l)%seam
       if (.not. shared%meets(l) .or. shared%link(l)%seam) cycle
@@ -363,15 +365,14 @@ contains
   end subroutine shared_share
 
   !> Finds which members of a node are one matter, and lets the heaviest stand for all of them: what
-  !! touches them touches one body. Links of the others rest, and theirs begins where they were.
-  ! allow(S901): which are one, who leads them, what their links were
+  !! touches them touches one body.
   pure subroutine join_seams(shared, n, fields)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n                     !! the node
     type(field_t), intent(in) :: fields(:)
     integer :: group(shared%member_start(n + 1) - shared%member_start(n))
     real(dp) :: mass(size(group))
-    integer :: first, last, k, l, q
+    integer :: first, last, k, l
     first = shared%link_start(n)
     last = shared%link_start(n + 1) - 1
     associate (lead => shared%lead(shared%member_start(n):shared%member_start(n + 1) - 1), &
@@ -396,20 +397,38 @@ contains
       do k = 1, size(group)
         lead(k) = maxloc(mass, 1, mask=group == group(k))
       end do
-      do l = first, last
-        if (shared_leads(shared, n, l)) cycle
-        if (shared%link(l)%seam .or. shared%link(l)%state == link_free) cycle
-        do q = first, last
-          if (.not. shared_leads(shared, n, q) .or. shared%link(q)%state /= link_free) cycle
-          if (any(lead([shared%link(l)%first, shared%link(l)%second]) /= &
-                  [shared%link(q)%first, shared%link(q)%second])) cycle
-          shared%link(q)%state = shared%link(l)%state
-          shared%link(q)%held_normal = shared%link(l)%held_normal
-        end do
-        shared%link(l)%state = link_free
-      end do
     end associate
   end subroutine join_seams
+
+  !> A link that rests, because another label stands for the matter or all of it has got another
+  !! label, leaves its state to the one that acts between the same bodies.
+  pure subroutine hand_on(shared, n, pairs)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n                     !! the node
+    type(contact_pair_t), intent(in) :: pairs(:)
+    integer :: l, q, turn
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      if (shared%link(l)%state == link_free .or. shared%link(l)%seam) cycle
+      if (acts(shared, n, l)) cycle
+      do q = shared%link_start(n), shared%link_start(n + 1) - 1
+        if (q == l .or. shared%link(q)%state /= link_free .or. shared%link(q)%seam) cycle
+        turn = pair_turn(pairs(shared%pair(l)), pairs(shared%pair(q)))
+        if (turn == 0 .or. .not. acts(shared, n, q)) cycle
+        shared%link(q)%state = shared%link(l)%state
+        shared%link(q)%held_normal = turn*shared%link(l)%held_normal
+      end do
+      shared%link(l)%state = link_free
+    end do
+  end subroutine hand_on
+
+  !> Whether the bodies of a link meet, and it is the one that acts for them.
+  pure function acts(shared, n, l) result(yes)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, l                  !! node and link
+    logical :: yes
+    yes = shared%meets(l)
+    if (yes) yes = shared_leads(shared, n, l)
+  end function acts
 
   !> Whether a link is between two members that stand for themselves or for what is one with them.
   pure function shared_leads(shared, n, l) result(yes)
