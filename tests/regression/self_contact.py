@@ -7,6 +7,8 @@ usage: self_contact.py SGMP SOURCE_DIR SCRATCH_DIR
 Known from outside: two blocks that collide do so whether the deck calls them one body or two; contact makes no energy
 and no momentum; a symmetric body stays symmetric; a body that meets nothing does not feel the word.
 """
+import math
+
 from _restarts import checkpoints, goes_on, mpirun, same_files, straight
 from _runs import Report
 
@@ -23,6 +25,33 @@ velocity all x="-0.2*max(-1,min(1,{axis}))" {along}=0.01
 contact all {self} friction=0.3
 history steps=20
 output csv at=end fields=stress
+"""
+# The same in a plane, and a third block that comes down on the seam of one of them.
+PRESSED = """
+dimension 2
+grid cell=1
+method {method}
+time cfl=0.4 end=60
+material m elastic density=1 young=1 poisson=0.3
+body a block material=m lower=(0,0) upper=(17.5,20) ppc=2
+{whole} block lower=(34,3) upper=(56,23) {rest}
+body c block material=m lower=(35,26.5) upper=(47,35) ppc=2
+velocity all x="-0.2*max(-1,min(1,x-25))" y=0.01
+velocity c x=-0.2 y=-0.1
+contact all {self}
+history steps=20
+"""
+# Blocks that fly to one point.
+CROWD = """
+dimension 2
+grid cell=1
+method mpm
+time cfl=0.4 end=60
+material m elastic density=1 young=1 poisson=0.3
+body c {first} material=m ppc=2
+{others}
+velocity c x="-0.3*(x-4)/sqrt((x-4)^2+(y-4)^2)" y="-0.3*(y-4)/sqrt((x-4)^2+(y-4)^2)"
+contact c self=yes
 """
 # A U whose legs come together.
 STRIP = """
@@ -72,6 +101,38 @@ def as_two(report):
             report.check(
                 abs(a - b) < 1e-9*two["energy.initial_total"], f"{name}: {key} of one body {a}, of two {b}",
             )
+
+
+def pressed(report):
+    """What presses on a seam presses on one body: seams are where the right block has some of two labels."""
+    for method in ("mpm update=musl", "gimp update=usavg", "bspline update=usf",
+                   "sgmp stress=plain rotation=plain surfaces=plain update=usl"):
+        name = method.split()[0]
+        one = straight(report, f"pressed_one_{name}", PRESSED.format(method=method, whole="add a", self="self=yes",
+                                                                     rest=""))
+        two = straight(report, f"pressed_two_{name}", PRESSED.format(method=method, whole="body b", self="",
+                                                                     rest="material=m ppc=2"))
+        for key in ("energy.kinetic", "energy.internal", "energy.contact_dissipation"):
+            a, b = one[key], two[key]
+            report.check(
+                abs(a - b) < 1e-5*two["energy.initial_total"], f"pressed, {name}: {key} of one body {a}, of two {b}",
+            )
+        force = [max(abs(row["force_y"]) for row in run.table("contact.csv") if row["bodies"] == f"{first} c")
+                 for run, first in ((one, "a"), (two, "b"))]
+        report.check(abs(force[0] - force[1]) < 0.01*force[1], f"pressed, {name}: force {force[0]}, of two {force[1]}")
+
+
+def crowded(report):
+    """Four fields are enough for four parts that meet at one place, and the verdict says so of a fifth."""
+    for number in (4, 5):
+        angles = [2*math.pi*k/number for k in range(number)]
+        corners = [(round(2.5 + 20*math.cos(angle)), round(2.5 + 20*math.sin(angle))) for angle in angles]
+        blocks = [f"block lower=({x},{y}) upper=({x + 3},{y + 3})" for x, y in corners]
+        result = straight(report, f"crowd_{number}", CROWD.format(
+            first=blocks[0], others="\n".join("add c " + block for block in blocks[1:]),
+        ))
+        said = "met than it has velocity fields" in " ".join(result["verdict_reasons"])
+        report.check(said == (number > 4), f"{number} parts that meet: {result['verdict_reasons']}")
 
 
 def strip(method, contact, end=100):
@@ -128,6 +189,8 @@ def same_bits(report):
 if __name__ == "__main__":
     REPORT = Report()
     as_two(REPORT)
+    pressed(REPORT)
+    crowded(REPORT)
     closes(REPORT)
     feels_nothing(REPORT)
     same_bits(REPORT)
