@@ -5,7 +5,7 @@ module sgmp_near_parts
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_parallel, only: parallel_gather
   use sgmp_particles, only: particles_t
-  use sgmp_patches, only: patch_of, patch_place
+  use sgmp_patches, only: patch_of, patch_place, patch_side
   use sgmp_sorting, only: sort_order_within
   implicit none
   private
@@ -15,28 +15,35 @@ module sgmp_near_parts
 
 contains
 
-  !> Whether there are such parts. All ranks must call it.
+  !> Whether there are such parts. All ranks must call it. Every rank looks at all cells of the body,
+  !! at the price of 80 bytes for each of them, but for patches that are full only at what is around
+  !! those that are not.
   function near_parts(particles) result(yes)
     type(particles_t), intent(in) :: particles   !! of the body, on this rank
     logical :: yes
     real(dp), allocatable :: all(:)
-    integer, allocatable :: cell(:, :), place(:, :), start(:)
+    integer, allocatable :: cell(:, :), place(:, :), start(:), around(:), both(:)
     integer(i8), allocatable :: patch(:)
-    logical, allocatable :: around(:)
+    logical, allocatable :: full(:)
     integer :: p, q, c
-    call parallel_gather(reshape(real(own_cells(particles), dp), [3*count_cells(particles)]), all)
+    cell = own_cells(particles)
+    call sort_cells(particles%ndim, cell, patch)
+    call parallel_gather(reshape(real(cell, dp), [size(cell)]), all)
     cell = reshape(nint(all), [3, size(all)/3])
+    deallocate (all)
     call sort_cells(particles%ndim, cell, patch)
     start = pack([(c, c=1, size(patch))], [(starts(patch, c), c=1, size(patch))])
-    place = reshape([(patch_place(patch(start(p)), particles%ndim), p=1, size(start))], &
-                    [3, size(start)])
-    start = [start, size(patch) + 1]
+    patch = patch(start)
+    place = reshape([(patch_place(patch(p), particles%ndim), p=1, size(start))], [3, size(start)])
+    start = [start, size(cell, 2) + 1]
+    full = start(2:) - start(:size(patch)) == nint(patch_side)**particles%ndim
     yes = .false.
-    do p = 1, size(place, 2)
-      around = neighbours(place, p)
-      do q = p, size(place, 2)
-        if (.not. around(q)) cycle
-        yes = apart(cell, start, around .and. neighbours(place, q), [p, q])
+    do p = 1, size(patch)
+      around = neighbours(patch, place(:, p), particles%ndim)
+      do q = 1, size(around)
+        if (around(q) < p .or. (full(p) .and. full(around(q)))) cycle
+        both = pack(around, near(place(:, around), place(:, around(q))))
+        yes = apart(cell, start, both, [p, around(q)])
         if (yes) return
       end do
     end do
@@ -50,14 +57,43 @@ contains
     if (.not. yes) yes = patch(c) /= patch(c - 1)
   end function starts
 
-  !> Which patches are one or its neighbours.
-  pure function neighbours(place, p) result(yes)
-    integer, intent(in) :: place(:, :)           !! (3, patches)
-    integer, intent(in) :: p
+  !> The patches at a place and beside it, of those that there are.
+  pure function neighbours(patch, place, ndim) result(list)
+    integer(i8), intent(in) :: patch(:)          !! ascending
+    integer, intent(in) :: place(3), ndim
+    integer, allocatable :: list(:)
+    integer :: i, j, k, low, high, middle
+    integer(i8) :: number
+    allocate (list(0))
+    do k = -merge(1, 0, ndim > 2), merge(1, 0, ndim > 2)
+      do j = -merge(1, 0, ndim > 1), merge(1, 0, ndim > 1)
+        do i = -1, 1
+          associate (at => patch_side*(place + [i, j, k]))
+            number = patch_of(at(:ndim))
+          end associate
+          low = 1
+          high = size(patch)
+          do while (low < high)
+            middle = (low + high)/2
+            if (patch(middle) < number) then
+              low = middle + 1
+            else
+              high = middle
+            end if
+          end do
+          if (patch(low) == number) list = [list, low]
+        end do
+      end do
+    end do
+  end function neighbours
+
+  !> Which places are one or beside it.
+  pure function near(place, one) result(yes)
+    integer, intent(in) :: place(:, :), one(3)   !! (3, places)
     logical :: yes(size(place, 2))
     integer :: q
-    yes = [(maxval(abs(place(:, q) - place(:, p))) <= 1, q=1, size(yes))]
-  end function neighbours
+    yes = [(maxval(abs(place(:, q) - one)) <= 1, q=1, size(yes))]
+  end function near
 
   pure function count_cells(particles) result(n)
     type(particles_t), intent(in) :: particles
@@ -113,22 +149,22 @@ contains
   pure function apart(cell, start, around, two) result(yes)
     integer, intent(in) :: cell(:, :)            !! (3, cells)
     integer, intent(in) :: start(:)              !! first cell of each patch, and one more
-    logical, intent(in) :: around(:)             !! (patches)
+    integer, intent(in) :: around(:)             !! these patches
     integer, intent(in) :: two(2)
     logical :: yes
     logical, allocatable :: filled(:, :, :)
     integer, allocatable :: list(:, :)
-    integer :: low(3), high(3), c, p, found, i, j, k
+    integer :: low(3), high(3), c, p, n, found, i, j, k
     low = huge(1)
     high = -huge(1)
-    do p = 1, size(around)
-      if (.not. around(p)) cycle
+    do n = 1, size(around)
+      p = around(n)
       low = min(low, minval(cell(:, start(p):start(p + 1) - 1), dim=2) - 1)
       high = max(high, maxval(cell(:, start(p):start(p + 1) - 1), dim=2) + 1)
     end do
     allocate (filled(low(1):high(1), low(2):high(2), low(3):high(3)), source=.false.)
-    do p = 1, size(around)
-      if (.not. around(p)) cycle
+    do n = 1, size(around)
+      p = around(n)
       do c = start(p), start(p + 1) - 1
         filled(cell(1, c), cell(2, c), cell(3, c)) = .true.
       end do

@@ -53,6 +53,17 @@ body c {first} material=m ppc=2
 velocity c x="-0.3*(x-4)/sqrt((x-4)^2+(y-4)^2)" y="-0.3*(y-4)/sqrt((x-4)^2+(y-4)^2)"
 contact c self=yes
 """
+# Two plates that begin near each other.
+NEAR = """
+dimension 2
+grid cell=1
+method mpm
+time end=0.01
+material m elastic density=1 young=1 poisson=0.3
+body c block material=m lower=(0,0) upper=(40,8) ppc=1
+add c block lower=(0,{low}) upper=(40,30)
+contact c self=yes
+"""
 # A U whose legs come together.
 STRIP = """
 dimension 2
@@ -135,6 +146,14 @@ def crowded(report):
         report.check(said == (number > 4), f"{number} parts that meet: {result['verdict_reasons']}")
 
 
+def near(report):
+    """Parts that cannot be told apart are named before the run; one piece is not, nor parts that are far."""
+    for low, launcher in ((8, ()), (14, ()), (14, mpirun(3)), (26, ())):
+        result = straight(report, f"near_{low}_{len(launcher)}", NEAR.format(low=low), launcher=launcher)
+        said = "less than 16 cells apart" in " ".join(result["warnings"])
+        report.check(said == (low == 14), f"plates from 0 to 8 and from {low} on: {result['warnings']}")
+
+
 def strip(method, contact, end=100):
     return STRIP.format(method=method, contact=contact, end=end)
 
@@ -191,6 +210,7 @@ if __name__ == "__main__":
     as_two(REPORT)
     pressed(REPORT)
     crowded(REPORT)
+    near(REPORT)
     closes(REPORT)
     feels_nothing(REPORT)
     same_bits(REPORT)
