@@ -15,9 +15,8 @@ module sgmp_near_parts
 
 contains
 
-  !> Whether there are such parts. All ranks must call it. Every rank looks at all cells of the body,
-  !! at the price of 80 bytes for each of them, but for patches that are full only at what is around
-  !! those that are not.
+  !> Whether there are such parts. All ranks must call it. Every rank holds all cells of the body,
+  !! at the price of 80 bytes for each of them; it looks around patches that are not full.
   function near_parts(particles) result(yes)
     type(particles_t), intent(in) :: particles   !! of the body, on this rank
     logical :: yes

@@ -18,7 +18,8 @@ module sgmp_shared_nodes
   implicit none
   private
   public :: node_terms_t, shared_nodes_t, shared_body, shared_build, shared_leads, shared_mark, &
-            shared_meet, shared_members, shared_parts, shared_place, shared_share, most_rows, row_axis
+            shared_meet, shared_members, shared_parts, shared_place, shared_share
+  public :: most_rows, row_axis
 
   real(dp), parameter :: half = 0.5_dp
   integer, parameter :: most_rows = 9          !! rows of bins whose particles give to a node
@@ -481,7 +482,7 @@ contains
     mass = mass*0.5_dp**field%ndim
   end function node_mass
 
-  !> Marks the bins of all bodies around the nodes of a range of planes where bodies meet, other than
+  !> Marks the bins of all bodies around the nodes of a range of planes where bodies meet, but not
   !! along a seam, and tells whether any do.
   pure subroutine shared_mark(shared, planes, any_meet)
     type(shared_nodes_t), intent(inout) :: shared
