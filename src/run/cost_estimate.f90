@@ -58,7 +58,7 @@ contains
     end do
     bytes = sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])
     particles = 0_i8
-    do b = 1, size(model%bodies)
+    do b = 1, size(scene%bodies)
       call put_body(scene, model, b)
       bytes = bytes + particles_bytes(model%bodies(b)%particles)
       particles = particles + int(model%bodies(b)%particles%count, i8)
@@ -83,11 +83,12 @@ contains
   end subroutine cost_estimate_write_need
 
   !> Groups of bodies that move in one velocity field, which of them touch, and what the others do.
+  ! allow(S901): four lists, each with what it leaves out
   subroutine put_contact(scene, model)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer :: f, g, a, b, p
-    if (size(model%bodies) < 2) return
+    if (size(model%bodies) < 2 .and. size(model%contact%pairs) == 0) return
     if (size(model%contact%pairs) == 0) then
       call put('contact     none: all bodies share one velocity field, and stick together '// &
                'where they meet')
@@ -95,11 +96,19 @@ contains
     end if
     do f = 1, size(model%fields)
       b = findloc(model%bodies%field, f, 1)
+      if (model%bodies(b)%twin_of > 0) cycle
       if (b > 0) call put('field       '//integer_text(f)//': '//body_group(model%bodies, b)// &
                           together(scene, model, f))
     end do
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
+        if (any(model%bodies(pair%body)%label > 1)) cycle
+        if (pair%family > 0) then
+          call put('contact     '//body_group(model%bodies, pair%body(1))//' and itself, '// &
+                   'friction '//real_text(pair%friction))
+          cycle
+        end if
+        if (any(model%bodies(pair%body)%label > 0)) cycle
         call put('contact     '//body_group(model%bodies, pair%body(1))//' and '// &
                  body_group(model%bodies, pair%body(2))//', friction '//real_text(pair%friction))
       end associate
@@ -108,6 +117,7 @@ contains
       do g = f + 1, size(model%fields)
         a = findloc(model%bodies%field, f, 1)
         b = findloc(model%bodies%field, g, 1)
+        if (any(model%bodies([a, b])%twin_of > 0)) cycle
         if (a == 0 .or. b == 0 .or. contact_between(model%contact, f, g)) cycle
         call put('no contact  '//body_group(model%bodies, a)//' and '// &
                  body_group(model%bodies, b)//' pass through each other')
