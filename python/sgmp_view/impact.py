@@ -71,7 +71,19 @@ def lines_of(wall, units, plane):
         more = f"; {wall['openings']} openings, this is the largest" if wall["openings"] > 1 else ""
         yield "perforated", f"yes: opening {what}{more}"
     else:
-        yield "perforated", "no" + ("; broken to its edge" if wall["open_to_edge"] else "")
+        inside = [striker["name"] for striker in wall["shot"] if striker["inside"]]
+        words = "no" + ("; broken to its edge" if wall["open_to_edge"] else "")
+        if inside and wall["openings"]:
+            words = f"not yet: {' and '.join(inside)} is inside; failed matter goes through, {what_failed(wall, length)}"
+        yield "perforated", words
+    for striker in wall["shot"]:
+        depth, speed = length(striker["depth"]), number(striker["velocity"], units["velocity"])
+        where = f"its nose is {depth} deep" if striker["inside"] else f"its nose is {depth} behind the front face"
+        if striker["through"]:
+            where = f"has passed, at {number(striker['speed'], units['velocity'])}"
+        elif striker["depth"] <= 0:
+            where = "has come back, or has not arrived"
+        yield f"  {striker['name']}", f"{where}; velocity along the shot {speed}"
     if crater["radius"] > 0:
         depth = "through" if wall["perforated"] else length(crater["depth"])
         yield "crater", f"depth {depth}, radius {length(crater['radius'])}, lip {length(crater['lip'])}"
@@ -102,6 +114,11 @@ def lines_of(wall, units, plane):
         yield from cloud_lines(
             before, f"behind it before it met {before['next']}, {number(before['time'], units['time'])}", units
         )
+
+
+def what_failed(wall, length):
+    """How wide the way through failed matter is."""
+    return f"{length(wall['opening']['diameter'])} in diameter"
 
 
 def cloud_lines(cloud, words, units, way="along"):

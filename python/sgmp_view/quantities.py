@@ -2,7 +2,7 @@
 
     bodies.NAME.COLUMN, gauges.NAME.COLUMN, sections.NAME.COLUMN, history.COLUMN    the last row of bodies.csv,
     gauges.csv, …
-    … with :max, :min, :mean, :integral, :time_of_max, :change of all rows instead (gauges.foot.pressure:max); change:
+    … with :max, :min, :mean, :integral, :time_of_max, :change, :largest_change of all rows instead (gauges.foot.pressure:max); change:
     last less first
     extent.NAME.x_max (x_min, x_length, y…, z…, r…)           reach of a body at the end, half a particle beyond the
     centres
@@ -27,7 +27,7 @@ from .files import (
 from .shapes import Shape, distance
 from .turning import cloud_of, table_of
 
-OF_ROWS = ("max", "min", "mean", "integral", "time_of_max", "change")
+OF_ROWS = ("max", "min", "mean", "integral", "time_of_max", "change", "largest_change")
 KEYS = {"bodies": "body", "gauges": "gauge", "sections": "section"}
 NO_RESULTS = ("step", "time", "body", "gauge", "section", "particle", "particles", "name", "dt")
 ENDS = ("min", "max", "length")
@@ -52,6 +52,9 @@ def reduced(time, values, how):
         return area if how == "integral" else area / float(time[-1] - time[0])
     if how == "change":
         return float(values[-1] - values[0])
+    if how == "largest_change":
+        change = values - values[0]
+        return float(change[np.argmax(np.abs(change))])
     if how == "time_of_max":
         return float(time[np.argmax(values)])
     if how in OF_ROWS:

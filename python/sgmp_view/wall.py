@@ -270,6 +270,12 @@ def wall_of(start, now, name, shot):
     if not wall.any():
         return {**result, "hit": True, "perforated": True, "broken_up": True}
     moved = surfaces(start, now, wall, name, normal, across, middle, result)
+    result["shot"] = strikers(start, now, name, shot, normal)
+    if any(striker["inside"] for striker in result["shot"]):
+        # What is open before its nose has failed, and may bear pressure.
+        result["perforated"] = False
+        if result["openings"]:
+            result["crater"]["depth"] = max(striker["depth"] for striker in result["shot"] if striker["inside"])
     speed = now.velocity @ normal - float(now.mass[wall] @ (now.velocity[wall] @ normal) / now.mass[wall].sum())
     result["velocity"] = float(now.mass[wall] @ (now.velocity[wall] @ normal) / now.mass[wall].sum())
     first = start.points[start.of(name)] @ normal
@@ -296,6 +302,35 @@ def wall_of(start, now, name, shot):
         or result["failed_mass"] > 0
         or result["detached"]["mass"] > 0
     )
+    return result
+
+
+def strikers(start, now, name, shot, normal):
+    """Where the largest whole pieces of what was shot are: depth of the nose below the front face that the wall had at
+    the start, velocity along its normal, whether it is inside. None of a body that has broken up."""
+    first, half = start.points[start.of(name)] @ normal, 0.5 * now.spacing
+    front, rear = first.min() - half, first.max() + half
+    result = []
+    for body in shot.bodies:
+        if body == name or not now.of(body).any():
+            continue
+        piece, _ = largest_piece(now, now.of(body))
+        mass = now.mass[piece]
+        if mass.sum() < 0.5 * start.mass[start.of(body)].sum():
+            continue
+        depth = now.points[piece] @ normal
+        nose, tail = float(depth.max() + half), float(depth.min() - half)
+        velocity = mass @ now.velocity[piece] / mass.sum() * ((0, 0, 1) if now.is_round else 1)
+        result.append(
+            {
+                "name": body,
+                "depth": nose - front,
+                "velocity": float(velocity @ normal),
+                "speed": float(np.linalg.norm(velocity)),
+                "inside": bool(front < nose < rear),
+                "through": bool(tail > rear),
+            }
+        )
     return result
 
 

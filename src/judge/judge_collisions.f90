@@ -5,8 +5,9 @@
 !! n^(-2/3) of what they should hand on, as a chain of masses does. At a wall of the grid methods
 !! other than sgmp return the velocity to 1 % and better; sgmp lacks 0.65 to 0.8 parts of 1/n.
 module sgmp_judge_collisions
-  use sgmp_constitutive, only: constitutive_t, eos_none, material_elastic, &
+  use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, material_elastic, &
                                material_mooney_rivlin, material_neo_hookean
+  use sgmp_failure, only: failure_none
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_free
@@ -14,17 +15,25 @@ module sgmp_judge_collisions
   use sgmp_opinion, only: opinion_t
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: shape_block
-  use sgmp_text, only: integer_text, real_text
+  use sgmp_text, only: integer_text, real_text, real_text_about
   use sgmp_thickness, only: body_thickness
   implicit none
   private
-  public :: judge_collisions
+  public :: judge_collisions, judge_projectiles
 
   real(dp), parameter :: bounce_weight = 0.41_dp  !! sgmp, bars of 4 to 80 cells: 0.30 to 0.41
   real(dp), parameter :: wall_weight = 0.8_dp     !! sgmp, bars of 10 to 40 cells: 0.65 to 0.8
   real(dp), parameter :: bounce_cells = 16.0_dp   !! from here on the error is below 0.05 or so
   real(dp), parameter :: least_error = 0.1_dp     !! of what is coarse
   real(dp), parameter :: least_blow = 0.1_dp      !! impulse, over what the lighter body could have
+
+  ! Projectiles that make their way through matter that fails: the way is wider than they are by a
+  ! part of a cell on each side, so they are slowed too much (doc/verdict.md).
+  real(dp), parameter :: slim = 6.0_dp, fair = 12.0_dp   !! cells across
+  real(dp), parameter :: way_weight = 3.6_dp      !! error of what it has left, over a cell by these
+  real(dp), parameter :: least_slowing = 0.05_dp  !! of their velocity
+  real(dp), parameter :: ordnance(2) = [0.005_dp, 0.5_dp]
+    !! of the speed of sound: slower ones dent, in front of faster ones all flows
 
 contains
 
@@ -57,6 +66,74 @@ contains
       return
     end do
   end subroutine judge_collisions
+
+  !> Projectiles with few cells across that were slowed by matter that fails.
+  subroutine judge_projectiles(opinion, scene, model)
+    type(opinion_t), intent(inout) :: opinion
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    character(:), allocatable :: reason
+    real(dp) :: cells
+    integer :: b
+    if (model%mesh%ndim == 1) return
+    do b = 1, size(scene%bodies)
+      if (.not. bores(scene, model, b)) cycle
+      cells = body_thickness(scene%bodies(b)%shapes, model%mesh)
+      if (cells >= fair*(1.0_dp - 1.0e-9_dp)) cycle
+      reason = "projectile '"//trim(model%bodies(b)%name)//"' is "//real_text_about(cells)// &
+               ' cells across: its way through what it hits is too wide, and it is slowed '// &
+               'too much; use smaller cells, 12 across at least'
+      if (cells < slim*(1.0_dp - 1.0e-9_dp)) then
+        call opinion%object(reason)
+      else
+        call opinion%expect(way_weight/cells, reason)
+      end if
+    end do
+  end subroutine judge_projectiles
+
+  !> Whether a body was shot at one that rested and can fail, and was slowed by it.
+  pure logical function bores(scene, model, b) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    real(dp) :: before, now
+    integer :: p, n
+    n = model%mesh%ndim
+    yes = .false.
+    if (law_is_spherical(model%bodies(b)%law) .or. model%totals%bodies(b)%mass <= 0.0_dp) return
+    before = speed_at_start(scene, b, n)
+    if (before < ordnance(1)*model%findings%fastest) return
+    if (before > ordnance(2)*model%findings%fastest) return
+    now = norm2(model%totals%bodies(b)%momentum(:n))/model%totals%bodies(b)%mass
+    if (now > (1.0_dp - least_slowing)*before) return
+    do p = 1, size(model%contact%pairs)
+      associate (pair => model%contact%pairs(p)%body)
+        if (any(pair > size(scene%bodies)) .or. .not. any(pair == b)) cycle
+        yes = yes .or. is_target(scene, model, sum(pair) - b, n)
+      end associate
+    end do
+  end function bores
+
+  !> Whether a body rests at the start and can fail.
+  pure logical function is_target(scene, model, b, n) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b, n
+    yes = .not. model%bodies(b)%rigid .and. speed_at_start(scene, b, n) <= 0.0_dp
+    if (yes) yes = model%bodies(b)%law%history%damage .or. &
+                   model%bodies(b)%law%erosion%plastic_strain < failure_none
+  end function is_target
+
+  !> Speed of a body at the start; 0 where it is not the same everywhere.
+  pure function speed_at_start(scene, b, n) result(speed)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: b, n
+    real(dp) :: speed
+    speed = 0.0_dp
+    associate (start => scene%bodies(b)%velocity(:n))
+      if (all(start%is_constant)) speed = norm2(start%value)
+    end associate
+  end function speed_at_start
 
   !> Parts of a body that meet where no velocity field is left for them.
   subroutine judge_crowd(opinion, model)

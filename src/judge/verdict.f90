@@ -11,7 +11,7 @@ module sgmp_verdict
   use sgmp_errors, only: error_t, exit_stopped
   use sgmp_judge_balance, only: judge_energy, judge_erosion, judge_impulse, judge_noise, &
                                 judge_turning
-  use sgmp_judge_collisions, only: judge_collisions
+  use sgmp_judge_collisions, only: judge_collisions, judge_projectiles
   use sgmp_judge_failure, only: judge_failure
   use sgmp_judge_state, only: judge_ball, judge_particles, judge_pressed, judge_resolution, &
                               judge_thin, judge_volumes
@@ -96,6 +96,7 @@ contains
     call judge_impulse(self%opinion, model)
     call judge_turning(self%opinion, scene, model, self%turn)
     call judge_collisions(self%opinion, scene, model)
+    call judge_projectiles(self%opinion, scene, model)
     call judge_failure(self%opinion, model, self%failure)
     call stage_objection(model, inexact, reason)
     if (inexact >= 1.0_dp) then

@@ -22,7 +22,7 @@ module sgmp_options
   end type option_t
 
   type(option_t), parameter :: options(*) = [ &
-    option_t('--check', '', '', 'build everything, run nothing, print what would run'), &
+    option_t('--check', '', '', 'build all, try some steps, say what would run; writes no file'), &
     option_t('--set', 'NAME=VALUE', '--set h=0.5', &
              'replace the value of a parameter of the deck; may be repeated'), &
     option_t('--output', 'DIR', '--output results', &

@@ -95,6 +95,7 @@ def holes(report):
     near(report, wall["cloud"]["mass"], 8.0, 1e-9, "mass behind the wall")
     near(report, wall["cloud"]["momentum"], 400.0, 1e-6, "momentum behind the wall")
     near(report, wall["mass_left"], 30 * 30 * 4 - hole.sum() * S**3, 1e-9, "mass of the wall")
+    report.check(wall["shot"][0]["through"] and wall["shot"][0]["speed"] == 50, f"what has passed: {wall['shot']}")
     report.check("perforated:                             yes: opening of 1" in wall["text"], wall["text"])
 
     quarter = {name: cloud.kept((cloud.points[:, 0] > 0) & (cloud.points[:, 1] > 0)) for name, cloud in start.items()}
@@ -144,6 +145,17 @@ def holes(report):
     wall = measured(report, "failed", start, {"ball": ball(), "plate": Cloud(points, failed=hole)})
     near(report, wall["opening"]["diameter"], 2 * radius, S, "matter that has failed closes no hole")
     near(report, wall["failed_mass"], hole.sum() * S**3, 1e-9, "failed mass")
+    stuck = Cloud(np.vstack([ball().points - (0, 0, 4), [(0.0, 0.0, -40.0)]]), (0, 0, -5))  # and one stray particle
+    begin = Cloud(np.vstack([ball().points, [(0.0, 0.0, 1.25)]]), (0, 0, -100))
+    wall = measured(
+        report, "stuck", {"ball": begin, "plate": Cloud(points)}, {"ball": stuck, "plate": Cloud(points, failed=hole)}
+    )
+    struck = wall["shot"][0]
+    report.check(not wall["perforated"] and struck["inside"] and not struck["through"], f"stuck: {struck}")
+    near(report, struck["depth"], 3.0, S / 2, "depth of what is stuck, without the stray particle")
+    near(report, wall["crater"]["depth"], struck["depth"], 1e-9, "the crater is as deep as the nose")
+    near(report, struck["velocity"], 5.0, 1e-9, "velocity of what is stuck")
+    report.check("not yet: ball is inside" in wall["text"] and "nose is" in wall["text"], wall["text"])
     wall = measured(
         report, "small_hole", start, {"ball": ball(), "plate": Cloud(points).kept(np.hypot(*points[:, :2].T) > 0.6 * H)}
     )
