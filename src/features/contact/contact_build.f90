@@ -6,7 +6,7 @@ module sgmp_contact_build
                                 normal_stiffer
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_history, only: slots_ask, slots_t
-  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_places, mesh_t
   use sgmp_model, only: model_t
   use sgmp_scene, only: body_card_t, contact_card_t, layout_file, scene_t
   use sgmp_shapes, only: surface_depth
@@ -171,7 +171,7 @@ contains
         offset = 0.0_dp  ! particles from a file: the surface is half a spacing away
         if (card%layout /= layout_file) then
           x = 0.0_dp
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%motion(l, :n, c))
+          x(:n) = mesh_places(mesh, body%particles%motion(l, :n, c))
           call turn_back(card%turn, x)
           offset = surface_depth(card%shapes, x, n)/body%spacing - 0.5_dp
         end if
