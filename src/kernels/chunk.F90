@@ -26,7 +26,7 @@ module DIM(sgmp_chunk)
   use sgmp_load, only: load_absorbing, load_force, load_t
   use DIM(sgmp_loads), only: loads_book, loads_book_strain, loads_impedance, loads_levers, &
                              loads_on_faces, loads_on_mass, loads_strain, loads_twist
-  use sgmp_mesh, only: mesh_t
+  use sgmp_mesh, only: mesh_sides, mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
   use sgmp_plan, only: plan_t, workspace_t
@@ -245,8 +245,8 @@ contains
     real(dp) :: change(lanes, NDIM), heat(lanes)
     logical :: outside, erodes, eroded(lanes), collides
     if (plan%loose) then
-      call chunk_loose(body, plan, task, origin, nl, row, records, nb, motion, state, stencil, &
-                       lane_sums)
+      call chunk_loose(mesh, body, plan, task, origin, nl, row, records, nb, motion, state, &
+                       stencil, lane_sums)
       return
     end if
     outside = .false.
@@ -386,8 +386,9 @@ contains
   end subroutine chunk_advance
 
   !> What a chunk gives to the sums by which debris collides (sgmp_collisions).
-  subroutine chunk_loose(body, plan, task, origin, nl, row, records, nb, motion, state, stencil, &
-                         lane_sums)
+  subroutine chunk_loose(mesh, body, plan, task, origin, nl, row, records, nb, motion, state, &
+                         stencil, lane_sums)
+    type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
@@ -424,12 +425,25 @@ contains
     end if
     if (settles) call settle(body, plan, task, nl, xi, cell, axes, row, records, motion, nb, got, &
                              state, lane_sums(1, sum_internal))
-    call collisions_collect(loose, task%live(1, nl), task%h, body%law%bulk_speed, &
+    call collisions_collect(loose, task%live(1, nl), sides(mesh, motion), body%law%bulk_speed, &
                             got(:, NDIM + 1:2*NDIM) - plan%dt_kick*got(:, :NDIM), &
                             got(1, task%gradient), motion, values)
     if (NDIM < 3) cell(nl + 1:) = -1
     call scatter(task, .false., xi, cell, axes, values, stencil)
   end subroutine chunk_loose
+
+  !> Largest side of the cells that particles are in.
+  pure function sides(mesh, motion) result(side)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp) :: side(lanes)
+    integer :: l
+    side = mesh%h
+    if (.not. mesh%graded) return
+    do l = 1, lanes
+      side(l) = mesh%h*maxval(mesh_sides(mesh, motion(l, :NDIM)))
+    end do
+  end function sides
 
   !> Settles what the stress of a chunk's debris does in the kick to come (sgmp_settling).
   subroutine settle(body, plan, task, nl, xi, cell, axes, row, records, motion, nb, got, state, &

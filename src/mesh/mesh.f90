@@ -12,7 +12,8 @@ module sgmp_mesh
   implicit none
   private
   public :: mesh_t, mesh_make, mesh_position, mesh_coordinate, mesh_filled, &
-            mesh_occupied, mesh_place, mesh_places, mesh_find
+            mesh_occupied, mesh_place, mesh_places, mesh_find, &
+            mesh_sides
   public :: wall_absorbing, wall_axis, wall_free, wall_slip, wall_fixed, wall_names
   public :: wall_kick, wall_speed
 
@@ -154,6 +155,17 @@ contains
     end do
   end function mesh_places
 
+  !> Spacings of the centres between which a coordinate lies (smallest cell), along the first axes.
+  pure function mesh_sides(mesh, coordinates) result(sides)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: coordinates(:)
+    real(dp) :: sides(size(coordinates))
+    integer :: axis
+    do axis = 1, size(coordinates)
+      sides(axis) = graded_spacing(mesh%axes(axis), floor(coordinates(axis) - 0.5_dp) + 1)
+    end do
+  end function mesh_sides
+
   !> Grid coordinate of a physical position along an axis of a mesh.
   elemental function mesh_find(mesh, axis, x) result(coordinate)
     type(mesh_t), intent(in) :: mesh
@@ -178,7 +190,10 @@ contains
     end if
     if (.not. mesh%graded) return
     do axis = 1, mesh%ndim
-      cells = cells/graded_spacing(mesh%axes(axis), floor(x(axis) - 0.5_dp) + 1)
+      ! Between two centres that of both, at a centre the mean of those beside it.
+      cells = cells*2.0_dp/ &
+              (graded_spacing(mesh%axes(axis), ceiling(x(axis) - 0.5_dp)) + &
+               graded_spacing(mesh%axes(axis), floor(x(axis) - 0.5_dp) + 1))
     end do
   end function mesh_filled
 
