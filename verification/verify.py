@@ -5,9 +5,9 @@
     python3 verification/verify.py --full          every size, every figure, and the copy in doc/verification/
     python3 verification/verify.py bar beam        some examples only
 
-Writes build/verification/: results.json, report.html, a PNG file per figure, a CSV file per table. A target
-that cannot be met for a reason given with it is a known deviation: reported, not counted as a failure. Ends with exit code 1
-if a check fails, 2 if an example could not be run. Needs numpy and matplotlib, and the executable build/release/sgmp.
+Writes build/verification/: results.json, report.html, a PNG file per figure, a CSV file per table. A target that cannot
+be met for a reason given with it is a known deviation: reported, not counted as a failure. Ends with exit code 1 if a
+check fails, 2 if an example could not be run. Needs numpy and matplotlib, and the executable build/release/sgmp.
 """
 
 import argparse
@@ -22,10 +22,14 @@ from pathlib import Path
 import report
 from common import BUILD, ROOT, Book, forget_old_runs
 
-EXAMPLES = ("bar", "bar_rotated", "bar_stability", "beam", "energy", "tnt_slab", "vortex", "taylor_bar", "taylor_metals", "normalised",
-            "contact_bars", "contact_sliding", "contact_rolling", "contact_rings", "contact_hertz", "contact_gap", "contact_rod",
-            "contact_rest", "contact_scenes", "rotation", "contact_axisymmetric", "axisymmetric", "swirl", "tube", "noh", "sedov", "cavity", "cylinder", "blast", "blast_load", "plate_impulse", "charge_plate",
-            "penetration", "perforation", "long_rod", "fluids", "flows", "hugoniot", "piston", "spall", "hypervelocity", "volumes",
+EXAMPLES = ("bar", "bar_rotated", "bar_stability", "beam", "energy", "tnt_slab", "vortex", "taylor_bar",
+            "taylor_metals", "normalised",
+            "contact_bars", "contact_sliding", "contact_rolling", "contact_rings", "contact_hertz", "contact_gap",
+            "contact_rod",
+            "contact_rest", "contact_scenes", "rotation", "contact_axisymmetric", "axisymmetric", "swirl", "tube",
+            "noh", "sedov", "cavity", "cylinder", "blast", "blast_load", "plate_impulse", "charge_plate",
+            "penetration", "perforation", "long_rod", "fluids", "flows", "hugoniot", "piston", "spall", "hypervelocity",
+            "volumes",
             "statics", "rigid", "soils", "length")
 
 
@@ -61,7 +65,8 @@ def main():
         except Exception:  # an example that cannot be run must not hide the others
             traceback.print_exc()
             broken.append(example)
-            book.at_most(example, "examples that could not be run", 1, 0, traceback.format_exc(limit=1).strip().splitlines()[-1])
+            book.at_most(example, "examples that could not be run", 1, 0,
+                         traceback.format_exc(limit=1).strip().splitlines()[-1])
     command = "make verify-full" if arguments.full else "make verify"
     if arguments.examples:
         command = " ".join(["verification/verify.py", *arguments.examples] + ["--full"] * arguments.full)
@@ -72,12 +77,13 @@ def main():
     failed = book.failed()
     passed = sum(result["pass"] for result in book.results)
     kept = sum(result["pass"] and result.get("regression", False) for result in book.results)
-    print(f"\n{len(book.results)} checks: {passed} pass ({kept} of them regression values), {len(book.results) - passed - len(failed)} known deviations, {len(failed)} fail; "
-          f"{time.time() - start:.0f} s")
+    print(f"\n{len(book.results)} checks: {passed} pass ({kept} of them regression values), "
+          f"{len(book.results) - passed - len(failed)} known deviations, {len(failed)} fail; {time.time() - start:.0f} "
+          f"s")
     for result in book.results:
         if not result["pass"]:
-            print(f"{'known' if result['known_deviation'] else 'FAIL '}  {result['case']}: {result['quantity']} = {result['value']}, "
-                  f"want {result['tolerance']} {result['reference']}  ({result['note']})")
+            print(f"{'known' if result['known_deviation'] else 'FAIL '}  {result['case']}: {result['quantity']} = "
+                  f"{result['value']}, want {result['tolerance']} {result['reference']}  ({result['note']})")
     print(f"report: {BUILD / 'report.html'}")
     sys.exit(2 if broken else 1 if failed else 0)
 

@@ -160,7 +160,8 @@ def sourced(path):
             continue
         words = text.split()
         first = 0 if "=" in words[0] else 2 if words[0] == "failure" else 3
-        rows.append((" ".join(word for word in words[first:] if word != "&" and not word.startswith("failure=$")), source.strip()))
+        rows.append((" ".join(word for word in words[first:] if word != "&" and not word.startswith("failure=$")),
+                     source.strip()))
     return title, rows
 
 
@@ -180,7 +181,8 @@ def page():
                 said[-1][0] += " " + numbers
             else:
                 said.append([numbers, (source, star)])
-        text += f"| [{name}](../input/materials/{name}.inp) | {title} | {laws} | " + "<br>".join(f"{numbers} ({source}{star})" for numbers, (source, star) in said) + " |\n"
+        sources = "<br>".join(f"{numbers} ({source}{star})" for numbers, (source, star) in said)
+        text += f"| [{name}](../input/materials/{name}.inp) | {title} | {laws} | {sources} |\n"
     return text + SOURCES
 
 

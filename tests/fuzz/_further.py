@@ -1,36 +1,48 @@
-"""What random scenes of the last seeds have beyond those of _newest.py: parts that are moved, walls that rub or let waves out, crushable foam, Grady's spall,
-and every word of the method that corrects surfaces; of the seeds after those concrete. As in _features.py each is drawn from a stream that its caller gives."""
+"""What random scenes of the last seeds have beyond those of _newest.py: parts that are moved, walls that rub or let
+waves out, crushable foam, Grady's spall, and every word of the method that corrects surfaces; of the seeds after those
+concrete. As in _features.py each is drawn from a stream that its caller gives."""
 from _features import vector
 
-FOAM = ("material {name} crushable_foam density={density} young={young} poisson={poisson} plateau={plateau:g} plastic_poisson={lateral} "
-        "densification_strain={closed}")
-CONCRETE = ("material {name} concrete density={density} shear_modulus={shear:g} compressive_strength={strong:g} cohesive_strength={cohesion} "
-            "pressure_hardening={hardening} pressure_exponent={exponent} tension_limit={tension:g} damage_strain={strain} crush_pressure={crush:g} "
-            "crush_compression={start:g} lock_pressure={lock:g} lock_compression={closed} k1={dense:g}")
+FOAM = ("material {name} crushable_foam density={density} young={young} poisson={poisson} plateau={plateau:g} "
+        "plastic_poisson={lateral} densification_strain={closed}")
+CONCRETE = ("material {name} concrete density={density} shear_modulus={shear:g} compressive_strength={strong:g} "
+            "cohesive_strength={cohesion} pressure_hardening={hardening} pressure_exponent={exponent} "
+            "tension_limit={tension:g} damage_strain={strain} crush_pressure={crush:g} crush_compression={start:g} "
+            "lock_pressure={lock:g} lock_compression={closed} k1={dense:g}")
 # Words of `method sgmp`, in the plane and in space; about an axis, on a line.
-WORDS = ("", "", " surfaces=plain", " surfaces=corrected", " surfaces=corrected rotation=exact stress=normalised", " stress=plain rotation=plain surfaces=plain",
+WORDS = ("", "", " surfaces=plain", " surfaces=corrected", " surfaces=corrected rotation=exact stress=normalised",
+         " stress=plain rotation=plain surfaces=plain",
          " rotation=exact surfaces=plain", " stress=normalised surfaces=plain", " surfaces=corrected stress=normalised")
 
 
 def foam(luck, numbers):
     """Deshpande and Fleck's foam, that begins to yield at once or late, and closes its pores or not."""
     young = numbers["young"]
-    numbers = {**numbers, "plateau": young*luck.choice((0.003, 0.03)), "lateral": luck.choice((0, 0.1, 0.3)), "closed": luck.choice((0.1, 1))}
-    more = luck.sample((f" linear_hardening={young*0.01:g}", f" densification={young*0.02:g} densification_exponent={luck.choice((1, 3))}"), luck.choice((0, 1, 2)))
+    numbers = {**numbers, "plateau": young*luck.choice((0.003, 0.03)), "lateral": luck.choice((0, 0.1, 0.3)),
+               "closed": luck.choice((0.1, 1))}
+    more = luck.sample((f" linear_hardening={young*0.01:g}",
+                        f" densification={young*0.02:g} densification_exponent={luck.choice((1, 3))}"),
+                       luck.choice((0, 1, 2)))
     return [FOAM.format(**numbers) + "".join(more)]
 
 
 def concrete(luck, numbers):
-    """Holmquist, Johnson and Cook's, weak or strong, whose pores close soon or hardly, that breaks at once, slowly or hardly."""
+    """Holmquist, Johnson and Cook's, weak or strong, whose pores close soon or hardly, that breaks at once, slowly or
+    hardly."""
     young, poisson = numbers["young"], numbers["poisson"]
-    bulk, strong, closed = young/(3*(1 - 2*poisson)), young*luck.choice((0.001, 0.01, 0.05)), luck.choice((0.02, 0.1, 0.3))
+    bulk, strong, closed = young/(3*(1 - 2*poisson)), young*luck.choice((0.001, 0.01,
+                                                                         0.05)), luck.choice((0.02, 0.1, 0.3))
     crush = min(strong*luck.choice((0.1, 0.3, 1)), 0.1*bulk*closed)
     # Crushing is three times as soft as matter before it at least, and dense matter stiffer.
     lock = max(2*crush, bulk*closed*luck.choice((0.03, 0.1, 0.3)))
-    numbers = {**numbers, "shear": young/(2*(1 + poisson)), "strong": strong, "cohesion": luck.choice((0, 0.3, 0.8)), "hardening": luck.choice((0, 0.5, 1.6)),
-               "exponent": luck.choice((0, 0.6, 1)), "tension": strong*luck.choice((0, 0.1, 0.1, 1)), "strain": luck.choice((0, 0.001, 0.04, 1)),
-               "crush": crush, "start": crush/bulk, "lock": lock, "closed": closed, "dense": max(3*bulk, 4*lock/closed)*(1 + closed)}
-    more = luck.sample((" strength_limit=7", " rate_coefficient=0.007 reference_rate=0.01", " damage_exponent=0.5", " least_damage_strain=0.01",
+    numbers = {**numbers, "shear": young/(2*(1 + poisson)), "strong": strong, "cohesion": luck.choice((0, 0.3, 0.8)),
+               "hardening": luck.choice((0, 0.5, 1.6)),
+               "exponent": luck.choice((0, 0.6, 1)), "tension": strong*luck.choice((0, 0.1, 0.1, 1)),
+               "strain": luck.choice((0, 0.001, 0.04, 1)),
+               "crush": crush, "start": crush/bulk, "lock": lock, "closed": closed,
+               "dense": max(3*bulk, 4*lock/closed)*(1 + closed)}
+    more = luck.sample((" strength_limit=7", " rate_coefficient=0.007 reference_rate=0.01", " damage_exponent=0.5",
+                        " least_damage_strain=0.01",
                         f" k2=-{bulk:g} k3={bulk:g}*2", f" k2={bulk:g}"), luck.choice((0, 1, 2, 3)))
     if sum("k2=" in word for word in more) > 1:
         more = [word for word in more if "k3=" not in word]
@@ -42,7 +54,8 @@ def spall(luck, numbers):
     if luck.random() < 0.5:
         first = f"spall_strain={luck.choice((0.001, 0.15))}"
     else:
-        first = f"pmin=-{numbers['young']}*{luck.choice((0.001, 0.01))} toughness={numbers['young']*luck.choice((0.001, 0.03)):g}"
+        least = f"-{numbers['young']}*{luck.choice((0.001, 0.01))}"
+        first = f"pmin={least} toughness={numbers['young']*luck.choice((0.001, 0.03)):g}"
     return f"failure {numbers['name']} {first} carries={luck.choice(('nothing', 'pressure', 'everything'))}"
 
 
@@ -76,4 +89,5 @@ def moved(luck, name, axes, block):
 def words(luck, dimension, rings, absorbs):
     """Words of `method sgmp` that go with the rest of the scene."""
     allowed = WORDS if dimension > 1 else ("", " stress=plain", " stress=normalised")
-    return luck.choice([words for words in allowed if not (absorbs and "surfaces=corrected" in words or "rotation=exact" in words and rings)])
+    return luck.choice([words for words in allowed if not (absorbs and "surfaces=corrected" in words
+                                                           or "rotation=exact" in words and rings)])

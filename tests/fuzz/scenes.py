@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
-"""Random scenes by seed: all dimensions, axisymmetric ones with and without swirl, methods, updates, materials, contact, walls, rigid bodies. Three
-of five scenes have features beyond these: fluids, soils, failure, softening, scatter, erosion, turned shapes, rows and polygons, rigid bodies that
-turn or are free, initial rotation, damping, loads that rise, ends at rest. Four of five scenes of the seeds from 40000000 on draw what came last, too:
-the materials and loads of _latest.py, tables, walls that move, particle files; of those from 80000000 on four of five what is in _newest.py: ceramics,
-more shapes, gauges, and keys that no other scene has; of those from 120000000 on what is in _further.py: parts that are moved, walls that rub or let waves out,
-foam, spall, all words of `method sgmp`; of those from 160000000 on concrete. Each is run with one and two threads, on two ranks and from a
-checkpoint; then
+"""Random scenes by seed: all dimensions, axisymmetric ones with and without swirl, methods, updates, materials,
+contact, walls, rigid bodies. Three of five scenes have features beyond these: fluids, soils, failure, softening,
+scatter, erosion, turned shapes, rows and polygons, rigid bodies that turn or are free, initial rotation, damping, loads
+that rise, ends at rest. Four of five scenes of the seeds from 40000000 on draw what came last, too: the materials and
+loads of _latest.py, tables, walls that move, particle files; of those from 80000000 on four of five what is in
+_newest.py: ceramics, more shapes, gauges, and keys that no other scene has; of those from 120000000 on what is in
+_further.py: parts that are moved, walls that rub or let waves out, foam, spall, all words of `method sgmp`; of those
+from 160000000 on concrete. Each is run with one and two threads, on two ranks and from a checkpoint; then
 
 * the same exit code, bits, histories and verdict in all of them;
 * exit code 0, or 4 with a failure in words; never a crash or a hang;
-* the identity of kinetic energy (energy.remainder) to round-off, no mass lost but what is booked, momentum as forces, damping and erosion have it;
+* the identity of kinetic energy (energy.remainder) to round-off, no mass lost but what is booked, momentum as forces,
+  damping and erosion have it;
 * a run that is called sound has not made energy.
 
 usage: scenes.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S]     N scenes of the seeds S, S+1, …
@@ -39,16 +41,19 @@ LATEST = 40000000                     # seeds below draw nothing of _latest.py
 NEWEST = 80000000                     # and below these nothing of _newest.py
 FURTHER = 120000000                   # and below these nothing of _further.py
 CONCRETE = 160000000                  # and below these no concrete
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
+ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+               "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_WAIT_POLICY": "passive", "SGMP_THREADS": "exact"}
 
 MATERIALS = {
     "elastic": "material {name} elastic density={density} young={young} poisson={poisson}",
     "neo_hookean": "material {name} neo_hookean density={density} young={young} poisson={poisson}",
-    "j2": "material {name} j2 density={density} young={young} poisson={poisson} yield={weak} hardening=linear hardening_modulus={young}/20",
-    "johnson_cook": "material {name} johnson_cook density={density} young={young} poisson={poisson} yield={weak} hardening_modulus={young}/20 "
-                    "hardening_exponent=0.5 rate_coefficient=0.02 reference_rate=0.01 thermal=yes melt_temperature=1000 specific_heat=0.01\n"
-                    "eos {name} gruneisen c0=sqrt({young}/{density}) s=1.5 gamma0=2",
+    "j2": "material {name} j2 density={density} young={young} poisson={poisson} yield={weak} hardening=linear "
+          "hardening_modulus={young}/20",
+    "johnson_cook": "material {name} johnson_cook density={density} young={young} poisson={poisson} yield={weak} "
+                    "hardening_modulus={young}/20 hardening_exponent=0.5 rate_coefficient=0.02 reference_rate=0.01 "
+                    "thermal=yes melt_temperature=1000 specific_heat=0.01\neos {name} gruneisen "
+                    "c0=sqrt({young}/{density}) s=1.5 gamma0=2",
     "explosive": "material {name} explosive density={density} detonation_speed=3\n"
                  "eos {name} jwl a=371.2 b=3.2 r1=4.15 r2=0.95 omega=0.3 energy0=7\ndetonation point=(0,0,0)",
 }
@@ -83,7 +88,8 @@ class Scene:
         self.deforming, self.pushes, self.loaded = {}, [], False
         self.absorbs = self.rubs = False
         self.pair = []                    # bodies of one group
-        self.lines = ["dimension axisymmetric" + " swirl=yes"*self.swirl if self.axisymmetric else f"dimension {self.dimension}"]
+        self.lines = ["dimension axisymmetric" + " swirl=yes"*self.swirl if self.axisymmetric
+                      else f"dimension {self.dimension}"]
         self.tables()
         self.space()
         self.discretisation()
@@ -93,13 +99,16 @@ class Scene:
         pores = ",distention"*any(" distention=" in line for line in self.lines)
         broken = ",damage"*any(" johnson_holmquist " in line or " concrete " in line for line in self.lines)
         broken += ",compaction"*any(" concrete " in line for line in self.lines)
-        self.lines += ["output csv at=end fields=mass,stress,density" + pores + broken, "history steps=1", f"checkpoint every={self.steps//3} keep=9"]
+        self.lines += ["output csv at=end fields=mass,stress,density" + pores + broken, "history steps=1",
+                       f"checkpoint every={self.steps//3} keep=9"]
         if self.newer:
             for name in self.deforming:
                 if self.has_newest(f"stress of {name}", 0.3):
-                    self.lines += newest.initial_stress(self.stream(f"stress at the start of {name}"), self.lines, name, self.axes, self.gravity)
+                    self.lines += newest.initial_stress(self.stream(f"stress at the start of {name}"), self.lines, name,
+                                                        self.axes, self.gravity)
             self.lines = newest.keyed(self.stream("keys"), self.lines, self.axes)
-            self.lines += newest.further_cards(self.stream("cards"), self.lines, self.axes, [block.lower for block in self.deforming.values()])
+            self.lines += newest.further_cards(self.stream("cards"), self.lines, self.axes,
+                                               [block.lower for block in self.deforming.values()])
 
     def stream(self, what):
         """Random numbers for one choice alone."""
@@ -175,7 +184,8 @@ class Scene:
             luck = self.stream(f"motion of {axis}{side}")
             chosen = luck.sample(along, luck.randint(1, len(along)))
             self.lines.append(f"wallmotion {axis}{side} " + " ".join(
-                f'{other}="{latest.Ramp(luck, luck.choice((0.05, 0.3, -0.3)), self.table).text()}"' for other in chosen))
+                f'{other}="{latest.Ramp(luck, luck.choice((0.05, 0.3, -0.3)), self.table).text()}"'
+                for other in chosen))
             self.moving = True
 
     def discretisation(self):
@@ -185,11 +195,13 @@ class Scene:
             extra = self.luck.choice(("", "", " rotation=exact", " stress=normalised"))
             if self.axisymmetric and extra == " rotation=exact":
                 extra = ""
-            if self.update in ("musl", "usavg") and extra in ("", " stress=normalised", " rotation=exact") and self.has("kept", 0.2):
+            if self.update in ("musl", "usavg") and extra in ("", " stress=normalised",
+                                                              " rotation=exact") and self.has("kept", 0.2):
                 extra += " volumes=kept"
             if self.has_further("words", 0.7):
                 kept = " volumes=kept"*(" volumes=kept" in extra)
-                extra = further.words(self.stream("words of the method"), self.dimension, self.axisymmetric, self.absorbs) + kept
+                extra = further.words(self.stream("words of the method"), self.dimension, self.axisymmetric,
+                                      self.absorbs) + kept
                 if kept:
                     extra = extra.replace(" stress=plain", "")
             words.append(extra)
@@ -203,7 +215,8 @@ class Scene:
         """One of the kinds, with soft and stiff, light and heavy constants."""
         kind = self.luck.choice(list(MATERIALS) if self.luck.random() < 0.3 else list(MATERIALS)[:4])
         young = self.luck.choice((1, 10, 100))
-        numbers = {"name": name, "density": self.luck.choice((0.5, 1, 4)), "young": young, "poisson": self.luck.choice((0, 0.25, 0.3, 0.45)),
+        numbers = {"name": name, "density": self.luck.choice((0.5, 1, 4)), "young": young,
+                   "poisson": self.luck.choice((0, 0.25, 0.3, 0.45)),
                    "weak": young*self.luck.choice((0.003, 0.03))}
         text = MATERIALS[kind].format(**numbers)
         if "detonation" in text and any("detonation point" in line for line in self.lines):
@@ -250,7 +263,8 @@ class Scene:
             fails = damages or luck.random() < 0.8
             if not damages and fails or luck.random() < 0.3:
                 grady = self.has_further(f"spall {numbers['name']}", 0.5)
-                lines = [*lines, further.spall(luck, numbers) if grady else features.failure(luck, numbers, damages, 0.01*numbers["young"])]
+                lines = [*lines, further.spall(luck, numbers) if grady
+                         else features.failure(luck, numbers, damages, 0.01*numbers["young"])]
                 fails = True
         if self.erodes and luck.random() < 0.8:
             fastest = 2.5*math.sqrt(numbers["young"]/numbers["density"])  # c + |v|; faster than waves at the start
@@ -269,7 +283,8 @@ class Scene:
             size = [self.luck.randint(1, CELLS[self.dimension]) for _ in range(self.dimension)]
             lower = [self.luck.choice((2.0, 3.0, 2.5, 2.3)) for _ in range(self.dimension)]
             lower[-1] = height
-            layout = self.luck.choice(("ppc=2", "ppc=2", "ppc=1", "ppc=3", "spacing=0.45", "ppc=2 jitter=0.3", "layout=gauss ppc=2"))
+            layout = self.luck.choice(("ppc=2", "ppc=2", "ppc=1", "ppc=3", "spacing=0.45", "ppc=2 jitter=0.3",
+                                       "layout=gauss ppc=2"))
             if self.dimension == 3:
                 layout = self.luck.choice(("ppc=2", "ppc=1", "ppc=2 jitter=0.3"))
             names.append(f"b{b}")
@@ -277,20 +292,24 @@ class Scene:
             if self.dimension > 1 and self.luck.random() < 0.25:
                 radius = size[-1]/2
                 centre = [low + radius for low in lower]
-                shape = (f"sphere centre={vector(centre)} radius={radius}" if self.luck.random() < 0.5 or self.dimension == 3 or self.axisymmetric else
+                shape = (f"sphere centre={vector(centre)} radius={radius}" if self.luck.random() < 0.5
+                         or self.dimension == 3 or self.axisymmetric else
                          f"ring centre={vector(centre)} axis=(0,0,1) radius={radius} inner={radius}/2")
             else:
                 shape = f"block lower={vector(lower)} upper={vector([low + s for low, s in zip(lower, size)])}"
             if self.has(f"shape {b}", 0.4):
-                shape, cards = features.shape(self.stream(f"shape of {b}"), self.dimension, self.axisymmetric, lower, size)
+                shape, cards = features.shape(self.stream(f"shape of {b}"), self.dimension, self.axisymmetric, lower,
+                                              size)
             if self.has_newest(f"changed {b}", 0.3):
-                cards = [*cards, newest.changed(self.stream(f"change of {b}"), self.dimension, self.axisymmetric, lower, size)]
+                cards = [*cards, newest.changed(self.stream(f"change of {b}"), self.dimension, self.axisymmetric, lower,
+                                                size)]
             if self.draws(f"file {b}", 0.2):
                 self.body_of_file(b, lower, size)
             else:
                 self.lines.append(f"body b{b} {shape} material=m{b} {layout}")
                 self.lines += [card.format(name=f"b{b}") for card in cards]
-                whole = shape == f"block lower={vector(lower)} upper={vector([low + s for low, s in zip(lower, size)])}" and not cards
+                upper = vector([low + s for low, s in zip(lower, size)])
+                whole = shape == f"block lower={vector(lower)} upper={upper}" and not cards
                 self.deforming[f"b{b}"] = latest.Block(lower, size, whole, layout)
             height += size[-1] + self.luck.choice((0, 0, 0.1, 1.5))
         if number > 1 and self.luck.random() < 0.7:
@@ -323,7 +342,8 @@ class Scene:
             self.floats = True
 
     def grouped(self, names):
-        """Two of three bodies in a group of one velocity field, or a card for that group alone; the rigid and the free ones are among the others."""
+        """Two of three bodies in a group of one velocity field, or a card for that group alone; the rigid and the free
+        ones are among the others."""
         if len(names) < 3 or not self.has_further("group", 0.7):
             return
         luck = self.stream("group of bodies")
@@ -337,7 +357,8 @@ class Scene:
         """A body of a particle file, or two bodies of different matter that share one."""
         luck, materials = self.stream(f"file of {number}"), [f"m{number}"]
         if luck.random() < 0.4:
-            numbers = {"name": f"n{number}", "density": 1, "young": luck.choice((1, 10, 100)), "poisson": 0.3, "weak": 0.1}
+            numbers = {"name": f"n{number}", "density": 1, "young": luck.choice((1, 10, 100)), "poisson": 0.3,
+                       "weak": 0.1}
             self.lines += latest.matter(luck, numbers)
             materials.append(numbers["name"])
         file = f"particles_{self.seed}_{number}.csv"
@@ -351,7 +372,8 @@ class Scene:
         """Velocities, gravity, forces, damping."""
         speed = self.luck.choice((0.01, 0.1, 0.5))
         place = self.axes[0]
-        words = [f'{axis}="{speed}*{self.luck.choice(("1", "-1", f"sin({place})", f"cos({place}+1)", "0"))}"' for axis in self.axes]
+        words = [f'{axis}="{speed}*{self.luck.choice(("1", "-1", f"sin({place})", f"cos({place}+1)", "0"))}"'
+                 for axis in self.axes]
         if self.swirl:
             words.append(f"spin={self.stream('spin').choice(('0.1', '0.3*sin(z)'))}")
         elif self.dimension > 1 and not self.axisymmetric and self.has("omega", 0.3):
@@ -381,8 +403,10 @@ class Scene:
             luck = self.stream(f"forces on {name}")
             for _ in range(luck.choice((1, 2)) if self.draws(f"forces {name}", 0.5) else 0):
                 faces = block.lattice and not self.split
-                small = any(f" {name.replace('b', 'm', 1)} elastic" in f" {line[8:]}" and "strain=small" in line for line in self.lines)
-                card, pushes = latest.force(luck, name, self.axes, block, faces, self.dimension == 1 or small, self.alone, self.table)
+                small = any(f" {name.replace('b', 'm', 1)} elastic" in f" {line[8:]}" and "strain=small" in line
+                            for line in self.lines)
+                card, pushes = latest.force(luck, name, self.axes, block, faces, self.dimension == 1 or small,
+                                            self.alone, self.table)
                 self.lines.append(card)
                 self.loaded = self.loaded or pushes is None or self.erodes
                 self.pushes += pushes or []
@@ -402,7 +426,9 @@ class Scene:
     def ends(self):
         """An end before the last step."""
         if self.has("ends", 0.2):
-            self.lines.append("stop " + self.stream("end").choice(("kinetic_below=0.3", "at_rest=0.01", "at_rest=0.1 hold=0.2", "at_rest=0.3 after=1 hold=0.1")))
+            self.lines.append("stop " + self.stream("end").choice(("kinetic_below=0.3", "at_rest=0.01",
+                                                                   "at_rest=0.1 hold=0.2",
+                                                                   "at_rest=0.3 after=1 hold=0.1")))
 
     def pull(self, time):
         """Acceleration of everything along the last axis."""
@@ -413,7 +439,8 @@ class Scene:
         return sum(part*ramp(time) for along, part, ramp in self.pushes if along == axis)
 
     def free(self):
-        """Whether nothing from outside acts but gravity, loads that everything feels alike or whose force is known, and damping."""
+        """Whether nothing from outside acts but gravity, loads that everything feels alike or whose force is known, and
+        damping."""
         return not (self.walls or self.rigid or self.bodyforce or self.loaded)
 
 
@@ -456,8 +483,10 @@ def run(chosen, deck, name, launcher=(), threads=1, options=()):
     if not launcher:
         environment["OMPI_MCA_ess_singleton_isolated"] = "1"
     try:
-        done = subprocess.run([*launcher, chosen.sgmp, deck, "--quiet", "--threads", str(threads), "--output", folder, *options],
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment, timeout=600, check=False)
+        done = subprocess.run([*launcher, chosen.sgmp, deck, "--quiet", "--threads", str(threads), "--output", folder,
+                               *options],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment, timeout=600,
+                              check=False)
     except subprocess.TimeoutExpired:
         return Result(-14, "hang", folder)
     return Result(done.returncode, done.stdout.decode("utf-8", "replace"), folder)
@@ -498,14 +527,16 @@ def physics_problems(scene, result):
         return
     supplied = max(max(abs(row[key]) for row in rows) for key in ("kinetic_energy", "internal_energy", "external_work"))
     # A free body that has left the grid in part moves as the whole.
-    if not (scene.floats and result.summary["particles_lost"]) and abs(energy["remainder"]) > 1e-10*max(supplied, 1e-300):
+    if not (scene.floats and result.summary["particles_lost"]) and abs(energy["remainder"]) > 1e-10*max(supplied,
+                                                                                                        1e-300):
         yield f"the ledger misses {energy['remainder']/supplied:.1e} of the energy"
     particles = result.table("particles_end.csv")
     if any(not math.isfinite(value) for row in particles for value in row.values()):
         yield "a number that is none"
     if len(particles) != result.summary["particles"]:
         yield f"{len(particles)} particles in the file, {result.summary['particles']} in the summary"
-    if not (scene.removes or scene.rigid or scene.floats) and result.summary["particles_lost"]:  # no face holds what is rigid
+    # no face holds what is rigid
+    if not (scene.removes or scene.rigid or scene.floats) and result.summary["particles_lost"]:
         yield "particles lost where none may"
     masses = {}
     for row in result.table("bodies.csv"):
@@ -522,17 +553,21 @@ def physics_problems(scene, result):
 
 def explained(row):
     """The energy of a row and what has been taken from it, less what was given."""
-    taken = ("contact_dissipation", "damping_dissipation", "eroded_kinetic_energy", "eroded_internal_energy", "lost_kinetic_energy", "lost_internal_energy")
+    taken = ("contact_dissipation", "damping_dissipation", "eroded_kinetic_energy", "eroded_internal_energy",
+             "lost_kinetic_energy", "lost_internal_energy")
     return row["total_energy"] + sum(row.get(key, 0.0) for key in taken) - row["external_work"]
 
 
 def mass_problems(result, rows, particles, masses):
-    """What is left and what is booked as eroded or lost is what there was, in each row; bodies weigh what their particles do."""
+    """What is left and what is booked as eroded or lost is what there was, in each row; bodies weigh what their
+    particles do."""
     steps = [row["step"] for row in rows]
-    worst = max(abs(masses[row["step"]] + row.get("eroded_mass", 0.0) + row.get("lost_mass", 0.0) - masses[steps[0]]) for row in rows)
+    worst = max(abs(masses[row["step"]] + row.get("eroded_mass", 0.0) + row.get("lost_mass", 0.0) - masses[steps[0]])
+                for row in rows)
     if worst > 1e-12*masses[steps[0]]:
         yield f"mass wrong by {worst/masses[steps[0]]:.1e}"
-    free = {body["body"] for body in (result.table("rigid.csv") if result.content("rigid.csv") else [])}  # may have a mass by their card
+    # may have a mass by their card
+    free = {body["body"] for body in (result.table("rigid.csv") if result.content("rigid.csv") else [])}
     for body in result.table("bodies.csv"):
         own = sum(row["mass"] for row in particles if row["body"] == body["body"])
         if body["step"] == steps[-1] and body["body"] not in free and abs(own - body["mass"]) > 1e-12*masses[steps[0]]:
@@ -540,15 +575,17 @@ def mass_problems(result, rows, particles, masses):
 
 
 def momentum_problems(scene, rows, masses, lost):
-    """Nothing from outside: momentum stays; gravity and forces that are known change it by their sum over steps, of which the first counts half, for
-    velocities are half a step behind. With damping and free bodies that is so but for half a step. `lost`: impulses that moved nothing, by the summary."""
+    """Nothing from outside: momentum stays; gravity and forces that are known change it by their sum over steps, of
+    which the first counts half, for velocities are half a step behind. With damping and free bodies that is so but for
+    half a step. `lost`: impulses that moved nothing, by the summary."""
     if not scene.free() or scene.rigid:
         return
     if math.isinf(scene.damping):  # kinetic damping stops everything whenever it likes
         return
     scale = max(max(math.sqrt(2*masses[row["step"]]*row["kinetic_energy"]) for row in rows), 1e-30)
     # Along r hoop stress pulls and pushes: what is kept there is the momentum about the axis, where there is one.
-    kept = [(f"momentum_{axis}", scale, scene.pull if axis == scene.axes[-1] else lambda time: 0.0, axis) for axis in scene.axes if axis != "r"]
+    kept = [(f"momentum_{axis}", scale, scene.pull if axis == scene.axes[-1] else lambda time: 0.0, axis)
+            for axis in scene.axes if axis != "r"]
     if scene.swirl:
         kept.append(("angular_momentum", scale*3*CELLS[2], lambda time: 0.0, ""))
     longest = max(row["dt"] for row in rows)
@@ -562,7 +599,8 @@ def momentum_problems(scene, rows, masses, lost):
             expected = (expected + weight*(last + span)/2 - gone)*math.exp(-rate*span)
             wrong = max(wrong, abs(row[key] - expected))
             strongest = max(strongest, abs(weight) + scene.damping*abs(before[key]))
-        # A particle of mpm that lies on a cell's face pushes nodes to which it gives no mass: that force is lost, and the run says so.
+        # A particle of mpm that lies on a cell's face pushes nodes to which it gives no mass: that force is lost, and
+        # the run says so.
         reach = 3*CELLS[2] if key == "angular_momentum" else 1
         loose = 1.01*strongest*longest if scene.damping or scene.floats else 0.0
         if wrong > 1e-10*size + reach*lost + loose:
@@ -572,10 +610,13 @@ def momentum_problems(scene, rows, masses, lost):
 def problems(chosen, scene, deck):
     """Everything wrong with a scene, and how it ended."""
     first = run(chosen, deck, "first")
-    # Small round bodies may have no particle, or none that a load finds, a rigid one alone may be at rest; all else that is drawn must be legal.
+    # Small round bodies may have no particle, or none that a load finds, a rigid one alone may be at rest; all else
+    # that is drawn must be legal.
     if first.code == WRONG_DECK:
-        return first, [] if re.search("has no particles|nothing limits the time step|acts on no particle|there are no such faces|show opposite faces|"
-                                      "no particle is within the radius of gauge|have no known faces at an absorbing edge|nothing ends at the absorbing edge|the motion moves no particle",
+        return first, [] if re.search("has no particles|nothing limits the time step|acts on no particle|there are no "
+                                      "such faces|show opposite faces|no particle is within the radius of gauge|have "
+                                      "no known faces at an absorbing edge|nothing ends at the absorbing edge|the "
+                                      "motion moves no particle",
                                       first.printed) else ["a deck refused"]
     found = list(end_problems(first))
     if found:
@@ -589,7 +630,8 @@ def problems(chosen, scene, deck):
         copy = os.path.join(chosen.scratch, "restarted")
         shutil.rmtree(copy, ignore_errors=True)
         shutil.copytree(os.path.join(chosen.scratch, "first"), copy)
-        again = run(chosen, deck, "restarted", threads=2, options=["--restart", os.path.join(copy, os.path.basename(middle))])
+        again = run(chosen, deck, "restarted", threads=2,
+                    options=["--restart", os.path.join(copy, os.path.basename(middle))])
         found += layout_problems(first, again, "restart")
     return first, found
 
@@ -597,14 +639,16 @@ def problems(chosen, scene, deck):
 def never_drawn():
     """What the last seeds must draw, and do not in 200 scenes."""
     texts = "".join(Scene(seed).text() for seed in range(CONCRETE, CONCRETE + 200))
-    return [word for word in ("motion ", "wallfriction ", "=absorbing", " crushable_foam ", " concrete ", " toughness=", " spall_strain=", " surfaces=corrected") if word not in texts]
+    return [word for word in ("motion ", "wallfriction ", "=absorbing", " crushable_foam ", " concrete ", " toughness=",
+                              " spall_strain=", " surfaces=corrected") if word not in texts]
 
 
 def main():
     """So many scenes from a seed on."""
     if "--show" in sys.argv:
         scene = Scene(int(sys.argv[sys.argv.index("--show") + 1]))
-        sys.exit(print(scene.text() + "".join(f"# {name}:\n# " + "\n# ".join(text.splitlines()) + "\n" for name, text in scene.files.items())))
+        sys.exit(print(scene.text() + "".join(f"# {name}:\n# " + "\n# ".join(text.splitlines()) + "\n"
+                                              for name, text in scene.files.items())))
     chosen = arguments(__doc__, 12, CONCRETE)
     findings, codes = Findings(chosen.scratch), {}
     deck = os.path.join(chosen.scratch, "scene.inp")

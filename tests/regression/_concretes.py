@@ -1,5 +1,6 @@
-"""Holmquist, Johnson and Cook's concrete along a path of uniaxial strain, as a second implementation: damage, strength and pressure of a step
-agree with each other at its end, in shorter steps; compaction is what is kept, not the greatest compression."""
+"""Holmquist, Johnson and Cook's concrete along a path of uniaxial strain, as a second implementation: damage, strength
+and pressure of a step agree with each other at its end, in shorter steps; compaction is what is kept, not the greatest
+compression."""
 import math
 
 
@@ -28,7 +29,8 @@ class Pores:
     def bound(self, part):
         """Compression and pressure after this part of the crushing, and the modulus of what is let go there."""
         c = self.c
-        return (c["crush_compression"] + part*(self.end - c["crush_compression"]), c["crush_pressure"] + part*(c["lock_pressure"] - c["crush_pressure"]),
+        return (c["crush_compression"] + part*(self.end - c["crush_compression"]),
+                c["crush_pressure"] + part*(c["lock_pressure"] - c["crush_pressure"]),
                 self.stiff + part*(self.last - self.stiff))
 
     def left(self, part):
@@ -58,7 +60,8 @@ def strength(c, pressure, rate, damage):
 
 
 def between(times, volumes, i, part):
-    """The cubic through the volumes at four times, between the times i - 1 and i: strength goes with the rate, which is nothing where the path turns."""
+    """The cubic through the volumes at four times, between the times i - 1 and i: strength goes with the rate, which is
+    nothing where the path turns."""
     first = max(0, min(i - 2, len(times) - 4))
     known = range(first, min(first + 4, len(times)))
     time = times[i - 1] + part*(times[i] - times[i - 1])
@@ -87,7 +90,8 @@ def crushed(c, times, volumes, substeps):
                 for _ in range(4 if flow + closed > 0 else 0):
                     bears = max(curve, -c["tension_limit"]*(1 - grown))
                     base = (bears + c["tension_limit"])/c["compressive_strength"]
-                    fatal = max(c.get("least_damage_strain", 0.0), c["damage_strain"]*max(base, 0.0)**c.get("damage_exponent", 1.0))
+                    fatal = max(c.get("least_damage_strain", 0.0),
+                                c["damage_strain"]*max(base, 0.0)**c.get("damage_exponent", 1.0))
                     grown = min(1.0, damage + (flow + closed)/fatal)
                 return strength(c, max(curve, -c["tension_limit"]*(1 - grown)), rate, grown), grown
             flow = 0.0

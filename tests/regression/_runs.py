@@ -51,8 +51,10 @@ load strip x="-0.004*u*min(t/400,1)" y="-0.004*w*min(t/400,1)" where="x*u+y*w<0.
 output csv at=end
 """
 KEPT_PLANE = KEPT.format(dimension=2, grid="x=0:6 y=0:20", walls="x-=slip x+=fixed y-=slip y+=slip", upper="6,10,0")
-KEPT_SPACE = KEPT.format(dimension=3, grid="x=0:3 y=0:3 z=0:18", walls="x-=slip x+=slip y-=slip y+=fixed z-=slip z+=slip", upper="3,3,9")
-KEPT_RINGS = KEPT.format(dimension="axisymmetric", grid="r=0:4 z=0:18", walls="r+=slip z-=slip z+=slip", upper="4,9").replace("(0,0,0)", "(0,0)")
+KEPT_SPACE = KEPT.format(dimension=3, grid="x=0:3 y=0:3 z=0:18",
+                         walls="x-=slip x+=slip y-=slip y+=fixed z-=slip z+=slip", upper="3,3,9")
+KEPT_RINGS = KEPT.format(dimension="axisymmetric", grid="r=0:4 z=0:18", walls="r+=slip z-=slip z+=slip",
+                         upper="4,9").replace("(0,0,0)", "(0,0)")
 # Rubber and gas whose particles are stretched to many times their size, and split.
 SPLIT = """
 parameter method = sgmp
@@ -133,8 +135,8 @@ history steps=10
 output csv at=end fields=stress,density,energy
 """
 
-# Plates that hit each other and fail, each by a criterion of its own, two heaps of soil and a bank of clay that they hit.
-# A notched bar that is pulled apart; it fails by a strain that is averaged over a length.
+# Plates that hit each other and fail, each by a criterion of its own, two heaps of soil and a bank of clay that they
+# hit. A notched bar that is pulled apart; it fails by a strain that is averaged over a length.
 AVERAGED = """
 parameter h = 0.5
 parameter method = sgmp
@@ -163,14 +165,16 @@ wall y-=slip
 method $method update=$update
 time steps=80 cfl=0.4
 material spalling j2 density=1 young=100 poisson=0.3 yield=1
-material torn johnson_cook density=1 young=100 poisson=0.3 yield=1 hardening_modulus=2 hardening_exponent=0.5 failure=yes d1=0.03
+material torn johnson_cook density=1 young=100 poisson=0.3 yield=1 hardening_modulus=2 hardening_exponent=0.5 &
+  failure=yes d1=0.03
 material brittle j2 density=1 young=100 poisson=0.3 yield=5
 material soil drucker_prager density=0.5 young=20 poisson=0.3 friction=30 cohesion=0.01 dilatancy=5
 material clay mohr_coulomb density=0.5 young=20 poisson=0.3 friction=25 cohesion=0.02 dilatancy=5 tension=0.005
 eos spalling gruneisen c0=9 s=1.5 gamma0=1.5
 failure spalling pmin=-0.5
 failure brittle principal_stress=0.8 plastic_strain=0.02 carries=nothing
-material mud cam_clay density=0.6 poisson=0.3 critical_ratio=1 compression_slope=0.2 swelling_slope=0.02 void_ratio=1 pressure0=0.05 overconsolidation=1.5
+material mud cam_clay density=0.6 poisson=0.3 critical_ratio=1 compression_slope=0.2 swelling_slope=0.02 &
+  void_ratio=1 pressure0=0.05 overconsolidation=1.5
 body flyer block material=torn lower=(0,0) upper=(6,8) ppc=2 jitter=0.2
 body plate block material=spalling lower=(6,0) upper=(18,8) ppc=2
 body lid block material=brittle lower=(0,8) upper=(18,14) ppc=2
@@ -183,18 +187,34 @@ history steps=10
 output csv at=end fields=stress,density,energy,damage,preconsolidation,plastic_strain
 """
 
+
+
+def changed(text, *pairs):
+    """A deck with words in the place of others, one pair after the other."""
+    for old, new in pairs:
+        text = text.replace(old, new)
+    return text
+
+
 # The same, one of them little by little, with limits and yield stresses that scatter.
-SCATTERED = FAILING.replace("failure spalling pmin=-0.5", "failure spalling pmin=-0.5 weibull=3").replace("failure=yes d1=0.03", "failure=yes d1=0.03\nfailure torn weibull=2 seed=5").replace(
-    "plastic_strain=0.02 carries=nothing", "plastic_strain=0.02 fracture_energy=0.01 weibull=4 seed=3").replace(
-    "poisson=0.3 yield=", "poisson=0.3 yield_weibull=5 yield_seed=2 yield=").replace("plastic_strain\n", "plastic_strain,strength,yield_factor\n")
+SCATTERED = changed(
+    FAILING, ("failure spalling pmin=-0.5", "failure spalling pmin=-0.5 weibull=3"),
+    ("failure=yes d1=0.03", "failure=yes d1=0.03\nfailure torn weibull=2 seed=5"),
+    ("plastic_strain=0.02 carries=nothing", "plastic_strain=0.02 fracture_energy=0.01 weibull=4 seed=3"),
+    ("poisson=0.3 yield=", "poisson=0.3 yield_weibull=5 yield_seed=2 yield="),
+    ("plastic_strain\n", "plastic_strain,strength,yield_factor\n"))
 
 # The same without the heaps, and what has come to nothing goes.
-ERODING = SCATTERED.replace("body heap", "! body heap").replace("body slope", "! body slope").replace("body bank", "! body bank").replace("stress,density,energy", "mass,energy").replace("failure brittle", """erode torn failed=yes
+ERODING = changed(
+    SCATTERED, ("body heap", "! body heap"), ("body slope", "! body slope"), ("body bank", "! body bank"),
+    ("stress,density,energy", "mass,energy"),
+    ("failure brittle", """erode torn failed=yes
 erode spalling plastic_strain=0.05
 erode brittle failed=yes time_step=0.02
-failure brittle""")
+failure brittle"""))
 
-# Metals that hit each other so fast that they warm, stiffen and in part melt, foams that they crush and ceramics that break.
+# Metals that hit each other so fast that they warm, stiffen and in part melt, foams that they crush and ceramics that
+# break.
 METALS = """
 parameter method = sgmp
 parameter update = musl
@@ -203,23 +223,31 @@ grid cell=1 x=open:open y=0:open
 wall y-=slip
 method $method update=$update
 time steps=80 cfl=0.4
-material stiff steinberg_guinan yield_weibull=4 density=1 young=100 poisson=0.3 yield=0.5 yield_limit=1.2 hardening_factor=40 hardening_exponent=0.4 &
+material stiff steinberg_guinan yield_weibull=4 density=1 young=100 poisson=0.3 yield=0.5 yield_limit=1.2 &
+  hardening_factor=40 hardening_exponent=0.4 &
   pressure_stiffening=0.02 thermal_softening=5e-4 specific_heat=0.01 melt_temperature=420 melt_slope=1.5 melt_gamma=2
 eos stiff shock c0=9 s=1.5 gamma0=1.5
-material fcc zerilli_armstrong yield_weibull=6 yield_seed=9 density=1.2 young=80 poisson=0.3 yield=0.1 thermal_hardening=3 thermal_softening=2e-3 thermal_rate=1e-4 specific_heat=0.003
+material fcc zerilli_armstrong yield_weibull=6 yield_seed=9 density=1.2 young=80 poisson=0.3 yield=0.1 &
+  thermal_hardening=3 thermal_softening=2e-3 thermal_rate=1e-4 specific_heat=0.003
 eos fcc gruneisen c0=8 s=1.4 gamma0=2
-material bcc zerilli_armstrong density=0.8 young=90 poisson=0.3 yield=0.1 thermal_stress=4 thermal_softening=7e-3 thermal_rate=4e-4 hardening_modulus=1 &
+material bcc zerilli_armstrong density=0.8 young=90 poisson=0.3 yield=0.1 thermal_stress=4 thermal_softening=7e-3 &
+  thermal_rate=4e-4 hardening_modulus=1 &
   hardening_exponent=0.3
 failure bcc plastic_strain=0.2
 material foam j2 density=0.7 young=40 poisson=0.3 yield=0.2
 eos foam gruneisen c0=8 s=1.4 gamma0=2 distention=1.4 crush_start=0.3 crush_end=6
 material sponge j2 density=0.7 young=40 poisson=0.3 yield=0.2
 eos sponge shock c0=8 s=1.4 gamma0=2 distention=1.4 crush_start=0.3 crush_end=6 pore_speed=4
-material tile johnson_holmquist density=0.9 shear_modulus=40 k1=60 k2=20 k3=30 hugoniot_limit=3 hugoniot_pressure=1.2 intact_strength=0.9 intact_exponent=0.6 &
-  fractured_strength=0.4 fractured_exponent=0.7 rate_coefficient=0.02 reference_rate=1e-3 tension_limit=1 damage_strain=0.1
-material pad crushable_foam density=0.5 young=30 poisson=0.2 plateau=0.2 plastic_poisson=0.1 linear_hardening=0.2 densification=0.3 densification_strain=1 densification_exponent=3
-material wall concrete density=0.8 shear_modulus=30 compressive_strength=0.5 cohesive_strength=0.8 pressure_hardening=1.6 pressure_exponent=0.6 strength_limit=7 &
-  rate_coefficient=0.01 reference_rate=1e-3 tension_limit=0.05 damage_strain=0.04 least_damage_strain=0.01 crush_pressure=0.2 crush_compression=0.005 &
+material tile johnson_holmquist density=0.9 shear_modulus=40 k1=60 k2=20 k3=30 hugoniot_limit=3 &
+  hugoniot_pressure=1.2 intact_strength=0.9 intact_exponent=0.6 &
+  fractured_strength=0.4 fractured_exponent=0.7 rate_coefficient=0.02 reference_rate=1e-3 tension_limit=1 &
+  damage_strain=0.1
+material pad crushable_foam density=0.5 young=30 poisson=0.2 plateau=0.2 plastic_poisson=0.1 linear_hardening=0.2 &
+  densification=0.3 densification_strain=1 densification_exponent=3
+material wall concrete density=0.8 shear_modulus=30 compressive_strength=0.5 cohesive_strength=0.8 &
+  pressure_hardening=1.6 pressure_exponent=0.6 strength_limit=7 &
+  rate_coefficient=0.01 reference_rate=1e-3 tension_limit=0.05 damage_strain=0.04 least_damage_strain=0.01 &
+  crush_pressure=0.2 crush_compression=0.005 &
   lock_pressure=4 lock_compression=0.15 k1=150 k2=-200 k3=300
 erode tile plastic_strain=2
 viscosity all
@@ -260,8 +288,8 @@ velocity tube r="-0.3*(12-r)/6" z=0.3
 """
 
 # The same turning about the axis, the ball faster above, the tube held by its outer wall.
-SWIRL = HOOPS.replace("axisymmetric", "axisymmetric swirl=yes").replace('r="0.05*r"', 'r="0.05*r" spin="0.1+0.02*z"').replace(
-    'r="-0.3*(12-r)/6"', 'r="-0.3*(12-r)/6" spin="0.05*(12-r)/6"')
+SWIRL = changed(HOOPS, ("axisymmetric", "axisymmetric swirl=yes"), ('r="0.05*r"', 'r="0.05*r" spin="0.1+0.02*z"'),
+                ('r="-0.3*(12-r)/6"', 'r="-0.3*(12-r)/6" spin="0.05*(12-r)/6"'))
 
 # Jelly in a duct whose walls move, one of them across the slowest axis, one beside another at rest.
 DRAGGED = """
@@ -282,12 +310,16 @@ history steps=3
 output csv at=end
 """
 
-# The same in a duct that rubs: nodes that stick and that slide, walls that are pulled along, images behind walls at the cuts.
-RUBBED = DRAGGED.replace("wall x-=fixed y-=fixed z-=fixed z+=fixed", "wall x-=slip y-=fixed z-=slip z+=slip\nwallfriction x- friction=0.2\nwallfriction z- friction=0.5\n"
-                         "wallfriction z+ friction=3").replace("velocity b", 'bodyforce b x=-0.01 z="0.02*sin(t)"\nvelocity b')
+# The same in a duct that rubs: nodes that stick and that slide, walls that are pulled along, images behind walls at the
+# cuts.
+RUBBED = changed(
+    DRAGGED, ("wall x-=fixed y-=fixed z-=fixed z+=fixed",
+              "wall x-=slip y-=fixed z-=slip z+=slip\nwallfriction x- friction=0.2\n"
+              "wallfriction z- friction=0.5\nwallfriction z+ friction=3"),
+    ("velocity b", 'bodyforce b x=-0.01 z="0.02*sin(t)"\nvelocity b'))
 
-# A rigid punch drives a cone into a seat of the same slope, with a hoop around it: bodies of revolution that touch along the
-# axis, across it and at an angle to it, near the axis and far from it, three at a corner.
+# A rigid punch drives a cone into a seat of the same slope, with a hoop around it: bodies of revolution that touch
+# along the axis, across it and at an angle to it, near the axis and far from it, three at a corner.
 SEAT = """
 parameter method = sgmp
 parameter update = musl

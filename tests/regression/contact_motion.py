@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Parts that are moved in bodies that touch others (doc/loads.md): what contact gives to them is a force on whoever moves them.
+"""Parts that are moved in bodies that touch others (doc/loads.md): what contact gives to them is a force on whoever
+moves them.
 
 usage: contact_motion.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Known from outside: a body that is moved as a whole is a rigid one; momentum is what the forces of motion.csv have given; a bar between two grips bears what
-its modulus says.
+Known from outside: a body that is moved as a whole is a rigid one; momentum is what the forces of motion.csv have
+given; a bar between two grips bears what its modulus says.
 """
 import random
 
@@ -26,15 +27,20 @@ contact plate ball friction={friction}
 history steps=1
 output csv at=end
 """
-# Plates do not end on lines of nodes: there round-off says whether the next node has mass. It also says, where bodies are pressed together, in which step a
-# node that they come to share acts first, so places were taken where it does not come to that.
+# Plates do not end on lines of nodes: there round-off says whether the next node has mass. It also says, where bodies
+# are pressed together, in which step a node that they come to share acts first, so places were taken where it does not
+# come to that.
 SPACES = {
-    "1": {"grid": "x=open", "plate": "lower=0.11 upper=1.11", "ball": "lower=1.14 upper=2.11", "velocity": "x=-1", "axis": "x", "friction": 0},
-    "2": {"grid": "x=open y=open", "plate": "lower=(0.03,0.02) upper=(2.03,0.52)", "ball": "lower=(0.52,0.56) upper=(1.3,1.3)", "velocity": "x=0.5 y=-1",
+    "1": {"grid": "x=open", "plate": "lower=0.11 upper=1.11", "ball": "lower=1.14 upper=2.11", "velocity": "x=-1",
+          "axis": "x", "friction": 0},
+    "2": {"grid": "x=open y=open", "plate": "lower=(0.03,0.02) upper=(2.03,0.52)",
+          "ball": "lower=(0.52,0.56) upper=(1.3,1.3)", "velocity": "x=0.5 y=-1",
           "axis": "y", "friction": 0.3},
-    "3": {"grid": "x=open y=open z=open", "plate": "lower=(0,0,0) upper=(1.5,1.5,0.5)", "ball": "lower=(0.3,0.3,0.53) upper=(1,1,1)",
+    "3": {"grid": "x=open y=open z=open", "plate": "lower=(0,0,0) upper=(1.5,1.5,0.5)",
+          "ball": "lower=(0.3,0.3,0.53) upper=(1,1,1)",
           "velocity": "x=0.3 y=0.5 z=-1", "axis": "z", "friction": 0.3},
-    "axisymmetric": {"grid": "r=0:3 z=open", "plate": "lower=(0,0.02) upper=(2,0.52)", "ball": "lower=(0,0.56) upper=(0.7,1.3)", "velocity": "z=-1", "axis": "z",
+    "axisymmetric": {"grid": "r=0:3 z=open", "plate": "lower=(0,0.02) upper=(2,0.52)",
+                     "ball": "lower=(0,0.56) upper=(0.7,1.3)", "velocity": "z=-1", "axis": "z",
                      "friction": 0.3},
 }
 PLAIN = " rotation=plain surfaces=plain stress=plain"
@@ -46,8 +52,10 @@ def axes(dimension):
 
 def held_as_rigid(report):
     """The same particles, impulses and energy, moved by a card motion or rigid."""
-    cases = [(d, m, u) for d in ("1", "2", "axisymmetric") for m in ("sgmp", "mpm", "gimp", "bspline") for u in ("musl", "usavg")]
-    cases = [*cases[::2], *cases[1::4], ("3", "sgmp", "musl"), ("3", "mpm", "usf"), ("2", "sgmp", "usl"), ("2", "sgmp", "usf")]
+    cases = [(d, m, u) for d in ("1", "2", "axisymmetric") for m in ("sgmp", "mpm", "gimp", "bspline")
+             for u in ("musl", "usavg")]
+    cases = [*cases[::2], *cases[1::4], ("3", "sgmp", "musl"), ("3", "mpm", "usf"), ("2", "sgmp", "usl"),
+             ("2", "sgmp", "usf")]
     for number, (dimension, method, update) in enumerate(cases):
         speed = ('"0.3*sin(5*t)"', "0")[number % 5 == 4 and dimension != "axisymmetric"]
         space = SPACES[dimension]
@@ -67,7 +75,8 @@ def held_as_rigid(report):
         own = moved.table("bodies.csv")
         kinetic = [row["kinetic_energy"] for row in own if round(row["body"]) == 1]
         work = moved["energy.external_work"] - (kinetic[-1] - kinetic[0])
-        report.check(abs(work - rigid["energy.external_work"]) < 1e-11, f"{name}: work {work}, of a rigid plate {rigid['energy.external_work']}")
+        report.check(abs(work - rigid["energy.external_work"]) < 1e-11,
+                     f"{name}: work {work}, of a rigid plate {rigid['energy.external_work']}")
 
 
 def given(result):
@@ -116,14 +125,17 @@ def drawn(seed):
         for _ in range(luck.choice((0, 1))) if body == "high" else range(1):
             where = luck.choice((f"{top}<{low + 1}", f"{top}>{high - 1}", f"{places[0]}<{1.3 if n > 1 else low + 1}"))
             chosen = luck.sample(places, luck.randint(1, n))
-            motions.append(f'motion {body} where="{where}" ' + " ".join(f'{axis}="{luck.choice(("0", "0.2*sin(t)", "0.1"))}"' for axis in chosen)
+            motions.append(f'motion {body} where="{where}" ' +
+                           " ".join(f'{axis}="{luck.choice(("0", "0.2*sin(t)", "0.1"))}"' for axis in chosen)
                            + luck.choice(("", "", " until=0.8")))
     method = luck.choice(("sgmp" + PLAIN, "sgmp rotation=exact surfaces=plain", "sgmp", "mpm", "gimp", "bspline"))
     exact = "rotation=exact" in method and n > 1
     method = method if n > 1 else method.replace(" rotation=exact surfaces=plain", "").replace(PLAIN, "")
     velocity = " ".join(f"{axis}={luck.choice((-0.4, 0.2)) if axis != top else -0.5}" for axis in places)
-    return GRIPS.format(dimension=dimension, grid=" ".join(f"{axis}=open" for axis in places), method=f"{method} update={luck.choice(('musl', 'usf', 'usavg', 'usavg'))}",
-                        heavy=luck.choice((1, 4, 100)), low=block(0.2, 3.2), high=block(3.2, 6.2), velocity=velocity, friction=0 if exact else luck.choice((0, 0.3, 10)),
+    return GRIPS.format(dimension=dimension, grid=" ".join(f"{axis}=open" for axis in places),
+                        method=f"{method} update={luck.choice(('musl', 'usf', 'usavg', 'usavg'))}",
+                        heavy=luck.choice((1, 4, 100)), low=block(0.2, 3.2), high=block(3.2, 6.2), velocity=velocity,
+                        friction=0 if exact else luck.choice((0, 0.3, 10)),
                         motions="\n".join(motions))
 
 
@@ -137,9 +149,11 @@ def identities(report):
         gained, total = given(result)
         scale = sum(abs(value) for value in total.values()) + 1.0
         for axis, value in gained.items():
-            report.check(abs(value - total[axis]) < 1e-11*scale, f"grips {seed}: momentum {value} along {axis}, from the grips {total[axis]}\n{text}")
+            report.check(abs(value - total[axis]) < 1e-11*scale,
+                         f"grips {seed}: momentum {value} along {axis}, from the grips {total[axis]}\n{text}")
         energy = result["energy"]
-        report.check(abs(energy["remainder"]) < 1e-12*energy["supplied"], f"grips {seed}: remainder {energy['remainder']} of {energy['supplied']}\n{text}")
+        report.check(abs(energy["remainder"]) < 1e-12*energy["supplied"],
+                     f"grips {seed}: remainder {energy['remainder']} of {energy['supplied']}\n{text}")
         if "usavg" in text and "mpm" not in text:
             report.check(energy["drift"] < 1e-2, f"grips {seed}: drift {energy['drift']}\n{text}")
 
@@ -151,8 +165,10 @@ def bits(report):
         reference = straight(report, f"bits_{seed}", text)
         for title, threads, launcher in (("threads", 2, ()), ("ranks", 1, mpirun(2))):
             other = straight(report, f"bits_{title}_{seed}", text, threads=threads, launcher=launcher)
-            report.check(other["checksum"] == reference["checksum"], f"{seed} {title}: checksum {other['checksum']}, not {reference['checksum']}")
-            report.check(other.table("motion.csv") == reference.table("motion.csv"), f"{seed} {title}: motion.csv differs")
+            report.check(other["checksum"] == reference["checksum"],
+                         f"{seed} {title}: checksum {other['checksum']}, not {reference['checksum']}")
+            report.check(other.table("motion.csv") == reference.table("motion.csv"),
+                         f"{seed} {title}: motion.csv differs")
         goes_on(report, reference, f"bits_again_{seed}", text, checkpoints(reference.folder)[0])
 
 
@@ -182,7 +198,8 @@ history every=0.5
         # Free lengths 0.9 each, as grips strain nothing: u = F (0.9/100 + 0.9/50).
         wanted = 0.01/(0.9/100 + 0.9/50)
         force = sorted(row["force_x"] for row in last)
-        report.check(abs(force[1]/wanted - 1) < 0.06 and abs(sum(force)) < 0.01*wanted, f"{method}: forces {force}, expected {wanted}")
+        report.check(abs(force[1]/wanted - 1) < 0.06 and abs(sum(force)) < 0.01*wanted,
+                     f"{method}: forces {force}, expected {wanted}")
 
 
 if __name__ == "__main__":

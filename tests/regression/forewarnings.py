@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What is warned of before the first step (sgmp --check): each on both sides of its limit, with the numbers that the deck gives.
+"""What is warned of before the first step (sgmp --check): each on both sides of its limit, with the numbers that the
+deck gives.
 
 usage: forewarnings.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -55,10 +56,12 @@ CASES = [
     # More dumps than 10000, by the end or by the number of steps, whichever comes first.
     ({"more": "output vtkhdf every=1.9e-4"}, "output every=0.00019 makes 10526 dumps; " + UNIT),
     ({"more": "output vtkhdf every=2.1e-4"}, None),
-    ({"time": "dt=0.1 steps=20", "more": "output vtkhdf every=1.9e-4"}, "output every=0.00019 makes 10526 dumps; " + UNIT),
+    ({"time": "dt=0.1 steps=20", "more": "output vtkhdf every=1.9e-4"},
+     "output every=0.00019 makes 10526 dumps; " + UNIT),
     ({"time": "dt=0.1 steps=20", "more": "output vtkhdf every=2.1e-4"}, None),
     ({"time": "dt=0.1 steps=20 end=100", "more": "output vtkhdf every=2.1e-4"}, None),
-    ({"time": "dt=0.1 steps=2000 end=2", "more": "output vtu every=9\noutput tecplot every=1.9e-4"}, "makes 10526 dumps"),
+    ({"time": "dt=0.1 steps=2000 end=2", "more": "output vtu every=9\noutput tecplot every=1.9e-4"},
+     "makes 10526 dumps"),
     # Courant numbers beyond what the methods bear at rest.
     ({"time": "end=2 cfl=2.5"}, None),
     ({"time": "end=2 cfl=2.6"}, "cfl=2.6 is above 2.54, the most"),
@@ -74,7 +77,8 @@ CASES = [
     ({"more": "gauge g point=(-1.1,0.25)"}, None),
     ({"more": "gauge g point=(-1.25,0.25)"}, "gauge 'g' is 1.5 cells from the nearest particle"),
     ({"more": "gauge g point=(-1.25,0.25) radius=3"}, None),
-    # Bodies meet after 6/speed, at 3 they do not within 2; not where there is contact, nor where one moves away, nor beside each other.
+    # Bodies meet after 6/speed, at 3 they do not within 2; not where there is contact, nor where one moves away, nor
+    # beside each other.
     ({"speed": 2.9}, None),
     ({"speed": 3.1}, STICK),
     ({"speed": -9}, None),
@@ -83,7 +87,8 @@ CASES = [
     ({"speed": 9, "more": "velocity right y=9"}, None),
     ({"speed": 9, "more": "velocity right y=5"}, STICK),
     # Bodies without a card contact between them, where others have one.
-    ({"more": "body third block material=m lower=(30,0) upper=(34,4) ppc=2\nbody fourth block material=m lower=(40,0) upper=(44,4) ppc=2\ncontact left right"},
+    ({"more": "body third block material=m lower=(30,0) upper=(34,4) ppc=2\nbody fourth block material=m lower=(40,0) "
+              "upper=(44,4) ppc=2\ncontact left right"},
      "no card `contact` is for 'left' and 'third' (4 such in all)"),
     # Rigid bodies: prescribed ones that meet, a free one wherever it goes.
     ({"more": RIGID.format(2.9, "")}, None),
@@ -100,7 +105,8 @@ def warnings_of(report, name, deck, launcher=()):
     environment = dict(ENVIRONMENT)
     if launcher:
         environment.pop("OMPI_MCA_ess_singleton_isolated", None)
-    done = subprocess.run([*launcher, SGMP, path, "--check"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, timeout=60, env=environment)
+    done = subprocess.run([*launcher, SGMP, path, "--check"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          check=False, timeout=60, env=environment)
     text = done.stdout.decode()
     report.check(done.returncode == 0, f"{name}: exit code {done.returncode}\n{text}")
     return [line for line in text.splitlines() if line.startswith("warning:")]
@@ -108,7 +114,8 @@ def warnings_of(report, name, deck, launcher=()):
 
 def expect(report, name, found, words):
     """One warning with these words, or none."""
-    report.check(len(found) == (words is not None) and all(words in line for line in found), f"{name}: {found}, expected {words}")
+    report.check(len(found) == (words is not None) and all(words in line for line in found),
+                 f"{name}: {found}, expected {words}")
 
 
 def main():
@@ -120,15 +127,20 @@ def main():
     for end, words in ((1.55, "the detonation reaches body 'charge' at 1.6, after the end of the run"), (1.65, None)):
         expect(report, f"lit until {end}", warnings_of(report, "lit", CHARGE.format(end=end)), words)
     near = CHARGE.replace("(-7.5,0.5)", "(0,0.5)")
-    for end, sides, words in ((2.39, "", None), (2.41, "", "products of the explosive 'charge' are followed through the open sides"),
-                              (2.41, " x=-4:8 y=-4:5", None), (2.41, " x=-4:8 y=-4:open", "products of the explosive 'charge'")):
+    for end, sides, words in ((2.39, "", None), (2.41, "", "products of the explosive 'charge' are followed through "
+                                                           "the open sides"),
+                              (2.41, " x=-4:8 y=-4:5", None),
+                              (2.41, " x=-4:8 y=-4:open", "products of the explosive 'charge'")):
         deck = near.format(end=end).replace("grid cell=1", "grid cell=1" + sides)
         expect(report, f"products until {end}, grid{sides}", warnings_of(report, "products", deck), words)
     for axis, speed, words in (("y", 0, None), ("y", 1, "walls are at rest before t = 0")):
-        expect(report, f"wall along {axis}, {speed}", warnings_of(report, "wall", WALLS.format(axis=axis, speed=speed)), words)
-    line = "dimension 1\ngrid cell=1\ntime dt=0.1 steps=3\nmaterial m elastic density=1 young=50 poisson=0\nbody b block material=m lower=0 upper=4 ppc=2\n"
+        expect(report, f"wall along {axis}, {speed}", warnings_of(report, "wall", WALLS.format(axis=axis, speed=speed)),
+               words)
+    line = ("dimension 1\ngrid cell=1\ntime dt=0.1 steps=3\nmaterial m elastic density=1 young=50 poisson=0\n"
+            "body b block material=m lower=0 upper=4 ppc=2\n")
     expect(report, "a line", warnings_of(report, "a line", line), None)
-    expect(report, "a line on two ranks", warnings_of(report, "two ranks", line, mpirun(2)), "a scene in 1D is not divided")
+    expect(report, "a line on two ranks", warnings_of(report, "two ranks", line, mpirun(2)),
+           "a scene in 1D is not divided")
     report.end()
 
 

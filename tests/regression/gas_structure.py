@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Gas against a structure that no card but `contact plate` parts from it: TNT in air over a steel plate of two cells (doc/contact.md).
+"""Gas against a structure that no card but `contact plate` parts from it: TNT in air over a steel plate of two cells
+(doc/contact.md).
 
 usage: gas_structure.py SGMP SOURCE_DIR SCRATCH_DIR
 
-Known from outside: gas does not go through steel; a plate that gas slides along does not make the waves of the gas faster than one that it sticks to.
+Known from outside: gas does not go through steel; a plate that gas slides along does not make the waves of the gas
+faster than one that it sticks to.
 """
 import os
 
@@ -68,14 +70,16 @@ def closed(report):
         stuck = straight(report, f"stuck_{name}", SCENE.format(method=method, contact=""))
         slips = straight(report, f"slips_{name}", SCENE.format(method=method, contact="contact plate"))
         part, steps = behind(slips), slips["steps"]/stuck["steps"]
-        tell(f"{name}: {part:.1e} of the gas is behind the plate; {slips['steps']} steps, {steps:.2f} of those without the card; "
-                    f"impulse {impulse(slips):.4g}")
+        tell(f"{name}: {part:.1e} of the gas is behind the plate; {slips['steps']} steps, {steps:.2f} of those without "
+                    f"the card; impulse {impulse(slips):.4g}")
         if "split" in method:  # gas that is not in pieces
             impulses.append(impulse(slips))
         report.check(part < 1e-3, f"{name}: {part} of the gas has gone through the plate")
         report.check(steps < 1.5, f"{name}: {steps} times as many steps as without contact")
-        report.check(abs(slips["energy.remainder"]) < 1e-12*slips["energy.initial_total"], f"{name}: remainder {slips['energy.remainder']}")
-    report.check(min(impulses) < 0 and min(impulses)/max(impulses) < 1.1, f"methods do not agree on the impulse: {impulses}")
+        report.check(abs(slips["energy.remainder"]) < 1e-12*slips["energy.initial_total"],
+                     f"{name}: remainder {slips['energy.remainder']}")
+    report.check(min(impulses) < 0 and min(impulses)/max(impulses) < 1.1,
+                 f"methods do not agree on the impulse: {impulses}")
 
 
 def bits(report):
@@ -84,7 +88,8 @@ def bits(report):
     reference = straight(report, "bits", text)
     for title, threads, launcher in (("threads", 2, ()), ("ranks", 1, mpirun(2))):
         other = straight(report, title, text, threads=threads, launcher=launcher)
-        report.check(other["checksum"] == reference["checksum"], f"{title}: checksum {other['checksum']}, not {reference['checksum']}")
+        report.check(other["checksum"] == reference["checksum"],
+                     f"{title}: checksum {other['checksum']}, not {reference['checksum']}")
 
 
 if __name__ == "__main__":

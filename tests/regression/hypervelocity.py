@@ -170,7 +170,8 @@ def momentum(report):
 
 
 def free_debris(report):
-    """Rows of cells that hold nothing but debris beside rows that hold the rest of a body: corrected strains near surfaces
+    """Rows of cells that hold nothing but debris beside rows that hold the rest of a body: corrected strains near
+    surfaces
     take as much momentum on one side as they give on the other."""
     first, last = (float(run("free_debris", DEBRIS).table("history.csv")[row]["momentum_z"]) for row in (0, -1))
     report.check(abs(last/first - 1) < 1e-12, f"free debris: momentum {first} becomes {last}")

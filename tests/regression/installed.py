@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The program where it is installed: it finds its decks, other projects find it, the manual page and the completion are there.
+"""The program where it is installed: it finds its decks, other projects find it, the manual page and the completion are
+there.
 
 usage: installed.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -22,7 +23,8 @@ add_test(NAME deck COMMAND sgmp::sgmp ${sgmp_INPUT_DIR}/bar.inp --check)
 
 
 def call(*words, folder=SCRATCH):
-    done = subprocess.run(words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=ENVIRONMENT, timeout=300, check=False)
+    done = subprocess.run(words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=ENVIRONMENT,
+                          timeout=300, check=False)
     return done.returncode, done.stdout.decode("utf-8", "replace")
 
 
@@ -44,8 +46,10 @@ def decks(report, program):
         report.check(code == 0 and os.path.exists(os.path.join(folder, name + ".inp")), f"sgmp new {name}: {text}")
         code, text = call(program, name + ".inp", "--check", folder=folder)
         report.check(code == 0, f"{name}.inp: {text}")
-    for words, expected, part in ((("new", names[0]), 5, "already"), (("new", names[0], "--output", "there"), 0, "there/"),
-                                  (("new", "penetratoin"), 2, "did you mean 'penetration'"), (("new", names[0], "--check"), 2, "--output only")):
+    for words, expected, part in ((("new", names[0]), 5, "already"),
+                                  (("new", names[0], "--output", "there"), 0, "there/"),
+                                  (("new", "penetratoin"), 2, "did you mean 'penetration'"),
+                                  (("new", names[0], "--check"), 2, "--output only")):
         code, text = call(program, *words, folder=folder)
         report.check(code == expected and part in text, f"{words}: exit code {code}: {text}")
     lonely = shutil.copy(program, os.path.join(fresh("lonely"), "sgmp"))
@@ -72,7 +76,8 @@ def written(folder, file, text):
 
 
 def materials(report, program):
-    """The library from a folder far from it: listed, shown, included; what stands beside the deck goes first, then SGMP_PATH."""
+    """The library from a folder far from it: listed, shown, included; what stands beside the deck goes first, then
+    SGMP_PATH."""
     folder = fresh("far/away")
     code, text = call(program, "materials", folder=folder)
     names = [line.split()[0] for line in text.split("materials:")[-1].splitlines() if line.strip()]
@@ -84,7 +89,9 @@ def materials(report, program):
     written(folder, "library.inp", LIBRARY_DECK.format(file="materials/copper.inp", name="copper"))
     code, text = call(program, "library.inp", "--check", folder=folder)
     report.check(code == 0, f"the library's copper: {code} {text}")
-    for words, part in ((("materials", "coper"), "did you mean 'copper'"), (("materials", "rock"), "no constants of rock with a source"), (("materials", "--check"), "takes no options")):
+    for words, part in ((("materials", "coper"), "did you mean 'copper'"),
+                        (("materials", "rock"), "no constants of rock with a source"),
+                        (("materials", "--check"), "takes no options")):
         code, text = call(program, *words, folder=folder)
         report.check(code == 2 and part in text, f"{words}: {code} {text}")
     written(folder, "mine/materials/copper.inp", "material mine elastic density=1e-3 young=1 poisson=0\n")
@@ -100,7 +107,8 @@ def materials(report, program):
     report.check(code == 0, f"material mine beside the deck: {code} {text}")
     written(folder, "missing.inp", LIBRARY_DECK.format(file="materials/coper.inp", name="copper"))
     code, text = call(program, "missing.inp", "--check", folder=folder)
-    report.check(code == 3 and "looked for beside" in text and "share/sgmp/input" in text, f"missing include: {code} {text}")
+    report.check(code == 3 and "looked for beside" in text and "share/sgmp/input" in text,
+                 f"missing include: {code} {text}")
 
 
 def what_else(report):
@@ -108,15 +116,20 @@ def what_else(report):
     code, text = call(sys.executable, os.path.join(PREFIX, "bin", "sgmp-view"), "--help")
     missing = "numpy and matplotlib are missing" in text
     report.check(code == 0 and "sgmp-view" in text or missing, f"installed sgmp-view: {code} {text[-300:]}")
-    for place in ("share/sgmp/python/sgmp_view/command.py", "share/sgmp/hpc/slurm.sh", "share/sgmp/scripts/ballistic_limit.py",
-                  "share/sgmp/input/gallery/README.md", "share/sgmp/input/gallery/whipple.inp", "share/doc/sgmp/README.md",
-                  "share/doc/sgmp/CHANGELOG.md", "share/doc/sgmp/doc/tasks.md", "share/doc/sgmp/doc/images/taylor_bar.png"):
+    for place in ("share/sgmp/python/sgmp_view/command.py", "share/sgmp/hpc/slurm.sh",
+                  "share/sgmp/scripts/ballistic_limit.py",
+                  "share/sgmp/input/gallery/README.md", "share/sgmp/input/gallery/whipple.inp",
+                  "share/doc/sgmp/README.md",
+                  "share/doc/sgmp/CHANGELOG.md", "share/doc/sgmp/doc/tasks.md",
+                  "share/doc/sgmp/doc/images/taylor_bar.png"):
         report.check(os.path.exists(os.path.join(PREFIX, place)), f"not installed: {place}")
-    report.check(os.access(os.path.join(PREFIX, "share/sgmp/hpc/slurm.sh"), os.X_OK), "slurm.sh is installed without its permission")
+    report.check(os.access(os.path.join(PREFIX, "share/sgmp/hpc/slurm.sh"), os.X_OK),
+                 "slurm.sh is installed without its permission")
     page = open(os.path.join(PREFIX, "share/doc/sgmp/README.md"), encoding="utf-8").read()
     for target in re.findall(r"\]\((doc/[^)#]+)|^\[\w+\]: (doc/\S+)", page, flags=re.MULTILINE):
         target = "".join(target)
-        report.check(os.path.exists(os.path.join(PREFIX, "share/doc/sgmp", target)), f"README.md where it is installed: no {target}")
+        report.check(os.path.exists(os.path.join(PREFIX, "share/doc/sgmp", target)),
+                     f"README.md where it is installed: no {target}")
 
 
 def main():

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What must not matter does not: where the origin is, the units, the orientation, what is written, what was in the memory before.
+"""What must not matter does not: where the origin is, the units, the orientation, what is written, what was in the
+memory before.
 
 usage: invariance.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -25,21 +26,31 @@ material johnson_cook johnson_cook density=density young=young poisson=0.3 yield
   hardening_modulus=3*kg/(m*s^2) hardening_exponent=0.4 rate_coefficient=0.02 reference_rate=0.1/s &
   thermal=yes melt_temperature=1000 specific_heat=0.001*m^2/s^2
 eos johnson_cook gruneisen c0=5*m/s s=1.5 gamma0=2
-material steinberg_guinan steinberg_guinan density=density young=young poisson=0.3 yield=0.7*kg/(m*s^2) yield_limit=1*kg/(m*s^2) &
-  hardening_factor=20 hardening_exponent=0.4 pressure_stiffening=0.05*m*s^2/kg thermal_softening=1e-4 melt_temperature=1000 specific_heat=0.001*m^2/s^2
+material steinberg_guinan steinberg_guinan density=density young=young poisson=0.3 yield=0.7*kg/(m*s^2) &
+  yield_limit=1*kg/(m*s^2) &
+  hardening_factor=20 hardening_exponent=0.4 pressure_stiffening=0.05*m*s^2/kg thermal_softening=1e-4 &
+  melt_temperature=1000 specific_heat=0.001*m^2/s^2
 eos steinberg_guinan gruneisen c0=5*m/s s=1.5 gamma0=2
-material zerilli_armstrong zerilli_armstrong density=density young=young poisson=0.3 yield=0.2*kg/(m*s^2) thermal_stress=4*kg/(m*s^2) &
-  thermal_hardening=2*kg/(m*s^2) thermal_softening=5e-3 thermal_rate=3e-4 reference_rate=0.1/s specific_heat=0.001*m^2/s^2
+material zerilli_armstrong zerilli_armstrong density=density young=young poisson=0.3 yield=0.2*kg/(m*s^2) &
+  thermal_stress=4*kg/(m*s^2) &
+  thermal_hardening=2*kg/(m*s^2) thermal_softening=5e-3 thermal_rate=3e-4 reference_rate=0.1/s &
+  specific_heat=0.001*m^2/s^2
 material foam fluid density=density
 eos foam shock c0=5*m/s s=1.5 gamma0=2 distention=1.2 crush_start=0.3*kg/(m*s^2) crush_end=3*kg/(m*s^2)
 failure foam pmin=0
-material ceramic johnson_holmquist density=density shear_modulus=0.4*young k1=0.6*young k2=young hugoniot_limit=3*kg/(m*s^2) hugoniot_pressure=1.2*kg/(m*s^2) &
-  intact_strength=0.9 intact_exponent=0.6 fractured_strength=0.4 fractured_exponent=0.7 rate_coefficient=0.02 reference_rate=0.1/s tension_limit=0.5*kg/(m*s^2) damage_strain=0.02
-material cam_clay cam_clay density=density poisson=0.3 critical_ratio=1 compression_slope=0.2 swelling_slope=0.03 void_ratio=1 pressure0=0.5*kg/(m*s^2) overconsolidation=1.5
-material concrete concrete density=density shear_modulus=0.4*young compressive_strength=0.6*kg/(m*s^2) cohesive_strength=0.8 pressure_hardening=1.6 pressure_exponent=0.6 &
-  rate_coefficient=0.02 reference_rate=0.1/s tension_limit=0.1*kg/(m*s^2) damage_strain=0.04 crush_pressure=0.2*kg/(m*s^2) crush_compression=0.005 lock_pressure=3*kg/(m*s^2) &
+material ceramic johnson_holmquist density=density shear_modulus=0.4*young k1=0.6*young k2=young &
+  hugoniot_limit=3*kg/(m*s^2) hugoniot_pressure=1.2*kg/(m*s^2) &
+  intact_strength=0.9 intact_exponent=0.6 fractured_strength=0.4 fractured_exponent=0.7 rate_coefficient=0.02 &
+  reference_rate=0.1/s tension_limit=0.5*kg/(m*s^2) damage_strain=0.02
+material cam_clay cam_clay density=density poisson=0.3 critical_ratio=1 compression_slope=0.2 swelling_slope=0.03 &
+  void_ratio=1 pressure0=0.5*kg/(m*s^2) overconsolidation=1.5
+material concrete concrete density=density shear_modulus=0.4*young compressive_strength=0.6*kg/(m*s^2) &
+  cohesive_strength=0.8 pressure_hardening=1.6 pressure_exponent=0.6 &
+  rate_coefficient=0.02 reference_rate=0.1/s tension_limit=0.1*kg/(m*s^2) damage_strain=0.04 &
+  crush_pressure=0.2*kg/(m*s^2) crush_compression=0.005 lock_pressure=3*kg/(m*s^2) &
   lock_compression=0.2 k1=2*young k2=-young k3=3*young
-material crushable_foam crushable_foam density=density young=young poisson=0.2 plateau=0.3*kg/(m*s^2) plastic_poisson=0.1 densification=0.5*kg/(m*s^2) densification_strain=1
+material crushable_foam crushable_foam density=density young=young poisson=0.2 plateau=0.3*kg/(m*s^2) &
+  plastic_poisson=0.1 densification=0.5*kg/(m*s^2) densification_strain=1
 viscosity elastic quadratic=1.5 linear=0.06
 """
 # A block in a box; drift makes particles change cells.
@@ -56,9 +67,12 @@ output csv at=end fields=stress,density,mass
 PLANE = BLOCK.format(dimension=2, thick=0, z="", vz="", g="-0.5*m/s^2")
 SPACE = BLOCK.format(dimension=3, thick=1, z=" z=open", vz=' z="0.5*cos(2*(y-oy)/m)*m/s"', g="-0.5*m/s^2")
 # Gas under another pressure on the left, whose particles exchange volume.
-EXCHANGING = (PLANE.replace("update=$update", "update=$update volumes=kept").replace("wall x-=slip y-=fixed", "wall x-=slip x+=slip y-=slip y+=slip")
+EXCHANGING = (PLANE.replace("update=$update", "update=$update volumes=kept").replace("wall x-=slip y-=fixed",
+                                                                                     "wall x-=slip x+=slip y-=slip "
+                                                                                     "y+=slip")
               .replace("upper=(ox+2*m,oy+1.5*m,0*m)", "upper=(ox+6*m,oy+5*m,0)")
-              + "material air fluid density=density\neos air ideal_gas gamma=1.4 energy0=5*kg/(m*s^2)\nviscosity air quadratic=1.5 linear=0.06\n")
+              + "material air fluid density=density\neos air ideal_gas gamma=1.4 energy0=5*kg/(m*s^2)\nviscosity air "
+                "quadratic=1.5 linear=0.06\n")
 # The same about an axis; the place along it is free.
 RINGS = "dimension axisymmetric\n" + MATTER + """
 parameter oz = 0
@@ -94,7 +108,9 @@ def power_of(column, dimension):
     return POWERS.get("x" if head in ("x", "y", "z") else head, (0, 0, 0))
 
 
-def same_in_other_units(report, dimension, deck, kinds=("elastic", "j2", "johnson_cook", "steinberg_guinan", "zerilli_armstrong", "foam", "ceramic", "concrete", "cam_clay", "crushable_foam")):
+def same_in_other_units(report, dimension, deck, kinds=("elastic", "j2", "johnson_cook", "steinberg_guinan",
+                                                        "zerilli_armstrong", "foam", "ceramic", "concrete", "cam_clay",
+                                                        "crushable_foam")):
     """Units that are powers of two change no bit but the exponents'."""
     units = {"m": 2.0**7, "kg": 2.0**-5, "s": 2.0**3}
     for kind in kinds:
@@ -191,7 +207,8 @@ def same_when_turned(report):
                                                      velocity='x="-3*sin(2*y+x)" y="2*cos(y-2*x)"'), method=method)
 
         def back(row):
-            return {**row, "x": row["y"], "y": -row["x"], "velocity_x": row["velocity_y"], "velocity_y": -row["velocity_x"],
+            return {**row, "x": row["y"], "y": -row["x"], "velocity_x": row["velocity_y"],
+                    "velocity_y": -row["velocity_x"],
                     "stress_xx": row["stress_yy"], "stress_yy": row["stress_xx"], "stress_xy": -row["stress_xy"]}
         if report.finished(plain, "turn") and report.finished(turned, "turned"):
             compare(report, f"quarter turn {method}", plain, turned, back, 1e-11, by_place=True)
@@ -201,9 +218,11 @@ def same_with_other_axes(report):
     """The axes change places and one its direction: x, y, z of the plain run are -z, x, y of the other."""
     for method in ("sgmp", "gimp", "mpm"):
         plain = run(f"axes_{method}_1", FREE.format(dimension=3, lower="0,0,0", upper="1.5,1,0.5",
-                                                    velocity='x="2*cos(x+2*y-z)" y="3*sin(2*x-y+z)" z="1.5*cos(x-z)"'), method=method)
+                                                    velocity='x="2*cos(x+2*y-z)" y="3*sin(2*x-y+z)" z="1.5*cos(x-z)"'),
+                    method=method)
         other = run(f"axes_{method}_2", FREE.format(dimension=3, lower="0,0,-1.5", upper="1,0.5,0",
-                                                    velocity='x="3*sin(y-2*z-x)" y="1.5*cos(y+z)" z="-2*cos(2*x-y-z)"'), method=method)
+                                                    velocity='x="3*sin(y-2*z-x)" y="1.5*cos(y+z)" z="-2*cos(2*x-y-z)"'),
+                    method=method)
 
         def back(row):
             return {**row, "x": -row["z"], "y": row["x"], "z": row["y"],
@@ -233,9 +252,11 @@ def same_whatever_is_written(report):
 
 def same_in_used_memory(report):
     """Memory that is not empty when it is given out: nothing is read before it is written."""
-    for name, deck in (("plane", PLANE), ("space", SPACE), ("fluids", FLUIDS), ("failing", FAILING), ("metals", METALS), ("hoops", HOOPS), ("seat", SEAT), ("split", SPLIT_SPACE)):
+    for name, deck in (("plane", PLANE), ("space", SPACE), ("fluids", FLUIDS), ("failing", FAILING), ("metals", METALS),
+                       ("hoops", HOOPS), ("seat", SEAT), ("split", SPLIT_SPACE)):
         clean = run(f"clean_{name}", deck)
-        ENVIRONMENT["MALLOC_PERTURB_"] = "128"  # bytes of 127 where it is given out, of 128 where it is given back: numbers of 1e306
+        # bytes of 127 where it is given out, of 128 where it is given back: numbers of 1e306
+        ENVIRONMENT["MALLOC_PERTURB_"] = "128"
         used = run(f"used_{name}", deck)
         del ENVIRONMENT["MALLOC_PERTURB_"]
         if report.finished(clean, name) and report.finished(used, f"{name} in used memory"):
@@ -266,7 +287,8 @@ def lines(report):
             result = run(f"lines_{method}_{update}", LINES, method=method, update=update)
             if not report.finished(result, f"lines {method} {update}"):
                 continue
-            wrong = max(max(abs(row["displacement_x"] + 3.75), abs(row["displacement_y"] - 0.75)) for row in result.table("particles_end.csv"))
+            wrong = max(max(abs(row["displacement_x"] + 3.75), abs(row["displacement_y"] - 0.75))
+                        for row in result.table("particles_end.csv"))
             report.check(wrong < 1e-11, f"lines {method} {update}: particles {wrong} from their places")
 
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Every material of input/materials against its own constants, in two systems of units; the tables of laws in doc/ are current.
+"""Every material of input/materials against its own constants, in two systems of units; the tables of laws in doc/ are
+current.
 
-A block that moves with a linear velocity is strained uniformly in its middle, until waves come from its surface. What the
-middle then bears is worked out here: by the published equations, from the numbers that stand in the file, in SI. An explosive
-is lit before the start, expands, and its constants give the published speed and pressure of detonation.
+A block that moves with a linear velocity is strained uniformly in its middle, until waves come from its surface. What
+the middle then bears is worked out here: by the published equations, from the numbers that stand in the file, in SI. An
+explosive is lit before the start, expands, and its constants give the published speed and pressure of detonation.
 
 usage: library.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -71,13 +72,16 @@ class Eos:
 
 
 def yield_stress(material, plastic, rate, temperature):
-    """Johnson and Cook 1983, Steinberg, Cochran and Guinan 1980 (at G = G0), Zerilli and Armstrong 1987; von Mises where their constants are not given."""
+    """Johnson and Cook 1983, Steinberg, Cochran and Guinan 1980 (at G = G0), Zerilli and Armstrong 1987; von Mises
+    where their constants are not given."""
     if "hardening_factor" in material:
-        return min(material["yield"]*(1 + material["hardening_factor"]*plastic)**material["hardening_exponent"], material["yield_limit"])
+        return min(material["yield"]*(1 + material["hardening_factor"]*plastic)**material["hardening_exponent"],
+                   material["yield_limit"])
     flow = material["yield"] + material.get("hardening_modulus", 0.0)*plastic**material.get("hardening_exponent", 1.0)
     if "thermal_rate" in material:
         activated = material.get("thermal_stress", 0.0) + material.get("thermal_hardening", 0.0)*math.sqrt(plastic)
-        return flow + activated*math.exp(-material["thermal_softening"]*temperature)*(rate/material["reference_rate"])**(material["thermal_rate"]*temperature)
+        rated = (rate/material["reference_rate"])**(material["thermal_rate"]*temperature)
+        return flow + activated*math.exp(-material["thermal_softening"]*temperature)*rated
     if "reference_rate" in material:
         flow *= 1 + material.get("rate_coefficient", 0.0)*math.log(max(1.0, rate/material["reference_rate"]))
         warm = max(0.0, (temperature - 293)/(material["melt_temperature"] - 293))
@@ -131,7 +135,8 @@ def expected(cards, volumes, times):
                 axial *= (trial - 3*shear*low)/trial
                 plastic += low
                 if "specific_heat" in material:
-                    temperature += 0.9*1.5*abs(axial)*low/(material["density"]*material["specific_heat"])  # (J2): initial density
+                    # (J2): initial density
+                    temperature += 0.9*1.5*abs(axial)*low/(material["density"]*material["specific_heat"])
             if eos.kind:
                 work = first*(axial + axial_old)/2*strain
                 a, b = eos.terms(last)
@@ -153,12 +158,14 @@ def neo_hooke(material, v):
 
 
 def same_metal(report, name, other):
-    """Flow stresses in MPa of the room by two laws that were fitted to the same metal, at a plastic strain of 0.3: alike within 13 %."""
+    """Flow stresses in MPa of the room by two laws that were fitted to the same metal, at a plastic strain of 0.3:
+    alike within 13 %."""
     metals = [constants(os.path.join(INPUT, "materials", file + ".inp"))["material"] for file in (name, other)]
     for rate in (1.0, 1e2, 1e4):
         flows = [yield_stress(metal, 0.3, rate, 293.0)/1e6 for metal in metals]
         print(f"{name}: {flows[0]:.0f} MPa at {rate:.0f}/s, {other}: {flows[1]:.0f} MPa")
-        report.check(abs(flows[0]/flows[1] - 1) < (0.02 if rate > 1e3 else 0.13), f"{name} is not {other} at {rate}/s: {flows}")
+        report.check(abs(flows[0]/flows[1] - 1) < (0.02 if rate > 1e3 else 0.13),
+                     f"{name} is not {other} at {rate}/s: {flows}")
 
 
 def path(report, name, file, system, rate, strain, dimension=1, lateral=0.0, every=1):
@@ -169,7 +176,8 @@ def path(report, name, file, system, rate, strain, dimension=1, lateral=0.0, eve
     sides = ["x", "y"][:dimension]
     rates = [rate, lateral][:dimension]
     box = lambda value: "(" + ",".join([repr(value/length)]*dimension) + ")" if dimension > 1 else repr(value/length)
-    deck = PATH.format(units=units, dimension=dimension, h=h/length, dt=dt/time, steps=steps, every=every, file=file, name=name,
+    deck = PATH.format(units=units, dimension=dimension, h=h/length, dt=dt/time, steps=steps, every=every, file=file,
+                       name=name,
                        lower=box(-15*h), upper=box(15*h), middle=box(h/4),
                        velocity=" ".join(f'{a}="{r*speed*time!r}*{a}"' for a, r in zip(sides, rates)),
                        more=f"detonation time={-100/time!r} normal=(1,0,0)" if name in EXPLOSIVES else "")
@@ -182,7 +190,8 @@ def path(report, name, file, system, rate, strain, dimension=1, lateral=0.0, eve
 
 
 def same_path(report, name, cards, rows, label):
-    """Pressure and von Mises stress within half a percent of their largest value; the latter at the end, and within 2 % on the
+    """Pressure and von Mises stress within half a percent of their largest value; the latter at the end, and within 2 %
+    on the
     way, where one step crosses the yield stress."""
     density = cards["material"]["density"]
     volumes, times = [density/row["density"] for row in rows], [row["time"] for row in rows]
@@ -191,8 +200,10 @@ def same_path(report, name, cards, rows, label):
     for column, index in (("pressure", 0), ("von_mises", 1)):
         largest = max(abs(value[index]) for value in wanted)
         off = [abs(row[column] - value[index]) for row, value in zip(rows, wanted)]
-        report.check(max(off) <= (0.005, 0.02)[index]*largest, f"{label}: {column} off by {max(off)} where the largest is {largest}")
-        report.check(off[-1] <= 0.005*largest, f"{label}: {column} off by {off[-1]} in the end, where the largest is {largest}")
+        report.check(max(off) <= (0.005, 0.02)[index]*largest,
+                     f"{label}: {column} off by {max(off)} where the largest is {largest}")
+        report.check(off[-1] <= 0.005*largest, f"{label}: {column} off by {off[-1]} in the end, where the largest is "
+                                               f"{largest}")
 
 
 def detonation(report, name, file, cards):
@@ -203,7 +214,8 @@ def detonation(report, name, file, cards):
         a, b = eos.terms(v)
         return (a + b*eos.energy)/(1 - b*(1 - v)/2)
     # The Rayleigh line of least slope that meets the Hugoniot.
-    speed2, pressure = min((hugoniot(v)/(1 - v)/c["density"], hugoniot(v)) for v in (0.5 + k*1e-5 for k in range(45000)))
+    speed2, pressure = min((hugoniot(v)/(1 - v)/c["density"], hugoniot(v))
+                           for v in (0.5 + k*1e-5 for k in range(45000)))
     with open(file, encoding="utf-8") as text:
         published = float(re.search(r"pressure ([\d.]+) GPa", text.read()).group(1))*1e9
     report.check(abs(math.sqrt(speed2)/c["detonation_speed"] - 1) < 1e-3, f"{name}: detonates at {math.sqrt(speed2)}")
@@ -225,10 +237,12 @@ def soil(report, name, file, cards, system):
 
 
 def damaged(report, name, file, cards):
-    """With `--set NAME_failure=yes` a metal that is drawn slowly in uniaxial strain is damaged by (d1 + d2 exp(d3 s)) (1 + d4 ln r) (1 + d5 T*), worked out
-    here from the plastic strain, the pressure and the von Mises stress of the steps; the temperature is that of the room to within a degree or two."""
+    """With `--set NAME_failure=yes` a metal that is drawn slowly in uniaxial strain is damaged by (d1 + d2 exp(d3 s))
+    (1 + d4 ln r) (1 + d5 T*), worked out here from the plastic strain, the pressure and the von Mises stress of the
+    steps; the temperature is that of the room to within a degree or two."""
     c, steps = cards["material"], 100
-    deck = (PATH.format(units="m kg s", dimension=1, h=200.0, dt=2e-4, steps=steps, every=1, file=file, name=name, lower=-3000.0, upper=3000.0, middle=50.0,
+    deck = (PATH.format(units="m kg s", dimension=1, h=200.0, dt=2e-4, steps=steps, every=1, file=file, name=name,
+                        lower=-3000.0, upper=3000.0, middle=50.0,
                         velocity='x="x"', more="").replace("point=50.0", "point=50.0 fields=plastic_strain,damage"))
     result = run(name + "_damaged", deck, options=["--set", f"{name}_failure=yes"])
     if not report.finished(result, name + " with damage"):
@@ -238,18 +252,23 @@ def damaged(report, name, file, cards):
         plastic = row["plastic_strain"] - before["plastic_strain"]
         if plastic > 0 and damage < 1:
             rate = plastic/(row["time"] - before["time"])/c.get("reference_rate", 1.0)
-            strain = (c["d1"] + c["d2"]*math.exp(c["d3"]*min(1.5, -row["pressure"]/row["von_mises"])))*(1 + c.get("d4", 0.0)*math.log(max(1.0, rate)))
+            triaxial = min(1.5, -row["pressure"]/row["von_mises"])
+            strain = c["d1"] + c["d2"]*math.exp(c["d3"]*triaxial)
+            strain *= 1 + c.get("d4", 0.0)*math.log(max(1.0, rate))
             damage += plastic/strain if strain > 0 else 1.0
     found = rows[-1]["damage"]
-    report.check(found > 0 and abs(min(found, 1.0)/min(damage, 1.0) - 1) < 0.1, f"{name}: damage {found}, by its constants {damage}")
+    report.check(found > 0 and abs(min(found, 1.0)/min(damage, 1.0) - 1) < 0.1,
+                 f"{name}: damage {found}, by its constants {damage}")
 
 
 def mistakes(report):
     """A file with units of its own in decks that cannot take it."""
     library = os.path.join(INPUT, "materials", "copper.inp")
-    deck = 'dimension 1\ngrid cell=1\ntime dt=1 steps=1\n{}include "{}"\nbody b block material=copper lower=0 upper=1 ppc=2\n'
+    deck = ('dimension 1\ngrid cell=1\ntime dt=1 steps=1\n{}include "{}"\n'
+            "body b block material=copper lower=0 upper=1 ppc=2\n")
     result = run("no_units", deck.format("", library))
-    report.check(result.code == 3 and re.search(r"copper\.inp:2:1: error: this file has units of its own, but the deck", result.text)
+    report.check(result.code == 3 and re.search(r"copper\.inp:2:1: error: this file has units of its own, but the deck",
+                                                result.text)
                  and "units mm g ms" in result.text, f"a deck without units: {result.code}\n{result.text}")
     other = os.path.join(os.path.dirname(result.folder), "other.inp")
     with open(other, "w", encoding="utf-8") as file:
@@ -268,13 +287,17 @@ def mistakes(report):
                  "body b block material=steel lower=0 upper=4 ppc=2\noutput csv at=end fields=density\n")
     if report.finished(result, "units behind the cards of a file"):
         densities = [row["density"] for row in result.table("particles_end.csv")]
-        report.check(all(abs(density/7.8e-3 - 1) < 1e-12 for density in densities), f"units behind the cards of a file: {densities}")
+        report.check(all(abs(density/7.8e-3 - 1) < 1e-12 for density in densities),
+                     f"units behind the cards of a file: {densities}")
     # Between 10 and 20000 J/(kg K) a specific heat is believed.
     for heat, believed in ((9, False), (12, True), (19000, True), (21000, False)):
-        result = run("heat", f"units m kg s\ndimension 1\ngrid cell=1\ntime dt=1e-6 steps=1\nmaterial steel johnson_cook density=7800 young=2e11 poisson=0.3 &\n"
-                     f"yield=1e8 thermal=yes melt_temperature=1800 specific_heat={heat}\nbody b block material=steel lower=0 upper=4 ppc=2\n", options=["--check"])
-        warned = subprocess.run([SGMP, result.folder + ".inp", "--check", "--output", result.folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
-        report.check(result.code == 0 and (b"warning: specific_heat = " in warned.stdout) != believed, f"specific_heat={heat}: {result.text} {warned.stdout}")
+        result = run("heat", f"units m kg s\ndimension 1\ngrid cell=1\ntime dt=1e-6 steps=1\nmaterial steel "
+                     f"johnson_cook density=7800 young=2e11 poisson=0.3 &\nyield=1e8 thermal=yes melt_temperature=1800 "
+                     f"specific_heat={heat}\nbody b block material=steel lower=0 upper=4 ppc=2\n", options=["--check"])
+        warned = subprocess.run([SGMP, result.folder + ".inp", "--check", "--output", result.folder],
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        report.check(result.code == 0 and (b"warning: specific_heat = " in warned.stdout) != believed,
+                     f"specific_heat={heat}: {result.text} {warned.stdout}")
 
 
 EXPLOSIVES = ("tnt", "c4", "pbx_9404", "petn", "anfo")
@@ -287,14 +310,17 @@ def main():
     for file in files:
         name = os.path.basename(file)[:-4]
         cards = constants(file)
-        report.check(cards["material"]["words"][0] == name, f"{name}: the material is called {cards['material']['words'][0]}")
+        report.check(cards["material"]["words"][0] == name,
+                     f"{name}: the material is called {cards['material']['words'][0]}")
         for system in (*SYSTEMS, CUSTOMARY)[:3 if name == "copper" else 2]:
             if cards["material"]["words"][1] == "drucker_prager":
                 soil(report, name, file, cards, system)
                 continue
             outwards = name in EXPLOSIVES
-            # A ceramic breaks within a few thousandths of strain; the first plastic strain of iron depends on the step that it comes in.
-            every = {"johnson_holmquist": 50, "concrete": 50, "zerilli_armstrong": 8, "cam_clay": 10}.get(cards["material"]["words"][1], 1)
+            # A ceramic breaks within a few thousandths of strain; the first plastic strain of iron depends on the step
+            # that it comes in.
+            every = {"johnson_holmquist": 50, "concrete": 50, "zerilli_armstrong": 8,
+                     "cam_clay": 10}.get(cards["material"]["words"][1], 1)
             rows = path(report, name, file, system, 1.0 if outwards else -1.0, 0.2, every=every)
             if rows:
                 same_path(report, name, cards, rows, f"{name}, {system[0]}")
@@ -306,7 +332,8 @@ def main():
     same_metal(report, "iron_zerilli", "iron")
     mistakes(report)
     for script in (["material_library.py", "--check"], ["material_models.py", SGMP, "--check"]):
-        current = subprocess.run([sys.executable, os.path.join(SOURCE, "scripts", "dev", script[0]), *script[1:]], check=False)
+        current = subprocess.run([sys.executable, os.path.join(SOURCE, "scripts", "dev", script[0]), *script[1:]],
+                                 check=False)
         report.check(current.returncode == 0, f"a page of doc/ is not what scripts/dev/{script[0]} writes")
     report.end()
 

@@ -4,7 +4,7 @@ documents: documents.py.
 
 What may be longer: decks of tests/decks and of tests/conformance/rejected, which are wrong on purpose or made by
 programs; a directive of a unit test, which must be one line (132, tests/README.md); a formula of a deck or a list of
-names that cannot be divided; the files of WAITING, which shrink.
+names that cannot be divided.
 
 usage: lines.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -19,44 +19,6 @@ FOLDERS = ("cmake", "packaging", "python", "scripts", "src", "tests", "verificat
 KINDS = (".c", ".cmake", ".cpp", ".f90", ".F90", ".h", ".inc", ".inp", ".mcr", ".pf", ".py", ".sh")
 ELSEWHERE = re.compile(r"tests/decks/.*\.inp$|tests/conformance/rejected/")
 UNDIVIDED = re.compile(r"\"[^\"]{90,}\"|^ *VarNameList = ")
-WAITING = (
-    "scripts/dev/material_library.py",
-    "scripts/dev/material_models.py",
-    "tests/decks/errors.py",
-    "tests/fuzz/_further.py",
-    "tests/fuzz/scenes.py",
-    "tests/regression/_concretes.py",
-    "tests/regression/_runs.py",
-    "tests/regression/averaging.py",
-    "tests/regression/contact_motion.py",
-    "tests/regression/forewarnings.py",
-    "tests/regression/gas_structure.py",
-    "tests/regression/hypervelocity.py",
-    "tests/regression/installed.py",
-    "tests/regression/invariance.py",
-    "tests/regression/laws.py",
-    "tests/regression/library.py",
-    "tests/regression/motion.py",
-    "tests/regression/ranks.py",
-    "tests/regression/restart.py",
-    "tests/unit/test_contact.pf",
-    "tests/unit/test_material_concrete.pf",
-    "verification/cavity/cavity.inp",
-    "verification/cavity/check.py",
-    "verification/charge_plate/check.py",
-    "verification/charge_plate/gas.inp",
-    "verification/charge_plate/plate.inp",
-    "verification/concrete/check.py",
-    "verification/concrete/slab.inp",
-    "verification/length/check.py",
-    "verification/plate_impulse/check.py",
-    "verification/plate_impulse/plate.inp",
-    "verification/sedov/check.py",
-    "verification/sedov/sedov.inp",
-    "verification/soils/check.py",
-    "verification/statics/check.py",
-    "verification/verify.py",
-)
 
 
 def too_long(name, text):
@@ -92,8 +54,7 @@ def main():
     for name in names:
         with open(os.path.join(SOURCE, name), encoding="utf-8") as file:
             found = too_long(name, file.read())
-        if name not in WAITING:
-            report.check(not found, f"{name}: more than {LETTERS} letters in lines {found[:8]}")
+        report.check(not found, f"{name}: more than {LETTERS} letters in lines {found[:8]}")
     report.end()
 
 

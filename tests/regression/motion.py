@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Prescribed motion of parts of bodies (doc/loads.md): waves, work and force of the driver, clamps, grips, rotation; the ledger, the same bits.
+"""Prescribed motion of parts of bodies (doc/loads.md): waves, work and force of the driver, clamps, grips, rotation;
+the ledger, the same bits.
 
 usage: motion.py SGMP SOURCE_DIR SCRATCH_DIR [clamps | carried]
 
-Known from outside: an end that is moved with V(t) sends the stress -rho c V(t - x/c) down a rod and does the work of rho c A V^2; a rod that is held at one end swings with the
-period 4 L/c; grips that are apart by dL more pull with E A dL/L; what is turned as a whole keeps its shape, is where the angle says, and takes the torque I alpha.
-With `clamps` and `carried` it prints what doc/loads.md has of parts that end between nodes and of grips that move through cells.
+Known from outside: an end that is moved with V(t) sends the stress -rho c V(t - x/c) down a rod and does the work of
+rho c A V^2; a rod that is held at one end swings with the period 4 L/c; grips that are apart by dL more pull with E A
+dL/L; what is turned as a whole keeps its shape, is where the angle says, and takes the torque I alpha. With `clamps`
+and `carried` it prints what doc/loads.md has of parts that end between nodes and of grips that move through cells.
 """
 import math
 import os
@@ -32,7 +34,8 @@ output csv at=end fields=stress,initial_position
 """
 # The same along the last axis of other spaces, four cells wide; about an axis along z.
 BLOCKS = {"plane": ("2", "x=0:4/cells y=-0.25:1.75", "x-=slip x+=slip", "(0,0)", "(4/cells,1.125)", "y"),
-          "space": ("3", "x=0:2/cells y=0:2/cells z=-0.25:1.75", "x-=slip x+=slip y-=slip y+=slip", "(0,0,0)", "(2/cells,2/cells,1.125)", "z"),
+          "space": ("3", "x=0:2/cells y=0:2/cells z=-0.25:1.75", "x-=slip x+=slip y-=slip y+=slip", "(0,0,0)",
+                    "(2/cells,2/cells,1.125)", "z"),
           "rings": ("axisymmetric", "r=0:4/cells z=-0.25:1.75", "r+=slip", "(0,0)", "(4/cells,1.125)", "z")}
 # The free part is of length and speed of sound 1.
 SWING = """
@@ -140,7 +143,8 @@ def speed(t):
 def ledger(report, name, result):
     """Kinetic energy to round-off."""
     energy = result["energy"]
-    report.check(abs(energy["remainder"]) < 1e-12*energy["supplied"], f"{name}: kinetic identity {energy['remainder']/energy['supplied']}")
+    report.check(abs(energy["remainder"]) < 1e-12*energy["supplied"],
+                 f"{name}: kinetic identity {energy['remainder']/energy['supplied']}")
 
 
 def rod_error(rows):
@@ -152,7 +156,8 @@ def rod_error(rows):
 def pulse(report):
     """The stress in the rod, the place of the end, work, force and momentum."""
     work = 2*PEAK**2*LASTS*3/8  # the integral of rho c V^2
-    for method, update, most in (("sgmp", "musl", 0.05), ("sgmp", "usf", 0.055), ("sgmp", "usl", 0.05), ("sgmp", "usavg", 0.05), ("mpm", "musl", 0.025), ("mpm", "usf", 0.03),
+    for method, update, most in (("sgmp", "musl", 0.05), ("sgmp", "usf", 0.055), ("sgmp", "usl", 0.05),
+                                 ("sgmp", "usavg", 0.05), ("mpm", "musl", 0.025), ("mpm", "usf", 0.03),
                                  ("gimp", "usl", 0.025), ("cpgimp", "usavg", 0.025), ("bspline", "musl", 0.04)):
         name = f"rod_{method}_{update}"
         result = run(name, ROD, method=method, update=update, cells=128)
@@ -168,14 +173,18 @@ def pulse(report):
         report.check(off < 1e-14, f"{name}: the end is off by {off}")
         drives, history = result.table("motion.csv"), result.table("history.csv")
         report.check(abs(drives[-1]["work"]/work - 1) < 0.003, f"{name}: work {drives[-1]['work']}, not {work}")
-        report.check(abs(drives[-1]["work"]/history[-1]["external_work"] - 1) < 1e-12, f"{name}: motion.csv and history.csv do not agree")
+        report.check(abs(drives[-1]["work"]/history[-1]["external_work"] - 1) < 1e-12,
+                     f"{name}: motion.csv and history.csv do not agree")
         report.check(abs(result["energy.drift"]) < 5e-4, f"{name}: energy drifts by {result['energy.drift']}")
         # The first velocity step is half a step.
         impulse = sum(row["force_x"]*dt for row in drives[1:])
-        report.check(abs(impulse - history[-1]["momentum_x"]) < 1e-12*PEAK, f"{name}: impulse {impulse}, momentum {history[-1]['momentum_x']}")
-        report.check(abs(drives[26]["x"] - (0.0625 + sum(dt*speed((k + 0.5)*dt) for k in range(26)))) < 1e-14, f"{name}: centre {drives[26]['x']}")
+        report.check(abs(impulse - history[-1]["momentum_x"]) < 1e-12*PEAK,
+                     f"{name}: impulse {impulse}, momentum {history[-1]['momentum_x']}")
+        report.check(abs(drives[26]["x"] - (0.0625 + sum(dt*speed((k + 0.5)*dt) for k in range(26)))) < 1e-14,
+                     f"{name}: centre {drives[26]['x']}")
         # The end itself has to be accelerated, too.
-        worst = max(abs(row["force_x"] - 2*speed(row["time"]) - 0.25*(speed(row["time"] + dt/2) - speed(row["time"] - dt/2))/dt) for row in drives[2:])
+        worst = max(abs(row["force_x"] - 2*speed(row["time"])
+                        - 0.25*(speed(row["time"] + dt/2) - speed(row["time"] - dt/2))/dt) for row in drives[2:])
         report.check(worst < 0.04*2*PEAK, f"{name}: the force is off by {worst/(2*PEAK)}")
 
 
@@ -188,7 +197,10 @@ def spaces(report):
         line = sorted((row["x0"], row["stress_xx"]) for row in rod.table("particles_end.csv"))
         for space, (dimension, extent, walls, lower, upper, axis) in BLOCKS.items():
             name = f"{space}_{method}"
-            text = ROD.replace("dimension 1", f"dimension {dimension}").replace("x=-0.25:1.75", extent).replace("lower=0 upper=1.125", f"lower={lower} upper={upper}")
+            text = ROD.replace("dimension 1", f"dimension {dimension}").replace("x=-0.25:1.75",
+                                                                                extent).replace("lower=0 upper=1.125",
+                                                                                                f"lower={lower} "
+                                                                                                f"upper={upper}")
             text = text.replace('"x<0.125" x=', f'"{axis}<0.125" {axis}=').replace("\ntime", f"\nwall {walls}\ntime")
             result = run(name, text, method=method, cells=32)
             if not report.finished(result, name):
@@ -212,18 +224,25 @@ def period_of(result):
 def print_clamps():
     """Errors of the period where the part ends at a node and some quarters of a cell behind it."""
     for method in ("mpm", "gimp", "sgmp", "bspline"):
-        periods = [period_of(run(f"clamp_{method}_{quarter}", SWING, method=method, shift=0.25*quarter)) for quarter in range(4)]
-        wall = SWING.replace("lower=-0.25+shift/cells", "lower=0").replace("x=-0.5:1.75", "x=0:1.75\nwall x-=fixed").replace('motion rod where="x<shift/cells" x=0', "")
-        print(method, *(f"{100*(period/4 - 1):+.2f} %" for period in periods), f"wall {100*(period_of(run(f'wall_{method}', wall, method=method))/4 - 1):+.2f} %")
+        periods = [period_of(run(f"clamp_{method}_{quarter}", SWING, method=method, shift=0.25*quarter))
+                   for quarter in range(4)]
+        wall = SWING.replace("lower=-0.25+shift/cells",
+                             "lower=0").replace("x=-0.5:1.75",
+                                                "x=0:1.75\nwall x-=fixed").replace('motion rod where="x<shift/cells" '
+                                                                                   'x=0', "")
+        print(method, *(f"{100*(period/4 - 1):+.2f} %" for period in periods),
+              f"wall {100*(period_of(run(f'wall_{method}', wall, method=method))/4 - 1):+.2f} %")
 
 
 def print_carried():
     """The force of a bar at rest, and its mean and scatter while grips carry it through four cells."""
     for method in ("mpm", "gimp", "sgmp", "bspline"):
-        rows = [row for row in run(f"carried_{method}", CARRIED, method=method).table("motion.csv") if row["motion"] == 2]
+        rows = [row for row in run(f"carried_{method}", CARRIED, method=method).table("motion.csv")
+                if row["motion"] == 2]
         rest = statistics.mean(row["force_x"] for row in rows if 90 < row["time"] < 99)
         moved = [row["force_x"] for row in rows if row["time"] > 310]
-        print(method, f"at rest {rest:.5f}, carried {statistics.mean(moved):.5f} +- {statistics.pstdev(moved)/rest:.1%}")
+        print(method, f"at rest {rest:.5f}, carried {statistics.mean(moved):.5f} +- "
+                      f"{statistics.pstdev(moved)/rest:.1%}")
 
 
 def swing(report):
@@ -236,7 +255,8 @@ def swing(report):
         ledger(report, name, result)
         period = period_of(result)
         report.check(abs(period/4 - 1) < most, f"{name}: period {period}, not 4")
-        report.check(abs(result["energy.external_work"]) < 1e-20, f"{name}: a clamp works: {result['energy.external_work']}")
+        report.check(abs(result["energy.external_work"]) < 1e-20,
+                     f"{name}: a clamp works: {result['energy.external_work']}")
 
 
 def pull(report):
@@ -249,25 +269,29 @@ def pull(report):
         ledger(report, name, result)
         first, second = result.table("motion.csv")[-2:]
         report.check(abs(second["force_x"]/0.02 - 1) < most, f"{name}: force {second['force_x']}, not 0.02")
-        report.check(abs(first["force_x"] + second["force_x"]) < 1e-6*0.02, f"{name}: grips pull with {first['force_x']} and {second['force_x']}")
+        report.check(abs(first["force_x"] + second["force_x"]) < 1e-6*0.02,
+                     f"{name}: grips pull with {first['force_x']} and {second['force_x']}")
         report.check(first["work"] == 0 and second["work"] > 0, f"{name}: work {first['work']}, {second['work']}")
 
 
 def turn(report):
     """A body that is turned as a whole."""
     angle = sum(0.02*math.cos(0.02*(k + 0.5)) for k in range(200))
-    for method, update in (("sgmp", "musl"), ("sgmp", "usl"), ("mpm", "musl"), ("gimp", "usl"), ("cpgimp", "musl"), ("bspline", "usl"), ("mpm", "usf"), ("sgmp", "usavg")):
+    for method, update in (("sgmp", "musl"), ("sgmp", "usl"), ("mpm", "musl"), ("gimp", "usl"), ("cpgimp", "musl"),
+                           ("bspline", "usl"), ("mpm", "usf"), ("sgmp", "usavg")):
         name = f"turn_{method}_{update}"
         result = run(name, TURNED, method=method, update=update)
         if not report.finished(result, name):
             continue
         ledger(report, name, result)
         rows = result.table("particles_end.csv")
-        off = max(math.hypot(row["x"] - 1.2 - math.cos(angle)*row["x0"] + math.sin(angle)*row["y0"], row["y"] - math.sin(angle)*row["x0"] - math.cos(angle)*row["y0"])
+        off = max(math.hypot(row["x"] - 1.2 - math.cos(angle)*row["x0"] + math.sin(angle)*row["y0"],
+                             row["y"] - math.sin(angle)*row["x0"] - math.cos(angle)*row["y0"])
                   for row in rows)
         report.check(off < 1e-13, f"{name}: particles are off by {off}")
         if update == "usf":
-            # Seen from where the body is now the last velocity makes 2 - R^T of the rotation R: a stretch by sqrt(5 - 4 cos) in the plane.
+            # Seen from where the body is now the last velocity makes 2 - R^T of the rotation R: a stretch by sqrt(5 - 4
+            # cos) in the plane.
             stretch = math.prod(5 - 4*math.cos(0.02*math.cos(0.02*(k + 0.5))) for k in range(199))
             shear, lame = 100/2.6, 100*0.3/(1.3*0.4)
             expected = (shear*(stretch - 1) + lame*math.log(stretch))/stretch
@@ -290,7 +314,8 @@ def free(report):
     """Components that are not named are free, and so is a part that is let go."""
     for method, update in (("sgmp", "musl"), ("mpm", "musl"), ("gimp", "usl"), ("bspline", "usavg"), ("sgmp", "usf")):
         name = f"free_{method}_{update}"
-        text = TURNED.replace('omega_z="cos(t)" x=0.3 about=(0,0)', 'x="0.3+t" until=2.01').replace("\ntime", "\ngravity (0,-1)\ntime")
+        text = TURNED.replace('omega_z="cos(t)" x=0.3 about=(0,0)',
+                              'x="0.3+t" until=2.01').replace("\ntime", "\ngravity (0,-1)\ntime")
         result = run(name, text, method=method, update=update)
         if not report.finished(result, name):
             continue
@@ -300,32 +325,44 @@ def free(report):
         # Steps whose middle is before t = 2.01 are driven; the last of them ends at 2.02.
         speed_x = 0.3 + 1.99
         last = history[-1]
-        report.check(abs(last["momentum_x"]/(mass*speed_x) - 1) < 1e-12, f"{name}: momentum {last['momentum_x']}, not {mass*speed_x}")
-        report.check(abs(last["momentum_y"]/(-mass*(4 - 0.01)) - 1) < 1e-12, f"{name}: momentum {last['momentum_y']}, not {-mass*3.99}")
-        report.check(all(row["force_x"] == 0 for row in drives[102:]) and abs(drives[60]["force_x"]/mass - 1) < 1e-9, f"{name}: forces {drives[60]['force_x']}, {drives[110]['force_x']}")
+        report.check(abs(last["momentum_x"]/(mass*speed_x) - 1) < 1e-12,
+                     f"{name}: momentum {last['momentum_x']}, not {mass*speed_x}")
+        report.check(abs(last["momentum_y"]/(-mass*(4 - 0.01)) - 1) < 1e-12,
+                     f"{name}: momentum {last['momentum_y']}, not {-mass*3.99}")
+        report.check(all(row["force_x"] == 0 for row in drives[102:]) and abs(drives[60]["force_x"]/mass - 1) < 1e-9,
+                     f"{name}: forces {drives[60]['force_x']}, {drives[110]['force_x']}")
         report.check(all(row["force_y"] == 0 for row in drives), f"{name}: a force along y")
-        report.check(abs(drives[-1]["work"]/(0.5*mass*(speed_x**2 - 0.3**2)) - 1) < 1e-9, f"{name}: work {drives[-1]['work']}")
+        report.check(abs(drives[-1]["work"]/(0.5*mass*(speed_x**2 - 0.3**2)) - 1) < 1e-9,
+                     f"{name}: work {drives[-1]['work']}")
 
 
 def faces(report):
-    """At closed faces what is free is turned back, with its momentum on the grid; what is moved goes on, is removed and counted."""
-    for space, extent, walls, corners in (("plane", "x=-2:4.5 y=-2:2", "", "lower=(-1,-1) upper=(3,1)"), ("rings", "r=0:3 z=-2:4.5", "", "lower=(0,-1) upper=(1,3)")):
+    """At closed faces what is free is turned back, with its momentum on the grid; what is moved goes on, is removed and
+    counted."""
+    for space, extent, walls, corners in (("plane", "x=-2:4.5 y=-2:2", "", "lower=(-1,-1) upper=(3,1)"),
+                                          ("rings", "r=0:3 z=-2:4.5", "", "lower=(0,-1) upper=(1,3)")):
         along = "x" if space == "plane" else "z"
         for method in ("sgmp", "mpm"):
             name = f"faces_{space}_{method}"
-            text = TURNED.replace("grid cell=0.5", f"grid cell=0.5 {extent}\nlost reflect").replace("lower=(-1,-1) upper=(3,1)", corners)
-            text = text.replace("dimension 2", "dimension 2" if space == "plane" else "dimension axisymmetric").replace("output csv", f"velocity bar {along}=2\noutput csv")
+            text = TURNED.replace("grid cell=0.5", f"grid cell=0.5 {extent}\nlost "
+                                                   f"reflect").replace("lower=(-1,-1) upper=(3,1)", corners)
+            text = text.replace("dimension 2", "dimension 2" if space == "plane"
+                                else "dimension axisymmetric").replace("output csv", f"velocity bar {along}=2\noutput "
+                                                                                     f"csv")
             moved = 'motion bar omega_z="cos(t)" x=0.3 about=(0,0)'
             for part, until, lost in (("<0", " until=0.3", False), (">2", "", True)):
-                result = run(f"{name}_{lost}", text.replace(moved, f'motion bar where="{along}{part}" {along}=2{until}'), method=method, update="musl")
+                result = run(f"{name}_{lost}", text.replace(moved, f'motion bar where="{along}{part}" '
+                                                                   f'{along}=2{until}'), method=method, update="musl")
                 if report.finished(result, name):
                     ledger(report, f"{name}_{lost}", result)
                     many = {"plane": 4*8, "rings": 4*4}[space]
-                    report.check(result["particles_lost"] == (many if lost else 0), f"{name}: {result['particles_lost']} particles lost")
+                    report.check(result["particles_lost"] == (many if lost else 0),
+                                 f"{name}: {result['particles_lost']} particles lost")
 
 
 def turned(report):
-    """A block that is turned as a whole is not strained with exact rotation, and whoever turns it does the work that its energy says."""
+    """A block that is turned as a whole is not strained with exact rotation, and whoever turns it does the work that
+    its energy says."""
     text = """
 parameter update = musl
 dimension 2
@@ -344,10 +381,13 @@ history steps=1
             continue
         energy, row = result["energy"], result.table("history.csv")[-1]
         # m (a^2 + b^2)/12 omega^2/2 of a block of 7 by 5; particles stand for points, not for squares.
-        report.check(abs(row["kinetic_energy"]/(35*(49 + 25)/24*0.05**2) - 1) < 0.02, f"{name}: kinetic energy {row['kinetic_energy']}")
+        report.check(abs(row["kinetic_energy"]/(35*(49 + 25)/24*0.05**2) - 1) < 0.02,
+                     f"{name}: kinetic energy {row['kinetic_energy']}")
         # A step stretches what turns by (omega dt)^2/2.
-        report.check(row["internal_energy"] < 1e-3*row["kinetic_energy"], f"{name}: {row['internal_energy']} of {row['kinetic_energy']} is internal")
-        report.check(abs(energy["remainder"]) < 1e-11*energy["supplied"], f"{name}: the ledger misses {energy['remainder']/energy['supplied']:.1e}")
+        report.check(row["internal_energy"] < 1e-3*row["kinetic_energy"],
+                     f"{name}: {row['internal_energy']} of {row['kinetic_energy']} is internal")
+        report.check(abs(energy["remainder"]) < 1e-11*energy["supplied"],
+                     f"{name}: the ledger misses {energy['remainder']/energy['supplied']:.1e}")
 
 
 def mistakes(report):
@@ -361,11 +401,15 @@ def mistakes(report):
              ("place in a velocity", 'x=-1', 'x="y"', "cannot depend on position"),
              ("no such axis to turn about", 'x=-1', 'omega_x=1', "nothing turns about x"),
              ("about without rotation", 'x=-1', 'x=-1 about=(0,0)', "'about' of a part that does not turn"),
-             ("the same particles twice", "load ball", 'motion ball where="y>2" x=1\nload ball', "two cards move the same particles of body 'ball'"),
+             ("the same particles twice", "load ball", 'motion ball where="y>2" x=1\nload ball',
+              "two cards move the same particles of body 'ball'"),
              ("no such time", "until=5", "until=0", "'until' = 0 is out of range"),
-             ("friction at the surface", "load ball", "contact all friction=0.1\nmethod sgmp rotation=exact\nload ball", "is rubbed by others"),
-             ("walls that move", "method $method", "wall y-=fixed\nwallmotion y- x=1\nmethod $method", "motion does not go with wallmotion"),
-             ("too many", "load ball", "".join(f'motion ball where="y>-3+0.5*{k} && y<-3+0.5*{k + 1}" x={k}\n' for k in range(8)) + "load ball", "more than 8 cards motion"))
+             ("friction at the surface", "load ball", "contact all friction=0.1\nmethod sgmp rotation=exact\nload ball",
+              "is rubbed by others"),
+             ("walls that move", "method $method", "wall y-=fixed\nwallmotion y- x=1\nmethod $method",
+              "motion does not go with wallmotion"),
+             ("too many", "load ball", "".join(f'motion ball where="y>-3+0.5*{k} && y<-3+0.5*{k + 1}" x={k}\n'
+                                               for k in range(8)) + "load ball", "more than 8 cards motion"))
     for title, before, after, message in cases:
         text = MOVING.replace("grid cell=1\n", "grid cell=1 y=-20:30\n")
         result = run(title.replace(" ", "_"), text.replace(before, after))
@@ -375,7 +419,8 @@ def mistakes(report):
 
 def bits(report):
     """The same for threads, ranks and restarts."""
-    for scene, text, method, update in (("plane", MOVING, "sgmp", "musl"), ("plane", MOVING, "gimp", "usl"), ("plane", MOVING, "mpm", "usf"), ("plane", MOVING, "bspline", "usavg"),
+    for scene, text, method, update in (("plane", MOVING, "sgmp", "musl"), ("plane", MOVING, "gimp", "usl"),
+                                        ("plane", MOVING, "mpm", "usf"), ("plane", MOVING, "bspline", "usavg"),
                                         ("space", SPACE, "sgmp", "usf"), ("space", SPACE, "mpm", "musl")):
         name, deck = f"{scene}_{method}_{update}", text + "checkpoint every=15 keep=9\n"
         reference = straight(report, name, deck, method=method, update=update)
@@ -385,7 +430,8 @@ def bits(report):
             for key in ("checksum", "energy.external_work", "energy.total"):
                 report.check(other[key] == reference[key], f"{title}: {key} {other[key]}, not {reference[key]}")
             report.check(other.table("motion.csv") == reference.table("motion.csv"), f"{title}: motion.csv differs")
-        goes_on(report, reference, f"{name}_again", deck, checkpoints(os.path.join(SCRATCH, name))[0], method=method, update=update)
+        goes_on(report, reference, f"{name}_again", deck, checkpoints(os.path.join(SCRATCH, name))[0], method=method,
+                update=update)
     deck = MOVING.replace('x="0.6+0.1*sin(t)"', 'x="0.6+0.1*sin(t)" until=1') + "checkpoint every=15 keep=9\n"
     goes_on(report, straight(report, "let_go", deck), "let_go_again", deck, 15)
 

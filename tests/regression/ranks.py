@@ -12,14 +12,16 @@ import os
 import re
 import subprocess
 
-from _runs import (AVERAGED, CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, METALS, RUBBED, SCRATCH, SCATTERED, SEAT,
+from _runs import (AVERAGED, CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, HOOPS, INPUT, KEPT_PLANE, KEPT_RINGS,
+                   KEPT_SPACE, METALS, RUBBED, SCRATCH, SCATTERED, SEAT,
                    SGMP, SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run, own)
 
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]
 FEW = [(1, 1), (2, 1), (3, 2)]
 LEAST = [(1, 1), (3, 2)]
-MPI = {**ENVIRONMENT, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
+MPI = {**ENVIRONMENT, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+       "OMPI_MCA_rmaps_base_oversubscribe": "1",
        "OMPI_MCA_mpi_yield_when_idle": "1"}
 MPI.pop("OMPI_MCA_ess_singleton_isolated", None)
 
@@ -94,8 +96,8 @@ velocity b y=0.5
 bodyforce a x="0.01*x0*sin(t)" y="0.002*y0"
 output csv at=end
 """
-# A pile on a wall between bodies that slide, a cylinder on top, a tool that comes down, cuts that move all the time. Up to
-# three bodies share a node; the planes between ranks go through all of them.
+# A pile on a wall between bodies that slide, a cylinder on top, a tool that comes down, cuts that move all the time. Up
+# to three bodies share a node; the planes between ranks go through all of them.
 PILE = """
 parameter method = sgmp
 parameter update = musl
@@ -169,7 +171,8 @@ RINGS, SWIRLS = HOOPS + OUTPUTS, SWIRL + OUTPUTS
 # name, deck, settings, layouts
 SCENES = [
     ("elastic", "block.inp", {"cells": 10, "steps": 24, "drift": 0.3, "jitter": 0.4}, LAYOUTS),
-    ("gimp", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "jitter": 0.4, "method": "gimp", "update": "usf"}, FEW),
+    ("gimp", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "jitter": 0.4, "method": "gimp", "update": "usf"},
+     FEW),
     ("mpm", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "method": "mpm", "update": "usl"}, FEW),
     ("cpgimp", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "method": "cpgimp", "update": "usavg"}, FEW),
     ("johnson_cook", "block.inp", {"cells": 10, "steps": 16, "drift": 0.3, "material": "johnson_cook"}, FEW),
@@ -258,7 +261,8 @@ DECKS = {
 # What goes wrong on any layout: MPM with USL.
 UNSTABLE = {("rings.inp", "mpm", "usl"), ("pile", "mpm", "usl"), ("tower", "mpm", "usl")}
 # USL gains energy at the Courant numbers of these decks, on one rank as on many.
-UNSTABLE |= {(deck, method, "usl") for deck in ("taylor_bar.inp", "taylor_bar_axisymmetric.inp") for method in ("sgmp", "gimp", "mpm", "cpgimp", "bspline")}
+UNSTABLE |= {(deck, method, "usl") for deck in ("taylor_bar.inp", "taylor_bar_axisymmetric.inp")
+             for method in ("sgmp", "gimp", "mpm", "cpgimp", "bspline")}
 UNSTABLE |= {("bar_stability.inp", method, "usl") for method in ("mpm", "cpgimp")}
 METHODS = ("sgmp", "gimp", "mpm", "cpgimp", "bspline")
 UPDATES = ("musl", "usf", "usl", "usavg")
@@ -278,14 +282,16 @@ def run_on(name, deck, ranks, threads, settings, timeout=300):
     command = ["mpirun", "-n", str(ranks), SGMP, path, "--quiet", "--threads", str(threads), "--output", folder]
     for key, value in settings.items():
         command += ["--set", f"{key}={value}"]
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout, check=False, env=MPI)
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout, check=False,
+                          env=MPI)
     return Run(done.returncode, done.stdout.decode("utf-8", "replace"), folder)
 
 
 def same_files(report, title, first, other):
     """All files of two runs have the same bytes, but for those that speak of the run itself."""
     names = sorted(os.listdir(first.folder))
-    report.check(names == sorted(os.listdir(other.folder)), f"{title}: files {names} and {sorted(os.listdir(other.folder))}")
+    report.check(names == sorted(os.listdir(other.folder)),
+                 f"{title}: files {names} and {sorted(os.listdir(other.folder))}")
     for name in names:
         if name in OWN_WORDS:
             continue
@@ -295,7 +301,8 @@ def same_files(report, title, first, other):
 
 def figures(result):
     """What must not depend on the layout."""
-    return json.dumps([result[key] for key in ("checksum", "steps", "time", "particle_steps", "particles", "particles_lost", "energy")])
+    return json.dumps([result[key] for key in ("checksum", "steps", "time", "particle_steps", "particles",
+                                               "particles_lost", "energy")])
 
 
 def same_everywhere(name, deck, settings, layouts):
@@ -323,7 +330,8 @@ def every_way():
             for update in UPDATES:
                 if (deck, method, update) not in UNSTABLE:
                     layouts = LAYOUTS if (method, update) == ("sgmp", "musl") else LEAST
-                    yield f"{deck.split('.')[0]}_{method}_{update}", deck, {**settings, "method": method, "update": update}, layouts
+                    yield f"{deck.split('.')[0]}_{method}_{update}", deck, {**settings, "method": method,
+                                                                            "update": update}, layouts
 
 
 def piles():
@@ -333,7 +341,8 @@ def piles():
             for update in UPDATES:
                 for normal in ("separating", "average", "second"):
                     if (title, method, update) not in UNSTABLE:
-                        yield (f"{title}_{method}_{update}_{normal}", deck, {"method": method, "update": update, "normal": normal},
+                        yield (f"{title}_{method}_{update}_{normal}", deck,
+                               {"method": method, "update": update, "normal": normal},
                                FEW if normal == "separating" else LEAST)
 
 
@@ -349,7 +358,8 @@ def one_message(report):
         messages[ranks] = found
     report.check(messages[1] == messages[3], f"{messages}")
     wrong = run_on("wrong", "block.inp", 2, 1, {"cells": "nonsense"})
-    report.check(wrong.code == 3 and wrong.text.count("nonsense") >= 1, f"deck error: exit code {wrong.code}\n{wrong.text}")
+    report.check(wrong.code == 3 and wrong.text.count("nonsense") >= 1,
+                 f"deck error: exit code {wrong.code}\n{wrong.text}")
 
 
 def balanced(report):
@@ -362,8 +372,8 @@ def balanced(report):
         return
     for other in (follows, stays):
         report.check(figures(other) == figures(alone), f"projectile: {figures(other)}\nis not {figures(alone)}")
-    print(f"projectile on 4 ranks: most particles of a rank over the mean {follows['balance.largest_imbalance']:.3f} with "
-          f"{follows['balance.cuts']} new cuts, {stays['balance.largest_imbalance']:.3f} without")
+    print(f"projectile on 4 ranks: most particles of a rank over the mean {follows['balance.largest_imbalance']:.3f} "
+          f"with {follows['balance.cuts']} new cuts, {stays['balance.largest_imbalance']:.3f} without")
     report.check(follows["balance.largest_imbalance"] < 1.25, f"imbalance {follows['balance.largest_imbalance']}")
     report.check(follows["balance.cuts"] > 0 and stays["balance.cuts"] == 0, "cuts that do not follow, or that do")
     report.check(stays["balance.largest_imbalance"] > 1.25, f"nothing to balance: {stays['balance.largest_imbalance']}")

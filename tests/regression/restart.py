@@ -6,7 +6,8 @@ usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 import os
 
 from _restarts import FULL, checkpoints, command, deck, execute, goes_on, mpirun, same_files, straight
-from _runs import AVERAGED, CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, RUBBED, SCATTERED, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report, own
+from _runs import (AVERAGED, CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, RUBBED, SCATTERED, SEAT,
+                   SPLIT, SPLIT_SPACE, SWIRL, Report, own)
 
 EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
 # Particles leave the grid on two sides, where they are dropped or turned back.
@@ -40,7 +41,8 @@ history every=0.002
 """
 
 # The Courant number is found anew behind the restart.
-AUTOMATIC = LEAVING.replace("time end=0.012 cfl=0.5", "time steps=400 cfl=auto").replace("x=0:8", "x=open") + "history steps=20\n"
+AUTOMATIC = LEAVING.replace("time end=0.012 cfl=0.5",
+                            "time steps=400 cfl=auto").replace("x=0:8", "x=open") + "history steps=20\n"
 AUTOMATIC = AUTOMATIC.replace("history every=0.001\n", "")
 
 # Ends where the kinetic energy has fallen to a part of its maximum, which was at the start.
@@ -66,8 +68,9 @@ body b block material=gas lower=0 upper=2 ppc=2
 detonation point=(0,0,0)
 """
 # Nodes are light beside a particle that has left the grid by the time of the checkpoint.
-LIGHT = LEAVING.replace("body b", "material lead elastic density=0.04 young=210 poisson=0.3\nmethod sgmp mass_cutoff=0.05\n"
-                        "body gone block material=lead lower=(7,6) upper=(8,7) spacing=0.5\nvelocity gone x=900\nbody b")
+LIGHT = LEAVING.replace("body b", "material lead elastic density=0.04 young=210 poisson=0.3\nmethod sgmp "
+                        "mass_cutoff=0.05\nbody gone block material=lead lower=(7,6) upper=(8,7) spacing=0.5\nvelocity "
+                        "gone x=900\nbody b")
 
 # A block that moves past edges that let waves out, across the planes that ranks own, between two of its kind.
 ABSORBING = """
@@ -104,7 +107,8 @@ SCENES = [
     ("johnson_cook", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "material": "johnson_cook"}, 30, 1),
     ("normalised", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "stress": "normalised"}, 30, 2),
     ("rotation", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "jitter": 0.4, "rotation": "exact"}, 30, 2),
-    ("rotation_usf", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "jitter": 0.4, "rotation": "exact", "update": "usf"}, 30, 2),
+    ("rotation_usf", deck("block.inp"), {"cells": 5, "steps": 30, "drift": 0.3, "jitter": 0.4, "rotation": "exact",
+                                         "update": "usf"}, 30, 2),
     ("taylor_bar", deck("taylor_bar.inp"), {"h": 1.9, "t_end": 0.01, "cfl": 1, "material": "full"}, 26, 2),
     ("rings_of_a_bar", deck("taylor_bar_axisymmetric.inp", "gauge foot point=(0,0)\n"),
      {"h": 0.76, "t_end": 0.01, "cfl": 1, "material": "full"}, 66, 2),
@@ -165,7 +169,8 @@ def other_ranks(report):
             title = f"ranks_{name}_{method}"
             reference = straight(report, title, card, **settings, **choice)
             middle = checkpoints(reference.folder)[1]
-            for before, after, threads in ((1, 2, 1), (3, 1, 2), (2, 3, 1)) if FULL or method == "sgmp" else ((2, 3, 1),):
+            for before, after, threads in ((1, 2, 1), (3, 1, 2),
+                                           (2, 3, 1)) if FULL or method == "sgmp" else ((2, 3, 1),):
                 source = None
                 if before > 1:
                     source = straight(report, f"{title}_{before}", card, launcher=mpirun(before), **settings, **choice)
@@ -182,14 +187,18 @@ def kept(report):
 
 
 def other_fields(report):
-    """A field that particles.vtkhdf does not have: the restart is refused, and the steps that it has stay as they are."""
+    """A field that particles.vtkhdf does not have: the restart is refused, and the steps that it has stay as they
+    are."""
     card = "output vtkhdf every=5e-4 fields=stress\ncheckpoint every=10\n"
     reference = straight(report, "fields", deck("block.inp", card), cells=4, steps=20)
     path = os.path.join(reference.folder, "particles.vtkhdf")
-    result = execute(command("fields", deck("block.inp", card.replace("=stress", "=stress,density")), ["--restart", "latest"],
+    result = execute(command("fields", deck("block.inp", card.replace("=stress", "=stress,density")),
+                             ["--restart", "latest"],
                              {"cells": 4, "steps": 40}), "fields")
-    report.check(result.code == 5 and path in result.text and "density" in result.text, f"other fields: {result.code}\n{result.text}")
-    result = execute(command("fields", deck("block.inp", card), ["--restart", "latest"], {"cells": 4, "steps": 40}), "fields")
+    report.check(result.code == 5 and path in result.text and "density" in result.text,
+                 f"other fields: {result.code}\n{result.text}")
+    result = execute(command("fields", deck("block.inp", card), ["--restart", "latest"], {"cells": 4, "steps": 40}),
+                     "fields")
     whole = straight(report, "fields_whole", deck("block.inp", card), cells=4, steps=40)
     if report.finished(result, "the same fields"):
         same_files(report, whole.folder, result.folder, "the same fields")
@@ -200,14 +209,16 @@ def main():
     report = Report()
     for other in own((other_ranks, kept, other_fields)):
         other(report)
-    for (name, text, settings, steps, threads), (method, update) in own((scene, variant) for scene in SCENES for variant in variants(scene[0])):
+    for (name, text, settings, steps, threads), (method, update) in own((scene, variant) for scene in SCENES
+                                                                        for variant in variants(scene[0])):
         choice = {"method": method, "update": update} if "include" in text else {}
         title = f"{name}_{method}_{update}"
         card = text + f"checkpoint every={max(2, steps//5)} keep=100\n"
         reference = straight(report, title, card, **{**choice, **settings})
         saved = checkpoints(reference.folder)
         if report.check(len(saved) > 2, f"{title}: {reference.text} only the checkpoints {saved} of {steps} steps"):
-            goes_on(report, reference, title + "_restarted", card, saved[len(saved)//2 - 1], threads, **{**choice, **settings})
+            goes_on(report, reference, title + "_restarted", card, saved[len(saved)//2 - 1], threads,
+                    **{**choice, **settings})
     report.end()
 
 

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""A sudden pressure in a spherical cavity of an endless elastic solid (Blake 1952), with edges that let waves out at five radii.
+"""A sudden pressure in a spherical cavity of an endless elastic solid (Blake 1952), with edges that let waves out at
+five radii.
 
-F. G. Blake, J. Acoust. Soc. Am. 24 (1952), 211-215: the potential f(t - (r - R)/c)/r of the outgoing wave obeys a damped oscillator; with Poisson's ratio 1/4,
-f'' + 4/3 (c/R) f' + 4/3 (c/R)^2 f = -p R/density, u = df/dr. From that the values below, by quadrature here. At 160 us waves that edges at 0.5 m had sent
-back would be at the cavity again. The edges are dashpots for plane waves, which bear no load at rest: near them what is left when the wave has passed is too
+F. G. Blake, J. Acoust. Soc. Am. 24 (1952), 211-215: the potential f(t - (r - R)/c)/r of the outgoing wave obeys a
+damped oscillator; with Poisson's ratio 1/4, f'' + 4/3 (c/R) f' + 4/3 (c/R)^2 f = -p R/density, u = df/dr. From that the
+values below, by quadrature here. At 160 us waves that edges at 0.5 m had sent back would be at the cavity again. The
+edges are dashpots for plane waves, which bear no load at rest: near them what is left when the wave has passed is too
 large (told, not judged).
 """
 
@@ -35,7 +37,8 @@ def exact(r, t=TIME):
     f, first, second = potential(t - (r - RADIUS) / SPEED)
     u = -f / r**2 - first / (SPEED * r)
     stretch = 2 * f / r**3 + 2 * first / (SPEED * r**2) + second / (SPEED**2 * r)
-    return u, SHEAR * (stretch + 2 * u / r) + 2 * SHEAR * stretch, SHEAR * (stretch + 2 * u / r) + 2 * SHEAR * u / r  # lambda = G
+    # lambda = G
+    return u, SHEAR * (stretch + 2 * u / r) + 2 * SHEAR * stretch, SHEAR * (stretch + 2 * u / r) + 2 * SHEAR * u / r
 
 
 def found(run):
@@ -46,12 +49,14 @@ def found(run):
     s = {name: p.column(f"stress_{name}") for name in ("xx", "zz", "yy", "xz")}
     radius = np.hypot(x - u[0], z - u[1])
     n = (x - u[0]) / radius, (z - u[1]) / radius
-    return radius, u[0] * n[0] + u[1] * n[1], s["xx"] * n[0] ** 2 + s["zz"] * n[1] ** 2 + 2 * s["xz"] * n[0] * n[1], s["yy"]
+    radial = s["xx"] * n[0] ** 2 + s["zz"] * n[1] ** 2 + 2 * s["xz"] * n[0] * n[1]
+    return radius, u[0] * n[0] + u[1] * n[1], radial, s["yy"]
 
 
 def check(book, full):
     book.section("Blake's cavity")
-    book.say("No part of the paper. The hole is cut out of a lattice of cubes, so its face is a staircase; means over shells one cell thick.")
+    book.say("No part of the paper. The hole is cut out of a lattice of cubes, so its face is a staircase; means over "
+             "shells one cell thick.")
     figure, axes = subplots(1, 2, figsize=(9, 3.4))
     line = np.linspace(RADIUS, 0.5, 200)
     for axis, k in zip(axes, (0, 1)):
@@ -68,7 +73,8 @@ def check(book, full):
             error = float(values[k][shell].mean() / scale - 1)
             name = ("displacement", "radial stress", "hoop stress")[k]
             if kind == "absorbing" and bound:
-                book.near(f"{cells} cells to the radius", f"{name} at r = {r:.4g} over the exact one", 1 + error, 1.0, bound)
+                book.near(f"{cells} cells to the radius", f"{name} at r = {r:.4g} over the exact one", 1 + error, 1.0,
+                          bound)
             row.append(f"{100 * error:+.1f} %")
         rows.append([*row, f"{run.cpu_seconds:.0f}"])
         order = np.argsort(radius)
@@ -78,7 +84,8 @@ def check(book, full):
         axis.set(xlabel="radius (m)", ylabel=name)
     axes[0].legend(fontsize=7)
     book.figure("cavity", figure, "Blake's cavity after 160 us, every seventh particle.")
-    book.table("cavity", ["cells", "edges", "u at the cavity", "radial stress at 0.15", "hoop stress at 0.15", "u at 0.4", "CPU s"], rows, "Blake's cavity, deviations.")
+    book.table("cavity", ["cells", "edges", "u at the cavity", "radial stress at 0.15", "hoop stress at 0.15",
+                          "u at 0.4", "CPU s"], rows, "Blake's cavity, deviations.")
     book.command(Case(DECK))
 
 

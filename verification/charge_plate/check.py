@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""1 kg of TNT 0.3 m above a clamped round plate of 1 m by 10 mm: the gas computed, beside the card blast, and both beside Nurick and Martin's fit.
+"""1 kg of TNT 0.3 m above a clamped round plate of 1 m by 10 mm: the gas computed, beside the card blast, and both
+beside Nurick and Martin's fit.
 
-The card's impulse is integrated here by Kingery and Bulmash's fits (blast_load). The fit 0.425 phi + 0.277 (blast_load, plate_impulse) is of uniform loads
-and of phi from 5 to 30: this load is concentrated, and below that range, so it is shown and not judged.
+The card's impulse is integrated here by Kingery and Bulmash's fits (blast_load). The fit 0.425 phi + 0.277 (blast_load,
+plate_impulse) is of uniform loads and of phi from 5 to 30: this load is concentrated, and below that range, so it is
+shown and not judged.
 """
 
 import importlib.util
@@ -20,7 +22,8 @@ RADIUS, THICKNESS, HEIGHT, CHARGE = 500.0, 10.0, 300.0, 1000
 
 def by_fits():
     """Impulse of the card on the plate (N s)."""
-    specification = importlib.util.spec_from_file_location("blast_load", ROOT / "verification" / "blast_load" / "check.py")
+    specification = importlib.util.spec_from_file_location("blast_load",
+                                                           ROOT / "verification" / "blast_load" / "check.py")
     module = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)
     module.RADIUS, module.HEIGHT = RADIUS, HEIGHT
@@ -41,7 +44,8 @@ def deflection(run):
 
 def check(book, full):
     book.section("A plate under a charge")
-    book.say("No part of the paper. The scene of a user: contact by a group of gases, a rim held by a card motion, gas removed after its pulse.")
+    book.say("No part of the paper. The scene of a user: contact by a group of gases, a rim held by a card motion, gas "
+             "removed after its pulse.")
     figure, axis = subplots(figsize=(6, 3.4))
     rows, most = [], []
     for name, deck in (("gas", GAS), ("blast", BLAST)):
@@ -50,15 +54,19 @@ def check(book, full):
         total = of_contact(run) if name == "gas" else by_fits()
         phi = total / (pi * 1e-3 * RADIUS * (1e-3 * THICKNESS) ** 2 * sqrt(7850 * 270e6))
         most.append((total, float(depth.max())))
-        rows.append([name, f"{total:.0f}", f"{depth.max():.1f}", f"{depth[time > 1.5].mean():.1f}", f"{phi:.2f}", f"{THICKNESS * (0.425 * phi + 0.277):.1f}",
+        rows.append([name, f"{total:.0f}", f"{depth.max():.1f}", f"{depth[time > 1.5].mean():.1f}", f"{phi:.2f}",
+                     f"{THICKNESS * (0.425 * phi + 0.277):.1f}",
                      f"{run.summary['steps']}", run.summary["verdict"], f"{run.cpu_seconds:.0f}"])
         axis.plot(time, depth, label=name)
-    book.near("charge_plate", "impulse of the gas over that of Kingery and Bulmash's fits", most[0][0] / most[1][0], 1.0, 0.25)
-    book.near("charge_plate", "largest deflection under the gas over that under the card blast", most[0][1] / most[1][1], 1.0, 0.15)
+    book.near("charge_plate", "impulse of the gas over that of Kingery and Bulmash's fits", most[0][0] / most[1][0],
+              1.0, 0.25)
+    book.near("charge_plate", "largest deflection under the gas over that under the card blast",
+              most[0][1] / most[1][1], 1.0, 0.15)
     axis.set(xlabel="time (ms)", ylabel="deflection of the middle (mm)")
     axis.legend(fontsize=7)
     book.figure("charge_plate", figure, "The middle of the plate.")
-    book.table("charge_plate", ["load", "impulse (N s)", "largest (mm)", "mean from 1.5 ms on", "phi", "fit (uniform load)", "steps", "verdict", "CPU s"], rows,
+    book.table("charge_plate", ["load", "impulse (N s)", "largest (mm)", "mean from 1.5 ms on", "phi",
+                                "fit (uniform load)", "steps", "verdict", "CPU s"], rows,
                "Plate under 1 kg of TNT at 0.3 m.")
     book.command(Case(GAS))
     book.command(Case(BLAST))

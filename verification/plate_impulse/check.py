@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Clamped round plates under a uniform impulse, beside Nurick and Martin's fit of measured deflections.
 
-G. N. Nurick and J. B. Martin, Int. J. Impact Engng 8 (1989), 171-186: deflection of the middle over thickness = 0.425 phi + 0.277 with phi =
-I/(pi R t^2 sqrt(density yield)), I the impulse (both constants at second hand, as in blast_load: the abstract and the notation were at hand, the
-equation was not). The bound of one thickness is ours.
+G. N. Nurick and J. B. Martin, Int. J. Impact Engng 8 (1989), 171-186: deflection of the middle over thickness = 0.425
+phi + 0.277 with phi = I/(pi R t^2 sqrt(density yield)), I the impulse (both constants at second hand, as in blast_load:
+the abstract and the notation were at hand, the equation was not). The bound of one thickness is ours.
 """
 
 import sys
@@ -26,26 +26,31 @@ def deflection(run):
 
 def check(book, full):
     book.section("Clamped plates under a uniform impulse")
-    book.say("No part of the paper. Velocity from the impulse number at once; yield stress by the rate alone, as Nurick and Martin take the static one.")
+    book.say("No part of the paper. Velocity from the impulse number at once; yield stress by the rate alone, as "
+             "Nurick and Martin take the static one.")
     figure, axis = subplots(figsize=(6, 3.6))
     rows = []
     for method, cells in [("gimp", 4)] + ([("gimp", 8), ("bspline", 4), ("sgmp", 4)] if full else []):
         found = []
-        for phi, run in zip(NUMBERS, solve([Case(DECK, phi=phi, method=method, cells=cells) for phi in NUMBERS], workers=1)):
+        for phi, run in zip(NUMBERS, solve([Case(DECK, phi=phi, method=method, cells=cells) for phi in NUMBERS],
+                                           workers=1)):
             time, history = deflection(run)
             late = history[time > 0.25]  # at rest but for elastic vibrations
             fit = 0.425 * phi + 0.277
             found.append(late.mean())
             if phi <= CHECKED:
-                book.near(f"phi = {phi}, {method}, {cells} cells", "deflection over thickness, fit 0.425 phi + 0.277", found[-1], fit, 1.0)
-            rows.append([method, cells, phi, f"{found[-1]:.2f}", f"{fit:.2f}", f"{100 * (found[-1] / fit - 1):+.1f} %", f"{late.max() - found[-1]:.2f}",
+                book.near(f"phi = {phi}, {method}, {cells} cells", "deflection over thickness, fit 0.425 phi + 0.277",
+                          found[-1], fit, 1.0)
+            rows.append([method, cells, phi, f"{found[-1]:.2f}", f"{fit:.2f}", f"{100 * (found[-1] / fit - 1):+.1f} %",
+                         f"{late.max() - found[-1]:.2f}",
                          run.summary["verdict"], f"{run.cpu_seconds:.0f}"])
         axis.plot(NUMBERS, found, "o-", markersize=4, label=f"{method}, {cells} cells")
     axis.plot(NUMBERS, [0.425 * phi + 0.277 for phi in NUMBERS], "k--", label="Nurick and Martin")
     axis.set(xlabel="impulse number phi", ylabel="deflection over thickness")
     axis.legend(fontsize=7)
     book.figure("plate_impulse", figure, "Deflection of clamped plates under a uniform impulse.")
-    book.table("plate_impulse", ["method", "cells", "phi", "deflection/thickness", "fit", "deviation", "vibration", "verdict", "CPU s"], rows, "Clamped plates.")
+    book.table("plate_impulse", ["method", "cells", "phi", "deflection/thickness", "fit", "deviation", "vibration",
+                                 "verdict", "CPU s"], rows, "Clamped plates.")
     book.command(Case(DECK, phi=16))
 
 
