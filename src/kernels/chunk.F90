@@ -20,7 +20,7 @@ module DIM(sgmp_chunk)
   use sgmp_drive, only: most_drives
   use CARTESIAN(sgmp_driven_particles), only: driven_masses, driven_read
   use sgmp_features, only: sum_split
-  use sgmp_graded_axis, only: graded_advance, graded_centre, graded_place, graded_spacing
+  use CARTESIAN(sgmp_drift_graded), only: drift_graded
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_absorbing, load_force, load_t
@@ -836,56 +836,6 @@ contains
     end do
     outside = left > 0.0_dp
   end subroutine drift
-
-  !> The same where cells are unequal: coordinates grow by the way over the spacing of the centres
-  !! between which a particle is, and sums are those of places.
-  ! allow(S902)
-  pure subroutine drift_graded(mesh, dt, live, origin, extent, velocity, motion, xi, lane_sums, &
-                               outside)
-    type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: dt, live(lanes), origin(NDIM), extent(2, NDIM), velocity(lanes, NDIM)
-    real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), lane_sums(lanes, sweep_sums)
-    real(dp), intent(out) :: xi(lanes, NDIM)     !! new position in the bin
-    logical, intent(out) :: outside
-    real(dp) :: before(lanes), place(lanes), spacing, inverse, start, left
-    integer :: l, d, c
-    left = 0.0_dp
-    do d = 1, NDIM
-      before = motion(:, d)
-      if (NDIM == 3 .or. d > 1) then             ! along this axis a bin is a cell
-        c = nint(origin(d) - 0.5_dp)
-        spacing = graded_spacing(mesh%axes(d), c + 1)
-        inverse = dt/spacing
-        start = graded_centre(mesh%axes(d), c)
-        !$omp simd simdlen(8)
-        do l = 1, lanes
-          motion(l, d) = before(l) + inverse*velocity(l, d)
-          xi(l, d) = motion(l, d) - origin(d)
-          place(l) = start + spacing*xi(l, d)
-        end do
-        if (.not. all(abs(xi(:, d) - 0.5_dp) < 0.5_dp)) then
-          do l = 1, lanes
-            if (abs(xi(l, d) - 0.5_dp) < 0.5_dp) cycle
-            motion(l, d) = graded_advance(mesh%axes(d), before(l), dt*velocity(l, d))
-            place(l) = graded_place(mesh%axes(d), motion(l, d))
-          end do
-          xi(:, d) = motion(:, d) - origin(d)
-        end if
-      else
-        motion(:, d) = graded_advance(mesh%axes(d), before, dt*velocity(:, d))
-        place = graded_place(mesh%axes(d), motion(:, d))
-        xi(:, d) = motion(:, d) - origin(d)
-      end if
-      lane_sums(:, sum_moment + d - 1) = lane_sums(:, sum_moment + d - 1) + &
-                                         live*motion(:, mass_at)*place
-      do l = 1, lanes
-        left = max(left, merge(0.0_dp, 1.0_dp, abs(xi(l, d) - 0.5_dp*(extent(2, d) + &
-                                                                      extent(1, d))) < &
-                               0.5_dp*(extent(2, d) - extent(1, d))))
-      end do
-    end do
-    outside = left > 0.0_dp
-  end subroutine drift_graded
 
   !> Largest c + |v| for the time step (Eq. 69), and whether the state of all particles makes sense:
   !! not inside out, slower than anything, and with a sound speed (c^2 turns negative where a
