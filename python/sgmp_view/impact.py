@@ -7,8 +7,8 @@
 Walls are the bodies that rest while others fly; each is measured along its normal in the direction of the shot
 (--along, --wall choose others). The wall is the largest connected piece of its body that has not failed; particles at
 most a cell apart are connected. It is perforated where there is a straight way through it that is at least two cells
-wide. Behind planes of symmetry the wall is completed; masses, momenta and energies are those of the model. --csv has
-a row for each dump. Without damage among the fields of the dumps all matter counts as whole.
+wide. "Failed inside" is a wall whose layers have come apart. Behind planes of symmetry the wall is completed; masses,
+momenta and energies are those of the model. --csv has a row for each dump. Without damage among the fields of the dumps all matter counts as whole.
 """
 
 import csv
@@ -78,6 +78,10 @@ def lines_of(wall, units, plane):
         yield "crater, volume", number(crater["volume"], units["length"] and units["length"] + power)
     if not wall["perforated"]:
         yield "least thickness left", f"{length(thickness['least'])} of {length(thickness['start'])}"
+    if wall["failed_inside"]["area"] > 0:
+        across = wall["failed_inside"]["diameter"]
+        size = f"{length(across)} wide" if plane else f"{length(across)} in diameter by its area"
+        yield "failed inside, between its faces", f"{size}: the thickness that is left is not of one piece"
     swollen = f"{length(bulge['height'])} high, radius {length(bulge['radius'])}"
     yield "bulge at the rear", swollen if bulge["radius"] > 0 else "none"
     yield "whole piece that is left", f"{mass(wall['mass_left'])} of {mass(wall['mass_at_start'])}"

@@ -5,8 +5,8 @@ its body that has not failed: particles that are at most a cell apart are connec
 a wall in two, all pieces that reach its edges.) Surfaces are maps over the plane across the normal; gaps between
 particles narrower than two cells count as closed, for metal that flows opens such gaps; narrower openings and craters
 are not seen. Craters are where the wall is thinner by more than half a spacing, bulges where the rear surface stands
-out by more than that. Parts of a model behind planes of symmetry are added for these maps; masses and momenta are
-those of the model.
+out by more than that. Where matter between the two has failed, the wall is in layers. Parts of a model behind planes
+of symmetry are added for these maps; masses and momenta are those of the model.
 """
 
 import numpy as np
@@ -367,7 +367,25 @@ def surfaces(start, now, wall, name, normal, across, middle, result):
     swollen = both & (bulges > half)
     result["bulge"] = {"height": float(bulges.max(initial=0.0)), "radius": 0.5 * maps.size(swollen)["diameter"]}
     result["moved"] = moved
+    result["failed_inside"] = failed_inside(now, name, maps, (normal, across, middle), (front, rear))
     return moved
+
+
+def failed_inside(now, name, maps, frame, faces):
+    """The largest area over which matter between the faces of a wall has failed, a cell below each of them or deeper,
+    and which is at least two cells wide: there the wall has come apart in layers though it has no opening."""
+    normal, across, middle = frame
+    points = completed(now.points[now.of(name) & now.failed], now, normal)
+    places, depth = (points - middle) @ across.T, points @ normal
+    on_map = maps.inside(places)
+    index = np.floor((places[on_map] - maps.lower) / maps.pixel).astype(int)
+    front, rear = (face[tuple(index.T)] for face in faces)
+    index = index[(depth[on_map] > front + now.cell) & (depth[on_map] < rear - now.cell)]
+    mask = np.zeros(maps.shape)
+    mask[tuple(index.T)] = 1.0
+    mask = maps.filtered(maps.filtered(mask, maps.reach, np.maximum, 0.0), maps.back, np.minimum, 1.0) > 0
+    wide = [region for region in maps.regions(mask) if maps.circle(region) + maps.pixel >= 2 * maps.reach]
+    return maps.size(wide[0]) if wide else {"area": 0.0, "diameter": 0.0, "circle": 0.0}
 
 
 def openings_of(maps, footprint, covered):

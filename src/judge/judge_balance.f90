@@ -18,7 +18,7 @@ module sgmp_judge_balance
   real(dp), parameter :: coarse_gain = 0.03_dp         !! beyond which numbers are inexact
   real(dp), parameter :: gain_weight = 2.0_dp          !! their error over the gain
   real(dp), parameter :: largest_loss = 0.25_dp        !! and downwards
-  real(dp), parameter :: coarse_loss = 0.04_dp         !! beyond which numbers are inexact
+  real(dp), parameter :: coarse_loss = 0.03_dp         !! beyond which numbers are inexact
   real(dp), parameter :: loss_weight = 1.5_dp          !! their error over the loss
   real(dp), parameter :: least_error = 0.1_dp          !! of what is coarse
   real(dp), parameter :: largest_gift = 0.05_dp        !! negative internal energy

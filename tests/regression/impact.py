@@ -210,6 +210,26 @@ def craters(report):
     )
 
 
+def layers(report):
+    """Matter between the faces that has failed over a disc: no opening, but the wall is not of one piece there. What
+    has failed at a face is none of it, nor is a failed spot narrower than two cells."""
+    points = plate()
+    start = {"ball": ball(), "plate": Cloud(points)}
+    r = np.hypot(points[:, 0], points[:, 1])
+    inside = np.abs(points[:, 2] - 0.5 * (TOP + BOTTOM)) < 0.9 * S
+    wall = measured(report, "layers", start, {"ball": ball(), "plate": Cloud(points, failed=inside & (r < 7))})
+    report.check(not wall["perforated"], "a failed layer is no opening")
+    near(report, wall["failed_inside"]["diameter"], 14.0, 2 * S, "diameter of a failed layer")
+    report.check("failed inside" in wall["text"], f"a failed layer is said: {wall['text']}")
+    for name, failed in (("skin", (points[:, 2] > TOP - S) & (r < 7)), ("spot", inside & (r < 0.4 * H))):
+        wall = measured(report, name, start, {"ball": ball(), "plate": Cloud(points, failed=failed)})
+        report.check(failed.any(), f"{name}: nothing has failed")
+        report.check(
+            wall["failed_inside"]["area"] == 0 and "failed inside" not in wall["text"],
+            f"{name}: {wall['failed_inside']}",
+        )
+
+
 def debris(report):
     """A plug, spall, ejecta, and a cloud that flies apart from a point; one that has not met the next wall yet."""
     points = plate()
@@ -560,7 +580,7 @@ def main():
     """All of it."""
     report = Report()
     os.chdir(SCRATCH)
-    for part in (clusters, holes, craters, debris, other_spaces, page, named, cuts):
+    for part in (clusters, holes, craters, layers, debris, other_spaces, page, named, cuts):
         part(report)
     report.end()
 

@@ -372,6 +372,11 @@ def criteria(report):
         )
     sound(report, "lid_mpm", LID, method="mpm")
     coarse(report, "plate", LID, "of the energy that the scene was given is gone", 0.1, sides="free")
+    result = coarse(
+        report, "plate_longer", LID.replace("end=0.2", "end=0.42"), "of the energy that the scene was given is gone",
+        0.1, sides="free",
+    )
+    report.check(-0.04 < result["energy.drift"] < -0.03, f"plate_longer: drift {result['energy.drift']}")
     doubts(report, "pulled", PULLED, "walls with friction have held back by")
     sound(report, "pressed", PULLED, pull=-0.2)
     doubts(report, "dilating", DILATING, "energy that it never had")
