@@ -33,8 +33,8 @@ contains
                        'not extend the box by hand.', 'grid cell=h x=0:1 y=open '// &
                        'z=0:open', read_grid, check_grid, once=.true., turn=read_first, &
                        needed='add a grid, e.g. grid cell=0.1')
-    call registry%key('cell', kind_real, 'side h of a cell, of the smallest where they differ', unit='length', range='(0,inf)', &
-                      required=.true.)
+    call registry%key('cell', kind_real, 'side h of a cell, of the smallest where they differ', &
+                      unit='length', range='(0,inf)', required=.true.)
     do axis = 1, 3
       call registry%key(axis_names(axis, 3), kind_interval, &
                         'extent; an open end follows the particles, one without a '// &

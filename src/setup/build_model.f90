@@ -44,7 +44,8 @@ module sgmp_build_model
   use sgmp_rigid_build, only: rigid_begin, rigid_centre, rigid_declare
   use sgmp_rigid_motion, only: motion_energy
   use sgmp_scene, only: body_card_t, scene_space, scene_t, time_card_t
-  use sgmp_seeding, only: seeding_check_inside, seeding_check_size, seeding_check_overlap, seeding_generate, survey_t
+  use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_check_size, &
+                          seeding_generate, survey_t
   use sgmp_stages, only: stage_columns, stage_terms
   use sgmp_step, only: step_start
   use sgmp_strength, only: strength_factor
