@@ -89,7 +89,6 @@ module sgmp_combinations
     feature_t('graded', 'a grid of unequal cells', 'grid', 'fine_x fine_y fine_z', ask_given, &
               '', 0), &
     feature_t('gauss', 'layout=gauss', 'body', 'layout', ask_word, 'gauss', 0), &
-    feature_t('viscosity', '', 'viscosity', '', ask_card, '', 0), &
     feature_t('detonation', '', 'detonation', '', ask_card, '', 0), &
     feature_t('crack-width', 'fracture_energy=…', 'failure', 'fracture_energy', ask_given, '', 0), &
     feature_t('toughness', 'toughness=…', 'failure', 'toughness', ask_given, '', 0), &
@@ -191,8 +190,8 @@ module sgmp_combinations
     refusal_t('graded', 'gauss', '', &
               'Gauss points are those of equal cells', &
               'write layout=graded, which a body at rest has by itself'), &
-    refusal_t('graded', 'viscosity detonation', '', &
-              'the front of a shock or a burn would have the width of the smallest cell in all', &
+    refusal_t('graded', 'detonation', '', &
+              'the front of a burn would have the width of the smallest cell in all', &
               'remove that card, or the fine intervals'), &
     refusal_t('graded', 'crack-width toughness average', '', &
               'a crack has the width of one cell, and cells are unequal', &

@@ -317,8 +317,14 @@ contains
                                                       motion(1, mass_at), &
                                                       state(1, body%law%slots%swirl), lane_sums)
 #endif
-    call update_stress(body%law, plan, task, task%live(1, nl), motion, got, nb, &
-                       state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
+    if (mesh%graded .and. plan%strain .and. body%law%viscous) then
+      work%law%side = contraction_sides(mesh, motion, got(1, task%gradient))
+      call update_stress(work%law, plan, task, task%live(1, nl), motion, got, nb, &
+                         state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
+    else
+      call update_stress(body%law, plan, task, task%live(1, nl), motion, got, nb, &
+                         state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
+    end if
     if (plan%strain .and. body%law%slots%damage > 0) then
       lane_sums(:, sum_loose) = lane_sums(:, sum_loose) + &
                                 debris_loose(body%law, task%live(1, nl), motion(1, mass_at), nb, &
@@ -444,6 +450,28 @@ contains
       side(l) = mesh%h*maxval(mesh_sides(mesh, motion(l, :NDIM)))
     end do
   end function sides
+
+  !> Sides of cells by which matter contracts, in the smallest: h tr(D) of the bulk viscosity is
+  !! the sum of h_d D_dd where sides h_d differ by axis, and this is the side h that gives it
+  !! (doc/grids.md, 5); between the smallest and the largest.
+  pure function contraction_sides(mesh, motion, gradient) result(side)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), gradient(lanes, NGRAD)
+    real(dp) :: side(lanes)
+    real(dp) :: spacing(NDIM), along(NDIM), trace
+    integer :: l, d
+    do l = 1, lanes
+      spacing = mesh_sides(mesh, motion(l, :NDIM))
+      do d = 1, NDIM
+        along(d) = gradient(l, 1 + (d - 1)*(NDIM + 1))
+      end do
+      trace = sum(along)
+      side(l) = 1.0_dp
+      if (trace < 0.0_dp) then
+        side(l) = min(max(dot_product(spacing, along)/trace, minval(spacing)), maxval(spacing))
+      end if
+    end do
+  end function contraction_sides
 
   !> Settles what the stress of a chunk's debris does in the kick to come (sgmp_settling).
   subroutine settle(body, plan, task, nl, xi, cell, axes, row, records, motion, nb, got, state, &
