@@ -120,6 +120,7 @@ contains
     associate (cell => draft%scene%grid%cell, dimension => draft%scene%dimension, &
                errors => draft%errors)
       if (cell <= 0.0_dp) return
+      call check_fine_words(card, draft)
       do axis = 1, 3
         associate (value => card%values(card%at(draft%axis_key(axis))))
           if (axis > dimension .and. .not. all(value%open)) then
@@ -148,6 +149,30 @@ contains
       end do
     end associate
   end subroutine check_grid
+
+  !> Fine intervals beyond the dimension, and words that mean something beside fine intervals alone.
+  subroutine check_fine_words(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    character(7), parameter :: words(2) = [character(7) :: 'ratio', 'largest']
+    character(6) :: key
+    logical :: any_fine
+    integer :: axis, w
+    any_fine = .false.
+    do axis = 1, 3
+      key = 'fine_'//axis_names(axis, 3)
+      if (size(card%points(key), 2) == 0) cycle
+      any_fine = .true.
+      if (axis <= draft%scene%dimension) cycle
+      call draft%errors%add(card%place(key), key//' '//draft%in_space(), &
+                            'remove it or change the dimension')
+    end do
+    do w = 1, 2
+      if (any_fine .or. .not. card%has(trim(words(w)))) cycle
+      call draft%errors%add(card%place(trim(words(w))), trim(words(w))//' means nothing '// &
+                            'where all cells are equal', 'add fine_x, fine_y or fine_z')
+    end do
+  end subroutine check_fine_words
 
   !> Tables of an axis with unequal cells.
   subroutine grade_axis(card, axis, draft)
