@@ -662,8 +662,8 @@ def problems(chosen, scene, deck):
 
 
 def never_drawn():
-    """What the last seeds must draw, and do not in 200 scenes."""
-    texts = "".join(Scene(seed).text() for seed in range(GRADED, GRADED + 200))
+    """What the last seeds must draw, and do not in 300 scenes."""
+    texts = "".join(Scene(seed).text() for seed in range(GRADED, GRADED + 300))
     return [word for word in ("motion ", "wallfriction ", "=absorbing", " crushable_foam ", " concrete ", " toughness=",
                               " spall_strain=", " surfaces=corrected", " fine_x=") if word not in texts]
 
