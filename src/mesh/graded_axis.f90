@@ -82,7 +82,10 @@ contains
     type(graded_axis_t), intent(in) :: axis
     integer, intent(in) :: centre
     real(dp) :: width
-    width = 0.5_dp*(graded_spacing(axis, centre) + graded_spacing(axis, centre + 1))
+    width = 1.0_dp
+    if (.not. axis%graded) return
+    width = 0.5_dp*(axis%spacing(min(max(centre, axis%first), axis%last)) + &
+                    axis%spacing(min(max(centre + 1, axis%first), axis%last)))
   end function graded_width
 
   !> Place of a centre, from the origin.
@@ -180,6 +183,12 @@ contains
       slope = 1.0_dp
       low = 0.5_dp
       high = 0.5_dp
+      return
+    end if
+    if (first >= axis%first - 1 .and. first + n - 1 <= axis%last) then
+      slope = axis%slope(first:first + n - 1)
+      low = axis%low(first:first + n - 1)
+      high = 1.0_dp - low
       return
     end if
     do i = 1, n
