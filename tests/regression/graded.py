@@ -8,9 +8,11 @@ Expected values are closed forms, and a run with equal cells.
 """
 import math
 import subprocess
+import sys
+from pathlib import Path
 
 from _restarts import goes_on, mpirun, straight
-from _runs import ENVIRONMENT, SCRATCH, SGMP, Report, changed, run
+from _runs import ENVIRONMENT, SCRATCH, SGMP, SOURCE, Report, changed, run
 
 GRID = {1: "grid cell=0.5 x=open fine_x=(0,3),(10,14) ratio=1.2 largest=3",
         2: "grid cell=0.5 x=open y=open fine_x=(0,3),(10,14) fine_y=(-1,1) ratio=1.2 largest=3",
@@ -121,7 +123,7 @@ velocity ball z=-800
 contact all friction=0.1
 history steps=1
 checkpoint every=25 keep=9
-output csv at=end fields=damage,plastic_strain,stress
+output csv at=end fields=damage,plastic_strain,stress,mass
 output vtu
 output tecplot
 """
@@ -232,6 +234,22 @@ def impact(report):
     report.check(max(abs(p/along[0] - 1) for p in along) < 0.2, f"impact: momentum along z {along[0]} to {along[-1]}")
 
 
+def seen(report):
+    """The viewer draws large particles as the small ones that they stand for: no gaps, the mass that there was."""
+    sys.path.insert(0, f"{SOURCE}/python")
+    import numpy as np
+    from sgmp_view.coarse import divided
+    from sgmp_view.files import dumps_of
+    folder = Path(SCRATCH)/"impact"
+    first, last = (dump.read() for dump in (dumps_of(folder)[0], dumps_of(folder)[-1]))
+    fine = divided(folder, last, first)
+    for axis in range(2):
+        places = np.sort(fine.points[fine.fields["body"] == 2, axis])
+        report.check(np.diff(places).max() < 0.6, f"seen: a gap of {np.diff(places).max()} along {'xy'[axis]}")
+    report.check(abs(fine.fields["mass"].sum()/last.fields["mass"].sum() - 1) < 1e-12, "seen: mass")
+    report.check(len(fine.points) > 1.8*len(last.points), f"seen: {len(fine.points)} of {len(last.points)}")
+
+
 def told(report):
     """What --check says: cells by axis, the smallest and largest, particles in them."""
     path = f"{SCRATCH}/told.inp"
@@ -247,7 +265,7 @@ def told(report):
 def main():
     """All checks."""
     report = Report()
-    for check in (flights, rest, spin, bar, pulled, shock, impact, told):
+    for check in (flights, rest, spin, bar, pulled, shock, impact, seen, told):
         check(report)
     report.end()
 
