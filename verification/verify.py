@@ -30,7 +30,7 @@ EXAMPLES = ("bar", "bar_rotated", "bar_stability", "beam", "energy", "tnt_slab",
             "noh", "sedov", "cavity", "cylinder", "blast", "blast_load", "plate_impulse", "charge_plate",
             "penetration", "perforation", "long_rod", "fluids", "flows", "hugoniot", "piston", "spall", "hypervelocity",
             "volumes",
-            "statics", "rigid", "soils", "length")
+            "statics", "rigid", "soils", "length", "fragments")
 
 
 def load(example):

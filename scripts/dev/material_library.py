@@ -45,6 +45,10 @@ along a path in two systems of units and compared with its equations, worked out
 one print that quotes them, but for the density; its limit of 14.457 GPa is 14.567 GPa elsewhere (from memory of the
 literature), which makes the strength 1.3 % higher.
 
+`aluminium_2024_t351`: its strain at failure is Hosford and Coulomb's law, fitted here to eleven tests of Bai and
+Wierzbicki (2010, Int. J. Fract. 161, 1), whose strains are from memory of the literature: see
+[materials, Failure](materials.md#failure).
+
 `concrete_48mpa`: its constants were found in one other print (a test of another code, with 14.8 GPa for the shear
 modulus), not in the original. What tests it is a row of shots: [materials, Concrete](materials.md#concrete).
 

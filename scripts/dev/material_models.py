@@ -119,7 +119,16 @@ EQUATIONS = {
     "tillotson": ("a_thermal=0.5 b_thermal=1.5 bulk=100 bulk2=100 e0=10 e_incipient=3 e_complete=10", SOLIDS,
                   "(TI1)–(TI3), Tillotson 1962 as in Melosh 1989: melts and evaporates; not linear in E",
                   "limits in closed form, measured Hugoniots of aluminium and iron within 2 % (test_eos_tillotson)"),
+    "table": ('file="gas.txt" energy0=2.5', SOLIDS,
+              "(TB1), (TB2): a file of densities, energies and pressures, bicubic with limited slopes (Steffen 1990); "
+              "not linear in E", "an ideal gas to round-off, Tillotson's aluminium, isentrope, monotone points "
+              "(test_eos_table); a shock tube beside `ideal_gas` (tests/regression/tables.py)"),
 }
+# The table of `table`, and cards failure of `j2`, by none of which it fails.
+GAS = "".join(f"{0.25*1.2**i} {0.5*1.2**j} {0.4*0.25*1.2**i*0.5*1.2**j}\n" for i in range(20) for j in range(20))
+FAILURES = {"plastic_strain": "plastic_strain=9", "pmin": "pmin=-1e9", "plastic_work": "plastic_work=9e9",
+            "hosford_strain": "hosford_strain=9e9 hosford_exponent=1.5 hosford_friction=0.1",
+            "flaws": "flaws=1e-30 flaw_exponent=8", "length": "plastic_strain=9 length=2"}
 NOTES = {"j2": "; energy with an equation of state, damage with `failure`",
          "johnson_cook": " (temperature and damage where asked for); energy with an equation of state",
          "steinberg_guinan": " (temperature with `specific_heat`); energy with an equation of state",
@@ -138,6 +147,8 @@ velocity b x="0.2*sin(pi*x/{n})*cos(pi*y/{n})" y="-0.2*cos(pi*x/{n})*sin(pi*y/{n
 
 
 def cards_of(kind, name):
+    if kind == "failure":
+        return cards_of("law", "j2") + f"\nfailure m {FAILURES[name]}"
     if kind == "law":
         law, *others = LAWS[name][0]
     elif name == "jwl":
@@ -152,6 +163,8 @@ def run(sgmp, cards, *options, steps=1, n=4):
         deck = os.path.join(folder, "deck.inp")
         with open(deck, "w", encoding="utf-8") as file:
             file.write(DECK.format(cards=cards, steps=steps, n=n))
+        with open(os.path.join(folder, "gas.txt"), "w", encoding="ascii") as file:
+            file.write(GAS)
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         done = subprocess.run([sgmp, deck, "--threads", "1", "--output", os.path.join(folder, "out"), *options],
                               capture_output=True, text=True, check=False,
@@ -185,6 +198,7 @@ def measure(sgmp, chosen):
     size, few, many, rounds = 24, 2, 42, 9
     all_cards = {f"law {name}": cards_of("law", name) for name in LAWS} | {f"eos {name}": cards_of("eos", name)
                                                                            for name in EQUATIONS}
+    all_cards |= {f"failure {name}": cards_of("failure", name) for name in FAILURES}
     if chosen:
         all_cards = {key: cards for key, cards in all_cards.items() if key.split()[1] in ("elastic", *chosen)}
     least = {key: [float("inf")]*2 for key in all_cards}
@@ -240,6 +254,10 @@ def tables(sgmp):
         text += (f"\nTime: of a particle-step over that of `elastic`, {prices['elastic_ns']} ns (3D, one thread). "
                  f"`johnson_cook` with rate, temperature and\ndamage, `fluid` with a viscosity; "
                  "equations of state with an inviscid `fluid`, `jwl` with `explosive`.\n")
+        asked = [f"`{name}` {price('failure', name)}" for name in FAILURES if f"failure {name}" in prices]
+        if asked:
+            text += (f"A card `failure` of `j2`, while nothing fails: {', '.join(asked)}\n(`j2` alone "
+                     f"{price('law', 'j2')}; `length` with `plastic_strain`).\n")
     return text
 
 

@@ -8,7 +8,7 @@ module sgmp_keys
   private
   public :: key_t, key, values_t, fault_t, fault_make, kind_name
   public :: kind_real, kind_integer, kind_logical, kind_word, kind_name_word, kind_text, &
-            kind_vector, kind_expression, kind_interval, kind_list, kind_points
+            kind_vector, kind_expression, kind_interval, kind_list, kind_points, kind_rows
 
   integer, parameter :: kind_real = 1       !! number or constant expression
   integer, parameter :: kind_integer = 2    !! whole number
@@ -21,16 +21,19 @@ module sgmp_keys
   integer, parameter :: kind_interval = 9   !! lower:upper, either may be `open`; or `open`
   integer, parameter :: kind_list = 10      !! words of `choices` separated by commas
   integer, parameter :: kind_points = 11    !! (a,b),(c,d),...: points of a plane
+  integer, parameter :: kind_rows = 12      !! a file of rows of numbers, all of the same length
   character(22), parameter :: kind_names(*) = [character(22) :: &
     'number', 'whole number', 'yes or no', 'word', 'name', 'text', 'vector (a,b,c)', &
-    'formula', 'interval lower:upper', 'words, comma-separated', 'points (a,b),(c,d),...']
+    'formula', 'interval lower:upper', 'words, comma-separated', 'points (a,b),(c,d),...', &
+    'file of numbers']
 
   !> One named value.
   type :: key_t
     character(:), allocatable :: name
     integer :: kind = kind_real
     character(:), allocatable :: help
-    character(:), allocatable :: unit     !! physical dimension, '' for none
+    character(:), allocatable :: unit     !! physical dimension, '' for none; of rows those of the
+                                          !! first columns, separated by commas
     character(:), allocatable :: default  !! as it would be written; '' for none
     character(:), allocatable :: range    !! e.g. '(0,inf)' or '[0,1]'; '' for any
     character(:), allocatable :: choices  !! words separated by blanks
@@ -50,6 +53,7 @@ module sgmp_keys
     procedure(ask_word), deferred :: word
     procedure(ask_logical), deferred :: flag
     procedure(ask_logical), deferred :: has  !! given, or by default
+    procedure(ask_rows), deferred :: rows
   end type values_t
 
   abstract interface
@@ -70,6 +74,14 @@ module sgmp_keys
       character(*), intent(in) :: key
       character(:), allocatable :: word
     end function ask_word
+    !> Rows of numbers of a file, (columns, rows); none where it has none.
+    pure function ask_rows(self, key) result(rows)
+      import :: dp, values_t
+      implicit none
+      class(values_t), intent(in) :: self
+      character(*), intent(in) :: key
+      real(dp), allocatable :: rows(:, :)
+    end function ask_rows
     !> A yes or no.
     pure function ask_logical(self, key) result(yes)
       import :: values_t
@@ -86,6 +98,7 @@ module sgmp_keys
     character(:), allocatable :: message  !! what is wrong
     character(:), allocatable :: remedy
     logical :: warning = .false.          !! the value can be meant
+    integer :: row = 0, column = 0        !! of a file of numbers: the one that is meant
   end type fault_t
 
 contains
@@ -122,13 +135,18 @@ contains
   end function text_or_empty
 
   !> States a fault.
-  pure subroutine fault_make(fault, key, message, remedy)
+  pure subroutine fault_make(fault, key, message, remedy, at)
     type(fault_t), allocatable, intent(out) :: fault
     character(*), intent(in) :: key, message, remedy
+    integer, intent(in), optional :: at(2)  !! column and row of a number in a file
     allocate (fault)
     fault%key = key
     fault%message = message
     fault%remedy = remedy
+    if (present(at)) then
+      fault%column = at(1)
+      fault%row = at(2)
+    end if
   end subroutine fault_make
 
   !> What is written for a kind of value, for help and messages.

@@ -3,8 +3,10 @@ module sgmp_card_values
   use sgmp_absent_materials, only: absent_reason
   use sgmp_deck_card, only: deck_card_t, value_t
   use sgmp_deck_errors, only: deck_errors_t, position_t
+  use sgmp_file_rows, only: file_rows_read
   use sgmp_keys, only: key_t, kind_expression, kind_integer, kind_interval, kind_list, &
-                       kind_logical, kind_name_word, kind_points, kind_real, kind_vector, kind_word
+                       kind_logical, kind_name_word, kind_points, kind_real, kind_rows, &
+                       kind_vector, kind_word
   use sgmp_kinds, only: dp
   use sgmp_parameters, only: name_size, parameters_t
   use sgmp_spelling, only: suggestion, word_count, word_in_list, word_is_identifier, word_item, &
@@ -60,6 +62,8 @@ contains
         call read_interval(key, value, parameters, failed, errors)
       case (kind_list)
         call read_list(key, value, failed, errors)
+      case (kind_rows)
+        call file_rows_read(card, number, errors, failed)
       case default  ! a text is taken as it is
         failed = .false.
       end select

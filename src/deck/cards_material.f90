@@ -1,13 +1,14 @@
 !> The cards `material`, `eos`, `failure`, `erode` and `viscosity`. Which laws there are, what they
 !! are called and which keys they have is said in src/materials.
 module sgmp_cards_material
-  use sgmp_constitutive, only: eos_keys, eos_names, eos_none, eos_read, law_check, law_keys, &
-                               law_read, law_set_erosion, law_set_failure, law_set_spall, &
-                               law_set_viscosity, law_widest_band, material_explosive, &
-                               material_names
+  use sgmp_constitutive, only: eos_keys, eos_names, eos_none, eos_read, eos_table, law_check, &
+                               law_keys, law_read, law_set_erosion, law_set_failure, &
+                               law_set_spall, law_set_viscosity, law_widest_band, &
+                               material_explosive, material_names
   use sgmp_deck_card, only: deck_card_t
   use sgmp_erosion, only: erosion_keys
   use sgmp_failure, only: failure_keys
+  use sgmp_file_rows, only: file_rows_place
   use sgmp_kernels, only: method_band
   use sgmp_keys, only: fault_t, kind_name_word, kind_real, kind_word
   use sgmp_kinds, only: dp
@@ -112,7 +113,10 @@ contains
     type(fault_t), allocatable, intent(in) :: fault
     type(draft_t), intent(inout) :: draft
     if (.not. allocated(fault)) return
-    if (fault%warning) then
+    if (fault%row > 0) then
+      call draft%errors%add(file_rows_place(card, fault%key, fault%column, fault%row), &
+                            fault%message, fault%remedy)
+    else if (fault%warning) then
       call draft%errors%warn(card%place(fault%key), fault%message, fault%remedy)
     else if (fault%key == '') then
       call draft%errors%add(card%position, fault%message, fault%remedy)
@@ -131,7 +135,7 @@ contains
     associate (law => draft%scene%materials(i)%law)
       if (law%eos == eos_none) then
         eos = card%pick('kind', eos_names)
-        if (law%density > 0.0_dp) then
+        if (law%density > 0.0_dp .and. (eos /= eos_table .or. .not. card%failed)) then
           call eos_read(eos, card, law, fault)
           call complain(card, fault, draft)
         end if
@@ -169,6 +173,7 @@ contains
     i = word_position(card%word('material'), draft%scene%materials%name)
     if (i == 0) return
     call law_set_spall(draft%scene%materials(i)%law)
+    call check_resolved(card, draft, i)
     associate (cell => draft%scene%grid%cell, &
                widest => law_widest_band(draft%scene%materials(i)%law) &
                /method_band(draft%scene%method%kind))
@@ -179,6 +184,21 @@ contains
                             ', a lower limit or a higher fracture_energy')
     end associate
   end subroutine check_failure
+
+  !> Warns of cells that do not resolve the length of a material.
+  subroutine check_resolved(card, draft, material)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer, intent(in) :: material
+    real(dp), parameter :: rounding = 1.0e-9_dp
+    associate (cell => draft%scene%grid%cell, &
+               length => draft%scene%materials(material)%law%failure%length)
+      if (.not. length > 0.0_dp .or. length >= 2.0_dp*cell*(1.0_dp - rounding)) return
+      call draft%errors%warn(card%place('length'), 'cells of '//real_text(cell)//' do not '// &
+                             'resolve a length of '//real_text(length)//': failure follows the '// &
+                             'cell', 'use cells of half of it or less')
+    end associate
+  end subroutine check_resolved
 
   subroutine read_erode(card, draft)
     type(deck_card_t), intent(in) :: card

@@ -53,7 +53,8 @@ contains
                       default='moving')
     call registry%key('fields', kind_list, 'fields besides pressure, von Mises stress and '// &
                       'density', choices='stress plastic_strain temperature damage energy '// &
-                      'distention bulking compaction preconsolidation')
+                      'distention bulking compaction preconsolidation averaged_strain '// &
+                      'afterburnt')
     call register_interrupts(registry)
   end subroutine register_output
 

@@ -22,6 +22,8 @@ module sgmp_deck_card
     integer :: components = 0              !! of the vector
     logical :: open(2) = .true.            !! interval
     real(dp), allocatable :: points(:, :)  !! (2, n)
+    real(dp), allocatable :: rows(:, :)    !! numbers of a file (columns, rows)
+    integer, allocatable :: lines(:), columns(:, :)  !! where they stand in it
     type(expression_t) :: expression
   end type value_t
 
@@ -41,6 +43,7 @@ module sgmp_deck_card
     procedure :: vector => card_vector
     procedure :: points => card_points
     procedure :: flag => card_flag
+    procedure :: rows => card_rows
     procedure :: has => card_has
     procedure :: pick => card_pick
     procedure :: place => card_place
@@ -104,6 +107,16 @@ contains
     allocate (points(2, 0))
     if (self%has(key)) points = self%values(self%at(key))%points
   end function card_points
+
+  !> Rows of numbers of a file; none where it is not given.
+  pure function card_rows(self, key) result(rows)
+    class(deck_card_t), intent(in) :: self
+    character(*), intent(in) :: key
+    real(dp), allocatable :: rows(:, :)    !! (columns, rows)
+    allocate (rows(0, 0))
+    if (.not. self%has(key)) return
+    if (allocated(self%values(self%at(key))%rows)) rows = self%values(self%at(key))%rows
+  end function card_rows
 
   !> A yes or no.
   pure function card_flag(self, key) result(flag)

@@ -3,7 +3,7 @@
 module sgmp_deck_echo
   use sgmp_deck_card, only: deck_card_t, value_t
   use sgmp_keys, only: kind_expression, kind_integer, kind_interval, kind_list, kind_logical, &
-                       kind_points, kind_real, kind_text, kind_vector
+                       kind_points, kind_real, kind_rows, kind_text, kind_vector
   use sgmp_parameters, only: parameters_t
   use sgmp_registry, only: card_definition_t, registry_t
   use sgmp_scene, only: statement_text_t
@@ -177,7 +177,7 @@ contains
     case (kind_interval)
       text = end_text(1)//':'//end_text(2)
       if (all(value%open)) text = 'open'
-    case (kind_expression, kind_text)
+    case (kind_expression, kind_rows, kind_text)
       text = quoted(value%text)
     case (kind_list)
       text = commas(value%text)

@@ -3,7 +3,8 @@
 module sgmp_file_units
   use sgmp_deck_card, only: card_fail, card_free, deck_card_t
   use sgmp_deck_errors, only: deck_errors_t
-  use sgmp_keys, only: key_t, kind_real
+  use sgmp_file_rows, only: file_rows_convert
+  use sgmp_keys, only: key_t, kind_real, kind_rows
   use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
   use sgmp_spelling, only: word_in_list
@@ -100,6 +101,11 @@ contains
     do i = 1, size(keys)
       associate (key => keys(i), value => card%values(i))
         if (key%unit == '' .or. .not. value%present .or. value%named) cycle
+        if (key%kind == kind_rows) then
+          if (card%failed) cycle
+          call file_rows_convert(key%unit, names(from), names(to), value%rows)
+          cycle
+        end if
         call units_in_si(key%unit, names(from), old, known)
         call units_in_si(key%unit, names(to), new, known)
         if (known .and. key%kind == kind_real) then

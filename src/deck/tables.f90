@@ -1,10 +1,10 @@
 !> The card `table`: the rows of a function that formulas call, from a file or from the card itself.
 module sgmp_tables
-  use sgmp_checksum, only: checksum_particles, checksum_text
   use sgmp_deck_card, only: card_fail, deck_card_t
   use sgmp_deck_errors, only: deck_errors_t, position_t
+  use sgmp_file_rows, only: file_rows_check_sum, file_rows_path
   use sgmp_growing, only: grow
-  use sgmp_kinds, only: dp, i4, i8
+  use sgmp_kinds, only: dp
   use sgmp_number_rows, only: number_looks_so, number_row, number_row_is_empty, number_row_next
   use sgmp_parameters, only: parameters_t
   use sgmp_spelling, only: word_is_identifier, word_lower
@@ -44,11 +44,11 @@ contains
                      'e.g. file="pull.csv", or rows=(0,0),(1,5)')
     else if (card%has('file')) then
       call read_file(card, rows, errors)
-      if (.not. card%failed) call check_sum(card, rows, errors)
+      if (.not. card%failed) call file_rows_check_sum(card, rows, errors)
     else
       rows = card%points('rows')
       call check_rows(card, rows, errors)
-      if (.not. card%failed .and. card%has('checksum')) call check_sum(card, rows, errors)
+      if (.not. card%failed .and. card%has('checksum')) call file_rows_check_sum(card, rows, errors)
     end if
   end subroutine take_rows
 
@@ -78,9 +78,7 @@ contains
     real(dp) :: row(2)
     integer :: unit, status, n, found
     logical :: begun
-    path = card%word('file')
-    if (index(path, '/') /= 1) path = card%position%file(:index(card%position%file, '/', &
-                                                                back=.true.))//path
+    path = file_rows_path(card, 'file')
     open (newunit=unit, file=path, status='old', action='read', iostat=status)
     if (status /= 0) then
       call card_fail(card, errors, card%place('file'), "the table '"//path//"' cannot be opened", &
@@ -152,25 +150,5 @@ contains
         ' does not follow t = '//real_text_plain(rows(1, n))
     end if
   end function objection
-
-  !> Says the checksum of the rows, or refuses rows that have another one than the card says.
-  subroutine check_sum(card, rows, errors)
-    type(deck_card_t), intent(inout) :: card
-    real(dp), intent(in) :: rows(:, :)
-    type(deck_errors_t), intent(inout) :: errors
-    integer(i8) :: total
-    integer :: i
-    total = checksum_particles([(int(i, i4), i=1, size(rows, 2))], rows)
-    associate (said => card%values(card%at('checksum')))
-      if (said%given .and. word_lower(said%text) /= word_lower(checksum_text(total))) then
-        call card_fail(card, errors, said%position, 'the rows of the table have the checksum '// &
-                       checksum_text(total), &
-                       'give the file that the deck was made with, or remove checksum')
-        return
-      end if
-      said%present = .true.
-      said%text = checksum_text(total)
-    end associate
-  end subroutine check_sum
 
 end module sgmp_tables

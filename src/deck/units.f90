@@ -76,6 +76,8 @@ contains
       factor = 1.0_dp/time
     case ('density')
       factor = mass/length**3
+    case ('1/volume')
+      factor = 1.0_dp/length**3
     case ('stress')
       factor = mass/(length*time**2)
     case ('1/stress')

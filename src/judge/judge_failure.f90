@@ -10,7 +10,7 @@ module sgmp_judge_failure
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: constitutive_t, law_yield_stress
   use sgmp_energy_terms, only: terms_value
-  use sgmp_failure, only: carries_everything, failure_none
+  use sgmp_failure, only: carries_everything, failure_by_strain, failure_none
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass, motion_velocity
@@ -84,7 +84,7 @@ contains
   !> Whether failed matter of a law lets go at once. With a fracture energy a crack takes its own.
   pure logical function lets_go(law) result(yes)
     type(constitutive_t), intent(in) :: law
-    yes = (law%jc%failure .or. law%failure%plastic_strain < failure_none) &
+    yes = (law%jc%failure .or. failure_by_strain(law%failure)) &
           .and. .not. (law%softens .or. resolved(law)) .and. &
           (law%failure%carries /= carries_everything .or. law%erosion%failed)
   end function lets_go

@@ -10,8 +10,10 @@
 !!
 !! Longer than 500 lines: one table, with a case for each law and each equation of state.
 module sgmp_constitutive
+  use sgmp_afterburn, only: afterburn_keys, afterburn_read, afterburn_t
   use sgmp_averaging, only: averaging_make, averaging_t
   use sgmp_burn, only: burn_keys, burn_read
+  use sgmp_ductility, only: ductility_check, ductility_given
   use sgmp_eos, only: eos_sound_speed_squared
   use sgmp_eos_gruneisen, only: gruneisen_keys, gruneisen_lanes, gruneisen_read, gruneisen_t, &
                                 gruneisen_terms
@@ -21,12 +23,15 @@ module sgmp_constitutive
   use sgmp_eos_shock, only: shock_keys, shock_lanes, shock_read, shock_t, shock_terms
   use sgmp_eos_stiffened_gas, only: ideal_gas_keys, stiffened_gas_keys, stiffened_gas_lanes, &
                                     stiffened_gas_read, stiffened_gas_t, stiffened_gas_terms
+  use sgmp_eos_table, only: table_gaseous, table_keys, table_lanes, table_read, table_t, &
+                            table_terms
   use sgmp_eos_tait, only: tait_keys, tait_lanes, tait_read, tait_t, tait_terms
   use sgmp_eos_tillotson, only: tillotson_check, tillotson_keys, tillotson_lanes, &
                                 tillotson_read, tillotson_t, tillotson_terms
   use sgmp_erosion, only: erosion_read, erosion_t
-  use sgmp_failure, only: carries_everything, failure_none, failure_read, failure_set_spall, &
-                          failure_softens, failure_t
+  use sgmp_failure, only: carries_everything, failure_by_strain, failure_none, failure_read, &
+                          failure_set_spall, failure_softens, failure_t
+  use sgmp_flaws, only: flaws_crack_speed
   use sgmp_heating, only: heating_t
   use sgmp_keys, only: fault_make, fault_t, key_t, values_t
   use sgmp_kinds, only: dp, lanes
@@ -64,7 +69,7 @@ module sgmp_constitutive
             material_johnson_holmquist, material_cam_clay, material_crushable_foam, &
             material_concrete, material_names
   public :: eos_none, eos_jwl, eos_gruneisen, eos_ideal_gas, eos_stiffened_gas, eos_polynomial, &
-            eos_tait, eos_shock, eos_tillotson, eos_names
+            eos_tait, eos_shock, eos_tillotson, eos_table, eos_names
   public :: law_keys, law_read, law_slots, law_check, law_set_average, law_set_length, &
             law_widest_band, law_yield_stress
   public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
@@ -85,10 +90,10 @@ module sgmp_constitutive
 
   integer, parameter :: eos_none = 0, eos_jwl = 1, eos_gruneisen = 2, eos_ideal_gas = 3, &
                         eos_stiffened_gas = 4, eos_polynomial = 5, eos_tait = 6, eos_shock = 7, &
-                        eos_tillotson = 8
+                        eos_tillotson = 8, eos_table = 9
   character(16), parameter :: eos_names(*) = [character(16) :: &
     'jwl', 'gruneisen', 'ideal_gas', 'stiffened_gas', 'polynomial', 'tait', &
-    'shock', 'tillotson']
+    'shock', 'tillotson', 'table']
 
   !> Where the pressure of a law comes from.
   integer, parameter :: pressure_own = 1       !! the law itself: it takes no equation of state
@@ -121,12 +126,14 @@ module sgmp_constitutive
     type(concrete_t) :: concrete
     type(heating_t) :: heating                 !! where compression warms, too
     type(jwl_t) :: jwl
+    type(afterburn_t) :: afterburn             !! of detonation products
     type(gruneisen_t) :: gruneisen
     type(stiffened_gas_t) :: gas               !! the ideal gas, too
     type(polynomial_t) :: polynomial
     type(tait_t) :: tait
     type(shock_t) :: shock
     type(tillotson_t) :: tillotson
+    type(table_t) :: table
     type(porosity_t) :: porosity
     integer :: kept = 1                        !! columns of an equation of state: energy,
                                                !! distention of porous material, shift of pores
@@ -281,7 +288,7 @@ contains
     type(key_t), allocatable :: keys(:)
     select case (eos)
     case (eos_jwl)
-      keys = jwl_keys()
+      keys = [jwl_keys(), afterburn_keys()]
     case (eos_ideal_gas)
       keys = ideal_gas_keys()
     case (eos_stiffened_gas)
@@ -294,6 +301,8 @@ contains
       keys = [shock_keys(), porosity_keys()]
     case (eos_tillotson)
       keys = tillotson_keys()
+    case (eos_table)
+      keys = table_keys()
     case default  ! eos_gruneisen
       keys = [gruneisen_keys(), porosity_keys()]
     end select
@@ -310,9 +319,11 @@ contains
     if (law%porosity%elastic) law%kept = 3
     call eos_set(eos, values, law%density*law%porosity%distention, law)
     if (eos == eos_tillotson) call tillotson_check(law%tillotson, fault)
+    if (eos == eos_table) call table_read(law%density, values, law%table, fault)
     law%history%energy = .true.
     law%history%first_energy = values%number('energy0')
     if (eos == eos_jwl) then
+      call afterburn_read(values, law%afterburn, law%history, fault)
       law%slowest = slowest_part*law%detonation_speed
     else if (.not. allocated(fault)) then
       call start_state(values, law, fault)
@@ -343,6 +354,7 @@ contains
       law%shock = shock_read(density, values)
     case (eos_tillotson)
       law%tillotson = tillotson_read(density, values)
+    case (eos_table)  ! read where its faults can be said
     case default  ! eos_gruneisen
       law%gruneisen = gruneisen_read(density, values)
     end select
@@ -364,7 +376,7 @@ contains
   !> Whether the pressure is linear in the energy, so that the terms do not depend on it.
   elemental logical function eos_linear(law) result(yes)
     type(constitutive_t), intent(in) :: law
-    yes = law%eos /= eos_tillotson
+    yes = law%eos /= eos_tillotson .and. law%eos /= eos_table
   end function eos_linear
 
   !> Terms of p = a0 + b0 E of a law's equation of state at a volume and an energy, and their
@@ -388,6 +400,8 @@ contains
       call shock_terms(law%shock, v, a0, b0, da, db)
     case (eos_tillotson)
       call tillotson_terms(law%tillotson, v, energy, a0, b0, da, db)
+    case (eos_table)
+      call table_terms(law%table, v, energy, a0, b0, da, db)
     case default  ! eos_gruneisen
       call gruneisen_terms(law%gruneisen, v, a0, b0, da, db)
     end select
@@ -411,6 +425,8 @@ contains
       call shock_lanes(law%shock, v, a0, b0, da, db)
     case (eos_tillotson)
       call tillotson_lanes(law%tillotson, v, energy, a0, b0, da, db)
+    case (eos_table)
+      call table_lanes(law%table, v, energy, a0, b0, da, db)
     case default  ! eos_gruneisen
       call gruneisen_lanes(law%gruneisen, v, a0, b0, da, db)
     end select
@@ -509,7 +525,9 @@ contains
                                                   [character(16) :: 'principal_stress', &
                                                    'plastic_strain', 'fracture_energy', &
                                                    'spall_strain', 'toughness', 'weibull', &
-                                                   'length'])) then
+                                                   'length', 'plastic_work', 'flaws', &
+                                                   'hosford_strain', 'hosford_exponent', &
+                                                   'hosford_friction', 'hosford_power'])) then
         call fault_make(fault, '', "a fluid such as '"//name//"' fails by pmin alone", &
                         'give pmin, and no other criterion')
       end if
@@ -533,23 +551,63 @@ contains
     if (.not. (law%jc%failure .or. any_given(values, [character(16) :: &
                                                       'pmin', 'principal_stress', &
                                                       'plastic_strain', 'spall_strain', &
-                                                      'toughness', 'length']))) then
+                                                      'toughness', 'length', 'plastic_work', &
+                                                      'hosford_strain', 'flaws']))) then
       call fault_make(fault, '', "nothing says when '"//name//"' fails", &
-                      'give pmin, principal_stress or plastic_strain, or '// &
-                      'johnson_cook failure=yes')
+                      'give pmin, principal_stress, plastic_strain, plastic_work or '// &
+                      'hosford_strain, or johnson_cook failure=yes')
     end if
+    call ductility_check(values, fault)
+    if (.not. allocated(fault)) call check_flaws(values, fault)
+    if (.not. allocated(fault)) call check_damage(law, name, fault)
     if (.not. allocated(fault) .and. values%has('length')) call check_length(law, name, fault)
     if (.not. allocated(fault)) call check_spall(values, name, fault)
     if (law%softens .and. .not. allocated(fault)) call check_softening(law, name, fault)
   end subroutine check_criteria
+
+  !> Whether flaws have both constants, and are alone.
+  pure subroutine check_flaws(values, fault)
+    class(values_t), intent(in) :: values
+    type(fault_t), allocatable, intent(out) :: fault
+    if (values%has('flaws') .neqv. values%has('flaw_exponent')) then
+      call fault_make(fault, '', 'Grady and Kipp need flaws and flaw_exponent', 'give both')
+    else if (any_given(values, [character(16) :: 'crack_speed', 'flaw_count']) .and. &
+             .not. values%has('flaws')) then
+      call fault_make(fault, '', 'there are no flaws from which cracks run', &
+                      'give flaws and flaw_exponent')
+    else if (values%has('flaws') .and. &
+             any_given(values, [character(16) :: 'pmin', 'principal_stress', 'plastic_strain', &
+                                'spall_strain', 'toughness', 'plastic_work', 'hosford_strain', &
+                                'fracture_energy', 'weibull', 'length'])) then
+      call fault_make(fault, 'flaws', 'matter that breaks by its flaws has no other criterion', &
+                      'keep flaws, flaw_exponent, crack_speed, seed and carries alone')
+    end if
+  end subroutine check_flaws
+
+  !> Whether one thing alone makes the damage of a law grow.
+  pure subroutine check_damage(law, name, fault)
+    type(constitutive_t), intent(in) :: law
+    character(*), intent(in) :: name  !! of the material
+    type(fault_t), allocatable, intent(out) :: fault
+    character(:), allocatable :: key
+    if (.not. ductility_given(law%failure%ductility)) return
+    key = 'hosford_strain'
+    if (law%failure%ductility%work > 0.0_dp) key = 'plastic_work'
+    if (law%jc%failure) then
+      call fault_make(fault, key, "the damage of '"//name//"' grows by Johnson and Cook's "// &
+                      'constants already', 'remove '//key//', or failure=yes of the material')
+    else if (law%softens) then
+      call fault_make(fault, key, "the damage of '"//name//"' grows by its softening already", &
+                      'remove '//key//', or fracture_energy')
+    end if
+  end subroutine check_damage
 
   !> Whether something of a law is driven by plastic strain, and may be by its average.
   pure subroutine check_length(law, name, fault)
     type(constitutive_t), intent(in) :: law
     character(*), intent(in) :: name  !! of the material
     type(fault_t), allocatable, intent(out) :: fault
-    if (.not. (law%jc%failure .or. law%jc%thermal .or. &
-               law%failure%plastic_strain < failure_none)) then
+    if (.not. (law%jc%failure .or. law%jc%thermal .or. failure_by_strain(law%failure))) then
       call fault_make(fault, 'length', "no plastic strain drives the failure of '"//name//"'", &
                       'remove length; a crack in tension has its width by fracture_energy')
     else if (law%kind /= material_johnson_cook .and. law%heating%warms) then
@@ -597,6 +655,11 @@ contains
     yield = 0.0_dp
     if (law%failure%spall_strain > 0.0_dp) yield = law_yield_stress(law, 0.0_dp)
     call failure_set_spall(law%failure, law%density, law%bulk_speed, yield)
+    if (law%failure%flaws%speed <= 0.0_dp) then
+      law%failure%flaws%speed = flaws_crack_speed &
+                                *sqrt(law%bulk_speed**2 + 4.0_dp/3.0_dp*law%elastic%shear &
+                                      /law%density)
+    end if
   end subroutine law_set_spall
 
   !> Gives a law criteria of erosion from the values of its keys. What goes takes its internal
@@ -627,15 +690,23 @@ contains
     character(*), intent(in) :: name  !! of the material
     type(fault_t), allocatable, intent(out) :: fault
     if (law%jc%failure) then
-      call fault_make(fault, 'fracture_energy', "the damage of '"//name// &
+      call fault_make(fault, softener(law), "the damage of '"//name// &
                       "' grows by Johnson and Cook's constants already", &
-                      'remove fracture_energy, or failure=yes of the material')
+                      'remove '//softener(law)//', or failure=yes of the material')
     else if (law%failure%carries == carries_everything) then
-      call fault_make(fault, 'fracture_energy', "'"//name//"' carries everything when it has "// &
+      call fault_make(fault, softener(law), "'"//name//"' carries everything when it has "// &
                       'failed, and does not soften', &
-                      'remove fracture_energy, or carries=everything')
+                      'remove '//softener(law)//', or carries=everything')
     end if
   end subroutine check_softening
+
+  !> The key by which a law softens.
+  pure function softener(law) result(key)
+    type(constitutive_t), intent(in) :: law
+    character(:), allocatable :: key
+    key = 'fracture_energy'
+    if (law%failure%flaws%number > 0.0_dp) key = 'flaws'
+  end function softener
 
   !> Gives a law its lengths: the side of the cells, for viscosity and burn front, and the width of
   !! the band in which a crack opens.
@@ -693,7 +764,7 @@ contains
     type(constitutive_t), intent(in) :: law
     real(dp) :: width
     width = huge(1.0_dp)
-    if (law%softens .and. law%bulk_speed > 0.0_dp) then
+    if (law%failure%fracture_energy > 0.0_dp .and. law%softens .and. law%bulk_speed > 0.0_dp) then
       width = softening_widest(law%failure, law%density*law%bulk_speed**2, law%elastic%shear)
     end if
   end function law_widest_band
@@ -716,7 +787,8 @@ contains
   elemental logical function law_gaseous(law) result(yes)
     type(constitutive_t), intent(in) :: law
     yes = law%kind == material_explosive .or. &
-          (law%kind == material_fluid .and. law%eos == eos_ideal_gas)
+          (law%kind == material_fluid .and. &
+           (law%eos == eos_ideal_gas .or. (law%eos == eos_table .and. table_gaseous(law%table))))
   end function law_gaseous
 
   !> Columns for what a law keeps.

@@ -17,11 +17,15 @@
 !! with density, speed of sound in the bulk and yield stress of the start; (GR2) grows with the rate
 !! at which the volume opens, and is not below a pmin of its own.
 !!
+!! or little by little with plastic strain, by the stress in it (sgmp_ductility).
+!!
 !! Failed matter carries nothing, or pressure alone (it closes again when it is compressed to its
 !! initial density), or everything: then the damage is only a mark. A fluid tears without damage:
 !! its pressure does not fall below pmin. With a fracture energy matter does not fail at once
 !! (sgmp_softening); limits may scatter from particle to particle (sgmp_strength).
 module sgmp_failure
+  use sgmp_ductility, only: ductility_given, ductility_keys, ductility_read, ductility_t
+  use sgmp_flaws, only: flaws_t
   use sgmp_keys, only: key, key_t, kind_integer, kind_real, kind_word, values_t
   use sgmp_kinds, only: dp, lanes
   use sgmp_spelling, only: word_position, words_joined
@@ -29,7 +33,7 @@ module sgmp_failure
   private
   public :: failure_keys, failure_read
   public :: failure_t, failure_judge, failure_bounds, failure_softens, largest_principal_stress
-  public :: failure_set_spall, failure_tension
+  public :: failure_by_strain, failure_set_spall, failure_tension
   public :: carries_nothing, carries_pressure, carries_everything, failure_none
 
   integer, parameter :: carries_nothing = 1, carries_pressure = 2, carries_everything = 3
@@ -53,6 +57,8 @@ module sgmp_failure
     real(dp) :: weibull = 0.0_dp                     !! modulus of the limits' scatter; 0: none
     integer :: seed = 0                              !! of the scatter
     real(dp) :: length = 0.0_dp                      !! over which plastic strain is averaged
+    type(flaws_t) :: flaws                           !! of brittle matter
+    type(ductility_t) :: ductility                   !! damage by stress and plastic strain
   end type failure_t
 
 contains
@@ -72,6 +78,7 @@ contains
                 unit='stress', range='(0,inf)'), &
             key('plastic_strain', kind_real, 'equivalent plastic strain at which it fails', &
                 range='(0,inf)'), &
+            ductility_keys(), &
             key('carries', kind_word, 'post-failure strength: what failed material carries; '// &
                 'everything: damage is only '// &
                 'a mark', choices=words_joined(carries_names), &
@@ -82,14 +89,25 @@ contains
                 'it all is lost at once', &
                 unit='stress length', range='(0,inf)'), &
             key('length', kind_real, 'length of the material over which plastic strain is '// &
-                'averaged for plastic_strain, d1 to d5 and the heat of johnson_cook: failure '// &
-                'then does not follow cells of half of it and less; see doc/materials.md', &
+                'averaged for plastic_strain, plastic_work, hosford_strain, d1 to d5 and the '// &
+                'heat of johnson_cook: failure then does not follow cells of half of it and '// &
+                'less; see doc/materials.md', &
                 unit='length', range='(0,inf)'), &
+            key('flaws', kind_real, 'k of the k e^m flaws per volume that grow at strains '// &
+                'below e (Grady and Kipp): brittle matter, alone', unit='1/volume', &
+                range='(0,inf)'), &
+            key('flaw_exponent', kind_real, 'm of it; with flaws', range='[1,inf)'), &
+            key('crack_speed', kind_real, 'speed of the cracks from flaws; default: 0.4 of '// &
+                'that of longitudinal waves', unit='speed', range='(0,inf)'), &
+            key('flaw_count', kind_real, 'number of flaws of a particle that must grow to '// &
+                'break it; default: 1; Benz and Asphaug take the logarithm of the number of '// &
+                'particles', &
+                range='[1,inf)'), &
             key('weibull', kind_real, 'Weibull modulus of all limits of this card, and of the '// &
                 'failure strain of d1 to d5, which scatter from particle to particle; the '// &
                 'given ones are the means', range='[0.5,inf)'), &
-            key('seed', kind_integer, 'another number, another scatter', range='[0,inf)', &
-                default='0')]
+            key('seed', kind_integer, 'another number, another scatter, and other flaws', &
+                range='[0,inf)', default='0')]
   end function failure_keys
 
   !> Criteria from the values of those keys.
@@ -107,12 +125,21 @@ contains
     law%weibull = values%number('weibull')
     law%seed = nint(values%number('seed'))
     law%length = values%number('length')
+    law%ductility = ductility_read(values)
+    law%flaws = flaws_t(values%number('flaws'), values%number('flaw_exponent', 1.0_dp), &
+                        values%number('crack_speed'), values%number('flaw_count', 1.0_dp))
   end function failure_read
+
+  !> Whether plastic strain makes matter fail.
+  elemental logical function failure_by_strain(law) result(yes)
+    type(failure_t), intent(in) :: law
+    yes = law%plastic_strain < failure_none .or. ductility_given(law%ductility)
+  end function failure_by_strain
 
   !> Whether matter softens before it has failed.
   pure logical function failure_softens(law) result(yes)
     type(failure_t), intent(in) :: law
-    yes = law%fracture_energy > 0.0_dp
+    yes = law%fracture_energy > 0.0_dp .or. law%flaws%number > 0.0_dp
   end function failure_softens
 
   !> Gives the law what Grady's tensions need of the material.

@@ -36,11 +36,13 @@ module sgmp_material_history
     kept_t('compaction', .true., .true., 'greatest compression (material)'), &
     kept_t('preconsolidation', .true., .true., 'preconsolidation (material)'), &
     kept_t('lighting_time', .true., .true., 'lighting time (explosive, detonation)'), &
+    kept_t('afterburnt', .true., .true., 'part of the afterburn that is given (eos afterburn)'), &
     kept_t('deformation', .false., .false., 'deformation gradient (neo-Hookean material)'), &
     kept_t('stretch', .false., .false., &
            'diagonal of the deformation gradient (method cpgimp, split)'), &
     kept_t('initial', .false., .false., 'initial position (bodyforce or load that uses it)'), &
     kept_t('surface', .false., .false., ''), &
+    kept_t('patch', .false., .false., 'patch of the first position (contact self=yes)'), &
     kept_t('swirl', .false., .false., &
            'velocity around the axis (dimension axisymmetric swirl=yes)'), &
     kept_t('strength', .true., .true., 'strength (failure weibull)'), &
@@ -51,6 +53,8 @@ module sgmp_material_history
     kept_t('averaged_strain', .true., .false., 'averaged plastic strain (failure length)'), &
     kept_t('averaging', .false., .false., &
            'average, its rate, and what it drove (failure length)'), &
+    kept_t('flaw_strain', .true., .false., 'strain of the weakest flaw (failure flaws)'), &
+    kept_t('flaw_radius', .false., .false., 'radius of the particle (failure flaws)'), &
     kept_t('path', .true., .false., 'path from the particle that was split (split)')]
 
   !> Columns that a law wants besides volume and stress, with their first values where not 0.
@@ -66,6 +70,7 @@ module sgmp_material_history
     logical :: compaction = .false.     !! greatest compression of concrete
     logical :: preconsolidation = .false.  !! of clays
     logical :: lighting = .false.       !! lighting time of an explosive
+    logical :: afterburnt = .false.     !! part of the afterburn of products
     logical :: deformation = .false.    !! deformation gradient
     logical :: averaged = .false.       !! plastic strain averaged over a length
     real(dp) :: first_temperature = 0.0_dp
@@ -96,11 +101,13 @@ module sgmp_material_history
     integer :: compaction = 0    !! greatest compression of concrete
     integer :: preconsolidation = 0  !! of clays
     integer :: lighting = 0      !! lighting time of an explosive
+    integer :: afterburnt = 0    !! part of the afterburn that is given
     integer :: deformation = 0   !! deformation gradient, row by row
     integer :: stretch = 0       !! its diagonal alone, for cpGIMP and to split particles
     integer :: initial = 0       !! initial position, for body forces that use it
     integer :: swirl = 0         !! velocity around the axis times radius (cells)
     integer :: surface = 0       !! distance to the body's surface, for contact
+    integer :: patch = 0         !! of the first position, where a body touches itself
     integer :: compliance = 0    !! by which volume is exchanged, for kept volumes
     integer :: strength = 0      !! factor on the limits of failure, where they scatter
     integer :: yield_factor = 0  !! factor on the yield stress, where it scatters
@@ -108,6 +115,8 @@ module sgmp_material_history
     integer :: viscous = 0       !! debris: viscous pressure that acts next; negative: settled
     integer :: averaged = 0      !! largest averaged plastic strain so far
     integer :: averaging = 0     !! average, its rate, and what of that peak drove something
+    integer :: flaw_strain = 0   !! at which the weakest flaw grows
+    integer :: flaw_radius = 0   !! of a ball as large as the particle at the start
     integer :: path = 0          !! from the particle that it comes from, where particles are split:
                                  !! 1, and of the halves of b 2 b and 2 b + 1
     integer :: total = 1
@@ -173,6 +182,7 @@ contains
       call slots_ask(slots, 'averaging', [(0.0_dp, d=1, averaging_values)])
     end if
     if (wants%lighting) call slots_ask(slots, 'lighting_time', none)
+    if (wants%afterburnt) call slots_ask(slots, 'afterburnt', none)
     if (wants%deformation) then
       call slots_ask(slots, 'deformation', [(merge(1.0_dp, 0.0_dp, mod(d, ndim + 1) == 0), &
                                              d=0, ndim**2 - 1)])
@@ -193,11 +203,13 @@ contains
     slots%compaction = slots_column(slots, 'compaction')
     slots%preconsolidation = slots_column(slots, 'preconsolidation')
     slots%lighting = slots_column(slots, 'lighting_time')
+    slots%afterburnt = slots_column(slots, 'afterburnt')
     slots%deformation = slots_column(slots, 'deformation')
     slots%stretch = slots_column(slots, 'stretch')
     slots%initial = slots_column(slots, 'initial')
     slots%swirl = slots_column(slots, 'swirl')
     slots%surface = slots_column(slots, 'surface')
+    slots%patch = slots_column(slots, 'patch')
     slots%compliance = slots_column(slots, 'compliance')
     slots%strength = slots_column(slots, 'strength')
     slots%yield_factor = slots_column(slots, 'yield_factor')
@@ -205,6 +217,8 @@ contains
     slots%viscous = slots_column(slots, 'viscous_pressure')
     slots%averaged = slots_column(slots, 'averaged_strain')
     slots%averaging = slots_column(slots, 'averaging')
+    slots%flaw_strain = slots_column(slots, 'flaw_strain')
+    slots%flaw_radius = slots_column(slots, 'flaw_radius')
     slots%path = slots_column(slots, 'path')
     if (slots%stress > 0) slots%stresses = size(slots%list(1)%start)
   end subroutine name_slots

@@ -2,10 +2,12 @@
 !! tears, softening, and bulk viscosity: what the stress update does that is the same in every
 !! space.
 module sgmp_pressure
+  use sgmp_afterburn, only: afterburn_lanes
   use sgmp_burn, only: burn_fraction_lanes
   use sgmp_constitutive, only: constitutive_t, eos_lanes, eos_linear, eos_none
   use sgmp_eos, only: eos_energy_lanes, eos_energy_pressure, eos_sound_speed_lanes
-  use sgmp_failure, only: carries_nothing, failure_bounds, failure_none
+  use sgmp_failure, only: carries_nothing, failure_bounds, failure_none, largest_principal_stress
+  use sgmp_flaws, only: flaws_advance
   use sgmp_heating, only: compression_heat_lanes
   use sgmp_kinds, only: dp, lanes
   use sgmp_pores, only: narrow, pores_slow, porous_lanes, squeeze_pores
@@ -23,18 +25,24 @@ module sgmp_pressure
 
 contains
 
-  !> Detonation products: JWL pressure behind the burn front, none ahead of it.
+  !> Detonation products: JWL pressure behind the burn front, none ahead of it; heated by afterburn.
   subroutine explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: dt, time, mass(lanes), old_volume(lanes), trace(lanes)
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
-    real(dp) :: burnt(lanes), none(lanes)
+    real(dp) :: burnt(lanes), none(lanes), heat(lanes)
     none = 0.0_dp
+    heat = 0.0_dp
     call burn_fraction_lanes(time, b(1, law%slots%lighting), law%detonation_speed, law%h, &
                              law%burn_cells, burnt)
-    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, none, none, burnt, &
+    if (law%slots%afterburnt > 0) then
+      call afterburn_lanes(law%afterburn, time, dt, b(1, law%slots%lighting), &
+                           b(1, law%slots%stress), b(1, law%slots%afterburnt), heat)
+      heat = heat*mass/(law%density*old_volume)
+    end if
+    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, heat, none, burnt, &
                            b(1, law%slots%energy), b(1, law%slots%stress), speed2, q, work)
   end subroutine explosive
 
@@ -66,8 +74,9 @@ contains
   !> What softening leaves of the stress that undamaged matter would carry, and the work that is
   !! done with it. Without an equation of state the pressure follows the volume, as where matter has
   !! failed.
-  subroutine soften(law, before, mass, old_volume, trace, late, nb, b, mean, speed2, work)
+  subroutine soften(law, dt, before, mass, old_volume, trace, late, nb, b, mean, speed2, work)
     type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt
     real(dp), intent(in) :: before(lanes)        !! part of the strength before the step
     real(dp), intent(in) :: mass(lanes), old_volume(lanes), trace(lanes)
     real(dp), intent(in) :: late(lanes)          !! 1/2 new deviator : strain, undamaged
@@ -84,10 +93,15 @@ contains
       stress = 0.0_dp
       stress(:, :n) = deviator
       stress(:, :3) = stress(:, :3) + spread(whole, 2, 3)
-      strength = 1.0_dp
-      if (law%slots%strength > 0) strength = b(:, law%slots%strength)
-      strain = merge(law%slots%averaged, law%slots%plastic, law%slots%averaged > 0)
-      call softening_damage(law%failure, law%softening, stress, b(1, strain), strength, damage)
+      if (law%slots%flaw_strain > 0) then
+        call crack(law, dt, stress, b(1, law%slots%flaw_strain), b(1, law%slots%flaw_radius), &
+                   damage)
+      else
+        strength = 1.0_dp
+        if (law%slots%strength > 0) strength = b(:, law%slots%strength)
+        strain = merge(law%slots%averaged, law%slots%plastic, law%slots%averaged > 0)
+        call softening_damage(law%failure, law%softening, stress, b(1, strain), strength, damage)
+      end if
       do l = 1, lanes
         left = 1.0_dp - damage(l)
         deviator(l, :) = left*deviator(l, :)
@@ -108,6 +122,22 @@ contains
       end do
     end associate
   end subroutine soften
+
+  !> Damage by flaws that grow in the stress that undamaged matter would carry.
+  pure subroutine crack(law, dt, stress, first, radius, damage)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, stress(lanes, components)
+    real(dp), intent(in) :: first(lanes), radius(lanes)  !! of flaws_first
+    real(dp), intent(inout) :: damage(lanes)
+    real(dp) :: young, strain(lanes)
+    integer :: l
+    young = 9.0_dp*law%elastic%bulk*law%elastic%shear &
+            /(3.0_dp*law%elastic%bulk + law%elastic%shear)
+    do l = 1, lanes
+      strain(l) = largest_principal_stress(stress(l, :))/young
+    end do
+    call flaws_advance(law%failure%flaws, dt, strain, first, radius, damage)
+  end subroutine crack
 
   !> The tension that a fluid bears is bounded.
   pure subroutine cavitate(law, mass, old_volume, nb, b, mean, speed2, work)

@@ -8,7 +8,7 @@ module sgmp_strength
   use sgmp_kinds, only: dp, i4, i8
   implicit none
   private
-  public :: strength_factor, scatter_t, yield_scatter_keys, yield_scatter_read
+  public :: strength_factor, strength_variate, scatter_t, yield_scatter_keys, yield_scatter_read
 
   !> A scatter.
   type :: scatter_t
@@ -43,11 +43,19 @@ contains
     integer, intent(in) :: seed        !! >= 0
     integer(i4), intent(in) :: id      !! of the particle, > 0
     real(dp) :: factor
+    factor = strength_variate(seed, id)**(1.0_dp/modulus)/gamma(1.0_dp + 1.0_dp/modulus)
+  end function strength_factor
+
+  !> Number of a particle from an exponential distribution of mean 1.
+  pure function strength_variate(seed, id) result(variate)
+    integer, intent(in) :: seed        !! >= 0
+    integer(i4), intent(in) :: id      !! of the particle, > 0
+    real(dp) :: variate
     real(dp) :: survives
     survives = (real(scrambled(ieor(scrambled(int(seed, i8) + 1_i8), int(id, i8))), dp) + 0.5_dp) &
                /real(word, dp)
-    factor = (-log(survives))**(1.0_dp/modulus)/gamma(1.0_dp + 1.0_dp/modulus)
-  end function strength_factor
+    variate = -log(survives)
+  end function strength_variate
 
   !> A number of 32 bits for another, all bits of which change half of its own (Wellons 2018).
   pure function scrambled(number) result(bits)

@@ -20,6 +20,7 @@ module DIM(sgmp_stress_update)
                                material_mooney_rivlin, material_neo_hookean, &
                                material_steinberg_guinan, material_zerilli_armstrong
   use sgmp_debris, only: debris_begin, debris_lanes, debris_largest, debris_t, tear_lanes
+  use sgmp_ductility, only: ductility_given, ductility_lanes
   use sgmp_failure, only: carries_everything, failure_judge, failure_tension
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_cam_clay, only: cam_clay_moduli, cam_clay_return, cam_clay_start
@@ -614,7 +615,7 @@ contains
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
     real(dp) :: strain(lanes, NFLUX), mean(lanes), norm(lanes), factor(lanes), increment(lanes)
     real(dp) :: ones(lanes), pressure_work(lanes), failed(lanes), left(lanes), late(lanes)
-    real(dp) :: shear(lanes), bulk
+    real(dp) :: shear(lanes), bulk, driven(lanes)
     type(debris_t) :: before
     integer :: l, s
     s = law%slots%stress
@@ -633,6 +634,7 @@ contains
     call von_mises(b(1, s), mean, norm)
     if (law%softens) late = work - 0.5_dp*(mean*trace)
     if (law%fails) norm = (1.0_dp - failed)*norm
+    driven = average_used(law, nb, b)
     call return_to_yield(law, shear, dt, norm, mean, nb, b, factor, increment)
     if (law%fails) factor = (1.0_dp - failed)*factor
     call relax(factor, mean, strain, trace, b(1, s), work)
@@ -663,6 +665,7 @@ contains
                   b(1, law%slots%temperature))
       end if
     end if
+    call wear(law, mean, driven, increment, nb, b)
     if (law%fails) then
       call come_apart(law, dt, mass, trace, left, late, before, nb, b, failed, mean, speed2, q, &
                       work)
@@ -671,6 +674,36 @@ contains
     end if
     call add_mean(mean, b(1, s))
   end subroutine plastic
+
+  !> The average of plastic strain that damage has seen so far; 0 where nothing is averaged.
+  pure function average_used(law, nb, b) result(used)
+    type(constitutive_t), intent(in) :: law
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: b(lanes, nb)
+    real(dp) :: used(lanes)
+    used = 0.0_dp
+    if (law%slots%averaged > 0) used = b(:, law%slots%averaging + averaging_values - 1)
+  end function average_used
+
+  !> Damage by the stress at the end of a step and the plastic strain in it, or its average.
+  pure subroutine wear(law, mean, driven, increment, nb, b)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: mean(lanes)          !! of the stress
+    real(dp), intent(in) :: driven(lanes)        !! average_used before the step
+    real(dp), intent(inout) :: increment(lanes)  !! of plastic strain; over the strength after it
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)      !! with the deviator
+    real(dp) :: deviator(lanes, 6)
+    if (.not. ductility_given(law%failure%ductility)) return
+    if (law%slots%averaged > 0) increment = b(:, law%slots%averaged) - driven
+    deviator = 0.0_dp
+    deviator(:, :NSTRESS) = b(:, law%slots%stress:law%slots%stress + NSTRESS - 1)
+    if (law%slots%strength > 0) increment = increment/b(:, law%slots%strength)
+    call ductility_lanes(law%failure%ductility, mean, deviator, increment, &
+                         b(1, law%slots%damage))
+    if (law%slots%averaged == 0) return
+    b(:, law%slots%averaging + averaging_values - 1) = b(:, law%slots%averaged)
+  end subroutine wear
 
   !> What failing and softening leave of a chunk's pressure, and of its deviator.
   subroutine come_apart(law, dt, mass, trace, left, late, before, nb, b, failed, mean, speed2, q, &
@@ -690,7 +723,7 @@ contains
       end if
     end if
     if (law%softens) then
-      call soften(law, left, mass, before%volume, trace, late, nb, b, mean, speed2, work)
+      call soften(law, dt, left, mass, before%volume, trace, late, nb, b, mean, speed2, work)
     end if
     if (law%porosity%porous) then
       if (.not. law%softens) call release(law, failed, mass, before%volume, trace, nb, b, mean, &

@@ -13,7 +13,7 @@ module sgmp_build_model
   use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, law_set_average, &
                                law_set_length, law_slots
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
-                                contact_pairs
+                                contact_pairs, contact_self
   use sgmp_debris, only: debris_possible, debris_set_apart
   use sgmp_driven_build, only: driven_add_columns, driven_declare, driven_fill, driven_number
   use sgmp_energy, only: ledger_open
@@ -22,14 +22,15 @@ module sgmp_build_model
   use sgmp_features, only: features_walls_act
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
+  use sgmp_flaws, only: flaws_first
   use sgmp_graded_axis, only: graded_place
   use sgmp_kernels, only: bin_span, method_band, method_cpgimp, method_half_size, method_kernel, &
                           stencil_shift, stencil_width
-  use sgmp_kinds, only: dp, i4, lanes
+  use sgmp_kinds, only: dp, i4, lanes, pi
   use sgmp_load, only: load_is_bound
   use sgmp_loads_build, only: loads_add_columns, loads_declare, loads_fill
   use sgmp_lost_policy, only: lost_reflect, lost_remove
-  use sgmp_material_history, only: slots_ask, slots_first_values
+  use sgmp_material_history, only: slots_ask, slots_first_values, slots_t
   use sgmp_material_weight, only: stress_energy
   use sgmp_mesh, only: mesh_find, mesh_make, mesh_place, mesh_places, mesh_t
   use sgmp_method, only: method_t
@@ -46,9 +47,11 @@ module sgmp_build_model
   use sgmp_scene, only: body_card_t, scene_space, scene_t, time_card_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_check_size, &
                           seeding_generate, survey_t
+  use sgmp_self_contact, only: self_labels
+  use sgmp_space, only: space_axisymmetric
   use sgmp_stages, only: stage_columns, stage_terms
   use sgmp_step, only: step_start
-  use sgmp_strength, only: strength_factor
+  use sgmp_strength, only: strength_factor, strength_variate
   use sgmp_sums, only: removed_causes, removed_sums
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
@@ -60,6 +63,7 @@ module sgmp_build_model
   public :: model_build
 
   integer, parameter :: body_terms = 9  !! of the initial sums over a body
+  real(dp), parameter :: still = 1.0e-12_dp  !! velocity over c + |v| below which all is round-off
 
 contains
 
@@ -71,7 +75,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: empty  !! without particles, which a restart brings
     type(survey_t), allocatable :: surveys(:)
-    integer :: b, kernel
+    integer :: b, kernel, twin_of((self_labels)*size(scene%bodies))
     integer(i4) :: next_id
     real(dp) :: heaviest
     logical :: seeded
@@ -88,7 +92,8 @@ contains
     call set_method(scene, model%method)
     if (model%mesh%walls_act) model%method%debris_speed = 0.0_dp
     kernel = method_kernel(scene%method%kind)
-    allocate (model%bodies(size(scene%bodies)), model%totals%bodies(size(scene%bodies)))
+    call list_twins(scene, twin_of)
+    allocate (model%bodies(count(twin_of >= 0)), model%totals%bodies(count(twin_of >= 0)))
     call partition_make(model%ranks%partition, model%mesh, kernel, model%method%normalised, &
                         model%mesh%ndim > 1, parallel_rank(), parallel_ranks(), &
                         model%method%rotation, model%method%surfaces)
@@ -116,7 +121,14 @@ contains
                                         mask=particles%id(:, :particles%chunks) > 0))
       end associate
     end do
-    if (seeded) call burn_light(scene, model%mesh, model%bodies)
+    do b = size(scene%bodies) + 1, size(model%bodies)
+      call build_body(scene, twin_of(b), model, kernel, next_id, .false., surveys, &
+                      model%bodies(b), error)
+      if (allocated(error)) return
+      model%bodies(b)%twin_of = twin_of(b)
+      model%bodies(b)%label = 1 + count(twin_of(:b - 1) == twin_of(b))
+    end do
+    if (seeded) call burn_light(scene, model%mesh, model%bodies(:size(scene%bodies)))
     model%method%cutoff = scene%method%mass_cutoff*parallel_max(heaviest)
     call contact_pairs(scene, model)
     call build_fields(model, kernel, merge(1, threads, scene%dimension == 1))
@@ -131,6 +143,24 @@ contains
     call check_lengths(model%bodies, error)
     call absorbing_check(model%mesh, model%bodies, scene%grid%walls_location, error)
   end subroutine model_build
+
+  !> Which body each is a twin of (sgmp_self_contact): 0 for those of the deck, behind them come the
+  !! twins; -1 behind all.
+  pure subroutine list_twins(scene, twin_of)
+    type(scene_t), intent(in) :: scene
+    integer, intent(out) :: twin_of(:)
+    integer :: b, n, l
+    twin_of = -1
+    n = size(scene%bodies)
+    twin_of(:n) = 0
+    do b = 1, size(scene%bodies)
+      if (.not. contact_self(scene, b)) cycle
+      do l = 1, self_labels - 1
+        n = n + 1
+        twin_of(n) = b
+      end do
+    end do
+  end subroutine list_twins
 
   !> What the cards say about the method, for all steps.
   subroutine set_method(scene, method)
@@ -292,6 +322,7 @@ contains
       call set_swirl(card, mesh, body)
       if (seeded) call set_rotation(card, mesh, body)
       call set_strength(body)
+      call set_flaws(mesh, body)
       if (seeded) call stress_fill(card, scene%gravity, mesh, body, error)
       if (allocated(error)) return
       if (seeded) call file_state_fill(card, mesh%space, body, error)
@@ -339,6 +370,7 @@ contains
       if (law%scatter%weibull > 0.0_dp .and. .not. law%rigid) then
         call slots_ask(slots, 'yield_factor', one)
       end if
+      call ask_flaws(law%failure%flaws%number, law%rigid, slots)
       if (scene%method%volumes_kept .and. law%eos /= eos_none .and. .not. law%rigid) then
         call slots_ask(slots, 'compliance', none(:1))
       end if
@@ -498,6 +530,43 @@ contains
     end associate
   end subroutine set_strength
 
+  !> Columns of flaws, where matter has them.
+  pure subroutine ask_flaws(flaws, rigid, slots)
+    real(dp), intent(in) :: flaws        !! per volume
+    logical, intent(in) :: rigid
+    type(slots_t), intent(inout) :: slots
+    real(dp), parameter :: one(1) = 1.0_dp
+    if (rigid .or. .not. flaws > 0.0_dp) return
+    call slots_ask(slots, 'flaw_strain', one)
+    call slots_ask(slots, 'flaw_radius', one)
+  end subroutine ask_flaws
+
+  !> The weakest flaw of each particle, and its size; in one and two dimensions it is as deep as it
+  !! is wide, of a ring its cross-section counts.
+  subroutine set_flaws(mesh, body)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    real(dp) :: volume
+    integer :: c, l
+    if (body%law%slots%flaw_strain == 0) return
+    associate (particles => body%particles, slots => body%law%slots, failure => body%law%failure)
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          volume = particles%state(l, slots%volume, c)
+          if (mesh%space == space_axisymmetric) then
+            volume = volume/(2.0_dp*pi*mesh%h*particles%motion(l, 1, c))
+          end if
+          volume = volume**(3.0_dp/real(particles%ndim, dp))
+          call flaws_first(failure%flaws, volume, strength_variate(failure%seed, &
+                                                                   particles%id(l, c)), &
+                           particles%state(l, slots%flaw_strain, c), &
+                           particles%state(l, slots%flaw_radius, c))
+        end do
+      end do
+    end associate
+  end subroutine set_flaws
+
   !> Factor of each particle on what scatters, if there is a column for it.
   subroutine set_factor(weibull, seed, column, particles)
     real(dp), intent(in) :: weibull
@@ -615,7 +684,9 @@ contains
     counted = .not. model%bodies%rigid .or. model%bodies%rigid_motion%free
     call ledger_open(model%ledger, sum(model%totals%bodies%kinetic, mask=counted), &
                      sum(model%totals%bodies%internal), &
-                     [(sum(model%totals%bodies%momentum(c), mask=counted), c=1, 3)])
+                     [(sum(model%totals%bodies%momentum(c), mask=counted), c=1, 3)], &
+                     least=0.5_dp*sum(model%totals%bodies%mass, mask=counted)* &
+                           (still*model%findings%fastest)**2)
   end subroutine open_ledger
 
   !> Mass, moment, momentum, kinetic and internal energy of a chunk.

@@ -6,8 +6,10 @@ that rise, ends at rest. Four of five scenes of the seeds from 40000000 on draw 
 loads of _latest.py, tables, walls that move, particle files; of those from 80000000 on four of five what is in
 _newest.py: ceramics, more shapes, gauges, and keys that no other scene has; of those from 120000000 on what is in
 _further.py: parts that are moved, walls that rub or let waves out, foam, spall, all words of `method sgmp`; of those
-from 160000000 on concrete; of those from 200000000 on half of the scenes that may have grids with unequal cells. Each
-is run with one and two threads, on two ranks and from a checkpoint; then
+from 160000000 on concrete; of those from 200000000 on what is in _laws.py: tables as equations of state, afterburn,
+damage that knows the stress, flaws, averaged strain; of those from 240000000 on half of
+the scenes that may have grids with unequal cells. Each is run with one and two threads, on two ranks and from a
+checkpoint; then
 
 * the same exit code, bits, histories and verdict in all of them;
 * exit code 0, or 4 with a failure in words; never a crash or a hang;
@@ -31,6 +33,7 @@ import sys
 import _features as features
 import _further as further
 import _latest as latest
+import _laws as laws
 import _newest as newest
 from _driver import CRASH, Findings, arguments
 from _features import vector
@@ -42,7 +45,8 @@ LATEST = 40000000                     # seeds below draw nothing of _latest.py
 NEWEST = 80000000                     # and below these nothing of _newest.py
 FURTHER = 120000000                   # and below these nothing of _further.py
 CONCRETE = 160000000                  # and below these no concrete
-GRADED = 200000000                    # and below these cells are equal
+LAWS = 200000000                      # and below these nothing of _laws.py
+GRADED = 240000000                    # and below these cells are equal
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_WAIT_POLICY": "passive", "SGMP_THREADS": "exact"}
@@ -100,6 +104,8 @@ class Scene:
         self.ends()
         pores = ",distention"*any(" distention=" in line for line in self.lines)
         broken = ",damage"*any(" johnson_holmquist " in line or " concrete " in line for line in self.lines)
+        broken += ",averaged_strain"*any(" length=" in line and line.startswith("failure") for line in self.lines)
+        broken += ",afterburnt"*any(" afterburn=" in line for line in self.lines)
         broken += ",compaction"*any(" concrete " in line for line in self.lines)
         self.lines += ["output csv at=end fields=mass,stress,density" + pores + broken, "history steps=1",
                        f"checkpoint every={self.steps//3} keep=9"]
@@ -154,6 +160,10 @@ class Scene:
     def has_further(self, feature, share):
         """Whether a scene of one of the last seeds has this feature."""
         return self.last and self.stream(feature).random() < share
+
+    def has_law(self, feature, share):
+        """Whether a scene of one of the last seeds of all has this feature."""
+        return self.seed >= LAWS and self.has_further(feature, share)
 
     def text(self):
         """The deck."""
@@ -244,6 +254,8 @@ class Scene:
                    "poisson": self.luck.choice((0, 0.25, 0.3, 0.45)),
                    "weak": young*self.luck.choice((0.003, 0.03))}
         text = MATERIALS[kind].format(**numbers)
+        if kind == "explosive" and self.has_law("afterburn", 0.7):
+            text = text.replace(" energy0=7", " energy0=7" + laws.afterburn(self.stream(f"afterburn of {name}")))
         if "detonation" in text and any("detonation point" in line for line in self.lines):
             text = text[:text.rindex("\n")]
         viscous = self.luck.random() < 0.2
@@ -259,6 +271,10 @@ class Scene:
             return []
         if self.alone and self.stream(f"linear {numbers['name']}").random() < 0.5:
             return latest.linear(numbers)
+        if self.has_law(f"table {numbers['name']}", 0.2):
+            file = f"table_{self.seed}_{numbers['name']}.txt"
+            lines, self.files[file] = laws.table_fluid(self.stream(f"table of {numbers['name']}"), numbers, file)
+            return lines
         if self.seed >= CONCRETE and self.has_further(f"concrete {numbers['name']}", 0.25):
             return further.concrete(self.stream(f"concrete of {numbers['name']}"), numbers)
         if self.has_newest(f"ceramic {numbers['name']}", 0.4):
@@ -281,15 +297,24 @@ class Scene:
         kind = lines[0].split()[2]
         fails = kind in ("johnson_holmquist", "concrete")
         plastic = fails or kind in (*latest.METAL_NAMES, "drucker_prager", "mohr_coulomb", "cam_clay")
-        if self.fails and kind in latest.METAL_NAMES:
+        wears = self.has_law(f"ductile {numbers['name']}", 0.6)
+        if (self.fails or wears) and kind in latest.METAL_NAMES:
             damages = kind == "johnson_cook" and luck.random() < 0.4
             if damages:
                 lines = [features.damage_constants(luck, lines[0]), *lines[1:]]
             fails = damages or luck.random() < 0.8
-            if not damages and fails or luck.random() < 0.3:
+            if not damages and fails or luck.random() < 0.3 or wears:
                 grady = self.has_further(f"spall {numbers['name']}", 0.5)
-                lines = [*lines, further.spall(luck, numbers) if grady
-                         else features.failure(luck, numbers, damages, 0.01*numbers["young"])]
+                card = (further.spall(luck, numbers) if grady
+                        else features.failure(luck, numbers, damages, 0.01*numbers["young"]))
+                if wears and not damages:
+                    card = laws.ductile(self.stream(f"ductile {numbers['name']}"), numbers)
+                if self.has_law(f"flaws {numbers['name']}", 0.3) and not damages:
+                    card = laws.flawed(self.stream(f"flaws of {numbers['name']}"), numbers)
+                heated = "specific_heat" in lines[0] and kind != "johnson_cook"
+                if self.has_law("length", 0.5) and not heated:
+                    card = laws.averaged(card, self.stream("length of all").choice((0.7, 2, 3)))
+                lines = [*lines, card]
                 fails = True
         if self.erodes and luck.random() < 0.8:
             fastest = 2.5*math.sqrt(numbers["young"]/numbers["density"])  # c + |v|; faster than waves at the start
@@ -662,10 +687,11 @@ def problems(chosen, scene, deck):
 
 
 def never_drawn():
-    """What the last seeds must draw, and do not in 300 scenes."""
-    texts = "".join(Scene(seed).text() for seed in range(GRADED, GRADED + 300))
+    """What the last seeds must draw, and do not in 400 scenes."""
+    texts = "".join(Scene(seed).text() for seed in range(GRADED, GRADED + 400))
     return [word for word in ("motion ", "wallfriction ", "=absorbing", " crushable_foam ", " concrete ", " toughness=",
-                              " spall_strain=", " surfaces=corrected", " fine_x=") if word not in texts]
+                              " spall_strain=", " surfaces=corrected", " table file=", " afterburn=", " plastic_work=",
+                              " hosford_strain=", " flaws=", ",averaged_strain", " fine_x=") if word not in texts]
 
 
 def main():

@@ -37,7 +37,7 @@ history steps={every}
 # m kg s of one unit of length, mass, time; strain rate of the path (1/s).
 SYSTEMS = (("m kg s", (1.0, 1.0, 1.0), 1.0), ("cm mg us", (1e-2, 1e-6, 1e-6), 1e3))
 CUSTOMARY = ("mm g ms", (1e-3, 1e-3, 1e-3), 1e3)  # in which the decks of input/ are
-COUNT = 38
+COUNT = 40
 
 
 class Eos:
@@ -63,6 +63,8 @@ class Eos:
                     + c["b"]*(1 - c["omega"]/(c["r2"]*v))*math.exp(-c["r2"]*v), c["omega"]/v)
         if self.kind == "ideal_gas":
             return 0.0, (c["gamma"] - 1)/v
+        if self.kind == "tillotson":  # dense, of energies far below e0
+            return (1/v - 1)*(c["bulk"] + c["bulk2"]*(1/v - 1)), (c["a_thermal"] + c["b_thermal"])/v
         bulk = self.density*c["c0"]**2  # tait
         return bulk/c["exponent"]*(v**-c["exponent"] - 1), 0.0
 

@@ -30,11 +30,11 @@ def merge(k, x, u, energy, start, density, matter, tnt, lit, arrived):
     )
 
 
-def blast(cells, radius, outer, t_end, stations, sphere=True, cfl=0.4, stretch=1.0):
+def blast(cells, radius, outer, t_end, stations, sphere=True, cfl=0.4, stretch=1.0, burns=(0.0, 1.0)):
     """The charge, of `cells` shells, lit at its centre, in air to `outer`. Times, pressures at the stations and of the
     air that was there at the start, the outer radius of the products, and the shells at the end. Shells of air widen by
     the factor `stretch` from one to the next; those that the expansion makes thinner than a tenth of the charge's are
-    merged."""
+    merged. `burns`: afterburn, energy per initial volume, given evenly in a time after lighting."""
     width = [radius/cells]
     while sum(width) < outer - radius:
         width.append(width[-1]*stretch)
@@ -94,6 +94,8 @@ def blast(cells, radius, outer, t_end, stations, sphere=True, cfl=0.4, stretch=1
         xh, uh, eh = move(x, u, energy, f, x, 0.5*step)
         f = force(xh, uh, eh)
         x, u, energy = move(x, u, energy, f, xh, step)
+        given = np.diff([np.clip((t - arrived)/burns[1], 0, 1) for t in (time, time + step)], axis=0)[0]
+        energy = energy + np.where(tnt, burns[0]*given, 0.0)
         time += step
         thin = cells + np.argmin(np.diff(x)[cells:-1])
         if x[thin + 1] - x[thin] < 0.1*radius/cells:
