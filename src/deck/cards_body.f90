@@ -51,9 +51,9 @@ contains
                       'path starts at the deck', &
                       when=from_file, required=.true.)
     call registry%key('layout', kind_word, 'uniform: particles in the middle of cubes; gauss: '// &
-                      'Gauss points of each grid cell; graded: ppc along each axis between centres of '// &
-                      'unequal cells, the default for bodies at rest on a grid with fine_x, '// &
-                      'fine_y or fine_z', choices=words_joined(layout_names), &
+                      'Gauss points of each grid cell; graded: ppc along each axis between '// &
+                      'centres of unequal cells, the default for bodies at rest on a grid with '// &
+                      'fine_x, fine_y or fine_z', choices=words_joined(layout_names), &
                       default=trim(layout_names(layout_lattice)))
     call registry%key('spacing', kind_real, 'lattice constant; default: cell/ppc', unit='length', &
                       range='(0,inf)')

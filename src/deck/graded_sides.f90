@@ -35,9 +35,8 @@ contains
     type(graded_axis_t), intent(out) :: axis
     real(dp), intent(out) :: ends(2)     !! (length)
     character(:), allocatable, intent(out) :: message, remedy  !! '': nothing is
-    real(dp), allocatable :: fine(:, :), sides(:), more(:)
-    real(dp) :: gap
-    integer :: i, before
+    real(dp), allocatable :: fine(:, :), sides(:)
+    integer :: before
     message = ''
     remedy = ''
     ends = wish%ends
@@ -45,6 +44,31 @@ contains
     if (message /= '') return
     call fit_intervals(wish, fine, message, remedy)
     if (message /= '') return
+    call all_sides(wish, fine, sides, before, message, remedy)
+    if (message /= '') return
+    if (.not. wish%open(1)) ends(1) = fine(1, 1) - wish%cell*sum(sides(:before))
+    if (wish%held(1)) ends(1) = wish%ends(1)
+    if (.not. wish%open(2)) ends(2) = fine(1, 1) + wish%cell*sum(sides(before + 1:))
+    if (wish%held(2)) ends(2) = wish%ends(2)
+    if (.not. wish%open(1)) then
+      axis = graded_make(ends(1), 0, sides)
+    else if (.not. wish%open(2)) then
+      axis = graded_make(ends(2), -size(sides), sides)
+    else
+      axis = graded_make(fine(1, 1), -before, sides)
+    end if
+  end subroutine graded_sides
+
+  !> Sides of all cells from below: of intervals, and of what is beside and between them.
+  subroutine all_sides(wish, fine, sides, before, message, remedy)
+    type(graded_wish_t), intent(in) :: wish
+    real(dp), intent(in) :: fine(:, :)   !! intervals
+    real(dp), allocatable, intent(out) :: sides(:)  !! (smallest cell)
+    integer, intent(out) :: before       !! cells before the first interval
+    character(:), allocatable, intent(inout) :: message, remedy
+    real(dp), allocatable :: more(:)
+    real(dp) :: gap
+    integer :: i
     allocate (sides(0))
     before = 0
     do i = 0, size(fine, 2)
@@ -65,18 +89,7 @@ contains
         sides = [sides, spread(1.0_dp, 1, nint((fine(2, i + 1) - fine(1, i + 1))/wish%cell))]
       end if
     end do
-    if (.not. wish%open(1)) ends(1) = fine(1, 1) - wish%cell*sum(sides(:before))
-    if (wish%held(1)) ends(1) = wish%ends(1)
-    if (.not. wish%open(2)) ends(2) = fine(1, 1) + wish%cell*sum(sides(before + 1:))
-    if (wish%held(2)) ends(2) = wish%ends(2)
-    if (.not. wish%open(1)) then
-      axis = graded_make(ends(1), 0, sides)
-    else if (.not. wish%open(2)) then
-      axis = graded_make(ends(2), -size(sides), sides)
-    else
-      axis = graded_make(fine(1, 1), -before, sides)
-    end if
-  end subroutine graded_sides
+  end subroutine all_sides
 
   !> Intervals that are none, reach out of the grid, or hold less than two cells.
   subroutine check_intervals(wish, message, remedy)
@@ -126,7 +139,8 @@ contains
                   interval_text(fine(1, i), fine(2, i))//' between two walls'
         remedy = 'choose a cell that does'
         return
-      else if (at(1)) then
+      end if
+      if (at(1)) then
         fine(2, i) = fine(2, i) + more
       else if (at(2)) then
         fine(1, i) = fine(1, i) - more

@@ -8,8 +8,9 @@ module sgmp_lattice
   use sgmp_kinds, only: dp, i8, pi
   implicit none
   private
-  public :: lattice_t, lattice_cubic, lattice_gauss, lattice_graded, lattice_ijk, lattice_jitter, lattice_layers, &
-            lattice_lines, lattice_point, lattice_volume, gauss_points
+  public :: lattice_t, lattice_cubic, lattice_gauss, lattice_graded, lattice_ijk, &
+            lattice_jitter, lattice_layers, lattice_lines, lattice_point, lattice_volume, &
+            gauss_points
   public :: lattice_fits, lattice_too_far, lattice_too_many, lattice_tolerance
 
   real(dp), parameter :: lattice_tolerance = 1.0e-9_dp  !! of boundaries, in lattice constants

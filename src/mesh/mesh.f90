@@ -80,27 +80,35 @@ contains
     if (present(axes)) mesh%axes = axes
     mesh%graded = any(mesh%axes(:mesh%ndim)%graded)
     do axis = 1, mesh%ndim
-      if (mesh%axes(axis)%graded) then
-        mesh%origin(axis) = mesh%axes(axis)%origin
-        if (.not. mesh%open(1, axis)) mesh%lower(axis) = mesh%axes(axis)%first
-        if (.not. mesh%open(2, axis)) mesh%upper(axis) = mesh%axes(axis)%last
-        if (.not. any(mesh%open(:, axis))) then
-          mesh%cells(axis) = mesh%upper(axis) - mesh%lower(axis)
-        end if
-      else if (.not. mesh%open(1, axis)) then
-        if (mesh%wall(1, axis) /= wall_axis) mesh%origin(axis) = lower(axis)
-        mesh%lower(axis) = 0
-        if (.not. open(2, axis)) then
-          mesh%cells(axis) = nint((upper(axis) - mesh%origin(axis))/h)
-          mesh%upper(axis) = mesh%cells(axis)
-        end if
-      else if (.not. open(2, axis)) then
-        mesh%origin(axis) = upper(axis)
-        mesh%upper(axis) = 0
-      end if
+      call place_nodes(mesh, axis, lower(axis), upper(axis))
     end do
     call open_edges(mesh)
   end function mesh_make
+
+  !> Origin and outermost nodes of an axis.
+  pure subroutine place_nodes(mesh, axis, lower, upper)
+    type(mesh_t), intent(inout) :: mesh
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: lower, upper  !! ends of the box (length)
+    if (mesh%axes(axis)%graded) then
+      mesh%origin(axis) = mesh%axes(axis)%origin
+      if (.not. mesh%open(1, axis)) mesh%lower(axis) = mesh%axes(axis)%first
+      if (.not. mesh%open(2, axis)) mesh%upper(axis) = mesh%axes(axis)%last
+      if (.not. any(mesh%open(:, axis))) then
+        mesh%cells(axis) = mesh%upper(axis) - mesh%lower(axis)
+      end if
+    else if (.not. mesh%open(1, axis)) then
+      if (mesh%wall(1, axis) /= wall_axis) mesh%origin(axis) = lower
+      mesh%lower(axis) = 0
+      if (.not. mesh%open(2, axis)) then
+        mesh%cells(axis) = nint((upper - mesh%origin(axis))/mesh%h)
+        mesh%upper(axis) = mesh%cells(axis)
+      end if
+    else if (.not. mesh%open(2, axis)) then
+      mesh%origin(axis) = upper
+      mesh%upper(axis) = 0
+    end if
+  end subroutine place_nodes
 
   !> Opens the faces of edges that let waves out, where the grid follows the particles.
   pure subroutine open_edges(mesh)

@@ -412,8 +412,8 @@ contains
       side = mesh_occupied(mesh, coordinates(:, p), volumes(p))**(1.0_dp/mesh%ndim)
       if (side <= most) cycle
       call error_make(error, exit_deck, "body '"//trim(body%name)//"' has particles as wide as "// &
-                      real_text(side)//' cells where they begin; where cells are unequal half a '// &
-                      'cell is the most', 'write ppc=2 or more, or a smaller spacing', &
+                      real_text(side)//' cells where they begin; where cells are unequal half '// &
+                      'a cell is the most', 'write ppc=2 or more, or a smaller spacing', &
                       place_of(body))
       return
     end do

@@ -5,8 +5,8 @@
 module sgmp_angular_momentum
   use sgmp_body, only: body_t
   use sgmp_contact_pairs, only: contact_pair_t
-  use sgmp_kinds, only: dp, lanes
   use sgmp_graded_axis, only: graded_place
+  use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_free
   use sgmp_method, only: method_t
   use sgmp_motion, only: motion_mass, motion_velocity

@@ -87,7 +87,9 @@ def main():
         print(f"| {chosen} | unequal | equal | |\n|---|---|---|---|")
         for key, value in found[True].items():
             other = found[False][key]
-            note = f"{other/value:.3g} times" if key in ("particles", "CPU seconds") else f"{100*(value/other - 1):+.2f} %"
+            note = f"{other/value:.3g} times"
+            if key not in ("particles", "CPU seconds"):
+                note = f"{100*(value/other - 1):+.2f} %"
             print(f"| {key} | {value:.5g} | {other:.5g} | {note} |", flush=True)
 
 

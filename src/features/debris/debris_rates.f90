@@ -13,8 +13,8 @@ module sgmp_debris_rates
   use sgmp_columns, only: collide_kick, collide_rate, collide_square, collide_velocity, &
                           node_acceleration, node_inertia
   use sgmp_field, only: field_base, field_t
-  use sgmp_kernels, only: kernel_centred
   use sgmp_graded_axis, only: graded_width
+  use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rows, only: key_j, key_k

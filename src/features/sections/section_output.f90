@@ -12,8 +12,8 @@
 !! ids, so that the sums have the same bits on any number of threads and ranks.
 module sgmp_section_output
   use sgmp_errors, only: error_t
-  use sgmp_history, only: column_length, history_t
   use sgmp_graded_axis, only: graded_spacing
+  use sgmp_history, only: column_length, history_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_find, mesh_t
