@@ -1,7 +1,7 @@
 ! dimension-generic
 #include "dimension.inc"
-!> The drift of a chunk where cells are unequal (sgmp_graded_axis). Apart from sgmp_chunk, whose code
-!! for equal cells is then what it would be without.
+!> The drift of a chunk where cells are unequal (sgmp_graded_axis). Apart from sgmp_chunk, whose
+!! code for equal cells is then what it would be without.
 module DIM(sgmp_drift_graded)
   use sgmp_graded_axis, only: graded_advance, graded_centre, graded_place, graded_spacing
   use sgmp_kinds, only: dp, lanes

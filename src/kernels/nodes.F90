@@ -10,13 +10,13 @@
 !! In axisymmetric scenes the radial component has an inertia of its own (sgmp_axis): momentum and
 !! force along r are divided by it as they come, and what follows knows of one mass.
 module DIM(sgmp_nodes)
+  use DIM(sgmp_auxmesh), only: graded_row
 #ifdef AXISYMMETRIC
   use sgmp_axis, only: axis_inertia
 #endif
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_remapped, &
                           node_swirl, node_total, node_velocity
   use sgmp_driven_nodes, only: driven_nodes_solve, driven_nodes_velocity
-  use DIM(sgmp_auxmesh), only: graded_row
   use sgmp_field, only: field_t
   use CARTESIAN(sgmp_graded_rows), only: graded_divergence
   use sgmp_kernels, only: kernel_centred, kernel_mpm
