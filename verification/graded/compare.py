@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Grids with unequal cells beside equal ones of the smallest side (doc/grids.md): what comes out, and user CPU seconds.
 
-usage: compare.py SGMP SCRATCH_DIR [SCENE[:H] …]      scenes: plate target taylor; H: side of the smallest cell
+usage: compare.py SGMP SCRATCH_DIR [SCENE[:H] …]      scenes: plate target taylor block; H: side of the smallest cell
 """
 import csv
 import json
@@ -69,6 +69,11 @@ def taylor(folder):
     return {"centre of mass (mm)": float(of_body(folder, "bar")["z"]),
             "length (mm)": max(float(row["z"]) - float(row["z0"]) for row in rows
                                if float(row["z0"]) > 24.5) + 25.4, "radius of the foot (mm)": max(foot)}
+
+
+def block(folder):
+    """Height of its centre: the same motion in both."""
+    return {"height of the centre (mm)": float(of_body(folder, "block")["z"])}
 
 
 def main():
