@@ -95,7 +95,7 @@ fuzz: build-all ## Damaged decks and checkpoints, then random scenes (INPUTS=100
 	$(PYTHON) tests/fuzz/decks.py build/release/sgmp . build/fuzz/decks --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
 	$(PYTHON) tests/fuzz/mpm3d.py build/release/sgmp . build/fuzz/mpm3d --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
 	$(PYTHON) tests/fuzz/checkpoints.py build/release/sgmp . build/fuzz/checkpoints --inputs $(or $(INPUTS),100000) --seed $(or $(SEED),1)
-	$(PYTHON) tests/fuzz/scenes.py build/release/sgmp . build/fuzz/scenes --inputs $(or $(SCENES),1500) --seed $(or $(SEED),200000000)
+	$(PYTHON) tests/fuzz/scenes.py build/release/sgmp . build/fuzz/scenes --inputs $(or $(SCENES),1500) --seed $(or $(SEED),240000000)
 	$(PYTHON) tests/fuzz/truth.py build/release/sgmp . build/fuzz/truth --inputs $(or $(SCENES),1500) --seed $(or $(SEED),1)
 
 truth: build ## Random scenes of 36 classes whose truth is known, by class: how often sound runs are wrong (SCENES=400, SEED=1)

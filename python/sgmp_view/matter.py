@@ -6,6 +6,7 @@ from typing import Dict, List, Optional, Tuple
 
 import numpy as np
 
+from .coarse import divided
 from .files import SgmpFileError, dumps_of, folder_of, read_dump, read_summary_if_any, read_table
 from .turning import cloud_of
 
@@ -137,6 +138,8 @@ def shares_of(cloud, first, is_round):
 
 def matter_of(folder, cloud, first=None):
     """The matter of one dump of a run; `first`: its first dump, where there is one."""
+    if first is not None:
+        cloud, first = divided(folder, cloud, first), divided(folder, first, first)
     summary = read_summary_if_any(folder)
     dimension = summary.get("dimension", max(1, int(np.count_nonzero(np.ptp(cloud.points, axis=0) > 0))))
     is_round = dimension == "axisymmetric"

@@ -21,6 +21,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize, TwoSlopeNorm
 
+from .coarse import divided
 from .files import (
     PLASTIC_STRAIN, SgmpFileError, field_label, first_dump, folder_of, label, lookup, plot_style, read_dump,
     read_summary_if_any, read_units, run_name,
@@ -68,7 +69,7 @@ def initial_points(particles, source):
     if "initial_position" in particles.fields:
         return particles.fields["initial_position"]
     dump = first_dump(source)
-    return dump.points if dump is not None and dump.path != particles.path else None
+    return divided(folder_of(source), dump, dump).points if dump is not None and dump.path != particles.path else None
 
 
 # ---------------------------------------------------------------- rasters
@@ -398,6 +399,7 @@ def draw(particles, source, options, box=None):
     if len(particles.points) < 2:
         raise SgmpFileError(f"{particles.path}: fewer than two particles")
     units = read_units(folder_of(source))
+    particles = divided(folder_of(source), particles)
     name, values = field_of(particles, options.field)
     if dimension_of(particles.points) == 1:
         figure, axis = draw_line(particles.points, values, name, units)

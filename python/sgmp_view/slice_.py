@@ -13,6 +13,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
+from .coarse import divided
 from .files import SgmpFileError, folder_of, plot_style, read_dump
 from .picture import draw, drawing_arguments, estimate_spacing, field_of
 
@@ -77,7 +78,7 @@ def run(options):
     k, place = plane(options.plane)
     if set(options.mirror) - set("xyz"):
         raise ValueError(f"--mirror {options.mirror}: expected letters of xyz")
-    particles = read_dump(options.source, options.step)
+    particles = divided(folder_of(options.source), read_dump(options.source, options.step))
     name, _ = field_of(particles, options.field)
     thickness = options.thickness or 2 * estimate_spacing(particles.points, particles.fields.get("volume"))
     options.no_outline = True

@@ -8,7 +8,8 @@ module sgmp_cards_body
   use sgmp_particle_file, only: particle_file_columns
   use sgmp_polygon, only: polygon_is_simple
   use sgmp_registry, only: read_second, registry_t
-  use sgmp_scene, only: body_card_t, layout_file, layout_gauss, layout_lattice, layout_names
+  use sgmp_scene, only: body_card_t, layout_file, layout_gauss, layout_graded, &
+                        layout_lattice, layout_names
   use sgmp_scene_draft, only: draft_t, named_bodies
   use sgmp_shapes, only: combine_intersection, combine_names, combine_union, most_corners, &
                          shape_block, shape_cone, shape_cylinder, shape_halfspace, shape_moved, &
@@ -50,7 +51,9 @@ contains
                       'path starts at the deck', &
                       when=from_file, required=.true.)
     call registry%key('layout', kind_word, 'uniform: particles in the middle of cubes; gauss: '// &
-                      'Gauss points of each grid cell', choices=words_joined(layout_names), &
+                      'Gauss points of each grid cell; graded: ppc along each axis between '// &
+                      'centres of unequal cells, the default for bodies at rest on a grid with '// &
+                      'fine_x, fine_y or fine_z', choices=words_joined(layout_names), &
                       default=trim(layout_names(layout_lattice)))
     call registry%key('spacing', kind_real, 'lattice constant; default: cell/ppc', unit='length', &
                       range='(0,inf)')
@@ -157,6 +160,8 @@ contains
     type(body_card_t), intent(inout) :: body
     body%material = draft%material_of(card)
     body%layout = card%pick('layout', layout_names)
+    body%layout_asked = card%values(card%at('layout'))%given .or. card%has('spacing') .or. &
+                        card%has('lattice_origin') .or. card%number('jitter') > 0.0_dp
     allocate (body%shapes(0))
     if (card%word('shape') == from_file) then
       body%layout = layout_file
@@ -176,10 +181,10 @@ contains
     body%temperature = card%number('temperature', absent=-1.0_dp)
     body%allow_overlap = card%word('overlap') == 'allow'
     draft%scene%allow_overlap = draft%scene%allow_overlap .or. body%allow_overlap
-    if (body%layout /= layout_gauss) return
+    if (all(body%layout /= [layout_gauss, layout_graded])) return
     if (card%has('spacing') .or. body%jitter > 0.0_dp) then
-      call draft%errors%add(card%position, 'spacing and jitter mean nothing for layout=gauss', &
-                            'use ppc, or layout=uniform')
+      call draft%errors%add(card%position, 'spacing and jitter mean nothing for layout='// &
+                            trim(layout_names(body%layout)), 'use ppc, or layout=uniform')
     end if
   end subroutine fill_body
 
@@ -463,6 +468,7 @@ contains
     spacing = card%number('spacing', absent=spacing)
     if (spacing <= 0.0_dp) return
     particles = 1.0_dp
+    if (any(draft%scene%grid%axes%graded)) return  ! there are fewer
     associate (lower => card%vector('lower'), upper => card%vector('upper'))
       do i = 1, draft%scene%dimension
         particles = particles*max(1.0_dp, (upper(i) - lower(i))/spacing)

@@ -4,8 +4,10 @@ module sgmp_cards_grid
   use sgmp_deck_errors, only: position_t
   use sgmp_expression, only: expression_clone, expression_t
   use sgmp_features, only: features_drag, features_drag_words
+  use sgmp_graded_sides, only: graded_default_largest, graded_sides, graded_wish_t
   use sgmp_grid_fit, only: grid_fit_extend, grid_fit_held, grid_fit_sizes, grid_fit_whole
-  use sgmp_keys, only: kind_expression, kind_interval, kind_logical, kind_real, kind_word
+  use sgmp_keys, only: kind_expression, kind_interval, kind_logical, kind_points, &
+                       kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_lost_policy, only: lost_error, lost_names
   use sgmp_mesh, only: wall_fixed, wall_free, wall_names
@@ -26,12 +28,13 @@ contains
   subroutine register_grid(registry)
     type(registry_t), intent(inout) :: registry
     integer :: axis, side
-    call registry%card('grid', 'Background grid of cubic cells. Walls lie at the ends given '// &
-                       'here; do not extend the box by hand.', 'grid cell=h x=0:1 y=open '// &
+    call registry%card('grid', 'Background grid of cubic cells, or of cells that are small '// &
+                       'where fine_x, fine_y, fine_z say. Walls lie at the ends given here; do '// &
+                       'not extend the box by hand.', 'grid cell=h x=0:1 y=open '// &
                        'z=0:open', read_grid, check_grid, once=.true., turn=read_first, &
                        needed='add a grid, e.g. grid cell=0.1')
-    call registry%key('cell', kind_real, 'side h of a cell', unit='length', range='(0,inf)', &
-                      required=.true.)
+    call registry%key('cell', kind_real, 'side h of a cell, of the smallest where they differ', &
+                      unit='length', range='(0,inf)', required=.true.)
     do axis = 1, 3
       call registry%key(axis_names(axis, 3), kind_interval, &
                         'extent; an open end follows the particles, one without a '// &
@@ -40,6 +43,18 @@ contains
     end do
     call registry%key(axis_names(1, space_axisymmetric), kind_interval, 'extent of an '// &
                       'axisymmetric scene, in the place of x: from the axis, 0', unit='length')
+    do axis = 1, 3
+      call registry%key('fine_'//axis_names(axis, 3), kind_points, 'intervals along '// &
+                        axis_names(axis, 3)//' with cells of the side h, (a,b),(c,d),…; beside '// &
+                        'them cells grow. Default: all are equal', unit='length', &
+                        source='doc/grids.md')
+    end do
+    call registry%key('ratio', kind_real, 'by which a cell beside a fine interval is at most '// &
+                      'larger than the one before; default: 1.1', range='[1,1.5]', &
+                      source='doc/grids.md')
+    call registry%key('largest', kind_real, 'side up to which cells grow; default: '// &
+                      real_text_plain(graded_default_largest)//' cells', unit='length', &
+                      range='(0,inf)')
     call registry%card('wall', 'Boundary condition of the faces of the grid. A face with a '// &
                        'wall needs an extent in the card grid.', 'wall x-=fixed y-=slip', &
                        read_walls, check_walls, once=.true.)
@@ -105,6 +120,7 @@ contains
     associate (cell => draft%scene%grid%cell, dimension => draft%scene%dimension, &
                errors => draft%errors)
       if (cell <= 0.0_dp) return
+      call check_fine_words(card, draft)
       do axis = 1, 3
         associate (value => card%values(card%at(draft%axis_key(axis))))
           if (axis > dimension .and. .not. all(value%open)) then
@@ -116,6 +132,10 @@ contains
             call errors%add(value%position, 'the grid begins at r = '// &
                             real_text_plain(value%vector(1))//' and not at the axis', &
                             'write r=0:… or r=open; a hollow body needs no inner face')
+          end if
+          if (axis <= dimension .and. size(card%points('fine_'//axis_names(axis, 3)), 2) > 0) then
+            call grade_axis(card, axis, draft)
+            cycle
           end if
           if (any(value%open)) cycle
           cells = (value%vector(2) - value%vector(1))/cell
@@ -129,6 +149,67 @@ contains
       end do
     end associate
   end subroutine check_grid
+
+  !> Fine intervals beyond the dimension, and words that mean something beside fine intervals alone.
+  subroutine check_fine_words(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    character(7), parameter :: words(2) = [character(7) :: 'ratio', 'largest']
+    character(6) :: key
+    logical :: any_fine
+    integer :: axis, w
+    any_fine = .false.
+    do axis = 1, 3
+      key = 'fine_'//axis_names(axis, 3)
+      if (size(card%points(key), 2) == 0) cycle
+      any_fine = .true.
+      if (axis <= draft%scene%dimension) cycle
+      call draft%errors%add(card%place(key), key//' '//draft%in_space(), &
+                            'remove it or change the dimension')
+    end do
+    do w = 1, 2
+      if (any_fine .or. .not. card%has(trim(words(w)))) cycle
+      call draft%errors%add(card%place(trim(words(w))), trim(words(w))//' means nothing '// &
+                            'where all cells are equal', 'add fine_x, fine_y or fine_z')
+    end do
+  end subroutine check_fine_words
+
+  !> Tables of an axis with unequal cells.
+  subroutine grade_axis(card, axis, draft)
+    type(deck_card_t), intent(in) :: card
+    integer, intent(in) :: axis
+    type(draft_t), intent(inout) :: draft
+    type(graded_wish_t) :: wish
+    character(:), allocatable :: message, remedy
+    character(6) :: key
+    real(dp) :: ends(2)
+    key = 'fine_'//axis_names(axis, 3)
+    associate (grid => draft%scene%grid)
+      wish%open = grid%open(:, axis)
+      wish%held = grid_fit_held(grid, axis, draft%scene%axisymmetric) .and. .not. wish%open
+      wish%ends = [grid%lower(axis), grid%upper(axis)]
+      wish%cell = grid%cell
+      wish%ratio = card%number('ratio', absent=wish%ratio)
+      wish%largest = card%number('largest', absent=graded_default_largest*grid%cell)/grid%cell
+      wish%fine = card%points(key)
+      if (.not. any(wish%open) .and. wish%ends(2) <= wish%ends(1)) return
+      if (wish%largest < 1.0_dp) then
+        call draft%errors%add(card%place('largest'), 'the largest cell is smaller than the '// &
+                              'smallest', 'write largest='//real_text_plain(2.0_dp*grid%cell)// &
+                              ' or more')
+        return
+      end if
+      call graded_sides(wish, grid%axes(axis), ends, message, remedy)
+      if (message /= '') then
+        call draft%errors%add(card%place(key), message, remedy)
+        return
+      end if
+      grid%moved(axis) = any(.not. wish%open .and. &
+                             abs(ends - wish%ends) > 1.0e-6_dp*grid%cell)
+      if (.not. wish%open(1)) grid%lower(axis) = ends(1)
+      if (.not. wish%open(2)) grid%upper(axis) = ends(2)
+    end associate
+  end subroutine grade_axis
 
   !> Moves an end without a wall to the grid; an error where walls at both ends are not on it.
   subroutine fit_axis(draft, axis, position)

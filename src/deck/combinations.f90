@@ -16,7 +16,7 @@ module sgmp_combinations
 
   !> How the value of a key shows that a card asks for the feature.
   integer, parameter :: ask_card = 0     !! the card itself, of which there is none by default
-  integer, parameter :: ask_given = 1    !! the key is written
+  integer, parameter :: ask_given = 1    !! the key, or one of several, is written
   integer, parameter :: ask_word = 2     !! it is the word
   integer, parameter :: ask_number = 3   !! it is the number
   integer, parameter :: ask_above = 4    !! it is above the number
@@ -29,7 +29,7 @@ module sgmp_combinations
     character(16) :: name = ''        !! in lists of this table, without blanks
     character(24) :: label = ''       !! in messages; '': the name
     character(24) :: cards = ''       !! that ask for it
-    character(12) :: key = ''
+    character(24) :: key = ''         !! or several, for ask_given
     integer :: ask = ask_card         !! one of ask_*
     character(12) :: word = ''
     integer :: number = 0
@@ -86,7 +86,14 @@ module sgmp_combinations
     feature_t('erode', '', 'erode', '', ask_card, '', 0), &
     feature_t('erode-step', 'erode time_step=…', 'erode', 'time_step', ask_given, '', 0), &
     feature_t('faces', 'a load on faces', 'pressure traction blast', '', ask_card, '', 0), &
-    feature_t('blast', '', 'blast', '', ask_card, '', 0)]
+    feature_t('blast', '', 'blast', '', ask_card, '', 0), &
+    feature_t('graded', 'a grid of unequal cells', 'grid', 'fine_x fine_y fine_z', ask_given, &
+              '', 0), &
+    feature_t('gauss', 'layout=gauss', 'body', 'layout', ask_word, 'gauss', 0), &
+    feature_t('detonation', '', 'detonation', '', ask_card, '', 0), &
+    feature_t('crack-width', 'fracture_energy=…', 'failure', 'fracture_energy', ask_given, '', 0), &
+    feature_t('toughness', 'toughness=…', 'failure', 'toughness', ask_given, '', 0), &
+    feature_t('average', 'length=…', 'failure', 'length', ask_given, '', 0)]
 
   type(refusal_t), parameter :: refusals(*) = [ &
     refusal_t('swirl', '1D 2D 3D', '', &
@@ -179,7 +186,37 @@ module sgmp_combinations
               'remove split from the card method, or this card'), &
     refusal_t('blast', '2D', '', &
               'the blast of a charge is a sphere, not a cylinder', &
-              'write dimension axisymmetric or dimension 3')]
+              'write dimension axisymmetric or dimension 3'), &
+    refusal_t('graded', 'axisymmetric', '', &
+              'not worked out: the forces next to the axis of rings in unequal cells', &
+              'remove fine_x, fine_y, or take a quarter model with dimension 3'), &
+    refusal_t('graded', 'mpm gimp cpgimp bspline', '', &
+              'their weights are those of equal cells; the auxiliary grid of sgmp has tables', &
+              'use method sgmp'), &
+    refusal_t('graded', 'kept', '', &
+              'not worked out: what gases relax to in unequal cells', &
+              'remove volumes=kept, or the fine intervals'), &
+    refusal_t('graded', 'split', '', &
+              'not worked out: places of halves in unequal cells', &
+              'remove split from the card method'), &
+    refusal_t('graded', 'faces absorbing', '', &
+              'not worked out: forces on faces of particles in unequal cells', &
+              'remove that card, or the fine intervals'), &
+    refusal_t('graded', 'self', '', &
+              'not worked out: how near parts of a body are in unequal cells', &
+              'remove self=yes, or the fine intervals'), &
+    refusal_t('graded', 'gauss', '', &
+              'Gauss points are those of equal cells', &
+              'write layout=graded, which a body at rest has by itself'), &
+    refusal_t('graded', 'detonation', '', &
+              'the front of a burn would have the width of the smallest cell in all', &
+              'remove that card, or the fine intervals'), &
+    refusal_t('graded', 'crack-width toughness average', '', &
+              'a crack has the width of one cell, and cells are unequal', &
+              'remove it from the card failure, or the fine intervals'), &
+    refusal_t('graded', 'erode-step', '', &
+              'the step of a particle would be that of the smallest cell', &
+              'remove time_step')]
 
   ! Loads on faces and friction are found with plain strains, axisymmetric scenes are not normalised
   ! (doc/surfaces.md, 6); the rest is not measured widely enough to be a default.
@@ -318,7 +355,7 @@ contains
                   k=1, size(card%values))])
       return
     end if
-    k = card%at(trim(feature%key))
+    k = card%at(key_of(card, feature))
     yes = card%values(k)%present
     if (.not. yes) return
     associate (value => card%values(k))
@@ -346,8 +383,22 @@ contains
     type(position_t) :: position
     position = card%position
     if (feature%ask == ask_card .or. feature%ask == ask_any) return
-    position = card%place(trim(feature%key))
+    position = card%place(key_of(card, feature))
   end function place
+
+  !> The key of a feature, of several the first that a card has.
+  pure function key_of(card, feature) result(key)
+    type(deck_card_t), intent(in) :: card
+    type(feature_t), intent(in) :: feature
+    character(:), allocatable :: key
+    type(string_t), allocatable :: keys(:)
+    integer :: i
+    keys = word_items(trim(feature%key))
+    key = keys(1)%text
+    do i = size(keys), 1, -1
+      if (card%values(card%at(keys(i)%text))%given) key = keys(i)%text
+    end do
+  end function key_of
 
   !> How messages call the feature of a name.
   pure function feature_label(name) result(label)

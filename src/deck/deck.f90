@@ -7,6 +7,7 @@ module sgmp_deck
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
   use sgmp_file_units, only: convert_files
+  use sgmp_graded_bodies, only: graded_bodies_settle
   use sgmp_keys, only: key_t, kind_expression, kind_interval, kind_vector
   use sgmp_kinds, only: dp
   use sgmp_lexer, only: lexer_read, statement_t
@@ -72,6 +73,7 @@ contains
     call combinations_check(cards, draft%errors)
     call settle_method(cards, draft%scene%method)
     call check_cards(registry, cards, draft)
+    call graded_bodies_settle(draft%scene%grid, draft%scene%bodies)
     call drop_overridden(cards)
     if (draft%errors%count() == 0) then
       draft%scene%resolved = deck_echo(registry, parameters, cards)

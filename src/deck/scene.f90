@@ -10,6 +10,7 @@ module sgmp_scene
   use sgmp_contact_pairs, only: normal_separating
   use sgmp_expression, only: expression_free, expression_t
   use sgmp_features, only: features_t
+  use sgmp_graded_axis, only: graded_axis_t
   use sgmp_kernels, only: method_sgmp
   use sgmp_kinds, only: dp
   use sgmp_load, only: load_force
@@ -31,13 +32,14 @@ module sgmp_scene
   public :: contact_lambda_default
   public :: dump_formats, dump_names, dump_tecplot, dump_vtkhdf, dump_vtu
   public :: scene_at_rest, scene_free, scene_space, scene_t
-  public :: layout_lattice, layout_gauss, layout_file, layout_names
+  public :: layout_lattice, layout_gauss, layout_graded, layout_file, layout_names
   public :: name_length
 
   integer, parameter :: name_length = 32
 
-  integer, parameter :: layout_lattice = 1, layout_gauss = 2, layout_file = 3
-  character(7), parameter :: layout_names(2) = [character(7) :: 'uniform', 'gauss']
+  integer, parameter :: layout_lattice = 1, layout_gauss = 2, layout_graded = 3, &
+                        layout_file = 4
+  character(7), parameter :: layout_names(3) = [character(7) :: 'uniform', 'gauss', 'graded']
     !! what the card body may ask for
   real(dp), parameter :: contact_lambda_default = -1.0_dp  !! from the particle spacings
   integer, parameter :: dump_vtkhdf = 1, dump_vtu = 2, dump_tecplot = 3, dump_formats = 3
@@ -50,6 +52,7 @@ module sgmp_scene
     real(dp) :: asked(2, 3) = 0.0_dp                !! the same as the deck has them
     logical :: moved(3) = .false.                   !! axes whose ends have moved to the grid
     logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given
+    type(graded_axis_t) :: axes(3)                  !! whose cells are unequal
     integer :: wall(2, 3) = wall_free
       !! (lower|upper, axis): wall_free, wall_slip, wall_fixed, wall_absorbing
     character(:), allocatable :: walls_location  !! file:line:column of the card, for messages
@@ -114,6 +117,9 @@ module sgmp_scene
     integer :: material = 0                       !! index into scene%materials
     type(shape_t), allocatable :: shapes(:)       !! combined in order
     integer :: layout = layout_lattice
+    logical :: layout_asked = .false.             !! the deck names it, or a spacing
+    type(graded_axis_t) :: axes(3)                !! of the grid, for layout_graded
+    real(dp) :: cell = 0.0_dp                     !! its smallest side
     real(dp) :: spacing = 0.0_dp                  !! lattice constant (length)
     integer :: ppc = 2
       !! points per cell and axis (gauss layout; lattice if no spacing is given)

@@ -4,11 +4,13 @@
 !! Points come in a fixed order: x fastest, then y, then z. A volume is per unit area in 1D and per
 !! unit thickness in 2D. The jitter is a hash of the lattice's indices, thus reproducible.
 module sgmp_lattice
+  use sgmp_graded_axis, only: graded_axis_t, graded_centre, graded_coordinate, graded_spacing
   use sgmp_kinds, only: dp, i8, pi
   implicit none
   private
-  public :: lattice_t, lattice_cubic, lattice_gauss, lattice_ijk, lattice_jitter, lattice_layers, &
-            lattice_lines, lattice_point, lattice_volume, gauss_points
+  public :: lattice_t, lattice_cubic, lattice_gauss, lattice_graded, lattice_ijk, &
+            lattice_jitter, lattice_layers, lattice_lines, lattice_point, lattice_volume, &
+            gauss_points
   public :: lattice_fits, lattice_too_far, lattice_too_many, lattice_tolerance
 
   real(dp), parameter :: lattice_tolerance = 1.0e-9_dp  !! of boundaries, in lattice constants
@@ -53,6 +55,89 @@ contains
     call gauss_points(points, place, weight)
     call lay_out(lower, upper, corner, cell, 0.5_dp*(1.0_dp + place), weight, ndim, lattice, status)
   end subroutine lattice_gauss
+
+  !> So many points between each two centres of an axis with unequal cells, and of the part of such
+  !! an interval that is in the box as many as its length has room for: the shares of the points of
+  !! a block add up to its length. Along other axes the centres of a cubic lattice.
+  pure subroutine lattice_graded(lower, upper, corner, axes, cell, per_cell, lattice, status)
+    real(dp), intent(in) :: lower(3), upper(3)     !! of the box
+    real(dp), intent(in) :: corner(3)              !! of a cube, for other axes
+    type(graded_axis_t), intent(in) :: axes(:)     !! (dimension)
+    real(dp), intent(in) :: cell                   !! smallest side of a cell
+    integer, intent(in) :: per_cell
+    type(lattice_t), intent(out) :: lattice
+    integer, intent(out) :: status                 !! lattice_fits, or why not
+    type(lattice_t) :: cubic
+    real(dp), allocatable :: points(:), lengths(:)
+    real(dp) :: box(2, 3), spacing
+    integer :: axis, most
+    box = 0.0_dp
+    box(1, :size(axes)) = lower(:size(axes))
+    box(2, :size(axes)) = upper(:size(axes))
+    spacing = cell/per_cell
+    lattice%ndim = size(axes)
+    lattice%margin = lattice_tolerance*spacing
+    status = lattice_fits
+    allocate (lattice%coordinate(1, 3), source=0.0_dp)
+    allocate (lattice%length(1, 3), source=1.0_dp)
+    do axis = 1, size(axes)
+      if (axes(axis)%graded) then
+        call between_centres(box(:, axis), axes(axis), cell, per_cell, points, lengths)
+      else
+        call lattice_cubic(spread(box(1, axis), 1, 3), spread(box(2, axis), 1, 3), &
+                           spread(corner(axis), 1, 3), spacing, 0.0_dp, 1, cubic, status)
+        if (status /= lattice_fits) return
+        points = cubic%coordinate(:cubic%count(1), 1)
+        lengths = cubic%length(:cubic%count(1), 1)
+      end if
+      lattice%count(axis) = size(points)
+      most = max(size(lattice%coordinate, 1), size(points))
+      lattice%coordinate = taller(lattice%coordinate, most)
+      lattice%length = taller(lattice%length, most)
+      lattice%coordinate(:size(points), axis) = points
+      lattice%length(:size(points), axis) = lengths
+    end do
+    if (product(real(lattice%count, dp)) > real(huge(1), dp)) status = lattice_too_many
+  end subroutine lattice_graded
+
+  !> Points between the centres of an axis, within the ends of a box, and their shares.
+  pure subroutine between_centres(ends, axis, cell, per_cell, points, lengths)
+    real(dp), intent(in) :: ends(2), cell
+    type(graded_axis_t), intent(in) :: axis
+    integer, intent(in) :: per_cell
+    real(dp), allocatable, intent(out) :: points(:), lengths(:)
+    real(dp) :: low, high, place(2)
+    integer :: c, n, i, pass, total, first, last
+    place = (ends - axis%origin)/cell
+    first = floor(graded_coordinate(axis, place(1)) - 0.5_dp)
+    last = floor(graded_coordinate(axis, place(2)) - 0.5_dp)
+    do pass = 1, 2
+      total = 0
+      do c = first, last                           ! from this centre to the next
+        low = max(place(1), graded_centre(axis, c))
+        high = min(place(2), graded_centre(axis, c + 1))
+        if (high - low <= lattice_tolerance) cycle
+        n = ceiling(per_cell*(high - low)/graded_spacing(axis, c + 1) - 1.0e-6_dp)
+        if (pass == 2) then
+          do i = 1, n
+            points(total + i) = axis%origin + cell*(low + (i - 0.5_dp)*((high - low)/n))
+            lengths(total + i) = cell*(high - low)/n
+          end do
+        end if
+        total = total + n
+      end do
+      if (pass == 1) allocate (points(total), lengths(total))
+    end do
+  end subroutine between_centres
+
+  !> A table with more rows.
+  pure function taller(table, rows) result(more)
+    real(dp), intent(in) :: table(:, :)
+    integer, intent(in) :: rows
+    real(dp) :: more(rows, size(table, 2))
+    more = 0.0_dp
+    more(:size(table, 1), :) = table
+  end function taller
 
   !> Points at some fractions of each period.
   pure subroutine lay_out(lower, upper, origin, pitch, fraction, weight, ndim, lattice, status)

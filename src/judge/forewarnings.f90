@@ -9,9 +9,10 @@ module sgmp_forewarnings
   use sgmp_constitutive, only: law_gaseous, law_is_spherical
   use sgmp_contact, only: contact_between
   use sgmp_debris_doubts, only: debris_warnings
+  use sgmp_graded_axis, only: graded_place
   use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
-  use sgmp_mesh, only: mesh_coordinate, mesh_occupied, wall_free
+  use sgmp_mesh, only: mesh_find, mesh_occupied, wall_free
   use sgmp_model, only: model_t
   use sgmp_near_parts, only: near_parts
   use sgmp_parallel, only: parallel_max, parallel_min, parallel_sum
@@ -362,11 +363,12 @@ contains
     type(model_t), intent(in) :: model
     type(string_t), allocatable, intent(inout) :: warnings(:)
     real(dp) :: x(3), cells
-    integer :: g, b
+    integer :: g, b, d
     associate (mesh => model%mesh)
       do g = 1, size(scene%gauges)
         if (scene%gauges(g)%radius > 0.0_dp) cycle
-        x = mesh_coordinate(mesh%origin, mesh%h, scene%gauges(g)%point)
+        x(:mesh%ndim) = mesh_find(mesh, [(d, d=1, mesh%ndim)], &
+                                  scene%gauges(g)%point(:mesh%ndim))
         cells = huge(1.0_dp)
         do b = 1, size(model%bodies)
           cells = min(cells, nearest(model%bodies(b)%particles, x(:mesh%ndim)))
@@ -468,9 +470,11 @@ contains
       lives = body%particles%id(:, :body%particles%chunks) > 0
       do d = 1, model%mesh%ndim
         extent%lower(d) = parallel_min(minval(body%particles%motion(:, d, &
-          :body%particles%chunks), mask=lives)) - 0.5_dp*body%spacing/h
+          :body%particles%chunks), mask=lives))
         extent%upper(d) = parallel_max(maxval(body%particles%motion(:, d, &
-          :body%particles%chunks), mask=lives)) + 0.5_dp*body%spacing/h
+          :body%particles%chunks), mask=lives))
+        extent%lower(d) = graded_place(model%mesh%axes(d), extent%lower(d)) - 0.5_dp*body%spacing/h
+        extent%upper(d) = graded_place(model%mesh%axes(d), extent%upper(d)) + 0.5_dp*body%spacing/h
       end do
       extent%velocity = sums%momentum/(h*max(sums%mass, tiny(1.0_dp)))
       if (body%rigid) extent%velocity = body%speed/h

@@ -1,7 +1,7 @@
 !> How many cells a body is thick, by the shapes that its card unites.
 module sgmp_thickness
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t, wall_free
+  use sgmp_mesh, only: mesh_place, mesh_t, wall_free
   use sgmp_shapes, only: combine_union, shape_block, shape_cylinder, shape_ring, shape_t
   use sgmp_turn, only: infinite_length
   implicit none
@@ -82,7 +82,7 @@ contains
     integer :: node
     node = merge(mesh%lower(axis), mesh%upper(axis), side == 1)
     yes = mesh%wall(side, axis) /= wall_free
-    if (yes) yes = abs(mesh%origin(axis) + node*mesh%h - x) < 0.01_dp*mesh%h
+    if (yes) yes = abs(mesh_place(mesh, axis, real(node, dp)) - x) < 0.01_dp*mesh%h
   end function at_wall
 
 end module sgmp_thickness

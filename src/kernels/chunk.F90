@@ -17,6 +17,7 @@ module DIM(sgmp_chunk)
   use sgmp_debris, only: debris_loose, debris_possible, debris_room
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
                                   departures_outside, departures_relabelled, departures_take_out
+  use CARTESIAN(sgmp_drift_graded), only: drift_graded
   use sgmp_drive, only: most_drives
   use CARTESIAN(sgmp_driven_particles), only: driven_masses, driven_read
   use sgmp_features, only: sum_split
@@ -25,7 +26,7 @@ module DIM(sgmp_chunk)
   use sgmp_load, only: load_absorbing, load_force, load_t
   use DIM(sgmp_loads), only: loads_book, loads_book_strain, loads_impedance, loads_levers, &
                              loads_on_faces, loads_on_mass, loads_strain, loads_twist
-  use sgmp_mesh, only: mesh_t
+  use sgmp_mesh, only: mesh_sides, mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
   use sgmp_plan, only: plan_t, workspace_t
@@ -244,8 +245,8 @@ contains
     real(dp) :: change(lanes, NDIM), heat(lanes)
     logical :: outside, erodes, eroded(lanes), collides, leaves(lanes)
     if (plan%loose) then
-      call chunk_loose(body, plan, task, origin, nl, row, records, nb, motion, state, stencil, &
-                       lane_sums)
+      call chunk_loose(mesh, body, plan, task, origin, nl, row, records, nb, motion, state, &
+                       stencil, lane_sums)
       return
     end if
     outside = .false.
@@ -304,15 +305,26 @@ contains
     if (task%average > 0 .and. body%law%slots%averaged > 0) then
       call average(body%law, plan%dt, task, xi, cell, axes, row, records, nb, state)
     end if
-    if (plan%drift) call drift(task%dt_cells, task%live(1, nl), origin, extent, &
-                               got(1, task%velocity), motion, xi, lane_sums, outside)
+    if (plan%drift .and. mesh%graded) then
+      call drift_graded(mesh, task%dt_cells, task%live(1, nl), origin, extent, &
+                        got(1, task%velocity), motion, xi, lane_sums, outside)
+    else if (plan%drift) then
+      call drift(task%dt_cells, task%live(1, nl), origin, extent, got(1, task%velocity), motion, &
+                 xi, lane_sums, outside)
+    end if
 #ifdef AXISYMMETRIC
     if (plan%swirl .and. plan%drift) call swirl_drift(task%live(1, nl), radius, motion, &
                                                       motion(1, mass_at), &
                                                       state(1, body%law%slots%swirl), lane_sums)
 #endif
-    call update_stress(body%law, plan, task, task%live(1, nl), motion, got, nb, &
-                       state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
+    if (mesh%graded .and. plan%strain .and. body%law%viscous) then
+      work%law%side = contraction_sides(mesh, motion, got(1, task%gradient))
+      call update_stress(work%law, plan, task, task%live(1, nl), motion, got, nb, &
+                         state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
+    else
+      call update_stress(body%law, plan, task, task%live(1, nl), motion, got, nb, &
+                         state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
+    end if
     if (plan%strain .and. body%law%slots%damage > 0) then
       lane_sums(:, sum_loose) = lane_sums(:, sum_loose) + &
                                 debris_loose(body%law, task%live(1, nl), motion(1, mass_at), nb, &
@@ -387,8 +399,9 @@ contains
   end subroutine chunk_advance
 
   !> What a chunk gives to the sums by which debris collides (sgmp_collisions).
-  subroutine chunk_loose(body, plan, task, origin, nl, row, records, nb, motion, state, stencil, &
-                         lane_sums)
+  subroutine chunk_loose(mesh, body, plan, task, origin, nl, row, records, nb, motion, state, &
+                         stencil, lane_sums)
+    type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
@@ -425,12 +438,47 @@ contains
     end if
     if (settles) call settle(body, plan, task, nl, xi, cell, axes, row, records, motion, nb, got, &
                              state, lane_sums(1, sum_internal))
-    call collisions_collect(loose, task%live(1, nl), task%h, body%law%bulk_speed, &
+    call collisions_collect(loose, task%live(1, nl), sides(mesh, motion), body%law%bulk_speed, &
                             got(:, NDIM + 1:2*NDIM) - plan%dt_kick*got(:, :NDIM), &
                             got(1, task%gradient), motion, values)
     if (NDIM < 3) cell(nl + 1:) = -1
     call scatter(task, .false., xi, cell, axes, values, stencil)
   end subroutine chunk_loose
+
+  !> Largest side of the cells that particles are in.
+  pure function sides(mesh, motion) result(side)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp) :: side(lanes)
+    integer :: l
+    side = mesh%h
+    if (.not. mesh%graded) return
+    do l = 1, lanes
+      side(l) = mesh%h*maxval(mesh_sides(mesh, motion(l, :NDIM)))
+    end do
+  end function sides
+
+  !> Sides of cells by which matter contracts, in the smallest: h tr(D) of the bulk viscosity is
+  !! the sum of h_d D_dd where sides h_d differ by axis, and this is the side h that gives it
+  !! (doc/grids.md, 5); between the smallest and the largest.
+  pure function contraction_sides(mesh, motion, gradient) result(side)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), gradient(lanes, NGRAD)
+    real(dp) :: side(lanes)
+    real(dp) :: spacing(NDIM), along(NDIM), trace
+    integer :: l, d
+    do l = 1, lanes
+      spacing = mesh_sides(mesh, motion(l, :NDIM))
+      do d = 1, NDIM
+        along(d) = gradient(l, 1 + (d - 1)*(NDIM + 1))
+      end do
+      trace = sum(along)
+      side(l) = 1.0_dp
+      if (trace < 0.0_dp) then
+        side(l) = min(max(dot_product(spacing, along)/trace, minval(spacing)), maxval(spacing))
+      end if
+    end do
+  end function contraction_sides
 
   !> Settles what the stress of a chunk's debris does in the kick to come (sgmp_settling).
   subroutine settle(body, plan, task, nl, xi, cell, axes, row, records, motion, nb, got, state, &

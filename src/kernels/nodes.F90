@@ -10,6 +10,7 @@
 !! In axisymmetric scenes the radial component has an inertia of its own (sgmp_axis): momentum and
 !! force along r are divided by it as they come, and what follows knows of one mass.
 module DIM(sgmp_nodes)
+  use DIM(sgmp_auxmesh), only: graded_row
 #ifdef AXISYMMETRIC
   use sgmp_axis, only: axis_inertia
 #endif
@@ -17,6 +18,7 @@ module DIM(sgmp_nodes)
                           node_swirl, node_total, node_velocity
   use sgmp_driven_nodes, only: driven_nodes_solve, driven_nodes_velocity
   use sgmp_field, only: field_t
+  use CARTESIAN(sgmp_graded_rows), only: graded_divergence
   use sgmp_kernels, only: kernel_centred, kernel_mpm
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_kick, wall_speed
@@ -79,7 +81,7 @@ contains
           call node_forces(field, mesh, s, first, n, f)
         end if
 #if NDIM > 1
-        if (field%columns%turns) call rotation_force(field, s, first, n, &
+        if (field%columns%turns) call rotation_force(field, mesh, s, first, n, &
                                                           field%rotation%couple, f)
 #endif
         if (driven) then
@@ -88,7 +90,7 @@ contains
           if (forced .and. field%columns%faces > 0) then
             call face_forces(field, mesh, s, first, n, pressed)
 #if NDIM > 1
-            if (field%columns%turns) call rotation_force(field, s, first, n, &
+            if (field%columns%turns) call rotation_force(field, mesh, s, first, n, &
                                                               field%rotation%face_couple, pressed)
 #endif
             external(:n, :) = external(:n, :) + pressed(:n, :)
@@ -358,6 +360,18 @@ contains
     before = field%columns%force - 1
     if (kernel_centred(field%kernel)) then
       do a = 1, NDIM
+        if (mesh%graded) then
+          call graded_divergence(mesh, graded_row(field, s), first, n, &
+                                 field%moment(1, before + flux_of(a, 1)), &
+#if NDIM > 1
+                                 field%moment(1, before + flux_of(a, 2)), &
+#endif
+#if NDIM > 2
+                                 field%moment(1, before + flux_of(a, 3)), &
+#endif
+                                 centre_rows(field, s, first), f(1, a))
+          cycle
+        end if
         call divergence_row(n, mesh%inverse_h*0.5_dp**(NDIM - 1), &
                             field%moment(1, before + flux_of(a, 1)), &
 #if NDIM > 1
@@ -373,7 +387,9 @@ contains
                           field%moment(1, before + NFLUX), centre_rows(field, s, first), f(1, 1))
 #endif
 #if NDIM > 1
-      if (field%columns%corrected) call surfaces_push(field, centre_rows(field, s, first), n, f)
+      if (field%columns%corrected) then
+        call surfaces_push(field, mesh, s, first, centre_rows(field, s, first), n, f)
+      end if
 #endif
     else
       i = field%neighbour(0, 0, s) + first

@@ -6,6 +6,7 @@ module DIM(sgmp_nodes_normalise)
   use sgmp_axis, only: axis_cell, axis_radius, axis_radius_filled
 #endif
   use sgmp_field, only: field_t
+  use sgmp_graded_axis, only: graded_width
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_free
   use sgmp_rows, only: key_j, key_k
@@ -41,9 +42,15 @@ contains
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
-        call least_volume(field, mesh, s, first, n, cell, least)
         idx = field%neighbour(0, 0, s) + first - 1
         call filled_volumes(cell, first, n, filled)
+        if (mesh%graded) then
+          call least_graded(field, mesh, s, first, n, cell, least)
+          call grade_volumes(mesh, key_j(field%work%key(s)), key_k(field%work%key(s)), first, n, &
+                             filled)
+        else
+          call least_volume(field, mesh, s, first, n, cell, least)
+        end if
         !$omp simd private(around, volume, part)
         do i = 1, n
           around = min(least(i - 1), least(i), least(i + 1))
@@ -90,6 +97,63 @@ contains
 #endif
   end subroutine filled_volumes
 
+  !> Turns volumes of equal cells into those of the cells of a row.
+  pure subroutine grade_volumes(mesh, j, k, first, n, volumes)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: j, k, first, n
+    real(dp), intent(inout) :: volumes(n)
+    real(dp) :: across
+    integer :: i
+    across = 1.0_dp
+    if (NDIM > 1) across = graded_width(mesh%axes(NDIM), k)
+    if (NDIM > 2) across = across*graded_width(mesh%axes(2), j)
+    do i = 1, n
+      volumes(i) = volumes(i)*(across*graded_width(mesh%axes(1), first + i - 1))
+    end do
+  end subroutine grade_volumes
+
+  !> The same as least_volume where cells are unequal: volumes over those of their cells, times that
+  !! of equal ones.
+  pure subroutine least_graded(field, mesh, s, first, n, cell, least)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp), intent(in) :: cell
+    real(dp), intent(out) :: least(0:tile + 1)
+    real(dp) :: one(0:tile + 1)
+    integer :: dj, dk, i, b, j, k
+    j = key_j(field%work%key(s))
+    k = key_k(field%work%key(s))
+    least = cell
+    do dk = merge(-1, 0, NDIM > 1), merge(1, 0, NDIM > 1)
+      do dj = merge(-1, 0, NDIM > 2), merge(1, 0, NDIM > 2)
+        if (NDIM > 1 .and. behind_wall(mesh, NDIM, k + dk)) cycle
+        if (NDIM > 2 .and. behind_wall(mesh, 2, j + dj)) cycle
+        b = field%neighbour(dj, dk, s) + first - 1
+        one(:n + 1) = 1.0_dp
+        call grade_volumes(mesh, j + dj, k + dk, first - 1, n + 2, one)
+        do i = 0, n + 1
+          least(i) = min(least(i), field%moment(b + i, field%columns%volume)/one(i))
+        end do
+      end do
+    end do
+    call fill_behind(mesh, first, n, cell, least)
+  end subroutine least_graded
+
+  !> What lies behind walls across a row counts as filled.
+  pure subroutine fill_behind(mesh, first, n, cell, least)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: first, n
+    real(dp), intent(in) :: cell
+    real(dp), intent(inout) :: least(0:tile + 1)
+    integer :: i, side
+    do side = 1, 2
+      if (mesh%wall(side, 1) == wall_free) cycle
+      i = merge(mesh%lower(1) - 1, mesh%upper(1), side == 1) - first + 1
+      if (i >= 0 .and. i <= n + 1) least(i) = cell
+    end do
+  end subroutine fill_behind
+
   !> Least volume (about an axis, over the radius) over the rows around each centre of a tile and
   !! its two neighbours.
   pure subroutine least_volume(field, mesh, s, first, n, cell, least)
@@ -98,7 +162,7 @@ contains
     integer, intent(in) :: s, first, n
     real(dp), intent(in) :: cell
     real(dp), intent(out) :: least(0:tile + 1)
-    integer :: dj, dk, i, b, j, k, side
+    integer :: dj, dk, i, b, j, k
     j = key_j(field%work%key(s))
     k = key_k(field%work%key(s))
     least = cell
@@ -118,11 +182,7 @@ contains
         end do
       end do
     end do
-    do side = 1, 2
-      if (mesh%wall(side, 1) == wall_free) cycle
-      i = merge(mesh%lower(1) - 1, mesh%upper(1), side == 1) - first + 1
-      if (i >= 0 .and. i <= n + 1) least(i) = cell
-    end do
+    call fill_behind(mesh, first, n, cell, least)
   end subroutine least_volume
 
   !> Whether centres of that index lie behind a wall of the axis.

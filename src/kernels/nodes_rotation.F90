@@ -31,7 +31,7 @@ contains
     case (stage_offsets)
       call rotation_offsets(field, mesh, plane, number)
     case (stage_inertia)
-      call rotation_inertia(field, plane)
+      call rotation_inertia(field, mesh, plane)
     case (stage_inverses)
       call rotation_inverses(field, mesh, plane)
     case (stage_moments)
@@ -43,7 +43,7 @@ contains
     case (stage_face_couples)
       call rotation_couples(field, plane, field%rotation%face_couple)
     case (stage_curls)
-      call rotation_curls(field, plane, columns(1), number)
+      call rotation_curls(field, mesh, plane, columns(1), number)
     case default  ! stage_place
       call rotation_place(field, plane, columns)
     end select

@@ -1,5 +1,6 @@
 !> What a sweep over the particles does, and the buffers a thread needs for it.
 module sgmp_plan
+  use sgmp_constitutive, only: constitutive_t
   use sgmp_features, only: features_t
   use sgmp_kinds, only: dp, i4
   implicit none
@@ -55,6 +56,8 @@ module sgmp_plan
                                                  !! with the slab below
     real(dp), allocatable :: stencil(:)  !! accumulators of a bin; every row leaves them empty
     real(dp), allocatable :: drives(:, :, :)  !! (drive_sums, drives, planes) of driven particles
+    type(constitutive_t) :: law          !! of the body that is swept, with the sides of a chunk's
+                                         !! cells; where cells are unequal and it is viscous
     integer :: plane = 0                         !! that is being swept
     integer :: cleared = 1                       !! next stored interval to zero in `planes`
     integer :: filled = 0                        !! points of a plane's row that have sums

@@ -76,6 +76,7 @@ contains
         if (bodies(b)%field /= number) cycle
         if (bodies(b)%particles%plane_row(plane) == bodies(b)%particles%plane_row(plane + 1)) cycle
         call fill_records(field, mesh, plan, task, plane, work)
+        if (mesh%graded .and. plan%strain .and. bodies(b)%law%viscous) work%law = bodies(b)%law
         call sweep_plane(mesh, field, bodies(b), plan, task, plane, work%stencil, lane_sums, &
                          size(work%planes, 1), work%planes(1, 1, 1, slot), sums(:, plane, b), &
                          movers(b), work)

@@ -156,6 +156,8 @@ module sgmp_constitutive
     real(dp) :: bulk_speed = 0.0_dp            !! of sound in the bulk at the start, without shear
     real(dp) :: slowest = 0.0_dp               !! least sound speed an equation of state may return
     real(dp) :: h = 0.0_dp  !! cell side, the length of the viscosity and of the burn front
+    real(dp) :: side(lanes) = 1.0_dp           !! of a chunk where cells are unequal: what the
+                                               !! length of the viscosity is times that
   end type constitutive_t
 
 contains

@@ -334,7 +334,7 @@ contains
       speed(l) = sqrt(max(speed2(l), 0.0_dp))
       rate(l) = trace(l)*(1.0_dp/dt)
     end do
-    call viscosity_lanes(law%viscosity, law%h, density, speed, rate, q)
+    call viscosity_lanes(law%viscosity, law%h*law%side, density, speed, rate, q)
   end subroutine viscosity
 
 end module sgmp_pressure

@@ -47,14 +47,14 @@ contains
   !> Lane kernel of viscosity_pressure.
   pure subroutine viscosity_lanes(law, cell, density, sound_speed, trace, q)
     type(viscosity_t), intent(in) :: law                                       !! coefficients
-    real(dp), intent(in) :: cell  !! cell side h (length)
+    real(dp), intent(in) :: cell(lanes)  !! cell side h (length)
     real(dp), dimension(lanes), intent(in) :: density, sound_speed  !! as in the point function
     real(dp), dimension(lanes), intent(in) :: trace                 !! as in the point function
     real(dp), intent(out) :: q(lanes)                                          !! viscous pressure
     integer :: p
     !$omp simd simdlen(8)
     do p = 1, lanes
-      q(p) = viscosity_pressure(law, cell, density(p), sound_speed(p), trace(p))
+      q(p) = viscosity_pressure(law, cell(p), density(p), sound_speed(p), trace(p))
     end do
   end subroutine viscosity_lanes
 

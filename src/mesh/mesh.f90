@@ -2,15 +2,18 @@
 !!
 !! Particles live in grid coordinates X = (x - origin)/h, so that cell indices and weights need no
 !! scaling. Node i of an axis sits at X = i, cell centre (auxiliary node) i at X = i + 1/2. A closed
-!! box spans nodes 0..cells.
+!! box spans nodes 0..cells. Where cells are unequal, X counts their centres (sgmp_graded_axis), and
+!! h is the smallest side.
 module sgmp_mesh
   use sgmp_axis, only: axis_cell
+  use sgmp_graded_axis, only: graded_axis_t, graded_coordinate, graded_place, graded_spacing
   use sgmp_kinds, only: dp
   use sgmp_space, only: space_axisymmetric, space_dimensions
   implicit none
   private
   public :: mesh_t, mesh_make, mesh_position, mesh_coordinate, mesh_filled, &
-            mesh_occupied
+            mesh_occupied, mesh_place, mesh_places, mesh_find, &
+            mesh_sides
   public :: wall_absorbing, wall_axis, wall_free, wall_slip, wall_fixed, wall_names
   public :: wall_kick, wall_speed
 
@@ -47,18 +50,21 @@ module sgmp_mesh
     integer :: lower(3) = -huge(1)/4     !! first node a particle's cell may have
     integer :: upper(3) = huge(1)/4      !! last node
     real(dp) :: hoop = 0.0_dp            !! correction of the hoop strain (sgmp_axis)
+    logical :: graded = .false.          !! cells are unequal along some axis
+    type(graded_axis_t) :: axes(3)       !! which, and how
   end type mesh_t
 
 contains
 
   !> A mesh from plain arguments; faces that are not open must be a whole number of cells apart. An
   !! axisymmetric one begins at the axis.
-  pure function mesh_make(space, h, lower, upper, open, wall) result(mesh)
+  pure function mesh_make(space, h, lower, upper, open, wall, axes) result(mesh)
     integer, intent(in) :: space          !! number of dimensions, or space_axisymmetric
     real(dp), intent(in) :: h             !! cell side (length)
     real(dp), intent(in) :: lower(3), upper(3)  !! corners of the box (length)
     logical, intent(in) :: open(2, 3)     !! face not given
     integer, intent(in) :: wall(2, 3)     !! kind of wall per face
+    type(graded_axis_t), intent(in), optional :: axes(3)  !! whose cells are unequal
     type(mesh_t) :: mesh
     integer :: axis
     mesh%ndim = space_dimensions(space)
@@ -71,21 +77,38 @@ contains
       mesh%open(1, 1) = .false.
       mesh%wall(1, 1) = wall_axis
     end if
+    if (present(axes)) mesh%axes = axes
+    mesh%graded = any(mesh%axes(:mesh%ndim)%graded)
     do axis = 1, mesh%ndim
-      if (.not. mesh%open(1, axis)) then
-        if (mesh%wall(1, axis) /= wall_axis) mesh%origin(axis) = lower(axis)
-        mesh%lower(axis) = 0
-        if (.not. open(2, axis)) then
-          mesh%cells(axis) = nint((upper(axis) - mesh%origin(axis))/h)
-          mesh%upper(axis) = mesh%cells(axis)
-        end if
-      else if (.not. open(2, axis)) then
-        mesh%origin(axis) = upper(axis)
-        mesh%upper(axis) = 0
-      end if
+      call place_nodes(mesh, axis, lower(axis), upper(axis))
     end do
     call open_edges(mesh)
   end function mesh_make
+
+  !> Origin and outermost nodes of an axis.
+  pure subroutine place_nodes(mesh, axis, lower, upper)
+    type(mesh_t), intent(inout) :: mesh
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: lower, upper  !! ends of the box (length)
+    if (mesh%axes(axis)%graded) then
+      mesh%origin(axis) = mesh%axes(axis)%origin
+      if (.not. mesh%open(1, axis)) mesh%lower(axis) = mesh%axes(axis)%first
+      if (.not. mesh%open(2, axis)) mesh%upper(axis) = mesh%axes(axis)%last
+      if (.not. any(mesh%open(:, axis))) then
+        mesh%cells(axis) = mesh%upper(axis) - mesh%lower(axis)
+      end if
+    else if (.not. mesh%open(1, axis)) then
+      if (mesh%wall(1, axis) /= wall_axis) mesh%origin(axis) = lower
+      mesh%lower(axis) = 0
+      if (.not. mesh%open(2, axis)) then
+        mesh%cells(axis) = nint((upper - mesh%origin(axis))/mesh%h)
+        mesh%upper(axis) = mesh%cells(axis)
+      end if
+    else if (.not. mesh%open(2, axis)) then
+      mesh%origin(axis) = upper
+      mesh%upper(axis) = 0
+    end if
+  end subroutine place_nodes
 
   !> Opens the faces of edges that let waves out, where the grid follows the particles.
   pure subroutine open_edges(mesh)
@@ -116,17 +139,70 @@ contains
     coordinate = (x - origin)/h
   end function mesh_coordinate
 
+  !> Physical position of a grid coordinate along an axis of a mesh.
+  elemental function mesh_place(mesh, axis, coordinate) result(x)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: coordinate
+    real(dp) :: x
+    if (mesh%axes(axis)%graded) then
+      x = mesh_position(mesh%origin(axis), mesh%h, graded_place(mesh%axes(axis), coordinate))
+    else
+      x = mesh_position(mesh%origin(axis), mesh%h, coordinate)
+    end if
+  end function mesh_place
+
+  !> The same along the first axes.
+  pure function mesh_places(mesh, coordinates) result(x)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: coordinates(:)
+    real(dp) :: x(size(coordinates))
+    integer :: axis
+    do axis = 1, size(coordinates)
+      x(axis) = mesh_place(mesh, axis, coordinates(axis))
+    end do
+  end function mesh_places
+
+  !> Spacings of the centres between which a coordinate lies (smallest cell), along the first axes.
+  pure function mesh_sides(mesh, coordinates) result(sides)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: coordinates(:)
+    real(dp) :: sides(size(coordinates))
+    integer :: axis
+    do axis = 1, size(coordinates)
+      sides(axis) = graded_spacing(mesh%axes(axis), floor(coordinates(axis) - 0.5_dp) + 1)
+    end do
+  end function mesh_sides
+
+  !> Grid coordinate of a physical position along an axis of a mesh.
+  elemental function mesh_find(mesh, axis, x) result(coordinate)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: x
+    real(dp) :: coordinate
+    coordinate = mesh_coordinate(mesh%origin(axis), mesh%h, x)
+    if (mesh%axes(axis)%graded) coordinate = graded_coordinate(mesh%axes(axis), coordinate)
+  end function mesh_find
+
   !> How many cells a volume fills where it is; a ring, how many sections of cells.
   pure function mesh_filled(mesh, x, volume) result(cells)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: x(:)          !! its place (cells)
     real(dp), intent(in) :: volume
     real(dp) :: cells
+    integer :: axis
     if (mesh%space == space_axisymmetric) then
       cells = volume/(x(1)*axis_cell(mesh%h))
     else
       cells = volume/mesh%h**mesh%ndim
     end if
+    if (.not. mesh%graded) return
+    do axis = 1, mesh%ndim
+      ! Between two centres that of both, at a centre the mean of those beside it.
+      cells = cells*2.0_dp/ &
+              (graded_spacing(mesh%axes(axis), ceiling(x(axis) - 0.5_dp)) + &
+               graded_spacing(mesh%axes(axis), floor(x(axis) - 0.5_dp) + 1))
+    end do
   end function mesh_filled
 
   !> How many cells a particle occupies. A square section about a radius less than half of its side

@@ -3,7 +3,7 @@ module sgmp_snapshot_make
   use sgmp_body, only: body_given_id, body_t
   use sgmp_errors, only: error_t
   use sgmp_kinds, only: dp, i8, lanes
-  use sgmp_mesh, only: mesh_position
+  use sgmp_mesh, only: mesh_places
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_velocity
   use sgmp_parallel, only: parallel_deal, parallel_max, parallel_scan, parallel_sum
@@ -107,8 +107,8 @@ contains
     nd = model%mesh%ndim
     axes = axes_in_output(:, model%mesh%space)
     position = 0.0_dp
-    position(axes(:nd)) = mesh_position(model%mesh%origin(:nd), model%mesh%h, model%bodies( &
-                                        where_(1))%particles%motion(where_(2), :nd, where_(3)))
+    position(axes(:nd)) = mesh_places(model%mesh, model%bodies( &
+                                      where_(1))%particles%motion(where_(2), :nd, where_(3)))
   end function snapshot_position
 
   !> Everything of one particle, to its place in a snapshot.

@@ -9,6 +9,7 @@ module sgmp_cost_estimate
   use sgmp_contact, only: contact_between
   use sgmp_field, only: field_bytes
   use sgmp_forewarnings, only: shape_mass
+  use sgmp_graded_estimate, only: graded_estimate_lines
   use sgmp_grid_fit, only: grid_fit_moved
   use sgmp_kernels, only: method_names
   use sgmp_kinds, only: dp, i8
@@ -34,7 +35,7 @@ contains
   subroutine cost_estimate_write(scene, model)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    type(string_t), allocatable :: moved(:)
+    type(string_t), allocatable :: moved(:), lines(:)
     integer(i8) :: bytes, particles
     integer :: b
     call put('deck        '//scene%file//': '//scene%title)
@@ -55,6 +56,10 @@ contains
     moved = grid_fit_moved(scene)
     do b = 1, size(moved)
       call put('  '//moved(b)%text)
+    end do
+    lines = graded_estimate_lines(model%mesh, model%bodies)
+    do b = 1, size(lines)
+      call put(lines(b)%text)
     end do
     bytes = sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])
     particles = 0_i8

@@ -23,6 +23,8 @@ module sgmp_gallery
            'a flyer hits a plate, which spalls where release waves meet; 1D'), &
     deck_t('perforation', 'gallery/ball_plate.inp', &
            'a steel ball goes through an aluminium plate; axisymmetric, failure'), &
+    deck_t('plate_3d', 'gallery/plate_3d.inp', &
+           'a ball goes through a wide plate; a quarter of it in 3D, cells that grow, failure'), &
     deck_t('whipple', 'gallery/whipple.inp', &
            'a ball at 6 km/s, its cloud of debris and a rear wall; axisymmetric, failure'), &
     deck_t('penetration', 'gallery/ogive.inp', &

@@ -6,7 +6,7 @@ module sgmp_build_burn
   use sgmp_front_paths, only: front_arrival, front_lattice, front_never, front_place, &
                               front_solve, front_source_t, front_t
   use sgmp_kinds, only: dp, lanes
-  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_places, mesh_t
   use sgmp_scene, only: body_card_t, scene_t
   use sgmp_shapes, only: shape_block, shape_cone, shape_cylinder, shape_ogive, shape_sphere, &
                          shapes_box, shapes_inside
@@ -44,8 +44,7 @@ contains
         do c = 1, particles%chunks
           do l = 1, lanes
             if (particles%id(l, c) == 0) cycle
-            place(:mesh%ndim) = mesh_position(mesh%origin(:mesh%ndim), mesh%h, &
-                                              particles%motion(l, :mesh%ndim, c))
+            place(:mesh%ndim) = mesh_places(mesh, particles%motion(l, :mesh%ndim, c))
             particles%state(l, column, c) = &
               burn_paths_time(paths, place, bodies(b)%law%detonation_speed)
           end do

@@ -23,6 +23,7 @@ module sgmp_build_model
   use sgmp_field, only: field_init
   use sgmp_first_partition, only: partition_first, partition_slab
   use sgmp_flaws, only: flaws_first
+  use sgmp_graded_axis, only: graded_place
   use sgmp_kernels, only: bin_span, method_band, method_cpgimp, method_half_size, method_kernel, &
                           stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes, pi
@@ -31,7 +32,7 @@ module sgmp_build_model
   use sgmp_lost_policy, only: lost_reflect, lost_remove
   use sgmp_material_history, only: slots_ask, slots_first_values, slots_t
   use sgmp_material_weight, only: stress_energy
-  use sgmp_mesh, only: mesh_coordinate, mesh_make, mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_find, mesh_make, mesh_place, mesh_places, mesh_t
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
@@ -44,7 +45,8 @@ module sgmp_build_model
   use sgmp_rigid_build, only: rigid_begin, rigid_centre, rigid_declare
   use sgmp_rigid_motion, only: motion_energy
   use sgmp_scene, only: body_card_t, scene_space, scene_t, time_card_t
-  use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
+  use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_check_size, &
+                          seeding_generate, survey_t
   use sgmp_self_contact, only: self_labels
   use sgmp_space, only: space_axisymmetric
   use sgmp_stages, only: stage_columns, stage_terms
@@ -81,7 +83,7 @@ contains
     if (present(empty)) seeded = .not. empty
     associate (grid => scene%grid)
       model%mesh = mesh_make(scene_space(scene), grid%cell, grid%lower, grid%upper, grid%open, &
-                             grid%wall)
+                             grid%wall, grid%axes)
     end associate
     model%mesh%hoop = scene%method%hoop
     model%mesh%walls_weigh = scene%grid%reactions
@@ -291,9 +293,10 @@ contains
       call loads_add_columns(mesh%ndim, body)
       call driven_add_columns(body)
       do d = 1, mesh%ndim
-        x(d, :) = mesh_coordinate(mesh%origin(d), mesh%h, x(d, :))
+        x(d, :) = mesh_find(mesh, d, x(d, :))
       end do
       call seeding_check_inside(card, mesh, x, error)
+      if (.not. allocated(error)) call seeding_check_size(card, mesh, x, volume, error)
       if (allocated(error)) return
       call particles_fill(body%particles, mesh%ndim, stencil_shift(kernel), x, &
                           material%law%density, volume, &
@@ -463,7 +466,7 @@ contains
     integer :: d
     values = 0.0_dp
     do d = 1, size(coordinates, 2)
-      values(:, d) = mesh_position(mesh%origin(d), mesh%h, coordinates(:, d))
+      values(:, d) = mesh_place(mesh, d, coordinates(:, d))
     end do
     values(:, 4:6) = values(:, 1:3)
   end function places
@@ -491,7 +494,7 @@ contains
       do c = 1, particles%chunks
         do l = 1, lanes
           if (particles%id(l, c) == 0) cycle
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
+          x(:n) = mesh_places(mesh, particles%motion(l, :n, c))
           v = cross(card%spin_at_start, x - centre)
           particles%motion(l, n + 1:2*n, c) = particles%motion(l, n + 1:2*n, c) + v(:n)
         end do
@@ -590,8 +593,7 @@ contains
         if (body%particles%id(l, c) == 0) cycle
         body%particles%state(l, body%law%slots%initial: &
                              body%law%slots%initial + mesh%ndim - 1, c) = &
-            mesh_position(mesh%origin(:mesh%ndim), mesh%h, &
-                          body%particles%motion(l, :mesh%ndim, c))
+            mesh_places(mesh, body%particles%motion(l, :mesh%ndim, c))
       end do
     end do
   end subroutine fill_positions
@@ -665,7 +667,7 @@ contains
       associate (particles => model%bodies(b)%particles, sums => model%totals%bodies(b))
         allocate (terms(body_terms, particles%chunks))
         do c = 1, particles%chunks
-          terms(:, c) = chunk_terms(model%bodies(b), model%mesh%ndim, c)
+          terms(:, c) = chunk_terms(model%mesh, model%bodies(b), c)
         end do
         call parallel_exact_sums(terms, totals)
         deallocate (terms)
@@ -688,20 +690,22 @@ contains
   end subroutine open_ledger
 
   !> Mass, moment, momentum, kinetic and internal energy of a chunk.
-  pure function chunk_terms(body, n, c) result(terms)
+  pure function chunk_terms(mesh, body, c) result(terms)
+    type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
-    integer, intent(in) :: n, c                  !! dimension, chunk
+    integer, intent(in) :: c                     !! chunk
     real(dp) :: terms(body_terms)
     real(dp) :: m
-    integer :: l
+    integer :: l, n
     terms = 0.0_dp
+    n = mesh%ndim
     associate (particles => body%particles, energy => body%law%slots%energy, &
                swirl => body%law%slots%swirl)
       do l = 1, lanes
         if (particles%id(l, c) == 0) cycle
         m = particles%motion(l, motion_mass(particles%ndim), c)
         terms(1) = terms(1) + m
-        terms(2:1 + n) = terms(2:1 + n) + m*particles%motion(l, :n, c)
+        terms(2:1 + n) = terms(2:1 + n) + m*graded_place(mesh%axes(:n), particles%motion(l, :n, c))
         terms(5:4 + n) = terms(5:4 + n) + m*particles%motion(l, n + 1:2*n, c)
         terms(8) = terms(8) + 0.5_dp*m*sum(particles%motion(l, n + 1:2*n, c)**2)
         if (swirl > 0) then

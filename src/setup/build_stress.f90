@@ -7,7 +7,7 @@ module sgmp_build_stress
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_lattice, only: lattice_tolerance
   use sgmp_material_weight, only: fluid_below, stress_energy
-  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_places, mesh_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_agree
   use sgmp_scene, only: body_card_t
@@ -90,7 +90,7 @@ contains
     integer :: n
     n = size(coordinates)
     x = 0.0_dp
-    x(:n) = mesh_position(mesh%origin(:n), mesh%h, coordinates)
+    x(:n) = mesh_places(mesh, coordinates)
   end function place
 
   !> Depth below the surface.

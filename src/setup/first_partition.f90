@@ -74,6 +74,7 @@ contains
     slab%axis = merge(model%mesh%ndim, 0, model%mesh%ndim > 1)
     if (slab%axis > 0) slab%origin = model%mesh%origin(slab%axis)
     slab%h = model%mesh%h
+    if (slab%axis > 0) slab%graded = model%mesh%axes(slab%axis)
     slab%shift = stencil_shift(kernel)
     slab%own = model%ranks%partition%own
   end function partition_slab

@@ -3,12 +3,13 @@
 module sgmp_seeding
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_kinds, only: dp, i4, pi
-  use sgmp_lattice, only: lattice_cubic, lattice_fits, lattice_gauss, lattice_ijk, lattice_jitter, &
+  use sgmp_lattice, only: lattice_cubic, lattice_fits, lattice_gauss, lattice_graded, &
+                          lattice_ijk, lattice_jitter, &
                           lattice_layers, lattice_lines, lattice_point, lattice_t, &
                           lattice_tolerance, lattice_too_many, lattice_volume
-  use sgmp_mesh, only: mesh_make, mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_make, mesh_occupied, mesh_place, mesh_t
   use sgmp_particle_file, only: file_particles_t, particle_file_read
-  use sgmp_scene, only: body_card_t, layout_file, layout_gauss, scene_space, scene_t
+  use sgmp_scene, only: body_card_t, layout_file, layout_gauss, layout_graded, scene_space, scene_t
   use sgmp_shapes, only: combine_union, shape_t, shapes_anchor, shapes_box, shapes_inside, &
                          shapes_near, shapes_volume
   use sgmp_slabs, only: slab_holds, slab_plane, slab_t
@@ -18,6 +19,7 @@ module sgmp_seeding
   implicit none
   private
   public :: seeding_generate, seeding_check_inside, seeding_check_lattices, seeding_check_overlap, &
+            seeding_check_size, &
             seeding_overlap, seeding_shape_volume, seeding_survey, survey_t
 
   real(dp), parameter :: farthest = 1.0e7_dp  !! cells from the grid's origin, where 1e-9 are left
@@ -176,7 +178,7 @@ contains
     type(lattice_t) :: lattice
     integer :: b
     mesh = mesh_make(scene_space(scene), scene%grid%cell, scene%grid%lower, scene%grid%upper, &
-                     scene%grid%open, scene%grid%wall)
+                     scene%grid%open, scene%grid%wall, scene%grid%axes)
     do b = 1, size(scene%bodies)
       if (scene%bodies(b)%layout == layout_file) cycle
       call lay_lattice(scene%bodies(b), scene%grid%cell, mesh%origin, scene%dimension, lattice, &
@@ -214,7 +216,7 @@ contains
     low = lower
     high = upper
     if (ndim > 1) call turn_box(body%turn, low, high)
-    if (body%layout == layout_gauss) then
+    if (of_grid(body)) then
       lower = low
       upper = high
     end if
@@ -227,6 +229,9 @@ contains
     if (allocated(error)) return
     if (body%layout == layout_gauss) then
       call lattice_gauss(lower, upper, grid_lower, cell, body%ppc, ndim, lattice, status)
+    else if (body%layout == layout_graded) then
+      call lattice_graded(lower, upper, shapes_anchor(body%shapes), body%axes(:ndim), body%cell, &
+                          body%ppc, lattice, status)
     else
       corner = body%lattice_origin
       if (any(corner >= infinite_length)) corner = shapes_anchor(body%shapes)
@@ -240,6 +245,13 @@ contains
                       'origin of its lattice', 'move lattice_origin or the grid', place_of(body))
     end if
   end subroutine lay_lattice
+
+  !> Whether particles are where the grid has places for them, however the body is turned.
+  elemental function of_grid(body) result(yes)
+    type(body_card_t), intent(in) :: body
+    logical :: yes
+    yes = any(body%layout == [layout_gauss, layout_graded])
+  end function of_grid
 
   !> The particles of a line. A lattice is turned with its body; the Gauss points of the grid stay
   !! where they are, and the body is turned over them.
@@ -256,7 +268,7 @@ contains
       allocate (found%position(3, lattice%count(1)), found%volume(lattice%count(1)))
     end if
     found%n = 0
-    lattice_turns = body%layout /= layout_gauss
+    lattice_turns = .not. of_grid(body)
     ends(:, 1) = lattice_point(lattice, lattice_ijk(lattice, 1, line, layer))
     ends(:, 2) = lattice_point(lattice, lattice_ijk(lattice, lattice%count(1), line, layer))
     call choose_shapes(body, ends(:, 1), ends(:, 2), .not. lattice_turns, lattice%margin, &
@@ -377,13 +389,35 @@ contains
         call error_make(error, exit_deck, &
           "body '"//trim(body%name)//"' reaches out of the grid "// &
                         'along '//axis_names(d, mesh%space)//', where it has a particle at '// &
-                        real_text(mesh_position(mesh%origin(d), mesh%h, coordinates(d, p))), &
+                        real_text(mesh_place(mesh, d, coordinates(d, p))), &
                         'move or cut the body, widen the grid, or leave that face open', &
                         place_of(body))
         return
       end do
     end do
   end subroutine seeding_check_inside
+
+  !> An error where a particle is wider than half of a cell of a grid with unequal cells.
+  subroutine seeding_check_size(body, mesh, coordinates, volumes, error)
+    type(body_card_t), intent(in) :: body
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: coordinates(:, :)    !! (3, n) of its particles (cells)
+    real(dp), intent(in) :: volumes(:)
+    type(error_t), allocatable, intent(inout) :: error
+    real(dp), parameter :: most = 0.5_dp*(1.0_dp + 1.0e-6_dp)
+    real(dp) :: side
+    integer :: p
+    if (.not. mesh%graded) return
+    do p = 1, size(volumes)
+      side = mesh_occupied(mesh, coordinates(:, p), volumes(p))**(1.0_dp/mesh%ndim)
+      if (side <= most) cycle
+      call error_make(error, exit_deck, "body '"//trim(body%name)//"' has particles as wide as "// &
+                      real_text(side)//' cells where they begin; where cells are unequal half '// &
+                      'a cell is the most', 'write ppc=2 or more, or a smaller spacing', &
+                      place_of(body))
+      return
+    end do
+  end subroutine seeding_check_size
 
   !> Volume of a body's shapes to about a percent (length**dimension; of rings length**3), 0 where
   !! it has none.

@@ -5,6 +5,7 @@
 module sgmp_angular_momentum
   use sgmp_body, only: body_t
   use sgmp_contact_pairs, only: contact_pair_t
+  use sgmp_graded_axis, only: graded_place
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_free
   use sgmp_method, only: method_t
@@ -76,7 +77,7 @@ contains
       if (bodies(b)%field /= field) cycle
       allocate (terms(4, bodies(b)%particles%chunks))
       do c = 1, bodies(b)%particles%chunks
-        terms(:, c) = mesh%h*chunk_terms(bodies(b), mesh%ndim, c, centre, velocity)
+        terms(:, c) = mesh%h*chunk_terms(bodies(b), mesh, c, centre, velocity)
       end do
       call parallel_exact_sums(terms, totals)
       deallocate (terms)
@@ -86,13 +87,15 @@ contains
   end subroutine angular_momentum_of
 
   !> Those of the particles of a chunk, lengths in cells: vector, largest.
-  pure function chunk_terms(body, n, c, centre, velocity) result(terms)
+  pure function chunk_terms(body, mesh, c, centre, velocity) result(terms)
     type(body_t), intent(in) :: body
-    integer, intent(in) :: n, c                  !! dimension, chunk
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: c                     !! chunk
     real(dp), intent(in) :: centre(3), velocity(3)
     real(dp) :: terms(4)
     real(dp) :: arm(3), speed(3), mass
-    integer :: l, first
+    integer :: l, first, n
+    n = mesh%ndim
     terms = 0.0_dp
     arm = 0.0_dp
     speed = 0.0_dp
@@ -100,7 +103,7 @@ contains
     do l = 1, lanes
       if (body%particles%id(l, c) == 0) cycle
       mass = body%particles%motion(l, motion_mass(n), c)
-      arm(:n) = body%particles%motion(l, :n, c) - centre(:n)
+      arm(:n) = graded_place(mesh%axes(:n), body%particles%motion(l, :n, c)) - centre(:n)
       speed(:n) = body%particles%motion(l, first:first + n - 1, c) - velocity(:n)
       terms = terms + mass*[cross(arm, speed), norm2(arm)*norm2(speed)]
     end do

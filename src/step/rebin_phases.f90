@@ -11,7 +11,7 @@ module sgmp_rebin_phases
   use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i4
   use sgmp_lost_particles, only: lost_particles_find_bins
-  use sgmp_mesh, only: mesh_t
+  use sgmp_mesh, only: mesh_place, mesh_t
   use sgmp_motion, only: motion_mass, motion_velocity
   use sgmp_movers, only: movers_read, movers_reset, movers_t, movers_write
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
@@ -115,7 +115,7 @@ contains
           end if
           call error_make(failure, exit_numerical, body_particle(bodies, movers%id(m))// &
                           ' left the grid along '//axis_names(d, mesh%space)//' at '// &
-                          real_text(mesh%origin(d) + mesh%h*movers%particle(d, m))// &
+                          real_text(mesh_place(mesh, d, movers%particle(d, m)))// &
                           ' in step '//integer_text(plan%step), &
                           'extend the grid, leave that face open, or choose '// &
                           '`lost policy=remove` or `reflect`')

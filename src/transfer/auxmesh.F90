@@ -8,6 +8,7 @@ module DIM(sgmp_auxmesh)
   use sgmp_columns, only: collide_kick, node_acceleration, node_swirl, &
                           relax_dilation, relax_total
   use sgmp_field, only: field_t
+  use CARTESIAN(sgmp_graded_rows), only: graded_slopes
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
@@ -16,7 +17,7 @@ module DIM(sgmp_auxmesh)
   private
   public :: auxmesh_copy, auxmesh_fill, auxmesh_midway, auxmesh_mirror, &
             auxmesh_relax, auxmesh_swirl
-  public :: node_rows
+  public :: graded_row, node_rows
 #if NDIM == 2
   public :: auxmesh_fill_cells
 #endif
@@ -50,8 +51,14 @@ contains
         if (gradient == 0) cycle
         do a = 0, NDIM - 1
           if (kernel_centred(field%kernel)) then
-            call fill_gradient(field, mesh%inverse_h, s, first, n, gradient + a, stride, &
-                               records(q + 1, point))
+            if (mesh%graded) then
+              call graded_slopes(mesh, graded_row(field, s), first, n, &
+                                 field%node(1, gradient + a), node_rows(field, s, first), stride, &
+                                 records(q + 1, point))
+            else
+              call fill_gradient(field, mesh%inverse_h, s, first, n, gradient + a, stride, &
+                                 records(q + 1, point))
+            end if
             q = q + NDIM
           else
             q = q + 1
@@ -355,6 +362,15 @@ contains
 #endif
     end do
   end subroutine fill_slopes
+
+  !> Numbers along the slower axes of a row of points (y, z in space; y in the plane).
+  pure function graded_row(field, s) result(row)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s
+    integer :: row(2)
+    row = [key_j(field%work%key(s)), key_k(field%work%key(s))]
+    if (NDIM == 2) row(1) = row(2)
+  end function graded_row
 
   !> Records of node `first` in the rows of nodes around a row of centres.
   pure function node_rows(field, s, first) result(b)

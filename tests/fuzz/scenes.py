@@ -7,7 +7,8 @@ loads of _latest.py, tables, walls that move, particle files; of those from 8000
 _newest.py: ceramics, more shapes, gauges, and keys that no other scene has; of those from 120000000 on what is in
 _further.py: parts that are moved, walls that rub or let waves out, foam, spall, all words of `method sgmp`; of those
 from 160000000 on concrete; of those from 200000000 on what is in _laws.py: tables as equations of state, afterburn,
-damage that knows the stress, flaws, averaged strain. Each is run with one and two threads, on two ranks and from a
+damage that knows the stress, flaws, averaged strain; of those from 240000000 on nine
+of ten scenes that may have grids with unequal cells. Each is run with one and two threads, on two ranks and from a
 checkpoint; then
 
 * the same exit code, bits, histories and verdict in all of them;
@@ -45,6 +46,7 @@ NEWEST = 80000000                     # and below these nothing of _newest.py
 FURTHER = 120000000                   # and below these nothing of _further.py
 CONCRETE = 160000000                  # and below these no concrete
 LAWS = 200000000                      # and below these nothing of _laws.py
+GRADED = 240000000                    # and below these cells are equal
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_WAIT_POLICY": "passive", "SGMP_THREADS": "exact"}
@@ -115,6 +117,29 @@ class Scene:
             self.lines = newest.keyed(self.stream("keys"), self.lines, self.axes)
             self.lines += newest.further_cards(self.stream("cards"), self.lines, self.axes,
                                                [block.lower for block in self.deforming.values()])
+        if seed >= GRADED:
+            self.grade()
+
+    def grade(self):
+        """Unequal cells, where nothing of the scene forbids them (doc/grids.md, 6). Bodies have particles of half a
+        cell, as they must."""
+        text = "\n".join(self.lines)
+        if self.method != "sgmp" or self.axisymmetric or self.split or re.search(
+                r"volumes=kept|split=|absorbing|^(pressure|traction|blast|detonation) |fracture_energy|toughness="
+                r"|time_step=|^failure .* length=| file file=|erode .*time_step| explosive ", text, re.MULTILINE):
+            return
+        luck = self.stream("unequal cells")
+        if luck.random() < 0.1:
+            return
+        words = []
+        for axis in luck.sample(self.axes, luck.randint(1, len(self.axes))):
+            low = luck.choice((0, 2, 3))
+            words.append(f"fine_{axis}=({low},{low + luck.choice((2, 3))})"
+                         + f",({low + 8},{low + 11})"*(luck.random() < 0.3))
+        words.append(f"ratio={luck.choice((1.05, 1.1, 1.3, 1.5))} largest={luck.choice((1.5, 3))}")
+        self.lines = [line + " " + " ".join(words) if line.startswith("grid ") else
+                      re.sub(r"layout=gauss |(?<= )ppc=1\b", lambda found: "ppc=2" if "ppc" in found[0] else "", line)
+                      if line.startswith("body ") else line for line in self.lines]
 
     def stream(self, what):
         """Random numbers for one choice alone."""
@@ -663,10 +688,10 @@ def problems(chosen, scene, deck):
 
 def never_drawn():
     """What the last seeds must draw, and do not in 400 scenes."""
-    texts = "".join(Scene(seed).text() for seed in range(LAWS, LAWS + 400))
+    texts = "".join(Scene(seed).text() for seed in range(GRADED, GRADED + 400))
     return [word for word in ("motion ", "wallfriction ", "=absorbing", " crushable_foam ", " concrete ", " toughness=",
                               " spall_strain=", " surfaces=corrected", " table file=", " afterburn=", " plastic_work=",
-                              " hosford_strain=", " flaws=", ",averaged_strain") if word not in texts]
+                              " hosford_strain=", " flaws=", ",averaged_strain", " fine_x=") if word not in texts]
 
 
 def main():
@@ -675,7 +700,7 @@ def main():
         scene = Scene(int(sys.argv[sys.argv.index("--show") + 1]))
         sys.exit(print(scene.text() + "".join(f"# {name}:\n# " + "\n# ".join(text.splitlines()) + "\n"
                                               for name, text in scene.files.items())))
-    chosen = arguments(__doc__, 12, LAWS)
+    chosen = arguments(__doc__, 12, GRADED)
     findings, codes = Findings(chosen.scratch), {}
     deck = os.path.join(chosen.scratch, "scene.inp")
     for word in never_drawn():

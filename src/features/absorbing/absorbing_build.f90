@@ -13,7 +13,7 @@ module sgmp_absorbing_build
   use sgmp_kinds, only: dp, lanes
   use sgmp_lattice, only: lattice_tolerance
   use sgmp_load, only: load_absorbing, load_t
-  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_places, mesh_position, mesh_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_any, parallel_max
   use sgmp_scene, only: body_card_t, layout_lattice
@@ -86,7 +86,7 @@ contains
       do c = 1, body%particles%chunks
         do l = 1, lanes
           if (body%particles%id(l, c) == 0) cycle
-          x(:mesh%ndim) = mesh_position(mesh%origin(:mesh%ndim), mesh%h, &
+          x(:mesh%ndim) = mesh_places(mesh, &
                                         body%particles%motion(l, :mesh%ndim, c))
           if (body%stressed) weight = body%particles%motion(l, mass, c)/ &
                                       body%particles%state(l, body%law%slots%volume, c)*gravity

@@ -6,10 +6,10 @@ module sgmp_contact_build
                                 normal_stiffer
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_history, only: slots_ask, slots_t
-  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_places, mesh_sides, mesh_t
   use sgmp_model, only: model_t
   use sgmp_patches, only: patch_of
-  use sgmp_scene, only: body_card_t, contact_card_t, layout_file, scene_t
+  use sgmp_scene, only: body_card_t, contact_card_t, layout_file, layout_graded, scene_t
   use sgmp_shapes, only: surface_depth
   use sgmp_surface_particles, only: surface_covered
   use sgmp_turn, only: turn_back
@@ -225,24 +225,28 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
     integer :: c, l, n
-    real(dp) :: x(3), offset
+    real(dp) :: x(3), offset, wider
     if (body%law%slots%surface == 0) return
     n = mesh%ndim
     do c = 1, body%particles%chunks
       do l = 1, lanes
         if (body%particles%id(l, c) == 0) cycle
         offset = 0.0_dp  ! particles from a file: the surface is half a spacing away
+        wider = 0.0_dp
         if (card%layout /= layout_file) then
           x = 0.0_dp
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%motion(l, :n, c))
+          x(:n) = mesh_places(mesh, body%particles%motion(l, :n, c))
           call turn_back(card%turn, x)
           offset = surface_depth(card%shapes, x, n)/body%spacing - 0.5_dp
+          if (card%layout == layout_graded) then  ! the outermost may be farther inside
+            wider = 0.5_dp*(maxval(mesh_sides(mesh, body%particles%motion(l, :n, c))) - 1.0_dp)
+          end if
         end if
         if (law_gaseous(body%law)) then
           offset = 0.0_dp  ! any particle may come to the front
         else if (offset < -outside) then
           offset = contact_no_surface
-        else if (offset > interior) then
+        else if (offset > interior + wider) then
           offset = surface_covered
         else
           offset = max(offset, 0.0_dp)*body%spacing*mesh%inverse_h

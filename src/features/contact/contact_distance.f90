@@ -6,11 +6,12 @@ module sgmp_contact_distance
   use sgmp_contact_pairs, only: contact_pair_t, normal_separating
   use sgmp_contact_resolve, only: link_sharing
   use sgmp_field, only: field_t
+  use sgmp_graded_axis, only: graded_place, graded_spacing
   use sgmp_kernels, only: stencil_reach
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_separation, only: separation
-  use sgmp_shared_nodes, only: most_rows, shared_body, shared_leads, shared_members, &
+  use sgmp_shared_nodes, only: most_rows, row_axis, shared_body, shared_leads, shared_members, &
                                shared_nodes_t, shared_parts
   use sgmp_surface_particles, only: surface_t
   implicit none
@@ -55,8 +56,8 @@ contains
       end if
       if (.not. shared_leads(shared, n, l)) cycle
       at = shared_members(shared, n, l)
-      call cloud_around(shared, n, at(1), balls(1), clouds%first)
-      call cloud_around(shared, n, at(2), balls(2), clouds%second)
+      call cloud_around(shared, n, at(1), mesh, balls(1), clouds%first)
+      call cloud_around(shared, n, at(2), mesh, balls(2), clouds%second)
       if (any(balls == 0)) cycle
       call measure(shared, n, l, at, mesh, fields, bodies, pairs(shared%pair(l)), balls, clouds)
     end do
@@ -89,7 +90,7 @@ contains
     type(contact_pair_t), intent(in) :: pair
     integer, intent(in) :: balls(2)
     type(clouds_t), intent(in) :: clouds
-    real(dp) :: line(3), gradient(3, 2), length, above, below, near2(2)
+    real(dp) :: line(3), gradient(3, 2), length, above, below, near2(2), sides(2)
     integer :: axes, side
     length = 0.0_dp
     if (pair%normal == normal_separating) then
@@ -111,8 +112,9 @@ contains
         if (all(abs(normal) <= 0.0_dp)) return
       end if
       axes = mesh%ndim - 1 - count(shared%held(:mesh%ndim, n))
-      near2 = [reach_squared(aside, pair%spacing, axes), &
-               reach_squared(2.0_dp*aside, pair%spacing, axes)]
+      sides = local_sides(mesh, shared, n, normal)
+      near2 = [reach_squared(aside, sides(2)*pair%spacing, axes), &
+               reach_squared(2.0_dp*aside, sides(2)*pair%spacing, axes)]
       above = -reach(size(clouds%second, 1), balls(2), clouds%second, -normal, near2)
       below = reach(size(clouds%first, 1), balls(1), clouds%first, normal, near2)
       shared%gap(l) = max(0.0_dp, above - below - pair%lambda)
@@ -121,9 +123,9 @@ contains
       if (pair%fills) shared%gap(l) = max(0.0_dp, length - pair%lambda)
       ! Half way between the surfaces, seen from the node, is where the bodies touch.
       shared%middle(l) = 0.5_dp*above + 0.5_dp*below
-      if (pair%fills .and. abs(shared%middle(l)) > far) shared%middle(l) = 0.0_dp
+      if (pair%fills .and. abs(shared%middle(l)) > far*sides(1)) shared%middle(l) = 0.0_dp
       shared%near(l) = (pair%fills .or. above - below < pair%lambda + margin) .and. &
-                       abs(shared%middle(l)) <= pair%depth + edge
+                       abs(shared%middle(l)) <= sides(1)*pair%depth + edge
     end associate
   end subroutine measure
 
@@ -231,9 +233,10 @@ contains
   !> Surface particles of a member around a node, and of all that are one matter with it there;
   !! those that are left out, and the rest of the last group, reach nowhere. Where the node is held,
   !! particles are put onto its planes.
-  pure subroutine cloud_around(shared, n, m, balls, x)
+  pure subroutine cloud_around(shared, n, m, mesh, balls, x)
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: n, m                  !! node and member
+    type(mesh_t), intent(in) :: mesh
     integer, intent(out) :: balls                !! 0 or a multiple of `lanes`
     real(dp), allocatable, intent(inout) :: x(:, :)
     real(dp) :: node(4), support
@@ -267,6 +270,7 @@ contains
       balls = 0
       return
     end if
+    if (mesh%graded) call stretch(mesh, node, balls, x)
     do d = 1, 3
       if (shared%held(d, n)) x(:balls, d) = 0.0_dp
     end do
@@ -274,6 +278,36 @@ contains
     x(balls + 1:balls + lanes, 4) = nowhere
     balls = lanes*((balls + lanes - 1)/lanes)
   end subroutine cloud_around
+
+  !> Turns differences of coordinates from a node into lengths, where cells are unequal.
+  pure subroutine stretch(mesh, node, balls, x)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: node(4)
+    integer, intent(in) :: balls
+    real(dp), intent(inout) :: x(:, :)
+    integer :: d
+    do d = 1, mesh%ndim
+      x(:balls, d) = graded_place(mesh%axes(d), node(d) + x(:balls, d)) - &
+                     graded_place(mesh%axes(d), node(d))
+    end do
+  end subroutine stretch
+
+  !> Spacings of the centres around a node, along a direction and the largest (smallest cell); 1
+  !! where cells are equal.
+  pure function local_sides(mesh, shared, n, normal) result(sides)
+    type(mesh_t), intent(in) :: mesh
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n                     !! the node
+    real(dp), intent(in) :: normal(3)            !! unit vector
+    real(dp) :: sides(2)
+    real(dp) :: spacing(mesh%ndim)
+    integer :: d
+    sides = 1.0_dp
+    if (.not. mesh%graded) return
+    spacing = graded_spacing(mesh%axes(:mesh%ndim), &
+                             shared%point(row_axis([(d, d=1, mesh%ndim)], mesh%ndim), n))
+    sides = [norm2(spacing*normal(:mesh%ndim)), maxval(spacing)]
+  end function local_sides
 
   !> Adds the surface particles of a body in some bins.
   pure subroutine add_balls(surface, bins, node, support, balls, x)

@@ -15,6 +15,7 @@ module sgmp_contact_levers
   use sgmp_body, only: body_t
   use sgmp_columns, only: node_inverse_mass
   use sgmp_field, only: field_t
+  use sgmp_graded_axis, only: graded_place
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_free
   use sgmp_shared_nodes, only: row_axis, shared_members, shared_nodes_t
@@ -148,7 +149,7 @@ contains
       levers%place(nodes, side, l) = b
       levers%record(nodes, side, l) = r
       inverse(nodes) = field%node(r, node_inverse_mass(nd))
-      x(:nd, nodes) = shift(row_axis([(a, a=1, nd)], nd)) + offset_of(field, r, nd)
+      x(:nd, nodes) = ways(mesh, shared%point(:, n), shift) + offset_of(field, r, nd)
     end do
     levers%nodes(side, l) = nodes
     part(:nodes) = 1.0_dp/inverse(:nodes)
@@ -172,6 +173,22 @@ contains
       levers%gain(b, side, l) = levers%share(b, side, l)*inverse(b)
     end do
   end subroutine find_shares
+
+  !> From a node to one around it (smallest cell).
+  pure function ways(mesh, point, shift) result(way)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: point(3), shift(3)    !! along i, j, k
+    real(dp) :: way(mesh%ndim)
+    integer :: axis, a
+    do axis = 1, mesh%ndim
+      a = row_axis(axis, mesh%ndim)
+      way(axis) = shift(a)
+      if (mesh%axes(axis)%graded) then
+        way(axis) = graded_place(mesh%axes(axis), real(point(a) + shift(a), dp)) - &
+                    graded_place(mesh%axes(axis), real(point(a), dp))
+      end if
+    end do
+  end function ways
 
   !> Where a node's centre of mass lies, from the node (cells).
   pure function offset_of(field, r, nd) result(offset)

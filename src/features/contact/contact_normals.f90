@@ -4,6 +4,7 @@ module sgmp_contact_normals
   use sgmp_body, only: body_t
   use sgmp_contact_pairs, only: normal_first, normal_second
   use sgmp_field, only: field_t
+  use sgmp_graded_axis, only: graded_spacing, graded_width
   use sgmp_kernel_functions, only: kernel_function
   use sgmp_kernels, only: kernel_centred, kernel_sized
   use sgmp_kinds, only: dp, lanes
@@ -59,7 +60,7 @@ contains
     real(dp) :: gradient(3)
     integer :: part, b
     if (kernel_centred(field%kernel)) then
-      gradient = centre_gradient(field, shared%interval(m), point(1))/ &
+      gradient = centre_gradient(mesh, field, shared%interval(m), point)/ &
                  bodies(shared%body(m))%law%density
       return
     end if
@@ -72,13 +73,16 @@ contains
     end do
   end function volume_gradient
 
-  !> Sum of m_c grad N_Ic (Eq. 88), in units of mass per cell.
-  pure function centre_gradient(field, interval, i) result(gradient)
+  !> Sum of m_c grad N_Ic (Eq. 88), in units of mass per cell. Where cells are unequal, of masses
+  !! over the volumes of their cells: a body that fills them all has no gradient.
+  pure function centre_gradient(mesh, field, interval, point) result(gradient)
+    type(mesh_t), intent(in) :: mesh
     type(field_t), intent(in) :: field
-    integer, intent(in) :: interval, i
+    integer, intent(in) :: interval, point(3)
     real(dp) :: gradient(3)
     real(dp) :: left, right, section(2)
-    integer :: dj, dk, base
+    integer :: dj, dk, base, i, axis
+    i = point(1)
     section = circumference(field%space, axis_radius_filled([i - 1, i]))
     gradient = 0.0_dp
     do dk = -merge(1, 0, field%ndim >= 2), 0
@@ -86,6 +90,10 @@ contains
         base = field%neighbour(dj, dk, interval) + i
         left = field%moment(base - 1, field%columns%mass)/section(1)
         right = field%moment(base, field%columns%mass)/section(2)
+        if (mesh%graded) then
+          left = left/cell_size(mesh, [i - 1, point(2) + dj, point(3) + dk])
+          right = right/cell_size(mesh, [i, point(2) + dj, point(3) + dk])
+        end if
         gradient(1) = gradient(1) + (left - right)
         if (field%ndim == 2) gradient(2) = gradient(2) + sign(left + right, -dk - 0.5_dp)
         if (field%ndim == 3) gradient(2) = gradient(2) + sign(left + right, -dj - 0.5_dp)
@@ -93,7 +101,24 @@ contains
       end do
     end do
     gradient = gradient*0.5_dp**(field%ndim - 1)
+    if (.not. mesh%graded) return
+    do axis = 1, field%ndim
+      gradient(axis) = gradient(axis)/graded_spacing(mesh%axes(axis), &
+                                                     point(row_axis(axis, field%ndim)))
+    end do
   end function centre_gradient
+
+  !> Volume of the cell of a centre, over that of the smallest.
+  pure function cell_size(mesh, centre) result(volume)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: centre(3)             !! i, j, k
+    real(dp) :: volume
+    integer :: axis
+    volume = 1.0_dp
+    do axis = 1, mesh%ndim
+      volume = volume*graded_width(mesh%axes(axis), centre(row_axis(axis, mesh%ndim)))
+    end do
+  end function cell_size
 
   !> Sum of m_p grad S_Ip (Eq. 87), in units of mass per cell.
   pure function particle_gradient(mesh, kernel, body, surface, bins, point) result(gradient)

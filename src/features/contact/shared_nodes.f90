@@ -11,7 +11,7 @@ module sgmp_shared_nodes
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_reach
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_position, mesh_t, wall_fixed, wall_free
+  use sgmp_mesh, only: mesh_place, mesh_t, wall_fixed, wall_free
   use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_dilate, rows_intersection, &
     rows_planes, rows_points, rows_t, rows_union
   use sgmp_surface_particles, only: surface_bins, surface_list, surface_t
@@ -162,8 +162,7 @@ contains
     integer :: d
     position = 0.0_dp
     do d = 1, mesh%ndim
-      position(d) = mesh_position(mesh%origin(d), mesh%h, &
-                                  real(shared%point(row_axis(d, mesh%ndim), n), dp))
+      position(d) = mesh_place(mesh, d, real(shared%point(row_axis(d, mesh%ndim), n), dp))
     end do
   end function shared_place
 

@@ -23,7 +23,8 @@ contains
   !! u = v - sum N v_I.
   pure subroutine collisions_collect(loose, live, h, speed, velocity, gradient, motion, values)
     real(dp), intent(in) :: loose(lanes), live(lanes)  !! 1 or 0
-    real(dp), intent(in) :: h, speed                   !! speed: of sound
+    real(dp), intent(in) :: h(lanes)                   !! side of the cell
+    real(dp), intent(in) :: speed                      !! of sound
     real(dp), intent(in) :: velocity(lanes, NDIM)      !! of the grid, before the kick
     real(dp), intent(in) :: gradient(lanes, NDIM**2)   !! of it
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
@@ -38,7 +39,7 @@ contains
     do l = 1, lanes
       if (loose(l) < 0.5_dp) cycle
       unseen = sum((motion(l, before_v + 1:before_v + NDIM) - velocity(l, :))**2)
-      represented = seen*h**2*sum(gradient(l, :)**2) + (noticed*speed)**2
+      represented = seen*h(l)**2*sum(gradient(l, :)**2) + (noticed*speed)**2
       if (unseen <= represented) cycle
       values(l, NDIM + 2) = values(l, 1)*(1.0_dp - represented/unseen)
       values(l, NDIM + 3) = values(l, NDIM + 2)*unseen

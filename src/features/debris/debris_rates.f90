@@ -13,6 +13,7 @@ module sgmp_debris_rates
   use sgmp_columns, only: collide_kick, collide_rate, collide_square, collide_velocity, &
                           node_acceleration, node_inertia
   use sgmp_field, only: field_base, field_t
+  use sgmp_graded_axis, only: graded_width
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
@@ -53,7 +54,9 @@ contains
         if (.not. fields(f)%moment(c, debris) > 0.0_dp) cycle
         sums = point_sums(fields, f, key_j(fields(f)%work%key(s)), &
                           key_k(fields(f)%work%key(s)), i)
-        rate = debris_rate(sums(1), sums(mesh%ndim + 2), sums(mesh%ndim + 3), speed, dt/mesh%h)
+        rate = debris_rate(sums(1), sums(mesh%ndim + 2), sums(mesh%ndim + 3), speed, &
+                           dt/side(mesh, key_j(fields(f)%work%key(s)), &
+                                   key_k(fields(f)%work%key(s)), i))
         if (.not. rate > 0.0_dp) cycle
         velocity = sums(2:mesh%ndim + 1)/sums(1)
         call hold(fields(f), mesh, s, i, velocity)
@@ -63,6 +66,19 @@ contains
       end do
     end do
   end subroutine debris_rates
+
+  !> Largest side of the cell of a point.
+  pure function side(mesh, j, k, i) result(length)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: j, k, i
+    real(dp) :: length
+    integer :: point(3)
+    length = mesh%h
+    if (.not. mesh%graded) return
+    point = [i, j, k]
+    if (mesh%ndim == 2) point(2) = k
+    length = mesh%h*maxval(graded_width(mesh%axes(:mesh%ndim), point(:mesh%ndim)))
+  end function side
 
   !> (DB3)
   elemental function debris_rate(mass, unseen, square, speed, dt_over_h) result(rate)

@@ -7,7 +7,7 @@ module sgmp_driven_build
   use sgmp_kinds, only: dp, lanes
   use sgmp_loads_build, only: chosen
   use sgmp_material_history, only: slots_ask
-  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_places, mesh_position, mesh_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums
@@ -118,7 +118,7 @@ contains
       do c = 1, particles%chunks
         do l = 1, lanes
           if (particles%id(l, c) == 0) cycle
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
+          x(:n) = mesh_places(mesh, particles%motion(l, :n, c))
           if (.not. chosen(card%where, x, terms(unclear, c))) cycle
           particles%state(l, body%driven(own)%mark, c) = 1.0_dp
           m = particles%motion(l, motion_mass(n), c)
@@ -150,7 +150,7 @@ contains
       do c = 1, particles%chunks
         do l = 1, lanes
           if (particles%id(l, c) == 0 .or. .not. particles%state(l, part%mark, c) > 0.0_dp) cycle
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
+          x(:n) = mesh_places(mesh, particles%motion(l, :n, c))
           v = drive_velocity(part%drive, x)
           do d = 1, n
             if (part%axes(d)) particles%motion(l, n + d, c) = v(d)

@@ -18,7 +18,7 @@ module sgmp_driven_nodes
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_places, mesh_t
   use sgmp_rows, only: key_j, key_k
   use sgmp_wall_work, only: holding_wall
   implicit none
@@ -254,7 +254,7 @@ contains
     integer :: k, n
     n = field%ndim
     place = 0.0_dp
-    place(:n) = mesh_position(mesh%origin(:n), mesh%h, real(point(:n), dp))
+    place(:n) = mesh_places(mesh, real(point(:n), dp))
     v = 0.0_dp
     before = 0.0_dp
     do k = 1, size(field%drives)

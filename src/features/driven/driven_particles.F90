@@ -6,7 +6,7 @@ module DIM(sgmp_driven_particles)
   use sgmp_body, only: body_parts, body_t
   use sgmp_drive, only: drive_add, drive_jolt, drive_velocity
   use sgmp_kinds, only: dp, lanes
-  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_places, mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   implicit none
   private
@@ -40,7 +40,7 @@ contains
         do l = 1, lanes
           if (.not. live(l)*state(l, part%mark) > 0.0_dp) cycle
           place = 0.0_dp
-          place(:NDIM) = mesh_position(mesh%origin(:NDIM), mesh%h, motion(l, :NDIM))
+          place(:NDIM) = mesh_places(mesh, motion(l, :NDIM))
           wanted = drive_velocity(part%drive, place)
           force = 0.0_dp
           turning = 0.0_dp

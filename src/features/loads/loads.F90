@@ -20,7 +20,7 @@ module DIM(sgmp_loads)
   use sgmp_expression, only: expression_places, expression_t, expression_time
   use sgmp_kinds, only: dp, lanes
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_pressure, load_t
-  use sgmp_mesh, only: mesh_t
+  use sgmp_mesh, only: mesh_place, mesh_t
   use sgmp_motion, only: motion_total
   use sgmp_sums, only: sum_applied, sum_edge_impulse, sum_edge_work, sweep_sums
   implicit none
@@ -307,7 +307,11 @@ contains
     places = 0.0_dp
     places(:, expression_time) = time
     do d = 1, NDIM
-      places(:, d) = mesh%origin(d) + mesh%h*motion(:, d)
+      if (mesh%graded) then
+        places(:, d) = mesh_place(mesh, d, motion(:, d))
+      else
+        places(:, d) = mesh%origin(d) + mesh%h*motion(:, d)
+      end if
       if (body%law%slots%initial > 0) places(:, 3 + d) = state(:, body%law%slots%initial + d - 1)
     end do
   end subroutine take_places

@@ -9,7 +9,7 @@ module sgmp_loads_build
   use sgmp_lattice, only: lattice_tolerance
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_t
   use sgmp_material_history, only: slots_ask
-  use sgmp_mesh, only: mesh_position, mesh_t, wall_free
+  use sgmp_mesh, only: mesh_places, mesh_position, mesh_t, wall_free
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums, parallel_min
   use sgmp_scene, only: body_card_t, load_card_t, scene_t
@@ -139,7 +139,7 @@ contains
       do c = 1, particles%chunks
         do l = 1, lanes
           if (particles%id(l, c) == 0) cycle
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
+          x(:n) = mesh_places(mesh, particles%motion(l, :n, c))
           if (card%kind /= load_force) then
             call faces_of(card, owner, mesh, body%spacing, x, particles%state(l, 1, c), faces, &
                           terms(:, c))
@@ -173,7 +173,7 @@ contains
       do l = 1, lanes
         associate (area => body%particles%state(l, column:column + n - 1, c))
           if (all(abs(area) <= 0.0_dp)) cycle
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, body%particles%motion(l, :n, c)) + &
+          x(:n) = mesh_places(mesh, body%particles%motion(l, :n, c)) + &
                   0.5_dp*body%particles%state(l, body%law%slots%volume, c)/sum(area**2)*area
         end associate
         least = min(least, norm2(x - blast%point))

@@ -4,7 +4,7 @@ module sgmp_rigid_bodies
   use sgmp_columns, only: node_inverse_mass, node_velocity
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_place, mesh_t
   use sgmp_rigid_motion, only: motion_advance, motion_plan
   use sgmp_rows, only: key_j, key_k
   implicit none
@@ -132,7 +132,7 @@ contains
     pure function away(axis, point) result(distance)
       integer, intent(in) :: axis, point
       real(dp) :: distance
-      distance = mesh_position(mesh%origin(axis), mesh%h, real(point, dp)) - centre(axis)
+      distance = mesh_place(mesh, axis, real(point, dp)) - centre(axis)
     end function away
 
   end subroutine fill

@@ -2,7 +2,7 @@
 module sgmp_rigid_build
   use sgmp_body, only: body_t
   use sgmp_kinds, only: dp, lanes
-  use sgmp_mesh, only: mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_places, mesh_position, mesh_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums
   use sgmp_rigid_motion, only: freedoms, motion_at, motion_axes, motion_inertia, motion_spin, &
@@ -131,7 +131,7 @@ contains
         do l = 1, lanes
           if (particles%id(l, c) == 0) cycle
           m = particles%motion(l, motion_mass(n), c)
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c)) - centre(:n)
+          x(:n) = mesh_places(mesh, particles%motion(l, :n, c)) - centre(:n)
           v(:n) = particles%motion(l, n + 1:2*n, c)
           terms(:, c) = terms(:, c) + m*[x(1)*x, x(2)*x, x(3)*x, v, cross(x, v), &
                                          particles%state(l, 1, c)**(2.0_dp/n)/12.0_dp]
@@ -159,7 +159,7 @@ contains
       do c = 1, particles%chunks
         do l = 1, lanes
           if (particles%id(l, c) == 0) cycle
-          x(:n) = mesh_position(mesh%origin(:n), mesh%h, particles%motion(l, :n, c))
+          x(:n) = mesh_places(mesh, particles%motion(l, :n, c))
           v = motion_at(body%rigid_motion, body%speed, x)
           particles%motion(l, n + 1:2*n, c) = v(:n)
         end do

@@ -23,10 +23,13 @@
 !! Taken to other places they would move particles on and on, without a strain that held them back.
 !! Lengths are in cells.
 module DIM(sgmp_rotation)
-  use DIM(sgmp_auxmesh), only: node_rows
+  use DIM(sgmp_auxmesh), only: graded_row, node_rows
   use sgmp_columns, only: node_acceleration
   use sgmp_field, only: field_t
+  use sgmp_graded_axis, only: graded_width
+  use DIM(sgmp_graded_rows), only: graded_nodes, graded_weights_t
   use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t
   use sgmp_rotation_points, only: at_centre, at_force, at_node
   use DIM(sgmp_rotation_rows), only: centre_rows, next_run, slope
   implicit none
@@ -88,18 +91,25 @@ contains
 
   !> f = f - sum_c T_c x G_cI for a tile of nodes: with the couples the force has no moment about
   !! the centres of mass.
-  pure subroutine rotation_force(field, s, first, n, couple, f)
+  pure subroutine rotation_force(field, mesh, s, first, n, couple, f)
     type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
     real(dp), intent(in) :: couple(VECTOR, *)
     real(dp), intent(inout) :: f(:, :)           !! (n or more, ndim)
     real(dp) :: t(VECTOR, NDIM)
+    type(graded_weights_t) :: w
     integer :: b(NROW), i, q, at
     at = field%neighbour(0, 0, s) + first - 1
     b = centre_rows(field, s, first)
+    if (mesh%graded) call graded_nodes(mesh, graded_row(field, s), first, n, w)
     do i = 1, n
       if (.not. field%rotation%at(at + i, at_force)) cycle
-      t = vectors_differences(couple, b, i)
+      if (mesh%graded) then
+        t = scaled_differences(couple, b, i, w%slope(i - 1:i), w%slow_slope)
+      else
+        t = vectors_differences(couple, b, i)
+      end if
       do q = 1, NSPIN
         f(i, axes(1, q)) = f(i, axes(1, q)) - slope*t(q, axes(2, q))
         f(i, axes(2, q)) = f(i, axes(2, q)) + slope*t(q, axes(1, q))
@@ -109,21 +119,24 @@ contains
 
   !> Mass times the curl of a nodal velocity, less the kick times the acceleration, at the centres
   !! of one plane.
-  pure subroutine rotation_curls(field, plane, column, kick)
+  pure subroutine rotation_curls(field, mesh, plane, column, kick)
     type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane, column         !! first column of the velocity
     real(dp), intent(in) :: kick
-    real(dp) :: curl(NSPIN)
+    real(dp) :: curl(NSPIN), factors(NDIM)
     integer :: s, i, at, b(NROW)
+    factors = slope
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       at = field%neighbour(0, 0, s)
       b = node_rows(field, s, 0)
       do i = field%work%first(s), field%work%last(s)
         if (.not. field%rotation%at(at + i, at_centre)) cycle
         curl = 0.0_dp
-        call add_curl(size(field%node, 1), field%node(1, column), b, i + 1, slope, curl)
+        if (mesh%graded) factors = slope*rotation_slopes(field, mesh, s, i)
+        call add_curl(size(field%node, 1), field%node(1, column), b, i + 1, factors, curl)
         if (abs(kick) > 0.0_dp) call add_curl(size(field%node, 1), &
-          field%node(1, node_acceleration), b, i + 1, -kick*slope, curl)
+          field%node(1, node_acceleration), b, i + 1, -kick*factors, curl)
         field%rotation%couple(:NSPIN, at + i) = field%moment(at + i, field%columns%mass)*curl
       end do
     end do
@@ -134,13 +147,13 @@ contains
     integer, intent(in) :: points
     real(dp), intent(in) :: v(points, NDIM)
     integer, intent(in) :: rows(NROW), i
-    real(dp), intent(in) :: factor
+    real(dp), intent(in) :: factor(NDIM)         !! by axis of the difference
     real(dp), intent(inout) :: curl(NSPIN)
     integer :: q
     do q = 1, NSPIN
       associate (a => axes(1, q), b => axes(2, q))
-        curl(q) = curl(q) + factor*corner_difference(v(1, b), rows, i, a)
-        curl(q) = curl(q) - factor*corner_difference(v(1, a), rows, i, b)
+        curl(q) = curl(q) + factor(a)*corner_difference(v(1, b), rows, i, a)
+        curl(q) = curl(q) - factor(b)*corner_difference(v(1, a), rows, i, b)
       end associate
     end do
   end subroutine add_curl
@@ -163,6 +176,40 @@ contains
 #endif
     end select
   end function corner_difference
+
+  !> Slopes 1/h_c along the axes at a centre, of unequal cells.
+  pure function rotation_slopes(field, mesh, s, centre) result(slopes)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, centre
+    real(dp) :: slopes(NDIM)
+    integer :: row(2), axis
+    row = graded_row(field, s)
+    slopes(1) = 1.0_dp/graded_width(mesh%axes(1), centre)
+    do axis = 2, NDIM
+      slopes(axis) = 1.0_dp/graded_width(mesh%axes(axis), row(axis - 1))
+    end do
+  end function rotation_slopes
+
+  !> Differences of vectors that are first multiplied by the slopes of their centres along the axis.
+  pure function scaled_differences(vectors, b, i, fast, slow) result(t)
+    real(dp), intent(in) :: vectors(VECTOR, *)
+    integer, intent(in) :: b(NROW), i
+    real(dp), intent(in) :: fast(2)              !! of centres i - 1, i along x
+    real(dp), intent(in) :: slow(2, 2)           !! (lower|upper row, axis - 1)
+    real(dp) :: t(VECTOR, NDIM)
+    integer :: r, upper(2)
+    t = 0.0_dp
+    do r = 1, NROW
+      t(:, 1) = t(:, 1) + (fast(2)*vectors(:, b(r) + i) - fast(1)*vectors(:, b(r) + i - 1))
+      upper = 1 + [(r - 1)/2, mod(r - 1, 2)]
+      if (NDIM == 2) upper(1) = r
+      associate (both => vectors(:, b(r) + i) + vectors(:, b(r) + i - 1))
+        t(:, 2) = t(:, 2) + (2*upper(1) - 3)*slow(upper(1), 1)*both
+        if (NDIM == 3) t(:, NDIM) = t(:, NDIM) + (2*upper(2) - 3)*slow(upper(2), 2)*both
+      end associate
+    end do
+  end function scaled_differences
 
   !> Takes velocities to the places of the nodes of one plane, v = v - w x D, w from the curl above.
   pure subroutine rotation_place(field, plane, columns)

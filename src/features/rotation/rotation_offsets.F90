@@ -14,9 +14,10 @@
 !! With J_c = 1 + sum_I D_I (x) G_cI the curl of omega x X at a centre is (tr J - J) omega. Lengths
 !! are in cells. Points far from surfaces, where the offsets D_I vanish, are passed over.
 module DIM(sgmp_rotation_offsets)
-  use DIM(sgmp_auxmesh), only: node_rows
+  use DIM(sgmp_auxmesh), only: graded_row, node_rows
   use sgmp_driven_nodes, only: driven_nodes_hold
   use sgmp_field, only: field_t
+  use sgmp_graded_axis, only: graded_spacing, graded_width
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rotation_points, only: at_centre, at_force, at_node
@@ -52,6 +53,10 @@ contains
         b = centre_rows(field, s, first)
         call sums_row(n, field%moment(1, field%columns%mass), b, m)
         do a = 1, NDIM
+          if (mesh%graded) then
+            call graded_moments(field, mesh, s, first, n, a, offset(1, a))
+            cycle
+          end if
           call pair_moments(field, s, first, n, a, offset(1, a))
           call add_differences(n, 0.5_dp, a, field%moment(1, field%columns%mass), b, offset(1, a))
         end do
@@ -114,6 +119,46 @@ contains
     end associate
   end subroutine pair_moments
 
+  !> Sum of first moments of the centres around the nodes of a row, about the nodes, where cells are
+  !! unequal: of pairs beyond the two centres, whose moments are in their spacings, and of centres
+  !! half a spacing from the node.
+  pure subroutine graded_moments(field, mesh, s, first, n, axis, total)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n, axis
+    real(dp), intent(inout) :: total(*)          !! a tile
+    real(dp) :: spacing(-1:1), about(tile)
+    integer :: r, dj, dk, i, row(2), above, below, up(3), at
+    row = graded_row(field, s)
+    up = merge(1, 0, [axis == 1, NDIM == 3 .and. axis == 2, axis == NDIM .and. axis > 1])
+    about(:n) = 0.0_dp
+    call add_differences(n, 0.5_dp, axis, field%moment(1, field%columns%mass), &
+                         centre_rows(field, s, first), about)
+    do i = 1, n
+      at = first + i - 1
+      if (axis > 1) at = row(axis - 1)
+      spacing = graded_spacing(mesh%axes(axis), [at - 1, at, at + 1])
+      total(i) = spacing(0)*about(i)
+      associate (pair => field%moment(:, field%columns%pairs + axis - 1))
+        do r = 1, NROW
+          dj = (r - 1)/2 - NDIM + 2
+          dk = mod(r - 1, 2) - 1
+          if (up(2) == 1 .and. dj < 0) cycle      ! rows along the axis: once
+          if (up(3) == 1 .and. dk < 0) cycle
+          at = first + i - 1
+          above = at + field%neighbour(merge(1, dj, up(2) == 1), merge(1, dk, up(3) == 1), s)
+          below = at + field%neighbour(merge(-1, dj, up(2) == 1), merge(-1, dk, up(3) == 1), s)
+          if (axis == 1) then
+            total(i) = total(i) + (spacing(1)*pair(above + 1) - spacing(-1)*pair(below - 1))
+          else
+            total(i) = total(i) + (spacing(1)*(pair(above) + pair(above - 1)) - &
+                                   spacing(-1)*(pair(below) + pair(below - 1)))
+          end if
+        end do
+      end associate
+    end do
+  end subroutine graded_moments
+
   !> Nodes on a slip wall have the offset of a body with its mirror image, those on a fixed wall do
   !! not move. (Nor do those that a part of a body moves, but as it says for their own places.)
   pure subroutine hold_offsets(field, mesh, s, first, n, offset)
@@ -171,19 +216,28 @@ contains
   end subroutine keep_offsets
 
   !> Mass times tr J - J at the centres around those nodes.
-  pure subroutine rotation_inertia(field, plane)
+  pure subroutine rotation_inertia(field, mesh, plane)
     type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane
-    integer :: s, i, at, b(NROW)
+    real(dp) :: slopes(VECTOR, NDIM)
+    integer :: s, i, a, at, b(NROW), row(2)
     call mark(field, plane, at_node, at_centre)
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       at = field%neighbour(0, 0, s)
       b = node_rows(field, s, 0)
       do i = field%work%first(s), field%work%last(s)
         if (.not. field%rotation%at(at + i, at_centre)) cycle
+        slopes = slope*offset_differences(field%rotation%offset, b, i + 1)
+        if (mesh%graded) then
+          row = graded_row(field, s)
+          slopes(:, 1) = slopes(:, 1)/graded_width(mesh%axes(1), i)
+          do a = 2, NDIM
+            slopes(:, a) = slopes(:, a)/graded_width(mesh%axes(a), row(a - 1))
+          end do
+        end if
         field%rotation%tensor(:WIDTH, :NSPIN, at + i) = &
-          field%moment(at + i, field%columns%mass)* &
-          angular_tensor(slope*offset_differences(field%rotation%offset, b, i + 1))
+          field%moment(at + i, field%columns%mass)*angular_tensor(slopes)
       end do
     end do
   end subroutine rotation_inertia

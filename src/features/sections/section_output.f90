@@ -12,10 +12,11 @@
 !! ids, so that the sums have the same bits on any number of threads and ranks.
 module sgmp_section_output
   use sgmp_errors, only: error_t
+  use sgmp_graded_axis, only: graded_spacing
   use sgmp_history, only: column_length, history_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: mesh_t
+  use sgmp_mesh, only: mesh_find, mesh_t
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_agree, parallel_rank
   use sgmp_scene, only: name_length, section_card_t
@@ -76,10 +77,11 @@ contains
     integer :: axis
     axis = maxloc(abs(plane%card%normal), 1)
     if (abs(plane%card%normal(axis)) < 1.0_dp - 1.0e-12_dp) return
-    place = (plane%card%point(axis) - mesh%origin(axis))*mesh%inverse_h - 0.5_dp
+    place = mesh_find(mesh, axis, plane%card%point(axis)) - 0.5_dp
     plane%share(2) = place - floor(place)
     plane%share(1) = 1.0_dp - plane%share(2)
-    plane%away = mesh%h*[-plane%share(2), plane%share(1)]*plane%card%normal(axis)
+    plane%away = mesh%h*graded_spacing(mesh%axes(axis), floor(place) + 1)* &
+                 [-plane%share(2), plane%share(1)]*plane%card%normal(axis)
   end subroutine find_centres
 
   !> Starts the table where the scene has sections, on the first rank.

@@ -26,13 +26,19 @@
 !! About an axis the hoop strain gets at both centres of a pair along z (PR5)
 !!     k_e h (D_c - D_(c+z))/r,     D the slope of the radial velocity along z;
 !! along r its own correction (sgmp_axis) stands for this, and next to the axis both would be wrong.
+!!
+!! Where cells are unequal (sgmp_graded_axis) differences are over the distances of the nodes, and a
+!! pair's weight has the spacing of its centres as a factor: that is what the B-spline of unequal
+!! cells has between two centres beyond what is linear.
 module DIM(sgmp_surfaces)
 #ifdef AXISYMMETRIC
   use sgmp_axis, only: axis_radius
 #endif
-  use DIM(sgmp_auxmesh), only: node_rows
+  use DIM(sgmp_auxmesh), only: graded_row, node_rows
   use sgmp_columns, only: pair_sums
   use sgmp_field, only: field_t
+  use sgmp_graded_axis, only: graded_spacing
+  use CARTESIAN(sgmp_graded_rows), only: graded_push, graded_twist_factors, graded_twists
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_pair_points, only: stage_forces, stage_gains, stage_twists, &
@@ -70,12 +76,18 @@ contains
         select case (stage)
         case (stage_weights)
           call weigh_row(field, s, first, n)
+          if (mesh%graded) call grade_weights(field, mesh, s, first, n)
         case (stage_twists)
-          call twist_row(field, s, first, n, column)
+          if (mesh%graded) then
+            call twist_graded(field, mesh, s, first, n, column)
+          else
+            call twist_row(field, s, first, n, column)
+          end if
         case (stage_gains)
           call gain_row(field, mesh%inverse_h, s, first, n)
         case default  ! stage_forces
           call force_row(field, mesh%inverse_h, s, first, n)
+          if (mesh%graded) call grade_forces(field, mesh, s, first, n)
         end select
       end do
       if (stage == stage_weights) call part_at_walls(field, mesh, s)
@@ -208,6 +220,63 @@ contains
       end do
     end do
   end subroutine part_at_walls
+
+  !> Weights of a row, times the spacings of the centres that they join.
+  pure subroutine grade_weights(field, mesh, s, first, n)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp) :: factor
+    integer :: row(2), at, i, q, axis
+    row = graded_row(field, s)
+    at = field%neighbour(0, 0, s) + first - 1
+    do q = 1, pair_sums(NDIM)
+      factor = 1.0_dp
+      do axis = 2, NDIM
+        if (pair_spans(q, axis)) factor = factor*graded_spacing(mesh%axes(axis), row(axis - 1))
+      end do
+      field%pairs%weight(at + 1:at + n, q) = factor*field%pairs%weight(at + 1:at + n, q)
+      if (.not. pair_spans(q, 1)) cycle
+      do i = 1, n
+        field%pairs%weight(at + i, q) = graded_spacing(mesh%axes(1), first + i - 1)* &
+                                        field%pairs%weight(at + i, q)
+      end do
+    end do
+  end subroutine grade_weights
+
+  !> Second differences where cells are unequal.
+  pure subroutine twist_graded(field, mesh, s, first, n, column)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n, column
+    real(dp) :: t(tile, 1 + 3*(NDIM - 2))
+    integer :: a, q, at
+    at = field%neighbour(0, 0, s) + first
+    do a = 1, NDIM
+      call graded_twists(mesh, graded_row(field, s), first, n, field%node(1, column + a - 1), &
+                         node_rows(field, s, first), t)
+      do q = 1, size(t, 2)
+        field%pairs%centre(at:at + n - 1, a + NDIM*(q - 1)) = t(:n, q)
+      end do
+    end do
+  end subroutine twist_graded
+
+  !> Forces on the differences of a row, times the factors that these have.
+  pure subroutine grade_forces(field, mesh, s, first, n)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp) :: factors(tile, 1 + 3*(NDIM - 2))
+    integer :: a, q, at
+    call graded_twist_factors(mesh, graded_row(field, s), first, n, factors)
+    at = field%neighbour(0, 0, s) + first
+    do q = 1, size(factors, 2)
+      do a = 1, NDIM
+        field%pairs%centre(at:at + n - 1, a + NDIM*(q - 1)) = &
+          factors(:n, q)*field%pairs%centre(at:at + n - 1, a + NDIM*(q - 1))
+      end do
+    end do
+  end subroutine grade_forces
 
   !> Second differences of a nodal velocity at the centres of a row, in space the third ones, too.
   pure subroutine twist_row(field, s, first, n, column)
@@ -475,15 +544,22 @@ contains
 #endif
 
   !> Adds to the internal forces of a tile of nodes what pairs and quads give (PR4).
-  pure subroutine surfaces_push(field, b, n, f)
+  pure subroutine surfaces_push(field, mesh, s, first, b, n, f)
     type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first              !! interval, first node
     integer, intent(in) :: b(NROW)               !! rows of centres around the nodes
     integer, intent(in) :: n
     real(dp), intent(inout) :: f(:, :)           !! (n in whole vectors or more, ndim)
     integer :: a
     if (bare(NROW, n, b + 1, field%moment(1, firm(field)))) return
     do a = 1, NDIM
-      call push(n, b, size(field%pairs%centre, 1), field%pairs%centre(1, a), f(:, a))
+      if (mesh%graded) then
+        call graded_push(mesh, graded_row(field, s), first, n, b, size(field%pairs%centre, 1), &
+                         field%pairs%centre(1, a), f(:, a))
+      else
+        call push(n, b, size(field%pairs%centre, 1), field%pairs%centre(1, a), f(:, a))
+      end if
     end do
 #ifdef AXISYMMETRIC
     call push_slopes(n, b, field%pairs%centre(:, slope), f(:, 1))

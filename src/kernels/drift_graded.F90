@@ -1,0 +1,69 @@
+! dimension-generic
+#include "dimension.inc"
+!> The drift of a chunk where cells are unequal (sgmp_graded_axis). Apart from sgmp_chunk, whose
+!! code for equal cells is then what it would be without.
+module DIM(sgmp_drift_graded)
+  use sgmp_graded_axis, only: graded_advance, graded_centre, graded_place, graded_spacing
+  use sgmp_kinds, only: dp, lanes
+  use sgmp_mesh, only: mesh_t
+  use sgmp_motion, only: motion_mass, motion_total
+  use sgmp_sums, only: sum_moment, sweep_sums
+  implicit none
+  private
+  public :: drift_graded
+
+  integer, parameter :: mass_at = motion_mass(NDIM)
+
+contains
+
+  !> Moves a chunk: coordinates grow by the way over the spacing of the centres
+  !! between which a particle is, and sums are those of places.
+  ! allow(S902)
+  pure subroutine drift_graded(mesh, dt, live, origin, extent, velocity, motion, xi, lane_sums, &
+                               outside)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: dt, live(lanes), origin(NDIM), extent(2, NDIM), velocity(lanes, NDIM)
+    real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), lane_sums(lanes, sweep_sums)
+    real(dp), intent(out) :: xi(lanes, NDIM)     !! new position in the bin
+    logical, intent(out) :: outside
+    real(dp) :: before(lanes), place(lanes), spacing, inverse, start, left
+    integer :: l, d, c
+    left = 0.0_dp
+    do d = 1, NDIM
+      before = motion(:, d)
+      if (NDIM == 3 .or. d > 1) then             ! along this axis a bin is a cell
+        c = nint(origin(d) - 0.5_dp)
+        spacing = graded_spacing(mesh%axes(d), c + 1)
+        inverse = dt/spacing
+        start = graded_centre(mesh%axes(d), c)
+        !$omp simd simdlen(8)
+        do l = 1, lanes
+          motion(l, d) = before(l) + inverse*velocity(l, d)
+          xi(l, d) = motion(l, d) - origin(d)
+          place(l) = start + spacing*xi(l, d)
+        end do
+        if (.not. all(abs(xi(:, d) - 0.5_dp) < 0.5_dp)) then
+          do l = 1, lanes
+            if (abs(xi(l, d) - 0.5_dp) < 0.5_dp) cycle
+            motion(l, d) = graded_advance(mesh%axes(d), before(l), dt*velocity(l, d))
+            place(l) = graded_place(mesh%axes(d), motion(l, d))
+          end do
+          xi(:, d) = motion(:, d) - origin(d)
+        end if
+      else
+        motion(:, d) = graded_advance(mesh%axes(d), before, dt*velocity(:, d))
+        place = graded_place(mesh%axes(d), motion(:, d))
+        xi(:, d) = motion(:, d) - origin(d)
+      end if
+      lane_sums(:, sum_moment + d - 1) = lane_sums(:, sum_moment + d - 1) + &
+                                         live*motion(:, mass_at)*place
+      do l = 1, lanes
+        left = max(left, merge(0.0_dp, 1.0_dp, abs(xi(l, d) - 0.5_dp*(extent(2, d) + &
+                                                                      extent(1, d))) < &
+                               0.5_dp*(extent(2, d) - extent(1, d))))
+      end do
+    end do
+    outside = left > 0.0_dp
+  end subroutine drift_graded
+
+end module DIM(sgmp_drift_graded)

@@ -1,0 +1,202 @@
+!> An axis of the grid with cells of unequal sides: tables of the spacings of the cells' centres.
+!!
+!! The sides that a deck asks for give the centres, each in the middle of its cell; what the grid
+!! stores is the spacing H_I of the two centres around node I, the mean of the sides next to it.
+!! Nodes lie midway between centres, so that the distance of two nodes around a centre is
+!!     h_c = (H_c + H_(c+1))/2
+!! (doc/grids.md). The coordinate X of a particle grows by 1 from centre to centre, linearly with
+!! its place: weights are those of equal cells. The integral of a centre's hat function over the
+!! place is h_c for any sides, and a uniform stress therefore pushes no node.
+!!
+!! Lengths are in the smallest cell's side h. Beyond the table sides are as they are at its ends,
+!! which at a wall is the mirror image of what lies before it.
+module sgmp_graded_axis
+  use sgmp_kinds, only: dp
+  implicit none
+  private
+  public :: graded_axis_t, graded_make
+  public :: graded_advance, graded_centre, graded_coordinate, graded_place, graded_spacing, &
+            graded_tables, graded_width
+
+  !> Tables of one axis; without them cells are equal.
+  type :: graded_axis_t
+    logical :: graded = .false.
+    real(dp) :: origin = 0.0_dp          !! place of the deck's node 0 (length)
+    integer :: first = 0, last = 0       !! outermost nodes of the table
+    real(dp), allocatable :: spacing(:)  !! (first:last) H_I
+    real(dp), allocatable :: centre(:)   !! (first - 1:last) places of centres from the origin
+    real(dp), allocatable :: slope(:)    !! (first - 1:last) 1/h_c
+    real(dp), allocatable :: low(:)      !! (first - 1:last) weight of the lower node in what is
+                                         !! linear between the two at the centre
+  end type graded_axis_t
+
+contains
+
+  !> The axis of some cells.
+  pure function graded_make(origin, first, sides) result(axis)
+    real(dp), intent(in) :: origin       !! place of the deck's node 0 (length)
+    integer, intent(in) :: first         !! the first cell, whose lower node has the same number
+    real(dp), intent(in) :: sides(first:)  !! of the cells (smallest cell)
+    type(graded_axis_t) :: axis
+    integer :: last, i
+    last = ubound(sides, 1) + 1
+    axis%graded = .true.
+    axis%origin = origin
+    axis%first = first
+    axis%last = last
+    allocate (axis%spacing(first:last), axis%centre(first - 1:last), axis%slope(first - 1:last), &
+              axis%low(first - 1:last))
+    axis%spacing(first) = sides(first)
+    axis%spacing(last) = sides(last - 1)
+    do i = first + 1, last - 1
+      axis%spacing(i) = 0.5_dp*(sides(i - 1) + sides(i))
+    end do
+    ! Centres from node 0 outwards: what lies near it is exact.
+    axis%centre = 0.0_dp
+    i = min(max(0, first), last - 1)
+    axis%centre(i) = 0.5_dp*sides(i)
+    if (i < 0) axis%centre(i) = -0.5_dp*sides(i)
+    do i = min(max(0, first), last - 1) + 1, last
+      axis%centre(i) = axis%centre(i - 1) + axis%spacing(i)
+    end do
+    do i = min(max(0, first), last - 1) - 1, first - 1, -1
+      axis%centre(i) = axis%centre(i + 1) - axis%spacing(i + 1)
+    end do
+    do i = first - 1, last
+      axis%slope(i) = 1.0_dp/graded_width(axis, i)
+      axis%low(i) = 0.5_dp*graded_spacing(axis, i + 1)*axis%slope(i)
+    end do
+  end function graded_make
+
+  !> Spacing H_I of the centres around a node.
+  elemental function graded_spacing(axis, node) result(spacing)
+    type(graded_axis_t), intent(in) :: axis
+    integer, intent(in) :: node
+    real(dp) :: spacing
+    spacing = 1.0_dp
+    if (axis%graded) spacing = axis%spacing(min(max(node, axis%first), axis%last))
+  end function graded_spacing
+
+  !> Distance h_c of the nodes around a centre.
+  elemental function graded_width(axis, centre) result(width)
+    type(graded_axis_t), intent(in) :: axis
+    integer, intent(in) :: centre
+    real(dp) :: width
+    width = 1.0_dp
+    if (.not. axis%graded) return
+    width = 0.5_dp*(axis%spacing(min(max(centre, axis%first), axis%last)) + &
+                    axis%spacing(min(max(centre + 1, axis%first), axis%last)))
+  end function graded_width
+
+  !> Place of a centre, from the origin.
+  elemental function graded_centre(axis, centre) result(place)
+    type(graded_axis_t), intent(in) :: axis
+    integer, intent(in) :: centre
+    real(dp) :: place
+    integer :: c
+    if (.not. axis%graded) then
+      place = centre + 0.5_dp
+    else
+      c = min(max(centre, axis%first - 1), axis%last)
+      place = axis%centre(c) + (centre - c)*graded_spacing(axis, centre)
+    end if
+  end function graded_centre
+
+  !> Place of a coordinate, from the origin.
+  elemental function graded_place(axis, x) result(place)
+    type(graded_axis_t), intent(in) :: axis
+    real(dp), intent(in) :: x            !! coordinate
+    real(dp) :: place
+    integer :: c
+    place = x
+    if (.not. axis%graded) return
+    c = table_centre(axis, x)
+    place = axis%centre(c) + (x - (c + 0.5_dp))*graded_spacing(axis, c + 1)
+  end function graded_place
+
+  !> Coordinate of a place.
+  elemental function graded_coordinate(axis, place) result(x)
+    type(graded_axis_t), intent(in) :: axis
+    real(dp), intent(in) :: place        !! from the origin
+    real(dp) :: x
+    integer :: low, high, middle
+    x = place
+    if (.not. axis%graded) return
+    low = axis%first - 1
+    high = axis%last
+    do while (high - low > 1)
+      middle = (low + high)/2
+      if (axis%centre(middle) <= place) then
+        low = middle
+      else
+        high = middle
+      end if
+    end do
+    if (axis%centre(high) <= place) low = high
+    if (place < axis%centre(axis%first - 1)) low = axis%first - 2
+    x = low + 0.5_dp + (place - graded_centre(axis, low))/graded_spacing(axis, low + 1)
+  end function graded_coordinate
+
+  !> Coordinate of what has moved from one some way along the axis.
+  elemental function graded_advance(axis, x, way) result(moved)
+    type(graded_axis_t), intent(in) :: axis
+    real(dp), intent(in) :: x, way       !! coordinate; way (smallest cell)
+    real(dp) :: moved
+    real(dp) :: part, spacing
+    integer :: c
+    moved = x + way
+    if (.not. axis%graded .or. abs(way) <= 0.0_dp) return
+    c = table_centre(axis, x)
+    spacing = graded_spacing(axis, c + 1)
+    part = (x - (c + 0.5_dp)) + way/spacing
+    do while (part >= 1.0_dp .and. c < axis%last)
+      part = (part - 1.0_dp)*spacing
+      c = c + 1
+      spacing = graded_spacing(axis, c + 1)
+      part = part/spacing
+    end do
+    do while (part < 0.0_dp .and. c >= axis%first)
+      part = part*spacing
+      c = c - 1
+      spacing = graded_spacing(axis, c + 1)
+      part = 1.0_dp + part/spacing
+    end do
+    moved = (c + 0.5_dp) + part
+  end function graded_advance
+
+  !> Centre at or below a coordinate, as far as the table goes.
+  elemental function table_centre(axis, x) result(c)
+    type(graded_axis_t), intent(in) :: axis
+    real(dp), intent(in) :: x
+    integer :: c
+    c = floor(min(max(x - 0.5_dp, real(axis%first - 2, dp)), real(axis%last, dp)))
+    c = max(c, axis%first - 1)
+  end function table_centre
+
+  !> Slopes 1/h_c of some centres, and the weights of their lower and upper nodes.
+  pure subroutine graded_tables(axis, first, n, slope, low, high)
+    type(graded_axis_t), intent(in) :: axis
+    integer, intent(in) :: first, n      !! first centre, how many
+    real(dp), intent(out) :: slope(n), low(n), high(n)
+    integer :: i, c
+    if (.not. axis%graded) then
+      slope = 1.0_dp
+      low = 0.5_dp
+      high = 0.5_dp
+      return
+    end if
+    if (first >= axis%first - 1 .and. first + n - 1 <= axis%last) then
+      slope = axis%slope(first:first + n - 1)
+      low = axis%low(first:first + n - 1)
+      high = 1.0_dp - low
+      return
+    end if
+    do i = 1, n
+      c = min(max(first + i - 1, axis%first - 1), axis%last)
+      slope(i) = axis%slope(c)
+      low(i) = axis%low(c)
+      high(i) = 1.0_dp - axis%low(c)
+    end do
+  end subroutine graded_tables
+
+end module sgmp_graded_axis

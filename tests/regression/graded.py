@@ -1,0 +1,274 @@
+#!/usr/bin/env python3
+"""Grids with unequal cells (doc/grids.md): flight, stress at rest, spin, a bar that rings and one that is pulled, a
+shock, impact beside equal cells; the same bits whatever the threads and ranks, and after a restart; what --check says.
+
+usage: graded.py SGMP SOURCE_DIR SCRATCH_DIR
+
+Expected values are closed forms, and a run with equal cells.
+"""
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+from _restarts import goes_on, mpirun, straight
+from _runs import ENVIRONMENT, SCRATCH, SGMP, SOURCE, Report, changed, run
+
+GRID = {1: "grid cell=0.5 x=open fine_x=(0,3),(10,14) ratio=1.2 largest=3",
+        2: "grid cell=0.5 x=open y=open fine_x=(0,3),(10,14) fine_y=(-1,1) ratio=1.2 largest=3",
+        3: "grid cell=0.5 x=open y=open z=open fine_x=(0,3),(10,14) fine_z=(-1,1) ratio=1.2 largest=3"}
+# A body flies through the gradings of all axes, from coarse cells through fine ones.
+FLIGHT = """
+dimension {dimension}
+units mm g ms
+{grid}
+time steps=120 dt=4e-5
+material steel elastic density=7.85e-3 young=200e3 poisson=0.3
+body a block material=steel lower=({lower}) upper=({upper}) ppc=2
+velocity a {velocity}
+history steps=20
+output csv at=end fields=stress,mass
+"""
+# Stress that is the same everywhere, in a box.
+REST = """
+parameter stress = auto
+dimension 2
+units mm g ms
+grid cell=0.5 x=0:20 y=0:10 fine_x=(3,6),(12,14) fine_y=(4,6) ratio=1.3 largest=3
+wall x-=slip x+=slip y-=slip y+=slip
+method sgmp stress=$stress
+time steps=100 cfl=0.5
+material steel elastic density=7.85e-3 young=200e3 poisson=0.3
+body a block material=steel lower=(0,0) upper=(20,10) ppc=2
+initial_stress a xx=-100 yy=-50
+history steps=20
+output csv at=end fields=stress
+"""
+# A disk spins across gradings, a tenth of a turn.
+SPIN = """
+parameter rotation = exact
+dimension 2
+units mm g ms
+grid cell=1 x=open y=open fine_x=(-7,-5),(2,4) fine_y=(0,3) ratio=1.2 largest=3
+method sgmp rotation=$rotation
+time end=0.06 cfl=0.5
+material steel elastic density=7.85e-3 young=200e3 poisson=0.3
+body a cylinder material=steel centre=(0,0) radius=8 length=1 layout=uniform ppc=2
+velocity a x="-100*y/8" y="100*x/8"
+history steps=20
+output csv at=end fields=initial_position
+"""
+# A bar between a wall and a free end rings in its first mode.
+BAR = """
+parameter length = 40
+dimension 1
+units mm g ms
+grid cell=0.25 x=0:open fine_x=(8,12),(30,34) ratio=1.15 largest=2
+wall x-=slip
+time end=0.0301 cfl=0.5
+material steel elastic density=7.85e-3 young=200e3 poisson=0
+body bar block material=steel lower=0 upper=length layout=graded ppc=2
+velocity bar x="sin(pi*x/(2*length))"
+history steps=1
+output csv at=end
+"""
+# A bar is pulled slowly and damped: its stress is the same all along.
+PULLED = """
+dimension 1
+units mm g ms
+grid cell=0.25 x=0:open fine_x=(8,12),(30,34) ratio=1.2 largest=2
+wall x-=slip
+time end=1 cfl=0.5
+damping rate=60
+material steel elastic density=7.85e-3 young=200e3 poisson=0
+body bar block material=steel lower=0 upper=40 layout=graded ppc=2
+motion bar where="x>39" x="0.02*(1-cos(pi*min(t,0.5)/0.5))"
+output csv at=end fields=stress
+"""
+# Aluminium runs into a wall with bulk viscosity.
+SHOCK = """
+parameter cell = 0.1
+dimension 1
+units mm g ms
+grid cell=cell x=0:open fine_x=(0,4) ratio=1.2 largest=1
+wall x-=slip
+time end=3.5e-3 cfl=0.5
+material al j2 density=2.77e-3 young=73100 poisson=0.33 yield=300
+eos al gruneisen c0=5328 s=1.338 gamma0=2
+viscosity all quadratic=1.5 linear=0.06
+body a block material=al lower=0 upper=40 layout=graded ppc=2
+velocity a x=-500
+history steps=20
+output csv at=end fields=stress
+"""
+# A ball goes into a plate: contact, plasticity, failure, viscosity.
+IMPACT = """
+parameter h = 1
+dimension 3
+units mm g ms
+grid cell=h x=0:20 y=0:20 z=open fine_x=(0,6) fine_y=(0,6) ratio=1.2 largest=4
+wall x-=slip y-=slip x+=fixed y+=fixed
+time steps=60 cfl=0.5
+material steel j2 density=7.83e-3 young=210000 poisson=0.29 yield=1500
+material aluminium johnson_cook density=2.77e-3 young=73100 poisson=0.33 &
+  yield=369 hardening_modulus=684 hardening_exponent=0.73 rate_coefficient=0.0083 reference_rate=0.001 &
+  thermal=yes melt_temperature=775 thermal_exponent=1.7 specific_heat=875 &
+  failure=yes d1=0.112 d2=0.123 d3=-1.5 d4=0.007 d5=0
+eos aluminium gruneisen c0=5328 s=1.338 gamma0=2
+viscosity aluminium
+body ball sphere material=steel centre=(0,0,4.1) radius=4 ppc=2
+intersect ball block lower=(0,0,-10) upper=(20,20,20)
+body plate block material=aluminium lower=(0,0,-4) upper=(20,20,0) ppc=2
+velocity ball z=-800
+contact all friction=0.1
+history steps=1
+checkpoint every=25 keep=9
+output csv at=end fields=damage,plastic_strain,stress,mass
+output vtu
+output tecplot
+"""
+UNIFORM = ((" fine_x=(0,6) fine_y=(0,6) ratio=1.2 largest=4", ""),)
+
+
+def flights(report):
+    """What flies freely stays free of stress and as fast as it was."""
+    for dimension in (1, 2, 3):
+        lower, upper = (-9, -7, -5), (-3, -2, -2)
+        speed = (1000, 500, 700)[:dimension]
+        words = {"lower": ",".join(str(v) for v in lower[:dimension]),
+                 "upper": ",".join(str(v) for v in upper[:dimension]),
+                 "velocity": " ".join(f"{a}={v}" for a, v in zip("xyz", speed))}
+        name = f"flight_{dimension}"
+        result = run(name, FLIGHT.format(dimension=dimension, grid=GRID[dimension], **words))
+        if not report.finished(result, name):
+            continue
+        rows = result.table("particles_end.csv")
+        stress = max(abs(row[key]) for row in rows for key in row if key.startswith("stress"))
+        off = max(abs(row[f"velocity_{a}"]/v - 1) for row in rows for a, v in zip("xyz", speed))
+        report.check(stress < 1e-7 and off < 1e-11, f"{name}: stress {stress}, velocity off by {off}")
+        mass = sum(row["mass"] for row in rows)
+        for a, v, low, high in zip("xyz", speed, lower, upper):
+            moved = sum(row["mass"]*row[a] for row in rows)/mass - (low + high)/2
+            report.check(abs(moved/(v*result["time"]) - 1) < 1e-9, f"{name}: moved by {moved} along {a}")
+
+
+def rest(report):
+    """Stress that is the same everywhere moves nothing."""
+    for stress in ("auto", "plain"):
+        result = run(f"rest_{stress}", REST, stress=stress)
+        if report.finished(result, f"rest {stress}"):
+            rows = result.table("particles_end.csv")
+            speed = max(abs(row[key]) for row in rows for key in ("velocity_x", "velocity_y"))
+            off = max(max(abs(row["stress_xx"] + 100), abs(row["stress_yy"] + 50)) for row in rows)
+            report.check(speed < 1e-10 and off < 1e-8, f"rest {stress}: velocity {speed}, stress off by {off}")
+
+
+def spin(report):
+    """A disk keeps its angular momentum with rotation=exact, and its energy."""
+    result = run("spin", SPIN)
+    if not report.finished(result, "spin"):
+        return
+    rows = result.table("particles_end.csv")
+    now = sum(row["x"]*row["velocity_y"] - row["y"]*row["velocity_x"] for row in rows)
+    first = sum(row["x0"]**2 + row["y0"]**2 for row in rows)*100/8
+    report.check(abs(now/first - 1) < 2e-3, f"spin: {now/first} of the angular momentum")
+    report.check(abs(result["energy.drift"]) < 5e-3, f"spin: drift of the energy {result['energy.drift']}")
+
+
+def bar(report):
+    """First mode: kinetic energy cos^2(pi c t/(2 L)) of the first (poisson=0), period 4 L/c."""
+    result = run("bar", BAR)
+    if not report.finished(result, "bar"):
+        return
+    rows = result.table("history.csv")
+    rate = math.pi*math.sqrt(200e3/7.85e-3)/(2*40)
+    off = max(abs(row["kinetic_energy"]/rows[0]["kinetic_energy"] - math.cos(rate*row["time"])**2) for row in rows)
+    report.check(off < 0.02, f"bar: kinetic energy off by {off}")
+    report.check(abs(result["energy.remainder"]) < 1e-12*rows[0]["kinetic_energy"], "bar: identity of kinetic energy")
+
+
+def pulled(report):
+    """Stress E u/L all along, whatever the cells: u = 0.03, of the 39 to 40 that are free. Next to what is moved stress
+    is not: the motion begins within a cell."""
+    result = run("pulled", PULLED)
+    if not report.finished(result, "pulled"):
+        return
+    stress = [row["stress_xx"] for row in result.table("particles_end.csv") if row["x"] < 34]
+    mean = sum(stress)/len(stress)
+    report.check(200e3*0.03/40 < mean < 200e3*0.03/39, f"pulled: stress {mean}")
+    report.check(max(stress) - min(stress) < 0.01*mean, f"pulled: stress from {min(stress)} to {max(stress)}")
+
+
+def shock(report):
+    """Stress behind a shock of Gruneisen's material, u_s = c0 + s u_p and rho u_s u_p, plus 2/3 of the yield stress;
+    what the gradings scatter rings about it. Ahead of it matter moves as at the start."""
+    result = run("shock", SHOCK)
+    if not report.finished(result, "shock"):
+        return
+    rows = result.table("particles_end.csv")
+    wanted = 2.77e-3*(5328 + 1.338*500)*500 + 2/3*300
+    found = [-row["stress_xx"] for row in rows if 2 < row["x"] < 12]
+    mean = sum(found)/len(found)
+    report.check(abs(mean/wanted - 1) < 0.03, f"shock: stress {mean}, {wanted} wanted")
+    rings = math.sqrt(sum((stress - mean)**2 for stress in found)/len(found))
+    report.check(rings < 0.15*wanted, f"shock: rings by {rings/wanted}")
+    front = [row["velocity_x"] for row in rows if row["x"] > 30]
+    report.check(len(front) > 5 and max(abs(v + 500) for v in front) < 1, "shock: ahead of it, too")
+
+
+def impact(report):
+    """The same bits whatever the threads and ranks, and after a restart; as with equal cells; momentum."""
+    first = straight(report, "impact", IMPACT)
+    if not first.summary:
+        return
+    for name, threads, launcher in (("impact_threads", 2, ()), ("impact_ranks", 1, mpirun(2))):
+        other = straight(report, name, IMPACT, threads, launcher)
+        report.check(other.summary and other["checksum"] == first["checksum"], f"{name}: other bits")
+    goes_on(report, first, "impact_restart", IMPACT, 25)
+    equal = run("impact_equal", changed(IMPACT, *UNIFORM))
+    if report.finished(equal, "impact with equal cells"):
+        one, two = (result.table("bodies.csv")[-2]["velocity_z"] for result in (first, equal))
+        report.check(abs(one/two - 1) < 0.01, f"impact: the ball at {one}, with equal cells {two}")
+        report.check(first["particles"] < 0.6*equal["particles"], "impact: hardly fewer particles")
+    along = [row["momentum_z"] for row in first.table("history.csv")]
+    report.check(max(abs(p/along[0] - 1) for p in along) < 0.2, f"impact: momentum along z {along[0]} to {along[-1]}")
+
+
+def seen(report):
+    """The viewer draws large particles as the small ones that they stand for: no gaps, the mass that there was."""
+    sys.path.insert(0, f"{SOURCE}/python")
+    import numpy as np
+    from sgmp_view.coarse import divided
+    from sgmp_view.files import dumps_of
+    folder = Path(SCRATCH)/"impact"
+    first, last = (dump.read() for dump in (dumps_of(folder)[0], dumps_of(folder)[-1]))
+    fine = divided(folder, last, first)
+    for axis in range(2):
+        places = np.sort(fine.points[fine.fields["body"] == 2, axis])
+        report.check(np.diff(places).max() < 0.7, f"seen: a gap of {np.diff(places).max()} along {'xy'[axis]}")
+    report.check(abs(fine.fields["mass"].sum()/last.fields["mass"].sum() - 1) < 1e-12, "seen: mass")
+    report.check(len(fine.points) > 1.8*len(last.points), f"seen: {len(fine.points)} of {len(last.points)}")
+
+
+def told(report):
+    """What --check says: cells by axis, the smallest and largest, particles in them."""
+    path = f"{SCRATCH}/told.inp"
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(IMPACT)
+    text = subprocess.run([SGMP, path, "--check"], capture_output=True, text=True, check=False, env=ENVIRONMENT).stdout
+    for words in ("  x         13 cells of 1 to ", " from 0 to 20, where 20 equal ones would be; smallest at (0,6",
+                  "  z         equal cells of 1\n", "  step      from the smallest side, 1, in all cells",
+                  "particles of 'plate' are as wide as 0.5 of their cells at most, and the largest as "):
+        report.check(words in text, f"--check does not say: {words}\n{text}")
+
+
+def main():
+    """All checks."""
+    report = Report()
+    for check in (flights, rest, spin, bar, pulled, shock, impact, seen, told):
+        check(report)
+    report.end()
+
+
+if __name__ == "__main__":
+    main()
