@@ -8,7 +8,8 @@ Walls are the bodies that rest while others fly; each is measured along its norm
 (--along, --wall choose others). The wall is the largest connected piece of its body that has not failed; particles at
 most a cell apart are connected. It is perforated where there is a straight way through it that is at least two cells
 wide. "Failed inside" is a wall whose layers have come apart. Behind planes of symmetry the wall is completed; masses,
-momenta and energies are those of the model. --csv has a row for each dump. Without damage among the fields of the dumps all matter counts as whole.
+momenta and energies are those of the model. --csv has a row for each dump. Without damage among the fields of the
+dumps all matter counts as whole.
 """
 
 import csv
@@ -113,7 +114,11 @@ def cloud_lines(cloud, words, units, way="along"):
     yield words, f"{of('mass', 'mass')} ({shares}); {100 * cloud['failed_share']:.3g} % of it failed"
     yield "  momentum", f"{of('momentum', 'momentum')} {way} the shot, kinetic energy {of('kinetic_energy', 'energy')}"
     speeds = (of(key, "velocity") for key in ("front_speed", "rear_speed", "velocity"))
-    yield "  speed", "front {}, rear {}, mean {}".format(*speeds)
+    words = "foremost {}, rearmost {}, mean of all {}".format(*speeds)
+    ends = sorted(cloud[key] for key in ("front_speed", "rear_speed"))
+    if not ends[0] <= cloud["velocity"] <= ends[1]:
+        words += ": what lies at its ends has met something"
+    yield "  speed", words
     yield "  radius", f"{of('radius', 'length')} holds 95 % of the mass, the farthest {of('largest_radius', 'length')}"
     if cloud["beyond_edge_mass"]:
         yield "  beyond the edge of the wall", f"{of('beyond_edge_mass', 'mass')}, which may have passed round the wall"

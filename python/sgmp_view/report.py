@@ -12,6 +12,7 @@ import argparse
 import base64
 import html
 import io
+import math
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -128,9 +129,9 @@ def verdict_of(summary):
             *summary.get("verdict_reasons", []),
         ]
     word, error = summary.get("verdict", "no verdict"), summary.get("verdict_error")
-    return word + (f": expect errors of {100 * error:.0f} %" if word == "coarse" and error else ""), summary.get(
-        "verdict_reasons", []
-    )
+    if word == "coarse" and error:
+        word += f": expect errors of {math.ceil(100 * error - 1e-9)} %"
+    return word, summary.get("verdict_reasons", [])
 
 
 def tables(values, titles):

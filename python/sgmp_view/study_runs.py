@@ -50,8 +50,8 @@ class Checked:
     def __init__(self, printed):
         self.accepted = printed.returncode == 0
         self.words = (printed.stderr or printed.stdout).strip()
-        steps = re.search(r"^steps +about (\S+), (\S+) s at 100 ns per particle-step on (\d+)", printed.stdout, re.M)
-        self.work = float(steps[2]) * int(steps[3]) / 1e-7 if steps else 0.0
+        steps = re.search(r"^steps .* (\S+) particle-steps$", printed.stdout, re.M)
+        self.work = float(steps[1]) if steps else 0.0
         masses = re.findall(r"^ +mass +\S+; of its shapes (\S+) \((\S+) %\)", printed.stdout, re.M)
         self.masses = [float(mass) for mass, _ in masses]
         self.fault = max((abs(float(fault)) / 100 for _, fault in masses), default=0.0)

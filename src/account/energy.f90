@@ -80,9 +80,10 @@ contains
   end function ledger_drift
 
   !> Starts a ledger from the initial state; its terms are those it has.
-  pure subroutine ledger_open(ledger, kinetic, internal, momentum)
+  pure subroutine ledger_open(ledger, kinetic, internal, momentum, least)
     type(ledger_t), intent(inout) :: ledger
     real(dp), intent(in) :: kinetic, internal, momentum(3)
+    real(dp), intent(in), optional :: least   !! energy below which all is round-off; absent: 0
     ledger = ledger_t(terms=ledger%terms)
     ledger%kinetic = kinetic
     ledger%internal = internal
@@ -90,6 +91,7 @@ contains
     ledger%momentum = momentum
     ledger%largest_kinetic = kinetic
     ledger%supplied = max(kinetic, abs(kinetic + internal))
+    if (present(least)) ledger%supplied = max(ledger%supplied, least)
   end subroutine ledger_open
 
   !> Books one step; `exact` says that the kinetic identity applies (pure FLIP).

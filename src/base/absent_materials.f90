@@ -19,6 +19,9 @@ contains
       text = 'no constants of '//word//' with a source are known here; concrete, '// &
              'johnson_holmquist and mohr_coulomb run with constants of your own, but were '// &
              'compared with no shot at it'
+    case ('foam', 'honeycomb', 'polystyrene', 'eps')
+      text = 'foams differ too much for a library: write material … crushable_foam with the '// &
+             'curve of your own (sgmp help material; sgmp new cushion has an example)'
     case ('wood', 'composite', 'cfrp', 'kevlar')
       text = 'no constitutive model here has different strengths along and across fibres'
     case default

@@ -150,6 +150,27 @@ void sgmp_environment_default(const char *name, const char *value)
   setenv(name, value, 0);
 }
 
+/* Starts the program anew, with the same arguments and one more variable, which the libraries it is linked to have
+ * looked for before its first line. Returns if it cannot, or if any of the variables is there (names end with ""). */
+void sgmp_start_anew_with(const char *names, const char *value)
+{
+  static char line[1 << 20];
+  static char *arguments[1 << 16];
+  for (const char *name = names; *name; name += strlen(name) + 1)
+    if (getenv(name)) return;
+  FILE *file = fopen("/proc/self/cmdline", "r");
+  if (!file) return;
+  const size_t length = fread(line, 1, sizeof line - 1, file);
+  fclose(file);
+  size_t n = 0;
+  for (size_t at = 0; at < length; at += strlen(line + at) + 1) {
+    if (n + 1 == sizeof arguments/sizeof *arguments) return;
+    arguments[n++] = line + at;
+  }
+  if (n == 0 || length == sizeof line - 1 || setenv(names, value, 0) != 0) return;
+  execv("/proc/self/exe", arguments);
+}
+
 /* Takes byte `rank` of a lock file for as long as the process lives. The first rank must find all bytes
  * free, so that processes left over from an earlier run keep a new one out. 0: taken; the number of a
  * process that has a byte; -1: the file system has no locks, -2: the file cannot be made (errno). */

@@ -7,7 +7,7 @@ module sgmp_posix
   implicit none
   private
   public :: environment_default, file_names, file_number, file_regular, file_reserve, file_sync, &
-            folder_lock, signal_name, program_path, signals_watch
+            folder_lock, signal_name, program_path, signals_watch, wait_politely
   public :: lock_taken, lock_unknown, lock_impossible
 
   character(8), parameter :: names(4) = [character(8) :: 'SIGTERM', 'SIGUSR1', 'SIGXCPU', 'SIGINT']
@@ -79,7 +79,17 @@ module sgmp_posix
       implicit none
       character(kind=c_char), intent(in) :: name(*), value(*)
     end subroutine c_environment_default
+    subroutine c_start_anew_with(names, value) bind(c, name='sgmp_start_anew_with')
+      import :: c_char
+      implicit none
+      character(kind=c_char), intent(in) :: names(*), value(*)
+    end subroutine c_start_anew_with
   end interface
+
+  !> Turns for which a thread looks whether the others have come before it gives its core away:
+  !! about 50 microseconds. The library's own 300000 take the core from who is waited for where
+  !! there is other work (doc/performance.md).
+  character(*), parameter :: polite_turns = '1000'
 
 contains
 
@@ -188,6 +198,14 @@ contains
     character(*), intent(in) :: name, value
     call c_environment_default(c_text(name), c_text(value))
   end subroutine environment_default
+
+  !> From now on OpenMP's threads that wait give their cores to others soon, unless the user has
+  !! said how they wait. The library reads that before the program's first line, so the program begins
+  !! anew: call this first.
+  subroutine wait_politely()
+    call c_start_anew_with([c_text('GOMP_SPINCOUNT'), c_text('OMP_WAIT_POLICY'), c_null_char], &
+                           c_text(polite_turns))
+  end subroutine wait_politely
 
   pure function c_text(text) result(letters)
     character(*), intent(in) :: text

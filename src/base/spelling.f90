@@ -75,6 +75,8 @@ contains
     best = max(1, (len(word) + 1)/3) + 1
     do i = 1, size(candidates)
       distance = word_distance(word_lower(word), word_lower(candidates(i)%text))
+      ! A word of two letters is no misspelling of a longer one.
+      if (len(word) == 2 .and. len(candidates(i)%text) > 2) cycle
       if (len(word) >= 4 .and. index(word_lower(candidates(i)%text), &
                                      word_lower(word)) == 1) distance = min(distance, 1)
       if (distance < best) then

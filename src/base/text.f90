@@ -39,13 +39,17 @@ contains
     text = trim(adjustl(number))//' %'
   end function percent_text
 
-  !> A real with six significant digits, for messages.
+  !> A real with six significant digits at most, as one writes it, for messages: 8, 0.25, 1.17e-11.
   pure function real_text(x) result(text)
     real(dp), intent(in) :: x
     character(:), allocatable :: text
-    character(16) :: buffer
-    write (buffer, '(g0.6)') x
-    text = trim(adjustl(buffer))
+    character(40) :: buffer
+    if (ieee_is_finite(x)) then
+      write (buffer, '(es40.5e3)') x
+      text = plain_text(trim(adjustl(buffer)))
+    else
+      text = real_text_full(x)
+    end if
   end function real_text
 
   !> A real with 17 significant digits, which restores every bit when read back; NaN, Infinity as

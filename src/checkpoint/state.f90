@@ -14,6 +14,7 @@ module sgmp_state
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_t
+  use sgmp_patches, only: labels_t
   use sgmp_rigid_state, only: rigid_state_pass
   use sgmp_time_step, only: clock_t
   use sgmp_totals, only: body_sums_t
@@ -102,6 +103,28 @@ contains
     end do
   end subroutine pass_ledger
 
+  !> Labels of patches of a body that touches itself; their numbers are exact as reals.
+  subroutine pass_labels(archive, labels)
+    type(archive_t), intent(inout) :: archive
+    type(labels_t), intent(inout) :: labels
+    real(dp), allocatable :: patch(:)
+    integer :: n
+    n = 0
+    if (allocated(labels%patch)) n = size(labels%patch)
+    call archive%pass(n)
+    if (.not. archive%complete) return
+    allocate (patch(n))
+    if (archive%reading) then
+      if (allocated(labels%patch)) deallocate (labels%patch, labels%label)
+      allocate (labels%patch(n), labels%label(n))
+    end if
+    if (n == 0) return
+    patch = real(labels%patch, dp)
+    call archive%pass(patch)
+    labels%patch = nint(patch, i8)
+    call archive%pass(labels%label)
+  end subroutine pass_labels
+
   subroutine pass_body(archive, body, sums)
     type(archive_t), intent(inout) :: archive
     type(body_t), intent(inout) :: body
@@ -110,6 +133,7 @@ contains
     call archive%pass(body%first_id)
     call archive%pass(body%speed)
     call archive%pass(body%speed_before)
+    if (body%family > 0) call pass_labels(archive, body%labels)
     if (body%rigid_motion%free .or. body%rigid_motion%turns) then
       call rigid_state_pass(archive, body%rigid_motion)
     end if

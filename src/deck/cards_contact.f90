@@ -52,6 +52,9 @@ contains
                       choices=words_joined(normal_names), &
                       default=trim(normal_names(normal_separating)), &
                       source='Kan, Liang and Zhang 2021, Eqs. 87 and 88')
+    call registry%key('self', kind_logical, 'the bodies that the card names, or all that are '// &
+                      'neither rigid nor flow, touch themselves, too', default='no', &
+                      source='doc/contact.md')
     call register_rigid(registry)
   end subroutine register_contact
 
@@ -211,6 +214,7 @@ contains
     new%lambda = card%number('lambda', absent=new%lambda)
     new%depth = card%number('depth', absent=new%depth)
     new%normal = card%pick('normal', normal_names)
+    new%self = card%flag('self')
     do i = 1, size(draft%scene%contacts)
       associate (body => draft%scene%contacts(i)%body)
         if (.not. (all(body == new%body) .or. all(body == new%body([2, 1])))) cycle
@@ -226,7 +230,11 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     integer :: named(2)
-    if (lonely(card, draft)) return
+    if (card%flag('self')) then
+      call check_self(card, draft)
+    else if (lonely(card, draft)) then
+      return
+    end if
     associate (bodies => draft%scene%bodies)
       named = [word_position(card%word('first'), bodies%name), &
                word_position(card%word('second'), bodies%name)]
@@ -237,6 +245,28 @@ contains
       end if
     end associate
   end subroutine check_contact
+
+  !> What cannot touch itself.
+  subroutine check_self(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: b, named(2)
+    logical :: flows
+    associate (scene => draft%scene)
+      named = [word_position(card%word('first'), scene%bodies%name), &
+               word_position(card%word('second'), scene%bodies%name)]
+      do b = 1, size(scene%bodies)
+        if (.not. any(named == b)) cycle
+        if (scene%bodies(b)%material == 0) cycle
+        flows = law_is_spherical(scene%materials(scene%bodies(b)%material)%law)
+        if (.not. (flows .or. scene%bodies(b)%rigid)) cycle
+        call draft%errors%add(card%place('self'), "body '"//trim(scene%bodies(b)%name)//"' "// &
+                              trim(merge('is rigid', 'flows   ', scene%bodies(b)%rigid))// &
+                              ' and does not touch itself', 'remove self=yes')
+        return
+      end do
+    end associate
+  end subroutine check_self
 
   !> Whether a deck has nothing that could touch, which is an error.
   function lonely(card, draft) result(yes)

@@ -76,6 +76,7 @@ module sgmp_combinations
     feature_t('cfl=auto', '', 'time', 'cfl', ask_word, 'auto', 0), &
     feature_t('dt', 'dt=…', 'time', 'dt', ask_given, '', 0), &
     feature_t('friction', 'contact with friction', 'contact', 'friction', ask_above, '', 0), &
+    feature_t('self', 'contact self=yes', 'contact', 'self', ask_yes, '', 0), &
     feature_t('absorbing', 'an absorbing wall', 'wall', '', ask_any, 'absorbing', 0), &
     feature_t('wallfriction', '', 'wallfriction', 'friction', ask_above, '', 0), &
     feature_t('wallmotion', '', 'wallmotion', '', ask_card, '', 0), &
@@ -138,6 +139,20 @@ module sgmp_combinations
     refusal_t('hoop', 'mpm gimp cpgimp bspline', '', &
               'only sgmp corrects the hoop strain', &
               'remove hoop'), &
+    refusal_t('self', '1D', '', &
+              'on a line no part of a body comes to another', &
+              'remove self=yes'), &
+    refusal_t('self', 'swirl kept rotation', '', &
+              'not worked out: along the seams between the fields of one body it would act on '// &
+              'each by itself', &
+              'remove one of them'), &
+    refusal_t('self', 'surfaces', '', &
+              'along the seams between the fields of one body each would take its edge for a '// &
+              'surface', &
+              'write surfaces=plain, or leave the word out'), &
+    refusal_t('self', 'motion', '', &
+              'not worked out: parts that are moved and get another field', &
+              'remove one of them, or move a rigid body that touches this one'), &
     refusal_t('absorbing', 'swirl', '', &
               'not worked out: what it does to waves around the axis', &
               'remove swirl, or put the edge where no wave comes in time'), &
@@ -171,7 +186,7 @@ module sgmp_combinations
   type(caution_t), parameter :: cautions(*) = [ &
     caution_t('surfaces', 'axisymmetric'), &
     caution_t('rotation', 'friction absorbing kept wallfriction motion'), &
-    caution_t('normalised', 'axisymmetric motion absorbing')]
+    caution_t('normalised', 'axisymmetric motion absorbing self')]
 
 contains
 

@@ -4,9 +4,9 @@ module sgmp_lexer
   use sgmp_absent_materials, only: absent_reason
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_kinds, only: i8
-  use sgmp_library_folder, only: library_file, library_places
+  use sgmp_library_folder, only: library_file, library_names, library_places
   use sgmp_posix, only: file_regular
-  use sgmp_spelling, only: string_t, word_lower
+  use sgmp_spelling, only: string_t, word_lower, word_nearest
   use sgmp_text, only: integer_text
   implicit none
   private
@@ -179,9 +179,36 @@ contains
     text = absent_reason(path)
     if (text /= '') return
     text = 'check the spelling of the path'
-    if (asked_at%line > 0) text = text//'; looked for beside the file that includes it and in '// &
-                                  library_places()//' (sgmp materials lists the library)'
+    if (asked_at%line <= 0) return
+    text = likely_materials(path)
+    if (text == '') text = 'check the spelling of the path'
+    text = text//'; looked for beside the file that includes it and in '//library_places()// &
+           ' (sgmp materials lists the library)'
   end function missing_remedy
+
+  !> Entries of the library that a path may mean: those whose names contain its last part, else the
+  !! nearest; '' for none.
+  function likely_materials(path) result(text)
+    character(*), intent(in) :: path
+    character(:), allocatable :: text, word
+    type(string_t), allocatable :: names(:)
+    integer :: i, dot
+    call library_names('materials', names)
+    word = path(index(path, '/', back=.true.) + 1:)
+    dot = index(word, '.', back=.true.)
+    if (dot > 1) word = word(:dot - 1)
+    text = ''
+    do i = 1, size(names)
+      if (len(word) >= 3 .and. index(names(i)%text, word_lower(word)) > 0) then
+        text = text//'materials/'//names(i)%text//'.inp, '
+      end if
+    end do
+    if (text == '') then
+      text = word_nearest(word, names)
+      if (text /= '') text = 'materials/'//text//'.inp, '
+    end if
+    if (text /= '') text = 'did you mean '//text(:len(text) - 2)//'?'
+  end function likely_materials
 
   !> Cuts a text at newlines; control characters mean that it is not a deck.
   subroutine cut_lines(path, text, lines, failed, errors)

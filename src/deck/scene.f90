@@ -155,6 +155,7 @@ module sgmp_scene
     real(dp) :: lambda = contact_lambda_default   !! distance of Eq. 86 in cells
     real(dp) :: depth = huge(1.0_dp)              !! distance of nodes from the surface (cells)
     integer :: normal = normal_separating         !! one of normal_*
+    logical :: self = .false.                    !! its bodies touch themselves, too
   end type contact_card_t
 
   !> Body force per unit mass on one body or all, functions of x,y,z (current), x0,y0,z0 (initial),

@@ -13,6 +13,7 @@ module sgmp_forewarnings
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_coordinate, mesh_occupied, wall_free
   use sgmp_model, only: model_t
+  use sgmp_near_parts, only: near_parts
   use sgmp_parallel, only: parallel_max, parallel_min, parallel_sum
   use sgmp_particle_file, only: particle_file_columns
   use sgmp_particles, only: particles_t
@@ -58,7 +59,22 @@ contains
     call look_at_lighting(scene, model, warnings)
     call look_for_collisions(scene, model, warnings)
     call look_for_flying_gas(scene, model, warnings)
+    call look_for_near_parts(model, warnings)
   end subroutine forewarnings_find
+
+  !> Parts of a body that touches itself which patches cannot tell apart.
+  subroutine look_for_near_parts(model, warnings)
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    integer :: b
+    do b = 1, size(model%bodies)
+      if (model%bodies(b)%family == 0 .or. model%bodies(b)%twin_of > 0) cycle
+      if (.not. near_parts(model%bodies(b)%particles)) cycle
+      call warn(warnings, "parts of body '"//trim(model%bodies(b)%name)//"' lie less than 16 "// &
+                'cells apart: self=yes may not tell them apart, and where they meet they stick '// &
+                'together; smaller cells, or bodies of their own')
+    end do
+  end subroutine look_for_near_parts
 
   subroutine warn(warnings, text)
     type(string_t), allocatable, intent(inout) :: warnings(:)
@@ -113,7 +129,7 @@ contains
     real(dp), parameter :: tolerated = 0.1_dp
     real(dp) :: mass, expected
     integer :: b
-    do b = 1, size(model%bodies)
+    do b = 1, size(scene%bodies)
       mass = model%totals%bodies(b)%mass
       expected = shape_mass(scene, model, b)
       if (expected <= 0.0_dp .or. abs(mass - expected) <= tolerated*expected) cycle
@@ -145,6 +161,7 @@ contains
     do a = 1, size(model%bodies)
       do b = a + 1, size(model%bodies)
         if (model%bodies(a)%field == model%bodies(b)%field) cycle
+        if (any(model%bodies([a, b])%twin_of > 0)) cycle
         if (model%bodies(a)%rigid .and. model%bodies(b)%rigid) cycle
         if (contact_between(model%contact, model%bodies(a)%field, model%bodies(b)%field)) cycle
         found = found + 1
@@ -164,8 +181,8 @@ contains
     type(string_t), allocatable, intent(inout) :: warnings(:)
     integer :: a, b
     if (size(model%contact%pairs) == 0) return
-    do a = 1, size(model%bodies)
-      do b = 1, size(model%bodies)
+    do a = 1, size(scene%bodies)
+      do b = 1, size(scene%bodies)
         if (model%bodies(a)%field /= model%bodies(b)%field) cycle
         if (scene%bodies(a)%leader > 0 .and. scene%bodies(a)%leader == scene%bodies(b)%leader) cycle
         if (.not. law_is_spherical(model%bodies(a)%law) .or. &
@@ -273,7 +290,7 @@ contains
     character(31) :: limit
     character(:), allocatable :: advice
     integer :: b
-    do b = 1, size(model%bodies)
+    do b = 1, size(scene%bodies)
       particles = parallel_sum(stress_returned(scene%bodies(b), scene%gravity, model%mesh, &
                                                model%bodies(b)))
       if (particles == 0_i8) cycle
@@ -300,7 +317,7 @@ contains
     integer(i8) :: cells
     real(dp) :: filled
     integer :: b
-    do b = 1, size(model%bodies)
+    do b = 1, size(scene%bodies)
       associate (card => scene%bodies(b), h => model%mesh%h)
         if (card%layout /= layout_file) then
           if (model%bodies(b)%spacing <= h*(1.0_dp + 1.0e-9_dp)) cycle
@@ -385,7 +402,7 @@ contains
     real(dp) :: first
     integer :: b
     if (scene%time%end <= 0.0_dp) return
-    do b = 1, size(model%bodies)
+    do b = 1, size(scene%bodies)
       associate (particles => model%bodies(b)%particles, slots => model%bodies(b)%law%slots)
         if (slots%lighting == 0) cycle
         first = parallel_min(minval(particles%state(:, slots%lighting, :particles%chunks), &
@@ -403,15 +420,15 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     type(string_t), allocatable, intent(inout) :: warnings(:)
-    type(extent_t) :: extents(size(model%bodies))
+    type(extent_t) :: extents(size(scene%bodies))
     character(:), allocatable :: names
     logical :: meet, grouped                     !! grouped: one to others, as the deck says
     integer :: a, b
-    do b = 1, size(model%bodies)
+    do b = 1, size(scene%bodies)
       extents(b) = extent_of(model, b)
     end do
-    do a = 1, size(model%bodies)
-      do b = a + 1, size(model%bodies)
+    do a = 1, size(scene%bodies)
+      do b = a + 1, size(scene%bodies)
         meet = collide(extents(a), extents(b), scene%time%end)
         grouped = scene%bodies(a)%leader > 0 .and. &
                   scene%bodies(a)%leader == scene%bodies(b)%leader

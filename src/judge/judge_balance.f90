@@ -112,6 +112,7 @@ contains
     end associate
     do b = 1, size(model%bodies)
       if (model%totals%particles(b) > 0 .or. model%bodies(b)%rigid) cycle
+      if (model%bodies(b)%twin_of > 0) cycle
       if (model%clock%time >= model%bodies(b)%removed_at) cycle
       call opinion%object("erosion has left nothing of body '"//trim(model%bodies(b)%name)// &
                        "': what it would have hit was not hit; raise the limits of erode")

@@ -14,7 +14,7 @@ module sgmp_judge_collisions
   use sgmp_opinion, only: opinion_t
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: shape_block
-  use sgmp_text, only: real_text
+  use sgmp_text, only: integer_text, real_text
   use sgmp_thickness, only: body_thickness
   implicit none
   private
@@ -35,12 +35,14 @@ contains
     type(model_t), intent(in) :: model
     real(dp) :: cells, mass, speed2
     integer :: b, p
+    call judge_crowd(opinion, model)
     if (any(abs(scene%gravity) > 0.0_dp)) return
     if (size(scene%bodyforces) + size(scene%loads) + size(scene%motions) > 0) return
     call judge_walls(opinion, scene, model)
     speed2 = 2.0_dp*model%ledger%supplied/max(sum(model%totals%bodies%mass), tiny(1.0_dp))
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
+        if (any(pair%body > size(scene%bodies))) cycle  ! a twin
         if (.not. all([(bounces(scene, model, pair%body(b)), b=1, 2)])) cycle
         mass = minval(model%totals%bodies(pair%body)%mass)
         if (sum(pair%impulse**2) < least_blow**2*mass**2*speed2) cycle
@@ -55,6 +57,17 @@ contains
       return
     end do
   end subroutine judge_collisions
+
+  !> Parts of a body that meet where no velocity field is left for them.
+  subroutine judge_crowd(opinion, model)
+    type(opinion_t), intent(inout) :: opinion
+    type(model_t), intent(in) :: model
+    if (model%contact%self%crowded == 0) return
+    call opinion%object('more parts of a body that touches itself met than it has velocity '// &
+                        'fields: some of them ('// &
+                        integer_text(model%contact%self%crowded)// &
+                        ' patches) stuck together; smaller cells')
+  end subroutine judge_crowd
 
   !> Bodies of method sgmp that come back from a wall: those that fly against the one velocity with
   !! which they began, and touch no other.

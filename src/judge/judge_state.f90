@@ -1,7 +1,6 @@
 !> What the particles at the end of a run, its bodies' thickness and its steps say about it
 !! (doc/verdict.md).
 module sgmp_judge_state
-  use sgmp_constitutive, only: material_explosive, material_fluid
   use sgmp_end_state, only: end_state_t
   use sgmp_features, only: features_remedy_stretched
   use sgmp_kernels, only: kernel_centred
@@ -10,10 +9,10 @@ module sgmp_judge_state
   use sgmp_opinion, only: opinion_t
   use sgmp_scene, only: scene_t
   use sgmp_space, only: space_axisymmetric
-  use sgmp_text, only: integer_text, percent_text, real_text
+  use sgmp_text, only: integer_text, percent_text, real_text, real_text_about
   implicit none
   private
-  public :: judge_particles, judge_pressed, judge_resolution, judge_thin, judge_volumes
+  public :: judge_ball, judge_particles, judge_pressed, judge_resolution, judge_thin, judge_volumes
 
   ! What a sound run stays within.
   real(dp), parameter :: largest_room = 1.05_dp        !! sum of volumes over a closed box
@@ -160,32 +159,45 @@ contains
     end if
   end subroutine judge_pressed
 
-  !> Solids that have few cells for the method: surfaces that lie at an angle to the grid.
-  subroutine judge_thin(opinion, model, thinnest, thickness, ball)
+  !> A ball that has few cells for the method, in space or about the axis.
+  subroutine judge_ball(opinion, model, body, thickness)
     type(opinion_t), intent(inout) :: opinion
     type(model_t), intent(in) :: model
-    integer, intent(in) :: thinnest        !! body
+    integer, intent(in) :: body            !! the thinnest ball; 0: none
     real(dp), intent(in) :: thickness      !! its own, in cells
-    logical, intent(in) :: ball            !! it is one
-    character(:), allocatable :: thin
-    if (thinnest == 0 .or. model%mesh%ndim == 1) return
-    if (any(model%bodies(thinnest)%law%kind == [material_explosive, material_fluid])) return
-    thin = "body '"//trim(model%bodies(thinnest)%name)//"' is "//real_text(thickness)// &
-           ' cells thick'
-    if (ball .and. model%mesh%space /= 2 .and. thickness < &
-        merge(ball_thickness, small_ball, kernel_centred(model%fields(1)%kernel))) then
-      call opinion%expect(ball_error, thin//', and a ball: use smaller cells')
+    if (body == 0 .or. model%mesh%ndim == 1 .or. model%mesh%space == 2) return
+    if (thickness < merge(ball_thickness, small_ball, kernel_centred(model%fields(1)%kernel))) then
+      call opinion%expect(ball_error, thin_text(model, body, thickness)// &
+                          ', and a ball: use smaller cells')
     end if
-    if (model%method%surfaces) return
+  end subroutine judge_ball
+
+  !> A solid that has few cells for the method: surfaces that lie at an angle to the grid.
+  subroutine judge_thin(opinion, model, body, thickness)
+    type(opinion_t), intent(inout) :: opinion
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: body            !! the thinnest solid; 0: none
+    real(dp), intent(in) :: thickness      !! its own, in cells
+    if (body == 0 .or. model%mesh%ndim == 1 .or. model%method%surfaces) return
     if (kernel_centred(model%fields(1)%kernel) .and. thickness < plain_thickness .and. &
         model%mesh%space /= space_axisymmetric) then
-      call opinion%expect(thin_error, thin//', and plain strains of sgmp are wrong at surfaces '// &
-                          'that cut cells: use smaller cells, or surfaces=corrected where the '// &
-                          'scene allows it')
+      call opinion%expect(thin_error, thin_text(model, body, thickness)//', and plain strains '// &
+                          'of sgmp are wrong at surfaces that cut cells: use smaller cells, or '// &
+                          'surfaces=corrected where the scene allows it')
     else if (thickness < thin_thickness) then
-      call opinion%expect(thin_error, thin//': use smaller cells')
+      call opinion%expect(thin_error, thin_text(model, body, thickness)//': use smaller cells')
     end if
   end subroutine judge_thin
+
+  !> How thick a body is, in words.
+  function thin_text(model, body, thickness) result(text)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: body
+    real(dp), intent(in) :: thickness      !! in cells
+    character(:), allocatable :: text
+    text = "body '"//trim(model%bodies(body)%name)//"' is "//real_text_about(thickness)// &
+           ' cells thick'
+  end function thin_text
 
   !> Bodies too thin for the grid, steps that have collapsed.
   subroutine judge_resolution(opinion, name, thickness, steps)
@@ -195,7 +207,7 @@ contains
     real(dp), intent(in) :: steps(2)       !! shortest and longest
     if (thickness < least_thickness*(1.0_dp - 1.0e-9_dp)) then
       call opinion%object("body '"//trim(name)//"' is "// &
-                       real_text(thickness)//' cells thick: pressures in it are not '// &
+                       real_text_about(thickness)//' cells thick: pressures in it are not '// &
                        'resolved; use smaller cells')
     end if
     if (steps(2) > largest_collapse*steps(1)) then

@@ -49,12 +49,29 @@ contains
      case (shape_ring)
       thickness = shape%radius - shape%radius2
      case (shape_cylinder)
-      thickness = 2.0_dp*shape%radius
-      if (mesh%ndim == 3) thickness = min(thickness, shape%length)
+      thickness = min(2.0_dp*shape%radius, cylinder_length(shape, mesh))
      case default
       if (shape%radius > 0.0_dp) thickness = 2.0_dp*shape%radius
     end select
   end function shape_thickness
+
+  !> Length of a cylinder, with its image behind a wall that an end touches; huge where both do, or
+  !! where the cylinder is the section of an endless one.
+  pure function cylinder_length(shape, mesh) result(length)
+    type(shape_t), intent(in) :: shape
+    type(mesh_t), intent(in) :: mesh
+    real(dp) :: length, ends(2)
+    logical :: touches(2)
+    integer :: axis
+    length = huge(1.0_dp)
+    if (norm2(shape%axis(:mesh%ndim)) <= 0.0_dp) return
+    length = shape%length
+    axis = findloc(abs(shape%axis(:mesh%ndim)) > 1.0_dp - 1.0e-9_dp, .true., 1)
+    if (axis == 0 .or. .not. length < infinite_length) return
+    ends = shape%centre(axis) + [0.0_dp, shape%axis(axis)*length]
+    touches = [at_wall(mesh, 1, axis, minval(ends)), at_wall(mesh, 2, axis, maxval(ends))]
+    length = merge(huge(1.0_dp), merge(2.0_dp, 1.0_dp, any(touches))*length, all(touches))
+  end function cylinder_length
 
   !> Whether a coordinate lies on a wall, but for a hundredth of a cell.
   pure function at_wall(mesh, side, axis, x) result(yes)

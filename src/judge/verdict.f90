@@ -5,6 +5,7 @@
 !! it.
 module sgmp_verdict
   use sgmp_absorbing_doubts, only: absorbing_objections
+  use sgmp_constitutive, only: material_explosive, material_fluid
   use sgmp_end_state, only: end_state_t, end_state_take
   use sgmp_energy, only: ledger_drift
   use sgmp_errors, only: error_t, exit_stopped
@@ -13,8 +14,8 @@ module sgmp_verdict
   use sgmp_judge_collisions, only: judge_collisions
   use sgmp_judge_failure, only: judge_failure
   use sgmp_judge_heat, only: judge_heat
-  use sgmp_judge_state, only: judge_particles, judge_pressed, judge_resolution, judge_thin, &
-                              judge_volumes
+  use sgmp_judge_state, only: judge_ball, judge_particles, judge_pressed, judge_resolution, &
+                              judge_thin, judge_volumes
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
@@ -22,10 +23,10 @@ module sgmp_verdict
   use sgmp_parallel, only: parallel_any
   use sgmp_run_log, only: log_t
   use sgmp_scene, only: scene_t
-  use sgmp_shapes, only: shape_sphere
+  use sgmp_shapes, only: combine_union, shape_sphere, shape_t
   use sgmp_stages, only: stage_objection
   use sgmp_summary, only: summary_t
-  use sgmp_text, only: integer_text, percent_text, real_text
+  use sgmp_text, only: integer_text, percent_text, real_text, real_text_about
   use sgmp_thickness, only: body_thickness
   use sgmp_time_step, only: limit_names
   use sgmp_update, only: update_usf
@@ -40,7 +41,8 @@ module sgmp_verdict
     logical :: looked = .false.            !! the particles were in a state to be looked at
     type(end_state_t) :: state
     type(opinion_t) :: opinion
-    real(dp) :: thickness = huge(1.0_dp)   !! of the thinnest body, in cells
+    character(:), allocatable :: thinnest  !! name of the thinnest body
+    real(dp) :: thickness = huge(1.0_dp)   !! of it, in cells
     real(dp) :: drift = 0.0_dp, contact = 0.0_dp, viscous = 0.0_dp  !! parts of the energy supplied
     real(dp) :: projection = 0.0_dp        !! energy that projection loses, over the same
     real(dp) :: failure = -1.0_dp  !! work of what failed by strain over the same; -1: none can
@@ -64,10 +66,10 @@ contains
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(in) :: error  !! what ended the run early
     real(dp) :: supplied
-    character(:), allocatable :: name, reason
-    real(dp) :: inexact
-    integer :: b, thinnest
-    logical :: ball, mpm
+    character(:), allocatable :: reason
+    real(dp) :: inexact, cells
+    logical :: solid(size(scene%bodies)), mpm
+    integer :: b
     call self%opinion%open()
     supplied = max(model%ledger%supplied, tiny(1.0_dp))
     self%drift = ledger_drift(model%ledger)
@@ -76,14 +78,9 @@ contains
     self%projection = model%ledger%interpolation_error/supplied
     self%steps = [model%clock%shortest, model%clock%longest]
     self%limited_by = limit_names(model%clock%limited_by)
-    thinnest = 0
-    name = ''
-    do b = 1, size(scene%bodies)
-      if (scene%bodies(b)%rigid) cycle
-      if (body_thickness(scene%bodies(b)%shapes, model%mesh) >= self%thickness) cycle
-      self%thickness = body_thickness(scene%bodies(b)%shapes, model%mesh)
-      thinnest = b
-    end do
+    b = thinnest_of(scene, model, .not. scene%bodies%rigid, self%thickness)
+    self%thinnest = ''
+    if (b > 0) self%thinnest = trim(scene%bodies(b)%name)
     self%looked = .true.
     if (allocated(error)) self%looked = error%code == exit_stopped
     self%looked = .not. parallel_any(.not. self%looked)
@@ -113,14 +110,40 @@ contains
     mpm = model%fields(1)%kernel == kernel_mpm
     call judge_particles(self%opinion, self%state, scene, model%findings%lost, mpm)
     call judge_pressed(self%opinion, self%state, mpm, model%method%update == update_usf)
-    ball = .false.
-    if (thinnest > 0) then
-      name = trim(scene%bodies(thinnest)%name)
-      ball = any(scene%bodies(thinnest)%shapes%kind == shape_sphere)
-    end if
-    call judge_thin(self%opinion, model, thinnest, self%thickness, ball)
-    call judge_resolution(self%opinion, name, self%thickness, self%steps)
+    solid = .not. scene%bodies%rigid .and. &
+            [(.not. any(model%bodies(b)%law%kind == [material_explosive, material_fluid]), &
+              b=1, size(scene%bodies))]
+    call judge_thin(self%opinion, model, thinnest_of(scene, model, solid, cells), cells)
+    solid = solid .and. [(has_ball(scene%bodies(b)%shapes), b=1, size(scene%bodies))]
+    call judge_ball(self%opinion, model, thinnest_of(scene, model, solid, cells), cells)
+    call judge_resolution(self%opinion, self%thinnest, self%thickness, self%steps)
   end subroutine verdict_reach
+
+  !> The body with the fewest cells across among some; 0 where none of them has an end.
+  function thinnest_of(scene, model, among, cells) result(thinnest)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    logical, intent(in) :: among(:)                !! (bodies)
+    real(dp), intent(out) :: cells                 !! across it; huge for none
+    integer :: thinnest, b
+    cells = huge(1.0_dp)
+    thinnest = 0
+    do b = 1, size(scene%bodies)
+      if (.not. among(b)) cycle
+      if (body_thickness(scene%bodies(b)%shapes, model%mesh) >= cells) cycle
+      cells = body_thickness(scene%bodies(b)%shapes, model%mesh)
+      thinnest = b
+    end do
+  end function thinnest_of
+
+  !> Whether a body unites a sphere with others, or is one.
+  pure function has_ball(shapes) result(yes)
+    type(shape_t), allocatable, intent(in) :: shapes(:)
+    logical :: yes
+    yes = .false.
+    if (allocated(shapes)) yes = any(shapes%kind == shape_sphere .and. &
+                                     shapes%combine == combine_union)
+  end function has_ball
 
   !> Closing lines of the log: what was found, then the verdict; doubts are warnings.
   subroutine verdict_report(self, log)
@@ -167,7 +190,7 @@ contains
     character(:), allocatable :: text
     text = ''
     if (self%thickness < huge(1.0_dp)) then
-      text = '; thinnest body '//real_text(self%thickness)//' cells'
+      text = "; thinnest body '"//self%thinnest//"': "//real_text_about(self%thickness)//' cells'
     end if
   end function thinnest
 
@@ -188,6 +211,7 @@ contains
     call summary%set('end_state.limited_by', trim(self%limited_by))
     if (self%thickness < huge(1.0_dp)) then
       call summary%set('end_state.thinnest_body_cells', self%thickness)
+      call summary%set('end_state.thinnest_body', self%thinnest)
     end if
     if (.not. self%looked) return
     call summary%set('end_state.lost_impulse', self%impulse)

@@ -16,7 +16,7 @@ module DIM(sgmp_chunk)
   use sgmp_constitutive, only: constitutive_t
   use sgmp_debris, only: debris_loose, debris_possible, debris_room
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
-                                  departures_outside, departures_take_out
+                                  departures_outside, departures_relabelled, departures_take_out
   use sgmp_drive, only: most_drives
   use CARTESIAN(sgmp_driven_particles), only: driven_masses, driven_read
   use sgmp_features, only: sum_split
@@ -242,7 +242,7 @@ contains
     real(dp) :: radius(lanes)
 #endif
     real(dp) :: change(lanes, NDIM), heat(lanes)
-    logical :: outside, erodes, eroded(lanes), collides
+    logical :: outside, erodes, eroded(lanes), collides, leaves(lanes)
     if (plan%loose) then
       call chunk_loose(body, plan, task, origin, nl, row, records, nb, motion, state, stencil, &
                        lane_sums)
@@ -366,8 +366,15 @@ contains
     end if
     if (erodes) call departures_note_all(eroded .and. id /= 0, .true., task%values, s, extent, nl, &
                                          nb, motion, state, id, xi, values, movers)
-    if (outside) call departures_note_all(departures_outside(extent, xi), .false., task%values, s, &
-                                          extent, nl, nb, motion, state, id, xi, values, movers)
+    leaves = .false.
+    if (outside) leaves = departures_outside(extent, xi)
+    if (body%relabels .and. plan%drift) then
+      leaves = leaves .or. id /= 0 .and. departures_relabelled(body%labels, body%label, nl, &
+                                                               state(1, body%law%slots%patch))
+      outside = any(leaves)
+    end if
+    if (outside) call departures_note_all(leaves, .false., task%values, s, extent, nl, nb, motion, &
+                                          state, id, xi, values, movers)
     if (plan%drift) call enter_cells(task%span, xi, cell)
     if (task%wide .and. (plan%drift .or. plan%mass .and. body%sides_stretch)) then
       call particle_axes(body, task, nb, state, xi, axes)

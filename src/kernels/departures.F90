@@ -8,12 +8,14 @@
 module DIM(sgmp_departures)
   use sgmp_constitutive, only: constitutive_t
   use sgmp_erosion, only: erosion_wanted
-  use sgmp_kinds, only: dp, i4, lanes
+  use sgmp_kinds, only: dp, i4, i8, lanes
   use sgmp_motion, only: motion_total, motion_velocity
   use sgmp_movers, only: movers_add, movers_t
+  use sgmp_patches, only: labels_t, patch_label
   implicit none
   private
-  public :: departures_eroded, departures_note, departures_note_all, departures_outside
+  public :: departures_eroded, departures_note, departures_note_all, departures_outside, &
+            departures_relabelled
   public :: departures_take_out
 
   integer, parameter :: before_v = motion_velocity(NDIM) - 1
@@ -53,6 +55,20 @@ contains
       outside(l) = .not. all(xi(l, :) >= extent(1, :) .and. xi(l, :) < extent(2, :))
     end do
   end function departures_outside
+
+  !> Which particles get another label, and so another velocity field.
+  pure function departures_relabelled(labels, own, nl, patch) result(leaves)
+    type(labels_t), intent(in) :: labels
+    integer, intent(in) :: own                   !! label of their body
+    integer, intent(in) :: nl
+    real(dp), intent(in) :: patch(lanes)
+    logical :: leaves(lanes)
+    integer :: l
+    leaves = .false.
+    do l = 1, nl
+      leaves(l) = patch_label(labels, nint(patch(l), i8)) /= own
+    end do
+  end function departures_relabelled
 
   !> Notes the lanes that leave, and takes them out of their bin and of the scatter.
   pure subroutine departures_note_all(leaves, removed, columns, s, extent, nl, nb, motion, state, &

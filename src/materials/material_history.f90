@@ -42,6 +42,7 @@ module sgmp_material_history
            'diagonal of the deformation gradient (method cpgimp, split)'), &
     kept_t('initial', .false., .false., 'initial position (bodyforce or load that uses it)'), &
     kept_t('surface', .false., .false., ''), &
+    kept_t('patch', .false., .false., 'patch of the first position (contact self=yes)'), &
     kept_t('swirl', .false., .false., &
            'velocity around the axis (dimension axisymmetric swirl=yes)'), &
     kept_t('strength', .true., .true., 'strength (failure weibull)'), &
@@ -106,6 +107,7 @@ module sgmp_material_history
     integer :: initial = 0       !! initial position, for body forces that use it
     integer :: swirl = 0         !! velocity around the axis times radius (cells)
     integer :: surface = 0       !! distance to the body's surface, for contact
+    integer :: patch = 0         !! of the first position, where a body touches itself
     integer :: compliance = 0    !! by which volume is exchanged, for kept volumes
     integer :: strength = 0      !! factor on the limits of failure, where they scatter
     integer :: yield_factor = 0  !! factor on the yield stress, where it scatters
@@ -207,6 +209,7 @@ contains
     slots%initial = slots_column(slots, 'initial')
     slots%swirl = slots_column(slots, 'swirl')
     slots%surface = slots_column(slots, 'surface')
+    slots%patch = slots_column(slots, 'patch')
     slots%compliance = slots_column(slots, 'compliance')
     slots%strength = slots_column(slots, 'strength')
     slots%yield_factor = slots_column(slots, 'yield_factor')

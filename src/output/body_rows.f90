@@ -19,6 +19,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer :: b
     do b = 1, size(model%bodies)
+      if (model%bodies(b)%twin_of > 0) cycle
       call file%write_row(model%clock%step, body_row(model, b), error, trim(model%bodies(b)%name))
       if (allocated(error)) return
     end do

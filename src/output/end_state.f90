@@ -65,6 +65,7 @@ contains
       state%gas = state%gas .or. law_gaseous(model%bodies(b)%law)
       state%particles = state%particles + model%totals%particles(b)
       call look_at_body(model%bodies(b), model%mesh, state)
+      if (model%bodies(b)%twin_of > 0 .or. model%bodies(b)%family > 0) cycle  ! parts of one
       if (holds_together(model%bodies(b))) call find_separated(scene%bodies(b), model, b, state)
     end do
     call find_inside(model, state)
@@ -178,6 +179,7 @@ contains
     integer(i8) :: inside
     integer :: p, side
     do p = 1, size(model%contact%pairs)
+      if (any(model%bodies(model%contact%pairs(p)%body)%twin_of > 0)) cycle
       do side = 1, 2
         associate (bodies => cshift(model%contact%pairs(p)%body, side - 1))
           if (model%bodies(bodies(1))%rigid) cycle

@@ -92,7 +92,7 @@ contains
     snapshot%time = model%clock%time
     if (any(model%bodies%particles%path > 0)) allocate (snapshot%path(n))
     allocate (snapshot%id(n), snapshot%body(n), snapshot%position(3, n), snapshot%velocity(3, n))
-    snapshot%body_names = model%bodies%name
+    snapshot%body_names = pack(model%bodies%name, model%bodies%twin_of == 0)
     call declare_fields(names, model%mesh%space, &
                         stress_components(merge(3, model%mesh%ndim, model%method%swirl)), n, &
                         kinds, snapshot%fields)
@@ -126,7 +126,7 @@ contains
     axes = axes_in_output(:, model%mesh%space)
     associate (body => model%bodies(where_(1)), l => where_(2), c => where_(3))
       snapshot%id(p) = body%particles%id(l, c)
-      snapshot%body(p) = where_(1)
+      snapshot%body(p) = merge(body%twin_of, where_(1), body%twin_of > 0)
       if (allocated(snapshot%path)) snapshot%path(p) = path_of(body, l, c)
       v = motion_velocity(nd)
       snapshot%position(:, p) = snapshot_position(model, where_)

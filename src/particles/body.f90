@@ -8,6 +8,7 @@ module sgmp_body
   use sgmp_kinds, only: dp, i4
   use sgmp_load, only: load_t
   use sgmp_particles, only: first_cell, particles_t
+  use sgmp_patches, only: labels_t
   use sgmp_rigid_motion, only: rigid_motion_t
   use sgmp_rows, only: key_j, key_k
   use sgmp_text, only: integer_text
@@ -16,11 +17,17 @@ module sgmp_body
   public :: body_t, body_place, body_forced, body_given_id, body_group, body_number, &
             body_particle, body_parts
 
-  !> One body of the model.
+  !> One body of the model; behind all of them come twins, which hold the particles of one that
+  !! touches itself as they get other labels (sgmp_self_contact).
   type :: body_t
     character(32) :: name = ''
     integer :: field = 1                       !! velocity field it moves in
     integer(i4) :: first_id = 1                !! id of its first particle
+    integer :: twin_of = 0                     !! the body that it is a twin of; 0: it is none
+    integer :: family = 0                      !! first field of a body that touches itself; 0: not
+    integer :: label = 0                       !! of its particles
+    type(labels_t) :: labels                   !! of all patches of the family
+    logical :: relabels = .false.              !! particles change their labels in this step
     integer(i4), allocatable :: given_ids(:)
       !! ids that a file gives all its particles, on every rank; empty: it gives none
     type(particles_t) :: particles

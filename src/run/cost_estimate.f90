@@ -20,12 +20,13 @@ module sgmp_cost_estimate
   use sgmp_rows, only: rows_points
   use sgmp_scene, only: scene_t
   use sgmp_spelling, only: string_t
-  use sgmp_text, only: integer_text, real_text
+  use sgmp_text, only: integer_text, real_text, real_text_about
   use sgmp_time_step, only: clock_choose, clock_t, limit_names
+  use sgmp_trial, only: trial_t
   use sgmp_update, only: update_names
   implicit none
   private
-  public :: cost_estimate_write, cost_estimate_write_need
+  public :: cost_estimate_write, cost_estimate_write_need, cost_estimate_write_time
 
 contains
 
@@ -57,7 +58,7 @@ contains
     end do
     bytes = sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])
     particles = 0_i8
-    do b = 1, size(model%bodies)
+    do b = 1, size(scene%bodies)
       call put_body(scene, model, b)
       bytes = bytes + particles_bytes(model%bodies(b)%particles)
       particles = particles + int(model%bodies(b)%particles%count, i8)
@@ -66,7 +67,7 @@ contains
     call put('memory      '//bytes_text(bytes)//' for '//integer_text(particles)//' particles: '// &
              real_text(real(bytes, dp)/real(max(particles, 1_i8), dp))// &
              ' bytes per particle, grid included')
-    call put_time(scene, model, particles)
+    call put_step(model)
   end subroutine cost_estimate_write
 
   !> What is known of a scene that would strain the memory, where nothing has been built.
@@ -82,11 +83,12 @@ contains
   end subroutine cost_estimate_write_need
 
   !> Groups of bodies that move in one velocity field, which of them touch, and what the others do.
+  ! allow(S901): four lists, each with what it leaves out
   subroutine put_contact(scene, model)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer :: f, g, a, b, p
-    if (size(model%bodies) < 2) return
+    if (size(model%bodies) < 2 .and. size(model%contact%pairs) == 0) return
     if (size(model%contact%pairs) == 0) then
       call put('contact     none: all bodies share one velocity field, and stick together '// &
                'where they meet')
@@ -94,11 +96,19 @@ contains
     end if
     do f = 1, size(model%fields)
       b = findloc(model%bodies%field, f, 1)
+      if (model%bodies(b)%twin_of > 0) cycle
       if (b > 0) call put('field       '//integer_text(f)//': '//body_group(model%bodies, b)// &
                           together(scene, model, f))
     end do
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
+        if (any(model%bodies(pair%body)%label > 1)) cycle
+        if (pair%family > 0) then
+          call put('contact     '//body_group(model%bodies, pair%body(1))//' and itself, '// &
+                   'friction '//real_text(pair%friction))
+          cycle
+        end if
+        if (any(model%bodies(pair%body)%label > 0)) cycle
         call put('contact     '//body_group(model%bodies, pair%body(1))//' and '// &
                  body_group(model%bodies, pair%body(2))//', friction '//real_text(pair%friction))
       end associate
@@ -107,6 +117,7 @@ contains
       do g = f + 1, size(model%fields)
         a = findloc(model%bodies%field, f, 1)
         b = findloc(model%bodies%field, g, 1)
+        if (any(model%bodies([a, b])%twin_of > 0)) cycle
         if (a == 0 .or. b == 0 .or. contact_between(model%contact, f, g)) cycle
         call put('no contact  '//body_group(model%bodies, a)//' and '// &
                  body_group(model%bodies, b)//' pass through each other')
@@ -234,25 +245,33 @@ contains
     if (column > 0) call put('            '//text)
   end subroutine put_slot
 
-  !> First step, what limits it, how many there will be, and how long they may take.
-  subroutine put_time(scene, model, particles)
-    type(scene_t), intent(in) :: scene
+  !> First step and what limits it.
+  subroutine put_step(model)
     type(model_t), intent(in) :: model
-    integer(i8), intent(in) :: particles
     type(clock_t) :: clock
     logical :: ok
-    real(dp) :: steps
     clock = model%clock
     call clock_choose(clock, model%mesh%h, model%findings%fastest, huge(1.0_dp), ok)
     call put('time step   '//real_text(clock%dt)//' ('//trim(limit_names(clock%limited_by))// &
              ', c + |v| = '//real_text(model%findings%fastest)//' at '// &
              body_particle(model%bodies, model%findings%fastest_id)//')')
-    steps = real(scene%time%steps, dp)
-    if (scene%time%end < steps*clock%dt) steps = scene%time%end/clock%dt  ! huge if not given
-    call put('steps       about '//real_text(steps)//', '// &
-             real_text(1.0e-7_dp*steps*real(particles, dp)/model%team%threads)// &
-             ' s at 100 ns per particle-step on '//integer_text(model%team%threads)//' threads')
-  end subroutine put_time
+  end subroutine put_step
+
+  !> How many steps there will be and how long they may take, by those of a trial.
+  subroutine cost_estimate_write_time(trial, particles, threads)
+    type(trial_t), intent(in) :: trial
+    integer(i8), intent(in) :: particles         !! of all ranks
+    integer, intent(in) :: threads               !! of each
+    call put('steps       about '//integer_text(nint(trial%ahead, i8))//' (those tried have '// &
+             real_text_about(trial%dt)//'), '// &
+             real_text_about(trial%ahead*real(particles, dp))//' particle-steps')
+    if (trial%steps < 2) return
+    call put('run time    about '//real_text_about(trial%ahead*trial%seconds)//' s on '// &
+             integer_text(threads)//' thread'//trim(merge('s', ' ', threads > 1))// &
+             ', output not counted: '// &
+             real_text_about(1.0e9_dp*trial%seconds/real(max(particles, 1_i8), dp))// &
+             ' ns per particle-step in '//integer_text(trial%steps - 1)//' steps that were tried')
+  end subroutine cost_estimate_write_time
 
   subroutine put(text)
     character(*), intent(in) :: text

@@ -4,11 +4,12 @@
 program sgmp
   use, intrinsic :: iso_c_binding, only: c_int
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+  use omp_lib, only: omp_get_num_procs
   use sgmp_command_line, only: command_line_read, command_line_t
   use sgmp_errors, only: error_t, exit_io, exit_ok
   use sgmp_kinds, only: dp
   use sgmp_parallel, only: parallel_agree, parallel_end, parallel_rank, parallel_start
-  use sgmp_posix, only: environment_default
+  use sgmp_posix, only: environment_default, wait_politely
   use sgmp_program, only: program_act, program_report
   use sgmp_timers, only: wall_time
   implicit none
@@ -28,6 +29,7 @@ program sgmp
   type(error_t), allocatable :: error
   real(dp) :: started
   integer :: status
+  if (omp_get_num_procs() > 1) call wait_politely()
   started = wall_time()
   ! Open MPI's own module for files loses data in one of its components (vulcan).
   call environment_default('OMPI_MCA_io', '^ompio')

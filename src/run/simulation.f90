@@ -7,7 +7,8 @@ module sgmp_simulation
   use sgmp_checkpoint, only: checkpoint_bytes, checkpoint_path, checkpoint_set_aside, &
                              checkpoint_write
   use sgmp_command_line, only: command_line_t
-  use sgmp_cost_estimate, only: cost_estimate_write, cost_estimate_write_need
+  use sgmp_cost_estimate, only: cost_estimate_write, cost_estimate_write_need, &
+                                cost_estimate_write_time
   use sgmp_energy, only: ledger_drift, ledger_total
   use sgmp_errors, only: error_make, error_t, exit_io, exit_numerical, exit_stopped
   use sgmp_forewarnings, only: forewarnings_find
@@ -36,6 +37,7 @@ module sgmp_simulation
   use sgmp_time_step, only: clock_advance, clock_choose, clock_t
   use sgmp_timers, only: phase_end, phase_grid, phase_output, phase_probe, phase_start, &
                          timers_stop, timers_t, wall_time
+  use sgmp_trial, only: trial_t, trial_take
   use sgmp_update, only: update_usf
   use sgmp_verdict, only: verdict_t
   implicit none
@@ -49,14 +51,17 @@ module sgmp_simulation
 
 contains
 
-  !> Prints what a scene will cost, and runs nothing.
+  !> Prints what a scene will cost, by a trial of some steps; writes no file.
   subroutine simulation_check(scene, threads, error)
     type(scene_t), intent(in) :: scene
     type(thread_choice_t), intent(inout) :: threads
     type(error_t), allocatable, intent(out) :: error
     type(model_t), allocatable :: model
     type(string_t), allocatable :: warnings(:)
+    type(trial_t) :: trial
     real(dp) :: need, available
+    integer(i8) :: particles
+    logical :: speaks
     integer :: w
     call memory_need_here(scene, need, available, error)
     if (allocated(error)) return
@@ -71,8 +76,13 @@ contains
     if (allocated(error)) return
     call stability_choose(model)
     call forewarnings_find(scene, model, warnings)
-    if (model%ranks%partition%rank /= 0) return
-    call cost_estimate_write(scene, model)
+    particles = sum(model%totals%particles)
+    speaks = parallel_rank() == 0
+    if (speaks) call cost_estimate_write(scene, model)
+    call trial_take(scene, model, trial)
+    if (.not. speaks) return
+    call cost_estimate_write_time(trial, particles, model%team%threads)
+    if (trial%failure /= '') write (error_unit, '(a)') 'warning: '//trial%failure
     do w = 1, size(warnings)
       write (error_unit, '(a)') 'warning: '//warnings(w)%text
     end do

@@ -13,7 +13,7 @@ module sgmp_build_model
   use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, law_set_average, &
                                law_set_length, law_slots
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
-                                contact_pairs
+                                contact_pairs, contact_self
   use sgmp_debris, only: debris_possible, debris_set_apart
   use sgmp_driven_build, only: driven_add_columns, driven_declare, driven_fill, driven_number
   use sgmp_energy, only: ledger_open
@@ -45,6 +45,7 @@ module sgmp_build_model
   use sgmp_rigid_motion, only: motion_energy
   use sgmp_scene, only: body_card_t, scene_space, scene_t, time_card_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_generate, survey_t
+  use sgmp_self_contact, only: self_labels
   use sgmp_space, only: space_axisymmetric
   use sgmp_stages, only: stage_columns, stage_terms
   use sgmp_step, only: step_start
@@ -60,6 +61,7 @@ module sgmp_build_model
   public :: model_build
 
   integer, parameter :: body_terms = 9  !! of the initial sums over a body
+  real(dp), parameter :: still = 1.0e-12_dp  !! velocity over c + |v| below which all is round-off
 
 contains
 
@@ -71,7 +73,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in), optional :: empty  !! without particles, which a restart brings
     type(survey_t), allocatable :: surveys(:)
-    integer :: b, kernel
+    integer :: b, kernel, twin_of((self_labels)*size(scene%bodies))
     integer(i4) :: next_id
     real(dp) :: heaviest
     logical :: seeded
@@ -88,7 +90,8 @@ contains
     call set_method(scene, model%method)
     if (model%mesh%walls_act) model%method%debris_speed = 0.0_dp
     kernel = method_kernel(scene%method%kind)
-    allocate (model%bodies(size(scene%bodies)), model%totals%bodies(size(scene%bodies)))
+    call list_twins(scene, twin_of)
+    allocate (model%bodies(count(twin_of >= 0)), model%totals%bodies(count(twin_of >= 0)))
     call partition_make(model%ranks%partition, model%mesh, kernel, model%method%normalised, &
                         model%mesh%ndim > 1, parallel_rank(), parallel_ranks(), &
                         model%method%rotation, model%method%surfaces)
@@ -116,7 +119,14 @@ contains
                                         mask=particles%id(:, :particles%chunks) > 0))
       end associate
     end do
-    if (seeded) call burn_light(scene, model%mesh, model%bodies)
+    do b = size(scene%bodies) + 1, size(model%bodies)
+      call build_body(scene, twin_of(b), model, kernel, next_id, .false., surveys, &
+                      model%bodies(b), error)
+      if (allocated(error)) return
+      model%bodies(b)%twin_of = twin_of(b)
+      model%bodies(b)%label = 1 + count(twin_of(:b - 1) == twin_of(b))
+    end do
+    if (seeded) call burn_light(scene, model%mesh, model%bodies(:size(scene%bodies)))
     model%method%cutoff = scene%method%mass_cutoff*parallel_max(heaviest)
     call contact_pairs(scene, model)
     call build_fields(model, kernel, merge(1, threads, scene%dimension == 1))
@@ -131,6 +141,24 @@ contains
     call check_lengths(model%bodies, error)
     call absorbing_check(model%mesh, model%bodies, scene%grid%walls_location, error)
   end subroutine model_build
+
+  !> Which body each is a twin of (sgmp_self_contact): 0 for those of the deck, behind them come the
+  !! twins; -1 behind all.
+  pure subroutine list_twins(scene, twin_of)
+    type(scene_t), intent(in) :: scene
+    integer, intent(out) :: twin_of(:)
+    integer :: b, n, l
+    twin_of = -1
+    n = size(scene%bodies)
+    twin_of(:n) = 0
+    do b = 1, size(scene%bodies)
+      if (.not. contact_self(scene, b)) cycle
+      do l = 1, self_labels - 1
+        n = n + 1
+        twin_of(n) = b
+      end do
+    end do
+  end subroutine list_twins
 
   !> What the cards say about the method, for all steps.
   subroutine set_method(scene, method)
@@ -654,7 +682,9 @@ contains
     counted = .not. model%bodies%rigid .or. model%bodies%rigid_motion%free
     call ledger_open(model%ledger, sum(model%totals%bodies%kinetic, mask=counted), &
                      sum(model%totals%bodies%internal), &
-                     [(sum(model%totals%bodies%momentum(c), mask=counted), c=1, 3)])
+                     [(sum(model%totals%bodies%momentum(c), mask=counted), c=1, 3)], &
+                     least=0.5_dp*sum(model%totals%bodies%mass, mask=counted)* &
+                           (still*model%findings%fastest)**2)
   end subroutine open_ledger
 
   !> Mass, moment, momentum, kinetic and internal energy of a chunk.

@@ -23,6 +23,7 @@ module sgmp_rebin_phases
   use sgmp_ranks, only: ranks_t
   use sgmp_rebinning, only: arrivals_t, particles_close_lists, particles_extend_bins, &
                             particles_receive, particles_receive_rest
+  use sgmp_self_movers, only: self_hand_over
   use sgmp_space, only: axis_names
   use sgmp_sums, only: nodes_sums, removed_by_card, removed_by_erosion, removed_by_loss, &
                        removed_causes, &
@@ -41,6 +42,7 @@ module sgmp_rebin_phases
 contains
 
   !> Moves particles to their new bins, follows them with the grid, and folds the moments at walls.
+  ! allow(S901): movers of all kinds, one after the other
   subroutine phase_rebin_particles(plan, mesh, fields, bodies, contact, team, ranks, findings, &
                                    timers)
     type(plan_t), intent(in) :: plan
@@ -58,6 +60,10 @@ contains
     findings%moved = 0
     if (plan%drift) then
       call report_escaped(plan, mesh, bodies, team%movers, findings%failure)
+      if (any(bodies%relabels)) then
+        call self_hand_over(mesh, bodies, team%movers(:, :size(team%movers, 2) - 1))
+        bodies%relabels = .false.
+      end if
       do b = 1, size(bodies)
         if (bodies(b)%rigid) cycle
         if (.not. (plan%loses .or. bodies(b)%law%erosion%given .or. bodies(b)%leaves)) cycle
@@ -79,7 +85,7 @@ contains
         call phase_layout(mesh, fields, bodies, contact, team, ranks%partition, changed)
       end if
       do b = 1, size(bodies)
-        if (all(team%movers(b, :)%n == 0)) cycle
+        if (all(team%movers(b, :)%n == 0 .and. team%movers(b, :)%freed == 0)) cycle
         call settle_movers(plan, mesh, fields(bodies(b)%field), bodies(b), team, &
                            team%movers(b, :), findings%lost_here)
       end do

@@ -22,7 +22,7 @@
 !!                     place               rotation
 !!                     after_remap         rotation, kept volumes
 !!   sweeps            plan                kept volumes
-!!                     sweep               averages over a length, surfaces
+!!                     sweep               averages over a length, self-contact, surfaces
 !!   sums known        close               rigid bodies, driven parts
 !!   books closed      finish              damping (stress last)
 !!                     guard               splitting
@@ -52,6 +52,7 @@ module sgmp_stages
   use sgmp_removal_stages, only: removal_open
   use sgmp_rigid_bodies, only: rigid_advance, rigid_choose_speed
   use sgmp_rigid_stages, only: free_any, free_close, free_open, free_settle
+  use sgmp_self_contact, only: self_look
   use sgmp_splitting_account, only: splitting_account
   use sgmp_splitting_stages, only: splitting_columns, splitting_guard
   use sgmp_swirl_account, only: swirl_account
@@ -277,6 +278,9 @@ contains
     type(model_t), intent(inout) :: model
     type(plan_t), intent(in) :: plan
     if (plan%drift) call phase_average(model%mesh, model%fields, model%team%threads)
+    if (plan%drift .and. model%contact%self%on) then
+      call self_look(model%contact%self, model%mesh, model%bodies, plan%step, model%clock%time)
+    end if
     if (plan%gradient == 0 .or. .not. plan%strain) return
     call phase_surfaces_strain(model%clock%step + 1, model%method, model%mesh, model%fields, &
                                model%bodies, plan%gradient, model%team, model%ranks, &

@@ -90,6 +90,17 @@ contains
     call tally_total(findings%tally, sums, counts)
     call parallel_max_place(findings%fastest, findings%fastest_id, findings%fastest_field)
     if (counts(n + 2) > 0_i8) call parallel_agree(findings%failure, findings%failed_in)
+    do b = 1, n
+      associate (of => bodies(b)%twin_of)
+        if (of == 0) cycle
+        counts(of) = counts(of) + counts(b)
+        counts(b) = 0_i8
+        first = (b - 1)*sweep_sums
+        sums((of - 1)*sweep_sums + 1:of*sweep_sums) = &
+          sums((of - 1)*sweep_sums + 1:of*sweep_sums) + sums(first + 1:first + sweep_sums)
+        sums(first + 1:first + sweep_sums) = 0.0_dp
+      end associate
+    end do
     totals%particles = counts(:n)
     totals%points = counts(n + 3)
     findings%lost = findings%lost + int(counts(n + 1))
@@ -106,7 +117,8 @@ contains
       first = n*sweep_sums + nodes_sums + (b - 1)*removed
       call terms_take(terms, from_removed, sums(first + 1:first + removed))
       do cause = first, first + removed - 1, removed_sums
-        call take_removed(sums(cause + 1:cause + removed_sums), totals%bodies(b))
+        call take_removed(sums(cause + 1:cause + removed_sums), &
+                          totals%bodies(merge(bodies(b)%twin_of, b, bodies(b)%twin_of > 0)))
       end do
     end do
     if (any(fields%columns%driven > 0)) call add_drives(fields, sums, totals)

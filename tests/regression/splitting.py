@@ -148,7 +148,11 @@ def axis(report):
             abs(result["energy.remainder"]) < 1e-13 * start,
             f"{name}: kinetic identity {result['energy.remainder'] / start}",
         )
-        report.check(result["verdict"] == "sound", f"{name}: {result['verdict_reasons']}")
+        # Four cells along its axis are few for a solid.
+        report.check(
+            result["verdict"] == "coarse" and all("4 cells thick" in why for why in result["verdict_reasons"]),
+            f"{name}: {result['verdict_reasons']}",
+        )
 
 
 def swirled(report):

@@ -373,7 +373,7 @@ def criteria(report):
     doubts(report, "heap", HEAP, "times as dense")
     result = sound(report, "heap_stiff", HEAP, young=30)
     report.check(1 < result["end_state.largest_compression"] < 1.3, f"heap: {result['end_state']}")
-    doubts(report, "tube", TUBE, "1.50000 cells thick")
+    doubts(report, "tube", TUBE, "1.5 cells thick")
     result = sound(report, "tube_thick", TUBE, inner=5)
     report.check(result["end_state.thinnest_body_cells"] == 3, f"tube: {result['end_state']}")
     result = doubts(report, "within", WITHIN, "of body 'ball' is inside body 'plate'")

@@ -22,6 +22,7 @@ module sgmp_contact
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_rigid_motion, only: motion_kick
+  use sgmp_self_contact, only: self_decide, self_t
   use sgmp_shared_nodes, only: node_terms_t, shared_build, shared_mark, shared_meet, &
                                shared_members, shared_nodes_t, shared_place, shared_share
   use sgmp_space, only: space_axisymmetric
@@ -39,6 +40,7 @@ module sgmp_contact
     logical :: at_surface = .false.        !! friction acts there, not at the nodes
     type(shared_nodes_t) :: shared         !! nodes where the fields of pairs meet
     type(levers_t) :: levers               !! how friction at the surface reaches the nodes
+    type(self_t) :: self                   !! where bodies come near themselves
     logical :: anywhere = .true.           !! on some rank bodies are near each other
     type(buffer_t) :: memory               !! states of links until the next layout
     type(buffer_t) :: terms
@@ -84,7 +86,9 @@ contains
     call shared_build(contact%shared, mesh, fields, bodies, contact%pairs, planes, &
                       contact%at_surface)
     if (contact%at_surface) call levers_layout(contact%levers, contact%shared, mesh%h)
-    call memory_give(contact%memory, contact%shared)
+    call memory_give(contact%memory, contact%shared, &
+                     contact%pairs(:merge(size(contact%pairs), 0, contact%self%on)))
+    contact%self%fresh = contact%self%on
   end subroutine contact_layout
 
   !> Finds where bodies meet, and counts the surface particles around.
@@ -99,6 +103,9 @@ contains
     integer, intent(in) :: threads
     integer :: n, b
     logical :: any_meet
+    if (contact%self%fresh) call self_decide(contact%self, mesh%ndim, bodies, contact%pairs, &
+                                             contact%shared)
+    contact%self%fresh = .false.
     !$omp parallel do schedule(static) num_threads(threads) if(threads > 1) &
     !$omp& default(none) shared(contact, fields, cutoff) private(n)
     do n = 1, contact%shared%nodes
@@ -108,7 +115,7 @@ contains
     if (mod(step, exposure_steps) == 0) then
       call shared_mark(contact%shared, [-huge(1), huge(1)], any_meet)
       do b = 1, merge(size(bodies), 0, any_meet)
-        call surface_expose(contact%shared%surface(b), bodies(b), fields(bodies(b)%field), mesh)
+        call surface_expose(contact%shared%surface(b), b, bodies, fields, mesh)
       end do
     end if
     do b = 1, size(bodies)
@@ -126,16 +133,17 @@ contains
     type(body_t), intent(in) :: bodies(:)
     integer, intent(in) :: threads
     type(clouds_t) :: clouds
-    integer :: n, b
+    integer :: n, b, labelled
+    labelled = merge(size(contact%pairs), 0, contact%self%on)
     do b = 1, size(bodies)
       call surface_pack(contact%shared%surface(b), bodies(b)%particles, &
                         bodies(b)%law%slots%surface, threads)
     end do
     !$omp parallel num_threads(threads) if(threads > 1) default(none) &
-    !$omp& shared(contact, mesh, fields, bodies) private(n, clouds)
+    !$omp& shared(contact, mesh, fields, bodies, labelled) private(n, clouds)
     !$omp do schedule(dynamic, 16)
     do n = 1, contact%shared%nodes
-      call shared_share(contact%shared, n, fields)
+      call shared_share(contact%shared, n, fields, contact%pairs(:labelled))
       call distance_detect(contact%shared, n, mesh, fields, bodies, contact%pairs, clouds)
     end do
     !$omp end do nowait

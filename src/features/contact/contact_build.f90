@@ -8,13 +8,15 @@ module sgmp_contact_build
   use sgmp_material_history, only: slots_ask, slots_t
   use sgmp_mesh, only: mesh_position, mesh_t
   use sgmp_model, only: model_t
+  use sgmp_patches, only: patch_of
   use sgmp_scene, only: body_card_t, contact_card_t, layout_file, scene_t
   use sgmp_shapes, only: surface_depth
   use sgmp_surface_particles, only: surface_covered
   use sgmp_turn, only: turn_back
   implicit none
   private
-  public :: contact_pairs, contact_fields, contact_add_slot, contact_fill_slot, contact_no_surface
+  public :: contact_pairs, contact_fields, contact_add_slot, contact_fill_slot, &
+            contact_no_surface, contact_self
 
   !> Surface offset (cells) of particles that are never outermost: too far out, unused lanes.
   real(dp), parameter :: contact_no_surface = -2.0e3_dp
@@ -28,18 +30,31 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(inout) :: model
     type(contact_pair_t) :: pair
-    integer :: a, b, card(size(model%bodies), size(model%bodies))
-    integer :: leader(size(model%bodies))
-    leader = [(leader_of(scene, b), b=1, size(leader))]
+    integer :: a, b, first, n, card(size(model%bodies), size(model%bodies))
+    integer :: leader(size(model%bodies)), of(size(model%bodies))
+    n = size(scene%bodies)
+    of = [(merge(model%bodies(b)%twin_of, b, model%bodies(b)%twin_of > 0), b=1, size(of))]
+    leader = [(leader_of(scene, of(b)), b=1, size(leader))]
     card = cards_between(scene, leader, model)
-    call group_bodies(card, leader, model%bodies)
+    call group_bodies(card(:n, :n), leader(:n), model%bodies(:n))
+    call field_twins(n, model%bodies)
     allocate (model%contact%pairs(0))
     do a = 1, size(model%bodies)
       do b = a + 1, size(model%bodies)
-        if (card(a, b) == 0) cycle
-        pair = make_pair(scene%contacts(best_card(scene%contacts, leader(a), leader(b))), &
-                         a, b, model)
+        if (model%bodies(a)%field == model%bodies(b)%field) cycle
+        first = best_card(scene%contacts, leader(a), leader(b))
+        if (model%bodies(a)%family > 0 .and. &
+            model%bodies(a)%family == model%bodies(b)%family) then
+          first = self_card(scene%contacts, leader(a))
+          pair = make_pair(scene%contacts(first), [a, b], of, model)
+          pair%family = model%bodies(a)%family
+        else
+          if (card(a, b) == 0) cycle
+          pair = make_pair(scene%contacts(first), [a, b], of, model)
+        end if
         pair%field = model%bodies(pair%body)%field
+        pair%kind = merge(model%bodies(pair%body)%family, pair%field, &
+                          model%bodies(pair%body)%family > 0)
         if (is_listed(model%contact%pairs, pair%field)) cycle
         pair%fills = pair%normal == normal_separating .and. &
                      any(law_gaseous(model%bodies%law) .and. &
@@ -48,8 +63,55 @@ contains
         model%contact%pairs = [model%contact%pairs, pair]
       end do
     end do
+    model%contact%self%on = any(model%bodies%family > 0)
     model%contact%at_surface = model%method%rotation .and. size(model%contact%pairs) > 0
   end subroutine contact_pairs
+
+  !> Fields of the twins: one for each label of a family.
+  pure subroutine field_twins(n, bodies)
+    integer, intent(in) :: n                     !! bodies that are no twins
+    type(body_t), intent(inout) :: bodies(:)
+    integer :: a, b, fields
+    fields = maxval(bodies(:n)%field)
+    do b = n + 1, size(bodies)
+      associate (of => bodies(bodies(b)%twin_of))
+        of%family = of%field
+        bodies(b)%family = of%field
+      end associate
+      do a = n + 1, b - 1
+        if (bodies(a)%family == bodies(b)%family .and. bodies(a)%label == bodies(b)%label) exit
+      end do
+      if (a == b) fields = fields + 1
+      bodies(b)%field = fields
+      if (a < b) bodies(b)%field = bodies(a)%field
+    end do
+  end subroutine field_twins
+
+  !> Whether a card says that a body touches itself.
+  pure function contact_self(scene, number) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: number                !! of the body
+    logical :: yes
+    yes = .not. scene%bodies(number)%rigid .and. &
+          .not. law_is_spherical(scene%materials(scene%bodies(number)%material)%law)
+    if (yes) yes = self_card(scene%contacts, leader_of(scene, number)) > 0
+  end function contact_self
+
+  !> The card by which a body touches itself, the one that names it before one for all; 0: none.
+  pure function self_card(cards, body) result(best)
+    type(contact_card_t), intent(in) :: cards(:)
+    integer, intent(in) :: body
+    integer :: best, c
+    best = 0
+    do c = 1, size(cards)
+      if (.not. cards(c)%self) cycle
+      if (any(cards(c)%body == body)) then
+        best = c
+        return
+      end if
+      if (all(cards(c)%body == 0) .and. best == 0) best = c
+    end do
+  end function self_card
 
   !> The card that says how two bodies touch, for all of them; 0: they do not. Fluids and explosives
   !! mix unless a card names both.
@@ -150,6 +212,7 @@ contains
       if (.not. any(scene%contacts(c)%body == leader_of(scene, number) .or. &
                     scene%contacts(c)%body == 0)) cycle
       call slots_ask(slots, 'surface', [contact_no_surface])
+      if (contact_self(scene, number)) call slots_ask(slots, 'patch', [0.0_dp])
       return
     end do
   end subroutine contact_add_slot
@@ -185,6 +248,9 @@ contains
           offset = max(offset, 0.0_dp)*body%spacing*mesh%inverse_h
         end if
         body%particles%state(l, body%law%slots%surface, c) = offset
+        if (body%law%slots%patch == 0) cycle
+        body%particles%state(l, body%law%slots%patch, c) = &
+          real(patch_of(body%particles%motion(l, :n, c)), dp)
       end do
     end do
   end subroutine contact_fill_slot
@@ -213,13 +279,17 @@ contains
   end function best_card
 
   !> A pair in the order of its card, so that `first` and `second` mean what the card says.
-  pure function make_pair(card, a, b, model) result(pair)
+  pure function make_pair(card, two, of, model) result(pair)
     type(contact_card_t), intent(in) :: card
-    integer, intent(in) :: a, b
+    integer, intent(in) :: two(2)
+    integer, intent(in) :: of(:)                 !! body of the deck that each is, or is a twin of
     type(model_t), intent(in) :: model
     type(contact_pair_t) :: pair
-    pair%body = [a, b]
-    if (card%body(1) == b .or. card%body(2) == a) pair%body = [b, a]
+    pair%body = two
+    if (of(two(1)) > of(two(2))) pair%body = two([2, 1])
+    if (card%body(1) == of(pair%body(2)) .or. card%body(2) == of(pair%body(1))) then
+      pair%body = pair%body([2, 1])
+    end if
     pair%friction = card%friction
     pair%lambda = card%lambda
     if (pair%lambda <= 0.0_dp) then

@@ -4,13 +4,14 @@ module sgmp_contact_distance
   use sgmp_body, only: body_t
   use sgmp_contact_normals, only: contact_normal, volume_gradient
   use sgmp_contact_pairs, only: contact_pair_t, normal_separating
+  use sgmp_contact_resolve, only: link_sharing
   use sgmp_field, only: field_t
   use sgmp_kernels, only: stencil_reach
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_separation, only: separation
-  use sgmp_shared_nodes, only: most_rows, shared_body, shared_members, shared_nodes_t, &
-                               shared_parts
+  use sgmp_shared_nodes, only: most_rows, shared_body, shared_leads, shared_members, &
+                               shared_nodes_t, shared_parts
   use sgmp_surface_particles, only: surface_t
   implicit none
   private
@@ -49,9 +50,10 @@ contains
       shared%near(l) = .false.
       if (.not. shared%meets(l)) cycle
       if (shared%link(l)%shares) then
-        call touch(shared, l)
+        if (shared%link(l)%seam .or. shared_leads(shared, n, l)) call touch(shared, l)
         cycle
       end if
+      if (.not. shared_leads(shared, n, l)) cycle
       at = shared_members(shared, n, l)
       call cloud_around(shared, n, at(1), balls(1), clouds%first)
       call cloud_around(shared, n, at(2), balls(2), clouds%second)
@@ -60,7 +62,8 @@ contains
     end do
   end subroutine distance_detect
 
-  !> Debris touches whatever it meets; all directions are alike, and any is the normal.
+  !> Debris touches whatever it meets, and matter what goes on behind a seam, from the start of the
+  !! step; all directions are alike, and any is the normal.
   pure subroutine touch(shared, l)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: l
@@ -68,6 +71,9 @@ contains
     shared%gap(l) = 0.0_dp
     shared%middle(l) = 0.0_dp
     shared%link(l)%normal = [1.0_dp, 0.0_dp, 0.0_dp]
+    if (.not. shared%link(l)%seam) return
+    shared%link(l)%state = link_sharing
+    shared%link(l)%held_normal = shared%link(l)%normal
   end subroutine touch
 
   !> Normal of a link and whether its bodies touch. The normal is that of the shortest line between
@@ -98,8 +104,7 @@ contains
         normal = line/length
       else
         do side = 1, 2
-          gradient(:, side) = volume_gradient(mesh, fields(shared%field(at(side))), shared, &
-            at(side), bodies, shared%point(:, n))
+          gradient(:, side) = whole_gradient(mesh, fields, shared, n, at(side), bodies)
           where (shared%held(:, n)) gradient(:, side) = 0.0_dp  ! the mirror image cancels it
         end do
         normal = contact_normal(pair%normal, gradient(:, 1), gradient(:, 2))
@@ -121,6 +126,23 @@ contains
                        abs(shared%middle(l)) <= pair%depth + edge
     end associate
   end subroutine measure
+
+  !> Outward direction of a member at a node, and of all that are one matter with it there.
+  pure function whole_gradient(mesh, fields, shared, n, m, bodies) result(gradient)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: fields(:)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, m                  !! node and member
+    type(body_t), intent(in) :: bodies(:)
+    real(dp) :: gradient(3)
+    integer :: s
+    gradient = 0.0_dp
+    do s = shared%member_start(n), shared%member_start(n + 1) - 1
+      if (shared%lead(s) /= shared%lead(m)) cycle
+      gradient = gradient + volume_gradient(mesh, fields(shared%field(s)), shared, s, bodies, &
+                                            shared%point(:, n))
+    end do
+  end function whole_gradient
 
   !> Mean position of balls.
   pure function middle(n, balls) result(mean)
@@ -206,21 +228,25 @@ contains
     end if
   end function reach_between
 
-  !> Surface particles of a member around a node; those that are left out, and the rest of the last
-  !! group, reach nowhere. Where the node is held, particles are put onto its planes.
+  !> Surface particles of a member around a node, and of all that are one matter with it there;
+  !! those that are left out, and the rest of the last group, reach nowhere. Where the node is held,
+  !! particles are put onto its planes.
   pure subroutine cloud_around(shared, n, m, balls, x)
     type(shared_nodes_t), intent(in) :: shared
     integer, intent(in) :: n, m                  !! node and member
     integer, intent(out) :: balls                !! 0 or a multiple of `lanes`
     real(dp), allocatable, intent(inout) :: x(:, :)
     real(dp) :: node(4), support
-    integer :: part, d
+    integer :: s, part, d
     balls = 0
-    do part = 1, shared_parts(shared, m)
-      associate (surface => shared%surface(shared_body(shared, m, part)), &
-                 bins => shared%bins(:, :, shared%bins_start(m) + part - 1))
-        balls = balls + sum(surface%start(bins(2, :) + 1) - surface%start(bins(1, :)))
-      end associate
+    do s = shared%member_start(n), shared%member_start(n + 1) - 1
+      if (shared%lead(s) /= shared%lead(m)) cycle
+      do part = 1, shared_parts(shared, s)
+        associate (surface => shared%surface(shared_body(shared, s, part)), &
+                   bins => shared%bins(:, :, shared%bins_start(s) + part - 1))
+          balls = balls + sum(surface%start(bins(2, :) + 1) - surface%start(bins(1, :)))
+        end associate
+      end do
     end do
     if (balls == 0) return
     call make_room(balls + 2*lanes, x)
@@ -230,9 +256,12 @@ contains
     if (shared%ndim == 3) node(2:3) = real(shared%point(2:3, n), dp)
     support = 0.5_dp*(stencil_reach(shared%kernel) + 1) - edge
     balls = 0
-    do part = 1, shared_parts(shared, m)
-      call add_balls(shared%surface(shared_body(shared, m, part)), &
-                     shared%bins(:, :, shared%bins_start(m) + part - 1), node, support, balls, x)
+    do s = shared%member_start(n), shared%member_start(n + 1) - 1
+      if (shared%lead(s) /= shared%lead(m)) cycle
+      do part = 1, shared_parts(shared, s)
+        call add_balls(shared%surface(shared_body(shared, s, part)), &
+                       shared%bins(:, :, shared%bins_start(s) + part - 1), node, support, balls, x)
+      end do
     end do
     if (all(x(:balls, 4) <= nowhere)) then
       balls = 0

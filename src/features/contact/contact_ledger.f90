@@ -219,7 +219,7 @@ contains
       if (.not. shared%meets(l)) cycle
       associate (terms => table(shared%pair(l)), link => shared%link(l))
         terms%used = .true.
-        terms%shared = terms%shared + 1
+        if (.not. link%seam) terms%shared = terms%shared + 1
         terms%dissipation = terms%dissipation + link%dissipation
         if (first) call add_terms(shared%terms(n), terms%node)
         first = .false.
@@ -234,7 +234,7 @@ contains
             cross(position + mesh%h*shared%middle(l)*link%normal(axes), impulse)
           terms%rubbed = terms%rubbed - along_surface(impulse, link%normal(axes))
         end if
-        if (link%state > link_closed) terms%touching = terms%touching + 1
+        if (link%state > link_closed .and. .not. link%seam) terms%touching = terms%touching + 1
       end associate
     end do
   end subroutine add_node

@@ -2,6 +2,7 @@
 !! other ranks and into checkpoints.
 module sgmp_contact_memory
   use sgmp_buffer, only: buffer_get, buffer_left, buffer_put, buffer_t
+  use sgmp_contact_pairs, only: contact_pair_t, pair_turn
   use sgmp_contact_resolve, only: link_free
   use sgmp_kinds, only: dp
   use sgmp_parallel, only: parallel_gather
@@ -35,19 +36,31 @@ contains
     end do
   end subroutine memory_take
 
-  !> Gives the states to the nodes that are listed here, and forgets them.
-  pure subroutine memory_give(memory, shared)
+  !> Gives the states to the nodes that are listed here, and forgets them. A pair that is not there
+  !! any more, because particles have got another label, leaves its state to the next of its kind.
+  pure subroutine memory_give(memory, shared, pairs)
     type(buffer_t), intent(inout) :: memory
     type(shared_nodes_t), intent(inout) :: shared
+    type(contact_pair_t), intent(in) :: pairs(:)  !! all, or none where no body touches itself
     real(dp) :: values(merge(entry_surface, entry, shared%at_surface))
-    integer :: n, l
+    integer :: n, l, p
     memory%read = 0
     do while (buffer_left(memory))
       call buffer_get(memory, values)
       n = node_at(shared, nint(values(2:4)))
       if (n == 0) cycle
+      p = nint(values(1))
+      if (p <= size(pairs) .and. &
+          all(shared%pair(shared%link_start(n):shared%link_start(n + 1) - 1) /= p)) then
+        do l = shared%link_start(n), shared%link_start(n + 1) - 1
+          if (shared%link(l)%state /= link_free) cycle
+          if (pair_turn(pairs(p), pairs(shared%pair(l))) == 0) cycle
+          shared%link(l)%state = nint(values(5))
+          shared%link(l)%held_normal = pair_turn(pairs(p), pairs(shared%pair(l)))*values(6:8)
+        end do
+      end if
       do l = shared%link_start(n), shared%link_start(n + 1) - 1
-        if (shared%pair(l) /= nint(values(1))) cycle
+        if (shared%pair(l) /= p) cycle
         shared%link(l)%state = nint(values(5))
         shared%link(l)%held_normal = values(6:8)
         if (shared%at_surface) shared%link(l)%drag = values(9:11)

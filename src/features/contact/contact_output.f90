@@ -5,6 +5,7 @@
 !! surfaces, node by node, is friction's.
 module sgmp_contact_output
   use sgmp_body, only: body_group
+  use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_errors, only: error_t
   use sgmp_history, only: contact_columns, contact_integers, history_t
   use sgmp_kinds, only: dp
@@ -45,19 +46,26 @@ contains
     type(model_t), intent(in) :: model
     type(error_t), allocatable, intent(out) :: error
     real(dp) :: impulse(contact_impulses), span
-    integer :: p
+    integer :: p, row
+    logical :: of(size(model%contact%pairs))
     if (size(model%contact%pairs) == 0 .or. rows%step == model%clock%step) return
     span = model%clock%time - rows%time
     if (model%clock%step == 0) span = 1.0_dp
+    row = 0
     do p = 1, size(model%contact%pairs)
-      associate (pair => model%contact%pairs(p))
-        impulse = [pair%impulse, pair%angular_impulse, pair%friction_impulse]
+      call same_bodies(model, p, of)
+      if (findloc(of, .true., 1) < p) cycle
+      row = row + 1
+      associate (pairs => model%contact%pairs, pair => model%contact%pairs(p))
+        impulse = sum_of(pairs, of)
         call rows%file%write_row(model%clock%step, &
-                                 [model%clock%time, real(p, dp), &
-                                  (impulse - rows%impulse(:, p))/span, real(pair%shared, dp), &
-                                  real(pair%touching, dp), pair%dissipation], error, &
-                                 body_group(model%bodies, pair%body(1))//' '// &
-                                 body_group(model%bodies, pair%body(2)))
+                                 [model%clock%time, real(row, dp), &
+                                  (impulse - rows%impulse(:, p))/span, &
+                                  real(sum(pairs%shared, mask=of), dp), &
+                                  real(sum(pairs%touching, mask=of), dp), &
+                                  sum(pairs%dissipation, mask=of)], error, &
+                                 body_group(model%bodies, of_deck(model, pair%body(1)))//' '// &
+                                 body_group(model%bodies, of_deck(model, pair%body(2))))
         rows%impulse(:, p) = impulse
       end associate
       if (allocated(error)) return
@@ -65,5 +73,40 @@ contains
     rows%step = model%clock%step
     rows%time = model%clock%time
   end subroutine contact_rows_write
+
+  !> Which pairs are of the same bodies as one, whatever labels these have where they touch
+  !! themselves.
+  pure subroutine same_bodies(model, p, of)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: p
+    logical, intent(out) :: of(:)                !! (pairs)
+    integer :: q, fields(2), others(2)
+    fields = model%bodies(of_deck(model, model%contact%pairs(p)%body))%field
+    do q = 1, size(of)
+      others = model%bodies(of_deck(model, model%contact%pairs(q)%body))%field
+      of(q) = all(others == fields) .or. all(others == fields([2, 1]))
+    end do
+  end subroutine same_bodies
+
+  !> The body that a twin is of.
+  elemental function of_deck(model, b) result(body)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    integer :: body
+    body = merge(model%bodies(b)%twin_of, b, model%bodies(b)%twin_of > 0)
+  end function of_deck
+
+  !> Impulses of some pairs on the first bodies of the first of them; a body gives itself none.
+  pure function sum_of(pairs, of) result(impulse)
+    type(contact_pair_t), intent(in) :: pairs(:)
+    logical, intent(in) :: of(:)                 !! (pairs)
+    real(dp) :: impulse(contact_impulses)
+    integer :: q
+    impulse = 0.0_dp
+    do q = 1, size(pairs)
+      if (.not. of(q) .or. pairs(q)%family > 0) cycle
+      impulse = impulse + [pairs(q)%impulse, pairs(q)%angular_impulse, pairs(q)%friction_impulse]
+    end do
+  end function sum_of
 
 end module sgmp_contact_output

@@ -3,7 +3,7 @@ module sgmp_contact_pairs
   use sgmp_kinds, only: dp
   implicit none
   private
-  public :: contact_pair_t
+  public :: contact_pair_t, pair_turn
   public :: normal_average, normal_first, normal_second, normal_stiffer, normal_separating, &
             normal_names
 
@@ -21,6 +21,8 @@ module sgmp_contact_pairs
   type :: contact_pair_t
     integer :: body(2) = 0
     integer :: field(2) = 0
+    integer :: kind(2) = 0
+      !! fields, of bodies that touch themselves the first of all labels
     real(dp) :: friction = 0.0_dp
     real(dp) :: lambda = 0.5_dp
       !! bodies touch where their particles are closer than this (cells), Eq. 86
@@ -28,6 +30,8 @@ module sgmp_contact_pairs
     real(dp) :: depth = huge(1.0_dp)
       !! contact acts at nodes this near to where the bodies touch (cells)
     integer :: normal = normal_separating  !! one of normal_*, the stiffer already resolved
+    integer :: family = 0
+      !! of bodies that touch themselves, where both are labels of it (sgmp_self_contact)
     logical :: fills = .false.
       !! one of the fields is gas, which comes as near as any of its particles does
     ! what has happened since the start, vectors along the axes of output
@@ -37,5 +41,20 @@ module sgmp_contact_pairs
     real(dp) :: dissipation = 0.0_dp
     integer :: shared = 0, touching = 0    !! nodes in the last step: with both masses, in contact
   end type contact_pair_t
+
+contains
+
+  !> How one pair lies to another of the same bodies with other labels (sgmp_self_contact): 1 the
+  !! same way round, -1 the other way, 0 if it is none.
+  pure function pair_turn(a, b) result(turn)
+    type(contact_pair_t), intent(in) :: a, b
+    integer :: turn
+    turn = 0
+    if (all(a%kind == b%kind)) turn = 1
+    if (turn == 0 .and. all(a%kind == b%kind([2, 1]))) turn = -1
+    if (a%kind(1) /= a%kind(2) .or. turn == 0) return
+    if (any(a%field == b%field)) return  ! of one family: the label that both have decides
+    turn = merge(-1, 0, any(a%field == b%field([2, 1])))
+  end function pair_turn
 
 end module sgmp_contact_pairs

@@ -50,7 +50,8 @@ module sgmp_contact_resolve
     real(dp) :: correction(3) = 0.0_dp
       !! momentum that makes the straining velocity obey; no particle receives it
     real(dp) :: dissipation = 0.0_dp       !! energy that contact has taken in this step
-    logical :: shares = .false.            !! most of one body is debris here
+    logical :: shares = .false.            !! most of one body is debris here, or
+    logical :: seam = .false.              !! matter goes on from one to the other
     logical :: at_surface = .false.
       !! friction does not act at the node but at the surface (sgmp_contact_levers), where
     real(dp) :: rub(3) = 0.0_dp            !! is its impulse in this step, on the second body

@@ -4,23 +4,45 @@ module sgmp_contact_state
   use sgmp_contact, only: contact_t
   use sgmp_contact_memory, only: memory_share
   use sgmp_contact_pairs, only: contact_pair_t
+  use sgmp_self_contact, only: self_index, self_t, self_table
   implicit none
   private
   public :: contact_state_pass
 
 contains
 
-  !> Sums of all pairs, and what they remember at the nodes.
+  !> Sums of all pairs, what they remember at the nodes, and where bodies come near themselves.
   subroutine contact_state_pass(archive, contact, own)
     type(archive_t), intent(inout) :: archive
     type(contact_t), intent(inout) :: contact
     integer, intent(in) :: own(2)          !! planes of this rank
     integer :: p
+    if (contact%self%on) call pass_self(archive, contact%self)
     do p = 1, size(contact%pairs)
       call pass_pair(archive, contact%pairs(p))
     end do
     call pass_memory(archive, contact, own)
   end subroutine contact_state_pass
+
+  !> Where patches were when they were looked at last.
+  subroutine pass_self(archive, self)
+    type(archive_t), intent(inout) :: archive
+    type(self_t), intent(inout) :: self
+    integer :: rows
+    rows = 0
+    if (allocated(self%table)) rows = size(self%table, 2)
+    call archive%pass(self%next_step)
+    call archive%pass(self%next_time)
+    call archive%pass(self%crowded)
+    call archive%pass(rows)
+    if (.not. archive%complete) return
+    if (archive%reading) then
+      if (allocated(self%table)) deallocate (self%table)
+      allocate (self%table(self_table, rows))
+    end if
+    if (allocated(self%table)) call archive%pass(self%table)
+    if (archive%reading) call self_index(self)
+  end subroutine pass_self
 
   subroutine pass_pair(archive, pair)
     type(archive_t), intent(inout) :: archive

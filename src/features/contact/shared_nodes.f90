@@ -6,8 +6,8 @@
 !! any thread, and two ranks that both solve a node find the same.
 module sgmp_shared_nodes
   use sgmp_body, only: body_t
-  use sgmp_contact_pairs, only: contact_pair_t
-  use sgmp_contact_resolve, only: contact_link_t
+  use sgmp_contact_pairs, only: contact_pair_t, pair_turn
+  use sgmp_contact_resolve, only: contact_link_t, link_free
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_reach
   use sgmp_kinds, only: dp
@@ -17,8 +17,9 @@ module sgmp_shared_nodes
   use sgmp_surface_particles, only: surface_bins, surface_list, surface_t
   implicit none
   private
-  public :: node_terms_t, shared_nodes_t, shared_body, shared_build, shared_mark, shared_meet, &
-            shared_members, shared_parts, shared_place, shared_share, most_rows, row_axis
+  public :: node_terms_t, shared_nodes_t, shared_body, shared_build, shared_leads, shared_mark, &
+            shared_meet, shared_members, shared_parts, shared_place, shared_share
+  public :: most_rows, row_axis
 
   real(dp), parameter :: half = 0.5_dp
   integer, parameter :: most_rows = 9          !! rows of bins whose particles give to a node
@@ -44,6 +45,9 @@ module sgmp_shared_nodes
     integer, allocatable :: field(:)            !! (members)
     integer, allocatable :: record(:)           !! (members) the node in the field
     integer, allocatable :: interval(:)         !! (members) of the field's work rows
+    integer, allocatable :: lead(:)
+      !! (members) which member of the node, counted within it, stands for those that are one matter
+      !! with it there; itself where there is no seam
     logical :: driven = .false.                 !! motions of parts of some fields are prescribed
     ! (3, members) of these, in this step: the change of velocity that is prescribed, the impulse
     ! of contact that whoever moves them takes, and the energy that it has from them.
@@ -102,7 +106,8 @@ contains
     call list_points(shared, mesh, all)
     call list_members(shared, fields, pairs, .false.)
     allocate (shared%body(shared%members), shared%field(shared%members), &
-      shared%record(shared%members), shared%interval(shared%members))
+      shared%record(shared%members), shared%interval(shared%members), &
+      shared%lead(shared%members))
     shared%driven = any(fields%columns%driven > 0)
     m = merge(shared%members, 0, shared%driven)
     allocate (shared%driven_kick(3, m), shared%driven_push(3, m), shared%driven_work(3, m), &
@@ -200,6 +205,7 @@ contains
             shared%body(s) = pairs(p)%body(side)
             shared%record(s) = record(side)
             shared%interval(s) = interval(side)
+            shared%lead(s) = s - shared%member_start(n) + 1
           end if
           at(side) = s - shared%member_start(n) + 1
         end do
@@ -334,26 +340,125 @@ contains
     end do
   end subroutine shared_meet
 
-  !> Which links of a node share their velocity: where debris is more than half of one body's mass.
-  pure subroutine shared_share(shared, n, fields)
+  !> Which links of a node share their velocity: where matter goes on from one label to another, and
+  !! where debris is more than half of one body's mass.
+  pure subroutine shared_share(shared, n, fields, pairs)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n                     !! the node
     type(field_t), intent(in) :: fields(:)       !! those that collide know the mass of their debris
+    type(contact_pair_t), intent(in) :: pairs(:)  !! all, or none where no body touches itself
     integer :: at(2), l, side
+    call join_seams(shared, n, fields)
+    if (size(pairs) > 0) call hand_on(shared, n, pairs)
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
-      shared%link(l)%shares = .false.
-      if (.not. shared%meets(l)) cycle
+      shared%link(l)%shares = shared%link(l)%seam
+      if (.not. shared%meets(l) .or. shared%link(l)%seam) cycle
       at = shared_members(shared, n, l)
       do side = 1, 2
         associate (field => fields(shared%field(at(side))))
           if (.not. field%collides) cycle
           shared%link(l)%shares = shared%link(l)%shares .or. &
-            node_mass(field, shared, at(side), n, field%columns%debris) > &
-            half*node_mass(field, shared, at(side), n, field%columns%mass)
+            whole_mass(fields, shared, at(side), n, .true.) > &
+            half*whole_mass(fields, shared, at(side), n, .false.)
         end associate
       end do
     end do
   end subroutine shared_share
+
+  !> Finds which members of a node are one matter, and lets the heaviest stand for all of them: what
+  !! touches them touches one body.
+  pure subroutine join_seams(shared, n, fields)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n                     !! the node
+    type(field_t), intent(in) :: fields(:)
+    integer :: group(shared%member_start(n + 1) - shared%member_start(n))
+    real(dp) :: mass(size(group))
+    integer :: first, last, k, l
+    first = shared%link_start(n)
+    last = shared%link_start(n + 1) - 1
+    associate (lead => shared%lead(shared%member_start(n):shared%member_start(n + 1) - 1), &
+               links => shared%link(first:last))
+      lead = [(k, k=1, size(lead))]
+      if (.not. any(links%seam .and. shared%meets(first:last))) return
+      group = lead
+      do k = 2, size(group)  ! as often as the longest chain may need
+        do l = first, last
+          if (.not. (shared%link(l)%seam .and. shared%meets(l))) cycle
+          associate (two => [shared%link(l)%first, shared%link(l)%second])
+            group(two) = minval(group(two))
+          end associate
+        end do
+      end do
+      do k = 1, size(group)
+        associate (m => shared%member_start(n) + k - 1)
+          mass(k) = node_mass(fields(shared%field(m)), shared, m, n, &
+                              fields(shared%field(m))%columns%mass)
+        end associate
+      end do
+      do k = 1, size(group)
+        lead(k) = maxloc(mass, 1, mask=group == group(k))
+      end do
+    end associate
+  end subroutine join_seams
+
+  !> A link that rests, because another label stands for the matter or all of it has got another
+  !! label, leaves its state to the one that acts between the same bodies.
+  pure subroutine hand_on(shared, n, pairs)
+    type(shared_nodes_t), intent(inout) :: shared
+    integer, intent(in) :: n                     !! the node
+    type(contact_pair_t), intent(in) :: pairs(:)
+    integer :: l, q, turn
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      if (shared%link(l)%state == link_free .or. shared%link(l)%seam) cycle
+      if (acts(shared, n, l)) cycle
+      do q = shared%link_start(n), shared%link_start(n + 1) - 1
+        if (q == l .or. shared%link(q)%state /= link_free .or. shared%link(q)%seam) cycle
+        turn = pair_turn(pairs(shared%pair(l)), pairs(shared%pair(q)))
+        if (turn == 0 .or. .not. acts(shared, n, q)) cycle
+        shared%link(q)%state = shared%link(l)%state
+        shared%link(q)%held_normal = turn*shared%link(l)%held_normal
+      end do
+      shared%link(l)%state = link_free
+    end do
+  end subroutine hand_on
+
+  !> Whether the bodies of a link meet, and it is the one that acts for them.
+  pure function acts(shared, n, l) result(yes)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, l                  !! node and link
+    logical :: yes
+    yes = shared%meets(l)
+    if (yes) yes = shared_leads(shared, n, l)
+  end function acts
+
+  !> Whether a link is between two members that stand for themselves or for what is one with them.
+  pure function shared_leads(shared, n, l) result(yes)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, l                  !! node and link
+    logical :: yes
+    integer :: at(2)
+    at = shared_members(shared, n, l)
+    yes = all(shared%lead(at) == [shared%link(l)%first, shared%link(l)%second])
+  end function shared_leads
+
+  !> Mass of a member at a node and of all that are one with it, or of their debris.
+  pure function whole_mass(fields, shared, m, n, debris) result(mass)
+    type(field_t), intent(in) :: fields(:)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: m, n
+    logical, intent(in) :: debris
+    real(dp) :: mass
+    integer :: s
+    mass = 0.0_dp
+    do s = shared%member_start(n), shared%member_start(n + 1) - 1
+      if (shared%lead(s) /= shared%lead(m)) cycle
+      associate (field => fields(shared%field(s)))
+        if (debris .and. field%columns%debris == 0) cycle
+        mass = mass + node_mass(field, shared, s, n, &
+                                merge(field%columns%debris, field%columns%mass, debris))
+      end associate
+    end do
+  end function whole_mass
 
   !> Mass of a member at a node (Eq. 17), or of a part of it.
   pure function node_mass(field, shared, m, n, column) result(mass)
@@ -377,8 +482,8 @@ contains
     mass = mass*0.5_dp**field%ndim
   end function node_mass
 
-  !> Marks the bins of all bodies around the nodes of a range of planes where bodies meet, and tells
-  !! whether any do.
+  !> Marks the bins of all bodies around the nodes of a range of planes where bodies meet, but not
+  !! along a seam, and tells whether any do.
   pure subroutine shared_mark(shared, planes, any_meet)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: planes(2)             !! first and last k
@@ -389,7 +494,7 @@ contains
       if (shared%point(3, n) < planes(1)) cycle
       if (shared%point(3, n) > planes(2)) exit
       do l = shared%link_start(n), shared%link_start(n + 1) - 1
-        if (.not. shared%meets(l)) cycle
+        if (.not. shared%meets(l) .or. shared%link(l)%seam) cycle
         if (.not. any_meet) then
           do b = 1, size(shared%surface)
             if (shared%surface(b)%bins > 0) shared%surface(b)%marked = .false.

@@ -24,15 +24,22 @@ module sgmp_surface_exposure
 contains
 
   !> Makes surface particles of all that lie bare in the marked bins of this rank.
-  pure subroutine surface_expose(surface, body, field, mesh)
+  !! What other labels of a body that touches itself fill counts, too: a seam is no surface.
+  ! allow(S901): one loop over lanes, and what to leave out of it
+  pure subroutine surface_expose(surface, b, bodies, fields, mesh)
     type(surface_t), intent(inout) :: surface
-    type(body_t), intent(inout) :: body
-    type(field_t), intent(in) :: field     !! the body's
+    integer, intent(in) :: b               !! the body
+    type(body_t), intent(inout) :: bodies(:)
+    type(field_t), intent(in) :: fields(:)
     type(mesh_t), intent(in) :: mesh
+    integer :: of(count(bodies%family == bodies(b)%family .and. bodies(b)%family > 0))
+    real(dp) :: filled
+    integer :: f
     integer :: n, l, chunk
-    if (surface%bins == 0 .or. body%rigid) return
-    associate (particles => body%particles, offset => body%law%slots%surface, &
-               volume => body%law%slots%volume, nd => mesh%ndim)
+    if (surface%bins == 0 .or. bodies(b)%rigid) return
+    of = pack(bodies%field, bodies%family == bodies(b)%family .and. bodies(b)%family > 0)
+    associate (particles => bodies(b)%particles, offset => bodies(b)%law%slots%surface, &
+               volume => bodies(b)%law%slots%volume, nd => mesh%ndim)
       do n = surface%own(1), surface%own(2)
         if (.not. surface%marked(n)) cycle
         chunk = particles%first(surface%bin(n))
@@ -40,9 +47,17 @@ contains
           do l = 1, lanes
             if (particles%id(l, chunk) == 0) cycle
             if (abs(particles%state(l, offset, chunk) - surface_covered) > 0.0_dp) cycle
-            if (filled_around(field, mesh, particles%motion(l, :nd, chunk), &
-                              particles%motion(l, motion_mass(nd), chunk) &
-                              /particles%state(l, volume, chunk)) >= bare) cycle
+            associate (x => particles%motion(l, :nd, chunk), &
+                       density => particles%motion(l, motion_mass(nd), chunk)/ &
+                       particles%state(l, volume, chunk))
+              filled = filled_around(fields(bodies(b)%field), mesh, x, density)
+              do f = 1, size(of)
+                if (of(f) == bodies(b)%field .or. any(of(:f - 1) == of(f))) cycle
+                if (fields(of(f))%points == 0 .or. filled >= bare) cycle
+                filled = filled + filled_around(fields(of(f)), mesh, x, density, .true.)
+              end do
+            end associate
+            if (filled >= bare) cycle
             particles%state(l, offset, chunk) = 0.0_dp
             surface%counted = .false.
           end do
@@ -54,11 +69,12 @@ contains
 
   !> Part of the space around a place that a body fills, if it is as dense there as the particle: by
   !! linear weights of what the particles have given to the points around.
-  pure function filled_around(field, mesh, x, density) result(part)
+  pure function filled_around(field, mesh, x, density, empty) result(part)
     type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: x(:)           !! (ndim) in cells
     real(dp), intent(in) :: density
+    logical, intent(in), optional :: empty  !! what is not stored is empty space
     real(dp) :: part, weight, weights, place(3), half
     integer :: low(3), at(3), number, axis, width, row
     width = stencil_width(field%kernel)
@@ -81,7 +97,10 @@ contains
       if (mesh%ndim == 2) at(3) = at(2)
       if (mesh%ndim == 2) at(2) = 0
       row = field_base(field, at(2), at(3), at(1))
-      if (row == huge(1)) cycle
+      if (row == huge(1)) then
+        if (present(empty)) weights = weights + weight
+        cycle
+      end if
       place(1) = max(place(1), 0.25_dp)  ! a node on an axis stands for the half cell beside it
       weights = weights + weight
       part = part + weight*mesh_filled(mesh, place(:mesh%ndim), &

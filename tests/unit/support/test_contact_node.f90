@@ -27,6 +27,7 @@ contains
     shared%field = shared%body
     shared%record = [((m + 1)/2, m=1, 2*nodes)]
     allocate (shared%interval(2*nodes), source=1)
+    shared%lead = [(1 + modulo(m - 1, 2), m=1, 2*nodes)]
     shared%body_start = [1, 2, 3]  ! a body for each field
     shared%bodies = [1, 2]
     shared%bins_start = [(n, n=1, 2*nodes + 1)]

@@ -1,0 +1,217 @@
+#!/usr/bin/env python3
+"""Bodies that touch themselves (`contact … self=yes`, doc/contact.md): parts of one body behave as bodies of their own
+do, matter stays whole along the seams between its velocity fields, nothing sticks or passes, the same bits.
+
+usage: self_contact.py SGMP SOURCE_DIR SCRATCH_DIR
+
+Known from outside: two blocks that collide do so whether the deck calls them one body or two; contact makes no energy
+and no momentum; a symmetric body stays symmetric; a body that meets nothing does not feel the word.
+"""
+import math
+
+from _restarts import checkpoints, goes_on, mpirun, same_files, straight
+from _runs import Report
+
+# Two blocks, with {whole} = "add a" parts of one body. Both have seams when they meet: patches are cubes of 8 cells.
+BLOCKS = """
+dimension {dimension}
+grid cell=1
+method {method}
+time cfl=0.4 end=75
+material m elastic density=1 young=1 poisson=0.3
+body a block material=m lower=({x},0) upper=({x}+7.5,{thick}) ppc=2
+{whole} block lower=({x}+34,3) upper=({x}+46,3+{thick}) {rest}
+velocity all x="-0.2*max(-1,min(1,{axis}))" {along}=0.01
+contact all {self} friction=0.3
+history steps=20
+output csv at=end fields=stress
+"""
+# The same in a plane, and a third block that comes down on the seam of one of them.
+PRESSED = """
+dimension 2
+grid cell=1
+method {method}
+time cfl=0.4 end=60
+material m elastic density=1 young=1 poisson=0.3
+body a block material=m lower=(0,0) upper=(17.5,20) ppc=2
+{whole} block lower=(34,3) upper=(56,23) {rest}
+body c block material=m lower=(35,26.5) upper=(47,35) ppc=2
+velocity all x="-0.2*max(-1,min(1,x-25))" y=0.01
+velocity c x=-0.2 y=-0.1
+contact all {self}
+history steps=20
+"""
+# Blocks that fly to one point.
+CROWD = """
+dimension 2
+grid cell=1
+method mpm
+time cfl=0.4 end=60
+material m elastic density=1 young=1 poisson=0.3
+body c {first} material=m ppc=2
+{others}
+velocity c x="-0.3*(x-4)/sqrt((x-4)^2+(y-4)^2)" y="-0.3*(y-4)/sqrt((x-4)^2+(y-4)^2)"
+contact c self=yes
+"""
+# Two plates that begin near each other.
+NEAR = """
+dimension 2
+grid cell=1
+method mpm
+time end=0.01
+material m elastic density=1 young=1 poisson=0.3
+body c block material=m lower=(0,0) upper=(40,8) ppc=1
+add c block lower=(0,{low}) upper=(40,30)
+contact c self=yes
+"""
+# A U whose legs come together.
+STRIP = """
+dimension 2
+grid cell=1
+method {method}
+time cfl=0.4 end={end}
+material m elastic density=1 young=1 poisson=0.3
+body u block material=m lower=(0,0) upper=(40,6) ppc=2
+add u block lower=(0,26) upper=(40,32)
+add u block lower=(0,0) upper=(8,32)
+velocity u y="0.2*max(-1,min(1,(16-y)/5))*max(0,min(1,(x-8)/32))"
+{contact}
+history steps=20
+checkpoint every=100 keep=9
+output csv at=end
+"""
+
+
+def blocks(dimension, method, self_):
+    axial = dimension == "axisymmetric"
+    text = BLOCKS.format(
+        dimension=dimension, method=method, x=0, thick=10, self="self=yes" if self_ else "",
+        axis="y-20" if axial else "x-20", along="z" if axial else "y", rest="" if self_ else "material=m ppc=2",
+        whole="add a" if self_ else "body b",
+    )
+    if axial:  # the same along the axis, as rings
+        for one, other in (("lower=(0,0)", "lower=(5,0)"), ("upper=(0+7.5,10)", "upper=(15,7.5)"),
+                           ("lower=(0+34,3)", "lower=(8,34)"), ("upper=(0+46,3+10)", "upper=(18,46)"),
+                           ("x=\"-0.2", "z=\"-0.2"), ("y-20", "z-20"), (" z=0.01", "")):
+            text = text.replace(one, other)
+    return text
+
+
+def as_two(report):
+    """One body of two blocks, and two bodies."""
+    for dimension, method in (
+        ("2", "mpm update=musl"), ("2", "gimp update=usavg"), ("2", "bspline update=usf"),
+        ("2", "sgmp stress=plain rotation=plain surfaces=plain update=usl"), ("axisymmetric", "mpm update=usavg"),
+    ):
+        name = dimension + "_" + "_".join(method.split()[:2])
+        one = straight(report, f"one_{name}", blocks(dimension, method, True))
+        two = straight(report, f"two_{name}", blocks(dimension, method, False))
+        report.check(two["energy.contact_dissipation"] > 1e-3*two["energy.initial_total"], f"{name}: no collision")
+        for key in ("energy.kinetic", "energy.internal", "energy.contact_dissipation"):
+            a, b = one[key], two[key]
+            report.check(
+                abs(a - b) < 1e-9*two["energy.initial_total"], f"{name}: {key} of one body {a}, of two {b}",
+            )
+
+
+def pressed(report):
+    """What presses on a seam presses on one body: seams are where the right block has some of two labels."""
+    for method in ("mpm update=musl", "gimp update=usavg", "bspline update=usf",
+                   "sgmp stress=plain rotation=plain surfaces=plain update=usl"):
+        name = method.split()[0]
+        one = straight(report, f"pressed_one_{name}", PRESSED.format(method=method, whole="add a", self="self=yes",
+                                                                     rest=""))
+        two = straight(report, f"pressed_two_{name}", PRESSED.format(method=method, whole="body b", self="",
+                                                                     rest="material=m ppc=2"))
+        for key in ("energy.kinetic", "energy.internal", "energy.contact_dissipation"):
+            a, b = one[key], two[key]
+            report.check(
+                abs(a - b) < 1e-5*two["energy.initial_total"], f"pressed, {name}: {key} of one body {a}, of two {b}",
+            )
+        force = [max(abs(row["force_y"]) for row in run.table("contact.csv") if row["bodies"] == f"{first} c")
+                 for run, first in ((one, "a"), (two, "b"))]
+        report.check(abs(force[0] - force[1]) < 0.01*force[1], f"pressed, {name}: force {force[0]}, of two {force[1]}")
+
+
+def crowded(report):
+    """Four fields are enough for four parts that meet at one place, and the verdict says so of a fifth."""
+    for number in (4, 5):
+        angles = [2*math.pi*k/number for k in range(number)]
+        corners = [(round(2.5 + 20*math.cos(angle)), round(2.5 + 20*math.sin(angle))) for angle in angles]
+        blocks = [f"block lower=({x},{y}) upper=({x + 3},{y + 3})" for x, y in corners]
+        result = straight(report, f"crowd_{number}", CROWD.format(
+            first=blocks[0], others="\n".join("add c " + block for block in blocks[1:]),
+        ))
+        said = "met than it has velocity fields" in " ".join(result["verdict_reasons"])
+        report.check(said == (number > 4), f"{number} parts that meet: {result['verdict_reasons']}")
+
+
+def near(report):
+    """Parts that cannot be told apart are named before the run; one piece is not, nor parts that are far."""
+    for low, launcher in ((8, ()), (14, ()), (14, mpirun(3)), (26, ())):
+        result = straight(report, f"near_{low}_{len(launcher)}", NEAR.format(low=low), launcher=launcher)
+        said = "less than 16 cells apart" in " ".join(result["warnings"])
+        report.check(said == (low == 14), f"plates from 0 to 8 and from {low} on: {result['warnings']}")
+
+
+def strip(method, contact, end=100):
+    return STRIP.format(method=method, contact=contact, end=end)
+
+
+def closes(report):
+    """The legs neither pass nor stick; momentum, symmetry, energy; they would stick without the card."""
+    result = straight(report, "strip", strip("gimp update=usavg", "contact all self=yes friction=0.2", end=240))
+    first = result["energy.initial_total"]
+    for row in result.table("history.csv"):
+        report.check(
+            abs(row["momentum_x"]) + abs(row["momentum_y"]) < 1e-12, f"strip: momentum at {row['time']}",
+        )
+        energy = row["total_energy"] + row["contact_dissipation"]
+        report.check(energy < 1.002*first, f"strip: energy {energy} at {row['time']}, first {first}")
+    touched = [row for row in result.table("contact.csv") if row["contact_nodes"] > 0]
+    report.check(touched, "strip: nothing touches")
+    report.check(not result.table("contact.csv")[-1]["contact_nodes"], "strip: the legs have not come apart again")
+    legs = [row["y"] for row in result.table("particles_end.csv") if row["x"] > 20]
+    report.check(
+        abs(sum(legs)/len(legs) - 16) < 1e-9, f"strip: mean height {sum(legs)/len(legs)} of what is symmetric about 16",
+    )
+    gap = min(y for y in legs if y > 16) - max(y for y in legs if y < 16)
+    report.check(gap > 0.25, f"strip: a gap of {gap} cells between the legs")
+    report.check(sum(y > 16 for y in legs)*2 == len(legs), "strip: legs have passed each other")
+
+
+def feels_nothing(report):
+    """Where nothing meets the word changes no bit of any particle."""
+    for method in ("mpm update=musl", "sgmp stress=plain rotation=plain surfaces=plain update=usavg"):
+        name = method.split()[0]
+        found = []
+        for title, contact in (("with", "contact all self=yes"), ("without", "")):
+            result = straight(report, f"{title}_{name}", strip(method, contact, end=8))
+            with open(result.folder + "/particles_end.csv", "rb") as file:
+                found.append(file.read())
+        report.check(found[0] == found[1], f"{name}: self=yes is felt where nothing meets")
+
+
+def same_bits(report):
+    """Threads, ranks, restart."""
+    text = strip("mpm update=musl", "contact all self=yes friction=0.2", end=70)
+    first = straight(report, "first", text)
+    at = [step for step in checkpoints(first.folder) if step % 100 == 0][-1]  # labels have changed by then
+    for name, options in (("threads", {"threads": 2}), ("ranks", {"launcher": mpirun(3)})):
+        other = straight(report, name, text, **options)
+        report.check(first["checksum"] == other["checksum"], f"{name}: other bits")
+        same_files(report, first.folder, other.folder, name, layouts=True)
+    goes_on(report, first, "restart", text, at)
+    goes_on(report, first, "restart_ranks", text, at, launcher=mpirun(3))
+
+
+if __name__ == "__main__":
+    REPORT = Report()
+    as_two(REPORT)
+    pressed(REPORT)
+    crowded(REPORT)
+    near(REPORT)
+    closes(REPORT)
+    feels_nothing(REPORT)
+    same_bits(REPORT)
+    REPORT.end()
