@@ -22,7 +22,7 @@ module sgmp_judge_heat
   use sgmp_text, only: percent_text
   implicit none
   private
-  public :: heat_left, judge_heat
+  public :: judge_heat
 
   real(dp), parameter :: softened = 0.6_dp       !! of the strength is left to what counts
   real(dp), parameter :: least_work = 0.05_dp    !! of softened matter over the energy supplied
@@ -92,8 +92,8 @@ contains
     end associate
   end function warms
 
-  !> Adds the plastic work of a body's particles that heat has softened: what their temperature says,
-  !! and at most their yield stress times their strain.
+  !> Adds the plastic work of a body's particles that heat has softened: what their temperature
+  !! says, and at most their yield stress times their strain.
   subroutine add_softened(body, ndim, tally)
     type(body_t), intent(in) :: body
     integer, intent(in) :: ndim
