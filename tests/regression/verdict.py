@@ -462,14 +462,16 @@ def softened(report):
     result = coarse(report, "sheared", SHEARED, words, 0.3)
     report.check(0.1 < result["end_state.softened_share"] < 1, f"sheared: {result['end_state']}")
     shared = " density=7.85e-3 young=200e3 poisson=0.33 melt_temperature=1800 specific_heat=452 "
-    head, tail = SHEARED[:SHEARED.index("material steel")], SHEARED[SHEARED.index("body lower"):]
+    head = SHEARED[:SHEARED.index("material steel")]
+    tail = SHEARED[SHEARED.index("body lower"):]
     for law, strength in (("steinberg_guinan", "yield={0} yield_limit={0} thermal_softening=6.6e-4"),
                           ("zerilli_armstrong", "yield=1 thermal_stress={0} thermal_softening=9e-4")):
         cards = "".join(f"material {name} {law}{shared}{strength.format(yields)}\n"
                         for name, yields in (("steel", 1000), ("weak", 980)))
         coarse(report, f"sheared_{law}", head + cards + tail, words, 0.3)
     early = run("sheared_early", SHEARED.replace("end=0.06", "end=0.006"))
-    wide = run("sheared_wide", SHEARED.replace("body lower", "failure steel length=0.5\nfailure weak length=0.5\nbody lower"))
+    lengths = "failure steel length=0.5\nfailure weak length=0.5\n"
+    wide = run("sheared_wide", SHEARED.replace("body lower", lengths + "body lower"))
     cold = run("sheared_cold", SHEARED.replace("thermal=yes", "thermal=no"))
     for name, result in (("early", early), ("wide", wide), ("cold", cold)):
         report.check(not any(words in reason for reason in result["verdict_reasons"]),
