@@ -256,8 +256,8 @@ def tables(sgmp):
                  "equations of state with an inviscid `fluid`, `jwl` with `explosive`.\n")
         asked = [f"`{name}` {price('failure', name)}" for name in FAILURES if f"failure {name}" in prices]
         if asked:
-            text += (f"A card `failure` of `j2`, while nothing fails: {', '.join(asked)}\n(`j2` alone "
-                     f"{price('law', 'j2')}; `length` with `plastic_strain`).\n")
+            text += (f"A card `failure` of `j2`, while nothing fails: {', '.join(asked[:3])},\n"
+                     f"{', '.join(asked[3:])} (`j2` alone {price('law', 'j2')}; `length` with `plastic_strain`).\n")
     return text
 
 

@@ -13,6 +13,7 @@ module sgmp_verdict
                                 judge_turning
   use sgmp_judge_collisions, only: judge_collisions, judge_projectiles
   use sgmp_judge_failure, only: judge_failure
+  use sgmp_judge_heat, only: judge_heat
   use sgmp_judge_state, only: judge_ball, judge_particles, judge_pressed, judge_resolution, &
                               judge_thin, judge_volumes
   use sgmp_kernels, only: kernel_mpm
@@ -46,6 +47,7 @@ module sgmp_verdict
     real(dp) :: drift = 0.0_dp, contact = 0.0_dp, viscous = 0.0_dp  !! parts of the energy supplied
     real(dp) :: projection = 0.0_dp        !! energy that projection loses, over the same
     real(dp) :: failure = -1.0_dp  !! work of what failed by strain over the same; -1: none can
+    real(dp) :: heat = -1.0_dp     !! the same of what heat has softened; -1: softens nothing
     real(dp) :: turn = -1.0_dp             !! largest change of angular momentum; -1: none is judged
     real(dp) :: impulse = 0.0_dp           !! of forces on nodes without mass
     real(dp) :: steps(2) = 0.0_dp          !! shortest and longest
@@ -98,6 +100,7 @@ contains
     call judge_collisions(self%opinion, scene, model)
     call judge_projectiles(self%opinion, scene, model)
     call judge_failure(self%opinion, model, self%failure)
+    call judge_heat(self%opinion, model, self%heat)
     call stage_objection(model, inexact, reason)
     if (inexact >= 1.0_dp) then
       call self%opinion%object(reason)
@@ -220,6 +223,7 @@ contains
     if (.not. self%looked) return
     call summary%set('end_state.lost_impulse', self%impulse)
     if (self%failure >= 0.0_dp) call summary%set('end_state.failure_share', self%failure)
+    if (self%heat >= 0.0_dp) call summary%set('end_state.softened_share', self%heat)
     if (self%turn >= 0.0_dp) call summary%set('end_state.angular_momentum_change', self%turn)
     associate (found => self%state)
       call summary%set('end_state.largest_compression', found%compression)

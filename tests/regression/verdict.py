@@ -247,6 +247,23 @@ motion bar where="x>7" x=20+frame
 motion bar where="x<-7" x=-20+frame
 history steps=20
 """
+# A strip of steel that is sheared: heat takes its strength, in a band as wide as a cell or two.
+SHEARED = """
+dimension 2
+units mm g ms
+grid cell=0.25
+method sgmp
+time end=0.06 cfl=0.4
+material steel johnson_cook density=7.85e-3 young=200e3 poisson=0.33 yield=1000 &
+  thermal=yes thermal_exponent=1 room_temperature=293 melt_temperature=1800 specific_heat=452
+material weak johnson_cook density=7.85e-3 young=200e3 poisson=0.33 yield=980 &
+  thermal=yes thermal_exponent=1 room_temperature=293 melt_temperature=1800 specific_heat=452
+body lower block material=steel lower=(-1.5,-1) upper=(1.5,-0.25) ppc=2
+body middle block material=weak lower=(-1.5,-0.25) upper=(1.5,0.25) ppc=2
+body upper block material=steel lower=(-1.5,0.25) upper=(1.5,1) ppc=2
+motion upper where="y>0.75" x="40*min(1,t/0.005)" y=0
+motion lower where="y<-0.75" x="-40*min(1,t/0.005)" y=0
+"""
 # A disk that goes to pieces on a plate at 6 km/s: what fails flies with more energy than its strength could take.
 CLOUD = """
 dimension 2
@@ -433,9 +450,34 @@ def failing(report):
     report.check(
         not any(words in reason for reason in result["verdict_reasons"]), f"a mark: {result['verdict_reasons']}"
     )
+    softened(report)
     cloud = run("cloud", CLOUD)
     report.check(not any(words in reason for reason in cloud["verdict_reasons"]), f"cloud: {cloud['verdict_reasons']}")
     report.check(cloud["end_state.failure_share"] > 0.002, f"cloud: nothing has failed: {cloud['end_state']}")
+
+
+def softened(report):
+    """A strip that is sheared until heat softens it: coarse, but not with a length that cells resolve, nor before."""
+    words = "bands that heat softens follow the cell"
+    result = coarse(report, "sheared", SHEARED, words, 0.3)
+    report.check(0.1 < result["end_state.softened_share"] < 1, f"sheared: {result['end_state']}")
+    shared = " density=7.85e-3 young=200e3 poisson=0.33 melt_temperature=1800 specific_heat=452 "
+    head = SHEARED[:SHEARED.index("material steel")]
+    tail = SHEARED[SHEARED.index("body lower"):]
+    for law, strength in (("steinberg_guinan", "yield={0} yield_limit={0} thermal_softening=6.6e-4"),
+                          ("zerilli_armstrong", "yield=1 thermal_stress={0} thermal_softening=9e-4")):
+        cards = "".join(f"material {name} {law}{shared}{strength.format(yields)}\n"
+                        for name, yields in (("steel", 1000), ("weak", 980)))
+        coarse(report, f"sheared_{law}", head + cards + tail, words, 0.3)
+    early = run("sheared_early", SHEARED.replace("end=0.06", "end=0.006"))
+    lengths = "failure steel length=0.5\nfailure weak length=0.5\n"
+    wide = run("sheared_wide", SHEARED.replace("body lower", lengths + "body lower"))
+    cold = run("sheared_cold", SHEARED.replace("thermal=yes", "thermal=no"))
+    for name, result in (("early", early), ("wide", wide), ("cold", cold)):
+        report.check(not any(words in reason for reason in result["verdict_reasons"]),
+                     f"sheared, {name}: {result['verdict_reasons']}")
+    report.check(early["end_state.softened_share"] == 0, f"sheared, early: {early['end_state']}")
+    report.check("softened_share" not in cold["end_state"], f"sheared, cold: {cold['end_state']}")
 
 
 def foam(report):
