@@ -52,6 +52,26 @@ body c {first} material=m ppc=2
 {others}
 velocity c x="-0.3*(x-4)/sqrt((x-4)^2+(y-4)^2)" y="-0.3*(y-4)/sqrt((x-4)^2+(y-4)^2)"
 contact c self=yes
+history steps=20
+"""
+# A block with a foot on the ground, compressed by a press that then draws its head aside. With {gap} the head starts
+# above and comes down with the press: foot and head are the faces of a crack that closes.
+CRACK = """
+dimension 2
+grid cell=1 y=0:60 x=open
+wall y-=fixed
+method gimp update=usavg
+time cfl=0.4 end={shears}+32
+material m elastic density=1 young=25 poisson=0.3
+body c block material=m lower=(-6,0) upper=(16,6) ppc=2
+add c block lower=(0,6+{gap}) upper=(10,12+{gap})
+body press block material=m lower=(-4,12+{gap}) upper=(14,15+{gap}) ppc=2
+rigid press y="-0.5*max(0,min(1,({shears}-9-t)/2))" x="0.05*max(0,min(1,(t-{shears})/2))"
+velocity c y="{speed}*max(0,min(1,y-10))"
+damping rate=1 until={shears}
+contact press c friction=10
+{card}
+history steps=10
 """
 # Two plates that begin near each other.
 NEAR = """
@@ -144,6 +164,34 @@ def crowded(report):
         ))
         said = "met than it has velocity fields" in " ".join(result["verdict_reasons"])
         report.check(said == (number > 4), f"{number} parts that meet: {result['verdict_reasons']}")
+        rows = result.table("history.csv")
+        for row in rows if number == 4 else ():
+            report.check(abs(row["momentum_x"]) + abs(row["momentum_y"]) < 1e-12, f"{number} parts: momentum {row}")
+            energy = row["total_energy"] + row["contact_dissipation"]
+            report.check(abs(energy/rows[0]["total_energy"] - 1) < 0.01, f"{number} parts: energy {row}")
+
+
+def crack(report):
+    """A closed crack bears what a whole block bears, but for what contact of 6 cells on 6 is too soft; its shear is
+    limited by Coulomb's law."""
+    bears = {}
+    for name, gap, friction in (("whole", 0, 0), ("crack", 17, 0.1), ("crack", 17, 0.3)):
+        begins = 2*(gap + 0.27) + 1 + 10  # at half a cell in unit time, with two units to stop and ten to come to rest
+        result = straight(report, f"{name}_{friction}", CRACK.format(
+            gap=gap, shears=begins, speed=-0.5 if gap else 0,
+            card=f"contact c self=yes friction={friction}" if gap else "",
+        ))
+        rows = [row for row in result.table("contact.csv") if row["bodies"] == "press c"]
+        pressed, sheared = ([row for row in rows if first < row["time"] - begins < last]
+                            for first, last in ((-3, 0), (14, 32)))
+        bears[name] = sum(row["force_y"] for row in pressed)/len(pressed)
+        limit = -sum(row["force_x"] for row in sheared)/sum(row["force_y"] for row in sheared)
+        if gap:
+            report.check(abs(limit - friction) < 0.05*friction, f"crack: shear {limit} of pressure, friction {friction}")
+            ratio = bears["crack"]/bears["whole"]
+            report.check(0.92 < ratio < 1.02, f"crack: it bears {ratio} of what a whole block does")
+        else:
+            report.check(limit > 0.5, f"whole block: shear over pressure {limit}")
 
 
 def near(report):
@@ -210,6 +258,7 @@ if __name__ == "__main__":
     as_two(REPORT)
     pressed(REPORT)
     crowded(REPORT)
+    crack(REPORT)
     near(REPORT)
     closes(REPORT)
     feels_nothing(REPORT)
