@@ -34,6 +34,8 @@ SEQUENTIAL = ListedColormap(plt.get_cmap("viridis")(np.linspace(0.1, 1.0, 256)))
 # Grey in the middle: with white, as in RdBu, what is at rest could not be seen on the page.
 DIVERGING = LinearSegmentedColormap.from_list("blue_grey_red", ["#08306b", "#3a7fbd", "#c4c4c4", "#d65f4a", "#67000d"])
 LEAST_BALL = 0.006  # radius of a particle that flies alone, over the longer side of the picture
+SEEN = 3  # balls of a circle at each end of its half that a cut shows
+GOLDEN = 0.6180339887498949  # part of a turn between one circle and the next
 OUTLINE = dict(colors="0.35", linewidths=1.0, linestyles=[(0, (5, 3))])
 
 
@@ -294,14 +296,39 @@ def unfolded(particles, values, outline):
 
 def revolved(points, values, outline, spacing):
     """Half of the body of revolution, open towards -y: points on the circles of the rings, with the values of the
-    rings."""
-    copies = np.maximum(np.ceil(np.pi * points[:, 0] / spacing), 2).astype(int)
-    ring = np.repeat(np.arange(len(points)), copies)
-    place = np.arange(len(ring)) - np.repeat(np.cumsum(copies) - copies, copies)
-    angle = np.pi * (place + 0.5) / copies[ring]
+    rings, as far apart on a circle as rings are from each other there, each circle begun at another angle."""
+    apart = distances_of_rings(points[:, [0, 2]], spacing)
+    copies = np.maximum(np.ceil(np.pi * points[:, 0] / apart), 2).astype(int)
+    shown = np.where(surrounded(points[:, [0, 2]], spacing), np.minimum(copies, 2 * SEEN), copies)
+    ring = np.repeat(np.arange(len(points)), shown)
+    place = np.arange(len(ring)) - np.repeat(np.cumsum(shown) - shown, shown)
+    place += (copies - shown)[ring] * (place >= SEEN)   # of what is within matter, the two ends
+    begin = np.where(apart > spacing, np.modf(GOLDEN * np.arange(len(points)))[0], 0.5)
+    angle = np.pi * (place + begin[ring]) / copies[ring]
     radius = points[ring, 0]
     solid = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), points[ring, 2]])
     return solid, values[ring], unfolded_points(outline)
+
+
+def surrounded(plane, spacing):
+    """Which points of a plane have others all around them: of those a cut alone shows something."""
+    boxes = np.floor(plane / (2 * spacing)).astype(np.int64)
+    boxes -= boxes.min(axis=0) - 1
+    width = boxes[:, 1].max() + 2
+    filled, box = np.unique(boxes @ (width, 1), return_inverse=True)
+    around = np.logical_and.reduce([np.isin(filled + step, filled) for step in (width, -width, 1, -1)])
+    return around[box.ravel()]
+
+
+def distances_of_rings(plane, spacing):
+    """About how far apart the points of a plane are around each of them; at least a spacing."""
+    apart = np.zeros(len(plane))
+    for side in spacing * 4.0 * 2.0 ** np.arange(4):
+        alone = np.flatnonzero((apart == 0) | (apart > side / 4))  # fewer than four in the boxes before
+        boxes = np.floor(plane / side).astype(np.int64)
+        _, box, number = np.unique(boxes, axis=0, return_inverse=True, return_counts=True)
+        apart[alone] = side / np.sqrt(number[box.ravel()[alone]])
+    return np.maximum(spacing, apart)
 
 
 def field_of(particles, name=None):
