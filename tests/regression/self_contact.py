@@ -242,16 +242,18 @@ def feels_nothing(report):
 
 
 def same_bits(report):
-    """Threads, ranks, restart."""
-    text = strip("mpm update=musl", "contact all self=yes friction=0.2", end=70)
-    first = straight(report, "first", text)
-    at = [step for step in checkpoints(first.folder) if step % 100 == 0][-1]  # labels have changed by then
-    for name, options in (("threads", {"threads": 2}), ("ranks", {"launcher": mpirun(3)})):
-        other = straight(report, name, text, **options)
-        report.check(first["checksum"] == other["checksum"], f"{name}: other bits")
-        same_files(report, first.folder, other.folder, name, layouts=True)
-    goes_on(report, first, "restart", text, at)
-    goes_on(report, first, "restart_ranks", text, at, launcher=mpirun(3))
+    """Threads, ranks, restart; of a U, and of blocks that another one presses on while labels change."""
+    strips = strip("mpm update=musl", "contact all self=yes friction=0.2", end=70)
+    pressing = PRESSED.format(method="gimp update=usavg", whole="add a", self="self=yes friction=0.2", rest="")
+    for scene, text in (("strip", strips), ("pressed", pressing + "checkpoint every=100 keep=9\noutput csv at=end\n")):
+        first = straight(report, f"first_{scene}", text)
+        at = [step for step in checkpoints(first.folder) if step % 100 == 0][-1]  # labels have changed by then
+        for name, options in (("threads", {"threads": 2}), ("ranks", {"launcher": mpirun(3)})):
+            other = straight(report, f"{name}_{scene}", text, **options)
+            report.check(first["checksum"] == other["checksum"], f"{scene}, {name}: other bits")
+            same_files(report, first.folder, other.folder, name, layouts=True)
+        goes_on(report, first, f"restart_{scene}", text, at)
+        goes_on(report, first, f"restart_ranks_{scene}", text, at, launcher=mpirun(3))
 
 
 if __name__ == "__main__":
