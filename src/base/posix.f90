@@ -200,8 +200,8 @@ contains
   end subroutine environment_default
 
   !> From now on OpenMP's threads that wait give their cores to others soon, unless the user has
-  !! said how they wait. The library reads that before the program's first line, so the program begins
-  !! anew: call this first.
+  !! said how they wait. The library reads that before the program's first line, so the program
+  !! begins anew: call this first.
   subroutine wait_politely()
     call c_start_anew_with([c_text('GOMP_SPINCOUNT'), c_text('OMP_WAIT_POLICY'), c_null_char], &
                            c_text(polite_turns))

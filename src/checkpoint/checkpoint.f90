@@ -34,7 +34,7 @@ module sgmp_checkpoint
   public :: checkpoint_format, checkpoint_prefix, checkpoint_suffix, block_columns, &
             plane_columns
 
-  character(*), parameter :: checkpoint_format = 'sgmp checkpoint 12'
+  character(*), parameter :: checkpoint_format = 'sgmp checkpoint 13'
   character(*), parameter :: checkpoint_prefix = 'checkpoint_', checkpoint_suffix = '.h5'
   integer, parameter :: block_columns = 8192  !! particles or grid points put or got at a time
   integer, parameter :: plane_columns = 4     !! of the tables of planes

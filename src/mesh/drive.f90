@@ -29,6 +29,8 @@ module sgmp_drive
     real(dp) :: velocity(3) = 0.0_dp, gradient(3, 3) = 0.0_dp
     real(dp) :: before(3) = 0.0_dp, gradient_before(3, 3) = 0.0_dp
       !! in the step before, seen from where the part is now
+    real(dp) :: pic = 0.0_dp
+      !! share of the grid's velocity in particles' (1 - flip)
   end type drive_t
 
 contains

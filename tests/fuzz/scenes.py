@@ -7,9 +7,9 @@ loads of _latest.py, tables, walls that move, particle files; of those from 8000
 _newest.py: ceramics, more shapes, gauges, and keys that no other scene has; of those from 120000000 on what is in
 _further.py: parts that are moved, walls that rub or let waves out, foam, spall, all words of `method sgmp`; of those
 from 160000000 on concrete; of those from 200000000 on what is in _laws.py: tables as equations of state, afterburn,
-damage that knows the stress, flaws, averaged strain; of those from 240000000 on nine
-of ten scenes that may have grids with unequal cells. Each is run with one and two threads, on two ranks and from a
-checkpoint; then
+damage that knows the stress, flaws, averaged strain; of those from 240000000 on bodies that may touch themselves, all
+of which are too small to do so, and nine of ten scenes that may have grids with unequal cells. Each is run with one and
+two threads, on two ranks and from a checkpoint; then
 
 * the same exit code, bits, histories and verdict in all of them;
 * exit code 0, or 4 with a failure in words; never a crash or a hang;
@@ -46,7 +46,7 @@ NEWEST = 80000000                     # and below these nothing of _newest.py
 FURTHER = 120000000                   # and below these nothing of _further.py
 CONCRETE = 160000000                  # and below these no concrete
 LAWS = 200000000                      # and below these nothing of _laws.py
-GRADED = 240000000                    # and below these cells are equal
+GRADED = 240000000                    # and below these cells are equal, and no body touches itself
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1",
                "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_WAIT_POLICY": "passive", "SGMP_THREADS": "exact"}
@@ -125,7 +125,7 @@ class Scene:
         cell, as they must."""
         text = "\n".join(self.lines)
         if self.method != "sgmp" or self.axisymmetric or self.split or re.search(
-                r"volumes=kept|split=|absorbing|^(pressure|traction|blast|detonation) |fracture_energy|toughness="
+                r"volumes=kept|split=|absorbing|self=yes|^(pressure|traction|blast|detonation) |fracture_energy|toughness="
                 r"|time_step=|^failure .* length=| file file=|erode .*time_step| explosive ", text, re.MULTILINE):
             return
         luck = self.stream("unequal cells")
@@ -364,7 +364,7 @@ class Scene:
             height += size[-1] + self.luck.choice((0, 0, 0.1, 1.5))
         if number > 1 and self.luck.random() < 0.7:
             friction = self.luck.choice((0, 0.3, 10))
-            self.lines.append(f"contact all friction={0 if self.swirl else friction}")
+            self.lines.append(f"contact all{self.self_contact()} friction={0 if self.swirl else friction}")
             self.grouped(names)
             if self.luck.random() < 0.3 and not self.alone:
                 self.rigid = True
@@ -390,6 +390,14 @@ class Scene:
             self.lines.append(f"rigid {chosen} free=yes{mass}")
             self.deforming.pop(chosen, None)
             self.floats = True
+
+    def self_contact(self):
+        """Bodies that touch themselves, where the method allows it."""
+        method = next(line for line in self.lines if line.startswith("method"))
+        if self.seed < GRADED or self.dimension == 1 or self.swirl or not self.stream("self").random() < 0.5:
+            return ""
+        refused = ("rotation=exact", "surfaces=corrected", "volumes=kept")
+        return "" if any(word in method for word in refused) else " self=yes"
 
     def grouped(self, names):
         """Two of three bodies in a group of one velocity field, or a card for that group alone; the rigid and the free
@@ -463,7 +471,7 @@ class Scene:
 
     def motions(self):
         """Parts of bodies that are moved, where the method allows it."""
-        if self.swirl or self.moving or self.rubs:
+        if self.swirl or self.moving or self.rubs or any("self=yes" in line for line in self.lines):
             return
         rough = any(line.startswith("contact") and not line.endswith("friction=0") for line in self.lines)
         if rough and any("rotation=exact" in line for line in self.lines):
@@ -691,7 +699,7 @@ def never_drawn():
     texts = "".join(Scene(seed).text() for seed in range(GRADED, GRADED + 400))
     return [word for word in ("motion ", "wallfriction ", "=absorbing", " crushable_foam ", " concrete ", " toughness=",
                               " spall_strain=", " surfaces=corrected", " table file=", " afterburn=", " plastic_work=",
-                              " hosford_strain=", " flaws=", ",averaged_strain", " fine_x=") if word not in texts]
+                              " hosford_strain=", " flaws=", ",averaged_strain", " fine_x=", " self=yes") if word not in texts]
 
 
 def main():

@@ -336,6 +336,37 @@ def free(report):
                      f"{name}: work {drives[-1]['work']}")
 
 
+def damped(report):
+    """With flip below 1 the momentum is what whoever moves the part has given, touched by another body or not."""
+    text = """
+dimension 2
+grid cell=0.25 x=open y=open
+method {method} flip={flip}
+time end=0.3 dt=5e-3
+material steel elastic density=4 young=200 poisson=0.3
+material soft elastic density=1 young=20 poisson=0.3
+body plate block material=steel lower=(0.03,0.02) upper=(2.03,0.52) ppc=2
+body ball block material=soft lower=(0.52,0.56) upper=(1.3,1.3) ppc=2
+velocity ball x=0.5 y=-1
+{contact}
+motion plate where="x<{to}" x="0.3*sin(5*t)" y=0
+history steps=1
+"""
+    for number, method in enumerate(("mpm update=musl", "gimp update=usf", "bspline update=usl", "sgmp update=usavg "
+                                     "rotation=plain surfaces=plain stress=plain")):
+        for flip in (0.9, 0):
+            name = f"damped_{number}_{flip}"
+            result = run(name, text.format(method=method, flip=flip, to=0.6 if flip else 0.9,
+                                           contact="contact plate ball friction=0.3" if number % 2 else ""))
+            if not report.finished(result, name):
+                continue
+            rows, moved = result.table("history.csv"), result.table("motion.csv")
+            for axis in "xy":
+                given = 5e-3*sum(row[f"force_{axis}"] for row in moved[1:])
+                change = rows[-1][f"momentum_{axis}"] - rows[0][f"momentum_{axis}"]
+                report.check(abs(given - change) < 1e-13, f"{name}: momentum along {axis} {change}, given {given}")
+
+
 def faces(report):
     """At closed faces what is free is turned back, with its momentum on the grid; what is moved goes on, is removed and
     counted."""
@@ -447,6 +478,7 @@ if __name__ == "__main__":
     pull(REPORT)
     turn(REPORT)
     free(REPORT)
+    damped(REPORT)
     faces(REPORT)
     turned(REPORT)
     mistakes(REPORT)

@@ -45,13 +45,33 @@ history steps=20
 CROWD = """
 dimension 2
 grid cell=1
-method mpm
+method gimp update=usavg
 time cfl=0.4 end=60
 material m elastic density=1 young=1 poisson=0.3
 body c {first} material=m ppc=2
 {others}
 velocity c x="-0.3*(x-4)/sqrt((x-4)^2+(y-4)^2)" y="-0.3*(y-4)/sqrt((x-4)^2+(y-4)^2)"
 contact c self=yes
+history steps=20
+"""
+# A block with a foot on the ground, compressed by a press that then draws its head aside. With {gap} the head starts
+# above and comes down with the press: foot and head are the faces of a crack that closes.
+CRACK = """
+dimension 2
+grid cell=1 y=0:60 x=open
+wall y-=fixed
+method gimp update=usavg
+time cfl=0.4 end={shears}+32
+material m elastic density=1 young=25 poisson=0.3
+body c block material=m lower=(-6,0) upper=(16,6) ppc=2
+add c block lower=(0,6+{gap}) upper=(10,12+{gap})
+body press block material=m lower=(-4,12+{gap}) upper=(14,15+{gap}) ppc=2
+rigid press y="-0.5*max(0,min(1,({shears}-10-t)/2))" x="0.05*max(0,min(1,(t-{shears})/2))"
+velocity c y="{speed}*max(0,min(1,y-10))"
+damping rate=1 until={shears}
+contact press c friction=10
+{card}
+history steps=10
 """
 # Two plates that begin near each other.
 NEAR = """
@@ -144,6 +164,35 @@ def crowded(report):
         ))
         said = "met than it has velocity fields" in " ".join(result["verdict_reasons"])
         report.check(said == (number > 4), f"{number} parts that meet: {result['verdict_reasons']}")
+        rows = result.table("history.csv")
+        for row in rows if number == 4 else ():
+            gained = [row[f"momentum_{axis}"] - rows[0][f"momentum_{axis}"] for axis in "xy"]
+            report.check(abs(gained[0]) + abs(gained[1]) < 1e-12, f"{number} parts: momentum gained {gained}")
+            energy = (row["total_energy"] + row["contact_dissipation"])/rows[0]["total_energy"]
+            report.check(abs(energy - 1) < 0.01, f"{number} parts: energy {energy} at {row['time']}")
+
+
+def crack(report):
+    """A closed crack bears what a whole block bears, but for what contact of 6 cells on 6 is too soft; its shear is
+    limited by Coulomb's law."""
+    bears = {}
+    for name, gap, friction in (("whole", 0, 0), ("crack", 17, 0.1), ("crack", 17, 0.3)):
+        begins = 2*(gap + 0.27) + 1 + 10  # at half a cell in unit time, with two units to stop and ten to come to rest
+        result = straight(report, f"{name}_{friction}", CRACK.format(
+            gap=gap, shears=begins, speed=-0.5 if gap else 0,
+            card=f"contact c self=yes friction={friction}" if gap else "",
+        ))
+        rows = [row for row in result.table("contact.csv") if row["bodies"] == "press c"]
+        pressed, sheared = ([row for row in rows if first < row["time"] - begins < last]
+                            for first, last in ((-3, 0), (14, 32)))
+        bears[name] = sum(row["force_y"] for row in pressed)/len(pressed)
+        limit = -sum(row["force_x"] for row in sheared)/sum(row["force_y"] for row in sheared)
+        if gap:
+            report.check(abs(limit - friction) < 0.05*friction, f"crack: shear {limit} of pressure, {friction}")
+            ratio = bears["crack"]/bears["whole"]
+            report.check(0.92 < ratio < 1.02, f"crack: it bears {ratio} of what a whole block does")
+        else:
+            report.check(limit > 0.5, f"whole block: shear over pressure {limit}")
 
 
 def near(report):
@@ -193,16 +242,18 @@ def feels_nothing(report):
 
 
 def same_bits(report):
-    """Threads, ranks, restart."""
-    text = strip("mpm update=musl", "contact all self=yes friction=0.2", end=70)
-    first = straight(report, "first", text)
-    at = [step for step in checkpoints(first.folder) if step % 100 == 0][-1]  # labels have changed by then
-    for name, options in (("threads", {"threads": 2}), ("ranks", {"launcher": mpirun(3)})):
-        other = straight(report, name, text, **options)
-        report.check(first["checksum"] == other["checksum"], f"{name}: other bits")
-        same_files(report, first.folder, other.folder, name, layouts=True)
-    goes_on(report, first, "restart", text, at)
-    goes_on(report, first, "restart_ranks", text, at, launcher=mpirun(3))
+    """Threads, ranks, restart; of a U, and of blocks that another one presses on while labels change."""
+    strips = strip("mpm update=musl", "contact all self=yes friction=0.2", end=70)
+    pressing = PRESSED.format(method="gimp update=usavg", whole="add a", self="self=yes friction=0.2", rest="")
+    for scene, text in (("strip", strips), ("pressed", pressing + "checkpoint every=100 keep=9\noutput csv at=end\n")):
+        first = straight(report, f"first_{scene}", text)
+        at = [step for step in checkpoints(first.folder) if step % 100 == 0][-1]  # labels have changed by then
+        for name, options in (("threads", {"threads": 2}), ("ranks", {"launcher": mpirun(3)})):
+            other = straight(report, f"{name}_{scene}", text, **options)
+            report.check(first["checksum"] == other["checksum"], f"{scene}, {name}: other bits")
+            same_files(report, first.folder, other.folder, name, layouts=True)
+        goes_on(report, first, f"restart_{scene}", text, at)
+        goes_on(report, first, f"restart_ranks_{scene}", text, at, launcher=mpirun(3))
 
 
 if __name__ == "__main__":
@@ -210,6 +261,7 @@ if __name__ == "__main__":
     as_two(REPORT)
     pressed(REPORT)
     crowded(REPORT)
+    crack(REPORT)
     near(REPORT)
     closes(REPORT)
     feels_nothing(REPORT)

@@ -64,7 +64,10 @@ contains
       end do
     end do
     model%contact%self%on = any(model%bodies%family > 0)
-    model%contact%at_surface = model%method%rotation .and. size(model%contact%pairs) > 0
+    ! Without friction the surface and the nodes are alike, and the levers would be worked out for
+    ! nothing.
+    model%contact%at_surface = model%method%rotation .and. &
+                               any(model%contact%pairs%friction > 0.0_dp)
   end subroutine contact_pairs
 
   !> Fields of the twins: one for each label of a family.

@@ -347,8 +347,10 @@ contains
     type(field_t), intent(in) :: fields(:)       !! those that collide know the mass of their debris
     type(contact_pair_t), intent(in) :: pairs(:)  !! all, or none where no body touches itself
     integer :: at(2), l, side
-    call join_seams(shared, n, fields)
-    if (size(pairs) > 0) call hand_on(shared, n, pairs)
+    if (size(pairs) > 0) then
+      call join_seams(shared, n, fields)
+      call hand_on(shared, n, pairs)
+    end if
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
       shared%link(l)%shares = shared%link(l)%seam
       if (.not. shared%meets(l) .or. shared%link(l)%seam) cycle

@@ -37,6 +37,7 @@ contains
       associate (card => scene%motions(i))
         new%axes = card%axes
         new%velocity = card%velocity
+        new%drive%pic = 1.0_dp - scene%method%flip
         new%until = card%until
         new%motion%turns = card%turns
         new%motion%centre = card%about

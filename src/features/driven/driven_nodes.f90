@@ -71,8 +71,9 @@ contains
     real(dp), intent(in) :: part(most_drives), v(3, most_drives), before(3, most_drives)
     logical, intent(in) :: rules(3, most_drives)
     real(dp), intent(out) :: force(3, most_drives), power(most_drives), extra(most_drives)
-    real(dp) :: share(most_drives), now, was, kick, own, mass
+    real(dp) :: share(most_drives), now, was, kick, own, mass, pic
     integer :: a
+    pic = maxval(field%drives%pic)
     force = 0.0_dp
     power = 0.0_dp
     extra = 0.0_dp
@@ -90,6 +91,8 @@ contains
           if (a == 1 .and. field%columns%radial > 0) mass = mass*field%node(record, node_inertia)
           own = velocity - dt*acceleration
           force(a, :) = share*(mass*(kick - acceleration))
+          ! PIC reads V- of the node where p/m would keep the momentum.
+          if (pic > 0.0_dp) force(a, :) = force(a, :) + share*(mass*(pic*(was - own)/dt))
           power = power + force(a, :)*(0.5_dp*(now + was)) + share*(mass*kick*(own - was))
           extra = extra + share*(mass*kick*(own - was))
           acceleration = kick

@@ -29,9 +29,9 @@ contains
     integer, intent(in) :: nb
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(inout) :: acceleration(lanes, NDIM)
-    real(dp), intent(inout) :: velocity(lanes, NDIM)
+    real(dp), intent(inout) :: velocity(lanes, NDIM)  !! 0 where the grid's is not read
     real(dp), intent(inout) :: sums(:, :)        !! (drive_sums, drives)
-    real(dp) :: place(3), wanted(3), force(3), turning(3), change, power, extra
+    real(dp) :: place(3), wanted(3), force(3), turning(3), change, pic, power, extra
     integer :: i, l, d
     do i = 1, size(body%driven)
       associate (part => body%driven(i))
@@ -52,8 +52,10 @@ contains
             if (kick) then
               associate (own => motion(l, before_v + d))
                 change = (wanted(d) - own)/dt
-                force(d) = motion(l, mass_at)*(change - acceleration(l, d))
-                turning(d) = motion(l, mass_at)*change
+                ! What PIC would have given the particle it does not.
+                pic = part%drive%pic*((velocity(l, d) - own)/dt - acceleration(l, d))
+                force(d) = motion(l, mass_at)*(change - acceleration(l, d) - pic)
+                turning(d) = motion(l, mass_at)*(change - pic)
                 power = power + force(d)*(0.5_dp*(own + wanted(d)))
                 extra = extra + force(d)*own
               end associate
