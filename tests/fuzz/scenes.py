@@ -125,8 +125,8 @@ class Scene:
         cell, as they must."""
         text = "\n".join(self.lines)
         if self.method != "sgmp" or self.axisymmetric or self.split or re.search(
-                r"volumes=kept|split=|absorbing|self=yes|^(pressure|traction|blast|detonation) |fracture_energy|toughness="
-                r"|time_step=|^failure .* length=| file file=|erode .*time_step| explosive ", text, re.MULTILINE):
+                r"volumes=kept|split=|absorbing|self=yes|^(pressure|traction|blast|detonation) |fracture_energy"
+                r"|toughness=|time_step=|^failure .* length=| file file=|erode .*time_step| explosive ", text, re.MULTILINE):
             return
         luck = self.stream("unequal cells")
         if luck.random() < 0.1:
@@ -699,7 +699,8 @@ def never_drawn():
     texts = "".join(Scene(seed).text() for seed in range(GRADED, GRADED + 400))
     return [word for word in ("motion ", "wallfriction ", "=absorbing", " crushable_foam ", " concrete ", " toughness=",
                               " spall_strain=", " surfaces=corrected", " table file=", " afterburn=", " plastic_work=",
-                              " hosford_strain=", " flaws=", ",averaged_strain", " fine_x=", " self=yes") if word not in texts]
+                              " hosford_strain=", " flaws=", ",averaged_strain", " fine_x=", " self=yes")
+            if word not in texts]
 
 
 def main():
