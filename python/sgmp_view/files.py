@@ -412,7 +412,7 @@ def read_units(folder: Path) -> Dict[str, str]:
     except SgmpFileError:
         pass
     if not all(base) and (folder / "run.log").exists():  # of a run that has not ended: the deck in its log
-        found = re.search(r"^units (\S+) (\S+) (\S+)$", (folder / "run.log").read_text(errors="replace"), re.M)
+        found = re.search(r"^units (\S+) (\S+) (\S+)(?: .*)?$", (folder / "run.log").read_text(errors="replace"), re.M)
         base = found.groups() if found else base
     if not all(base):
         return dict.fromkeys(("length", "mass", "time", "energy", "stress", "velocity", "momentum"), "")

@@ -64,6 +64,15 @@ def cards_of(folder):
     return [line for line in re.sub(r"\s*&\n\s*", " ", "\n".join(lines)).splitlines() if not line.startswith("!")]
 
 
+def space_of(folder, points):
+    """What the deck says of its dimension; of a run that has not ended by its log, without one by its particles."""
+    said = read_summary_if_any(folder).get("dimension")
+    for card in [] if said else cards_of(folder):
+        if card.startswith("dimension "):
+            return card.split()[1]
+    return said or max(1, int(np.count_nonzero(np.ptp(points, axis=0) > 0)))
+
+
 def fluids_of(folder):
     """Names of bodies whose material is a fluid or an explosive."""
     words = [card.split() for card in cards_of(folder)]
@@ -141,7 +150,7 @@ def matter_of(folder, cloud, first=None):
     if first is not None:
         cloud, first = divided(folder, cloud, first), divided(folder, first, first)
     summary = read_summary_if_any(folder)
-    dimension = summary.get("dimension", max(1, int(np.count_nonzero(np.ptp(cloud.points, axis=0) > 0))))
+    dimension = space_of(folder, cloud.points)
     is_round = dimension == "axisymmetric"
     body = cloud.fields.get("body", np.ones(len(cloud.points), int)).astype(int)
     table = read_table(folder / "bodies.csv") if (folder / "bodies.csv").exists() else {}

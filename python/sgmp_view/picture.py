@@ -23,10 +23,10 @@ from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize
 
 from .coarse import divided
 from .files import (
-    PLASTIC_STRAIN, SgmpFileError, field_label, first_dump, folder_of, label, lookup, plot_style, read_dump,
-    read_summary_if_any, read_units, run_name,
+    PLASTIC_STRAIN, SgmpFileError, field_label, first_dump, folder_of, label, plot_style, read_dump, read_units,
+    run_name,
 )
-from .matter import planes_of
+from .matter import planes_of, space_of
 
 # horizontal, vertical, depth, towards the viewer
 VIEWS = {"x": (1, 2, 0, 1.0), "y": (0, 2, 1, -1.0), "z": (0, 1, 2, 1.0)}
@@ -410,7 +410,7 @@ def draw(particles, source, options, box=None):
         cut = argparse.Namespace(**vars(options))
         if options.cut and dimension_of(points) == 3:
             points, values, cut.cut = section_of(folder_of(source), points, initial, values, name, options, spacing)
-        about_axis = lookup(read_summary_if_any(folder_of(source)), "dimension") == "axisymmetric"
+        about_axis = space_of(folder_of(source), points) == "axisymmetric"
         revolve = about_axis and getattr(options, "revolve", False)
         if revolve:
             cut.axis = "y"
