@@ -2,6 +2,7 @@
 time."""
 
 import matplotlib.pyplot as plt
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from .files import label, plot_style
 from .quantities import short_name
@@ -48,12 +49,12 @@ def draw_values(axis, estimate):
     """Values over the cell."""
     cell = next(run["cell"] for run in estimate["runs"] if run["part"] == "deck")
     axis.axhspan(
-        estimate["value"] - estimate["half_width"], estimate["value"] + estimate["half_width"], color="0.85",
-        label="interval",
+        estimate["value"] - estimate["half_width"], estimate["value"] + estimate["half_width"], color="0.90",
+        label="interval of the deck's value",
     )
     axis.errorbar([cell], [estimate["value"]], yerr=[estimate["half_width"]], color="black", capsize=4, zorder=3)
     for number, (colour, mark, words, runs) in enumerate(by_part(estimate)):
-        # not upon each other
+        # Beside each other where they have the cell of the deck, or of its coarse stand-in.
         sides = [run["cell"] * (1 if isinstance(run["setting"], (int, float)) else 1 + 0.03 * number) for run in runs]
         axis.plot(sides, [run["value"] for run in runs], mark, color=colour, label=words, zorder=4)
     if estimate["limit"] is not None:
@@ -62,7 +63,14 @@ def draw_values(axis, estimate):
     axis.set(
         xlabel=label("cell", estimate["cell_unit"]), ylabel=label(short_name(estimate["quantity"]), estimate["unit"])
     )
-    axis.legend(fontsize=8)
+    axis.legend(fontsize=8, frameon=True, framealpha=1)
+
+
+def plain_decades(side):
+    """Ticks of a logarithmic axis at 1, 2, 5 of each decade, as plain numbers."""
+    side.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    side.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    side.set_minor_formatter(NullFormatter())
 
 
 def draw_work(axis, estimate):
@@ -72,6 +80,8 @@ def draw_work(axis, estimate):
         axis.plot(*zip(*shown) if shown else ([], []), mark, color=colour, label=words)
     axis.axhline(estimate["tolerance"], color="0.5", linestyle="--", label="tolerance")
     axis.set(xscale="log", xlabel=label("CPU time", "s"), ylabel=label("expected error", estimate["unit"]))
+    plain_decades(axis.xaxis)
     if any(run["expected_error"] for run in estimate["runs"]) and estimate["tolerance"] > 0:
         axis.set_yscale("log")
+        plain_decades(axis.yaxis)
     axis.legend(fontsize=8)

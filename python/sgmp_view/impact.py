@@ -74,7 +74,8 @@ def lines_of(wall, units, plane):
         inside = [striker["name"] for striker in wall["shot"] if striker["inside"]]
         words = "no" + ("; broken to its edge" if wall["open_to_edge"] else "")
         if inside and wall["openings"]:
-            words = f"not yet: {' and '.join(inside)} is inside; failed matter goes through, {what_failed(wall, length)}"
+            failed = what_failed(wall, length)
+            words = f"not yet: {' and '.join(inside)} is inside; failed matter goes through, {failed}"
         yield "perforated", words
     for striker in wall["shot"]:
         depth, speed = length(striker["depth"]), number(striker["velocity"], units["velocity"])
@@ -94,7 +95,7 @@ def lines_of(wall, units, plane):
     if wall["failed_inside"]["area"] > 0:
         across = wall["failed_inside"]["diameter"]
         size = f"{length(across)} wide" if plane else f"{length(across)} in diameter by its area"
-        yield "failed inside, between its faces", f"{size}: the thickness that is left is not of one piece"
+        yield "failed inside, between its faces", f"{size}: the wall is in layers there, and the rear one may come off"
     swollen = f"{length(bulge['height'])} high, radius {length(bulge['radius'])}"
     yield "bulge at the rear", swollen if bulge["radius"] > 0 else "none"
     yield "whole piece that is left", f"{mass(wall['mass_left'])} of {mass(wall['mass_at_start'])}"

@@ -2,8 +2,8 @@
 
     bodies.NAME.COLUMN, gauges.NAME.COLUMN, sections.NAME.COLUMN, history.COLUMN    the last row of bodies.csv,
     gauges.csv, …
-    … with :max, :min, :mean, :integral, :time_of_max, :change, :largest_change of all rows instead (gauges.foot.pressure:max); change:
-    last less first
+    … with :max, :min, :mean, :integral, :time_of_max, :change (last less first), :largest_change of all rows instead
+    (gauges.foot.pressure:max)
     extent.NAME.x_max (x_min, x_length, y…, z…, r…)           reach of a body at the end, half a particle beyond the
     centres
     acceleration.NAME.cfc180, acceleration.NAME.unfiltered    largest acceleration of a body (m/s²), filtered by a class

@@ -126,7 +126,8 @@ class Scene:
         text = "\n".join(self.lines)
         if self.method != "sgmp" or self.axisymmetric or self.split or re.search(
                 r"volumes=kept|split=|absorbing|self=yes|^(pressure|traction|blast|detonation) |fracture_energy"
-                r"|toughness=|time_step=|^failure .* length=| file file=|erode .*time_step| explosive ", text, re.MULTILINE):
+                r"|toughness=|time_step=|^failure .* length=| file file=|erode .*time_step| explosive ", text,
+                re.MULTILINE):
             return
         luck = self.stream("unequal cells")
         if luck.random() < 0.1:

@@ -275,7 +275,7 @@ def spalled(report):
         width = wall["failed_inside"]["diameter"]
         report.check(least <= width <= most, f"failed inside at {pmin} MPa: {width}, not {least} to {most}")
         report.check(("failed inside" in text) == (most > 0) and not wall["perforated"], f"spall at {pmin}: {text}")
-        os.remove(os.path.join(found.folder, "summary.json"))  # as where a run has not ended: space and units by its log
+        os.remove(os.path.join(found.folder, "summary.json"))  # a run that has not ended: its log has the units
         report.check(view(*words)[1] == text, f"spall at {pmin}, without a summary")
 
 
