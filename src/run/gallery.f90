@@ -33,6 +33,10 @@ module sgmp_gallery
            'a steel rod makes a crater in a copper plate; a quarter of it in 3D'), &
     deck_t('oblique', 'gallery/oblique.inp', &
            'a hard core hits a plate at an angle; half of it in 3D, failure, two minutes'), &
+    deck_t('concrete', 'gallery/concrete_slab.inp', &
+           'a steel ogive goes through a slab of concrete; axisymmetric, damage'), &
+    deck_t('folded_tube', 'gallery/folded_tube.inp', &
+           'a tube is pressed into folds that touch each other; axisymmetric'), &
     deck_t('detonation', 'tnt_slab.inp', 'a slab of TNT is lit at one end; 1D'), &
     deck_t('cylinder_test', 'gallery/cylinder_test.inp', &
            'TNT drives a copper tube; axisymmetric'), &
