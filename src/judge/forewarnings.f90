@@ -127,7 +127,7 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     type(string_t), allocatable, intent(inout) :: warnings(:)
-    real(dp), parameter :: tolerated = 0.02_dp
+    real(dp), parameter :: tolerated = 0.04_dp
     real(dp) :: mass, expected
     integer :: b
     do b = 1, size(scene%bodies)
