@@ -44,12 +44,10 @@ contains
         n = min(tile, field%work%last(s) - first + 1)
         idx = field%neighbour(0, 0, s) + first - 1
         call filled_volumes(cell, first, n, filled)
+        call least_volume(field, mesh, s, first, n, cell, least)
         if (mesh%graded) then
-          call least_graded(field, mesh, s, first, n, cell, least)
           call grade_volumes(mesh, key_j(field%work%key(s)), key_k(field%work%key(s)), first, n, &
                              filled)
-        else
-          call least_volume(field, mesh, s, first, n, cell, least)
         end if
         !$omp simd private(around, volume, part)
         do i = 1, n
@@ -112,9 +110,23 @@ contains
     end do
   end subroutine grade_volumes
 
-  !> The same as least_volume where cells are unequal: volumes over those of their cells, times that
-  !! of equal ones.
-  pure subroutine least_graded(field, mesh, s, first, n, cell, least)
+  !> What lies behind walls across a row counts as filled.
+  pure subroutine fill_behind(mesh, first, n, cell, least)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: first, n
+    real(dp), intent(in) :: cell
+    real(dp), intent(inout) :: least(0:tile + 1)
+    integer :: i, side
+    do side = 1, 2
+      if (mesh%wall(side, 1) == wall_free) cycle
+      i = merge(mesh%lower(1) - 1, mesh%upper(1), side == 1) - first + 1
+      if (i >= 0 .and. i <= n + 1) least(i) = cell
+    end do
+  end subroutine fill_behind
+
+  !> Least volume over the rows around each centre of a tile and its two neighbours: about an axis
+  !! over the radius, of unequal cells over that of the cell, times that of equal ones.
+  pure subroutine least_volume(field, mesh, s, first, n, cell, least)
     type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
@@ -130,47 +142,14 @@ contains
         if (NDIM > 1 .and. behind_wall(mesh, NDIM, k + dk)) cycle
         if (NDIM > 2 .and. behind_wall(mesh, 2, j + dj)) cycle
         b = field%neighbour(dj, dk, s) + first - 1
-        one(:n + 1) = 1.0_dp
-        call grade_volumes(mesh, j + dj, k + dk, first - 1, n + 2, one)
-        do i = 0, n + 1
-          least(i) = min(least(i), field%moment(b + i, field%columns%volume)/one(i))
-        end do
-      end do
-    end do
-    call fill_behind(mesh, first, n, cell, least)
-  end subroutine least_graded
-
-  !> What lies behind walls across a row counts as filled.
-  pure subroutine fill_behind(mesh, first, n, cell, least)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: first, n
-    real(dp), intent(in) :: cell
-    real(dp), intent(inout) :: least(0:tile + 1)
-    integer :: i, side
-    do side = 1, 2
-      if (mesh%wall(side, 1) == wall_free) cycle
-      i = merge(mesh%lower(1) - 1, mesh%upper(1), side == 1) - first + 1
-      if (i >= 0 .and. i <= n + 1) least(i) = cell
-    end do
-  end subroutine fill_behind
-
-  !> Least volume (about an axis, over the radius) over the rows around each centre of a tile and
-  !! its two neighbours.
-  pure subroutine least_volume(field, mesh, s, first, n, cell, least)
-    type(field_t), intent(in) :: field
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: s, first, n
-    real(dp), intent(in) :: cell
-    real(dp), intent(out) :: least(0:tile + 1)
-    integer :: dj, dk, i, b, j, k
-    j = key_j(field%work%key(s))
-    k = key_k(field%work%key(s))
-    least = cell
-    do dk = merge(-1, 0, NDIM > 1), merge(1, 0, NDIM > 1)
-      do dj = merge(-1, 0, NDIM > 2), merge(1, 0, NDIM > 2)
-        if (NDIM > 1 .and. behind_wall(mesh, NDIM, k + dk)) cycle
-        if (NDIM > 2 .and. behind_wall(mesh, 2, j + dj)) cycle
-        b = field%neighbour(dj, dk, s) + first - 1
+        if (mesh%graded) then
+          one(:n + 1) = 1.0_dp
+          call grade_volumes(mesh, j + dj, k + dk, first - 1, n + 2, one)
+          do i = 0, n + 1
+            least(i) = min(least(i), field%moment(b + i, field%columns%volume)/one(i))
+          end do
+          cycle
+        end if
         !$omp simd
         do i = 0, n + 1
 #ifdef AXISYMMETRIC
