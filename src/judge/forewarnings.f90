@@ -10,6 +10,7 @@ module sgmp_forewarnings
   use sgmp_contact, only: contact_between
   use sgmp_debris_doubts, only: debris_warnings
   use sgmp_graded_axis, only: graded_place
+  use sgmp_judge_collisions, only: projectile_narrow
   use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_find, mesh_occupied, wall_free
@@ -49,6 +50,7 @@ contains
     end if
     call look_at_times(scene, model, warnings)
     call look_at_masses(scene, model, warnings)
+    call look_at_projectiles(scene, model, warnings)
     call look_for_strangers(model, warnings)
     call look_for_glue(scene, model, warnings)
     call look_for_closed_gas(model, warnings)
@@ -140,6 +142,22 @@ contains
                 'multiples, or a smaller one')
     end do
   end subroutine look_at_masses
+
+  !> Projectiles of few cells across.
+  subroutine look_at_projectiles(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    real(dp) :: cells
+    integer :: b
+    do b = 1, size(scene%bodies)
+      cells = projectile_narrow(scene, model, b)
+      if (cells >= huge(cells)) cycle
+      call warn(warnings, "projectile '"//trim(model%bodies(b)%name)//"' is "// &
+                real_text_about(cells)//' cells across: it will be slowed too much; with fewer '// &
+                'than 6 its velocity is worth nothing, with 12 and more it is fair')
+    end do
+  end subroutine look_at_projectiles
 
   !> Mass of a body's shapes, 0 where it has none or its card rigid has another.
   pure function shape_mass(scene, model, b) result(mass)

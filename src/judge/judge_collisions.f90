@@ -19,7 +19,7 @@ module sgmp_judge_collisions
   use sgmp_thickness, only: body_thickness
   implicit none
   private
-  public :: judge_collisions, judge_projectiles
+  public :: judge_collisions, judge_projectiles, projectile_narrow
 
   real(dp), parameter :: bounce_weight = 0.41_dp  !! sgmp, bars of 4 to 80 cells: 0.30 to 0.41
   real(dp), parameter :: wall_weight = 0.8_dp     !! sgmp, bars of 10 to 40 cells: 0.65 to 0.8
@@ -72,47 +72,65 @@ contains
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    character(:), allocatable :: reason
-    real(dp) :: cells
+    real(dp) :: cells, now
     integer :: b
-    if (model%mesh%ndim == 1) return
     do b = 1, size(scene%bodies)
-      if (.not. bores(scene, model, b)) cycle
-      cells = body_thickness(scene%bodies(b)%shapes, model%mesh)
-      if (cells >= fair*(1.0_dp - 1.0e-9_dp)) cycle
-      reason = "projectile '"//trim(model%bodies(b)%name)//"' is "//real_text_about(cells)// &
-               ' cells across: its way through what it hits is too wide, and it is slowed '// &
-               'too much; use smaller cells, 12 across at least'
+      cells = projectile_narrow(scene, model, b)
+      if (cells >= huge(cells)) cycle
+      now = norm2(model%totals%bodies(b)%momentum(:model%mesh%ndim))/model%totals%bodies(b)%mass
+      if (now > (1.0_dp - least_slowing)*speed_at_start(scene, b, model%mesh%ndim)) cycle
       if (cells < slim*(1.0_dp - 1.0e-9_dp)) then
-        call opinion%object(reason)
+        call opinion%object(narrow_text(model, b, cells))
       else
-        call opinion%expect(way_weight/cells, reason)
+        call opinion%expect(way_weight/cells, narrow_text(model, b, cells))
       end if
     end do
   end subroutine judge_projectiles
 
-  !> Whether a body was shot at one that rested and can fail, and was slowed by it.
-  pure logical function bores(scene, model, b) result(yes)
+  !> What is wrong with few cells across a projectile.
+  function narrow_text(model, b, cells) result(text)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    real(dp), intent(in) :: cells
+    character(:), allocatable :: text
+    text = "projectile '"//trim(model%bodies(b)%name)//"' is "//real_text_about(cells)// &
+           ' cells across: its way through what it hits is too wide, and it is slowed '// &
+           'too much; use smaller cells, 12 across at least'
+  end function narrow_text
+
+  !> Cells across a body that is shot at one that rests and can fail, where they are too few; huge
+  !! for all others.
+  pure function projectile_narrow(scene, model, b) result(cells)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
-    real(dp) :: before, now
+    real(dp) :: cells
+    cells = huge(cells)
+    if (model%mesh%ndim == 1 .or. .not. is_shot(scene, model, b)) return
+    cells = body_thickness(scene%bodies(b)%shapes, model%mesh)
+    if (cells >= fair*(1.0_dp - 1.0e-9_dp)) cells = huge(cells)
+  end function projectile_narrow
+
+  !> Whether a body is shot at one that rests and can fail.
+  pure logical function is_shot(scene, model, b) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    real(dp) :: speed
     integer :: p, n
     n = model%mesh%ndim
     yes = .false.
     if (law_is_spherical(model%bodies(b)%law) .or. model%totals%bodies(b)%mass <= 0.0_dp) return
-    before = speed_at_start(scene, b, n)
-    if (before < ordnance(1)*model%findings%fastest) return
-    if (before > ordnance(2)*model%findings%fastest) return
-    now = norm2(model%totals%bodies(b)%momentum(:n))/model%totals%bodies(b)%mass
-    if (now > (1.0_dp - least_slowing)*before) return
+    speed = speed_at_start(scene, b, n)
+    if (speed < ordnance(1)*model%findings%fastest) return
+    if (speed > ordnance(2)*model%findings%fastest) return
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p)%body)
         if (any(pair > size(scene%bodies)) .or. .not. any(pair == b)) cycle
         yes = yes .or. is_target(scene, model, sum(pair) - b, n)
       end associate
     end do
-  end function bores
+  end function is_shot
 
   !> Whether a body rests at the start and can fail.
   pure logical function is_target(scene, model, b, n) result(yes)

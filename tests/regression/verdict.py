@@ -282,6 +282,25 @@ contact all
 """
 
 
+SHOT = """
+parameter n = 8
+parameter speed = 0.8
+parameter h = 3/n
+dimension 2
+grid cell=h x=open y=open
+method sgmp
+time end=2/speed cfl=0.4
+material hard elastic density=7.8 young=200 poisson=0.3
+material soft j2 density=2.7 young=70 poisson=0.3 yield=0.3
+failure soft plastic_strain=0.5
+viscosity all
+body slug block material=hard lower=(-1.5,0.1) upper=(1.5,6.1) ppc=2
+body plate block material=soft lower=(-8,-2) upper=(8,0) ppc=2
+velocity slug y=-speed
+contact all
+"""
+
+
 def doubts(report, name, deck, words, **settings):
     """A run that ends with exit code 0 and is called doubtful for a reason with these words."""
     result = run(name, deck, **settings)
@@ -416,6 +435,7 @@ def criteria(report):
     gone = doubts(report, "gone", GONE, "no particle is left")
     report.check(gone["particles_lost"] == 16, f"gone: {gone.text}")
     leaving(report)
+    shots(report)
     foam(report)
     for method in ("sgmp", "gimp", "bspline"):  # the fan leaves gaps; between it and the shock by Riemann's solution
         tube = coarse(report, f"sod_{method}", SOD, "larger than a cell", 0.1, method=method)
@@ -478,6 +498,32 @@ def softened(report):
                      f"sheared, {name}: {result['verdict_reasons']}")
     report.check(early["end_state.softened_share"] == 0, f"sheared, early: {early['end_state']}")
     report.check("softened_share" not in cold["end_state"], f"sheared, cold: {cold['end_state']}")
+
+
+def shots(report):
+    """A slug of n cells that is shot at a plate which can fail: doubtful below 6, 3.6/n below 12; not where it is slow,
+    where the plate cannot fail, or where it misses."""
+    few = "projectile 'slug' is {} cells across"
+    result = run("shot_5", SHOT, n=5)
+    report.check(
+        result["verdict"] == "doubtful" and any(few.format(5) in why for why in result["verdict_reasons"]),
+        f"shot_5: {result['verdict_reasons']}",
+    )
+    report.check(f"warning: {few.format(5)}" in result.text, f"no warning before the run: {result.text}")
+    for cells in (6, 10):
+        coarse(report, f"shot_{cells}", SHOT, few.format(cells), 3.6/cells - 1e-9, n=cells)
+    for name, deck, settings in (
+        ("wide", SHOT, {"n": 12}), ("slow", SHOT, {"speed": 0.02}), ("fast", SHOT, {"speed": 9}),
+        ("tough", SHOT.replace("failure soft plastic_strain=0.5", ""), {}),
+        ("missed", SHOT.replace("lower=(-8,-2)", "lower=(9,-2)").replace("upper=(8,0)", "upper=(25,0)"), {}),
+    ):
+        result = run(f"shot_{name}", deck, **settings)
+        report.check(
+            not any("projectile" in why for why in result["verdict_reasons"]),
+            f"shot_{name}: {result['verdict_reasons']}",
+        )
+        if name != "missed":
+            report.check("warning: projectile" not in result.text, f"shot_{name}: {result.text}")
 
 
 def foam(report):
