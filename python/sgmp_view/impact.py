@@ -71,20 +71,20 @@ def lines_of(wall, units, plane):
         more = f"; {wall['openings']} openings, this is the largest" if wall["openings"] > 1 else ""
         yield "perforated", f"yes: opening {what}{more}"
     else:
-        inside = [striker["name"] for striker in wall["shot"] if striker["inside"]]
+        inside = [body for body, striker in wall["shot"].items() if striker["inside"]]
         words = "no" + ("; broken to its edge" if wall["open_to_edge"] else "")
         if inside and wall["openings"]:
             failed = what_failed(wall, length)
             words = f"not yet: {' and '.join(inside)} is inside; failed matter goes through, {failed}"
         yield "perforated", words
-    for striker in wall["shot"]:
+    for body, striker in wall["shot"].items():
         depth, speed = length(striker["depth"]), number(striker["velocity"], units["velocity"])
         where = f"its nose is {depth} deep" if striker["inside"] else f"its nose is {depth} behind the front face"
         if striker["through"]:
             where = f"has passed, at {number(striker['speed'], units['velocity'])}"
         elif striker["depth"] <= 0:
             where = "has come back, or has not arrived"
-        yield f"  {striker['name']}", f"{where}; velocity along the shot {speed}"
+        yield f"  {body}", f"{where}; velocity along the shot {speed}"
     if crater["radius"] > 0:
         depth = "through" if wall["perforated"] else length(crater["depth"])
         yield "crater", f"depth {depth}, radius {length(crater['radius'])}, lip {length(crater['lip'])}"

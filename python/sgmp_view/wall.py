@@ -271,11 +271,12 @@ def wall_of(start, now, name, shot):
         return {**result, "hit": True, "perforated": True, "broken_up": True}
     moved = surfaces(start, now, wall, name, normal, across, middle, result)
     result["shot"] = strikers(start, now, name, shot, normal)
-    if any(striker["inside"] for striker in result["shot"]):
+    inside = [striker["depth"] for striker in result["shot"].values() if striker["inside"]]
+    if inside:
         # What is open before its nose has failed, and may bear pressure.
         result["perforated"] = False
         if result["openings"]:
-            result["crater"]["depth"] = max(striker["depth"] for striker in result["shot"] if striker["inside"])
+            result["crater"]["depth"] = max(inside)
     speed = now.velocity @ normal - float(now.mass[wall] @ (now.velocity[wall] @ normal) / now.mass[wall].sum())
     result["velocity"] = float(now.mass[wall] @ (now.velocity[wall] @ normal) / now.mass[wall].sum())
     first = start.points[start.of(name)] @ normal
@@ -310,7 +311,7 @@ def strikers(start, now, name, shot, normal):
     the start, velocity along its normal, whether it is inside. None of a body that has broken up."""
     first, half = start.points[start.of(name)] @ normal, 0.5 * now.spacing
     front, rear = first.min() - half, first.max() + half
-    result = []
+    result = {}
     for body in shot.bodies:
         if body == name or not now.of(body).any():
             continue
@@ -321,16 +322,13 @@ def strikers(start, now, name, shot, normal):
         depth = now.points[piece] @ normal
         nose, tail = float(depth.max() + half), float(depth.min() - half)
         velocity = mass @ now.velocity[piece] / mass.sum() * ((0, 0, 1) if now.is_round else 1)
-        result.append(
-            {
-                "name": body,
-                "depth": nose - front,
-                "velocity": float(velocity @ normal),
-                "speed": float(np.linalg.norm(velocity)),
-                "inside": bool(front < nose < rear),
-                "through": bool(tail > rear),
-            }
-        )
+        result[body] = {
+            "depth": nose - front,
+            "velocity": float(velocity @ normal),
+            "speed": float(np.linalg.norm(velocity)),
+            "inside": bool(front < nose < rear),
+            "through": bool(tail > rear),
+        }
     return result
 
 

@@ -113,7 +113,7 @@ def holes(report):
     near(report, wall["cloud"]["mass"], 8.0, 1e-9, "mass behind the wall")
     near(report, wall["cloud"]["momentum"], 400.0, 1e-6, "momentum behind the wall")
     near(report, wall["mass_left"], 30 * 30 * 4 - hole.sum() * S**3, 1e-9, "mass of the wall")
-    report.check(wall["shot"][0]["through"] and wall["shot"][0]["speed"] == 50, f"what has passed: {wall['shot']}")
+    report.check(wall["shot"]["ball"]["through"] and wall["shot"]["ball"]["speed"] == 50, f"what has passed: {wall['shot']}")
     report.check("perforated:                             yes: opening of 1" in wall["text"], wall["text"])
 
     quarter = {name: cloud.kept((cloud.points[:, 0] > 0) & (cloud.points[:, 1] > 0)) for name, cloud in start.items()}
@@ -168,7 +168,7 @@ def holes(report):
     wall = measured(
         report, "stuck", {"ball": begin, "plate": Cloud(points)}, {"ball": stuck, "plate": Cloud(points, failed=hole)}
     )
-    struck = wall["shot"][0]
+    struck = wall["shot"]["ball"]
     report.check(not wall["perforated"] and struck["inside"] and not struck["through"], f"stuck: {struck}")
     near(report, struck["depth"], 3.0, S / 2, "depth of what is stuck, without the stray particle")
     near(report, wall["crater"]["depth"], struck["depth"], 1e-9, "the crater is as deep as the nose")
@@ -458,6 +458,8 @@ def named(report):
         ("cloud.momentum", 400.0, "mN s"),
         ("ejecta.mass", 0.0, "g"),
         ("cloud.front_speed", 50.0, "m/s"),
+        ("shot.ball.speed", 50.0, "m/s"),
+        ("shot.ball.depth", 20.0, "mm"),
     ):
         found = quantity_of(run, f"impact.plate.{name}")
         report.check(abs(found - expected) < 1e-6, f"{name}: {found}, expected {expected}")
