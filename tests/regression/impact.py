@@ -113,7 +113,8 @@ def holes(report):
     near(report, wall["cloud"]["mass"], 8.0, 1e-9, "mass behind the wall")
     near(report, wall["cloud"]["momentum"], 400.0, 1e-6, "momentum behind the wall")
     near(report, wall["mass_left"], 30 * 30 * 4 - hole.sum() * S**3, 1e-9, "mass of the wall")
-    report.check(wall["shot"]["ball"]["through"] and wall["shot"]["ball"]["speed"] == 50, f"what has passed: {wall['shot']}")
+    struck = wall["shot"]["ball"]
+    report.check(struck["through"] and struck["speed"] == 50, f"what has passed: {struck}")
     report.check("perforated:                             yes: opening of 1" in wall["text"], wall["text"])
 
     quarter = {name: cloud.kept((cloud.points[:, 0] > 0) & (cloud.points[:, 1] > 0)) for name, cloud in start.items()}
