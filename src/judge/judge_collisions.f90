@@ -32,8 +32,8 @@ module sgmp_judge_collisions
   real(dp), parameter :: slim = 6.0_dp, fair = 12.0_dp   !! cells across
   real(dp), parameter :: way_weight = 3.6_dp      !! error of what it has left, over a cell by these
   real(dp), parameter :: least_slowing = 0.05_dp  !! of their velocity
-  real(dp), parameter :: ordnance(2) = [0.005_dp, 0.5_dp]
-    !! of the speed of sound: slower ones dent, in front of faster ones all flows
+  real(dp), parameter :: ordnance(2) = [0.005_dp, 1.0_dp/3.0_dp]
+    !! of c + |v|, up to half of the speed of sound: slower ones dent, before faster ones all flows
 
 contains
 

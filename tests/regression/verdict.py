@@ -513,7 +513,7 @@ def shots(report):
     for cells in (6, 10):
         coarse(report, f"shot_{cells}", SHOT, few.format(cells), 3.6/cells - 1e-9, n=cells)
     for name, deck, settings in (
-        ("wide", SHOT, {"n": 12}), ("slow", SHOT, {"speed": 0.02}), ("fast", SHOT, {"speed": 9}),
+        ("wide", SHOT, {"n": 12}), ("slow", SHOT, {"speed": 0.02}), ("fast", SHOT, {"speed": 3.5}),
         ("tough", SHOT.replace("failure soft plastic_strain=0.5", ""), {}),
         ("missed", SHOT.replace("lower=(-8,-2)", "lower=(9,-2)").replace("upper=(8,0)", "upper=(25,0)"), {}),
     ):
