@@ -127,6 +127,16 @@ def shield(book, full):
     book.command(Case(f"{FOLDER}/whipple.inp", h=0.25))
 
 
+def quarter(book):
+    """The shield in space: energy and speeds."""
+    run = solve([Case(f"{FOLDER}/quarter.inp")])[0]
+    end, drift = run.particles(), run.summary["energy"]["drift"]
+    speed = np.sqrt(sum(end.column(f"velocity_{a}") ** 2 for a in "xyz"))
+    book.at_most("shield, a quarter in space, h = 1 mm", "|drift| of the energy", abs(drift), 0.03)
+    book.at_most("shield, a quarter in space, h = 1 mm", "fastest particle at the end (m/s)", speed.max(), 9000)
+    book.command(run.case)
+
+
 def crater(book, full):
     """Depth of craters against (1)."""
     rows, speeds = [], (3000, 6000, 7000)
@@ -396,6 +406,8 @@ def check(book, full):
         "No part of the paper. Aluminium on aluminium at 2 to 10 km/s, axisymmetric, with constants of the library."
     )
     shield(book, full)
+    if full:
+        quarter(book)
     crater(book, full)
     limits(book, full)
     lead(book)
