@@ -75,6 +75,19 @@ velocity water {axis}="1e-3*exp(-(({axis}-20)/7)^2)"
 output csv at=end fields=pressure,velocity
 history steps=5
 """
+# A pressure that lasts in a hole of radius 5 whose edges are at 25: what is left at rest far from it.
+HOLE = """
+dimension {dimension}
+grid cell=1 {grid}
+wall {walls} {centre}
+method gimp
+time end=200 cfl=0.5
+material m elastic density=1 young=1 poisson=0.25
+body m block material=m lower=(0,0) upper=(25,25) ppc=2
+subtract m {shape} radius=5
+pressure m p=1e-5 where="{square}<64"
+output csv at=end fields=displacement
+"""
 METHODS = [
     ("sgmp", "musl"), ("sgmp", "usf"), ("sgmp", "usl"), ("sgmp", "usavg"), ("mpm", "musl"), ("mpm", "usf"),
     ("gimp", "musl"), ("gimp", "usl"), ("cpgimp", "usavg"), ("bspline", "musl"),
@@ -256,12 +269,45 @@ def water(report):
             report.check(left["free"] > 0.8, f"water {name} {method}: {left['free']:.4f} is left between walls")
 
 
+def springs(report):
+    """What pushes for ever: with the place of the source edges bear it, and the displacement at 20 is that of an endless
+    solid, p R^3/(4 G r^2) of a sphere and p R^2/(2 G r) of a cylinder (Lame). Without it, the edges are free at last."""
+    spaces = {
+        "sphere": ("axisymmetric", "r=0:25 z=0:25", "z-=slip r+=absorbing z+=absorbing", "sphere", "(r^2+z^2)", 2),
+        "cylinder": (
+            "2", "x=0:25 y=0:25", "x-=slip y-=slip x+=absorbing y+=absorbing", "cylinder", "(x^2+y^2)", 1,
+        ),
+    }
+    for name, (dimension, grid, walls, shape, square, power) in spaces.items():
+        other = "z" if dimension == "axisymmetric" else "y"
+        error = {}
+        for centre in ("", "centre=(0,0)"):
+            deck = HOLE.format(
+                dimension=dimension, grid=grid, walls=walls, shape=shape, square=square, centre=centre,
+            )
+            result = run(f"{name}_{bool(centre)}", deck)
+            if not report.finished(result, name):
+                return
+            found = [
+                ((row["x"] * row["displacement_x"] + row[other] * row[f"displacement_{other}"]) / radius, radius)
+                for row in result.table("particles_end.csv")
+                for radius in [hypot(row["x"], row[other])]
+                if abs(radius - 20) < 0.5
+            ]
+            exact = [1e-5 * 5 ** (power + 1) / (2 * power * 0.4 * radius**power) for _, radius in found]
+            error[centre] = sum(u for u, _ in found) / sum(exact) - 1
+        print(f"{name}: displacement at 20 {error}")
+        report.check(abs(error["centre=(0,0)"]) < 0.1, f"{name}: displacement at 20 off by {error['centre=(0,0)']:.3f}")
+        report.check(error[""] > 0.3, f"{name}: displacement at 20 without springs off by {error['']:.3f}")
+
+
 def main():
     """All of them."""
     report = Report()
     bars(report)
     rest(report)
     water(report)
+    springs(report)
     oblique(report)
     report.end()
 
