@@ -73,8 +73,8 @@ contains
                       'the bodies, its impulse since the start, is in history.csv', default='no', &
                       source='doc/loads.md')
     call registry%key('centre', kind_vector, 'where the waves come from: absorbing walls then '// &
-                      'bear what goes on pushing there, by springs beside the dashpots; default: '// &
-                      'no springs', unit='length', source='doc/loads.md')
+                      'bear what goes on pushing there, by springs beside the dashpots; '// &
+                      'default: no springs', unit='length', source='doc/loads.md')
     call register_motion(registry)
     call registry%card('lost', 'What happens to a particle that leaves through a closed face '// &
                        'without a wall.', 'lost remove', read_lost, once=.true.)
@@ -308,8 +308,8 @@ contains
       call draft%errors%add(card%place('centre'), 'centre= without an absorbing wall', &
                             'remove it, or make a wall absorbing')
     else if (draft%scene%dimension == 1) then
-      call draft%errors%add(card%place('centre'), 'centre= '//draft%in_space()//', where nothing '// &
-                            'spreads: a plane wave that goes on pushing moves what it meets', &
+      call draft%errors%add(card%place('centre'), 'centre= '//draft%in_space()//', where '// &
+                            'nothing spreads: a plane wave that goes on pushing moves what it meets', &
                             'remove it')
     else if (draft%scene%axisymmetric .and. abs(draft%scene%grid%source(1)) > 0.0_dp) then
       call draft%errors%add(card%place('centre'), 'centre= is not on the axis', &

@@ -270,8 +270,9 @@ def water(report):
 
 
 def springs(report):
-    """What pushes for ever: with the place of the source edges bear it, and the displacement at 20 is that of an endless
-    solid, p R^3/(4 G r^2) of a sphere and p R^2/(2 G r) of a cylinder (Lame). Without it, the edges are free at last."""
+    """What pushes for ever: with the place of the source edges bear it, and the displacement at 20 is that of an
+    endless solid, p R^3/(4 G r^2) of a sphere and p R^2/(2 G r) of a cylinder (Lame). Without it, the edges are free
+    at last."""
     spaces = {
         "sphere": ("axisymmetric", "r=0:25 z=0:25", "z-=slip r+=absorbing z+=absorbing", "sphere", "(r^2+z^2)", 2),
         "cylinder": (

@@ -4,9 +4,9 @@ five radii.
 
 F. G. Blake, J. Acoust. Soc. Am. 24 (1952), 211-215: the potential f(t - (r - R)/c)/r of the outgoing wave obeys a
 damped oscillator; with Poisson's ratio 1/4, f'' + 4/3 (c/R) f' + 4/3 (c/R)^2 f = -p R/density, u = df/dr. From that the
-values below, by quadrature here. At 160 us waves that edges at 0.5 m had sent back would be at the cavity again. Dashpots
-for plane waves bear no load at rest: near them what is left when the wave has passed is too large. With the place of
-the source (springs.inp) edges bear it (doc/loads.md).
+values below, by quadrature here. At 160 us waves that edges at 0.5 m had sent back would be at the cavity again.
+Dashpots for plane waves bear no load at rest: near them what is left when the wave has passed is too large. With the
+place of the source (springs.inp) edges bear it (doc/loads.md).
 """
 
 import sys
@@ -76,8 +76,8 @@ def check(book, full):
             error = float(values[k][shell].mean() / scale - 1)
             name = ("displacement", "radial stress", "hoop stress")[k]
             if kind == "springs" or (kind == "absorbing" and r < 0.4):
-                book.near(f"{cells} cells to the radius, {kind}", f"{name} at r = {r:.4g} over the exact one", 1 + error,
-                          1.0, bound)
+                book.near(f"{cells} cells to the radius, {kind}", f"{name} at r = {r:.4g} over the exact one",
+                          1 + error, 1.0, bound)
             row.append(f"{100 * error:+.1f} %")
         rows.append([*row, f"{run.cpu_seconds:.0f}"])
         order = np.argsort(radius)

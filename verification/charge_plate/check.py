@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""1 kg of TNT 0.3 m above a clamped plate of 1 m by 10 mm: the gas computed, beside the card blast, and both beside Nurick
-and Martin's fits. A round plate, axisymmetric; with --full a square one, a quarter in space, whose gas begins as a map of
-an axisymmetric run.
+"""1 kg of TNT 0.3 m above a clamped plate of 1 m by 10 mm: the gas computed, beside the card blast, and both beside
+Nurick and Martin's fits. A round plate, axisymmetric; with --full a square one, a quarter in space, whose gas begins as
+a map of an axisymmetric run.
 
 The card's impulse is integrated here by Kingery and Bulmash's fits (blast_load). The fits 0.425 phi + 0.277 (round) and
 0.480 phi + 0.277 (rectangular; blast_load, plate_impulse) are of uniform loads and of phi from 5 to 30: this load is

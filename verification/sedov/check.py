@@ -39,8 +39,8 @@ def front(shells):
 
 
 def exact_mean(width, gamma=1.4):
-    """Mean density of the layer of this width behind the shock at radius 1, by Sedov's solution (Kamm's form of it, from
-    memory of the literature; its mass is checked to be 1)."""
+    """Mean density of the layer of this width behind the shock at radius 1, by Sedov's solution (Kamm's form of it,
+    from memory of the literature; its mass is checked to be 1)."""
     v0, v2 = 2 / (5 * gamma), 4 / (5 * (gamma + 1))
     v = v0 + (v2 - v0) * np.logspace(-12, 0, 100001)
     b, c, e = (gamma + 1) / (gamma - 1), 2.5 * gamma, 0.5 * (3 * gamma - 1)
@@ -58,9 +58,9 @@ def exact_mean(width, gamma=1.4):
 
 def check(book, full):
     book.section("Sedov's blast")
-    book.say("No part of the paper. Density falls by a fifth within a hundredth of the radius behind the shock, so shells "
-             "one cell thick never show 6: what they would show in the exact solution stands beside. Bulk viscosity "
-             "spreads the shock over two cells more.")
+    book.say("No part of the paper. Density falls by a fifth within a hundredth of the radius behind the shock, so "
+             "shells one cell thick never show 6: what they would show in the exact solution stands beside. Bulk "
+             "viscosity spreads the shock over two cells more.")
     figure, axis = subplots(figsize=(6, 3.4))
     rows, sizes = [], (25, 40, 60, 80) if full else (25, 40)
     cases = [Case(SEDOV, n=n) for n in sizes]
@@ -84,15 +84,16 @@ def check(book, full):
             axis.plot(shells[:, 0], shells[:, 1], linewidth=0.9, label=f"h = 1/{n}")
         rows.append([n, case.parameters.get("quadratic", 1.5), f"{at:.3f}", f"{peak:.2f}", f"{exact:.2f}",
                      f"{exact_mean(2 / n):.2f}", f"{near[:, 2].max():.3f}", f"{near[:, 3].max():.4f}",
-                     f"{100 * float(energy[-1]/energy[0] - 1):.1f} %", run.summary["verdict"], f"{run.cpu_seconds:.0f}"])
+                     f"{100 * float(energy[-1]/energy[0] - 1):.1f} %", run.summary["verdict"],
+                     f"{run.cpu_seconds:.0f}"])
     axis.axvline(1.0, color="black", linewidth=0.6)
     axis.axhline(DENSITY, color="black", linewidth=0.6, linestyle="--")
     axis.set(xlabel="radius", ylabel="density")
     axis.legend(fontsize=7)
     book.figure("sedov", figure, "Sedov's blast at t = 1: means over shells one cell thick.")
     book.table("sedov", ["cells to 1", "quadratic viscosity", "shock (1)", "density (6)", "exact, one cell",
-                         "exact, two cells", "velocity (0.333)", "pressure (0.1333)", "energy", "verdict", "CPU s"], rows,
-               "Sedov's blast.")
+                         "exact, two cells", "velocity (0.333)", "pressure (0.1333)", "energy", "verdict",
+                         "CPU s"], rows, "Sedov's blast.")
     book.command(Case(SEDOV, n=25))
 
 
