@@ -154,7 +154,7 @@ def columns_of(particles, space, kept):
                 names.append(f"stress_{component}")
                 values.append(fields["stress"][:, number])
     for name, column in fields.items():
-        if name in LEFT_OUT or name not in kept:
+        if name.split("+")[0] in LEFT_OUT or name not in kept:  # the first of several columns has a bare name
             continue
         names.append(name)
         values.append(column - particles.time if name == "lighting_time" else column)

@@ -7,10 +7,10 @@ module sgmp_cards_grid
   use sgmp_graded_sides, only: graded_default_largest, graded_sides, graded_wish_t
   use sgmp_grid_fit, only: grid_fit_extend, grid_fit_held, grid_fit_sizes, grid_fit_whole
   use sgmp_keys, only: kind_expression, kind_interval, kind_logical, kind_points, &
-                       kind_real, kind_word
+                       kind_real, kind_vector, kind_word
   use sgmp_kinds, only: dp
   use sgmp_lost_policy, only: lost_error, lost_names
-  use sgmp_mesh, only: wall_fixed, wall_free, wall_names
+  use sgmp_mesh, only: wall_absorbing, wall_fixed, wall_free, wall_names
   use sgmp_registry, only: read_first, registry_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_space, only: axis_names, space_axisymmetric
@@ -72,6 +72,9 @@ contains
     call registry%key('reactions', kind_logical, 'yes: what each slip or fixed wall does to '// &
                       'the bodies, its impulse since the start, is in history.csv', default='no', &
                       source='doc/loads.md')
+    call registry%key('centre', kind_vector, 'where the waves come from: absorbing walls then '// &
+                      'bear what goes on pushing there, by springs beside the dashpots; '// &
+                      'default: no springs', unit='length', source='doc/loads.md')
     call register_motion(registry)
     call registry%card('lost', 'What happens to a particle that leaves through a closed face '// &
                        'without a wall.', 'lost remove', read_lost, once=.true.)
@@ -264,6 +267,8 @@ contains
     integer :: axis, side
     draft%scene%grid%walls_location = card%position%text()
     draft%scene%grid%reactions = card%flag('reactions')
+    draft%scene%grid%springs = card%has('centre')
+    if (card%has('centre')) draft%scene%grid%source = card%vector('centre')
     do axis = 1, 3
       do side = 1, 2
         if (axis == 1 .and. side == 1 .and. draft%scene%axisymmetric) cycle
@@ -292,7 +297,25 @@ contains
         end if
       end do
     end do
+    if (draft%scene%grid%springs) call check_source(card, draft)
   end subroutine check_walls
+
+  !> A source whose far field absorbing walls bear: in the plane or in space, or on the axis.
+  subroutine check_source(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    if (.not. any(draft%scene%grid%wall == wall_absorbing)) then
+      call draft%errors%add(card%place('centre'), 'centre= without an absorbing wall', &
+                            'remove it, or make a wall absorbing')
+    else if (draft%scene%dimension == 1) then
+      call draft%errors%add(card%place('centre'), 'centre= '//draft%in_space()//', where '// &
+                            'nothing spreads: a plane wave that goes on pushing moves what it meets', &
+                            'remove it')
+    else if (draft%scene%axisymmetric .and. abs(draft%scene%grid%source(1)) > 0.0_dp) then
+      call draft%errors%add(card%place('centre'), 'centre= is not on the axis', &
+                            'write centre=(0,z)')
+    end if
+  end subroutine check_source
 
   !> Axis and side of the face that a card names; axis = 0: the scene has none of that name.
   pure subroutine find_face(card, draft, side, axis)

@@ -55,6 +55,8 @@ module sgmp_scene
     type(graded_axis_t) :: axes(3)                  !! whose cells are unequal
     integer :: wall(2, 3) = wall_free
       !! (lower|upper, axis): wall_free, wall_slip, wall_fixed, wall_absorbing
+    logical :: springs = .false.              !! absorbing walls bear what a source pushes for ever
+    real(dp) :: source(3) = 0.0_dp            !! its place (length)
     character(:), allocatable :: walls_location  !! file:line:column of the card, for messages
     type(expression_t) :: wall_velocity(3, 2, 3)
       !! (component, lower|upper, axis) of fixed walls and of those that drag, functions of t

@@ -25,7 +25,7 @@ module DIM(sgmp_chunk)
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_absorbing, load_force, load_t
   use DIM(sgmp_loads), only: loads_book, loads_book_strain, loads_impedance, loads_levers, &
-                             loads_on_faces, loads_on_mass, loads_strain, loads_twist
+                             loads_on_faces, loads_on_mass, loads_spring, loads_strain, loads_twist
   use sgmp_mesh, only: mesh_sides, mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
@@ -304,6 +304,10 @@ contains
                                               state, got(1, task%gradient), lane_sums)
     if (task%average > 0 .and. body%law%slots%averaged > 0) then
       call average(body%law, plan%dt, task, xi, cell, axes, row, records, nb, state)
+    end if
+    if (plan%drift .and. body%faced) then
+      call loads_spring(mesh, body, plan%dt, &
+                        plan%dt*got(:, task%velocity:task%velocity + NDIM - 1), nb, motion, state)
     end if
     if (plan%drift .and. mesh%graded) then
       call drift_graded(mesh, task%dt_cells, task%live(1, nl), origin, extent, &

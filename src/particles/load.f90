@@ -14,7 +14,7 @@ module sgmp_load
 
   !> One load. Its column of the particles' second stream is for a force the particle's share in it
   !! per mass, for all others the first component of the area vector of its faces; behind that of
-  !! an edge comes the traction that it bears at rest.
+  !! an edge comes the traction that it bears at rest, and with springs a part of it that fades.
   type :: load_t
     integer :: kind = load_force       !! one of load_*
     integer :: column = 0
@@ -22,6 +22,10 @@ module sgmp_load
     type(air_blast_t) :: blast         !! the charge
     integer :: side = 0, axis = 0      !! of an edge: lower or upper face of the grid, axis
     real(dp) :: impedance(2) = 0.0_dp  !! across and along the edge (stress per velocity)
+    real(dp) :: springs(2) = 0.0_dp    !! the same (stress); over the distance: stress per length
+    real(dp) :: fading = 0.0_dp        !! what springs across the edge push less at first (stress)
+    real(dp) :: speed = 0.0_dp         !! by which that fades, over the distance
+    real(dp) :: source(3) = 0.0_dp     !! from where that distance counts
   end type load_t
 
 contains

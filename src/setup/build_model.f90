@@ -274,7 +274,7 @@ contains
       if (all(body%half_size <= 0.0_dp)) body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
       call attach_force(scene, number, body)
       call loads_declare(scene, number, body)
-      call absorbing_declare(card, mesh, material%law, body)
+      call absorbing_declare(card, scene%grid, mesh, material%law, body)
       call driven_declare(scene, number, body)
       call rigid_declare(card, mesh, body)
       body%sides_stretch = scene%method%kind == method_cpgimp

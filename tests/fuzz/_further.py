@@ -60,7 +60,8 @@ def spall(luck, numbers):
 
 
 def walls(luck, card, axes, rubs):
-    """A wall card, some of whose slip walls let waves out instead; and cards of walls that rub, where they may."""
+    """A wall card, some of whose slip walls let waves out instead, of a source, too; and cards of walls that rub, where
+    they may."""
     words, more = card.split(), []
     for n, word in enumerate(words[1:], 1):
         face, kind = word.split("=")
@@ -71,6 +72,8 @@ def walls(luck, card, axes, rubs):
             words[n] = f"{face}=absorbing"
         elif what and rubs and len(axes) > 1:
             more.append(f"wallfriction {face} friction={luck.choice((0.1, 0.5, 3))}")
+    if any(word.endswith("=absorbing") for word in words) and len(axes) > 1 and luck.random() < 0.4:
+        words.append("centre=" + vector([0 if axis == "r" else luck.choice((-3, 1, 4)) for axis in axes]))
     return " ".join(words), more
 
 

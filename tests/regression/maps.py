@@ -108,6 +108,17 @@ def balls(report):
         goes_on(report, stem, result, whole, 0.25, most)
 
 
+def pieces(report):
+    """A ball whose particles have been split goes on: what they keep of their stretch is left out."""
+    split = run("split", BALL.format(body=SPHERE).replace("grid cell", "method sgmp split=0.52\ngrid cell"))
+    report.finished(split, "split")
+    report.check(split["energy.split_energy"] != 0, "split: no particle was split")
+    mapped(report, split, "pieces")
+    begun = run("pieces", BALL.format(body=from_file("pieces", "charge", "tnt", 1)), t_end=0.0001)
+    if report.finished(begun, "pieces"):
+        begins(report, "pieces", begun, split, 1.0, 1e-12)
+
+
 def begins(report, name, result, before, part, tolerance):
     """A run begins with the energy and mass of the one before, or a part of them."""
     first, last = result.table("history.csv")[0], before.table("history.csv")[-1]
@@ -188,6 +199,7 @@ def broken(report):
 def main():
     report = Report()
     balls(report)
+    pieces(report)
     bars(report)
     broken(report)
     report.end()

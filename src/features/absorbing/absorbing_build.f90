@@ -6,6 +6,12 @@
 !!   t = t_0 - rho c_p v_n n - rho c_s v_t,
 !! with density and speeds of the material at the start. t_0 is the traction of the particle's
 !! stress at the start, so that what is at rest stays at rest.
+!!
+!! With a source at the distance r, t_0 follows the displacement u: t_0 - (k_n u_n - q) n/r -
+!! k_t u_t/r. Of a wave with the potential f(t - r/c)/r, u = -f/r^2 - f'/(c r), the stress is
+!! -rho c v - 4 G u/r + q/r with q = rho c^2 (u + f/r^2), so that q' = rho c^2 v - c q/r: this is
+!! exact for spherical waves. In the plane, where u goes with 1/sqrt(r) at first and with 1/r at
+!! last, k_n = 2 G and half of q.
 module sgmp_absorbing_build
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: constitutive_t, eos_none
@@ -16,7 +22,7 @@ module sgmp_absorbing_build
   use sgmp_mesh, only: mesh_places, mesh_position, mesh_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_any, parallel_max
-  use sgmp_scene, only: body_card_t, layout_lattice
+  use sgmp_scene, only: body_card_t, grid_card_t, layout_lattice
   use sgmp_shapes, only: shapes_inside
   use sgmp_space, only: axis_names
   use sgmp_turn, only: turn_back, turn_forth
@@ -31,8 +37,9 @@ module sgmp_absorbing_build
 contains
 
   !> A load for each edge of the grid.
-  pure subroutine absorbing_declare(card, mesh, law, body)
+  pure subroutine absorbing_declare(card, grid, mesh, law, body)
     type(body_card_t), intent(in) :: card
+    type(grid_card_t), intent(in) :: grid
     type(mesh_t), intent(in) :: mesh
     type(constitutive_t), intent(in) :: law
     type(body_t), intent(inout) :: body
@@ -46,6 +53,12 @@ contains
         new%side = side
         new%axis = axis
         new%impedance = impedance(law)
+        if (grid%springs) then
+          new%springs = law%elastic%shear*spring_factors(mesh)
+          new%speed = new%impedance(1)/law%density
+          new%fading = merge(0.5_dp, 1.0_dp, mesh%space == 2)*new%impedance(1)*new%speed
+          new%source = grid%source
+        end if
         body%loads = [body%loads, new]
         body%absorbs = .true.
         body%forced = .true.
@@ -64,6 +77,17 @@ contains
     z(1) = sqrt(law%density*(bulk + 4.0_dp/3.0_dp*law%elastic%shear))
     z(2) = sqrt(law%density*law%elastic%shear)
   end function impedance
+
+  !> Stress across and along an edge at the distance r from a source over G u/r, u the displacement
+  !! there: across, of what is at rest around it, u ~ 1/r^2 in space (stress -4 G u/r), 1/r in the
+  !! plane (-2 G u/r); along, of shear waves that spread, u ~ 1/r (-2 G u/r), 1/sqrt(r)
+  !! (-3/2 G u/r).
+  pure function spring_factors(mesh) result(factors)
+    type(mesh_t), intent(in) :: mesh
+    real(dp) :: factors(2)
+    factors = [4.0_dp, 2.0_dp]
+    if (mesh%space == 2) factors = [2.0_dp, 1.5_dp]
+  end function spring_factors
 
   !> Fills the columns of the edges of a body: area vectors, tractions at rest. An error where
   !! matter lies beyond an edge, or beside it without faces. All ranks must call it.

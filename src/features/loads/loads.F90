@@ -26,7 +26,7 @@ module DIM(sgmp_loads)
   implicit none
   private
   public :: loads_book, loads_book_strain, loads_impedance, loads_levers, loads_on_faces, &
-            loads_on_mass, loads_strain, loads_twist
+            loads_on_mass, loads_spring, loads_strain, loads_twist
 
 contains
 
@@ -273,6 +273,42 @@ contains
       end associate
     end do
   end subroutine loads_strain
+
+  !> Lets edges with springs bear more, or less, by the way of a step: what they bear at rest grows
+  !! by -k/r times it, and by a part across them that fades (sgmp_absorbing_build).
+  pure subroutine loads_spring(mesh, body, dt, moved, nb, motion, state)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: dt
+    real(dp), intent(in) :: moved(lanes, NDIM)     !! (length)
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp), intent(inout) :: state(lanes, nb)
+    real(dp) :: distance(lanes), before(lanes)
+    integer :: i, d
+    do i = 1, size(body%loads)
+      associate (load => body%loads(i))
+        if (load%springs(1) <= 0.0_dp) cycle
+        distance = 0.0_dp
+        do d = 1, NDIM
+          distance = distance + (mesh_place(mesh, d, motion(:, d)) - load%source(d))**2
+        end do
+        distance = sqrt(max(distance, mesh%h**2))
+        do d = 1, NDIM
+          associate (rest => state(:, load%column + NDIM + d - 1))
+            rest = rest - load%springs(merge(1, 2, d == load%axis))*moved(:, d)/distance
+          end associate
+        end do
+        associate (fades => state(:, load%column + 2*NDIM), &
+                   rest => state(:, load%column + NDIM + load%axis - 1))
+          before = fades
+          fades = (fades + load%fading*moved(:, load%axis)/distance)/ &
+                  (1.0_dp + dt*load%speed/distance)
+          rest = rest + fades - before
+        end associate
+      end associate
+    end do
+  end subroutine loads_spring
 
   !> The cofactors of a matrix.
   pure function cofactors(f) result(cofactor)

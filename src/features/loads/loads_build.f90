@@ -60,7 +60,7 @@ contains
   pure subroutine loads_add_columns(ndim, body)
     integer, intent(in) :: ndim
     type(body_t), intent(inout) :: body
-    integer, parameter :: most = 6   !! an area vector and a traction in space
+    integer, parameter :: most = 7   !! an area vector, a traction in space, a part of it that fades
     real(dp), parameter :: none(most) = 0.0_dp
     integer :: i
     do i = 1, size(body%loads)
@@ -70,7 +70,8 @@ contains
         call slots_ask(body%law%slots, 'share'//integer_text(i), none(:1))
       case (load_absorbing)
         ! The traction at rest, too.
-        call slots_ask(body%law%slots, 'area'//integer_text(i), none(:2*ndim))
+        call slots_ask(body%law%slots, 'area'//integer_text(i), &
+                       none(:2*ndim + merge(1, 0, body%loads(i)%springs(1) > 0.0_dp)))
       case default
         call slots_ask(body%law%slots, 'area'//integer_text(i), none(:ndim))
       end select
