@@ -246,7 +246,7 @@ contains
       if (seconds < solving) cycle
       every = end/(0.1_dp*solving/(seconds/dumps))
       lines = [lines, string_t('output '//trim(dump_names(f))//' writes '// &
-               integer_text(int(min(dumps, 1.0e15_dp), i8))//' dumps, which take longer than '// &
+               integer_text(nint(min(dumps, 1.0e15_dp), i8))//' dumps, which take longer than '// &
                'the steps: every='//real_text_about(rounded(every))//' makes it a tenth of '// &
                'them at most: about '//factor_text((solving + seconds)/(1.1_dp*solving))//' times less time')]
     end do

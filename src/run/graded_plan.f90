@@ -154,10 +154,6 @@ contains
         if (card%rigid .and. .not. card%free) box%velocity = card%motion%value
         box%flies = any(abs(box%velocity) > 0.0_dp)
         speed = max(speed, norm2(box%velocity))
-        if (.not. (box%flies .or. plain(card) .or. card%rigid)) then
-          reason = "'"//trim(card%name)//"' has parts that cells must resolve"
-          return
-        end if
         do a = 1, scene%dimension
           call cut_at_walls(scene, a, box)
         end do
@@ -168,6 +164,11 @@ contains
     else if (speed > fastest*(model%findings%fastest - speed)) then
       reason = 'at such a speed debris may hit far from where bodies meet'
     end if
+    do b = 1, size(boxes)
+      if (reason /= '' .or. boxes(b)%flies .or. scene%bodies(b)%rigid) cycle
+      if (.not. plain(scene%bodies(b))) reason = "'"//trim(scene%bodies(b)%name)// &
+                                                 "' has parts that cells must resolve"
+    end do
   end subroutine find_boxes
 
   !> A box within the grid, as wide as with its image where it meets a slip wall.
