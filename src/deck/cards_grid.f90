@@ -102,6 +102,7 @@ contains
     type(draft_t), intent(inout) :: draft
     integer :: axis
     if (card%failed) return
+    draft%scene%grid%position = card%position
     draft%scene%grid%cell = card%number('cell')
     do axis = 1, 3
       associate (extent => card%values(card%at(draft%axis_key(axis))))

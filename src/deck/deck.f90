@@ -14,7 +14,7 @@ module sgmp_deck
   use sgmp_mesh, only: wall_free, wall_names
   use sgmp_parameters, only: parameters_t
   use sgmp_registry, only: read_first, read_last, read_second, read_third, registry_t
-  use sgmp_scene, only: method_card_t, scene_t
+  use sgmp_scene, only: alternatives_t, method_card_t, scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
   use sgmp_tables, only: table_define
@@ -72,6 +72,7 @@ contains
     call read_cards(registry, cards, draft)
     call combinations_check(cards, draft%errors)
     call settle_method(cards, draft%scene%method)
+    draft%scene%allows = alternatives(cards)
     call check_cards(registry, cards, draft)
     call graded_bodies_settle(draft%scene%grid, draft%scene%bodies)
     call drop_overridden(cards)
@@ -116,6 +117,17 @@ contains
     if (method%rotation_auto) method%rotation = combinations_choose(cards, 'rotation')
     if (method%normalised_auto) method%normalised = combinations_choose(cards, 'normalised')
   end subroutine settle_method
+
+  !> What else would go with the deck.
+  function alternatives(cards) result(allows)
+    type(deck_card_t), intent(in) :: cards(:)
+    type(alternatives_t) :: allows
+    allows%graded = combinations_choose(cards, 'graded')
+    allows%axisymmetric = combinations_choose(cards, 'axisymmetric')
+    allows%dimension(1) = combinations_choose(cards, '1D')
+    allows%dimension(2) = combinations_choose(cards, '2D')
+    allows%dimension(3) = .true.
+  end function alternatives
 
   !> Cards that may appear once only.
   subroutine check_repeated(registry, cards, errors)

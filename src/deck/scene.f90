@@ -8,6 +8,7 @@ module sgmp_scene
   use sgmp_axis, only: axis_correction
   use sgmp_constitutive, only: constitutive_t
   use sgmp_contact_pairs, only: normal_separating
+  use sgmp_deck_errors, only: position_t
   use sgmp_expression, only: expression_free, expression_t
   use sgmp_features, only: features_t
   use sgmp_graded_axis, only: graded_axis_t
@@ -24,8 +25,8 @@ module sgmp_scene
   use sgmp_voigt, only: voigt_names
   implicit none
   private
-  public :: balance_card_t, body_card_t, bodyforce_card_t, checkpoint_card_t, contact_card_t, &
-            damping_card_t, detonation_card_t, gauge_card_t, grid_card_t, &
+  public :: alternatives_t, balance_card_t, body_card_t, bodyforce_card_t, checkpoint_card_t, &
+            contact_card_t, damping_card_t, detonation_card_t, gauge_card_t, grid_card_t, &
             initial_stress_card_t, load_card_t, material_card_t, method_card_t, motion_card_t, &
             output_card_t, section_card_t, statement_text_t, stop_card_t, &
             time_card_t
@@ -51,6 +52,7 @@ module sgmp_scene
     real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! box corners (length); unused where open
     real(dp) :: asked(2, 3) = 0.0_dp                !! the same as the deck has them
     logical :: moved(3) = .false.                   !! axes whose ends have moved to the grid
+    type(position_t) :: position                    !! of the card
     logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given
     type(graded_axis_t) :: axes(3)                  !! whose cells are unequal
     integer :: wall(2, 3) = wall_free
@@ -274,6 +276,13 @@ module sgmp_scene
     real(dp) :: after = 0.0_dp                    !! counted from this time on
   end type stop_card_t
 
+  !> What else would go with all that a deck asks for, for advice.
+  type :: alternatives_t
+    logical :: graded = .false.                   !! unequal cells
+    logical :: axisymmetric = .false.
+    logical :: dimension(3) = .false.             !! fewer dimensions
+  end type alternatives_t
+
   !> A whole simulation.
   type :: scene_t
     character(:), allocatable :: title
@@ -287,6 +296,7 @@ module sgmp_scene
     type(grid_card_t) :: grid
     type(method_card_t) :: method
     type(features_t) :: features
+    type(alternatives_t) :: allows
     type(time_card_t) :: time
     type(material_card_t), allocatable :: materials(:)
     type(body_card_t), allocatable :: bodies(:)

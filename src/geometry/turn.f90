@@ -3,7 +3,8 @@ module sgmp_turn
   use sgmp_kinds, only: dp, pi
   implicit none
   private
-  public :: turn_t, turn_back, turn_box, turn_forth, turn_inverse, turn_make, turn_moved
+  public :: turn_t, turn_back, turn_box, turn_forth, turn_inverse, turn_make, &
+            turn_moved, turn_turns
   public :: infinite_length
 
   real(dp), parameter :: infinite_length = 0.1_dp*huge(1.0_dp)  !! whatever is longer has no end
@@ -40,6 +41,13 @@ contains
     turn%matrix = turn%matrix + s*reshape([0.0_dp, n(3), -n(2), -n(3), 0.0_dp, n(1), n(2), -n(1), &
                                            0.0_dp], [3, 3])
   end function turn_make
+
+  !> Whether it turns anything.
+  elemental function turn_turns(turn) result(yes)
+    type(turn_t), intent(in) :: turn
+    logical :: yes
+    yes = turn%turns
+  end function turn_turns
 
   !> The rotation back.
   pure function turn_inverse(turn) result(back)

@@ -35,6 +35,7 @@ module sgmp_command_line
     character(:), allocatable :: restart      !! checkpoint, `latest`, or '' for a new run
     integer :: time_limit = 0                 !! seconds of wall time; 0: none
     logical :: check = .false.
+    logical :: suggest = .false.              !! write a deck with unequal cells
     logical :: keep_3d = .false.              !! import leaves out no direction
     logical :: quiet = .false.
     logical :: verbose = .false.
@@ -126,6 +127,10 @@ contains
     else if (chosen%action == action_import .and. runs_something(chosen)) then
       call error_make(error, exit_usage, 'import takes --keep-3d and --output only', &
                       'run the deck that it makes with the other options')
+    else if (chosen%suggest .and. (chosen%check .or. chosen%restart /= '' .or. &
+                                   chosen%output /= '')) then
+      call error_make(error, exit_usage, '--suggest does not go with --check, --restart, --output', &
+                      'run or check the deck that it writes')
     else if (chosen%quiet .and. chosen%verbose) then
       call error_make(error, exit_usage, '--quiet and --verbose exclude each other', 'remove one')
     end if
@@ -135,7 +140,7 @@ contains
   pure function runs_something(chosen) result(yes)
     type(command_line_t), intent(in) :: chosen
     logical :: yes
-    yes = chosen%check .or. chosen%verbose .or. chosen%threads > 0 .or. chosen%time_limit > 0 &
+    yes = chosen%check .or. chosen%suggest .or. chosen%verbose .or. chosen%threads > 0 .or. chosen%time_limit > 0 &
           .or. size(chosen%settings) > 0 .or. chosen%restart /= ''
   end function runs_something
 
@@ -175,6 +180,8 @@ contains
     select case (name)
     case ('--check')
       chosen%check = .true.
+    case ('--suggest')
+      chosen%suggest = .true.
     case ('--keep-3d')
       chosen%keep_3d = .true.
     case ('--quiet')

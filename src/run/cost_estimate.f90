@@ -22,12 +22,14 @@ module sgmp_cost_estimate
   use sgmp_scene, only: scene_t
   use sgmp_spelling, only: string_t
   use sgmp_text, only: integer_text, real_text, real_text_about
+  use sgmp_thickness, only: body_thickness
   use sgmp_time_step, only: clock_choose, clock_t, limit_names
   use sgmp_trial, only: trial_t
   use sgmp_update, only: update_names
   implicit none
   private
-  public :: cost_estimate_write, cost_estimate_write_need, cost_estimate_write_time
+  public :: cost_estimate_write, cost_estimate_write_advice, cost_estimate_write_need, &
+            cost_estimate_write_time
 
 contains
 
@@ -159,6 +161,7 @@ contains
                trim(material_names(material%law%kind))//'), '// &
                bytes_text(particles_bytes(body%particles)))
       call put_mass(model%totals%bodies(b)%mass, shape_mass(scene, model, b))
+      call put_thickness(body_thickness(scene%bodies(b)%shapes, model%mesh), model%mesh%graded)
       if (body%rigid_motion%free) call put_free(body%rigid_motion)
       call put('  stored    position, velocity, mass, volume and id (always)')
       call put_slots(body%law%slots)
@@ -196,6 +199,15 @@ contains
                trim(adjustl(percent))//' %)')
     end if
   end subroutine put_mass
+
+  !> Cells across the thinnest of a body's shapes.
+  subroutine put_thickness(cells, graded)
+    real(dp), intent(in) :: cells                !! huge: not known
+    logical, intent(in) :: graded                !! cells are unequal
+    if (cells >= huge(cells)) return
+    call put('  thinnest  '//real_text_about(cells)//trim(merge(' of the smallest', &
+             '                ', graded))//' cells')
+  end subroutine put_thickness
 
   !> Fields of the second stream with the card that asked for them.
   subroutine put_slots(slots)
@@ -277,6 +289,15 @@ contains
              real_text_about(1.0e9_dp*trial%seconds/real(max(particles, 1_i8), dp))// &
              ' ns per particle-step in '//integer_text(trial%steps - 1)//' steps that were tried')
   end subroutine cost_estimate_write_time
+
+  !> What would make it cheaper, a line each.
+  subroutine cost_estimate_write_advice(lines)
+    type(string_t), intent(in) :: lines(:)
+    integer :: i
+    do i = 1, size(lines)
+      call put('advice      '//lines(i)%text)
+    end do
+  end subroutine cost_estimate_write_advice
 
   subroutine put(text)
     character(*), intent(in) :: text

@@ -23,6 +23,8 @@ module sgmp_options
 
   type(option_t), parameter :: options(*) = [ &
     option_t('--check', '', '', 'build all, try some steps, say what would run; writes no file'), &
+    option_t('--suggest', '', '', &
+             'write DECK_graded.inp, with small cells only where bodies meet; or say why not'), &
     option_t('--set', 'NAME=VALUE', '--set h=0.5', &
              'replace the value of a parameter of the deck; may be repeated'), &
     option_t('--output', 'DIR', '--output results', &

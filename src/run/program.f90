@@ -8,7 +8,7 @@ module sgmp_program
                                action_usage, action_usage_markdown, action_version, command_line_t
   use sgmp_deck, only: deck_read
   use sgmp_deck_errors, only: deck_errors_t
-  use sgmp_errors, only: error_t, exit_deck, exit_ok, exit_stopped
+  use sgmp_errors, only: error_make, error_t, exit_deck, exit_ok, exit_stopped, exit_usage
   use sgmp_file_tools, only: file_remove
   use sgmp_gallery, only: gallery_copy, gallery_list
   use sgmp_import_mpm3d, only: import_is_mpm3d, import_locate, import_path, &
@@ -22,6 +22,7 @@ module sgmp_program
   use sgmp_registry_help, only: registry_write_help, registry_write_markdown
   use sgmp_scene, only: scene_free, scene_t
   use sgmp_simulation, only: simulation_check, simulation_run, simulation_try
+  use sgmp_suggest, only: suggest_write
   use sgmp_thread_choice, only: thread_choice_read, thread_choice_t
   use sgmp_version, only: commit_hash, compiler_string, version_string
   implicit none
@@ -190,6 +191,11 @@ contains
     status = exit_ok
     deck = options%deck
     if (import_is_mpm3d(deck)) then
+      if (options%suggest) then
+        call error_make(error, exit_usage, '--suggest takes native decks only', &
+                        'write '//deck//' anew with sgmp import')
+        return
+      end if
       call import_deck(options, output_folder(options), .true., imported, deck, error, status)
       if (allocated(error) .or. status /= exit_ok) return
       call announce(options, imported, deck)
@@ -200,7 +206,9 @@ contains
     call thread_choice_read(merge(options%threads, omp_get_max_threads(), options%threads > 0), &
                             threads, error)
     if (allocated(error)) return
-    if (options%check) then
+    if (options%suggest) then
+      call suggest_write(scene, threads, error)
+    else if (options%check) then
       call simulation_check(scene, threads, error)
     else
       call signals_watch()

@@ -1,14 +1,15 @@
 !> A run: time loop, guards, output, log and summary.
 module sgmp_simulation
   use, intrinsic :: iso_fortran_env, only: error_unit
+  use sgmp_advice, only: advice_find, advice_of_output
   use sgmp_balancing, only: balancing_look
   use sgmp_body, only: body_number, body_particle
   use sgmp_build_model, only: model_build
   use sgmp_checkpoint, only: checkpoint_bytes, checkpoint_path, checkpoint_set_aside, &
                              checkpoint_write
   use sgmp_command_line, only: command_line_t
-  use sgmp_cost_estimate, only: cost_estimate_write, cost_estimate_write_need, &
-                                cost_estimate_write_time
+  use sgmp_cost_estimate, only: cost_estimate_write, cost_estimate_write_advice, &
+                                cost_estimate_write_need, cost_estimate_write_time
   use sgmp_energy, only: ledger_drift, ledger_total
   use sgmp_errors, only: error_make, error_t, exit_io, exit_numerical, exit_stopped
   use sgmp_forewarnings, only: forewarnings_find
@@ -57,7 +58,7 @@ contains
     type(thread_choice_t), intent(inout) :: threads
     type(error_t), allocatable, intent(out) :: error
     type(model_t), allocatable :: model
-    type(string_t), allocatable :: warnings(:)
+    type(string_t), allocatable :: warnings(:), advice(:)
     type(trial_t) :: trial
     real(dp) :: need, available
     integer(i8) :: particles
@@ -76,12 +77,14 @@ contains
     if (allocated(error)) return
     call stability_choose(model)
     call forewarnings_find(scene, model, warnings)
+    call advice_find(scene, model, advice)
     particles = sum(model%totals%particles)
     speaks = parallel_rank() == 0
     if (speaks) call cost_estimate_write(scene, model)
     call trial_take(scene, model, trial)
     if (.not. speaks) return
     call cost_estimate_write_time(trial, particles, model%team%threads)
+    call cost_estimate_write_advice([advice, advice_of_output(scene, trial, particles)])
     if (trial%failure /= '') write (error_unit, '(a)') 'warning: '//trial%failure
     do w = 1, size(warnings)
       write (error_unit, '(a)') 'warning: '//warnings(w)%text

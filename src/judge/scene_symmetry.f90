@@ -1,0 +1,283 @@
+!> Which symmetries a scene has by its cards: planes of which one side is the image of the other,
+!! axes along which nothing changes, an axis of revolution.
+!!
+!! Shapes are compared by what their cards say, formulas at many places and times. Where that is
+!! not plain, and where something is drawn by chance, the answer is no.
+module sgmp_scene_symmetry
+  use sgmp_expression, only: expression_t
+  use sgmp_kinds, only: dp
+  use sgmp_load, only: load_blast, load_force, load_pressure, load_traction
+  use sgmp_mesh, only: wall_free, wall_slip
+  use sgmp_scene, only: grid_card_t, load_card_t, scene_t
+  use sgmp_shape_symmetry, only: shapes_mirrored, shapes_revolved, shapes_uniform
+  use sgmp_shapes, only: shapes_box
+  use sgmp_turn, only: turn_turns
+  implicit none
+  private
+  public :: scene_mirrored, scene_plain, scene_revolved, scene_uniform
+
+  real(dp), parameter :: noticed = 1.0e-6_dp   !! cells that do not count
+  integer, parameter :: samples = 64           !! places and times at which formulas are compared
+  ! Parts of their whole multiples are spread evenly: they are irrational.
+  real(dp), parameter :: shares(3) = [0.7548776662_dp, 0.5698402910_dp, 0.3819660113_dp]
+  real(dp), parameter :: golden = 0.6180339887_dp
+  integer, parameter :: image_even = 1, image_odd = 2, image_same = 3
+    !! of a formula at the image of a place: the same, the opposite; everywhere along the axis
+
+contains
+
+  !> Whether nothing of a scene is drawn by chance, comes from files or is stressed at the start,
+  !! and no wall moves or rubs: only of such scenes more is said.
+  pure function scene_plain(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    integer :: b
+    yes = size(scene%bodies) > 0 .and. .not. scene%features%wall_friction%rubs
+    yes = yes .and. all(zero(reshape(scene%grid%wall_velocity, [18])))
+    do b = 1, size(scene%bodies)
+      associate (body => scene%bodies(b), law => scene%materials(scene%bodies(b)%material)%law)
+        yes = yes .and. allocated(body%shapes) .and. .not. turn_turns(body%turn) .and. &
+              .not. body%stress%given .and. body%jitter <= 0.0_dp .and. body%mass <= 0.0_dp .and. &
+              law%scatter%weibull <= 0.0_dp .and. law%failure%weibull <= 0.0_dp .and. &
+              law%failure%flaws%number <= 0.0_dp .and. &
+              all(abs(body%spin_at_start) <= 0.0_dp) .and. all(zero(body%omega))
+      end associate
+      if (.not. yes) return
+    end do
+    yes = yes .and. .not. any(scene%loads%kind == load_force)
+    yes = yes .and. .not. any(scene%motions%turns)
+  end function scene_plain
+
+  !> Whether one side of a plane across an axis is the image of the other.
+  function scene_mirrored(scene, axis, plane) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: plane        !! place along the axis (length)
+    logical :: yes
+    real(dp) :: slack
+    integer :: i
+    slack = noticed*scene%grid%cell
+    yes = grid_mirrored(scene%grid, axis, plane, slack) .and. abs(scene%gravity(axis)) <= 0.0_dp
+    do i = 1, size(scene%bodies)
+      if (.not. yes) return
+      associate (body => scene%bodies(i))
+        yes = shapes_mirrored(body%shapes, axis, plane, slack) .and. zero(body%motion(axis))
+        if (yes) yes = vector_alike(scene, i, body%velocity, axis, plane) .and. &
+                       alike(scene, i, body%spin, axis, plane, image_even)
+      end associate
+    end do
+    do i = 1, size(scene%bodyforces)
+      if (yes) yes = vector_alike(scene, scene%bodyforces(i)%body, scene%bodyforces(i)%force, &
+                                  axis, plane)
+    end do
+    do i = 1, size(scene%loads)
+      if (yes) yes = load_mirrored(scene, scene%loads(i), axis, plane, slack)
+    end do
+    do i = 1, size(scene%motions)
+      associate (motion => scene%motions(i))
+        if (yes) yes = zero(motion%velocity(axis)) .and. &
+                       alike(scene, motion%body, motion%where, axis, plane, image_even)
+      end associate
+    end do
+    do i = 1, size(scene%detonations)
+      associate (light => scene%detonations(i))
+        if (light%plane) then
+          yes = yes .and. abs(light%normal(axis)) <= 0.0_dp
+        else
+          yes = yes .and. abs(light%point(axis) - plane) <= slack
+        end if
+      end associate
+    end do
+  end function scene_mirrored
+
+  !> Whether the two ends of the grid along an axis are images of each other.
+  pure function grid_mirrored(grid, axis, plane, slack) result(yes)
+    type(grid_card_t), intent(in) :: grid
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: plane, slack
+    logical :: yes
+    yes = grid%open(1, axis) .eqv. grid%open(2, axis)
+    yes = yes .and. grid%wall(1, axis) == grid%wall(2, axis)
+    if (yes .and. .not. grid%open(1, axis)) then
+      yes = abs(0.5_dp*(grid%lower(axis) + grid%upper(axis)) - plane) <= slack
+    end if
+  end function grid_mirrored
+
+  function load_mirrored(scene, load, axis, plane, slack) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(load_card_t), intent(in) :: load
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: plane, slack
+    logical :: yes
+    yes = .not. (load%axis == axis .and. load%side > 0)
+    if (yes) yes = alike(scene, load%body, load%where, axis, plane, image_even)
+    if (.not. yes) return
+    select case (load%kind)
+    case (load_pressure)
+      yes = alike(scene, load%body, load%value(1), axis, plane, image_even)
+    case (load_traction)
+      yes = vector_alike(scene, load%body, load%value, axis, plane)
+    case (load_blast)
+      yes = abs(load%point(axis) - plane) <= slack
+    case default
+      yes = .false.
+    end select
+  end function load_mirrored
+
+  !> Whether nothing changes along an axis, which begins and ends with slip walls that all bodies
+  !! reach: the scene is one of fewer dimensions.
+  function scene_uniform(scene, axis) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: axis
+    logical :: yes
+    integer :: i, a
+    associate (grid => scene%grid)
+      yes = all(grid%wall(:, axis) == wall_slip) .and. .not. any(grid%open(:, axis)) .and. &
+            abs(scene%gravity(axis)) <= 0.0_dp .and. size(scene%detonations) == 0 .and. &
+            size(scene%loads) == 0 .and. size(scene%motions) == 0 .and. .not. scene%swirl
+      do i = 1, size(scene%bodies)
+        if (.not. yes) return
+        associate (body => scene%bodies(i))
+          yes = shapes_uniform(body%shapes, axis, [grid%lower(axis), grid%upper(axis)], &
+                               noticed*grid%cell)
+          yes = yes .and. zero(body%motion(axis)) .and. zero(body%velocity(axis)) .and. &
+                .not. body%free
+          do a = 1, 3
+            if (yes) yes = alike(scene, i, body%velocity(a), axis, 0.0_dp, image_same)
+          end do
+        end associate
+      end do
+      do i = 1, size(scene%bodyforces)
+        do a = 1, 3
+          if (yes) yes = alike(scene, scene%bodyforces(i)%body, scene%bodyforces(i)%force(a), &
+                               axis, 0.0_dp, image_same)
+        end do
+        yes = yes .and. zero(scene%bodyforces(i)%force(axis))
+      end do
+    end associate
+  end function scene_uniform
+
+  !> Whether all bodies are round about one line along an axis and move along it, whole or cut by
+  !! slip walls in the line: the scene is an axisymmetric one.
+  function scene_revolved(scene, axis, line) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: line(3)      !! a point of it (length)
+    logical :: yes
+    logical :: cut(2, 3)
+    real(dp) :: slack, off(3)
+    integer :: a, i
+    slack = noticed*scene%grid%cell
+    yes = size(scene%motions) == 0 .and. size(scene%bodyforces) == 0
+    cut = .false.
+    do a = 1, 3
+      if (a == axis) cycle
+      cut(1, a) = scene%grid%wall(1, a) == wall_slip .and. &
+                  abs(scene%grid%lower(a) - line(a)) <= slack
+      cut(2, a) = scene%grid%wall(2, a) == wall_slip .and. &
+                  abs(scene%grid%upper(a) - line(a)) <= slack
+      yes = yes .and. all(scene%grid%wall(:, a) == wall_free .or. cut(:, a)) .and. &
+            abs(scene%gravity(a)) <= 0.0_dp
+    end do
+    do i = 1, size(scene%bodies)
+      if (.not. yes) return
+      associate (body => scene%bodies(i))
+        yes = shapes_revolved(body%shapes, axis, line, cut, slack)
+        do a = 1, 3
+          if (a /= axis) yes = yes .and. zero(body%velocity(a)) .and. zero(body%motion(a))
+        end do
+        yes = yes .and. body%velocity(axis)%is_constant
+      end associate
+    end do
+    do i = 1, size(scene%loads)
+      associate (load => scene%loads(i))
+        off = abs(load%point - line)
+        off(axis) = 0.0_dp
+        yes = yes .and. load%kind == load_blast .and. all(off <= slack) .and. &
+              load%where%is_constant .and. (load%axis == axis .or. load%axis == 0)
+      end associate
+    end do
+    do i = 1, size(scene%detonations)
+      associate (light => scene%detonations(i))
+        off = abs(merge(light%normal, light%point - line, light%plane))
+        off(axis) = 0.0_dp
+        yes = yes .and. all(off <= merge(0.0_dp, slack, light%plane))
+      end associate
+    end do
+  end function scene_revolved
+
+  !> Whether a vector is that of the image: its component across the plane is the opposite.
+  function vector_alike(scene, body, vector, axis, plane) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: body          !! 0: all
+    type(expression_t), intent(in) :: vector(3)
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: plane
+    logical :: yes
+    integer :: a
+    yes = .true.
+    do a = 1, 3
+      if (yes) yes = alike(scene, body, vector(a), axis, plane, &
+                           merge(image_odd, image_even, a == axis))
+    end do
+  end function vector_alike
+
+  !> Whether a formula has the value of the image in all places and times that are tried, within
+  !! the box of a body.
+  function alike(scene, body, formula, axis, plane, image) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: body          !! 0: all
+    type(expression_t), intent(in) :: formula
+    integer, intent(in) :: axis, image   !! one of image_*
+    real(dp), intent(in) :: plane
+    logical :: yes
+    real(dp) :: low(3), high(3), point(3), other(3), here(samples), there(samples), time
+    integer :: i
+    if (formula%is_constant) then
+      yes = image /= image_odd .or. zero(formula)
+      return
+    end if
+    call box(scene, body, low, high)
+    yes = all(high - low < 1.0e30_dp)    ! a half-space has no box
+    if (formula%uses_time) yes = yes .and. scene%time%end > 0.0_dp
+    if (.not. yes) return
+    do i = 1, samples
+      point = low + (high - low)*modulo(i*shares, 1.0_dp)
+      other = point
+      other(axis) = 2.0_dp*plane - point(axis)
+      if (image == image_same) other(axis) = high(axis) - 0.5_dp*(point(axis) - low(axis))
+      time = scene%time%end*modulo(i*golden, 1.0_dp)
+      here(i) = formula%evaluate(point, point, time)
+      there(i) = formula%evaluate(other, other, time)
+    end do
+    if (image == image_odd) there = -there
+    yes = all(abs(here - there) <= 1.0e-9_dp*maxval(abs(here)))
+  end function alike
+
+  !> The box around a body, or around all.
+  pure subroutine box(scene, body, low, high)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: body          !! 0: all
+    real(dp), intent(out) :: low(3), high(3)
+    real(dp) :: lower(3), upper(3)
+    integer :: b
+    low = huge(1.0_dp)
+    high = -huge(1.0_dp)
+    do b = 1, size(scene%bodies)
+      if (body > 0 .and. b /= body) cycle
+      call shapes_box(scene%bodies(b)%shapes, lower, upper)
+      low = min(low, lower)
+      high = max(high, upper)
+    end do
+    low(scene%dimension + 1:) = 0.0_dp
+    high(scene%dimension + 1:) = 0.0_dp
+  end subroutine box
+
+  !> Whether a formula is zero.
+  elemental function zero(formula) result(yes)
+    type(expression_t), intent(in) :: formula
+    logical :: yes
+    yes = formula%is_constant .and. abs(formula%value) <= 0.0_dp
+  end function zero
+
+end module sgmp_scene_symmetry
