@@ -1,7 +1,11 @@
 """More classes of tests/fuzz/_truths.py: solids that vibrate, stand, are squeezed, bounce."""
+import json
 import math
+from pathlib import Path
 
 from _truths import SMALL, Truth, body_end, vibration, zero
+
+REBOUNDS = json.loads((Path(__file__).resolve().parents[2] / "verification/surfaces/bounce.json").read_text())
 
 
 class Segments(Truth):
@@ -118,6 +122,38 @@ history steps=20
 
     def errors(self, results):
         return [("velocity", body_end(results[0], "m", "velocity_x")/self.v - 1, 0.05)]
+
+
+class Rebound(Truth):
+    """Two rings or disks that bounce off each other along any line: mean velocity after it, by finite elements
+    (verification/surfaces/references.py, which is not part of the program)."""
+
+    def make(self):
+        name = self.luck.choice(tuple(REBOUNDS))
+        body, self.cells = REBOUNDS[name], self.luck.choice((3, 5, 8))
+        radius, sound = body["outer"], math.sqrt(body["young"]/1.01e-3)  # young and density there (MPa, g/mm^3)
+        inner = body["inner"]/radius
+        h = (1 - inner)/self.cells if inner else 0.5/self.cells
+        self.cells = self.cells if inner else 4*self.cells  # of a disk: across it
+        angle, self.v, self.truth = self.luck.uniform(0, 2*math.pi), body["speed"]/sound, body["rebound"]
+        self.along = math.cos(angle), math.sin(angle)
+        reach, place = 1 + 0.5*h, (self.luck.random(), self.luck.random())
+        shape = f"ring inner={inner}" if inner else "sphere"
+        self.decks = [f"""dimension 2
+grid cell={h}
+METHOD
+time end={body["end"]*sound/radius} cfl={self.luck.choice((0.3, 0.5))}
+material m neo_hookean density=1 young=1 poisson={body["poisson"]}
+""" + "".join(f"""body {body_name} {shape} material=m centre=({at[0]},{at[1]}) radius=1 ppc={self.luck.choice((2, 2, 3))}
+velocity {body_name} x={-side*self.v*self.along[0]} y={-side*self.v*self.along[1]}
+""" for body_name, side, at in (
+            (body_name, side, [place[axis] + side*reach*self.along[axis] for axis in range(2)])
+            for body_name, side in (("a", 1), ("b", -1))
+        )) + "contact a b\nhistory steps=20\n"]
+
+    def errors(self, results):
+        end = [body_end(results[0], "a", f"velocity_{axis}") for axis in "xy"]
+        return [("velocity", sum(a*b for a, b in zip(end, self.along))/self.v/self.truth - 1, 0.05)]
 
 
 class Hoop(Truth):
@@ -297,4 +333,4 @@ history steps=10
         return [(key, (4*ends[1][key] - ends[0][key])/total, SMALL) for key in ("kinetic_energy", "internal_energy")]
 
 
-CLASSES = (Segments, Weight, Drop, Bounce, Hoop, Torsion, Press, Twin, Sector)
+CLASSES = (Segments, Weight, Drop, Bounce, Rebound, Hoop, Torsion, Press, Twin, Sector)
