@@ -558,6 +558,7 @@ def rebounds(report):
     coarse(report, "rings_gimp", ROUND, "with method sgmp", 0.3, method="gimp")
     dense = ROUND.replace("inner=0.7", "inner=0.7 ppc=3")
     coarse(report, "rings_bspline", dense, "with method sgmp", 0.15, method="bspline")
+    coarse(report, "rings_plain", ROUND, "surfaces=corrected", 0.3, method="sgmp surfaces=plain")
     doubts(report, "rings_mpm", ROUND, "half of their rebound", method="mpm")
     coarse(report, "disks", DISKS, "8 cells across", 0.1, h=0.25)
     sound(report, "disks_fine", DISKS, h=0.125)
