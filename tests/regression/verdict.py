@@ -550,15 +550,15 @@ def rebounds(report):
     """Elastic rings and disks that bounce off each other: how much they lose (verification/surfaces/bounce.json)."""
     sparse = ROUND.replace("inner=0.7", "inner=0.7 ppc=2")
     with_three = sound(report, "rings", ROUND)
-    report.check(
-        abs(with_three["particles"]*(0.1/3)**2/(2*math.pi*(1 - 0.7**2)) - 1) < 0.02, f"{with_three['particles']} particles"
-    )
+    many = with_three["particles"]*(0.1/3)**2/(2*math.pi*(1 - 0.7**2))
+    report.check(abs(many - 1) < 0.02, f"rings: {many} of three particles per cell and axis")
     coarse(report, "rings_sparse", sparse, "ppc=3", 0.15)
     coarse(report, "rings_thin", ROUND.replace("0.7", "0.85"), "thin rings", 0.099, h=0.05)
     coarse(report, "rings_gimp", ROUND, "with method sgmp", 0.3, method="gimp")
     dense = ROUND.replace("inner=0.7", "inner=0.7 ppc=3")
     coarse(report, "rings_bspline", dense, "with method sgmp", 0.15, method="bspline")
-    coarse(report, "rings_plain", ROUND, "surfaces=corrected", 0.3, method="sgmp surfaces=plain")
+    plain = ROUND.replace("method $method", "method $method surfaces=plain")
+    coarse(report, "rings_plain", plain, "surfaces=corrected", 0.3)
     doubts(report, "rings_mpm", ROUND, "half of their rebound", method="mpm")
     coarse(report, "disks", DISKS, "8 cells across", 0.1, h=0.25)
     sound(report, "disks_fine", DISKS, h=0.125)
