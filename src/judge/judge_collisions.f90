@@ -11,6 +11,7 @@ module sgmp_judge_collisions
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_free
   use sgmp_model, only: model_t
+  use sgmp_near_walls, only: near_walls
   use sgmp_opinion, only: opinion_t
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: shape_block, shape_ring
@@ -48,6 +49,7 @@ contains
     real(dp) :: mass, speed2
     integer :: b, p, before
     call judge_crowd(opinion, model)
+    call judge_near_walls(opinion, scene, model)
     if (any(abs(scene%gravity) > 0.0_dp)) return
     if (size(scene%bodyforces) + size(scene%loads) + size(scene%motions) > 0) return
     call judge_walls(opinion, scene, model)
@@ -100,8 +102,8 @@ contains
     cells = minval([(body_thickness(scene%bodies(pair(b))%shapes, model%mesh), b=1, 2)])
     if (cells >= bounce_cells) return
     call opinion%expect(max(least_error, round_weight/cells), &
-                        bodies_text(model, pair)//', '//real_text_about(cells)//' cells across, '// &
-                        'bounce off each other: their velocities after it want smaller cells')
+                        bodies_text(model, pair)//', '//real_text_about(cells)// &
+                        ' cells across, bounce off each other: their velocities after it want smaller cells')
   end subroutine expect_round
 
   !> Rings among two bodies that have met.
@@ -130,8 +132,8 @@ contains
       call opinion%object(meet//': with method mpm rings lose half of their rebound and more; '// &
                           'use method sgmp')
     else if (scene%method%kind /= method_sgmp .or. .not. scene%method%surfaces) then
-      call opinion%expect(merge(2.0_dp, 1.0_dp, sparse)*ring_error, meet//': rings lose less of '// &
-                          'their rebound with method sgmp surfaces=corrected')
+      call opinion%expect(merge(2.0_dp, 1.0_dp, sparse)*ring_error, meet//': rings lose less '// &
+                          'of their rebound with method sgmp surfaces=corrected')
     else if (sparse) then
       call opinion%expect(ring_error, meet//' with few particles per cell: rings want three '// &
                           'along each axis, ppc=3')
@@ -235,6 +237,29 @@ contains
       if (all(start%is_constant)) speed = norm2(start%value)
     end associate
   end function speed_at_start
+
+  !> Bodies that a wall has held since the start: near it those that it has slowed, at it those that
+  !! come back.
+  subroutine judge_near_walls(opinion, scene, model)
+    type(opinion_t), intent(inout) :: opinion
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    character(:), allocatable :: text
+    real(dp) :: left
+    logical :: touches
+    integer :: b, n
+    n = model%mesh%ndim
+    do b = 1, size(scene%bodies)
+      call near_walls(scene, model, b, text, touches)
+      if (text == '') cycle
+      associate (start => scene%bodies(b)%velocity(:n)%value, body => model%totals%bodies(b))
+        left = dot_product(start, body%momentum(:n))/(body%mass*sum(start**2))
+      end associate
+      if (left > merge(0.0_dp, 1.0_dp - least_slowing, touches)) cycle
+      call opinion%object(text)
+      return
+    end do
+  end subroutine judge_near_walls
 
   !> Parts of a body that meet where no velocity field is left for them.
   subroutine judge_crowd(opinion, model)
