@@ -602,9 +602,26 @@ def near_walls(report):
             not any("begins" in why for why in result["verdict_reasons"]) and "begins" not in result.text,
             f"wall_{name}: {result.text}",
         )
-        if name == "far":  # 0.95 by 20 cells, finite elements have 0.99
+        if name == "far":  # it widens: finite elements have 0.79 (verification/surfaces/elements.py)
             back = result.table("bodies.csv")[-1]["velocity_y"]/0.03
-            report.check(0.85 < back < 1, f"wall_far: comes back with {back}")
+            report.check(
+                result["verdict"] == "coarse" and abs(back/0.79 - 1) < result["verdict_error"] == 0.3,
+                f"wall_far: comes back with {back}, {result['verdict_reasons']}",
+            )
+    narrow = run("wall_narrow", DROPPED.replace("poisson=0.3", "poisson=0"), t_end=30)
+    back = narrow.table("bodies.csv")[-1]["velocity_y"]/0.03  # finite elements: 0.998
+    report.check(narrow["verdict_error"] == 0.1 and 0.9 < back < 1, f"wall_narrow: {back}, {narrow['verdict_reasons']}")
+    floor = DROPPED.replace("wall y-=slip", "").replace("y=0:open", "y=open").replace("poisson=0.3", "poisson=0")
+    floor += "body b block material=m lower=(-2,-0.8) upper=(2,0)\nrigid b\ncontact a b\n"
+    hard = coarse(report, "floor", floor, "bounce off each other", 0.25, t_end=30)  # 0.75, finite elements: 0.998
+    back = hard.table("bodies.csv")[-2]["velocity_y"]/0.03
+    report.check(1 - hard["verdict_error"] < back < 0.9, f"floor: {back}")
+    block = "block material=m lower=(-1,gap/5) upper=(1,2+gap/5)"
+    ball = floor.replace(block, "sphere material=m centre=(0,1+gap/5) radius=1")
+    coarse(report, "floor_ball", ball, "10 cells across", 0.1, t_end=40)
+    pair = floor.replace("rigid b\n", "velocity b y=speed\n")
+    pair = pair.replace("lower=(-2,-0.8) upper=(2,0)", "lower=(-1,-2) upper=(1,0)")
+    coarse(report, "square_pair", pair, "bounce off each other", 0.14, t_end=30)  # 0.86
 
 
 def foam(report):
