@@ -81,7 +81,7 @@ contains
                 range='(0,inf)', default='1'), &
             heating_keys(), &
             key('failure', kind_logical, 'Johnson-Cook damage and failure: at a plastic strain '// &
-                'of (d1 + d2 exp(d3 s)) (1 + d4 ln r) (1 + d5 T*)', default='no'), &
+                'of (d1 + d2 exp(d3 s)) (1 + d4 ln r) (1 + d5 T*); no where it is not given'), &
             key('d1', kind_real, 'Johnson-Cook D1', default='0'), &
             key('d2', kind_real, 'Johnson-Cook D2', default='0'), &
             key('d3', kind_real, 'Johnson-Cook D3; s: mean stress over von Mises stress, '// &
@@ -124,7 +124,7 @@ contains
              values%number('melt_temperature') <= values%number('room_temperature')) then
       call fault_make(fault, 'melt_temperature', &
                       'the melting temperature is not above room temperature', 'check both')
-    else if (values%number('critical_damage') > 0.0_dp .and. .not. law%failure) then
+    else if (values%number('critical_damage') > 0.0_dp .and. .not. values%has('failure')) then
       call fault_make(fault, 'critical_damage', 'without failure=yes no damage grows that could '// &
                       'take strength', 'add failure=yes with d1 to d5, or remove critical_damage')
     else if (law%failure .and. law%damage(2) > 0.0_dp .and. law%damage(3) > 0.0_dp) then
