@@ -88,7 +88,7 @@ EXPECTED = {
                 r"{d}:14:24: error: the damage of 'e' grows by its softening",
                 r"{d}:17:1: error: a fluid such as 'f' fails by pmin alone",
                 r"{d}:19:37: warning: cells of 0\.25.* do not resolve a length of 0\.3",
-                r"{d}:20:64: error: without failure=yes no damage grows that could take strength", r"^7 error"],
+                r"{d}:20:81: error: without failure=yes no damage grows that could take strength", r"^7 error"],
     "eos_table": [r"{d}:6:22: error: the file '.*nowhere\.tab' cannot be opened",
                   r"eos_table_word\.tab:2:3: error: 'x' is not a number",
                   r"{d}:20:61: error: the rows of the table have the checksum 602BC68C467FEE90",
