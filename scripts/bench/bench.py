@@ -131,7 +131,7 @@ CASES = [
     ),
     Case("taylor bar, its output", "taylor_bar.inp", history=3, output=True, cfl=1.8),
     Case("taylor bar, largest step", "taylor_bar.inp", history=3, cfl=2.2),  # of the sound speed
-    Case("rings 2D, contact", "rings.inp", scaled={1: 60}, ndim=2, ppc=4, history=5, t_end=0.6),
+    Case("rings 2D, contact", "rings.inp", scaled={1: 60}, ndim=2, ppc=4, history=5, t_end=0.6, spacing="h/2"),
     Case("bar 1D, 2 per cell", "bar.inp", scaled={1: 25}, ndim=1, ppc=2, cells=4096, steps=300),
     Case("tnt slab 1D, 2 per cell", "tnt_slab.inp", scaled={1: 25}, ndim=1, ppc=2, history=3, h=0.05),
     Case("beam 2D, 4 per cell", "beam.inp", scaled={1: 35}, ndim=2, ppc=4, t_end=0.005),

@@ -22,8 +22,8 @@ SCENES = [
 SCENES += [("section, plane", "scripts/bench/section.inp", [f"cells={n}", f"steps={steps}", "space=2"])
            for n, steps in ((16, 1500), (32, 600), (64, 200), (96, 80))]
 SCENES += [
-    ("rings, contact", "input/rings.inp", ["h=2", "t_end=0.3"]),
-    ("rings, contact", "input/rings.inp", ["t_end=0.15"]),
+    ("rings, contact", "input/rings.inp", ["h=2", "spacing=h/2", "t_end=0.3"]),
+    ("rings, contact", "input/rings.inp", ["spacing=h/2", "t_end=0.15"]),
 ]
 
 

@@ -6,6 +6,7 @@ module sgmp_cards_body
                        kind_vector, kind_word
   use sgmp_kinds, only: dp
   use sgmp_particle_file, only: particle_file_columns
+  use sgmp_particle_number, only: particle_number_usual
   use sgmp_polygon, only: polygon_is_simple
   use sgmp_registry, only: read_second, registry_t
   use sgmp_scene, only: body_card_t, layout_file, layout_gauss, layout_graded, &
@@ -57,8 +58,8 @@ contains
                       default=trim(layout_names(layout_lattice)))
     call registry%key('spacing', kind_real, 'lattice constant; default: cell/ppc', unit='length', &
                       range='(0,inf)')
-    call registry%key('ppc', kind_integer, 'particles per cell along each axis', range='[1,10]', &
-                      default='2')
+    call registry%key('ppc', kind_integer, 'particles per cell along each axis; default: 2, of '// &
+                      'elastic rings in the plane with surfaces=corrected 3', range='[1,10]')
     call registry%key('jitter', kind_real, 'largest random displacement, in spacings', &
                       range='[0,0.5]', default='0')
     call register_copies(registry)
@@ -175,7 +176,7 @@ contains
     body%rings = draft%scene%axisymmetric
     call take_turn(card, draft%scene%dimension, body%rings, body%turn, draft%errors)
     body%ppc = card%whole('ppc')
-    body%spacing = card%number('spacing', absent=draft%scene%grid%cell/body%ppc)
+    body%spacing = card%number('spacing')
     body%jitter = card%number('jitter')
     if (card%has('lattice_origin')) body%lattice_origin = card%vector('lattice_origin')
     body%temperature = card%number('temperature', absent=-1.0_dp)
@@ -464,7 +465,7 @@ contains
     real(dp) :: particles, spacing
     integer :: i
     if (card%word('shape') /= shape_names(shape_block)) return
-    spacing = draft%scene%grid%cell/card%whole('ppc')
+    spacing = draft%scene%grid%cell/card%whole('ppc', absent=particle_number_usual)
     spacing = card%number('spacing', absent=spacing)
     if (spacing <= 0.0_dp) return
     particles = 1.0_dp

@@ -13,6 +13,7 @@ module sgmp_deck
   use sgmp_lexer, only: lexer_read, statement_t
   use sgmp_mesh, only: wall_free, wall_names
   use sgmp_parameters, only: parameters_t
+  use sgmp_particle_number, only: particle_number_settle
   use sgmp_registry, only: read_first, read_last, read_second, read_third, registry_t
   use sgmp_scene, only: alternatives_t, method_card_t, scene_t
   use sgmp_scene_draft, only: draft_t
@@ -72,6 +73,7 @@ contains
     call read_cards(registry, cards, draft)
     call combinations_check(cards, draft%errors)
     call settle_method(cards, draft%scene%method)
+    call particle_number_settle(draft%scene)
     draft%scene%allows = alternatives(cards)
     call check_cards(registry, cards, draft)
     call graded_bodies_settle(draft%scene%grid, draft%scene%bodies)

@@ -125,8 +125,8 @@ module sgmp_scene
     type(graded_axis_t) :: axes(3)                !! of the grid, for layout_graded
     real(dp) :: cell = 0.0_dp                     !! its smallest side
     real(dp) :: spacing = 0.0_dp                  !! lattice constant (length)
-    integer :: ppc = 2
-      !! points per cell and axis (gauss layout; lattice if no spacing is given)
+    integer :: ppc = 0
+      !! points per cell and axis (gauss layout; lattice if no spacing is given); 0: not said
     real(dp) :: jitter = 0.0_dp                   !! random displacement in spacings, reproducible
     type(turn_t) :: turn                          !! of shapes and lattice
     real(dp) :: lattice_origin(3) = huge(1.0_dp)

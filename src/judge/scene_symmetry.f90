@@ -5,6 +5,7 @@
 !! not plain, and where something is drawn by chance, the answer is no.
 module sgmp_scene_symmetry
   use sgmp_expression, only: expression_t
+  use sgmp_features, only: features_walls_act
   use sgmp_kinds, only: dp
   use sgmp_load, only: load_blast, load_force, load_pressure, load_traction
   use sgmp_mesh, only: wall_free, wall_slip
@@ -32,7 +33,7 @@ contains
     type(scene_t), intent(in) :: scene
     logical :: yes
     integer :: b
-    yes = size(scene%bodies) > 0 .and. .not. scene%features%wall_friction%rubs
+    yes = size(scene%bodies) > 0 .and. .not. features_walls_act(scene%features)
     yes = yes .and. all(zero(reshape(scene%grid%wall_velocity, [18])))
     do b = 1, size(scene%bodies)
       associate (body => scene%bodies(b), law => scene%materials(scene%bodies(b)%material)%law)
@@ -134,7 +135,7 @@ contains
     associate (grid => scene%grid)
       yes = all(grid%wall(:, axis) == wall_slip) .and. .not. any(grid%open(:, axis)) .and. &
             abs(scene%gravity(axis)) <= 0.0_dp .and. size(scene%detonations) == 0 .and. &
-            size(scene%loads) == 0 .and. size(scene%motions) == 0 .and. .not. scene%swirl
+            size(scene%loads) == 0 .and. size(scene%motions) == 0
       do i = 1, size(scene%bodies)
         if (.not. yes) return
         associate (body => scene%bodies(i))

@@ -74,7 +74,7 @@ module sgmp_constitutive
             law_widest_band, law_yield_stress
   public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
-  public :: law_gaseous, law_is_spherical
+  public :: law_gaseous, law_is_spherical, law_is_springy
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
@@ -782,6 +782,13 @@ contains
     type(constitutive_t), intent(in) :: law
     yes = law%kind == material_fluid .or. law%kind == material_explosive
   end function law_is_spherical
+
+  !> Whether a material is elastic and nothing else.
+  elemental logical function law_is_springy(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = law%eos == eos_none .and. any(law%kind == [material_elastic, material_neo_hookean, &
+                                                     material_mooney_rivlin])
+  end function law_is_springy
 
   !> Whether the material bears no tension, so that it fills whatever room it has.
   elemental logical function law_gaseous(law) result(yes)

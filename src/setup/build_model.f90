@@ -268,7 +268,6 @@ contains
       body%first_id = first_id
       body%removed_at = card%removed_at
       body%spacing = card%spacing
-      if (body%spacing <= 0.0_dp) body%spacing = scene%grid%cell/card%ppc
       body%half_size = method_half_size(scene%method%kind)
       if (all(body%half_size <= 0.0_dp)) body%half_size = 0.5_dp*body%spacing*mesh%inverse_h
       call attach_force(scene, number, body)

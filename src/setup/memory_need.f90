@@ -96,7 +96,7 @@ contains
     type(body_card_t), intent(in) :: body
     real(dp) :: number, spacing
     spacing = body%spacing
-    if (body%layout == layout_gauss .or. spacing <= 0.0_dp) spacing = scene%grid%cell/body%ppc
+    if (body%layout == layout_gauss) spacing = scene%grid%cell/body%ppc
     number = (scene%grid%cell/spacing)**scene%dimension
   end function per_cell
 

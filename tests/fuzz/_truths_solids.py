@@ -138,13 +138,14 @@ class Rebound(Truth):
         angle, self.v, self.truth = self.luck.uniform(0, 2*math.pi), body["speed"]/sound, body["rebound"]
         self.along = math.cos(angle), math.sin(angle)
         reach, place = 1 + 0.5*h, (self.luck.random(), self.luck.random())
+        layout = self.luck.choice(("", "ppc=2", "ppc=3"))
         shape = f"ring inner={inner}" if inner else "sphere"
         self.decks = [f"""dimension 2
 grid cell={h}
 METHOD
 time end={body["end"]*sound/radius} cfl={self.luck.choice((0.3, 0.5))}
 material m neo_hookean density=1 young=1 poisson={body["poisson"]}
-""" + "".join(f"""body {body_name} {shape} material=m centre=({at[0]},{at[1]}) radius=1 ppc={self.luck.choice((2, 2, 3))}
+""" + "".join(f"""body {body_name} {shape} material=m centre=({at[0]},{at[1]}) radius=1 {layout}
 velocity {body_name} x={-side*self.v*self.along[0]} y={-side*self.v*self.along[1]}
 """ for body_name, side, at in (
             (body_name, side, [place[axis] + side*reach*self.along[axis] for axis in range(2)])

@@ -65,7 +65,8 @@ body plate block material=steel lower=(-6,-4,0) upper=(6,4,2) ppc=2
 pressure plate p="10*exp(-(x^2+y^2)/4)" face=z+
 """
 WRITES = "writes"
-MIRROR, ROUND, FLAT, FINE = "its own image in", "round about one line", "nothing changes along", "only where bodies meet"
+MIRROR, ROUND = "its own image in", "round about one line"
+FLAT, FINE = "nothing changes along", "only where bodies meet"
 # Deck, what is changed, and the advice with its numbers; all other advice must not be there.
 CASES = [
     (SHOT, (), ("image in x = 0, y = 0: compute a quarter of it, grid … x=0:open y=0:open, wall x-=slip y-=slip, "
@@ -93,8 +94,9 @@ CASES = [
     (SHOT, (("velocity ball z=-400", 'velocity plate x="x" y="y^2"'),), ("image in x = 0:",)),
     (QUARTER, (), (FINE,)),
     (BAR, (), (ROUND,)),
-    (BAR, (("x=open", "x=0:open"), ("wall", "wall x-=slip"), ("velocity", "subtract bar halfspace axis=(1,0,0)\nvelocity")),
-     (ROUND,)),
+    (BAR, (
+        ("x=open", "x=0:open"), ("wall", "wall x-=slip"), ("velocity", "subtract bar halfspace axis=(1,0,0)\nvelocity"),
+    ), (ROUND,)),
     (BAR, (("x=open", "x=-7:7"), ("wall", "wall x-=slip x+=slip")), ("image in x = 0, y = 0",)),  # a box around it
     (BAR, (("velocity bar", "velocity bar x=1"),), ("image in y = 0: compute a half",)),
     (BAR, (("axis=(0,0,1)", "axis=(0,0.1,1)"), ("z=0:open", "z=open"), ("wall z-=slip", "")), ("image in x = 0:",)),
@@ -111,7 +113,8 @@ CASES = [
     (PRESSED, (), ("image in x = 0, y = 0",)),
     (PRESSED, (("x^2+", "x^2+x+"),), ("image in y = 0:",)),
     (PRESSED, (("face=z+", "face=x+"),), ("image in y = 0, z = 1:",)),
-    (BAR, (("wall", "output vtu every=1e-5\nwall"), ("steps=4 ", "")), (ROUND, "output vtu writes 1000 dumps, which take longer")),
+    (BAR, (("wall", "output vtu every=1e-5\nwall"), ("steps=4 ", "")),
+     (ROUND, "output vtu writes 1000 dumps, which take longer")),
     (BAR, (("wall", "output vtu every=1e-3\nwall"), ("steps=4 ", "")), (ROUND,)),
 ]
 

@@ -21,7 +21,7 @@ SHORT = {
     "beam.inp": ({"h": 1.25, "t_end": 0.001}, 0.0013, 0.018),
     "block.inp": ({"cells": 4, "steps": 20}, 0.18, 1),
     "projectile.inp": ({"h": 4, "t_end": 0.004}, 1e-12, 1e-12),
-    "rings.inp": ({"h": 4, "t_end": 0.2}, 0.045, 0.15),
+    "rings.inp": ({"h": 4, "t_end": 0.2, "spacing": "h/2"}, 0.045, 0.15),
     "rod_plate.inp": ({"h": 1.5, "t_end": 0.001}, 0.07, 0.08),
     "sphere_slope.inp": ({"h": 0.8, "t_end": 0.04}, 1e-12, 1e-12),
     "taylor_bar.inp": ({"h": 1.9, "t_end": 0.002, "cfl": 0.3}, 0.012, 0.06),

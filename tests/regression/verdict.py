@@ -301,6 +301,25 @@ contact all
 """
 
 
+# Two rings or disks that meet along an oblique line.
+ROUND = """
+parameter h = 0.1
+parameter method = sgmp
+dimension 2
+grid cell=h
+method $method
+time end=2 cfl=0.5
+material m neo_hookean density=1 young=1 poisson=0.3
+body a ring material=m centre=(-0.82,-0.63) radius=1 inner=0.7
+body b ring material=m centre=(0.82,0.63) radius=1 inner=0.7
+velocity a x=0.08 y=0.06
+velocity b x=-0.08 y=-0.06
+contact a b
+history steps=50
+"""
+DISKS = ROUND.replace(" ring ", " sphere ").replace(" inner=0.7\n", "\n")
+
+
 def doubts(report, name, deck, words, **settings):
     """A run that ends with exit code 0 and is called doubtful for a reason with these words."""
     result = run(name, deck, **settings)
@@ -436,6 +455,7 @@ def criteria(report):
     report.check(gone["particles_lost"] == 16, f"gone: {gone.text}")
     leaving(report)
     shots(report)
+    rebounds(report)
     foam(report)
     for method in ("sgmp", "gimp", "bspline"):  # the fan leaves gaps; between it and the shock by Riemann's solution
         tube = coarse(report, f"sod_{method}", SOD, "larger than a cell", 0.1, method=method)
@@ -524,6 +544,26 @@ def shots(report):
         )
         if name != "missed":
             report.check("warning: projectile" not in result.text, f"shot_{name}: {result.text}")
+
+
+def rebounds(report):
+    """Elastic rings and disks that bounce off each other: how much they lose (verification/surfaces/bounce.json)."""
+    sparse = ROUND.replace("inner=0.7", "inner=0.7 ppc=2")
+    with_three = sound(report, "rings", ROUND)
+    many = with_three["particles"]*(0.1/3)**2/(2*math.pi*(1 - 0.7**2))
+    report.check(abs(many - 1) < 0.02, f"rings: {many} of three particles per cell and axis")
+    coarse(report, "rings_sparse", sparse, "ppc=3", 0.15)
+    coarse(report, "rings_thin", ROUND.replace("0.7", "0.85"), "thin rings", 0.099, h=0.05)
+    coarse(report, "rings_gimp", ROUND, "with method sgmp", 0.3, method="gimp")
+    dense = ROUND.replace("inner=0.7", "inner=0.7 ppc=3")
+    coarse(report, "rings_bspline", dense, "with method sgmp", 0.15, method="bspline")
+    plain = ROUND.replace("method $method", "method $method surfaces=plain")
+    coarse(report, "rings_plain", plain, "surfaces=corrected", 0.3)
+    doubts(report, "rings_mpm", ROUND, "half of their rebound", method="mpm")
+    coarse(report, "disks", DISKS, "8 cells across", 0.1, h=0.25)
+    sound(report, "disks_fine", DISKS, h=0.125)
+    missed = ROUND.replace("(0.82,0.63)", "(1.2,0.9)").replace("ring material", "ring ppc=2 material")
+    sound(report, "rings_apart", missed)
 
 
 def foam(report):

@@ -61,7 +61,6 @@ contains
     do b = 1, size(scene%bodies)
       if (scene%bodies(b)%rigid) cycle
       spacing = scene%bodies(b)%spacing/scene%grid%cell
-      if (spacing <= 0.0_dp) spacing = 1.0_dp/max(1, scene%bodies(b)%ppc)
       if (spacing <= limit) cycle
       call errors%add(card%place('split'), "particles of body '"//trim(scene%bodies(b)%name)// &
                       "' have sides of "//real_text(spacing)//' cells at the start', &
