@@ -9,10 +9,11 @@ module sgmp_file_tools
     c_int8_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_size_t
   use sgmp_errors, only: error_make, error_t, exit_io
   use sgmp_kinds, only: dp, i4, i8
+  use sgmp_write_behind, only: write_behind_t
   implicit none
   private
   public :: output_file_t, directory_make, file_exists, file_lines, file_remove, file_rename, &
-    io_error, line_t, is_terminal, system_message
+    behind_error, io_error, line_t, is_terminal, system_message
 
   character(1), parameter, public :: newline = achar(10)
 
@@ -28,6 +29,7 @@ module sgmp_file_tools
     character(:), allocatable :: target          !! final path
     character(:), allocatable :: path            !! path being written (differs while replacing)
     type(error_t), allocatable :: failure        !! first failure not yet handed out
+    type(write_behind_t) :: behind               !! the thread that writes, where there is one
   contains
     procedure :: open => output_file_open
     procedure, private :: put_text, put_real1, put_real2, put_int8, put_int32, put_int64
@@ -53,6 +55,12 @@ module sgmp_file_tools
       integer(c_size_t), value :: size, count
       integer(c_size_t) :: written
     end function c_fwrite
+    function c_text_address(text) result(address) bind(c, name='sgmp_text_address')
+      import :: c_char, c_ptr
+      implicit none
+      character(kind=c_char), intent(in) :: text(*)
+      type(c_ptr) :: address
+    end function c_text_address
     function c_fflush(stream) result(status) bind(c, name='fflush')
       import :: c_int, c_ptr
       implicit none
@@ -122,16 +130,20 @@ contains
   !> Opens a file for writing: `mode` is 'new' (default; truncates), 'append', or 'replace', which
   !! writes `path.part` and renames it over `path` on a successful close, so that a reader never
   !! finds half a file. A failure is kept for `flush` and `close`, and returned if `error` is given.
-  subroutine output_file_open(self, path, mode, error)
+  !! With `behind` a thread writes and closes the file later; its failures are told by `behind_error`.
+  subroutine output_file_open(self, path, mode, error, behind)
     class(output_file_t), intent(inout) :: self
     character(*), intent(in) :: path
     character(*), intent(in), optional :: mode
     type(error_t), allocatable, intent(out), optional :: error
+    type(write_behind_t), intent(in), optional :: behind
     character(:), allocatable :: how
     how = 'new'
     if (present(mode)) how = mode
     if (c_associated(self%stream)) call self%close()
     if (allocated(self%failure)) deallocate (self%failure)
+    self%behind = write_behind_t()
+    if (present(behind)) self%behind = behind
     self%target = trim(path)
     self%path = self%target
     if (how == 'replace') self%path = self%target//'.part'
@@ -152,10 +164,7 @@ contains
   subroutine put_text(self, text)
     class(output_file_t), intent(inout) :: self
     character(*), intent(in) :: text
-    character(kind=c_char), target :: bytes(len(text))
-    if (len(text) == 0) return
-    bytes = transfer(text, [c_char_' '], len(text))
-    call put_bytes(self, c_loc(bytes), len(text, c_size_t))
+    if (len(text) > 0) call put_bytes(self, c_text_address(text), len(text, c_size_t))
   end subroutine put_text
 
   subroutine put_real1(self, values)
@@ -193,6 +202,10 @@ contains
     type(c_ptr), intent(in) :: address
     integer(c_size_t), intent(in) :: bytes
     if (allocated(self%failure) .or. .not. c_associated(self%stream)) return
+    if (self%behind%works()) then
+      call self%behind%put(self%stream, address, bytes)
+      return
+    end if
     if (c_fwrite(address, 1_c_size_t, bytes, self%stream) /= bytes) then
       call io_error(self%failure, 'write', self%path)
     end if
@@ -215,7 +228,10 @@ contains
     class(output_file_t), intent(inout) :: self
     type(error_t), allocatable, intent(out), optional :: error
     integer(c_int) :: status
-    if (c_associated(self%stream)) then
+    if (c_associated(self%stream) .and. self%behind%works()) then
+      call self%behind%close(self%stream, self%path, self%target)
+      self%stream = c_null_ptr
+    else if (c_associated(self%stream)) then
       status = c_fclose(self%stream)
       if (status /= 0 .and. .not. allocated(self%failure)) then
         call io_error(self%failure, 'write', self%path)
@@ -354,21 +370,39 @@ contains
                     'check that the folder exists, may be written to, and has space left')
   end subroutine io_error
 
+  !> The first failure of what a thread has written since this was asked last.
+  subroutine behind_error(behind, wait, error)
+    type(write_behind_t), intent(in) :: behind
+    logical, intent(in) :: wait                  !! until all is written
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: path
+    integer :: number
+    call behind%failed(wait, path, number)
+    if (path /= '') call io_error(error, 'write', path, system_words(int(number, c_int)))
+  end subroutine behind_error
+
   !> The system's words for the last failure of a C call (C's errno as glibc and musl hold it).
   function system_message() result(message)
     character(:), allocatable :: message
     integer(c_int), pointer :: number
+    call c_f_pointer(c_errno_location(), number)
+    message = system_words(number)
+  end function system_message
+
+  !> The system's words for one of its numbers of failures.
+  function system_words(number) result(message)
+    integer(c_int), intent(in) :: number
+    character(:), allocatable :: message
     character(kind=c_char), pointer :: letters(:)
     type(c_ptr) :: text
     integer :: i
-    call c_f_pointer(c_errno_location(), number)
     text = c_strerror(number)
     call c_f_pointer(text, letters, [int(c_strlen(text))])
     allocate (character(size(letters)) :: message)
     do i = 1, size(letters)
       message(i:i) = letters(i)
     end do
-  end function system_message
+  end function system_words
 
   !> A Fortran string as C wants it.
   pure function c_text(text) result(letters)

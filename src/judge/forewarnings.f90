@@ -498,15 +498,26 @@ contains
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
     type(extent_t) :: extent
-    logical, allocatable :: lives(:, :)
-    integer :: d
+    real(dp) :: low(3), high(3)
+    integer :: c, d, n
+    n = model%mesh%ndim
+    low = huge(low)
+    high = -huge(high)
+    !$omp parallel do schedule(static) default(none) shared(model, b, n) private(d) &
+    !$omp& reduction(min: low) reduction(max: high)
+    do c = 1, model%bodies(b)%particles%chunks
+      associate (particles => model%bodies(b)%particles)
+        do d = 1, n
+          low(d) = min(low(d), minval(particles%motion(:, d, c), mask=particles%id(:, c) > 0))
+          high(d) = max(high(d), maxval(particles%motion(:, d, c), mask=particles%id(:, c) > 0))
+        end do
+      end associate
+    end do
+    !$omp end parallel do
     associate (body => model%bodies(b), h => model%mesh%h, sums => model%totals%bodies(b))
-      lives = body%particles%id(:, :body%particles%chunks) > 0
-      do d = 1, model%mesh%ndim
-        extent%lower(d) = parallel_min(minval(body%particles%motion(:, d, &
-          :body%particles%chunks), mask=lives))
-        extent%upper(d) = parallel_max(maxval(body%particles%motion(:, d, &
-          :body%particles%chunks), mask=lives))
+      do d = 1, n
+        extent%lower(d) = parallel_min(low(d))
+        extent%upper(d) = parallel_max(high(d))
         extent%lower(d) = graded_place(model%mesh%axes(d), extent%lower(d)) - 0.5_dp*body%spacing/h
         extent%upper(d) = graded_place(model%mesh%axes(d), extent%upper(d)) + 0.5_dp*body%spacing/h
       end do

@@ -16,7 +16,8 @@ module sgmp_field
   use sgmp_pair_points, only: pair_points_clear, pair_points_make, pair_points_move, pair_points_t
   use sgmp_rotation_points, only: rotation_points_clear, rotation_points_make, &
                                   rotation_points_move, rotation_points_t
-  use sgmp_rows, only: key_k, row_key, rows_contains, rows_dilate, rows_locate, rows_t
+  use sgmp_rows, only: key_k, row_key, rows_behind, rows_contains, rows_dilate, &
+                       rows_locate, rows_t
   use sgmp_space, only: space_axisymmetric
   implicit none
   private
@@ -24,6 +25,7 @@ module sgmp_field
 
   !> Points behind the last that loops over whole vectors may read (sgmp_surfaces).
   integer, parameter :: beyond = 8
+  integer, parameter :: few_points = 8192  !! that are not worth a meeting of threads
 
   !> Layout and grid values of a velocity field.
   type :: field_t
@@ -236,20 +238,15 @@ contains
 
   !> Finds for every work interval the base of its own and its neighbouring rows, and the intervals
   !! of each plane.
-  pure subroutine field_link(field)
+  subroutine field_link(field)
     type(field_t), intent(inout) :: field
-    integer, allocatable :: host(:)
-    integer :: dj, dk, s, p
-    allocate (field%neighbour(-1:1, -2:1, field%work%n), source=huge(1)/2)
-    allocate (host(field%work%n))
-    do dk = -2, 1
-      do dj = -1, 1
-        call rows_locate(field%work, row_key(dj, dk), field%store, host)
-        do s = 1, field%work%n
-          if (host(s) > 0) field%neighbour(dj, dk, s) = field%base(host(s))
-        end do
-      end do
+    integer :: row, s, p
+    allocate (field%neighbour(-1:1, -2:1, field%work%n))
+    !$omp parallel do schedule(static) if(field%points > few_points) default(none) shared(field)
+    do row = 0, 11
+      call link_rows(field, mod(row, 3) - 1, row/3 - 2)
     end do
+    !$omp end parallel do
     allocate (field%plane_work(field%planes + 1))
     s = 1
     do p = 1, field%planes
@@ -262,13 +259,42 @@ contains
     field%plane_work(field%planes + 1) = field%work%n + 1
   end subroutine field_link
 
-  !> Copies the values of points that stay.
-  pure subroutine field_move(old, new)
+  !> Finds the bases of the rows that lie by (dj, dk) rows from those of the work intervals.
+  pure subroutine link_rows(field, dj, dk)
+    type(field_t), intent(inout) :: field
+    integer, intent(in) :: dj, dk
+    integer, allocatable :: host(:)
+    integer :: s
+    allocate (host(field%work%n))
+    call rows_locate(field%work, row_key(dj, dk), field%store, host)
+    do s = 1, field%work%n
+      field%neighbour(dj, dk, s) = huge(1)/2
+      if (host(s) > 0) field%neighbour(dj, dk, s) = field%base(host(s))
+    end do
+  end subroutine link_rows
+
+  !> Copies the values of points that stay, every thread those of some planes.
+  subroutine field_move(old, new)
     type(field_t), intent(in) :: old
     type(field_t), intent(inout) :: new
+    integer :: p
+    if (old%work%n == 0) return
+    !$omp parallel do schedule(static) if(new%points > few_points) default(none) shared(old, new)
+    do p = 1, new%planes
+      call move_plane(old, new, new%plane_work(p), new%plane_work(p + 1) - 1)
+    end do
+    !$omp end parallel do
+  end subroutine field_move
+
+  !> Copies the values of points that stay in some intervals.
+  pure subroutine move_plane(old, new, first, last)
+    type(field_t), intent(in) :: old
+    type(field_t), intent(inout) :: new
+    integer, intent(in) :: first, last           !! of new%work
     integer :: s, t, a, b, shift
-    t = 1
-    do s = 1, new%work%n
+    if (first > last) return
+    t = rows_behind(old%work, new%work%key(first))
+    do s = first, last
       do while (t <= old%work%n)
         if (old%work%key(t) > new%work%key(s)) exit
         if (old%work%key(t) == new%work%key(s) .and. old%work%last(t) >= new%work%first(s)) exit
@@ -285,7 +311,7 @@ contains
         t = t + 1
       end do
     end do
-  end subroutine field_move
+  end subroutine move_plane
 
   !> Hands the new layout over without copying it.
   pure subroutine field_replace(new, field)

@@ -9,7 +9,7 @@ module sgmp_rows
   private
   public :: rows_t, row_key, key_j, key_k
   public :: rows_from_points, rows_union, rows_intersection, rows_dilate, rows_locate, &
-    rows_points, rows_contains, rows_planes
+    rows_points, rows_contains, rows_planes, rows_behind
 
   integer(i8), parameter :: key_stride = 2_i8**32
 
@@ -208,6 +208,23 @@ contains
     if (low > rows%n) return
     if (rows%key(low) == key .and. rows%first(low) <= i) s = low
   end function rows_contains
+
+  !> First interval of row `key` or, where there is none, behind it; n + 1 where there is none.
+  pure function rows_behind(rows, key) result(s)
+    type(rows_t), intent(in) :: rows
+    integer(i8), intent(in) :: key
+    integer :: s, high, middle
+    s = 1
+    high = rows%n
+    do while (s <= high)
+      middle = (s + high)/2
+      if (rows%key(middle) < key) then
+        s = middle + 1
+      else
+        high = middle - 1
+      end if
+    end do
+  end function rows_behind
 
   pure subroutine rows_reserve(rows, capacity)
     type(rows_t), intent(inout) :: rows

@@ -88,32 +88,60 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(end_state_t), intent(inout) :: state
     type(particle_field_t) :: field
-    real(dp) :: volume, ratio, pressure, cells
-    integer :: c, l, nd
-    nd = mesh%ndim
+    type(end_state_t) :: own                     ! of a thread
+    integer :: c
     field = particle_field_find('pressure')
+    !$omp parallel default(none) shared(body, mesh, state, field) private(own)
+    own = end_state_t(pressure=[huge(1.0_dp), -huge(1.0_dp)])
+    !$omp do schedule(static)
     do c = 1, body%particles%chunks
-      do l = 1, lanes
-        if (body%particles%id(l, c) == 0) cycle
-        volume = body%particles%state(l, body%law%slots%volume, c)
-        ratio = volume*body%law%density/body%particles%motion(l, motion_mass(nd), c)
-        pressure = sum(particle_field_values(field, body, particle_place_t(nd, l, c)))
-        state%compression = max(state%compression, 1.0_dp/ratio)
-        if (.not. law_gaseous(body%law)) state%condensed = max(state%condensed, 1.0_dp/ratio)
-        state%expansion = max(state%expansion, ratio)
-        cells = mesh_occupied(mesh, body%particles%motion(l, :nd, c), volume)
-        state%per_cell = min(state%per_cell, 1.0_dp/cells)
-        if (cells > 1.0_dp .and. .not. is_debris(body, l, c)) then
-          state%stretched = state%stretched + 1
-          if (law_gaseous(body%law)) state%thinned = state%thinned + 1
-        end if
-        if (body%law%kind == material_crushable_foam) then
-          state%crushed = max(state%crushed, 1.0_dp/ratio)
-        end if
-        state%pressure = [min(state%pressure(1), pressure), max(state%pressure(2), pressure)]
-      end do
+      call look_at_chunk(body, mesh, field, c, own)
     end do
+    !$omp end do nowait
+    !$omp critical (end_states)
+    state%compression = max(state%compression, own%compression)
+    state%condensed = max(state%condensed, own%condensed)
+    state%expansion = max(state%expansion, own%expansion)
+    state%per_cell = min(state%per_cell, own%per_cell)
+    state%stretched = state%stretched + own%stretched
+    state%thinned = state%thinned + own%thinned
+    state%crushed = max(state%crushed, own%crushed)
+    state%pressure = [min(state%pressure(1), own%pressure(1)), &
+                      max(state%pressure(2), own%pressure(2))]
+    !$omp end critical (end_states)
+    !$omp end parallel
   end subroutine look_at_body
+
+  !> Extremes of the particles of a chunk.
+  subroutine look_at_chunk(body, mesh, field, c, state)
+    type(body_t), intent(in) :: body
+    type(mesh_t), intent(in) :: mesh
+    type(particle_field_t), intent(in) :: field  !! the pressure
+    integer, intent(in) :: c
+    type(end_state_t), intent(inout) :: state
+    real(dp) :: volume, ratio, pressure, cells
+    integer :: l, nd
+    nd = mesh%ndim
+    do l = 1, lanes
+      if (body%particles%id(l, c) == 0) cycle
+      volume = body%particles%state(l, body%law%slots%volume, c)
+      ratio = volume*body%law%density/body%particles%motion(l, motion_mass(nd), c)
+      pressure = sum(particle_field_values(field, body, particle_place_t(nd, l, c)))
+      state%compression = max(state%compression, 1.0_dp/ratio)
+      if (.not. law_gaseous(body%law)) state%condensed = max(state%condensed, 1.0_dp/ratio)
+      state%expansion = max(state%expansion, ratio)
+      cells = mesh_occupied(mesh, body%particles%motion(l, :nd, c), volume)
+      state%per_cell = min(state%per_cell, 1.0_dp/cells)
+      if (cells > 1.0_dp .and. .not. is_debris(body, l, c)) then
+        state%stretched = state%stretched + 1
+        if (law_gaseous(body%law)) state%thinned = state%thinned + 1
+      end if
+      if (body%law%kind == material_crushable_foam) then
+        state%crushed = max(state%crushed, 1.0_dp/ratio)
+      end if
+      state%pressure = [min(state%pressure(1), pressure), max(state%pressure(2), pressure)]
+    end do
+  end subroutine look_at_chunk
 
   !> Whether a particle has failed and bears no stress, as long as it is larger than at the start:
   !! gaps around it change nothing.

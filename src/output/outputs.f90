@@ -6,7 +6,7 @@ module sgmp_outputs
   use sgmp_energy, only: ledger_total
   use sgmp_energy_terms, only: energy_terms_t
   use sgmp_errors, only: error_t
-  use sgmp_file_tools, only: directory_make
+  use sgmp_file_tools, only: behind_error, directory_make
   use sgmp_gauges, only: gauges_find, gauges_from_start, gauges_open, gauges_start, gauges_t, &
                          gauges_write
   use sgmp_history, only: bodies_columns, bodies_integers, column_length, history_columns, &
@@ -16,6 +16,7 @@ module sgmp_outputs
   use sgmp_parallel, only: parallel_agree, parallel_rank
   use sgmp_particle_fields, only: particle_field_find, particle_field_t
   use sgmp_particle_table, only: particle_table_write
+  use sgmp_process, only: memory_available_bytes
   use sgmp_rigid_output, only: rigid_rows_open, rigid_rows_t, rigid_rows_write
   use sgmp_scene, only: dump_formats, dump_tecplot, dump_vtkhdf, dump_vtu, name_length, scene_t
   use sgmp_section_output, only: section_rows_open, section_rows_start, section_rows_t, &
@@ -26,6 +27,7 @@ module sgmp_outputs
   use sgmp_tecplot, only: tecplot_t
   use sgmp_vtkhdf, only: vtkhdf_t
   use sgmp_vtu, only: vtu_series_t
+  use sgmp_write_behind, only: write_behind_t
   implicit none
   private
   public :: outputs_t, outputs_open, outputs_step, outputs_close, outputs_flush, &
@@ -43,6 +45,7 @@ module sgmp_outputs
     type(vtu_series_t) :: vtu
     type(tecplot_t) :: tecplot
     type(vtkhdf_t) :: vtkhdf
+    type(write_behind_t) :: behind               !! on the first rank: writes files of all particles
     character(name_length), allocatable :: fields(:)
     real(dp), allocatable :: initial(:, :)  !! initial positions by id, where a field needs them
     integer :: dumps(dump_formats) = 0             !! written, by format
@@ -54,6 +57,8 @@ module sgmp_outputs
       !! that the counts belong to
   end type outputs_t
 
+  integer(i8), parameter :: most_waiting = 2_i8**30  !! bytes that may wait to be written,
+  integer(i8), parameter :: waiting_share = 16_i8    !! and which part of the memory there is
   real(dp), parameter :: round_off = 1.0e-9_dp
     !! of an interval: multiples of two intervals that are one time on paper
 
@@ -117,6 +122,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: folder
     folder = outputs%folder
+    call outputs%behind%start(max(0_i8, min(most_waiting, memory_available_bytes()/waiting_share)))
     call directory_make(folder, error)
     if (.not. allocated(error)) call open_tables(outputs, model, folder, restarted, error)
     if (.not. allocated(error)) call open_dumps(outputs, scene, folder, restarted, error)
@@ -356,7 +362,10 @@ contains
     call snapshot_whole(model, outputs%fields, outputs%initial, snapshot)
     call snapshot_give_ids(model%bodies, snapshot)
     if (parallel_rank() == 0) then
-      if (written(dump_vtu)) call outputs%vtu%dump(snapshot, error)
+      call behind_error(outputs%behind, .false., error)  ! of the dump before
+      if (written(dump_vtu) .and. .not. allocated(error)) then
+        call outputs%vtu%dump(snapshot, error, outputs%behind)
+      end if
       if (written(dump_tecplot) .and. .not. allocated(error)) then
         call outputs%tecplot%dump(snapshot, error)
       end if
@@ -372,12 +381,14 @@ contains
     call snapshot_whole(model, outputs%fields, outputs%initial, snapshot)
     call snapshot_give_ids(model%bodies, snapshot)
     if (parallel_rank() == 0) then
-      call particle_table_write(outputs%folder//'/particles_end.csv', snapshot, error)
+      call particle_table_write(outputs%folder//'/particles_end.csv', snapshot, error, &
+                                outputs%behind)
     end if
     call parallel_agree(error)
   end subroutine write_csv
 
-  !> Makes all rows written so far safe on the disk, as far as a checkpoint counts on them.
+  !> Makes all rows written so far safe on the disk, as far as a checkpoint counts on them, and lets
+  !! the dumps that are being written come to their end.
   subroutine outputs_flush(outputs, error)
     type(outputs_t), intent(inout) :: outputs
     type(error_t), allocatable, intent(out) :: error
@@ -388,6 +399,7 @@ contains
     if (.not. allocated(error)) call outputs%motion%file%flush(error, .true.)
     if (.not. allocated(error)) call outputs%gauges%file%flush(error, .true.)
     if (.not. allocated(error)) call outputs%sections%file%flush(error, .true.)
+    if (.not. allocated(error)) call behind_error(outputs%behind, .true., error)
   end subroutine outputs_flush
 
   !> Writes the final state and closes all files.
@@ -413,6 +425,9 @@ contains
   subroutine outputs_stop(outputs, error)
     type(outputs_t), intent(inout) :: outputs
     type(error_t), allocatable, intent(out) :: error
+    call behind_error(outputs%behind, .true., error)
+    call outputs%behind%stop()
+    if (allocated(error)) return
     call outputs%history%close(error)
     if (allocated(error)) return
     call outputs%bodies%close(error)

@@ -1,37 +1,43 @@
 !> All particles at one time as a table that any script reads: particles_end.csv.
 module sgmp_particle_table
+  use omp_lib, only: omp_get_max_threads
   use sgmp_decimals, only: integer_put, integer_width, real_width, reals_put
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: newline, output_file_t
   use sgmp_kinds, only: dp
   use sgmp_snapshot, only: snapshot_t
+  use sgmp_write_behind, only: write_behind_t
   implicit none
   private
   public :: particle_table_write
 
-  integer, parameter :: rows = 512   !! in a block, which one thread writes
-  integer, parameter :: blocks = 16  !! at once
+  integer, parameter :: rows = 256   !! in a block, which one thread writes
+  integer, parameter :: share = 4    !! blocks of a thread, before all have met
 
 contains
 
   !> Writes `id,body,x,y,z[,x0,y0,z0],velocity_x,velocity_y,velocity_z,<components of fields>`, one
   !! row per particle in the order of the snapshot (by id), full precision. The file appears
-  !! complete or not at all.
-  subroutine particle_table_write(path, snapshot, error)
+  !! complete or not at all. With `behind` a thread writes while others put numbers into words.
+  subroutine particle_table_write(path, snapshot, error, behind)
     character(*), intent(in) :: path
     type(snapshot_t), intent(in) :: snapshot
     type(error_t), allocatable, intent(out) :: error
+    type(write_behind_t), intent(in), optional :: behind
     type(output_file_t) :: file
     character(:), allocatable :: text(:)
-    integer :: used(blocks), width, n, first, b
-    call file%open(path, 'replace', error)
+    integer, allocatable :: used(:)
+    integer :: blocks, width, n, first, b
+    call file%open(path, 'replace', error, behind)
     if (allocated(error)) return
     call file%line(csv_header(snapshot))
     n = size(snapshot%id)
     width = 2*integer_width + real_width*columns(snapshot)
+    blocks = share*omp_get_max_threads()
     allocate (character(rows*width) :: text(blocks))
+    allocate (used(blocks))
     do first = 1, n, rows*blocks
-      !$omp parallel do schedule(dynamic) default(none) shared(snapshot, first, n, text, used)
+      !$omp parallel do schedule(dynamic) default(none) shared(snapshot, first, n, text, used, blocks)
       do b = 1, blocks
         call write_rows(snapshot, first + rows*(b - 1), min(n, first + rows*b - 1), text(b), &
                         used(b))

@@ -49,9 +49,13 @@ contains
       end do
       !$omp end parallel do
     end do
-    if (allocated(initial) .and. any(names == 'initial_position')) then
-      snapshot%initial_position = initial(:, snapshot%id)
-    end if
+    if (.not. (allocated(initial) .and. any(names == 'initial_position'))) return
+    allocate (snapshot%initial_position(3, size(place)))
+    !$omp parallel do schedule(static) default(none) shared(snapshot, initial)
+    do p = 1, size(snapshot%id)
+      snapshot%initial_position(:, p) = initial(:, snapshot%id(p))
+    end do
+    !$omp end parallel do
   end subroutine snapshot_own
 
   !> The same of some of them, each named by body, lane and chunk.
@@ -203,13 +207,15 @@ contains
   end subroutine snapshot_slice
 
   !> Gives particles the ids by which the user knows them, in the same order.
-  pure subroutine snapshot_give_ids(bodies, snapshot)
+  subroutine snapshot_give_ids(bodies, snapshot)
     type(body_t), intent(in) :: bodies(:)
     type(snapshot_t), intent(inout) :: snapshot
     integer :: p
+    !$omp parallel do schedule(static) default(none) shared(bodies, snapshot)
     do p = 1, size(snapshot%id)
       snapshot%id(p) = body_given_id(bodies(snapshot%body(p)), snapshot%id(p))
     end do
+    !$omp end parallel do
   end subroutine snapshot_give_ids
 
   !> Sends particles of a snapshot to other ranks; what arrives is ordered by id.
@@ -341,22 +347,38 @@ contains
   end subroutine list_ids
 
   !> Place of each of some different ids among them: by counting where they lie close, by sorting
-  !! where not.
+  !! where not. Where none is missing an id is its own place.
   subroutine rank_of_ids(ids, place)
     integer(i8), intent(in) :: ids(:)
     integer, intent(out) :: place(:)   !! (size(ids))
     integer, parameter :: thin = 8     !! ids per particle from which sorting takes less
     integer, allocatable :: number(:)
-    integer(i8) :: least
+    integer(i8) :: least, most
     integer :: n, i, width
-    least = minval(ids)
-    if (maxval(ids) - least > thin*size(ids, kind=i8)) then
+    least = huge(least)
+    most = -huge(most)
+    !$omp parallel do schedule(static) default(none) shared(ids) reduction(min: least) &
+    !$omp& reduction(max: most)
+    do n = 1, size(ids)
+      least = min(least, ids(n))
+      most = max(most, ids(n))
+    end do
+    !$omp end parallel do
+    if (most - least == size(ids, kind=i8) - 1) then
+      !$omp parallel do schedule(static) default(none) shared(ids, place, least)
+      do n = 1, size(ids)
+        place(n) = int(ids(n) - least) + 1
+      end do
+      !$omp end parallel do
+      return
+    end if
+    if (most - least > thin*size(ids, kind=i8)) then
       allocate (number(size(ids)))
       call sort_order(ids, number)
       place(number) = [(n, n=1, size(ids))]
       return
     end if
-    width = int(maxval(ids) - least) + 1
+    width = int(most - least) + 1
     allocate (number(width), source=0)
     do n = 1, size(ids)
       number(ids(n) - least + 1) = 1
@@ -382,7 +404,7 @@ contains
     do f = 1, size(fields)
       fields(f)%name = kinds(f)%name
       fields(f)%components = particle_field_components(kinds(f), space, stresses)
-      allocate (fields(f)%values(size(fields(f)%components), n), source=0.0_dp)
+      allocate (fields(f)%values(size(fields(f)%components), n))
     end do
   end subroutine declare_fields
 

@@ -5,7 +5,7 @@ module sgmp_vtk_fields
   implicit none
   private
   public :: tensor_order, vector_order
-  public :: vtk_components, vtk_field_values, vtk_is_tensor, vtk_is_vector
+  public :: vtk_components, vtk_field_values, vtk_is_tensor, vtk_is_vector, vtk_is_whole
 
   !> Order of VTK's symmetric tensors.
   character(2), parameter :: tensor_order(*) = ['xx', 'yy', 'zz', 'xy', 'yz', 'xz']
@@ -23,17 +23,33 @@ contains
   end function vtk_components
 
   !> The values of a field (components, particles); components absent in this dimension are zero.
-  pure subroutine vtk_field_values(field, values)
+  subroutine vtk_field_values(field, values)
     type(snapshot_field_t), intent(in) :: field
     real(dp), allocatable, intent(out) :: values(:, :)
     integer, allocatable :: source(:)
+    integer :: i, p
+    call field_layout(field, source)
+    allocate (values(size(source), size(field%values, 2)))
+    !$omp parallel do schedule(static) default(none) shared(field, values, source) private(i)
+    do p = 1, size(values, 2)
+      do i = 1, size(source)
+        values(i, p) = 0.0_dp
+        if (source(i) > 0) values(i, p) = field%values(source(i), p)
+      end do
+    end do
+    !$omp end parallel do
+  end subroutine vtk_field_values
+
+  !> Whether the file has the field as it is: all its components, in their order.
+  pure function vtk_is_whole(field) result(yes)
+    type(snapshot_field_t), intent(in) :: field
+    logical :: yes
+    integer, allocatable :: source(:)
     integer :: i
     call field_layout(field, source)
-    allocate (values(size(source), size(field%values, 2)), source=0.0_dp)
-    do i = 1, size(source)
-      if (source(i) > 0) values(i, :) = field%values(source(i), :)
-    end do
-  end subroutine vtk_field_values
+    yes = size(source) == size(field%values, 1)
+    if (yes) yes = all(source == [(i, i=1, size(source))])
+  end function vtk_is_whole
 
   !> For each component in the file, the one of the field it comes from; 0: absent in this
   !! dimension.

@@ -11,7 +11,8 @@ module sgmp_vtu
   use sgmp_snapshot, only: snapshot_field_t, snapshot_t
   use sgmp_text, only: integer_text, real_text_full
   use sgmp_vtk_fields, only: tensor_order, vector_order, vtk_components, vtk_field_values, &
-                             vtk_is_tensor, vtk_is_vector
+                             vtk_is_tensor, vtk_is_vector, vtk_is_whole
+  use sgmp_write_behind, only: write_behind_t
   implicit none
   private
   public :: vtu_series_t, vtu_write
@@ -50,11 +51,13 @@ contains
     if (file_exists(path)) call read_entries(self%folder, path, keep_to_time, self%entries, error)
   end subroutine series_open
 
-  !> Writes one dump, then the collection; both replace their predecessors in one step.
-  subroutine series_dump(self, snapshot, error)
+  !> Writes one dump, then the collection; both replace their predecessors in one step. With `behind`
+  !! a thread does so, in this order.
+  subroutine series_dump(self, snapshot, error, behind)
     class(vtu_series_t), intent(inout) :: self
     type(snapshot_t), intent(in) :: snapshot
     type(error_t), allocatable, intent(out) :: error
+    type(write_behind_t), intent(in), optional :: behind
     type(output_file_t) :: file
     type(entry_t) :: entry
     character(24) :: number
@@ -62,10 +65,10 @@ contains
     write (number, '(i0.7)') snapshot%step
     entry%time = snapshot%time
     entry%file = self%name//'_'//trim(number)//'.vtu'
-    call vtu_write(self%folder//'/'//entry%file, snapshot, error)
+    call vtu_write(self%folder//'/'//entry%file, snapshot, error, behind)
     if (allocated(error)) return
     call set_entry(self%entries, entry)
-    call file%open(self%folder//'/'//self%name//'.pvd', 'replace', error)
+    call file%open(self%folder//'/'//self%name//'.pvd', 'replace', error, behind)
     if (allocated(error)) return
     call file%line('<?xml version="1.0"?>')
     call file%line('<VTKFile type="Collection" version="1.0" byte_order="'//byte_order()//'">')
@@ -81,16 +84,17 @@ contains
 
   !> Writes one .vtu file: points, id, body, velocity and the snapshot's fields (tensors as six
   !! components xx yy zz xy yz xz, vectors as three), with the time as field data `TimeValue`.
-  subroutine vtu_write(path, snapshot, error)
+  subroutine vtu_write(path, snapshot, error, behind)
     character(*), intent(in) :: path
     type(snapshot_t), intent(in) :: snapshot
     type(error_t), allocatable, intent(out) :: error
+    type(write_behind_t), intent(in), optional :: behind  !! writes later; absent: at once
     type(output_file_t) :: file
     integer(i8) :: offset
     integer :: f, n
     n = size(snapshot%id)
     offset = 0
-    call file%open(path, 'replace', error)
+    call file%open(path, 'replace', error, behind)
     if (allocated(error)) return
     call file%line('<?xml version="1.0"?>')
     call file%line('<VTKFile type="UnstructuredGrid" version="1.0" byte_order="'//byte_order()// &
@@ -139,6 +143,8 @@ contains
     type(output_file_t), intent(inout) :: file
     type(snapshot_t), intent(in) :: snapshot
     integer(c_int8_t), parameter :: vertex = 1_c_int8_t
+    integer(i8), allocatable :: numbers(:)
+    integer(c_int8_t), allocatable :: types(:)
     integer :: f, n, p
     n = size(snapshot%id)
     call file%put([8_i8])
@@ -160,12 +166,17 @@ contains
     end if
     call file%put([24_i8*n])
     call file%put(snapshot%position)
+    allocate (numbers(n + 1))
+    do p = 1, n + 1
+      numbers(p) = p - 1
+    end do
     call file%put([8_i8*n])
-    call file%put([(int(p, i8), p=0, n - 1)])
+    call file%put(numbers(:n))
     call file%put([8_i8*n])
-    call file%put([(int(p, i8), p=1, n)])
+    call file%put(numbers(2:))
     call file%put([int(n, i8)])
-    call file%put([(vertex, p=1, n)])
+    allocate (types(n), source=vertex)
+    call file%put(types)
   end subroutine put_data
 
   !> One DataArray element; advances the offset by the block and its 8-byte size.
@@ -204,6 +215,11 @@ contains
     type(output_file_t), intent(inout) :: file
     type(snapshot_field_t), intent(in) :: field
     real(dp), allocatable :: values(:, :)
+    if (vtk_is_whole(field)) then
+      call file%put([8*size(field%values, kind=i8)])
+      call file%put(field%values)
+      return
+    end if
     call vtk_field_values(field, values)
     call file%put([8*size(values, kind=i8)])
     call file%put(values)

@@ -165,18 +165,23 @@ contains
   subroutine parallel_exact_sums(terms, sums)
     real(dp), intent(in) :: terms(:, :)      !! (quantities, columns)
     real(dp), intent(out) :: sums(:)         !! (quantities)
-    integer(i8), allocatable :: digits(:, :)
+    integer, parameter :: many = 4096  ! columns from which a meeting of threads pays
+    integer(i8) :: digits(exact_digits, size(sums))
     integer :: c, q
     if (all_ranks == 1 .and. size(terms, 2) == 1) then
       sums = terms(:, 1)
       return
     end if
-    allocate (digits(exact_digits, size(sums)), source=0_i8)
+    digits = 0_i8
+    ! Whole numbers: any order of the threads gives the same.
+    !$omp parallel do schedule(static) if(size(terms, 2) > many) default(none) shared(terms, sums) &
+    !$omp& private(q) reduction(+: digits)
     do c = 1, size(terms, 2)
       do q = 1, size(sums)
         call exact_add(digits(:, q), terms(q, c))
       end do
     end do
+    !$omp end parallel do
     if (all_ranks > 1) then
       call mpi_allreduce(mpi_in_place, digits, size(digits), mpi_integer8, mpi_sum, communicator)
     end if

@@ -54,6 +54,8 @@ module sgmp_body
     real(dp) :: speed_before(3) = 0.0_dp       !! and in the one before
   end type body_t
 
+  integer, parameter :: few_rows = 512       !! that are not worth a meeting of threads
+
 contains
 
   !> Whether any body of a field feels a body force or a load.
@@ -122,10 +124,10 @@ contains
   end function body_particle
 
   !> Finds where the stencils of a body's bins lie in a field that has just been laid out.
-  pure subroutine body_place(body, field)
+  subroutine body_place(body, field)
     type(body_t), intent(inout) :: body
     type(field_t), intent(in) :: field
-    integer :: s, p, width, lines, layers, line, layer, first
+    integer :: s, p, width, lines, layers
     width = stencil_width(field%kernel)
     lines = merge(width, 1, field%ndim == 3)
     layers = merge(width, 1, field%ndim >= 2)
@@ -133,16 +135,12 @@ contains
       if (allocated(particles%place)) deallocate (particles%place, particles%plane_row)
       allocate (particles%place(lines*layers, particles%bins%n), &
                 particles%plane_row(field%planes + 1))
-      do s = 1, particles%bins%n
-        first = first_cell(particles%span, particles%bins%first(s))
-        do line = 1, lines
-          do layer = 1, layers
-            particles%place((line - 1)*layers + layer, s) = &
-              field_base(field, key_j(particles%bins%key(s)) + line - 1, &
-                         key_k(particles%bins%key(s)) + layer - 1, first)
-          end do
-        end do
+      !$omp parallel do schedule(static) if(particles%bins%n > few_rows) default(none) &
+      !$omp& shared(body, field, lines, layers)
+      do s = 1, body%particles%bins%n
+        call place_row(body, field, s, lines, layers)
       end do
+      !$omp end parallel do
       s = 1
       do p = 1, field%planes
         do while (s <= particles%bins%n)
@@ -154,5 +152,24 @@ contains
       particles%plane_row(field%planes + 1) = particles%bins%n + 1
     end associate
   end subroutine body_place
+
+  !> The same for one row of bins.
+  pure subroutine place_row(body, field, s, lines, layers)
+    type(body_t), intent(inout) :: body
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: s                     !! the row
+    integer, intent(in) :: lines, layers         !! rows of points that a stencil has
+    integer :: line, layer, first
+    associate (particles => body%particles)
+      first = first_cell(particles%span, particles%bins%first(s))
+      do line = 1, lines
+        do layer = 1, layers
+          particles%place((line - 1)*layers + layer, s) = &
+            field_base(field, key_j(particles%bins%key(s)) + line - 1, &
+                       key_k(particles%bins%key(s)) + layer - 1, first)
+        end do
+      end do
+    end associate
+  end subroutine place_row
 
 end module sgmp_body

@@ -161,6 +161,8 @@ contains
     particles%chunks = sum((particles%size + lanes - 1)/lanes)
     call allocate_chunks(particles)
     call chain_bins(particles, slot)
+    !$omp parallel do schedule(static) default(none) private(l, c) &
+    !$omp& shared(particles, slot, order, x, volume, ndim, density, first_id, ids)
     do p = 1, particles%count
       l = mod(slot(p) - 1, lanes) + 1
       c = (slot(p) - 1)/lanes + 1
@@ -169,6 +171,7 @@ contains
       particles%motion(l, 1:ndim, c) = x(1:ndim, order(p))
       particles%motion(l, motion_mass(ndim), c) = density*volume(order(p))
     end do
+    !$omp end parallel do
     deallocate (x, order, slot)
     !$omp parallel do schedule(static) default(none) &
     !$omp& shared(particles, density, history) private(c, p)
@@ -251,7 +254,7 @@ contains
   end subroutine chain_bins
 
   !> Order of the particles by bin, then by id.
-  pure subroutine order_by_bin(particles, x, order)
+  subroutine order_by_bin(particles, x, order)
     type(particles_t), intent(in) :: particles
     real(dp), intent(in) :: x(:, :)
     integer, intent(out) :: order(:)
@@ -260,22 +263,28 @@ contains
     integer(i8) :: extent(3)
     low = huge(1)
     high = -huge(1)
+    !$omp parallel do schedule(static) default(none) shared(particles, x, order) private(bin) &
+    !$omp& reduction(min: low) reduction(max: high)
     do p = 1, size(order)
       bin = bin_coordinates(particles, x(:, p))
       low = min(low, bin)
       high = max(high, bin)
     end do
+    !$omp end parallel do
     extent = int(high, i8) - int(low, i8) + 1_i8
     allocate (key(size(order)))
+    !$omp parallel do schedule(static) default(none) private(bin) &
+    !$omp& shared(particles, x, order, key, low, extent)
     do p = 1, size(order)
       bin = bin_coordinates(particles, x(:, p)) - low
       key(p) = (int(bin(3), i8)*extent(2) + int(bin(2), i8))*extent(1) + int(bin(1), i8)
     end do
+    !$omp end parallel do
     call sort_order(key, order)
   end subroutine order_by_bin
 
   !> Makes the bins for a set of positions and counts their particles.
-  pure subroutine count_bins(particles, x, order)
+  subroutine count_bins(particles, x, order)
     type(particles_t), intent(inout) :: particles
     real(dp), intent(in) :: x(:, :)
     integer, intent(in) :: order(:)                 !! of the particles by bin
@@ -283,15 +292,22 @@ contains
     integer(i8), allocatable :: key(:)
     integer :: p, bin(3), number
     allocate (i(size(order)), key(size(order)))
+    !$omp parallel do schedule(static) default(none) shared(particles, x, order, i, key) private(bin)
     do p = 1, size(order)
       bin = bin_coordinates(particles, x(:, order(p)))
       key(p) = row_key(bin(2), bin(3))
       i(p) = bin(1)
     end do
+    !$omp end parallel do
     call rows_from_points(key, i, particles%bins)
     call particles_number_bins(particles)
+    number = 0  ! bins are numbered in the order of the rows, and none is empty
     do p = 1, size(order)
-      number = particles_bin_of(particles, bin_coordinates(particles, x(:, p)))
+      if (p == 1) then
+        number = 1
+      else if (key(p) /= key(p - 1) .or. i(p) /= i(p - 1)) then
+        number = number + 1
+      end if
       particles%size(number) = particles%size(number) + 1
     end do
   end subroutine count_bins

@@ -32,6 +32,7 @@ module sgmp_rebinning
   end type arrivals_t
 
   integer, parameter :: prefetch_ahead = 6  !! movers
+  integer, parameter :: few = 512           !! movers, or rows, that are not worth a meeting of threads
 
 contains
 
@@ -264,7 +265,7 @@ contains
   end subroutine insert_arrivals
 
   !> Adds the bins that movers need; drops the empty ones where they are more than an eighth.
-  pure subroutine particles_extend_bins(particles, lists, lower, upper)
+  subroutine particles_extend_bins(particles, lists, lower, upper)
     type(particles_t), intent(inout) :: particles
     type(movers_t), intent(inout) :: lists(:)
     real(dp), intent(in) :: lower(3), upper(3)   !! see particles_find_bins
@@ -277,14 +278,17 @@ contains
       kept = particles%bins
     end if
     call change_bins(particles, kept, wanted)
+    !$omp parallel do schedule(dynamic) if(sum(lists%n) > few) default(none) &
+    !$omp& shared(particles, lower, upper, lists)
     do t = 1, size(lists)
       call particles_find_bins(particles, lower, upper, lists(t))
     end do
+    !$omp end parallel do
   end subroutine particles_extend_bins
 
   !> Renews the bins that stand for other ranks': `others` instead of all that are outside the own
   !! planes; own ones that are empty go, too.
-  pure subroutine particles_renew_bins(particles, others)
+  subroutine particles_renew_bins(particles, others)
     type(particles_t), intent(inout) :: particles
     type(rows_t), intent(in) :: others
     type(rows_t) :: kept
@@ -306,61 +310,66 @@ contains
 
   !> A new set of bins, with all that are occupied in the first of two sets; the particles stay in
   !! their chunks.
-  pure subroutine change_bins(particles, kept, more)
+  subroutine change_bins(particles, kept, more)
     type(particles_t), intent(inout) :: particles
     type(rows_t), intent(in) :: kept, more
     type(rows_t) :: old
     integer, allocatable :: old_start(:), old_first(:), old_size(:)
-    integer :: s, t, i, shift
+    integer :: s, i, to
     old = particles%bins
     call move_alloc(particles%bin_start, old_start)
     call move_alloc(particles%first, old_first)
     call move_alloc(particles%size, old_size)
     call rows_union(kept, more, particles%bins)
     call particles_number_bins(particles)
-    t = 1
+    !$omp parallel do schedule(static) if(old%n > few) default(none) &
+    !$omp& shared(particles, old, old_start, old_first, old_size) private(i, to)
     do s = 1, old%n
       do i = old%first(s), old%last(s)
         if (old_size(old_start(s) + i) == 0) cycle
-        t = row_from(particles%bins, t, old%key(s), i)
-        shift = particles%bin_start(t) + i
-        particles%first(shift) = old_first(old_start(s) + i)
-        particles%size(shift) = old_size(old_start(s) + i)
+        to = bin_from(particles, old%key(s), i)
+        particles%first(to) = old_first(old_start(s) + i)
+        particles%size(to) = old_size(old_start(s) + i)
       end do
     end do
+    !$omp end parallel do
   end subroutine change_bins
 
-  !> Interval, at `start` or behind it, that holds point i of row `key`, which must exist.
-  pure function row_from(rows, start, key, i) result(s)
-    type(rows_t), intent(in) :: rows
-    integer, intent(in) :: start, i
+  !> Bin at point i of row `key`, which must exist.
+  pure function bin_from(particles, key, i) result(bin)
+    type(particles_t), intent(in) :: particles
     integer(i8), intent(in) :: key
-    integer :: s
-    s = start
-    do while (rows%key(s) /= key .or. rows%last(s) < i)
-      s = s + 1
-    end do
-  end function row_from
+    integer, intent(in) :: i
+    integer :: bin
+    bin = i + particles%bin_start(rows_contains(particles%bins, key, i))
+  end function bin_from
 
   !> The bins that movers need and that do not exist or are empty.
-  pure subroutine wanted_bins(particles, lists, wanted)
+  subroutine wanted_bins(particles, lists, wanted)
     type(particles_t), intent(in) :: particles
     type(movers_t), intent(in) :: lists(:)
     type(rows_t), intent(out) :: wanted
     integer, allocatable :: order(:), i(:)
     integer(i8), allocatable :: key(:), sortable(:)
-    integer :: t, m, n, bin(3)
+    integer :: t, m, n, at(size(lists))  ! at: places of the list, before those that are wanted
     n = 0
-    m = sum(lists%n)
-    allocate (i(m), key(m), sortable(m))
     do t = 1, size(lists)
-      do m = 1, lists(t)%n
-        if (.not. wants_bin(particles, lists(t), m)) cycle
-        bin = bin_coordinates(particles, lists(t)%particle(:, m))
-        n = n + 1
-        i(n) = bin(1)
-        key(n) = row_key(bin(2), bin(3))
-      end do
+      at(t) = n
+      n = n + lists(t)%n
+    end do
+    allocate (i(n), key(n), sortable(n))
+    !$omp parallel do schedule(dynamic) if(n > few) default(none) &
+    !$omp& shared(particles, lists, at, i, key)
+    do t = 1, size(lists)
+      call list_wanted(particles, lists(t), at(t), i, key)
+    end do
+    !$omp end parallel do
+    n = 0
+    do m = 1, size(i)
+      if (i(m) == huge(i)) cycle
+      n = n + 1
+      i(n) = i(m)
+      key(n) = key(m)
     end do
     allocate (order(n))
     sortable(:n) = int(i(:n), i8) - minval(i(:n))
@@ -371,6 +380,23 @@ contains
     call sort_order(sortable(:n), order)
     call rows_from_points(key(order), i(order), wanted)
   end subroutine wanted_bins
+
+  !> Bins that the movers of a list need, behind place `at`; those that need none have i = huge.
+  pure subroutine list_wanted(particles, movers, at, i, key)
+    type(particles_t), intent(in) :: particles
+    type(movers_t), intent(in) :: movers
+    integer, intent(in) :: at
+    integer, intent(inout) :: i(:)
+    integer(i8), intent(inout) :: key(:)
+    integer :: m, bin(3)
+    do m = 1, movers%n
+      i(at + m) = huge(i)
+      if (.not. wants_bin(particles, movers, m)) cycle
+      bin = bin_coordinates(particles, movers%particle(:, m))
+      i(at + m) = bin(1)
+      key(at + m) = row_key(bin(2), bin(3))
+    end do
+  end subroutine list_wanted
 
   !> Whether a mover needs a bin that does not exist or is empty.
   pure function wants_bin(particles, movers, m) result(yes)

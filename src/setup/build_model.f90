@@ -253,7 +253,6 @@ contains
     type(error_t), allocatable, intent(out) :: error
     real(dp), allocatable :: x(:, :), volume(:), file_velocity(:, :)
     integer(i4), allocatable :: ids(:)
-    integer :: d
     associate (card => scene%bodies(number), mesh => model%mesh, &
                material => scene%materials(scene%bodies(number)%material))
       if (.not. seeded) then
@@ -296,9 +295,7 @@ contains
       call stage_columns(scene%features, mesh%ndim, body)
       call loads_add_columns(mesh%ndim, body)
       call driven_add_columns(body)
-      do d = 1, mesh%ndim
-        x(d, :) = mesh_find(mesh, d, x(d, :))
-      end do
+      call find_places(mesh, x)
       call seeding_check_inside(card, mesh, x, error)
       if (.not. allocated(error)) call seeding_check_size(card, mesh, x, volume, error)
       if (allocated(error)) return
@@ -311,6 +308,20 @@ contains
       call fill_columns(scene, number, mesh, file_velocity, seeded, body, error)
     end associate
   end subroutine build_body
+
+  !> Grid coordinates of positions, in their place.
+  subroutine find_places(mesh, x)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(inout) :: x(:, :)           !! (3, n)
+    integer :: p, d
+    !$omp parallel do schedule(static) default(none) shared(mesh, x) private(d)
+    do p = 1, size(x, 2)
+      do d = 1, mesh%ndim
+        x(d, p) = mesh_find(mesh, d, x(d, p))
+      end do
+    end do
+    !$omp end parallel do
+  end subroutine find_places
 
   !> What particles have at the start besides their place, mass and history. All ranks must call it.
   subroutine fill_columns(scene, number, mesh, file_velocity, seeded, body, error)
@@ -441,26 +452,39 @@ contains
     type(mesh_t), intent(in) :: mesh
     real(dp), allocatable, intent(in) :: file_velocity(:, :)
     type(body_t), intent(inout) :: body
-    integer :: c, l, d, n
+    integer :: c
+    !$omp parallel do schedule(static) default(none) shared(card, mesh, file_velocity, body)
+    do c = 1, body%particles%chunks
+      call set_velocities_of(c, card, mesh, file_velocity, body)
+    end do
+    !$omp end parallel do
+  end subroutine set_velocities
+
+  !> The same of chunk c.
+  subroutine set_velocities_of(c, card, mesh, file_velocity, body)
+    integer, intent(in) :: c
+    type(body_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    real(dp), allocatable, intent(in) :: file_velocity(:, :)
+    type(body_t), intent(inout) :: body
+    integer :: l, d, n
     real(dp) :: v(lanes)
     n = mesh%ndim
     associate (particles => body%particles)
-      do c = 1, particles%chunks
-        do d = 1, n
-          call card%velocity(d)%evaluate_lanes(places(mesh, particles%motion(:, :n, c)), &
-                                               particles%id(:, c) /= 0, v)
-          if (body%rigid .and. .not. card%free) v = body%speed(d)
-          do l = 1, lanes
-            if (particles%id(l, c) == 0) cycle
-            if (allocated(file_velocity) .and. (card%free .or. .not. body%rigid)) then
-              v(l) = v(l) + file_velocity(d, particles%id(l, c) - body%first_id + 1)
-            end if
-            particles%motion(l, n + d, c) = v(l)
-          end do
+      do d = 1, n
+        call card%velocity(d)%evaluate_lanes(places(mesh, particles%motion(:, :n, c)), &
+                                             particles%id(:, c) /= 0, v)
+        if (body%rigid .and. .not. card%free) v = body%speed(d)
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          if (allocated(file_velocity) .and. (card%free .or. .not. body%rigid)) then
+            v(l) = v(l) + file_velocity(d, particles%id(l, c) - body%first_id + 1)
+          end if
+          particles%motion(l, n + d, c) = v(l)
         end do
       end do
     end associate
-  end subroutine set_velocities
+  end subroutine set_velocities_of
 
   !> What formulas may use at the start: positions of the lanes of a chunk.
   pure function places(mesh, coordinates) result(values)
@@ -670,9 +694,11 @@ contains
     do b = 1, size(model%bodies)
       associate (particles => model%bodies(b)%particles, sums => model%totals%bodies(b))
         allocate (terms(body_terms, particles%chunks))
-        do c = 1, particles%chunks
+        !$omp parallel do schedule(static) default(none) shared(model, terms, b)
+        do c = 1, model%bodies(b)%particles%chunks
           terms(:, c) = chunk_terms(model%mesh, model%bodies(b), c)
         end do
+        !$omp end parallel do
         call parallel_exact_sums(terms, totals)
         deallocate (terms)
         sums = body_sums_t(mass=totals(1), moment=totals(2:4), momentum=totals(5:7), &

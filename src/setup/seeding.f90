@@ -307,28 +307,65 @@ contains
     if (.not. any(shapes%combine == combine_union)) shapes = shapes(:0)
   end subroutine choose_shapes
 
-  !> All particles of a body: counts, then stores them.
-  pure subroutine fill_body(body, lattice, positions, volumes)
+  !> All particles of a body: counts, then stores them, every thread some layers.
+  subroutine fill_body(body, lattice, positions, volumes)
     type(body_card_t), intent(in) :: body
     type(lattice_t), intent(in) :: lattice
     real(dp), allocatable, intent(out) :: positions(:, :), volumes(:)
-    type(line_t) :: found
-    integer :: pass, layer, line, n
-    do pass = 1, 2
-      n = 0
-      do layer = 1, lattice_layers(lattice)
-        do line = 1, lattice_lines(lattice)
-          call fill_line(body, lattice, line, layer, found)
-          if (pass == 2) then
-            positions(:, n + 1:n + found%n) = found%position(:, :found%n)
-            volumes(n + 1:n + found%n) = found%volume(:found%n)
-          end if
-          n = n + found%n
-        end do
-      end do
-      if (pass == 1) allocate (positions(3, n), volumes(n))
+    integer, allocatable :: before(:)    ! particles before those of each layer
+    integer :: layer, layers
+    layers = lattice_layers(lattice)
+    allocate (before(layers + 1), source=0)
+    !$omp parallel do schedule(dynamic) default(none) shared(body, lattice, layers, before)
+    do layer = 1, layers
+      call count_layer(body, lattice, layer, before(layer + 1))
     end do
+    !$omp end parallel do
+    do layer = 1, layers
+      before(layer + 1) = before(layer) + before(layer + 1)
+    end do
+    allocate (positions(3, before(layers + 1)), volumes(before(layers + 1)))
+    !$omp parallel do schedule(dynamic) default(none) &
+    !$omp& shared(body, lattice, layers, before, positions, volumes)
+    do layer = 1, layers
+      if (before(layer + 1) == before(layer)) cycle
+      call fill_layer(body, lattice, layer, positions(:, before(layer) + 1:before(layer + 1)), &
+                      volumes(before(layer) + 1:before(layer + 1)))
+    end do
+    !$omp end parallel do
   end subroutine fill_body
+
+  !> Counts the particles of a layer.
+  pure subroutine count_layer(body, lattice, layer, n)
+    type(body_card_t), intent(in) :: body
+    type(lattice_t), intent(in) :: lattice
+    integer, intent(in) :: layer
+    integer, intent(out) :: n
+    type(line_t) :: found
+    integer :: line
+    n = 0
+    do line = 1, lattice_lines(lattice)
+      call fill_line(body, lattice, line, layer, found)
+      n = n + found%n
+    end do
+  end subroutine count_layer
+
+  !> Stores the particles of a layer.
+  pure subroutine fill_layer(body, lattice, layer, positions, volumes)
+    type(body_card_t), intent(in) :: body
+    type(lattice_t), intent(in) :: lattice
+    integer, intent(in) :: layer
+    real(dp), intent(inout) :: positions(:, :), volumes(:)  !! of the layer
+    type(line_t) :: found
+    integer :: line, n
+    n = 0
+    do line = 1, lattice_lines(lattice)
+      call fill_line(body, lattice, line, layer, found)
+      positions(:, n + 1:n + found%n) = found%position(:, :found%n)
+      volumes(n + 1:n + found%n) = found%volume(:found%n)
+      n = n + found%n
+    end do
+  end subroutine fill_layer
 
   !> Counts, then stores the particles of a slab, in the layers that reach into it.
   pure subroutine fill_slab(body, lattice, slab, survey, positions, volumes, ids)

@@ -76,9 +76,12 @@ contains
     do b = 1, size(bodies)
       if (bodies(b)%field /= field) cycle
       allocate (terms(4, bodies(b)%particles%chunks))
+      !$omp parallel do schedule(static) default(none) &
+      !$omp& shared(bodies, mesh, terms, centre, velocity, b)
       do c = 1, bodies(b)%particles%chunks
         terms(:, c) = mesh%h*chunk_terms(bodies(b), mesh, c, centre, velocity)
       end do
+      !$omp end parallel do
       call parallel_exact_sums(terms, totals)
       deallocate (terms)
       found%vector = found%vector + totals(:3)
