@@ -880,9 +880,9 @@ contains
     outside = left > 0.0_dp
   end subroutine drift
 
-  !> Largest c + |v| for the time step (Eq. 69; c at least (CL1)), and whether the state of all particles makes sense:
-  !! not inside out, slower than anything, and with a sound speed (c^2 turns negative where a
-  !! blown-up state leaves the range of an equation of state).
+  !> Largest c + |v| for the time step (Eq. 69; c at least (CL1)), and whether the state of all
+  !! particles makes sense: not inside out, slower than anything, and with a sound speed (c^2 turns
+  !! negative where a blown-up state leaves the range of an equation of state).
   pure subroutine check_chunk(nl, id, live, motion, speed2, jacobian, work)
     integer, intent(in) :: nl
     integer(i4), intent(in) :: id(lanes)
