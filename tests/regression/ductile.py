@@ -2,9 +2,8 @@
 """Damage that knows the stress, along paths of one deformation that no wave reaches: drawn, sheared, drawn with sides
 held back (a notch); Cockcroft and Latham, Hosford and Coulomb, beside a second integration of stress, plastic strain
 and damage in ten times as many steps, which takes principal stresses by Jacobi's rotations. Pure shear in closed form.
-Johnson and Cook's damage that
-takes strength (critical_damage). Flaws of brittle matter (Grady and Kipp) that is drawn elastically: damage and stress of each particle by the strain of
-its weakest flaw, which scatters as it must.
+Johnson and Cook's damage that takes strength (critical_damage). Flaws of brittle matter (Grady and Kipp) that is drawn
+elastically: damage and stress of each particle by the strain of its weakest flaw, which scatters as it must.
 
 usage: ductile.py SGMP SOURCE_DIR SCRATCH_DIR
 """

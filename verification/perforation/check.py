@@ -44,7 +44,8 @@ def coupled(book):
     case = "blunt nose, 48 cells through 12 mm, damage takes 0.3 of the strength"
     book.at_most(case, f"last speed of a projectile at {BRACKET[0]} m/s (m/s): it is stopped", found[0], THROUGH)
     book.at_least(case, f"last speed of a projectile at {BRACKET[1]} m/s (m/s): it is through", found[1], THROUGH)
-    book.within(case, f"ballistic limit, middle of {BRACKET[0]} and {BRACKET[1]} m/s", 0.5 * sum(BRACKET), LIMIT[0], 0.05)
+    name = f"ballistic limit, middle of {BRACKET[0]} and {BRACKET[1]} m/s"
+    book.within(case, name, 0.5 * sum(BRACKET), LIMIT[0], 0.05)
     return [
         [
             NOSE[0] + ", coupled", COUPLED["cells"], v, f"{end:.1f}",
