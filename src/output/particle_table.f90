@@ -38,7 +38,8 @@ contains
     allocate (character(rows*width) :: text(blocks))
     allocate (used(blocks))
     do first = 1, n, rows*blocks
-      !$omp parallel do schedule(dynamic) default(none) shared(snapshot, first, n, text, used, blocks)
+      !$omp parallel do schedule(dynamic) default(none) &
+      !$omp   shared(snapshot, first, n, text, used, blocks)
       do b = 1, blocks
         call write_rows(snapshot, first + rows*(b - 1), min(n, first + rows*b - 1), text(b), &
                         used(b))

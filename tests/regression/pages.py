@@ -71,8 +71,8 @@ LOOK = """<script>window.addEventListener('load', () => {
     JSON.stringify(found);
 });</script>"""
 # A window cannot be narrower than 500 pixels, a frame in it can.
-FRAME = """<script type="found" id="found%d"></script><iframe src="%s" style="border:0;width:%dpx;height:%dpx;flex:none">
-</iframe>"""
+FRAME = """<script type="found" id="found%d"></script>
+<iframe src="%s" style="border:0;width:%dpx;height:%dpx;flex:none"></iframe>"""
 FRAMES = """<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">
 <body style="margin:0;display:flex">%s</body>"""
 HEIGHT = 900  # of a frame

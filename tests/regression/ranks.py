@@ -13,8 +13,8 @@ import re
 import subprocess
 
 from _runs import (AVERAGED, CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, FULL, HOOPS, INPUT, KEPT_PLANE,
-                   KEPT_RINGS, KEPT_SPACE, METALS, RUBBED, SCRATCH, SCATTERED, SEAT, SGMP, SPLIT, SPLIT_GAS, SPLIT_RINGS,
-                   SPLIT_SPACE, SWIRL, Report, Run, own)
+                   KEPT_RINGS, KEPT_SPACE, METALS, RUBBED, SCRATCH, SCATTERED, SEAT, SGMP, SPLIT, SPLIT_GAS,
+                   SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run, own)
 
 # Ranks and threads. Three ranks have one between two others; where cuts move, four are more than it takes.
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)] if FULL else [(1, 1), (2, 2), (4, 1)]
