@@ -126,7 +126,8 @@ contains
                       'the melting temperature is not above room temperature', 'check both')
     else if (values%number('critical_damage') > 0.0_dp .and. .not. values%has('failure')) then
       call fault_make(fault, 'critical_damage', 'without failure=yes no damage grows that '// &
-                      'could take strength', 'add failure=yes with d1 to d5, or remove critical_damage')
+                      'could take strength', &
+                      'add failure=yes with d1 to d5, or remove critical_damage')
     else if (law%failure .and. law%damage(2) > 0.0_dp .and. law%damage(3) > 0.0_dp) then
       call fault_make(fault, 'd3', 'with d3 above 0 tension makes the material more ductile', &
                       'stress is positive in tension here; where pressure is, d3 has the '// &
