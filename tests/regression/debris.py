@@ -55,7 +55,7 @@ def main():
         )
         report.check(result["verdict"] == "doubtful", f"{name}: particles fly alone, verdict {result['verdict']}")
     for method in ("sgmp", "mpm"):
-        result = run(f"{method}_whole", LEAD.replace("failure", "! failure"), method=method, cfl=0.2)
+        result = run(f"{method}_whole", LEAD.replace("failure", "! failure"), method=method, cfl=0.25, t_end=0.015)
         report.check(
             result.code != 0 or result["verdict"] == "doubtful",
             f"{method} without failure: {result.code} {result['verdict']}",

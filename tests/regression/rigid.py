@@ -8,7 +8,7 @@ import math
 import os
 
 from _restarts import checkpoints, goes_on, mpirun, straight
-from _runs import SCRATCH, SOURCE, Report, run
+from _runs import SCRATCH, SOURCE, Report, changed, run
 
 # Three different moments, 5, 10 and 13, turned about the one between.
 TUMBLING = """
@@ -264,7 +264,7 @@ def bits(report):
     for name, update, rotation in (
         ("crowd", "musl", ""), ("crowd_usavg", "usavg", ""), ("crowd_exact", "musl", " rotation=exact"),
     ):
-        text = CROWD.format(update=update, rotation=rotation)
+        text = changed(CROWD.format(update=update, rotation=rotation), ("steps=60", "steps=30"), ("every=20", "every=10"))
         reference = straight(report, name, text)
         for title, threads, launcher in ((f"{name}_threads", 3, ()), (f"{name}_ranks", 1, mpirun(2))):
             other = straight(report, title, text, threads=threads, launcher=launcher)
