@@ -20,6 +20,7 @@
 namespace {
 
 const std::size_t block_size = 1048576;
+const std::size_t lendable = 64; // blocks at once
 const std::size_t kept = 64; // blocks that stay for the next file: new ones are memory that nobody has touched
 
 using block_t = std::unique_ptr<char[]>;
@@ -63,6 +64,32 @@ public:
     }
   }
 
+  // Some empty blocks for bytes that are many, at least one, for `give` to get back when they are filled.
+  int lend(int wanted, char **blocks)
+  {
+    const int n = std::max(1, std::min<int>(wanted, static_cast<int>(std::min<std::size_t>(most/2, lendable))));
+    for (int i = 0; i < n; i++) {
+      lent.push_back(take_block());
+      blocks[i] = lent.back().get();
+    }
+    return n;
+  }
+
+  // The blocks that were lent last, filled with n bytes.
+  void give(std::FILE *stream, std::size_t n)
+  {
+    if (open.block) push(std::move(open));
+    for (auto &block : lent) {
+      task_t task;
+      task.stream = stream;
+      task.bytes = std::min(n, block_size);
+      task.block = std::move(block);
+      n -= task.bytes;
+      push(std::move(task));
+    }
+    lent.clear();
+  }
+
   void close(std::FILE *stream, const char *path, const char *target)
   {
     if (open.block) push(std::move(open));
@@ -71,6 +98,17 @@ public:
     task.path = path;
     task.target = target;
     push(std::move(task));
+  }
+
+  // Returns when no file that is handed over will be closed at this path: it may be opened anew.
+  void settle(const char *path)
+  {
+    const std::string name = path;
+    std::unique_lock<std::mutex> lock(guard);
+    changed.wait(lock, [this, &name] {
+      return !(busy && closing == name) &&
+             std::none_of(tasks.begin(), tasks.end(), [&name](const task_t &task) { return task.path == name; });
+    });
   }
 
   // Returns when all is written; the system's number of the first failure since the last call, 0 for none.
@@ -92,13 +130,14 @@ private:
   std::mutex guard;
   std::condition_variable changed;
   std::deque<task_t> tasks;
-  std::vector<block_t> spare;
+  std::vector<block_t> spare, lent;
   task_t open;                // block that is being filled
   std::size_t most, used = 0; // blocks
   bool busy = false, stopping = false;
   int failure = 0;   // not yet told
   bool told = false; // there was one
   std::string failed;
+  std::string closing; // path of the task at hand, if it closes a file
   int number_of_write = 0; // the system's, of the last write that failed
   std::thread thread;      // last: it uses all of the above
 
@@ -150,6 +189,7 @@ private:
       task_t task = std::move(tasks.front());
       tasks.pop_front();
       busy = true;
+      closing = task.path;
       const bool hopeless = told;
       lock.unlock();
       if (task.bytes > 0)
@@ -217,9 +257,30 @@ void sgmp_writer_put(void *writer, void *stream, const char *bytes, std::size_t 
   static_cast<writer_t *>(writer)->put(static_cast<std::FILE *>(stream), bytes, n);
 }
 
+int sgmp_writer_lend(void *writer, int wanted, char **blocks)
+{
+  return static_cast<writer_t *>(writer)->lend(wanted, blocks);
+}
+
+void sgmp_writer_give(void *writer, void *stream, std::size_t n)
+{
+  static_cast<writer_t *>(writer)->give(static_cast<std::FILE *>(stream), n);
+}
+
+// Bytes from `offset` on of what lies at an address, at most a block of them, into a block.
+void sgmp_writer_fill(char *block, const char *bytes, std::size_t offset, std::size_t n)
+{
+  std::memcpy(block, bytes + offset, std::min(n - offset, block_size));
+}
+
 void sgmp_writer_close(void *writer, void *stream, const char *path, const char *target)
 {
   static_cast<writer_t *>(writer)->close(static_cast<std::FILE *>(stream), path, target);
+}
+
+void sgmp_writer_settle(void *writer, const char *path)
+{
+  static_cast<writer_t *>(writer)->settle(path);
 }
 
 int sgmp_writer_wait(void *writer, char *path, std::size_t n)

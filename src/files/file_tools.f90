@@ -147,6 +147,7 @@ contains
     self%target = trim(path)
     self%path = self%target
     if (how == 'replace') self%path = self%target//'.part'
+    call self%behind%settle(self%path)
     if (how /= 'append') call c_link_remove(c_text(self%path))
     self%stream = c_fopen(c_text(self%path), c_text(merge('a', 'w', how == 'append')//'b'))
     if (.not. c_associated(self%stream)) call io_error(self%failure, 'open', self%path)

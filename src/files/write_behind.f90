@@ -9,6 +9,8 @@ module sgmp_write_behind
   public :: write_behind_t
 
   integer, parameter :: longest = 4096           !! letters of a path
+  integer, parameter :: most_lent = 64           !! blocks at once, as in write_behind.cpp
+  integer(c_size_t), parameter :: block = 1048576_c_size_t  !! bytes
 
   !> The thread, and what waits for it; copies name the same one.
   type :: write_behind_t
@@ -17,6 +19,7 @@ module sgmp_write_behind
   contains
     procedure :: start => write_behind_start
     procedure :: works => write_behind_works
+    procedure :: settle => write_behind_settle
     procedure :: put => write_behind_put
     procedure :: close => write_behind_close
     procedure :: failed => write_behind_failed
@@ -36,12 +39,38 @@ module sgmp_write_behind
       type(c_ptr), value :: writer, stream, bytes
       integer(c_size_t), value :: n
     end subroutine c_put
+    function c_lend(writer, wanted, blocks) result(lent) bind(c, name='sgmp_writer_lend')
+      import :: c_int, c_ptr
+      implicit none
+      type(c_ptr), value :: writer
+      integer(c_int), value :: wanted
+      type(c_ptr), intent(inout) :: blocks(*)
+      integer(c_int) :: lent
+    end function c_lend
+    subroutine c_give(writer, stream, n) bind(c, name='sgmp_writer_give')
+      import :: c_ptr, c_size_t
+      implicit none
+      type(c_ptr), value :: writer, stream
+      integer(c_size_t), value :: n
+    end subroutine c_give
+    subroutine c_fill(block, bytes, offset, n) bind(c, name='sgmp_writer_fill')
+      import :: c_ptr, c_size_t
+      implicit none
+      type(c_ptr), value :: block, bytes
+      integer(c_size_t), value :: offset, n
+    end subroutine c_fill
     subroutine c_close(writer, stream, path, target) bind(c, name='sgmp_writer_close')
       import :: c_char, c_ptr
       implicit none
       type(c_ptr), value :: writer, stream
       character(kind=c_char), intent(in) :: path(*), target(*)
     end subroutine c_close
+    subroutine c_settle(writer, path) bind(c, name='sgmp_writer_settle')
+      import :: c_char, c_ptr
+      implicit none
+      type(c_ptr), value :: writer
+      character(kind=c_char), intent(in) :: path(*)
+    end subroutine c_settle
     function c_wait(writer, path, n) result(number) bind(c, name='sgmp_writer_wait')
       import :: c_char, c_int, c_ptr, c_size_t
       implicit none
@@ -81,12 +110,39 @@ contains
     yes = c_associated(self%writer)
   end function write_behind_works
 
-  !> Hands over bytes of an open stream; waits where too many wait already.
+  !> Waits until a file that is being written at a path is in its place, so that it may be opened anew.
+  subroutine write_behind_settle(self, path)
+    class(write_behind_t), intent(in) :: self
+    character(*), intent(in) :: path
+    if (c_associated(self%writer)) call c_settle(self%writer, path//c_null_char)
+  end subroutine write_behind_settle
+
+  !> Hands over bytes of an open stream; waits where too many wait already. Many bytes are copied by
+  !! all threads.
   subroutine write_behind_put(self, stream, address, bytes)
     class(write_behind_t), intent(in) :: self
     type(c_ptr), intent(in) :: stream, address
     integer(c_size_t), intent(in) :: bytes
-    call c_put(self%writer, stream, address, bytes)
+    type(c_ptr) :: blocks(most_lent)
+    integer(c_size_t) :: done, last
+    integer :: lent, i
+    if (bytes < 2*block) then
+      call c_put(self%writer, stream, address, bytes)
+      return
+    end if
+    done = 0
+    do while (done < bytes)
+      lent = c_lend(self%writer, int(min((bytes - done + block - 1)/block, &
+                                         int(most_lent, c_size_t)), c_int), blocks)
+      last = min(bytes, done + lent*block)
+      !$omp parallel do schedule(static) default(none) shared(blocks, address, lent, done, last)
+      do i = 1, lent
+        call c_fill(blocks(i), address, done + (i - 1)*block, last)
+      end do
+      !$omp end parallel do
+      call c_give(self%writer, stream, last - done)
+      done = last
+    end do
   end subroutine write_behind_put
 
   !> The stream is to be closed, and its file to be renamed to `target`, when its bytes are written.

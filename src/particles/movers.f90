@@ -20,6 +20,7 @@ module sgmp_movers
     integer, allocatable :: row(:)          !! interval of bins: in the sweep that which they left,
                                             !! after re-binning that which they are in
     integer, allocatable :: bin(:)          !! after re-binning: their bin, 0 where none is held
+    integer :: bins(2) = 0                  !! after re-binning: least and largest of `bin`
     real(dp), allocatable :: particle(:, :)  !! (columns of motion, then of state, n)
     real(dp), allocatable :: values(:, :)   !! (values, n) what they give to the grid
     logical :: without_bin = .false.           !! some have no bin although one should be held

@@ -108,12 +108,16 @@ contains
     s = rows_contains(rows, key, i)
   end function row_near
 
-  !> Takes back the chunks that movers have left empty, and forgets the movers.
+  !> Takes back the chunks that movers have left empty, forgets the movers, and notes between which
+  !! bins those of a list come.
   pure subroutine particles_close_lists(particles, lists)
     type(particles_t), intent(inout) :: particles
     type(movers_t), intent(inout) :: lists(:)
     integer :: t
     do t = 1, size(lists)
+      associate (movers => lists(t))
+        movers%bins = [minval(movers%bin(:movers%n)), maxval(movers%bin(:movers%n))]
+      end associate
       call chunks_give_back(particles, lists(t)%chunk(:lists(t)%freed))
       lists(t)%freed = 0
       particles%count = particles%count - count(lists(t)%here(:lists(t)%n))
@@ -166,9 +170,13 @@ contains
     type(arrivals_t), intent(inout) :: arrivals
     integer(i8), allocatable :: id(:), bin(:), path(:)
     integer, allocatable :: by_id(:), by_bin(:)
+    logical :: comes(size(lists))                ! some mover of the list may
     integer :: t, m, n
     n = 0
     do t = 1, size(lists)
+      comes(t) = lists(t)%n > 0
+      if (comes(t)) comes(t) = lists(t)%bins(1) <= range(2) .and. lists(t)%bins(2) >= range(1)
+      if (.not. comes(t)) cycle
       do m = 1, lists(t)%n
         if (within(lists(t)%bin(m), range)) n = n + 1
       end do
@@ -177,6 +185,7 @@ contains
     allocate (arrivals%list(n), arrivals%at(n), id(n), bin(n), by_id(n), by_bin(n))
     n = 0
     do t = 1, size(lists)
+      if (.not. comes(t)) cycle
       do m = 1, lists(t)%n
         if (.not. within(lists(t)%bin(m), range)) cycle
         n = n + 1

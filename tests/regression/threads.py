@@ -34,6 +34,7 @@ SCENES = [
     ("jittered", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3, "jitter": 0.4}),
     ("johnson_cook", "block.inp", {"cells": 6, "steps": 30, "drift": 0.3, "material": "johnson_cook"}),
     ("taylor_bar", "taylor_bar.inp", {"h": 1.9, "t_end": 0.01}),
+    ("large_bar", "taylor_bar.inp", {"h": 0.5, "t_end": 0.003}),  # enough for threads to share new layouts and bins
     ("rings", HOOPS, {}),
     ("rings_normalised", HOOPS, {"stress": "normalised"}),
     ("swirl", SWIRL, {}),
