@@ -51,7 +51,8 @@ run() {
   status=$?
   took=$(( ($(date +%s%N) - began)/1000000 ))
   if [ ! -f "$PLACE/run/summary.json" ]; then
-    { echo "failed: $name, $kind $count, exit status $status"; head -c 2000 "$OUT/last.txt"; } | tee -a "$OUT/left_out.txt"
+    { echo "failed: $name, $kind $count, exit status $status"; head -c 2000 "$OUT/last.txt"; } \
+      | tee -a "$OUT/left_out.txt"
     return
   fi
   awk -v name="$name" -v kind="$kind" -v count="$count" -v took="$took" '
@@ -62,7 +63,8 @@ run() {
     /^  \}/ { part = ""; next }
     part == "phase_seconds" || part == "halo" || part == "balance" {
       printf ", \"%s_%s\": %s", part == "phase_seconds" ? "s" : part, key($0), value($0) }
-    part == "" && /^  "(particles|steps|solve_seconds|wall_seconds|cpu_seconds|ns_per_particle_step|peak_memory_bytes|checksum|verdict)":/ {
+    part == "" && (/^  "(particles|steps|solve_seconds|wall_seconds|cpu_seconds|ns_per_particle_step)":/ ||
+                   /^  "(peak_memory_bytes|checksum|verdict)":/) {
       printf ", \"%s\": %s", key($0), value($0) }
     END { print "}" }' "$PLACE/run/summary.json" >> "$OUT/runs.jsonl"
   tail -n 1 "$OUT/runs.jsonl"
@@ -74,7 +76,9 @@ short() { if [ "$SHORT" = yes ]; then echo "$1"; else echo "$2"; fi; }
 for scene in $SCENES; do
   for count in $COUNTS; do
     case $scene in
-      taylor) run taylor threads "$count" taylor_bar.inp --set h="$(short 0.76 0.38)" --set t_end="$(short 0.004 0.08)" ;;
+      taylor)
+        run taylor threads "$count" taylor_bar.inp --set h="$(short 0.76 0.38)" \
+          --set t_end="$(short 0.004 0.08)" ;;
       spin)
         GOMP_SPINCOUNT=100000 run spin threads "$count" taylor_bar.inp --set h="$(short 0.76 0.38)" \
           --set t_end="$(short 0.004 0.08)" ;;
@@ -94,7 +98,8 @@ awk '
     text = substr($0, RSTART, RLENGTH); sub(/^[^:]*: /, "", text); gsub(/"/, "", text); return text
   }
   BEGIN {
-    print "| scene | particles | steps | threads or ranks | process (s) | gain | solve (s) | gain | momentum | stress | grid" \
+    print "| scene | particles | steps | threads or ranks | process (s) | gain | solve (s) | gain | momentum | stress" \
+          " | grid" \
           " | contact | re-binning | halo | output | start | end | memory (MB) | checksum |"
     print "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
   }

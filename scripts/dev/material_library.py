@@ -67,7 +67,8 @@ Johnson and Cook's damage is off in `copper`, `iron`, `steel_4340`, `steel_mild`
 At second hand: `steel_mild`, `steel_ap_core`, `glass_soda_lime`, `pmma`, `polyethylene` and the damage of the aluminium
 alloys are as papers that use these materials quote their sources. Neither the originals nor, but for what follows,
 other prints could be seen. Found in one other print: d1, d2 and d4 of `aluminium_2024_t3`, d1 to d3 of
-`aluminium_6061_t6`, d1 to d4 of `weldox_460e` (its other constants in none). Signs: d3 is negative here where some
+`aluminium_6061_t6`, d1 to d4 of `weldox_460e` (its other constants in none; its critical_damage, off unless asked
+for, is from memory of the literature). Signs: d3 is negative here where some
 codes print it positive.
 
 **d3 of `aluminium_2024_t3` is doubtful**: that other print has -0.5 in the place of -1.5. With -0.5 the failure strain

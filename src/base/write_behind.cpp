@@ -35,7 +35,8 @@ struct task_t {
 
 class writer_t {
 public:
-  explicit writer_t(std::int64_t limit) : most(std::max<std::size_t>(2, limit/block_size)), thread([this] { work(); }) {}
+  explicit writer_t(std::int64_t limit)
+    : most(std::max<std::size_t>(2, limit/block_size)), thread([this] { work(); }) {}
 
   ~writer_t()
   {

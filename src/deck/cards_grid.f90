@@ -310,7 +310,8 @@ contains
                             'remove it, or make a wall absorbing')
     else if (draft%scene%dimension == 1) then
       call draft%errors%add(card%place('centre'), 'centre= '//draft%in_space()//', where '// &
-                            'nothing spreads: a plane wave that goes on pushing moves what it meets', &
+                            'nothing spreads: a plane wave that goes on pushing moves what it '// &
+                            'meets', &
                             'remove it')
     else if (draft%scene%axisymmetric .and. abs(draft%scene%grid%source(1)) > 0.0_dp) then
       call draft%errors%add(card%place('centre'), 'centre= is not on the axis', &

@@ -130,7 +130,7 @@ contains
   !> Opens a file for writing: `mode` is 'new' (default; truncates), 'append', or 'replace', which
   !! writes `path.part` and renames it over `path` on a successful close, so that a reader never
   !! finds half a file. A failure is kept for `flush` and `close`, and returned if `error` is given.
-  !! With `behind` a thread writes and closes the file later; its failures are told by `behind_error`.
+  !! With `behind` a thread writes and closes the file later; `behind_error` tells its failures.
   subroutine output_file_open(self, path, mode, error, behind)
     class(output_file_t), intent(inout) :: self
     character(*), intent(in) :: path

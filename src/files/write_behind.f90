@@ -110,7 +110,7 @@ contains
     yes = c_associated(self%writer)
   end function write_behind_works
 
-  !> Waits until a file that is being written at a path is in its place, so that it may be opened anew.
+  !> Waits until a file that is being written at a path is in its place: it may be opened anew.
   subroutine write_behind_settle(self, path)
     class(write_behind_t), intent(in) :: self
     character(*), intent(in) :: path
@@ -153,7 +153,8 @@ contains
     call c_close(self%writer, stream, path//c_null_char, target//c_null_char)
   end subroutine write_behind_close
 
-  !> Tells the first failure since it was asked last: the file, '' for none, and the system's number.
+  !> Tells the first failure since it was asked last: the file, '' for none, and the number that
+  !! the system gives it.
   subroutine write_behind_failed(self, wait, path, number)
     class(write_behind_t), intent(in) :: self
     logical, intent(in) :: wait                  !! until all is written

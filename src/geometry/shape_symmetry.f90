@@ -56,9 +56,10 @@ contains
     end select
   contains
     !> Whether the plane lies midway.
-    pure logical function middle_at(low, high)
+    pure function middle_at(low, high) result(so)
       real(dp), intent(in) :: low, high
-      middle_at = abs(0.5_dp*(low + high) - plane) <= slack
+      logical :: so
+      so = abs(0.5_dp*(low + high) - plane) <= slack
     end function middle_at
   end function mirrored
 
@@ -137,34 +138,44 @@ contains
     yes = .true.
     do s = 1, size(shapes)
       if (revolved(shapes(s), axis, line, slack)) cycle
-      yes = yes .and. cuts(shapes(s))
+      yes = yes .and. cuts(shapes(s), axis, line, walls, reshape([low, high], [3, 2]), slack)
     end do
-  contains
-    !> Whether a shape takes away no more than what lies behind walls.
-    pure function cuts(shape) result(so)
-      type(shape_t), intent(in) :: shape
-      logical :: so
-      integer :: b, side
-      so = .false.
-      if (turn_turns(shape%turn)) return
-      if (shape%kind == shape_halfspace .and. shape%combine == combine_difference) then
-        do b = 1, 3
-          if (b == axis .or. .not. along(shape, b)) cycle
-          side = merge(1, 2, shape%axis(b) > 0.0_dp)
-          so = walls(side, b) .and. abs(shape%centre(b) - line(b)) <= slack
-        end do
-      else if (shape%kind == shape_block .and. shape%combine == combine_intersection) then
-        so = .true.
-        do b = 1, 3
-          if (b == axis) cycle
-          so = so .and. (shape%lower(b) <= low(b) + slack .or. &
-                         (walls(1, b) .and. abs(shape%lower(b) - line(b)) <= slack)) .and. &
-               (shape%upper(b) >= high(b) - slack .or. &
-                (walls(2, b) .and. abs(shape%upper(b) - line(b)) <= slack))
-        end do
-      end if
-    end function cuts
   end function shapes_revolved
+
+  !> Whether a shape takes away no more than what lies behind walls.
+  pure function cuts(shape, axis, line, walls, box, slack) result(yes)
+    type(shape_t), intent(in) :: shape
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: line(3), slack
+    logical, intent(in) :: walls(2, 3)   !! (lower|upper, axis)
+    real(dp), intent(in) :: box(3, 2)    !! of the body, (axis, lower|upper) (length)
+    logical :: yes
+    integer :: a
+    yes = .false.
+    if (turn_turns(shape%turn)) return
+    if (shape%kind == shape_halfspace .and. shape%combine == combine_difference) then
+      do a = 1, 3
+        if (a == axis .or. .not. along(shape, a)) cycle
+        yes = walls(merge(1, 2, shape%axis(a) > 0.0_dp), a) .and. &
+              abs(shape%centre(a) - line(a)) <= slack
+      end do
+    else if (shape%kind == shape_block .and. shape%combine == combine_intersection) then
+      yes = .true.
+      do a = 1, 3
+        if (a == axis) cycle
+        yes = yes .and. leaves_side(shape%lower(a), walls(1, a), line(a), box(a, 1), slack) .and. &
+              leaves_side(-shape%upper(a), walls(2, a), -line(a), -box(a, 2), slack)
+      end do
+    end if
+  end function cuts
+
+  !> Whether a block that begins at a place leaves all of a body, or all from a wall in the line on.
+  pure function leaves_side(lower, wall, line, body, slack) result(yes)
+    real(dp), intent(in) :: lower, line, body, slack  !! of the block, the line, the body (length)
+    logical, intent(in) :: wall
+    logical :: yes
+    yes = lower <= body + slack .or. (wall .and. abs(lower - line) <= slack)
+  end function leaves_side
 
   pure function revolved(shape, axis, line, slack) result(yes)
     type(shape_t), intent(in) :: shape

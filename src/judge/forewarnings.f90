@@ -16,6 +16,7 @@ module sgmp_forewarnings
   use sgmp_mesh, only: mesh_find, mesh_occupied, wall_free
   use sgmp_model, only: model_t
   use sgmp_near_parts, only: near_parts
+  use sgmp_near_walls, only: near_walls
   use sgmp_parallel, only: parallel_max, parallel_min, parallel_sum
   use sgmp_particle_file, only: particle_file_columns
   use sgmp_particles, only: particles_t
@@ -63,7 +64,22 @@ contains
     call look_for_collisions(scene, model, warnings)
     call look_for_flying_gas(scene, model, warnings)
     call look_for_near_parts(model, warnings)
+    call look_at_walls(scene, model, warnings)
   end subroutine forewarnings_find
+
+  !> Bodies that begin close to a wall towards which they move.
+  subroutine look_at_walls(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    character(:), allocatable :: text
+    logical :: touches
+    integer :: b
+    do b = 1, size(scene%bodies)
+      call near_walls(scene, model, b, text, touches)
+      if (text /= '') call warn(warnings, text)
+    end do
+  end subroutine look_at_walls
 
   !> Parts of a body that touches itself which patches cannot tell apart.
   subroutine look_for_near_parts(model, warnings)

@@ -9,7 +9,7 @@ module sgmp_scene_symmetry
   use sgmp_kinds, only: dp
   use sgmp_load, only: load_blast, load_force, load_pressure, load_traction
   use sgmp_mesh, only: wall_free, wall_slip
-  use sgmp_scene, only: grid_card_t, load_card_t, scene_t
+  use sgmp_scene, only: body_card_t, detonation_card_t, grid_card_t, load_card_t, scene_t
   use sgmp_shape_symmetry, only: shapes_mirrored, shapes_revolved, shapes_uniform
   use sgmp_shapes, only: shapes_box
   use sgmp_turn, only: turn_turns
@@ -36,18 +36,24 @@ contains
     yes = size(scene%bodies) > 0 .and. .not. features_walls_act(scene%features)
     yes = yes .and. all(zero(reshape(scene%grid%wall_velocity, [18])))
     do b = 1, size(scene%bodies)
-      associate (body => scene%bodies(b), law => scene%materials(scene%bodies(b)%material)%law)
-        yes = yes .and. allocated(body%shapes) .and. .not. turn_turns(body%turn) .and. &
-              .not. body%stress%given .and. body%jitter <= 0.0_dp .and. body%mass <= 0.0_dp .and. &
-              law%scatter%weibull <= 0.0_dp .and. law%failure%weibull <= 0.0_dp .and. &
-              law%failure%flaws%number <= 0.0_dp .and. &
-              all(abs(body%spin_at_start) <= 0.0_dp) .and. all(zero(body%omega))
+      associate (law => scene%materials(scene%bodies(b)%material)%law)
+        yes = yes .and. body_plain(scene%bodies(b)) .and. law%scatter%weibull <= 0.0_dp .and. &
+              law%failure%weibull <= 0.0_dp .and. law%failure%flaws%number <= 0.0_dp
       end associate
       if (.not. yes) return
     end do
     yes = yes .and. .not. any(scene%loads%kind == load_force)
     yes = yes .and. .not. any(scene%motions%turns)
   end function scene_plain
+
+  !> Whether a body is made of shapes in their places and does not turn.
+  pure function body_plain(body) result(yes)
+    type(body_card_t), intent(in) :: body
+    logical :: yes
+    yes = allocated(body%shapes) .and. .not. turn_turns(body%turn) .and. &
+          .not. body%stress%given .and. body%jitter <= 0.0_dp .and. body%mass <= 0.0_dp .and. &
+          all(abs(body%spin_at_start) <= 0.0_dp) .and. all(zero(body%omega))
+  end function body_plain
 
   !> Whether one side of a plane across an axis is the image of the other.
   function scene_mirrored(scene, axis, plane) result(yes)
@@ -60,12 +66,7 @@ contains
     slack = noticed*scene%grid%cell
     yes = grid_mirrored(scene%grid, axis, plane, slack) .and. abs(scene%gravity(axis)) <= 0.0_dp
     do i = 1, size(scene%bodies)
-      if (.not. yes) return
-      associate (body => scene%bodies(i))
-        yes = shapes_mirrored(body%shapes, axis, plane, slack) .and. zero(body%motion(axis))
-        if (yes) yes = vector_alike(scene, i, body%velocity, axis, plane) .and. &
-                       alike(scene, i, body%spin, axis, plane, image_even)
-      end associate
+      if (yes) yes = body_mirrored(scene, i, axis, plane, slack)
     end do
     do i = 1, size(scene%bodyforces)
       if (yes) yes = vector_alike(scene, scene%bodyforces(i)%body, scene%bodyforces(i)%force, &
@@ -81,15 +82,33 @@ contains
       end associate
     end do
     do i = 1, size(scene%detonations)
-      associate (light => scene%detonations(i))
-        if (light%plane) then
-          yes = yes .and. abs(light%normal(axis)) <= 0.0_dp
-        else
-          yes = yes .and. abs(light%point(axis) - plane) <= slack
-        end if
-      end associate
+      yes = yes .and. detonation_mirrored(scene%detonations(i), axis, plane, slack)
     end do
   end function scene_mirrored
+
+  function body_mirrored(scene, b, axis, plane, slack) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: b, axis
+    real(dp), intent(in) :: plane, slack
+    logical :: yes
+    associate (body => scene%bodies(b))
+      yes = shapes_mirrored(body%shapes, axis, plane, slack) .and. zero(body%motion(axis))
+      if (yes) yes = vector_alike(scene, b, body%velocity, axis, plane) .and. &
+                     alike(scene, b, body%spin, axis, plane, image_even)
+    end associate
+  end function body_mirrored
+
+  pure function detonation_mirrored(light, axis, plane, slack) result(yes)
+    type(detonation_card_t), intent(in) :: light
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: plane, slack
+    logical :: yes
+    if (light%plane) then
+      yes = abs(light%normal(axis)) <= 0.0_dp
+    else
+      yes = abs(light%point(axis) - plane) <= slack
+    end if
+  end function detonation_mirrored
 
   !> Whether the two ends of the grid along an axis are images of each other.
   pure function grid_mirrored(grid, axis, plane, slack) result(yes)
@@ -131,7 +150,7 @@ contains
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: axis
     logical :: yes
-    integer :: i, a
+    integer :: i
     associate (grid => scene%grid)
       yes = all(grid%wall(:, axis) == wall_slip) .and. .not. any(grid%open(:, axis)) .and. &
             abs(scene%gravity(axis)) <= 0.0_dp .and. size(scene%detonations) == 0 .and. &
@@ -140,23 +159,32 @@ contains
         if (.not. yes) return
         associate (body => scene%bodies(i))
           yes = shapes_uniform(body%shapes, axis, [grid%lower(axis), grid%upper(axis)], &
-                               noticed*grid%cell)
-          yes = yes .and. zero(body%motion(axis)) .and. zero(body%velocity(axis)) .and. &
+                               noticed*grid%cell) .and. zero(body%motion(axis)) .and. &
                 .not. body%free
-          do a = 1, 3
-            if (yes) yes = alike(scene, i, body%velocity(a), axis, 0.0_dp, image_same)
-          end do
+          if (yes) yes = vector_uniform(scene, i, body%velocity, axis)
         end associate
       end do
       do i = 1, size(scene%bodyforces)
-        do a = 1, 3
-          if (yes) yes = alike(scene, scene%bodyforces(i)%body, scene%bodyforces(i)%force(a), &
-                               axis, 0.0_dp, image_same)
-        end do
-        yes = yes .and. zero(scene%bodyforces(i)%force(axis))
+        associate (push => scene%bodyforces(i))
+          if (yes) yes = vector_uniform(scene, push%body, push%force, axis)
+        end associate
       end do
     end associate
   end function scene_uniform
+
+  !> Whether a vector is the same all along an axis, and lies across it.
+  function vector_uniform(scene, body, vector, axis) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: body          !! 0: all
+    type(expression_t), intent(in) :: vector(3)
+    integer, intent(in) :: axis
+    logical :: yes
+    integer :: a
+    yes = zero(vector(axis))
+    do a = 1, 3
+      if (yes) yes = alike(scene, body, vector(a), axis, 0.0_dp, image_same)
+    end do
+  end function vector_uniform
 
   !> Whether all bodies are round about one line along an axis and move along it, whole or cut by
   !! slip walls in the line: the scene is an axisymmetric one.
@@ -166,46 +194,75 @@ contains
     real(dp), intent(in) :: line(3)      !! a point of it (length)
     logical :: yes
     logical :: cut(2, 3)
-    real(dp) :: slack, off(3)
-    integer :: a, i
+    real(dp) :: slack
+    integer :: i
     slack = noticed*scene%grid%cell
-    yes = size(scene%motions) == 0 .and. size(scene%bodyforces) == 0
-    cut = .false.
-    do a = 1, 3
-      if (a == axis) cycle
-      cut(1, a) = scene%grid%wall(1, a) == wall_slip .and. &
-                  abs(scene%grid%lower(a) - line(a)) <= slack
-      cut(2, a) = scene%grid%wall(2, a) == wall_slip .and. &
-                  abs(scene%grid%upper(a) - line(a)) <= slack
-      yes = yes .and. all(scene%grid%wall(:, a) == wall_free .or. cut(:, a)) .and. &
-            abs(scene%gravity(a)) <= 0.0_dp
-    end do
+    call cut_by_walls(scene%grid, axis, line, slack, cut)
+    yes = size(scene%motions) == 0 .and. size(scene%bodyforces) == 0 .and. &
+          all(scene%grid%wall == wall_free .or. cut .or. spread(axis_is(axis), 1, 2)) .and. &
+          all(abs(scene%gravity) <= 0.0_dp .or. axis_is(axis))
     do i = 1, size(scene%bodies)
-      if (.not. yes) return
-      associate (body => scene%bodies(i))
-        yes = shapes_revolved(body%shapes, axis, line, cut, slack)
-        do a = 1, 3
-          if (a /= axis) yes = yes .and. zero(body%velocity(a)) .and. zero(body%motion(a))
-        end do
-        yes = yes .and. body%velocity(axis)%is_constant
-      end associate
+      if (yes) yes = body_revolved(scene%bodies(i), axis, line, cut, slack)
     end do
     do i = 1, size(scene%loads)
-      associate (load => scene%loads(i))
-        off = abs(load%point - line)
-        off(axis) = 0.0_dp
-        yes = yes .and. load%kind == load_blast .and. all(off <= slack) .and. &
-              load%where%is_constant .and. (load%axis == axis .or. load%axis == 0)
-      end associate
+      yes = yes .and. load_revolved(scene%loads(i), axis, line, slack)
     end do
     do i = 1, size(scene%detonations)
-      associate (light => scene%detonations(i))
-        off = abs(merge(light%normal, light%point - line, light%plane))
-        off(axis) = 0.0_dp
-        yes = yes .and. all(off <= merge(0.0_dp, slack, light%plane))
-      end associate
+      yes = yes .and. detonation_revolved(scene%detonations(i), axis, line, slack)
     end do
   end function scene_revolved
+
+  !> Which slip walls lie in a line along an axis.
+  pure subroutine cut_by_walls(grid, axis, line, slack, cut)
+    type(grid_card_t), intent(in) :: grid
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: line(3), slack
+    logical, intent(out) :: cut(2, 3)    !! (lower|upper, axis)
+    cut(1, :) = abs(grid%lower - line) <= slack
+    cut(2, :) = abs(grid%upper - line) <= slack
+    cut = cut .and. grid%wall == wall_slip
+    cut(:, axis) = .false.
+  end subroutine cut_by_walls
+
+  pure function body_revolved(body, axis, line, cut, slack) result(yes)
+    type(body_card_t), intent(in) :: body
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: line(3), slack
+    logical, intent(in) :: cut(2, 3)
+    logical :: yes
+    yes = shapes_revolved(body%shapes, axis, line, cut, slack) .and. &
+          all((zero(body%velocity) .and. zero(body%motion)) .or. axis_is(axis)) .and. &
+          body%velocity(axis)%is_constant
+  end function body_revolved
+
+  pure function load_revolved(load, axis, line, slack) result(yes)
+    type(load_card_t), intent(in) :: load
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: line(3), slack
+    logical :: yes
+    yes = load%kind == load_blast .and. load%where%is_constant .and. &
+          (load%axis == axis .or. load%axis == 0) .and. &
+          all(abs(load%point - line) <= slack .or. axis_is(axis))
+  end function load_revolved
+
+  pure function detonation_revolved(light, axis, line, slack) result(yes)
+    type(detonation_card_t), intent(in) :: light
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: line(3), slack
+    logical :: yes
+    if (light%plane) then
+      yes = all(abs(light%normal) <= 0.0_dp .or. axis_is(axis))
+    else
+      yes = all(abs(light%point - line) <= slack .or. axis_is(axis))
+    end if
+  end function detonation_revolved
+
+  !> Which of the axes is one of them.
+  pure function axis_is(axis) result(yes)
+    integer, intent(in) :: axis
+    logical :: yes(3)
+    yes = [1, 2, 3] == axis
+  end function axis_is
 
   !> Whether a vector is that of the image: its component across the plane is the opposite.
   function vector_alike(scene, body, vector, axis, plane) result(yes)

@@ -10,6 +10,7 @@ module DIM(sgmp_chunk)
                             averaging_rates, averaging_sums
   use CARTESIAN(sgmp_axis_weights), only: axis_weights, gimp_size
   use sgmp_body, only: body_t
+  use sgmp_closing, only: closing_waves
   use CARTESIAN(sgmp_collisions), only: collisions_apply, collisions_collect, collisions_plan
   use sgmp_columns, only: collide_total, columns_before, columns_t, pair_sums, relax_stiffness, &
                           relax_total, stage_debris, twist_takes, twists
@@ -343,9 +344,12 @@ contains
       call departures_eroded(body%law, plan%strain, nl, motion, speed2, nb, state, eroded)
       if (body%leaves) eroded(:nl) = .true.
       if (plan%strain) call check_chunk(nl, id, merge(0.0_dp, task%live(:, nl), eroded), motion, &
-                                        speed2, jacobian, work)
+                                        closing_waves(body%law, plan%dt_strain, jacobian, nb, &
+                                                      state, speed2), jacobian, work)
     else if (plan%strain) then
-      call check_chunk(nl, id, task%live(1, nl), motion, speed2, jacobian, work)
+      call check_chunk(nl, id, task%live(1, nl), motion, &
+                       closing_waves(body%law, plan%dt_strain, jacobian, nb, state, speed2), &
+                       jacobian, work)
     end if
 #ifdef AXISYMMETRIC
     if (plan%stress .and. .not. task%centred) call hoop_force(task, motion, values)
@@ -876,9 +880,9 @@ contains
     outside = left > 0.0_dp
   end subroutine drift
 
-  !> Largest c + |v| for the time step (Eq. 69), and whether the state of all particles makes sense:
-  !! not inside out, slower than anything, and with a sound speed (c^2 turns negative where a
-  !! blown-up state leaves the range of an equation of state).
+  !> Largest c + |v| for the time step (Eq. 69; c at least (CL1)), and whether the state of all
+  !! particles makes sense: not inside out, slower than anything, and with a sound speed (c^2 turns
+  !! negative where a blown-up state leaves the range of an equation of state).
   pure subroutine check_chunk(nl, id, live, motion, speed2, jacobian, work)
     integer, intent(in) :: nl
     integer(i4), intent(in) :: id(lanes)

@@ -9,6 +9,14 @@
 !! with s* = mean stress/equivalent stress, tension positive (D3 of a metal is negative). The return
 !! is implicit in the plastic strain and its rate; the temperature is that of the beginning of the
 !! step.
+!!
+!! Damage may take strength before matter fails (Borvik, Hopperstad, Berstad and Langseth, Eur. J.
+!! Mech. A/Solids 20 (2001), 685-712, who count damage up to Dc where D is 1 here):
+!!
+!!     sigma_y = (1 - Dc D) (A + B r^n) ...,  dr = (1 - Dc D) dep                      (J4)
+!!
+!! with the damage of the beginning of the step, and r = ep (1 - Dc D/2), which is the integral
+!! while D grows in proportion to ep.
 module sgmp_material_jc
   use sgmp_heating, only: heating_keys, plastic_heat_lanes
   use sgmp_keys, only: fault_make, fault_t, key, key_t, kind_logical, kind_real, values_t
@@ -49,6 +57,7 @@ module sgmp_material_jc
     real(dp) :: taylor_quinney = 0.0_dp       !! fraction of the plastic work that heats
     logical :: failure = .false.              !! damage accumulates
     real(dp) :: damage(damage_constants) = 0.0_dp  !! D1..D5
+    real(dp) :: critical_damage = 0.0_dp      !! Dc, part of the strength that damage takes
   end type jc_t
 
 contains
@@ -72,13 +81,16 @@ contains
                 range='(0,inf)', default='1'), &
             heating_keys(), &
             key('failure', kind_logical, 'Johnson-Cook damage and failure: at a plastic strain '// &
-                'of (d1 + d2 exp(d3 s)) (1 + d4 ln r) (1 + d5 T*)', default='no'), &
+                'of (d1 + d2 exp(d3 s)) (1 + d4 ln r) (1 + d5 T*); no where it is not given'), &
             key('d1', kind_real, 'Johnson-Cook D1', default='0'), &
             key('d2', kind_real, 'Johnson-Cook D2', default='0'), &
             key('d3', kind_real, 'Johnson-Cook D3; s: mean stress over von Mises stress, '// &
                 'tension positive, so d3 of a metal is negative', default='0'), &
             key('d4', kind_real, 'Johnson-Cook D4', default='0'), &
-            key('d5', kind_real, 'Johnson-Cook D5', default='0')]
+            key('d5', kind_real, 'Johnson-Cook D5', default='0'), &
+            key('critical_damage', kind_real, 'part of the strength that damage has taken when '// &
+                'it fails, with failure=yes (Borvik and others 2001; theirs is 0.3 for steel); '// &
+                'without it strength is all there until it fails', range='[0,1)', default='0')]
   end function jc_keys
 
   !> Law from the values of its keys.
@@ -99,6 +111,7 @@ contains
     end if
     if (values%flag('failure')) then
       call jc_set_failure(law, [(values%number(damage_names(i)), i=1, damage_constants)])
+      law%critical_damage = values%number('critical_damage')
     end if
     history%plastic = .true.
     history%temperature = law%thermal
@@ -111,6 +124,10 @@ contains
              values%number('melt_temperature') <= values%number('room_temperature')) then
       call fault_make(fault, 'melt_temperature', &
                       'the melting temperature is not above room temperature', 'check both')
+    else if (values%number('critical_damage') > 0.0_dp .and. .not. values%has('failure')) then
+      call fault_make(fault, 'critical_damage', 'without failure=yes no damage grows that '// &
+                      'could take strength', &
+                      'add failure=yes with d1 to d5, or remove critical_damage')
     else if (law%failure .and. law%damage(2) > 0.0_dp .and. law%damage(3) > 0.0_dp) then
       call fault_make(fault, 'd3', 'with d3 above 0 tension makes the material more ductile', &
                       'stress is positive in tension here; where pressure is, d3 has the '// &
@@ -232,7 +249,7 @@ contains
   !! A lane fails when its damage reaches 1, where it then stays. What it carries from then on is
   !! the caller's affair (sgmp_failure), who gives it no deviator to return.
   pure subroutine jc_return(law, shear3, dt, trial, mean, ep, temperature, damage, factor, dep, &
-                            scatter, driving)
+                            scatter, driving, loss)
     type(jc_t), intent(in) :: law                !! constants
     real(dp), intent(in) :: shear3               !! three times the shear modulus (stress)
     real(dp), intent(in) :: dt                   !! time step, > 0
@@ -246,11 +263,19 @@ contains
     real(dp), intent(in), optional :: scatter(lanes)  !! factor on the yield stress
     real(dp), intent(in), optional :: driving(lanes)  !! strain increment of heat and damage, by
                                                       !! default that of the step
-    real(dp) :: softening(lanes), drive(lanes)
+    real(dp), intent(in), optional :: loss(lanes)     !! part of the strength lost, Dc D of (J4)
+    real(dp) :: softening(lanes), drive(lanes), hardened(lanes)
     softening = 1.0_dp
     if (law%thermal) call softening_lanes(law, temperature, softening)
     if (present(scatter)) softening = scatter*softening
-    call flow_lanes(law, shear3, dt, softening, trial, ep, factor, dep)
+    if (present(loss)) then
+      softening = (1.0_dp - loss)*softening
+      hardened = (1.0_dp - 0.5_dp*loss)*ep
+      call flow_lanes(law, shear3, dt, softening, trial, hardened, factor, dep)
+      ep = ep + dep
+    else
+      call flow_lanes(law, shear3, dt, softening, trial, ep, factor, dep)
+    end if
     drive = dep
     if (present(driving)) drive = driving
     if (law%failure) call damage_lanes(law, dt, trial, factor, mean, temperature, drive, damage)

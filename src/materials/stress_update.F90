@@ -914,6 +914,7 @@ contains
     real(dp), intent(out) :: factor(lanes), increment(lanes)
     real(dp), intent(in), optional :: scatter(lanes)
     real(dp) :: damage(lanes), temperature(lanes), driving(lanes), shear3
+    real(dp), allocatable :: loss(:)             !! absent from calls where damage takes no strength
     shear3 = 3.0_dp*law%elastic%shear
     temperature = law%history%first_temperature
     if (law%slots%temperature > 0) temperature = b(:, law%slots%temperature)
@@ -936,14 +937,17 @@ contains
       end if
       damage = 0.0_dp
       if (law%jc%failure .and. law%slots%strength == 0) damage = b(:, law%slots%damage)
+      if (law%jc%critical_damage > 0.0_dp) then
+        loss = law%jc%critical_damage*b(:, law%slots%damage)
+      end if
       if (law%slots%averaged == 0) then
         call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, &
-                       damage, factor, increment, scatter)
+                       damage, factor, increment, scatter, loss=loss)
       else
         driving = b(:, law%slots%averaged) - b(:, law%slots%averaging + averaging_values - 1)
         b(:, law%slots%averaging + averaging_values - 1) = b(:, law%slots%averaged)
         call jc_return(law%jc, shear3, dt, norm, mean, b(1, law%slots%plastic), temperature, &
-                       damage, factor, increment, scatter, driving)
+                       damage, factor, increment, scatter, driving, loss)
       end if
       if (law%jc%failure .and. law%slots%strength > 0) then
         damage = min(1.0_dp, b(:, law%slots%damage) + damage/b(:, law%slots%strength))

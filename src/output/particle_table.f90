@@ -1,6 +1,6 @@
 !> All particles at one time as a table that any script reads: particles_end.csv.
 module sgmp_particle_table
-  use omp_lib, only: omp_get_max_threads
+!$ use omp_lib, only: omp_get_max_threads
   use sgmp_decimals, only: integer_put, integer_width, real_width, reals_put
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: newline, output_file_t
@@ -33,11 +33,13 @@ contains
     call file%line(csv_header(snapshot))
     n = size(snapshot%id)
     width = 2*integer_width + real_width*columns(snapshot)
-    blocks = share*omp_get_max_threads()
+    blocks = share
+!$  blocks = share*omp_get_max_threads()
     allocate (character(rows*width) :: text(blocks))
     allocate (used(blocks))
     do first = 1, n, rows*blocks
-      !$omp parallel do schedule(dynamic) default(none) shared(snapshot, first, n, text, used, blocks)
+      !$omp parallel do schedule(dynamic) default(none) &
+      !$omp   shared(snapshot, first, n, text, used, blocks)
       do b = 1, blocks
         call write_rows(snapshot, first + rows*(b - 1), min(n, first + rows*b - 1), text(b), &
                         used(b))

@@ -51,7 +51,7 @@ contains
     if (file_exists(path)) call read_entries(self%folder, path, keep_to_time, self%entries, error)
   end subroutine series_open
 
-  !> Writes one dump, then the collection; both replace their predecessors in one step. With `behind`
+  !> Writes one dump, then the collection; both replace what was there in one step. With `behind`
   !! a thread does so, in this order.
   subroutine series_dump(self, snapshot, error, behind)
     class(vtu_series_t), intent(inout) :: self

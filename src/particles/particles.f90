@@ -292,7 +292,8 @@ contains
     integer(i8), allocatable :: key(:)
     integer :: p, bin(3), number
     allocate (i(size(order)), key(size(order)))
-    !$omp parallel do schedule(static) default(none) shared(particles, x, order, i, key) private(bin)
+    !$omp parallel do schedule(static) default(none) &
+    !$omp   shared(particles, x, order, i, key) private(bin)
     do p = 1, size(order)
       bin = bin_coordinates(particles, x(:, order(p)))
       key(p) = row_key(bin(2), bin(3))

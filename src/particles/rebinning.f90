@@ -32,7 +32,7 @@ module sgmp_rebinning
   end type arrivals_t
 
   integer, parameter :: prefetch_ahead = 6  !! movers
-  integer, parameter :: few = 512           !! movers, or rows, that are not worth a meeting of threads
+  integer, parameter :: few = 512   !! movers, or rows, that are not worth a meeting of threads
 
 contains
 

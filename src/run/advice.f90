@@ -32,15 +32,15 @@ contains
     type(model_t), intent(in) :: model
     type(string_t), allocatable, intent(out) :: lines(:)
     type(graded_plan_t) :: plan
-    logical :: open(3)                         !! axes of which nothing is said yet
+    logical :: unsaid(3)                       !! axes of which nothing is said yet
     allocate (lines(0))
     if (model%clock%step > 0) return
-    open = .false.
-    open(:scene%dimension) = .true.
+    unsaid = .false.
+    unsaid(:scene%dimension) = .true.
     if (scene_plain(scene)) then
-      call advise_revolution(scene, model, open, lines)
-      call advise_dimension(scene, model, open, lines)
-      call advise_mirrors(scene, open, lines)
+      call advise_revolution(scene, model, unsaid, lines)
+      call advise_dimension(scene, model, unsaid, lines)
+      call advise_mirrors(scene, unsaid, lines)
     end if
     call graded_plan_find(scene, model, plan)
     if (plan%words == '' .or. plan%gain < enough) return
@@ -51,10 +51,10 @@ contains
   end subroutine advice_find
 
   !> A body of revolution in three dimensions.
-  subroutine advise_revolution(scene, model, open, lines)
+  subroutine advise_revolution(scene, model, unsaid, lines)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    logical, intent(inout) :: open(3)
+    logical, intent(inout) :: unsaid(3)
     type(string_t), allocatable, intent(inout) :: lines(:)
     real(dp) :: line(3), low(3), high(3), rings
     integer :: a
@@ -71,8 +71,8 @@ contains
                'their sections (r,z), unless it may buckle or break out of round: about '// &
                factor_text(real(sum(model%totals%particles), dp)/rings)// &
                ' times fewer particles')]
-      open(:) = .false.
-      open(a) = .true.
+      unsaid(:) = .false.
+      unsaid(a) = .true.
       return
     end do
   end subroutine advise_revolution
@@ -110,22 +110,17 @@ contains
   end function rings_of
 
   !> Axes along which nothing changes.
-  subroutine advise_dimension(scene, model, open, lines)
+  subroutine advise_dimension(scene, model, unsaid, lines)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    logical, intent(inout) :: open(3)
+    logical, intent(inout) :: unsaid(3)
     type(string_t), allocatable, intent(inout) :: lines(:)
     character(:), allocatable :: names, left
     logical :: alike(3)
     real(dp) :: fewer
     integer :: a, b, dimension
     if (scene%axisymmetric .or. scene%dimension == 1) return
-    alike = .false.
-    do a = scene%dimension, 1, -1
-      if (count(alike) == scene%dimension - 1) exit
-      if (.not. open(a) .or. model%mesh%axes(a)%graded) cycle
-      alike(a) = scene_uniform(scene, a)
-    end do
+    alike = axes_alike(scene, unsaid .and. .not. model%mesh%axes%graded)
     dimension = scene%dimension - count(alike)
     if (.not. any(alike) .or. .not. scene%allows%dimension(dimension)) return
     fewer = 0.0_dp
@@ -145,13 +140,25 @@ contains
                              integer_text(dimension)//' in'//left//': '// &
                              factor_text(sum(model%totals%particles)/fewer)// &
                              ' times fewer particles')]
-    where (alike) open = .false.
+    where (alike) unsaid = .false.
   end subroutine advise_dimension
 
-  !> Planes of symmetry.
-  subroutine advise_mirrors(scene, open, lines)
+  !> Which axes a scene can do without: one is left.
+  function axes_alike(scene, asked) result(alike)
     type(scene_t), intent(in) :: scene
-    logical, intent(in) :: open(3)
+    logical, intent(in) :: asked(3)
+    logical :: alike(3)
+    integer :: a
+    alike = .false.
+    do a = scene%dimension, 1, -1
+      if (asked(a) .and. count(alike) < scene%dimension - 1) alike(a) = scene_uniform(scene, a)
+    end do
+  end function axes_alike
+
+  !> Planes of symmetry.
+  subroutine advise_mirrors(scene, unsaid, lines)
+    type(scene_t), intent(in) :: scene
+    logical, intent(in) :: unsaid(3)
     type(string_t), allocatable, intent(inout) :: lines(:)
     character(:), allocatable :: planes, grid, wall, cut
     character(9), parameter :: parts(3) = [character(9) :: 'a half', 'a quarter', 'an eighth']
@@ -165,7 +172,7 @@ contains
     cut = ''
     found = 0
     do a = 1, scene%dimension
-      if (.not. open(a) .or. (scene%axisymmetric .and. a == 1)) cycle
+      if (.not. unsaid(a) .or. (scene%axisymmetric .and. a == 1)) cycle
       call choose_plane(scene, a, plane)
       if (.not. abs(plane) < 1.0e30_dp) cycle
       if (.not. scene_mirrored(scene, a, plane)) cycle
@@ -248,7 +255,8 @@ contains
       lines = [lines, string_t('output '//trim(dump_names(f))//' writes '// &
                integer_text(nint(min(dumps, 1.0e15_dp), i8))//' dumps, which take longer than '// &
                'the steps: every='//real_text_about(rounded(every))//' makes it a tenth of '// &
-               'them at most: about '//factor_text((solving + seconds)/(1.1_dp*solving))//' times less time')]
+               'them at most: about '//factor_text((solving + seconds)/(1.1_dp*solving))// &
+               ' times less time')]
     end do
   end function advice_of_output
 

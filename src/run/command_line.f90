@@ -112,36 +112,58 @@ contains
   subroutine check_combination(chosen, error)
     type(command_line_t), intent(in) :: chosen
     type(error_t), allocatable, intent(out) :: error
-    if (chosen%action == action_materials .and. (runs_something(chosen) .or. chosen%keep_3d .or. &
-                                                 chosen%output /= '')) then
-      call error_make(error, exit_usage, 'materials takes no options', &
-                      'sgmp materials lists them, sgmp materials NAME shows one')
-    end if
-    if (.not. any(chosen%action == [action_run, action_import, action_new])) return
-    if (chosen%action == action_new .and. (runs_something(chosen) .or. chosen%keep_3d)) then
-      call error_make(error, exit_usage, 'new takes --output only', &
-                      'run the deck that it makes with the other options')
-    else if (chosen%deck == '' .and. chosen%action /= action_new) then
+    select case (chosen%action)
+    case (action_run, action_import, action_new)
+      call check_action(chosen, error)
+      if (.not. allocated(error)) call check_pairs(chosen, error)
+    case (action_materials)
+      if (runs_something(chosen) .or. chosen%keep_3d .or. chosen%output /= '') then
+        call error_make(error, exit_usage, 'materials takes no options', &
+                        'sgmp materials lists them, sgmp materials NAME shows one')
+      end if
+    case default  ! help and the like have been parsed
+      return
+    end select
+  end subroutine check_combination
+
+  !> What a run, an import and a new deck need and take.
+  subroutine check_action(chosen, error)
+    type(command_line_t), intent(in) :: chosen
+    type(error_t), allocatable, intent(out) :: error
+    if (chosen%action == action_new) then
+      if (runs_something(chosen) .or. chosen%keep_3d) then
+        call error_make(error, exit_usage, 'new takes --output only', &
+                        'run the deck that it makes with the other options')
+      end if
+    else if (chosen%deck == '') then
       call error_make(error, exit_usage, 'no deck given', &
                       'usage: sgmp DECK [--check] …; see sgmp --help')
     else if (chosen%action == action_import .and. runs_something(chosen)) then
       call error_make(error, exit_usage, 'import takes --keep-3d and --output only', &
                       'run the deck that it makes with the other options')
-    else if (chosen%suggest .and. (chosen%check .or. chosen%restart /= '' .or. &
-                                   chosen%output /= '')) then
-      call error_make(error, exit_usage, '--suggest does not go with --check, --restart, --output', &
+    end if
+  end subroutine check_action
+
+  !> Options of which one excludes the other.
+  subroutine check_pairs(chosen, error)
+    type(command_line_t), intent(in) :: chosen
+    type(error_t), allocatable, intent(out) :: error
+    if (chosen%suggest .and. (chosen%check .or. chosen%restart /= '' .or. &
+                              chosen%output /= '')) then
+      call error_make(error, exit_usage, &
+                      '--suggest does not go with --check, --restart, --output', &
                       'run or check the deck that it writes')
     else if (chosen%quiet .and. chosen%verbose) then
       call error_make(error, exit_usage, '--quiet and --verbose exclude each other', 'remove one')
     end if
-  end subroutine check_combination
+  end subroutine check_pairs
 
   !> Whether there are options that mean something for a run only.
   pure function runs_something(chosen) result(yes)
     type(command_line_t), intent(in) :: chosen
     logical :: yes
-    yes = chosen%check .or. chosen%suggest .or. chosen%verbose .or. chosen%threads > 0 .or. chosen%time_limit > 0 &
-          .or. size(chosen%settings) > 0 .or. chosen%restart /= ''
+    yes = chosen%check .or. chosen%suggest .or. chosen%verbose .or. chosen%threads > 0 .or. &
+          chosen%time_limit > 0 .or. size(chosen%settings) > 0 .or. chosen%restart /= ''
   end function runs_something
 
   !> Takes the option at `i`; `i` ends at its last word. Values may follow as `--option=value` too.

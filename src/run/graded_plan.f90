@@ -104,9 +104,7 @@ contains
     else if (scene%axisymmetric .or. scene%method%kind /= method_sgmp .or. &
              .not. scene%allows%graded) then
       reason = 'unequal cells do not go with what it asks for (sgmp help combinations)'
-    else if (any(abs(scene%gravity) > 0.0_dp) .or. size(scene%bodyforces) > 0 .or. &
-             size(scene%loads) > 0 .or. size(scene%motions) > 0 .or. &
-             size(scene%detonations) > 0) then
+    else if (pushed(scene)) then
       reason = 'forces or explosives act elsewhere than where bodies meet'
     else if (.not. scene%time%end > 0.0_dp) then
       reason = 'it has no end in time, so that it is not known how far bodies fly'
@@ -121,6 +119,14 @@ contains
       end do
     end if
   end subroutine find_obstacle
+
+  !> Whether something other than contact moves bodies.
+  pure function pushed(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    yes = any(abs(scene%gravity) > 0.0_dp) .or. size(scene%bodyforces) > 0 .or. &
+          size(scene%loads) > 0 .or. size(scene%motions) > 0 .or. size(scene%detonations) > 0
+  end function pushed
 
   !> Whether a material is a ductile solid.
   pure function ductile(law) result(yes)
@@ -138,26 +144,18 @@ contains
     type(box_t), intent(out) :: boxes(:)
     character(:), allocatable, intent(out) :: reason
     real(dp) :: speed
-    integer :: b, a
+    integer :: b
     reason = ''
     speed = 0.0_dp
     do b = 1, size(boxes)
-      associate (card => scene%bodies(b), box => boxes(b))
-        call shapes_box(card%shapes, box%low, box%high)
-        box%low(scene%dimension + 1:) = 0.0_dp
-        box%high(scene%dimension + 1:) = 0.0_dp
+      associate (card => scene%bodies(b))
         if (.not. all(card%velocity%is_constant .and. card%motion%is_constant)) then
           reason = "the velocity of '"//trim(card%name)//"' is a formula"
           return
         end if
-        box%velocity = card%velocity%value
-        if (card%rigid .and. .not. card%free) box%velocity = card%motion%value
-        box%flies = any(abs(box%velocity) > 0.0_dp)
-        speed = max(speed, norm2(box%velocity))
-        do a = 1, scene%dimension
-          call cut_at_walls(scene, a, box)
-        end do
       end associate
+      call make_box(scene, scene%bodies(b), boxes(b))
+      speed = max(speed, norm2(boxes(b)%velocity))
     end do
     if (all(boxes%flies) .or. .not. any(boxes%flies)) then
       reason = 'no body flies into another one at rest'
@@ -170,6 +168,23 @@ contains
                                                  "' has parts that cells must resolve"
     end do
   end subroutine find_boxes
+
+  !> The box of a body, and how it flies.
+  subroutine make_box(scene, card, box)
+    type(scene_t), intent(in) :: scene
+    type(body_card_t), intent(in) :: card
+    type(box_t), intent(out) :: box
+    integer :: a
+    call shapes_box(card%shapes, box%low, box%high)
+    box%low(scene%dimension + 1:) = 0.0_dp
+    box%high(scene%dimension + 1:) = 0.0_dp
+    box%velocity = card%velocity%value
+    if (card%rigid .and. .not. card%free) box%velocity = card%motion%value
+    box%flies = any(abs(box%velocity) > 0.0_dp)
+    do a = 1, scene%dimension
+      call cut_at_walls(scene, a, box)
+    end do
+  end subroutine make_box
 
   !> A box within the grid, as wide as with its image where it meets a slip wall.
   subroutine cut_at_walls(scene, axis, box)

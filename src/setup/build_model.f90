@@ -10,6 +10,7 @@ module sgmp_build_model
   use sgmp_build_columns, only: columns_build
   use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
+  use sgmp_closing, only: closing_first
   use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, law_set_average, &
                                law_set_length, law_slots
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
@@ -137,6 +138,10 @@ contains
     if (.not. seeded) return
     call step_start(model)
     call open_ledger(model)
+    associate (sums => model%totals%bodies)
+      model%clock%first = closing_first(model%bodies%law, sqrt(2.0_dp*sums%kinetic/ &
+                                                               max(sums%mass, tiny(1.0_dp))))
+    end associate
     call angular_momentum_note(model%mesh, model%method, model%bodies, model%contact%pairs, &
                                model%totals%bodies, model%turning)
     call check_limit(scene%time, model, error)

@@ -26,6 +26,7 @@ module sgmp_time_step
     real(dp) :: dt_free = 0.0_dp       !! last step before it was shortened for an output time
     real(dp) :: longest = 0.0_dp, shortest = huge(1.0_dp)  !! of dt_free, in the run
     real(dp) :: cfl = 0.5_dp, fixed = 0.0_dp, growth = 1.05_dp
+    real(dp) :: first = 1.0_dp         !! part of a Courant step that the first one takes
     real(dp) :: smallest = 0.0_dp      !! lower bound
     logical :: automatic = .false.     !! cfl follows from the scheme (sgmp_stability)
     integer :: next_probe = 0          !! step at which it is found anew
@@ -57,6 +58,7 @@ contains
     clock%dt_free = dt
     clock%longest = max(clock%longest, dt)
     clock%shortest = min(clock%shortest, dt)
+    if (clock%step == 0 .and. clock%limited_by == limit_courant) dt = clock%first*dt
     clock%dt = even_step(dt, target - clock%time)
     if (clock%dt < noticed*dt) clock%limited_by = limit_landing
     if (clock%smallest <= 0.0_dp) clock%smallest = 1.0e-6_dp*clock%dt_free

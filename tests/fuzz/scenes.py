@@ -303,6 +303,8 @@ class Scene:
             damages = kind == "johnson_cook" and luck.random() < 0.4
             if damages:
                 lines = [features.damage_constants(luck, lines[0]), *lines[1:]]
+                if self.has_law(f"critical damage {numbers['name']}", 0.5):
+                    lines[0] += " critical_damage=" + self.stream("critical damage").choice(("0.3", "0.9"))
             fails = damages or luck.random() < 0.8
             if not damages and fails or luck.random() < 0.3 or wears:
                 grady = self.has_further(f"spall {numbers['name']}", 0.5)

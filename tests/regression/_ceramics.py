@@ -8,6 +8,23 @@ def power(base, exponent):
     return base**exponent if base > 0 else 0.0
 
 
+def flow_of(trial, stiffness, strength):
+    """Plastic strain that takes a trial stress down to the strength that it leaves: the secant method that keeps the
+    root between its ends (Illinois)."""
+    low, high, flow = 0.0, trial/stiffness, 0.0
+    above, below = trial - strength(low), -strength(high)
+    for _ in range(60):
+        flow = (low*below - high*above)/(below - above)
+        left = trial - stiffness*flow - strength(flow)
+        if abs(left) < 1e-7*trial:
+            break
+        if left > 0:
+            low, above, below = flow, left, below/2
+        else:
+            high, below, above = flow, left, above/2
+    return flow
+
+
 def strengths(c, pressure, rate):
     """Of intact and of fractured matter."""
     unit = 1.5*(c["hugoniot_limit"] - c["hugoniot_pressure"])
@@ -62,17 +79,7 @@ def squeezed(c, times, volumes, substeps):
                 return intact - grown*(intact - fractured), grown, more
             flow = 0.0
             if trial > after(0.0)[0]:
-                low, high = 0.0, trial/(3*shear)
-                above, below = trial - after(low)[0], -after(high)[0]
-                for _ in range(60):  # Illinois
-                    flow = (low*below - high*above)/(below - above)
-                    left = trial - 3*shear*flow - after(flow)[0]
-                    if abs(left) < 1e-9*trial:
-                        break
-                    if left > 0:
-                        low, above, below = flow, left, below/2
-                    else:
-                        high, below, above = flow, left, above/2
+                flow = flow_of(trial, 3*shear, lambda strain: after(strain)[0])
                 _, damage, bulking = after(flow)
                 axial *= (trial - 3*shear*flow)/trial
                 plastic += flow

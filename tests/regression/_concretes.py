@@ -3,6 +3,8 @@ and pressure of a step agree with each other at its end, in shorter steps; compa
 compression."""
 import math
 
+from _ceramics import flow_of
+
 
 def dense_curve(c, mu):
     x = (mu - c["lock_compression"])/(1 + c["lock_compression"])
@@ -96,10 +98,7 @@ def crushed(c, times, volumes, substeps):
                 return strength(c, max(curve, -c["tension_limit"]*(1 - grown)), rate, grown), grown
             flow = 0.0
             if trial > after(0.0)[0]:
-                low, high = 0.0, trial/(3*shear)
-                for _ in range(30):
-                    flow = (low + high)/2
-                    low, high = (flow, high) if trial - 3*shear*flow > after(flow)[0] else (low, flow)
+                flow = flow_of(trial, 3*shear, lambda strain: after(strain)[0])
                 axial *= (trial - 3*shear*flow)/trial
                 plastic += flow
             damage = after(flow)[1]

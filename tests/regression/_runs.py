@@ -8,11 +8,14 @@ import sys
 SGMP, SOURCE, SCRATCH = (os.path.abspath(path) for path in sys.argv[1:4])
 INPUT = os.path.join(SOURCE, "input")
 os.makedirs(SCRATCH, exist_ok=True)
-# Open MPI starts faster without a daemon of its own, but then needs a folder that no other script uses.
+# Open MPI starts faster without a daemon of its own, but then needs a folder that no other script uses; and without
+# looking for a way to other machines.
 ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive", "OMPI_MCA_ess_singleton_isolated": "1",
-               "OMPI_MCA_orte_tmpdir_base": SCRATCH, "SGMP_THREADS": "exact"}
+               "OMPI_MCA_orte_tmpdir_base": SCRATCH, "OMPI_MCA_plm": "isolated", "SGMP_THREADS": "exact"}
 # Long scripts are run in pieces, side by side (tests/CMakeLists.txt): number of this one, and how many there are.
 PIECE, PIECES = (int(number) for number in os.environ.get("SGMP_TEST_PIECE", "1/1").split("/"))
+# `make test-full` asks for more of the same.
+FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 # The mutation tool asks whether anything fails, not what.
 FIRST_ENDS = os.environ.get("SGMP_TEST_FIRST_ENDS", "") not in ("", "0")
 

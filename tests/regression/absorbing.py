@@ -35,12 +35,12 @@ parameter method = sgmp
 parameter edge = absorbing
 parameter upper = 60
 dimension 2
-grid cell=1 x=-30:$upper y=-70:90
+grid cell=1.5 x=-30:$upper y=-69:90
 wall x+=$edge
 method $method
 time end=60 cfl=0.5
 material m {material}
-body block block material=m lower=(-30,-70) upper=($upper,90) ppc=2
+body block block material=m lower=(-30,-69) upper=($upper,90) ppc=2
 velocity block x="1e-3*{vx}*exp(-((x+y-20)/sqrt(2)/6)^2)" y="1e-3*{vy}*exp(-((x+y-20)/sqrt(2)/6)^2)"
 initial_stress block {stress}
 output csv at=end fields=stress,velocity
@@ -93,6 +93,7 @@ METHODS = [
     ("gimp", "musl"), ("gimp", "usl"), ("cpgimp", "usavg"), ("bspline", "musl"),
 ]
 PULSE = 1e-3
+SPACING = 0.75  # of OBLIQUE's particles
 
 
 def coming_back(rows, beside):
@@ -211,7 +212,7 @@ def oblique(report):
                 return
             # Nothing moves by half of a spacing; waves of the corners have not come so far.
             fields[label] = {
-                (floor(2 * row["x"]), floor(2 * row["y"])): (row["velocity_x"], row["velocity_y"])
+                (floor(row["x"] / SPACING), floor(row["y"] / SPACING)): (row["velocity_x"], row["velocity_y"])
                 for row in result.table("particles_end.csv")
                 if 40 < row["x"] < 58 and 0 < row["y"] < 20
             }
@@ -220,7 +221,7 @@ def oblique(report):
             label: np.array([np.subtract(fields[label][at], fields["far"][at]) for at in places]) / PULSE
             for label in ("edge", "free")
         }
-        form, parts = reflected(name, np.array(places) / 2 + 0.25, 60.0)
+        form, parts = reflected(name, SPACING * (np.array(places) + 0.5), 60.0)
         size = {"measured": back["edge"], "closed form": form, "free side": back["free"],
                 "difference": back["edge"] - form}
         size = {label: float(np.hypot(*values.T).max()) for label, values in size.items()}

@@ -9,7 +9,7 @@ finite volumes on a fine grid. Constants and the total stay.
 """
 import math
 
-from _runs import AVERAGED, Report, run
+from _runs import AVERAGED, Report, changed, run
 
 # A bar whose middle yields; its ends do not.
 LINE = """
@@ -182,8 +182,9 @@ def cells(report):
     takes = {}
     for length in (0, 1):
         for h in (0.5, 0.25):
-            deck = AVERAGED if length else AVERAGED.replace("length=1", "")
-            result = run(f"notched_{length}_{h}", deck, h=h, t_end=0.06)
+            deck = changed(AVERAGED, ("-8,-2", "-5,-2"), ("(8,2)", "(5,2)"), ("x>7", "x>4"), ("x<-7", "x<-4"),
+                           ("length=1\n", "length=1\n" if length else "\n"))
+            result = run(f"notched_{length}_{h}", deck, h=h, t_end=0.05)
             if report.finished(result, f"notched {length} {h}"):
                 takes[length, h] = result["energy.supplied"]
                 told = any("follows the cell" in reason for reason in result["verdict_reasons"])

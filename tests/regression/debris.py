@@ -25,7 +25,7 @@ eos lead gruneisen c0=2092 s=1.45 gamma0=2
 failure lead plastic_strain=3 pmin=pmin carries=$carries
 viscosity lead
 body ball sphere material=lead centre=(0,0,-7.5) radius=7.5 spacing=2.12
-body plate block material=lead lower=(-63.6,-63.6,0) upper=(63.6,63.6,6.36) spacing=2.12
+body plate block material=lead lower=(-33.92,-33.92,0) upper=(33.92,33.92,6.36) spacing=2.12
 velocity ball z=6580
 history every=0.001
 """

@@ -6,8 +6,10 @@ usage: documents.py SGMP SOURCE_DIR SCRATCH_DIR
 Every `sgmp …` of README.md, the user guide and other pages is given to the program with --check, every `sgmp-view …` to
 its parser; words like DECK, NAME or … mark what is no command. Tecplot's macro is compared with what it reads.
 """
+import contextlib
 import glob
 import importlib.util
+import io
 import os
 import re
 import shlex
@@ -97,6 +99,20 @@ def call(words, folder):
     return done.returncode, done.stdout.decode("utf-8", "replace")
 
 
+def help_of(name):
+    """Exit code and text of a command of sgmp-view; all in this process, whose modules are loaded once."""
+    sys.path.insert(0, os.path.join(SOURCE, "python"))
+    from sgmp_view import command
+
+    printed, code = io.StringIO(), 0
+    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
+        try:
+            command.main([name, "--help"])
+        except SystemExit as end:
+            code = end.code
+    return code or 0, printed.getvalue()
+
+
 def checked(words):
     """A command of sgmp that runs nothing; None where there is no such deck."""
     if words[0] in ("new", "help", "completion", "materials"):
@@ -121,7 +137,7 @@ def understood(report):
     for name in ("my.inp", "scene.inp"):
         with open(os.path.join(SCRATCH, name), "w", encoding="utf-8") as file:
             file.write(OWN)
-    helps, count = {}, 0
+    helps, known, count = {}, {}, 0
     draws = all(importlib.util.find_spec(name) for name in ("numpy", "matplotlib"))
     for page in COMMANDS:
         for line in commands(page):
@@ -130,9 +146,7 @@ def understood(report):
                 continue
             if program == "sgmp-view":
                 if words[0] not in helps:
-                    helps[words[0]] = call(
-                        [sys.executable, os.path.join(SOURCE, "scripts", "sgmp-view"), words[0], "--help"], SCRATCH
-                    )
+                    helps[words[0]] = help_of(words[0])
                 code, text = helps[words[0]]
                 report.check(code == 0, f"{page}: {line}: {text[-200:]}")
                 for option in [word.split("=")[0] for word in words if word.startswith("--")]:
@@ -145,7 +159,9 @@ def understood(report):
                     named = line.split()[2 if line.split()[1] == "import" else 1]
                     report.check(named.endswith((".mpm", ".inp")), f"{page}: {line}: no such deck")
                     continue
-                code, text = call([SGMP, *words], SCRATCH)
+                if words[0] == "new" or tuple(words) not in known:
+                    known[tuple(words)] = call([SGMP, *words], SCRATCH)
+                code, text = known[tuple(words)]
                 report.check(code == 0, f"{page}: {line}: exit code {code}: {text[-300:]}")
             count += 1
     report.check(count > (30 if draws else 20), f"only {count} commands")

@@ -612,10 +612,10 @@ def budget(report):
         report, code == 1 and "the budget is" in text and "it needs about" in text,
         "a budget too small for the deck itself", text,
     )
-    deck = FLYING.replace("upper=(6,4)", "upper=(160,80)").replace("end=2", "end=70").replace("cfl=auto", "cfl=0.5")
+    deck = FLYING.replace("upper=(6,4)", "upper=(160,80)").replace("end=2", "end=45").replace("cfl=auto", "cfl=0.5")
     member = Member("deck", "long", "", deck, 1.0)
     shutil.rmtree(os.path.join(SCRATCH, "budget"), ignore_errors=True)
-    first = Runner(os.path.join(SCRATCH, "budget"), SGMP, 1, 1.5)
+    first = Runner(os.path.join(SCRATCH, "budget"), SGMP, 1, 1.0)
     check(
         report, not first.run(member) and member.code == 6 and member.note == "stopped at the budget",
         "stopped at the budget", f"{member}",

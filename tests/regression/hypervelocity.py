@@ -15,6 +15,7 @@ from _runs import SCRATCH, Report, run
 # A ball whose rear opens and whose front hits a wall: it fails everywhere, at once.
 CLOUD = """
 parameter cfl = 0.4
+parameter cell = 0.4
 parameter carries = nothing
 parameter method = sgmp
 parameter update = musl
@@ -22,7 +23,7 @@ parameter t_end = 0.012
 parameter back = -30
 units mm g ms
 dimension axisymmetric
-grid cell=0.25 r=0:open z=back:open
+grid cell=cell r=0:open z=back:open
 wall z-=slip
 method $method update=$update
 time end=t_end cfl=cfl

@@ -615,8 +615,8 @@ def page(report):
     with open("clusters.html", encoding="utf-8") as file:
         text = file.read()
     report.check(code == 0 and "<h2>State" in text, "a report of one dump")
+    view("report", "cloud", "-o", "cloud.html")
     for name, words in (("cloud", "No piece of it is whole."), ("hole", "% lost.</p>")):
-        view("report", name, "-o", f"{name}.html")
         with open(f"{name}.html", encoding="utf-8") as file:
             report.check(words in file.read(), f"what is left of the projectile in {name}: {words}")
     view("report", "plug", "-o", "plug.html")

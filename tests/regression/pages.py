@@ -30,6 +30,7 @@ if not all(importlib.util.find_spec(name) for name in ("numpy", "matplotlib")):
     print("skipped: numpy and matplotlib are not installed")
     sys.exit(77)
 sys.path.insert(0, os.path.join(SOURCE, "python"))
+import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from _dumps import Cloud, lattice, write_run  # noqa: E402
 from sgmp_view import command  # noqa: E402
@@ -66,11 +67,15 @@ LOOK = """<script>window.addEventListener('load', () => {
   const found = {width: innerWidth, scroll: root.scrollWidth, images: images, texts: texts.length,
     least: Math.min(...texts.map(e => parseFloat(getComputedStyle(e).fontSize))), height: root.scrollHeight,
     wide: wide.map(e => e.textContent.slice(0, 40))};
-  parent.document.getElementById('found').textContent = JSON.stringify(found);
+  parent.document.getElementById('found' + location.pathname.match(/look_(\\d+)/)[1]).textContent =
+    JSON.stringify(found);
 });</script>"""
 # A window cannot be narrower than 500 pixels, a frame in it can.
-FRAME = """<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><body style="margin:0">
-<pre id="found"></pre><iframe src="%s" style="border:0;width:%dpx;height:900px"></iframe></body>"""
+FRAME = """<script type="found" id="found%d"></script>
+<iframe src="%s" style="border:0;width:%dpx;height:%dpx;flex:none"></iframe>"""
+FRAMES = """<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">
+<body style="margin:0;display:flex">%s</body>"""
+HEIGHT = 900  # of a frame
 
 
 class Tags(html.parser.HTMLParser):
@@ -124,45 +129,57 @@ def browser():
     return next((shutil.which(name) for name in names if name and shutil.which(name)), None)
 
 
-def shown(program, path, width, host):
-    """What the page says of itself once it is shown, lines of its console; a screenshot stays in the scratch folder."""
-    copy, frame = os.path.join(os.path.dirname(path), "look.html"), os.path.join(SCRATCH, "frame.html")
-    with open(path, encoding="utf-8") as file:
-        text = file.read()
-    with open(copy, "w", encoding="utf-8") as file:
-        file.write(text.replace("</body>", LOOK + "</body>"))
-    with open(frame, "w", encoding="utf-8") as file:
-        file.write(FRAME % (f"{host}/{os.path.relpath(copy, SCRATCH)}", width))
+def called(program, *words):
+    """The browser without a display; what it prints and what it says."""
     common = [program, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run"]
     common += [f"--user-data-dir={SCRATCH}/browser", "--enable-logging=stderr"]
-
-    def called(*words):
-        words = [*common, *words]
-        return subprocess.run(words, capture_output=True, text=True, timeout=120, check=False, env=ENVIRONMENT)
-
-    done = called("--window-size=1400,900", "--dump-dom", f"{host}/frame.html")
-    os.remove(copy)
-    found = re.search(r'<pre id="found">(.+?)</pre>', done.stdout)
-    if not found:
-        return None, [done.stderr[-300:]]
-    found = json.loads(html.unescape(found.group(1)))
-    name = os.path.splitext(os.path.basename(path))[0]
-    found["screenshot"] = os.path.join(SCRATCH, f"{name}_{width}.png")
-    size = f"--window-size={width},{min(int(found['height']) + 40, 12000)}"
-    page = f"{host}/{os.path.relpath(path, SCRATCH)}"
-    again = called(size, "--virtual-time-budget=10000", f"--screenshot={found['screenshot']}", page)
-    said = done.stderr + again.stderr
-    return found, [line for line in said.splitlines() if "CONSOLE" in line and "Lunr index" not in line]
+    done = subprocess.run([*common, *words], capture_output=True, text=True, timeout=120, check=False, env=ENVIRONMENT)
+    return done.stdout, done.stderr
 
 
-def looked_at(report, program, path, pictures, host):
-    """A page at both widths: pictures are shown and as wide as a third of it, texts are not cut off."""
-    for width in WIDTHS:
-        found, console = shown(program, path, width, host)
+def shown(program, looks, host):
+    """What each page says of itself once it is shown in a frame of its width; lines of the console; a picture of all,
+    side by side, which stays in the scratch folder. One browser for all: it starts slowly."""
+    frames, sheet = [], os.path.join(SCRATCH, "sheet.png")
+    for number, (path, width) in enumerate(looks):
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        copy = os.path.join(os.path.dirname(path), f"look_{number}.html")
+        with open(copy, "w", encoding="utf-8") as file:
+            file.write(text.replace("</body>", LOOK + "</body>"))
+        frames.append(FRAME % (number, f"{host}/{os.path.relpath(copy, SCRATCH)}", width, HEIGHT))
+    with open(os.path.join(SCRATCH, "frames.html"), "w", encoding="utf-8") as file:
+        file.write(FRAMES % "".join(frames))
+    page = f"{host}/frames.html"
+    dom, said = called(program, "--dump-dom", page)
+    wide = sum(width for _, width in looks)
+    _, later = called(program, f"--window-size={wide},{HEIGHT}", "--virtual-time-budget=10000",
+                      f"--screenshot={sheet}", page)
+    for number, (path, _) in enumerate(looks):
+        os.remove(os.path.join(os.path.dirname(path), f"look_{number}.html"))
+    found = {int(number): json.loads(html.unescape(text))
+             for number, text in re.findall(r'<script type="found" id="found(\d+)">(.+?)</script>', dom)}
+    console = [line for line in (said + later).splitlines() if "CONSOLE" in line and "Lunr index" not in line]
+    return found, console, sheet if os.path.exists(sheet) else None
+
+
+def looked_at(report, program, pages_of, host):
+    """Pages at both widths: pictures are shown and as wide as a third of it, texts are not cut off."""
+    looks = [(path, width) for path, _ in pages_of for width in WIDTHS]
+    counts = [pictures for _, pictures in pages_of for _ in WIDTHS]
+    all_found, console, sheet = shown(program, looks, host)
+    report.check(not console, f"console: {console[:3]}")
+    report.check(sheet, "no screenshot")
+    picture = plt.imread(sheet)[..., :3] if sheet else np.zeros((1, 1, 3))
+    start = 0
+    for number, ((path, width), pictures) in enumerate(zip(looks, counts)):
         what = f"{os.path.basename(path)} at {width}"
-        if not report.check(found, f"{what}: not shown: {console}"):
+        strip = picture[:, start:start + width]
+        start += width
+        report.check(strip.size and np.ptp(strip, axis=(0, 1)).max() > 0.5, f"{what}: the screenshot is empty")
+        found = all_found.get(number)
+        if not report.check(found, f"{what}: not shown"):
             continue
-        report.check(not console, f"{what}: console: {console[:3]}")
         report.check(found["width"] == width and found["scroll"] <= width, f"{what}: {found['scroll']} pixels wide")
         report.check(not found["wide"], f"{what}: cut off: {found['wide'][:3]}")
         report.check(found["least"] >= 10, f"{what}: letters of {found['least']} pixels")
@@ -170,7 +187,6 @@ def looked_at(report, program, path, pictures, host):
         report.check(len(found["images"]) == pictures, f"{what}: {len(found['images'])} pictures of {pictures}")
         for complete, across in found["images"]:
             report.check(complete and 150 <= across <= width, f"{what}: a picture {across} wide, complete: {complete}")
-        report.check(os.path.getsize(found["screenshot"]) > 10000, f"{what}: the screenshot is empty")
 
 
 def pages(report):
@@ -199,21 +215,23 @@ def pages(report):
             report.check(not end.code, f"sgmp-view report {name}.out: {end.code}")
 
 
-def documents(report, program, host):
-    """Pages of `make doc`: each picture that the source names is in the page, and shown."""
+def documents(report):
+    """Pages of `make doc` with the number of pictures that the source names."""
     sys.path.insert(0, os.path.join(SOURCE, "scripts", "dev"))
     from site_pages import write_site
 
     said = write_site(SOURCE, os.path.join(SCRATCH, "site"))
     site = os.path.join(SCRATCH, "site", "html")
     if not report.check(not said, f"mkdocs: {said}"):
-        return
+        return []
+    written = []
     for name, source in DOCUMENTS.items():
         with open(os.path.join(SOURCE, source), encoding="utf-8") as file:
             pictures = len(re.findall(r"!\[[^]]*\][\[(]", file.read()))
         path = os.path.join(site, name)
-        if report.check(os.path.exists(path), f"{name} is not written") and program:
-            looked_at(report, program, path, pictures, host)
+        if report.check(os.path.exists(path), f"{name} is not written"):
+            written.append((path, pictures))
+    return written
 
 
 def main():
@@ -225,15 +243,15 @@ def main():
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=SCRATCH))
     threading.Thread(target=server.serve_forever, daemon=True).start()
     host = f"http://127.0.0.1:{server.server_port}"
-    for name, pictures in (("block", 8), ("plug", 8)):
-        path = os.path.join(SCRATCH, f"{name}.html")
-        report.check(parsed(report, path) == pictures, f"{name}: {pictures} pictures")
-        if program:
-            looked_at(report, program, path, pictures, host)
+    written = [(os.path.join(SCRATCH, f"{name}.html"), pictures) for name, pictures in (("block", 8), ("plug", 8))]
+    for path, pictures in written:
+        report.check(parsed(report, path) == pictures, f"{path}: {pictures} pictures")
     if importlib.util.find_spec("mkdocs"):
-        documents(report, program, host)
+        written += documents(report)
     else:
         print("not looked at: pages of `make doc`; missing: MkDocs (pip install 'mkdocs>=1.6,<2')")
+    if program:
+        looked_at(report, program, written, host)
     server.shutdown()
     if not program:
         print("parsed, not shown; missing: Chromium (Debian, Ubuntu: apt-get install chromium; or CHROMIUM=PROGRAM)")

@@ -20,7 +20,7 @@ EOS = f"c0={C0} s={S} gamma0={GAMMA} distention={ALPHA} crush_start={P0} crush_e
 
 def bisected(function, low, high):
     """Where an increasing function is nothing."""
-    for _ in range(200):
+    for _ in range(60):
         middle = (low + high)/2
         low, high = (middle, high) if function(middle) < 0 else (low, middle)
     return (low + high)/2
@@ -152,7 +152,7 @@ history steps=20
 def weak_wave(report, ce):
     """Plates that meet with 1 m/s: pressure rho c v behind a front that runs with the speed of sound of the porous
     matter."""
-    length, cells = 0.5, 800
+    length, cells = 0.5, 400
     t_end = 0.7*length/ce
     result = run(f"weak_{ce:.0f}", f"""dimension 1
 grid cell={length/cells!r} x=open
@@ -272,7 +272,7 @@ def impact(report, up, ce=C0):
     alone = jump((0.0, 1.0, 0.0, 0.0), up, begins, begins)
     if alone[2] > slow/(1 - elastic):  # it overtakes the precursor
         pressure, volume, speed = alone
-    length, cells = 0.01, 400 if up < 1000 else 200
+    length, cells = 0.01, 400 if up < 200 else 200 if up < 1000 else 100
     t_end = 0.8*length/max(speed, C0)
     result = run(f"impact_{up:.0f}_{ce:.0f}", f"""dimension 1
 grid cell={length/cells!r} x=open

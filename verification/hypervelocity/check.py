@@ -382,6 +382,7 @@ NOTES = {
     "slow": "at 3 km/s the ball comes apart even so: the end of the equation's range",
 }
 KNOWN = {
+    ("fragment", 0.16): 0.65,
     "contact": 1082.9,
     ("crater", 3000, 0.5): 6.945,
     ("crater", 6000, 0.5): 11.97,
@@ -393,10 +394,8 @@ KNOWN = {
     ("ductile", 7000, 0.5): 11.68,
     ("diameter", 0.32): 5.75,
     "diameters": 4.25,
-    ("lead", "gimp"): 0.0359,
-    ("lead", "mpm"): 0.0618,
-    ("hole", "gimp"): 29.05,
-    ("hole", "mpm"): 28.54,
+    ("hole", "gimp"): 28.67,
+    ("hole", "mpm"): 27.56,
 }
 
 
