@@ -264,7 +264,8 @@ def bits(report):
     for name, update, rotation in (
         ("crowd", "musl", ""), ("crowd_usavg", "usavg", ""), ("crowd_exact", "musl", " rotation=exact"),
     ):
-        text = changed(CROWD.format(update=update, rotation=rotation), ("steps=60", "steps=30"), ("every=20", "every=10"))
+        text = CROWD.format(update=update, rotation=rotation)
+        text = changed(text, ("steps=60", "steps=30"), ("every=20", "every=10"))
         reference = straight(report, name, text)
         for title, threads, launcher in ((f"{name}_threads", 3, ()), (f"{name}_ranks", 1, mpirun(2))):
             other = straight(report, title, text, threads=threads, launcher=launcher)
