@@ -58,7 +58,9 @@ module sgmp_outputs
   end type outputs_t
 
   integer(i8), parameter :: most_waiting = 2_i8**30  !! bytes that may wait to be written,
-  integer(i8), parameter :: waiting_share = 16_i8    !! and which part of the memory there is
+  integer(i8), parameter :: waiting_share = 16_i8    !! which part of the memory there is,
+  integer(i8), parameter :: waiting_least = 2_i8**25, waiting_each = 32_i8
+    !! and how many where particles are few, else of each
   real(dp), parameter :: round_off = 1.0e-9_dp
     !! of an interval: multiples of two intervals that are one time on paper
 
@@ -122,7 +124,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: folder
     folder = outputs%folder
-    call outputs%behind%start(max(0_i8, min(most_waiting, memory_available_bytes()/waiting_share)))
+    call outputs%behind%start(max(0_i8, min(most_waiting, memory_available_bytes()/waiting_share, &
+                                            max(waiting_least, waiting_each* &
+                                                sum(int(model%totals%particles, i8))))))
     call directory_make(folder, error)
     if (.not. allocated(error)) call open_tables(outputs, model, folder, restarted, error)
     if (.not. allocated(error)) call open_dumps(outputs, scene, folder, restarted, error)
