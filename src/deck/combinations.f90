@@ -130,9 +130,6 @@ module sgmp_combinations
     refusal_t('rotation', 'flip<1', '', &
               'velocities of the grid, which PIC takes, lose rotation', &
               'remove flip or rotation=exact'), &
-    refusal_t('rotation', 'axisymmetric', '', &
-              'no body of revolution turns as a whole in its half-plane', &
-              'remove rotation=exact'), &
     refusal_t('surfaces', 'mpm gimp cpgimp bspline', '', &
               'it corrects the strain of the auxiliary grid, which only sgmp has', &
               'remove surfaces=corrected or use method sgmp'), &
@@ -218,12 +215,12 @@ module sgmp_combinations
               'the step of a particle would be that of the smallest cell', &
               'remove time_step')]
 
-  ! Loads on faces and friction are found with plain strains, axisymmetric scenes are not normalised
-  ! (doc/surfaces.md, 6); the rest is not measured widely enough to be a default.
+  ! Corrected strains of rings have forces along the axis that are not those which the masses next
+  ! to it want (doc/surfaces.md, 6); the rest is not measured widely enough to be a default.
   type(caution_t), parameter :: cautions(*) = [ &
     caution_t('surfaces', 'axisymmetric'), &
     caution_t('rotation', 'friction absorbing kept wallfriction motion'), &
-    caution_t('normalised', 'axisymmetric motion absorbing self')]
+    caution_t('normalised', 'motion absorbing self')]
 
 contains
 

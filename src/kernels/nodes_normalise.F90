@@ -3,7 +3,7 @@
 !> Volume-normalised stress at the centres of one plane (doc/normalised-stress.md).
 module DIM(sgmp_nodes_normalise)
 #ifdef AXISYMMETRIC
-  use sgmp_axis, only: axis_cell, axis_radius, axis_radius_filled
+  use sgmp_axis, only: axis_cell, axis_radius, axis_radius_balanced
 #endif
   use sgmp_field, only: field_t
   use sgmp_graded_axis, only: graded_width
@@ -43,7 +43,7 @@ contains
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         idx = field%neighbour(0, 0, s) + first - 1
-        call filled_volumes(cell, first, n, filled)
+        call filled_volumes(cell, field%hoop_correction, first, n, filled)
         call least_volume(field, mesh, s, first, n, cell, least)
         if (mesh%graded) then
           call grade_volumes(mesh, key_j(field%work%key(s)), key_k(field%work%key(s)), first, n, &
@@ -58,6 +58,7 @@ contains
                        1.0_dp, field%gaps)
           factor(i) = 1.0_dp + part*(filled(i)/volume - 1.0_dp)
         end do
+        if (field%columns%room > 0) call keep_debris(field, idx, n, factor)
         do q = field%columns%force, last
           !$omp simd
           do i = 1, n
@@ -67,6 +68,22 @@ contains
       end do
     end do
   end subroutine nodes_normalise
+
+  !> Debris is not normalised: factors by the part of the volume that has not come apart.
+  pure subroutine keep_debris(field, before, n, factor)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: before, n             !! record before the first centre, how many
+    real(dp), intent(inout) :: factor(n)
+    integer :: i
+    associate (volume => field%moment(:, field%columns%volume), &
+               room => field%moment(:, field%columns%room))
+      do i = 1, n
+        if (room(before + i) < volume(before + i)) then
+          factor(i) = 1.0_dp + room(before + i)/volume(before + i)*(factor(i) - 1.0_dp)
+        end if
+      end do
+    end associate
+  end subroutine keep_debris
 
   !> Volume of a cell; about an axis, over its radius in cells.
   pure function cell_volume(h) result(volume)
@@ -79,9 +96,10 @@ contains
 #endif
   end function cell_volume
 
-  !> Volumes that particles give to the centres of a row where they fill everything.
-  pure subroutine filled_volumes(cell, first, n, filled)
+  !> Volumes that the centres of a row have where they are full.
+  pure subroutine filled_volumes(cell, correction, first, n, filled)
     real(dp), intent(in) :: cell              !! cell_volume
+    real(dp), intent(in) :: correction        !! of the hoop strain, about an axis
     integer, intent(in) :: first, n           !! first centre, how many
     real(dp), intent(out) :: filled(n)
     filled = cell
@@ -89,7 +107,7 @@ contains
     block
       integer :: i
       do i = 1, n
-        filled(i) = cell*axis_radius_filled(first + i - 1)
+        filled(i) = cell*axis_radius_balanced(correction, first + i - 1)
       end do
     end block
 #endif

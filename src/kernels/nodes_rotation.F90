@@ -1,4 +1,4 @@
-! dimension-generic
+! dimension-generic, axisymmetric
 #include "dimension.inc"
 #if NDIM > 1
 !> The stages of exact rotation as passes over the planes of a field (doc/rotation.md).
@@ -7,12 +7,12 @@ module DIM(sgmp_nodes_rotation)
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use DIM(sgmp_nodes), only: face_forces, node_forces
-  use DIM(sgmp_rotation), only: rotation_couples, rotation_curls, rotation_moments, rotation_place
-  use DIM(sgmp_rotation_offsets), only: rotation_inertia, rotation_inverses, rotation_offsets
+  use CARTESIAN(sgmp_rotation), only: rotation_couples, rotation_curls, rotation_moments, rotation_place
+  use CARTESIAN(sgmp_rotation_offsets), only: rotation_inertia, rotation_inverses, rotation_offsets
   use sgmp_rotation_points, only: stage_couples, stage_curls, stage_face_couples, &
                                   stage_face_moments, stage_inertia, stage_inverses, &
                                   stage_moments, stage_offsets
-  use DIM(sgmp_rotation_rows), only: tile
+  use CARTESIAN(sgmp_rotation_rows), only: tile
   implicit none
   private
   public :: nodes_rotation

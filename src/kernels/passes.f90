@@ -22,6 +22,7 @@ module sgmp_passes
   use sgmp_nodes_normalise_rz, only: nodes_normalise_rz => nodes_normalise
   use sgmp_nodes_rotation_2d, only: nodes_rotation_2d => nodes_rotation
   use sgmp_nodes_rotation_3d, only: nodes_rotation_3d => nodes_rotation
+  use sgmp_nodes_rotation_rz, only: nodes_rotation_rz => nodes_rotation
   use sgmp_nodes_rz, only: nodes_remap_rz => nodes_remap, nodes_solve_rz => nodes_solve, &
                            nodes_velocity_rz => nodes_velocity
   use sgmp_plan, only: plan_t, workspace_t
@@ -167,7 +168,7 @@ module sgmp_passes
     procedure(nodes_solve), pointer, nopass :: solve => null()
     procedure(nodes_velocity), pointer, nopass :: velocity => null()
     procedure(nodes_remap), pointer, nopass :: remap => null()
-    procedure(nodes_rotation), pointer, nopass :: rotation => null()  !! none in 1D, about an axis
+    procedure(nodes_rotation), pointer, nopass :: rotation => null()  !! none in 1D
     procedure(surfaces_pass), pointer, nopass :: surfaces => null()  !! none in 1D
   end type passes_t
 
@@ -192,7 +193,7 @@ contains
     case default  ! space_axisymmetric
       passes = passes_t(sweep_slab_rz, sweep_join_rz, sweep_add_movers_rz, nodes_normalise_rz, &
                         centres_relax_rz, nodes_solve_rz, nodes_velocity_rz, nodes_remap_rz, &
-                        surfaces=surfaces_pass_rz)
+                        nodes_rotation_rz, surfaces_pass_rz)
     end select
   end function passes_of
 

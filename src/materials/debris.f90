@@ -99,7 +99,8 @@ contains
   end function debris_settled
 
   !> Volume of the lanes that bear stress as a body does: none of what has failed and come apart,
-  !! whose surfaces are nowhere (doc/surfaces.md).
+  !! whose surfaces are nowhere (doc/surfaces.md), nor of what is settled (sgmp_settling), whose
+  !! work is that with plain strains.
   pure subroutine debris_room(law, live, mass, nb, b, room)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: live(lanes), mass(lanes)
@@ -108,7 +109,8 @@ contains
     real(dp), intent(out) :: room(lanes)
     room = live*b(:, 1)
     if (.not. debris_possible(law)) return
-    where (b(:, law%slots%damage) >= 1.0_dp .and. b(:, 1)*law%density > mass) room = 0.0_dp
+    where (b(:, law%slots%damage) >= 1.0_dp .and. &
+           (b(:, 1)*law%density > mass .or. law%slots%advanced > 0)) room = 0.0_dp
   end subroutine debris_room
 
   !> Whether particles of a law may become debris: fail, and come apart.

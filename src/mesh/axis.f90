@@ -5,7 +5,7 @@ module sgmp_axis
   implicit none
   private
   public :: axis_correction, axis_cell, axis_hoop_weights, axis_inertia, axis_radius, &
-            axis_radius_filled
+            axis_radius_balanced, axis_radius_filled
 
   !> Default of the correction C of the hoop strain: what the hat functions' excess over the weight
   !! |r| is on average over the places of particles.
@@ -77,5 +77,15 @@ contains
     real(dp) :: radius
     radius = merge(13.0_dp/24.0_dp, c + 0.5_dp, c == 0)
   end function axis_radius_filled
+
+  !> Volume of a full centre, over axis_cell, with which a uniform stress is at rest: at the first
+  !! node off the axis its radial and its hoop stress balance if the centre beside the axis has
+  !! (1 + C)/2. With C = 1/12 that is what hat functions give it.
+  elemental function axis_radius_balanced(correction, c) result(radius)
+    real(dp), intent(in) :: correction           !! C
+    integer, intent(in) :: c
+    real(dp) :: radius
+    radius = merge(0.5_dp + 0.5_dp*correction, c + 0.5_dp, c == 0)
+  end function axis_radius_balanced
 
 end module sgmp_axis

@@ -11,7 +11,7 @@ module sgmp_build_columns
   use sgmp_kinds, only: dp
   use sgmp_loads_columns, only: loads_ask, loads_ask_faces
   use sgmp_model, only: model_t
-  use sgmp_surface_columns, only: pairs_ask, surfaces_ask, surfaces_ask_faces
+  use sgmp_surface_columns, only: pairs_ask, room_ask, surfaces_ask, surfaces_ask_faces
   use sgmp_swirl_columns, only: swirl_ask
   use sgmp_volumes_columns, only: volumes_ask
   implicit none
@@ -27,11 +27,12 @@ contains
     logical, intent(in) :: solid, crumbles       !! something in it can come apart
     logical, intent(in) :: averages              !! or averages its plastic strain
     type(columns_t) :: columns
-    logical :: corrected, turns
+    logical :: corrected, turns, normalised
     integer :: a
     associate (method => model%method, ndim => model%mesh%ndim, space => model%mesh%space)
       corrected = ndim > 1 .and. applies(method%surfaces, method%surfaces_solids, solid)
       turns = applies(method%rotation, method%rotation_solids, solid)
+      normalised = applies(method%normalised, method%normalised_solids, solid)
       columns = columns_make(space, kernel)
       if (parts > 0) then
         call columns_ask(columns, block_t('drives', stage_mass, [(image_t(), a=1, parts)]))
@@ -39,11 +40,12 @@ contains
       if (averages) call columns_ask(columns, block_t('average', stage_mass, &
                                                      [(image_t(), a=1, averaging_sums)]))
       if (corrected .or. turns) call pairs_ask(columns, ndim)
-      if (corrected) call surfaces_ask(columns, ndim, crumbles)
+      if (corrected) call surfaces_ask(columns, ndim)
+      if (crumbles .and. (corrected .or. turns .or. normalised)) call room_ask(columns)
       columns%turns = turns
       if (method%swirl) call swirl_ask(columns)
       call ask_forces(model, kernel, corrected, columns)
-      if (applies(method%normalised, method%normalised_solids, solid)) then
+      if (normalised) then
         call columns_ask(columns, block_t('volume', stage_stress, [image_t()]))
       end if
       if (method%relaxed) call volumes_ask(columns)

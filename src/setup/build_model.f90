@@ -397,7 +397,8 @@ contains
   end subroutine add_columns
 
   !> Whether the stress of debris is settled with its energy in each kick (sgmp_settling): what it
-  !! does must be the transpose of the gradient that particles read, and act once a step.
+  !! does must be the transpose of the gradient that particles read, and act once a step. Debris
+  !! that is settled has no surfaces, and its stress is not normalised (debris_room).
   pure function settles(scene, law) result(yes)
     type(scene_t), intent(in) :: scene
     type(constitutive_t), intent(in) :: law
@@ -405,8 +406,7 @@ contains
     yes = debris_possible(law) .and. .not. (law%rigid .or. law%softens .or. law%porosity%porous)
     associate (method => scene%method)
       yes = yes .and. debris_speed(scene) > 0.0_dp .and. method%update /= update_usavg .and. &
-            .not. (scene%swirl .or. method%normalised .or. size(scene%contacts) > 0)
-      if (scene%dimension > 1) yes = yes .and. .not. (method%rotation .or. method%surfaces)
+            .not. (scene%swirl .or. size(scene%contacts) > 0)
     end associate
   end function settles
 

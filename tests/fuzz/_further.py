@@ -89,8 +89,7 @@ def moved(luck, name, axes, block):
     return f'motion {name} where="{place}" {ways}' + luck.choice(("", "", " until=1"))
 
 
-def words(luck, dimension, rings, absorbs):
+def words(luck, dimension, absorbs):
     """Words of `method sgmp` that go with the rest of the scene."""
     allowed = WORDS if dimension > 1 else ("", " stress=plain", " stress=normalised")
-    return luck.choice([words for words in allowed if not (absorbs and "surfaces=corrected" in words
-                                                           or "rotation=exact" in words and rings)])
+    return luck.choice([words for words in allowed if not (absorbs and "surfaces=corrected" in words)])

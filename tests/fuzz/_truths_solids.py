@@ -3,6 +3,7 @@ import json
 import math
 from pathlib import Path
 
+from _plates import Plate
 from _truths import SMALL, Truth, body_end, vibration, zero
 
 REBOUNDS = json.loads((Path(__file__).resolve().parents[2] / "verification/surfaces/bounce.json").read_text())
@@ -334,4 +335,27 @@ history steps=10
         return [(key, (4*ends[1][key] - ends[0][key])/total, SMALL) for key in ("kinetic_energy", "internal_energy")]
 
 
-CLASSES = (Segments, Weight, Drop, Bounce, Rebound, Hoop, Torsion, Press, Twin, Sector)
+class Disc(Truth):
+    """A free circular plate about the axis in its first mode: frequency with shear and the inertia of rotation."""
+
+    def make(self):
+        self.cells = self.luck.choice((3, 4, 6, 8))
+        thick, nu = self.luck.choice((0.1, 0.2, 0.25)), self.luck.choice((0.0, 0.3))
+        h, plate, z = thick/self.cells, Plate(thick, nu), self.luck.uniform(-thick, thick)
+        self.period = 2*math.pi/plate.omega
+        deflection, slope = plate.mode()
+        self.decks = [f"""dimension axisymmetric
+grid cell={h}
+METHOD
+time end={2.4*self.period} cfl=0.5
+material m elastic density=1 young=1 poisson={nu}
+body m cylinder material=m radius=1 centre=(0,{z}) length={thick} ppc=2
+velocity m r="1e-4*(z-{z + 0.5*thick})*{slope}" z="1e-4*{deflection}"
+history steps=5
+"""]
+
+    def errors(self, results):
+        return vibration(results[0], self.period)
+
+
+CLASSES = (Segments, Weight, Drop, Bounce, Rebound, Hoop, Torsion, Press, Twin, Sector, Disc)

@@ -22,7 +22,7 @@ CHOICES = (
     ("mpm", "gimp", "cpgimp", "sgmp", "bspline"), ("musl", "usf", "usl", "usavg"), ("", "normalised"), ("", "kept"),
     ("", "rotation"), ("", "split"), ("", "flip<1"), SPACES,
 )
-ACCEPTED = 544
+ACCEPTED = 592
 WORDS = {
     "normalised": "stress=normalised",
     "kept": "volumes=kept",

@@ -229,15 +229,12 @@ class Scene:
         words = [f"method {self.method} update={self.update}"]
         if self.method == "sgmp":
             extra = self.luck.choice(("", "", " rotation=exact", " stress=normalised"))
-            if self.axisymmetric and extra == " rotation=exact":
-                extra = ""
             if self.update in ("musl", "usavg") and extra in ("", " stress=normalised",
                                                               " rotation=exact") and self.has("kept", 0.2):
                 extra += " volumes=kept"
             if self.has_further("words", 0.7):
                 kept = " volumes=kept"*(" volumes=kept" in extra)
-                extra = further.words(self.stream("words of the method"), self.dimension, self.axisymmetric,
-                                      self.absorbs) + kept
+                extra = further.words(self.stream("words of the method"), self.dimension, self.absorbs) + kept
                 if kept:
                     extra = extra.replace(" stress=plain", "")
             words.append(extra)

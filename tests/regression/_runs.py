@@ -101,7 +101,7 @@ method $method update=$update split=0.6
 time end=4 cfl=0.4
 material rubber neo_hookean density=1 young=1e-6 poisson=0
 body bar cylinder material=rubber radius=1 length=1 ppc=2
-velocity bar r=r z=0.3*r
+velocity bar r=r z=0.15*r*r
 history steps=5
 output csv at=end fields=density,mass,volume,path
 """

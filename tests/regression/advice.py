@@ -101,7 +101,6 @@ CASES = [
     (BAR, (("velocity bar", "velocity bar x=1"),), ("image in y = 0: compute a half",)),
     (BAR, (("axis=(0,0,1)", "axis=(0,0.1,1)"), ("z=0:open", "z=open"), ("wall z-=slip", "")), ("image in x = 0:",)),
     (BAR, (("velocity bar z=-100", 'velocity bar x="-y" y="x"'),), ()),        # it spins
-    (BAR, (("time", "method sgmp rotation=exact\ntime"),), ("image in x = 0, y = 0",)),
     (RINGS, (), ()),
     (STRIP, (), ("nothing changes along z, from wall to wall: dimension 2 in x y: 4.0 times fewer particles",)),
     (STRIP, (("z+=slip", "z+=fixed"),), ()),

@@ -47,20 +47,24 @@ history every=0.1
 
 
 def along(report):
-    """A column under a punch: force over area is that of one dimension."""
+    """A column under a punch: force over area is that of one dimension. With the normalised stress, the default of
+    sgmp, radial forces balance at the axis and at the outer wall, where the volumes of the centres are not what
+    particles give to them: a part C/R^2 of the area, R in cells, is missing or too much (theory 7)."""
     for method in ("sgmp", "mpm", "gimp"):
+        exact = ROUND.replace("$method", "sgmp stress=plain") if method == "sgmp" else ROUND
         results = [
-            run(f"{name}_{method}", deck, method=method) for name, deck in (("round", ROUND), ("straight", STRAIGHT))
+            run(f"{name}_{method}", deck, method=method) for name, deck in (("round", exact), ("straight", STRAIGHT))
         ]
         if not all([report.finished(result, result.folder) for result in results]):
             continue
         disc, line = (result.table("contact.csv") for result in results)
         tilted = run(f"tilted_{method}", ROUND, method=method, normal="first").table("contact.csv")
+        largest = max(abs(b["force_x"]) for b in line)
+        far = max(abs(a["force_z"]/pi - b["force_x"]) for a, b in zip(tilted, line))/largest
+        report.check(far < 2e-3, f"{method}: the force of the punch differs from that in 1D by {far}")
         aside = max(abs(row["force_x"]) for row in tilted)/max(abs(row["force_z"]) for row in tilted)
         report.check(aside < 0.02, f"{method}: the gradient of volume leads the force aside by {aside}")
-        worst = max(abs(a["force_z"] / pi - b["force_x"]) for a, b in zip(disc, line)) / max(
-            abs(b["force_x"]) for b in line
-        )
+        worst = max(abs(a["force_z"]/pi - b["force_x"]) for a, b in zip(disc, line))/largest
         report.check(
             len(disc) == len(line) and worst < 1e-4, f"{method}: force of the punch differs from that in 1D by {worst}"
         )

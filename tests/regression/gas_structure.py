@@ -68,7 +68,9 @@ def closed(report):
     impulses = []
     for method in ("sgmp split=0.75", "sgmp", "gimp split=0.75", "bspline split=0.75 update=usavg"):
         name = method.replace(" ", "_")
-        stuck = straight(report, f"stuck_{name}", SCENE.format(method=method, contact=""))
+        # Gas that shares cells with the plate's steel gains a tenth of its energy with stress=normalised.
+        shared = f"{method} stress=plain" if "sgmp" in method else method
+        stuck = straight(report, f"stuck_{name}", SCENE.format(method=shared, contact=""))
         slips = straight(report, f"slips_{name}", SCENE.format(method=method, contact="contact plate"))
         part, steps = behind(slips), slips["steps"]/stuck["steps"]
         tell(f"{name}: {part:.1e} of the gas is behind the plate; {slips['steps']} steps, {steps:.2f} of those without "

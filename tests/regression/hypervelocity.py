@@ -73,6 +73,10 @@ body plate block material=lead lower=(-32,-32,0) upper=(32,32,6.36)
 velocity ball z=6580
 history every=0.005
 """
+# The ball of CLOUD as a disk in the plane, with the cures that sgmp has there without a word.
+PLANE = CLOUD.replace("dimension axisymmetric", "dimension 2").replace("grid cell=cell r=0:open z=back:open",
+    "grid cell=cell y=back:open").replace("wall z-=slip", "wall y-=slip").replace(
+    "velocity a r=2500*r/2 z=2500*z/2-5000", "velocity a x=2500*x/2 y=2500*y/2-5000")
 WALL = -27, 20  # its back and its radius
 # Lead that is torn without a card `failure`.
 LEAD = """
@@ -138,6 +142,13 @@ def cloud(report):
         energies(report, name, result, 0.03 if settings.get("update") == "usavg" else 0.002, 1.5*7500)
         heat = result["energy.collision_heat"]/result["energy.initial_total"]
         report.check(0.3 < heat < 1, f"{name}: collisions turn {heat} of the energy to heat")
+
+
+def plane(report):
+    """The cures of surfaces, rotation and sections of the defaults leave debris its energy."""
+    for update in ("usl", "musl", "usf"):
+        name = f"plane_{update}"
+        energies(report, name, run(name, PLANE, update=update, carries="pressure"), 0.002, 1.5*7500)
 
 
 def announced(report):
@@ -215,6 +226,7 @@ def bits(report):
 if __name__ == "__main__":
     REPORT = Report()
     cloud(REPORT)
+    plane(REPORT)
     announced(REPORT)
     momentum(REPORT)
     free_debris(REPORT)

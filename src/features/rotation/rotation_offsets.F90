@@ -24,6 +24,7 @@ module DIM(sgmp_rotation_offsets)
   use DIM(sgmp_rotation_rows), only: add_differences, centre_rows, next_run, slope, &
                                      sums_row, tile
   use sgmp_rows, only: key_j, key_k
+  use sgmp_space, only: space_axisymmetric
   implicit none
   private
   public :: rotation_offsets, rotation_inertia, rotation_inverses
@@ -44,36 +45,13 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane
     real(dp), intent(in) :: cutoff               !! nodes lighter than this are ignored
-    real(dp) :: m(tile), offset(tile, NDIM)
+    real(dp) :: offset(tile, NDIM)
     logical :: held(tile)
-    integer :: s, first, n, i, a, b(NROW)
+    integer :: s, first, n, i
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
-        b = centre_rows(field, s, first)
-        call sums_row(n, field%moment(1, field%columns%mass), b, m)
-        do a = 1, NDIM
-          if (mesh%graded) then
-            call graded_moments(field, mesh, s, first, n, a, offset(1, a))
-            cycle
-          end if
-          call pair_moments(field, s, first, n, a, offset(1, a))
-          call add_differences(n, 0.5_dp, a, field%moment(1, field%columns%mass), b, offset(1, a))
-        end do
-        do i = 1, n
-          if (m(i)*0.5_dp**NDIM > cutoff) then
-            offset(i, :) = offset(i, :)/m(i)
-            if (all(abs(offset(i, :)) < field%rotation%least_offset)) offset(i, :) = 0.0_dp
-          else
-            offset(i, :) = 0.0_dp
-          end if
-        end do
-        if (field%columns%room > 0) then  ! what has come apart does not turn as a body
-          call sums_row(n, field%moment(1, field%columns%room), b, m)
-          do i = 1, n
-            if (.not. m(i) > 0.0_dp) offset(i, :) = 0.0_dp
-          end do
-        end if
+        call tile_offsets(field, mesh, s, first, n, cutoff, offset)
         call hold_offsets(field, mesh, s, first, n, offset)
         if (field%columns%driven > 0) then
           call driven_nodes_hold(field, s, first, n, held)
@@ -85,6 +63,73 @@ contains
       end do
     end do
   end subroutine rotation_offsets
+
+  !> Those of a tile of nodes of a row.
+  pure subroutine tile_offsets(field, mesh, s, first, n, cutoff, offset)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp), intent(in) :: cutoff
+    real(dp), intent(inout) :: offset(tile, NDIM)
+    real(dp) :: m(tile), radial(tile)
+    logical :: rings
+    integer :: i, a, b(NROW)
+    rings = mesh%space == space_axisymmetric
+    b = centre_rows(field, s, first)
+    call sums_row(n, field%moment(1, field%columns%mass), b, m)
+    do a = 1, NDIM
+      if (mesh%graded) then
+        call graded_moments(field, mesh, s, first, n, a, offset(1, a))
+        cycle
+      end if
+      call pair_moments(field, s, first, n, a, offset(1, a))
+      call add_differences(n, 0.5_dp, a, field%moment(1, field%columns%mass), b, offset(1, a))
+    end do
+    if (rings) call ring_offsets(field, mesh, s, first, n, radial)
+    do i = 1, n
+      if (m(i)*0.5_dp**NDIM > cutoff) then
+        offset(i, :) = offset(i, :)/m(i)
+        if (rings) offset(i, 1) = radial(i)
+        if (all(abs(offset(i, :)) < field%rotation%least_offset)) offset(i, :) = 0.0_dp
+      else
+        offset(i, :) = 0.0_dp
+      end if
+    end do
+    if (field%columns%room > 0) then  ! what has come apart does not turn as a body
+      call sums_row(n, field%moment(1, field%columns%room), b, m)
+      do i = 1, n
+        if (.not. m(i) > 0.0_dp) offset(i, :) = 0.0_dp
+      end do
+    end if
+  end subroutine tile_offsets
+
+  !> Offsets along the radius of a row of nodes about an axis (theory 7). Masses of rings grow with
+  !! the radius, which by itself takes the centre of mass of full surroundings outwards. A ring
+  !! turns in its half-plane about the centre of its section, so that masses are taken over their
+  !! radii.
+  !! Next to the axis and to an outer wall, where rings are folded, there are no offsets.
+  pure subroutine ring_offsets(field, mesh, s, first, n, offset)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp), intent(out) :: offset(n)
+    real(dp) :: radius, inner, outer
+    integer :: i, last, b(NROW)
+    b = centre_rows(field, s, first)
+    last = merge(first + n, mesh%upper(1) - 2, mesh%wall(2, 1) == wall_free)
+    offset = 0.0_dp
+    associate (mass => field%moment(:, field%columns%mass), &
+               pair => field%moment(:, field%columns%pairs))
+      do i = max(1, 3 - first), min(n, last - first + 1)
+        radius = first + i - 1
+        inner = corner_sum(mass, b, i - 1)/(radius - 0.5_dp)
+        outer = corner_sum(mass, b, i)/(radius + 0.5_dp)
+        if (.not. inner + outer > 0.0_dp) cycle
+        offset(i) = (0.5_dp*(outer - inner) + corner_sum(pair, b, i + 1)/(radius + 1.0_dp) &
+                     - corner_sum(pair, b, i - 1)/(radius - 1.0_dp))/(inner + outer)
+      end do
+    end associate
+  end subroutine ring_offsets
 
   !> Sum of the first moments of the centres around the nodes of a row: the pair between the two
   !! centres along the axis cancels, and what is left are those beyond them.

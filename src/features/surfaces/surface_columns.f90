@@ -5,7 +5,7 @@ module sgmp_surface_columns
   use sgmp_images, only: image_beside, image_product, image_t
   implicit none
   private
-  public :: pairs_ask, surfaces_ask, surfaces_ask_faces
+  public :: pairs_ask, room_ask, surfaces_ask, surfaces_ask_faces
 
 contains
 
@@ -19,17 +19,21 @@ contains
       [(image_beside([(pair == axis, axis=1, 3)]), pair=1, ndim)]))
   end subroutine pairs_ask
 
-  !> In space those of quads, too; and where something can come apart, the volume of what has not.
-  pure subroutine surfaces_ask(columns, ndim, crumbles)
+  !> In space those of quads, too.
+  pure subroutine surfaces_ask(columns, ndim)
     type(columns_t), intent(inout) :: columns
     integer, intent(in) :: ndim
-    logical, intent(in) :: crumbles
     integer :: quad, axis
     columns%corrected = .true.
     if (ndim == 3) call columns_ask(columns, block_t('quads', stage_pairs, &
       [(image_beside([(quad /= axis, axis=1, 3)]), quad=1, 3)]))
-    if (crumbles) call columns_ask(columns, block_t('room', stage_mass, [image_t()]))
   end subroutine surfaces_ask
+
+  !> Where something can come apart, the volume of what has not.
+  pure subroutine room_ask(columns)
+    type(columns_t), intent(inout) :: columns
+    call columns_ask(columns, block_t('room', stage_mass, [image_t()]))
+  end subroutine room_ask
 
   !> Forces on faces times two and three levers, component by component for each twist.
   pure subroutine surfaces_ask_faces(columns, ndim)
