@@ -38,7 +38,7 @@ contains
                       range='[0,1)')
     call registry%key('stress', kind_word, 'quadrature of the stress: as in the paper, or '// &
                       'normalised by the volume that particles fill (sgmp only); auto: '// &
-                      'normalised for solids, not about an axis, with motion or loads on faces', &
+                      'normalised for solids, not beside absorbing walls or with self=yes', &
                       choices='auto plain normalised', default='auto', &
                       source='doc/normalised-stress.md')
     call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
@@ -54,12 +54,17 @@ contains
     call registry%key('rotation', kind_word, &
       'exact: rigid rotation strains nothing and internal '// &
                       'forces have no moment, at free surfaces as well (sgmp only); auto: '// &
-                      'exact for solids without friction or loads on faces', &
+                      'exact for solids without friction', &
                       choices='auto plain exact', default='auto', source='doc/rotation.md')
     call registry%key('surfaces', kind_word, 'corrected: strains are right at free surfaces '// &
                       'that lie at an angle to the grid (sgmp only); auto: corrected for '// &
                       'solids in plane and space where the rest of the deck allows it', &
                       choices='auto plain corrected', default='auto', source='doc/surfaces.md')
+    call registry%key('drift', kind_word, 'velocity that moves particles: as in the paper, that '// &
+                      'of nodes after the kick, or the one that strains them, re-mapped '// &
+                      'from the particles (musl, usavg); auto: re-mapped with sgmp for '// &
+                      'solids whose stress is normalised', choices='auto plain remapped', &
+                      default='auto', source='doc/surfaces.md')
     call registry%key('spin', kind_word, 'taken out: rotation=exact keeps what turns turning; '// &
                       'none is accepted, with a warning', choices='none carried', &
                       default='none', source='doc/rotation.md')
@@ -126,6 +131,8 @@ contains
       method%hoop = card%number('hoop', absent=method%hoop)
       method%rotation = card%word('rotation') == 'exact'
       method%surfaces = card%word('surfaces') == 'corrected'
+      method%drift_remapped = card%word('drift') == 'remapped'
+      method%drift_auto = card%word('drift') == 'auto'
     end associate
   end subroutine read_method
 

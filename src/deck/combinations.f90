@@ -71,6 +71,7 @@ module sgmp_combinations
     feature_t('kept', 'volumes=kept', 'method', 'volumes', ask_word, 'kept', 0), &
     feature_t('rotation', 'rotation=exact', 'method', 'rotation', ask_word, 'exact', 0), &
     feature_t('surfaces', 'surfaces=corrected', 'method', 'surfaces', ask_word, 'corrected', 0), &
+    feature_t('drift', 'drift=remapped', 'method', 'drift', ask_word, 'remapped', 0), &
     feature_t('split', 'split=…', 'method', 'split', ask_above, '', 0), &
     feature_t('hoop', 'hoop=…', 'method', 'hoop', ask_given, '', 0), &
     feature_t('cfl=auto', '', 'time', 'cfl', ask_word, 'auto', 0), &
@@ -130,6 +131,9 @@ module sgmp_combinations
     refusal_t('rotation', 'flip<1', '', &
               'velocities of the grid, which PIC takes, lose rotation', &
               'remove flip or rotation=exact'), &
+    refusal_t('drift', 'usf usl', '', &
+              'nothing is mapped to the nodes anew after the kick', &
+              'remove drift=remapped or use update=musl'), &
     refusal_t('surfaces', 'mpm gimp cpgimp bspline', '', &
               'it corrects the strain of the auxiliary grid, which only sgmp has', &
               'remove surfaces=corrected or use method sgmp'), &
@@ -219,8 +223,9 @@ module sgmp_combinations
   ! to it want (doc/surfaces.md, 6); the rest is not measured widely enough to be a default.
   type(caution_t), parameter :: cautions(*) = [ &
     caution_t('surfaces', 'axisymmetric'), &
-    caution_t('rotation', 'friction absorbing kept wallfriction motion'), &
-    caution_t('normalised', 'motion absorbing self')]
+    caution_t('drift', 'kept'), &
+    caution_t('rotation', 'friction absorbing kept wallfriction'), &
+    caution_t('normalised', 'absorbing self')]
 
 contains
 

@@ -118,6 +118,9 @@ contains
     if (method%surfaces_auto) method%surfaces = combinations_choose(cards, 'surfaces')
     if (method%rotation_auto) method%rotation = combinations_choose(cards, 'rotation')
     if (method%normalised_auto) method%normalised = combinations_choose(cards, 'normalised')
+    if (method%drift_auto) then
+      method%drift_remapped = method%normalised .and. combinations_choose(cards, 'drift')
+    end if
   end subroutine settle_method
 
   !> What else would go with the deck.

@@ -25,7 +25,7 @@ module sgmp_judge_collisions
 
   real(dp), parameter :: line_weight = 0.41_dp    !! sgmp, bars of 4 to 80 cells: 0.30 to 0.41
   real(dp), parameter :: bounce_weight = 0.65_dp  !! squares of 10 to 40 cells: 0.58 to 0.65
-  real(dp), parameter :: rigid_weight = 1.2_dp    !! on a rigid body, 10 to 40 cells: 0.85 to 1.16
+  real(dp), parameter :: rigid_weight = 1.4_dp    !! on a rigid body, 5 to 40 cells: 0.93 to 1.37
   real(dp), parameter :: least_loss = 0.06_dp     !! of the velocity, that is judged
   real(dp), parameter :: wide_poisson = 0.2_dp    !! Poisson's ratio; up to 0.15: below 0.02
   real(dp), parameter :: held_cells = 80.0_dp     !! sgmp, ratio 0.3: 0.22, 0.2, 0.13 of 10, 20, 40

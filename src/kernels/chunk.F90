@@ -12,8 +12,8 @@ module DIM(sgmp_chunk)
   use sgmp_body, only: body_t
   use sgmp_closing, only: closing_waves
   use CARTESIAN(sgmp_collisions), only: collisions_apply, collisions_collect, collisions_plan
-  use sgmp_columns, only: collide_total, columns_before, columns_t, pair_sums, relax_stiffness, &
-                          relax_total, stage_debris, twist_takes, twists
+  use sgmp_columns, only: collide_total, columns_before, columns_t, node_remapped, pair_sums, &
+                          relax_stiffness, relax_total, stage_debris, twist_takes, twists
   use sgmp_constitutive, only: constitutive_t
   use sgmp_debris, only: debris_loose, debris_possible, debris_room
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
@@ -99,9 +99,11 @@ module DIM(sgmp_chunk)
     integer :: volume = 0                !! volume
     integer :: stiffness = 0             !! what they relax by
     integer :: values = 0                !! how many a particle brings, the flux included
-    integer :: vectors = 0               !! components of the vectors that are gathered
+    integer :: from(2) = 0               !! columns of the nodes' vectors that are gathered
+    integer :: vectors = 0               !! components of these
     integer :: stride = 1                !! components of a grid record
     integer :: velocity = 1              !! first component of the grid velocity in a record
+    integer :: kicked = 1                !! and of that in which forces do work
     integer :: gradient = 1              !! and of the velocity gradient
     integer :: relax = 0                 !! and of what particles relax to; 0: nothing
     integer :: collide = 0               !! and of what debris collides by; 0: there is none
@@ -136,9 +138,8 @@ contains
     task%shift = stencil_shift(kernel)
     task%span = bin_span(kernel, NDIM)
     call place_values(columns, plan, task)
-    task%vectors = NDIM*size(plan%vectors)
+    call place_vectors(columns, plan, task)
     task%stride = max(1, task%vectors + merge(NGRAD, 0, plan%gradient > 0))
-    task%velocity = 1 + merge(NDIM, 0, plan%kick)
     task%gradient = 1 + task%vectors
     if (plan%swirl) then
       task%swirl_read = task%stride + 1
@@ -173,6 +174,28 @@ contains
       task%live(:nl, nl:) = 1.0_dp
     end do
   end function task_make
+
+  !> Which vectors of the nodes a sweep gathers, and where a record has them. Where particles drift
+  !! with the re-mapped velocity, forces on faces still do their work at that after the kick.
+  pure subroutine place_vectors(columns, plan, task)
+    type(columns_t), intent(in) :: columns
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(inout) :: task
+    integer :: n
+    n = size(plan%vectors)
+    task%from(:n) = plan%vectors
+    task%velocity = 1 + merge(NDIM, 0, plan%kick)
+    task%kicked = task%velocity
+    if (plan%drift .and. plan%gradient == node_remapped .and. columns%remapped) then
+      task%from(1) = node_remapped
+      if (columns%faces > 0) then
+        n = 2
+        task%from(2) = plan%vectors(1)
+        task%kicked = task%velocity + NDIM
+      end if
+    end if
+    task%vectors = NDIM*n
+  end subroutine place_vectors
 
   !> Which columns a sweep fills, and where they are among the values that particles bring.
   pure subroutine place_values(columns, plan, task)
@@ -594,7 +617,7 @@ contains
     real(dp) :: moved(lanes, NDIM)
     moved = 0.0_dp
     if (plan%kick) moved = -plan%work_lag*plan%dt_work**2*got(:, :NDIM)
-    if (plan%drift) moved = moved + plan%dt_work*got(:, task%velocity:task%velocity + NDIM - 1)
+    if (plan%drift) moved = moved + plan%dt_work*got(:, task%kicked:task%kicked + NDIM - 1)
     call loads_book(mesh, body, plan%began, merge(plan%dt_kick, 0.0_dp, plan%kick), live, &
                     moved, nb, motion, state, lane_sums)
   end subroutine book_faces

@@ -21,6 +21,8 @@ module sgmp_method
     !> Of fields without a solid the stress is not normalised, rotation not exact, surfaces are not
     !! corrected.
     logical :: normalised_solids = .false., rotation_solids = .false., surfaces_solids = .false.
+    logical :: drift_remapped = .false.     !! particles move with the velocity that strains them
+    logical :: drift_solids = .false.       !! of solids only whose stress is normalised
     logical :: surfaces = .false.           !! strains are corrected at surfaces
     logical :: swirl = .false.              !! axisymmetric: with a velocity around the axis
     real(dp) :: cutoff = 0.0_dp             !! node mass below which a node is ignored

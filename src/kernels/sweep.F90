@@ -160,12 +160,12 @@ contains
       if (task%by_cell) then
         do q = plane, p  ! the cells below wait for their upper points
           first = mod(q, task%layers)*field%largest_plane*task%stride + 1
-          call auxmesh_fill_cells(field, p, p - q, plan%vectors(1), work%records(first))
+          call auxmesh_fill_cells(field, p, p - q, task%from(1), work%records(first))
         end do
         cycle
       end if
 #endif
-      call auxmesh_fill(field, mesh, p, plan%vectors, plan%gradient, &
+      call auxmesh_fill(field, mesh, p, task%from(:task%vectors/NDIM), plan%gradient, &
                         task%stride, work%records(first))
       if (task%square_read > 0) then
         call auxmesh_midway(field, mesh, p, (1.0_dp - settling_part(plan%by_halves))*plan%dt_kick, &
@@ -178,11 +178,11 @@ contains
       end if
 #if NDIM > 1
       if (field%columns%corrected .and. plan%gradient > 0 .and. (plan%strain .or. plan%probe)) then
-        call surfaces_add_gains(field, p, NDIM*size(plan%vectors), task%stride, work%records(first))
+        call surfaces_add_gains(field, p, task%vectors, task%stride, work%records(first))
       end if
 #endif
       if (plan%gradient > 0) then
-        call auxmesh_mirror(field, mesh, p, plan%swirl, NDIM*size(plan%vectors), &
+        call auxmesh_mirror(field, mesh, p, plan%swirl, task%vectors, &
                             task%stride, work%records(first))
       end if
       call fill_extras(field, plan, task, p, work%records(first))

@@ -59,6 +59,7 @@ module sgmp_columns
   type :: columns_t
     logical :: corrected = .false.  !! strains are, at surfaces (doc/surfaces.md)
     logical :: turns = .false.   !! rotation is exact (doc/rotation.md)
+    logical :: remapped = .false.  !! particles move with the velocity that strains them (MUSL)
     integer :: pairs = 0         !! mass moments of pairs of centres, behind them those of quads
     integer :: mass = 0
     integer :: radial = 0        !! mass times radius (cells), where there is an axis

@@ -301,6 +301,8 @@ contains
                                             any(model%fields%columns%turns))))
     call summary%set('surfaces', trim(merge('corrected', 'plain    ', &
                                             any(model%fields%columns%corrected))))
+    call summary%set('drift', trim(merge('remapped', 'plain   ', &
+                                         any(model%fields%columns%remapped))))
     if (scene%axisymmetric) then
       call summary%set('dimension', 'axisymmetric')
     else

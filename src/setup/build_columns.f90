@@ -43,6 +43,7 @@ contains
       if (corrected) call surfaces_ask(columns, ndim)
       if (crumbles .and. (corrected .or. turns .or. normalised)) call room_ask(columns)
       columns%turns = turns
+      columns%remapped = applies(method%drift_remapped, method%drift_solids, solid .and. normalised)
       if (method%swirl) call swirl_ask(columns)
       call ask_forces(model, kernel, corrected, columns)
       if (normalised) then

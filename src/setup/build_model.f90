@@ -185,6 +185,8 @@ contains
     method%normalised_solids = scene%method%normalised_auto
     method%rotation_solids = scene%method%rotation_auto
     method%surfaces_solids = scene%method%surfaces_auto
+    method%drift_remapped = scene%method%drift_remapped
+    method%drift_solids = scene%method%drift_auto
     method%swirl = scene%swirl
     method%erodes = any([(scene%materials(m)%law%erosion%given, m=1, size(scene%materials))])
     method%damped = scene%damping%rate > 0.0_dp .or. scene%damping%kinetic

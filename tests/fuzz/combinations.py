@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What goes with what: `sgmp --check` of all combinations of method, update, stress, volumes, rotation, splitting, flip
-and space against the table that `sgmp help --json` writes. Each is accepted where the table names no refusal, and
-refused with the reasons of the table and nothing else where it does.
+"""What goes with what: `sgmp --check` of all combinations of method, update, stress, volumes, rotation, drift,
+splitting, flip and space against the table that `sgmp help --json` writes. Each is accepted where the table names no
+refusal, and refused with the reasons of the table and nothing else where it does.
 
 usage: combinations.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S]
 
@@ -20,13 +20,14 @@ from _driver import Driver, Findings, arguments
 SPACES = ("1D", "2D", "3D", "axisymmetric", "swirl")
 CHOICES = (
     ("mpm", "gimp", "cpgimp", "sgmp", "bspline"), ("musl", "usf", "usl", "usavg"), ("", "normalised"), ("", "kept"),
-    ("", "rotation"), ("", "split"), ("", "flip<1"), SPACES,
+    ("", "rotation"), ("", "drift"), ("", "split"), ("", "flip<1"), SPACES,
 )
-ACCEPTED = 592
+ACCEPTED = 944
 WORDS = {
     "normalised": "stress=normalised",
     "kept": "volumes=kept",
     "rotation": "rotation=exact",
+    "drift": "drift=remapped",
     "split": "split=0.75",
     "flip<1": "flip=0.9",
 }

