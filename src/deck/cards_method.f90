@@ -60,7 +60,7 @@ contains
                       'that lie at an angle to the grid (sgmp only); auto: corrected for '// &
                       'solids in plane and space where the rest of the deck allows it', &
                       choices='auto plain corrected', default='auto', source='doc/surfaces.md')
-    call registry%key('drift', kind_word, 'velocity that moves particles: as in the paper, that '// &
+    call registry%key('drift', kind_word, 'velocity that moves particles: as in the paper that '// &
                       'of nodes after the kick, or the one that strains them, re-mapped '// &
                       'from the particles (musl, usavg); auto: re-mapped with sgmp for '// &
                       'solids whose stress is normalised', choices='auto plain remapped', &
