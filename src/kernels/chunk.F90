@@ -663,7 +663,7 @@ contains
 #ifdef AXISYMMETRIC
     if (plan%swirl) then
       if (plan%strain) then
-        call swirl_strain(law, plan%dt_strain, plan%time, task%inverse_h, motion, &
+        call swirl_strain(law, plan%dt_strain, plan%behind, plan%time, task%inverse_h, motion, &
                           motion(1, mass_at), live, got(1, task%gradient), &
                           got(1, task%swirl_read), nb, state, flux, speed2, jacobian, &
                           lane_sums(1, sum_internal), lane_sums(1, sum_viscous))
@@ -676,7 +676,7 @@ contains
     if (plan%strain) then
       call stress_update(law, plan%dt_strain, plan%time, motion(1, mass_at), live, &
                          got(1, task%gradient), nb, state, flux, speed2, jacobian, &
-                         lane_sums(1, sum_internal), lane_sums(1, sum_viscous))
+                         lane_sums(1, sum_internal), lane_sums(1, sum_viscous), plan%behind)
     else if (plan%stress) then
       speed2 = 0.0_dp
       call stress_flux(law, state(1, 1), speed2, live, state(1, law%slots%stress), flux)

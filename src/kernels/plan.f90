@@ -33,6 +33,7 @@ module sgmp_plan
     real(dp) :: dt_kick = 0.0_dp           !! velocity step
     real(dp) :: dt = 0.0_dp                !! position step
     real(dp) :: dt_strain = 0.0_dp         !! strain step
+    logical :: behind = .false.            !! particles are where they are at its end, not its start
     real(dp) :: time = 0.0_dp              !! at the end of the sweep
     real(dp) :: began = 0.0_dp             !! time at which the step began
     real(dp) :: dt_work = 0.0_dp           !! velocity step, for the work of loads

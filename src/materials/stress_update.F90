@@ -55,7 +55,7 @@ contains
   !! wants (Eq. 23).
   ! allow(S902)
   subroutine stress_update(law, dt, time, mass, live, grad, nb, b, flux, speed2, jacobian, &
-                           internal, viscous)
+                           internal, viscous, behind)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: dt                          !! strain step
     real(dp), intent(in) :: time                        !! at the end of the step
@@ -69,7 +69,9 @@ contains
     real(dp), intent(out) :: jacobian(lanes)  !! determinant of the step's deformation gradient
     real(dp), intent(inout) :: internal(lanes)  !! growth of the internal energy, added to
     real(dp), intent(inout) :: viscous(lanes)   !! part of it that the bulk viscosity dissipates
-    real(dp) :: strain(lanes, NFLUX), trace(lanes), old_volume(lanes), work(lanes), q(lanes)
+    logical, intent(in), optional :: behind     !! the gradient is that at the places at the end of
+                                                !! the step; absent: at its start
+    real(dp) :: side, strain(lanes, NFLUX), trace(lanes), old_volume(lanes), work(lanes), q(lanes)
     real(dp) :: none(lanes, NSTRESS), mean(lanes), norm(lanes)
     integer :: l, s
     if (law%rigid) then
@@ -79,53 +81,55 @@ contains
       return
     end if
     s = law%slots%stress
+    side = 1.0_dp
+    if (present(behind)) side = merge(-1.0_dp, 1.0_dp, behind)
     if (law%slots%stretch > 0) call stretch(dt, grad, b(1, law%slots%stretch))
     select case (law%kind)
     case (material_elastic)
-      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
-                   trace, jacobian, old_volume, work)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, side, grad, b(1, 1), b(1, s), &
+                   strain, trace, jacobian, old_volume, work)
       call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
     case (material_drucker_prager)
-      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
-                   trace, jacobian, old_volume, work)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, side, grad, b(1, 1), b(1, s), &
+                   strain, trace, jacobian, old_volume, work)
       call soil(law, b(1, law%slots%plastic), b(1, s))
       call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
     case (material_mohr_coulomb)
-      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
-                   trace, jacobian, old_volume, work)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, side, grad, b(1, 1), b(1, s), &
+                   strain, trace, jacobian, old_volume, work)
       call von_mises(b(1, s), mean, norm)
       call mohr_coulomb_return(law%mohr_coulomb, law%elastic, NSTRESS, mean, norm, &
                                b(1, law%slots%plastic), b(1, s))
       call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
     case (material_johnson_holmquist)
-      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
-                   trace, jacobian, old_volume, work)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, side, grad, b(1, 1), b(1, s), &
+                   strain, trace, jacobian, old_volume, work)
       call ceramic(law, dt, mass, strain, trace, nb, b, speed2, q, work)
     case (material_concrete)
-      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
-                   trace, jacobian, old_volume, work)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, side, grad, b(1, 1), b(1, s), &
+                   strain, trace, jacobian, old_volume, work)
       call concrete(law, dt, mass, strain, trace, nb, b, speed2, q, work)
     case (material_crushable_foam)
-      call predict(law, law%elastic%shear, law%elastic%lambda, dt, grad, b(1, 1), b(1, s), strain, &
-                   trace, jacobian, old_volume, work)
+      call predict(law, law%elastic%shear, law%elastic%lambda, dt, side, grad, b(1, 1), b(1, s), &
+                   strain, trace, jacobian, old_volume, work)
       call foam(law, b(1, law%slots%plastic), b(1, s))
       call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
     case (material_cam_clay)
       call von_mises(b(1, s), mean, norm)
       call cam_clay_start(law%cam_clay, -mean, norm, b(:, law%slots%preconsolidation))
-      call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
+      call predict(law, 0.0_dp, 0.0_dp, dt, side, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
                    old_volume, work)
       call clay(law, dt, mass, old_volume, strain, trace, mean, nb, b, speed2, q, work)
     case (material_neo_hookean, material_mooney_rivlin)
-      call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
+      call predict(law, 0.0_dp, 0.0_dp, dt, side, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
                    old_volume, work)
-      call hyperelastic(law, dt, mass, grad, strain, trace, b(1, 1), b(1, s), &
+      call hyperelastic(law, dt, side, mass, grad, strain, trace, b(1, 1), b(1, s), &
                         b(1, law%slots%deformation), speed2, q, work)
     case (material_j2, material_johnson_cook, material_steinberg_guinan, material_zerilli_armstrong)
-      call plastic(law, dt, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
+      call plastic(law, dt, side, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
     case default  ! material_explosive, material_fluid
       none = 0.0_dp
-      call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), none, strain, trace, jacobian, &
+      call predict(law, 0.0_dp, 0.0_dp, dt, side, grad, b(1, 1), none, strain, trace, jacobian, &
                    old_volume, work)
       if (law%kind == material_fluid) then
         call fluid(law, dt, mass, old_volume, strain, trace, nb, b, speed2, q, work)
@@ -207,30 +211,40 @@ contains
   end subroutine stress_probe
 
   !> Strain increment, new volume, and the trial stress of an elastic step: the stress turned by the
-  !! step's spin (Jaumann rate) plus Hooke's law.
+  !! step's spin (Jaumann rate, to second order) plus Hooke's law.
+  !!
+  !! The strain is that of the places in the middle of the step, which a velocity moves by straight
+  !! lines: what turns by an angle without strain gets longer along them by half of its square. Per
+  !! volume at the start it is dt D + 1/2 dt^2 (I2 I - sym adj L), I2 the second invariant of L; its
+  !! trace is the change of the volume (doc/theory.md, 2). Minus 1/2 from the places at the end.
   !!
   !! One loop over the lanes, so that nothing on the way goes through memory.
   ! allow(S902)
-  pure subroutine predict(law, shear, lame, dt, grad, volume, stress, strain, trace, jacobian, &
-                          old_volume, work)
+  pure subroutine predict(law, shear, lame, dt, side, grad, volume, stress, strain, trace, &
+                          jacobian, old_volume, work)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: shear, lame, dt, grad(lanes, NGRAD)
+    real(dp), intent(in) :: shear, lame, dt, side, grad(lanes, NGRAD)
     real(dp), intent(inout) :: volume(lanes), stress(lanes, NSTRESS)
     real(dp), intent(out) :: strain(lanes, NFLUX)   !! shears as engineering strains
-    real(dp), intent(out) :: trace(lanes), jacobian(lanes)  !! of the strain; det(I + L dt)
+    real(dp), intent(out) :: trace(lanes), jacobian(lanes)  !! of the strain; change of volume
     real(dp), intent(out) :: old_volume(lanes)
     real(dp), intent(out) :: work(lanes)            !! 1/2 old stress : strain
-    real(dp) :: turn, keep, s1, s2, s3, mean, shear2
+    real(dp) :: turn, keep, half, s1, s2, s3, mean, shear2
     integer :: l
 #if NDIM == 2
-    real(dp) :: xy, yx, s4, w
+    real(dp) :: xx, yy, xy, yx, det, s4, w, t1, t4
+#ifdef AXISYMMETRIC
+    real(dp) :: zz
+#endif
 #elif NDIM == 3
     real(dp) :: xx, yy, zz, xy, yx, xz, zx, yz, zy, wxy, wyz, wxz, s4, s5, s6
+    real(dp) :: axx, ayy, azz, t1, t2, t3, t4, t5, t6
 #endif
     ! Numbers, not a merge in the loop: the vectoriser has no condition that is the same for all
     ! lanes.
     keep = merge(1.0_dp, 0.0_dp, law%small_strain)
     turn = 0.5_dp*dt*(1.0_dp - keep)
+    half = 0.5_dp*side*(1.0_dp - keep)
     shear2 = 2.0_dp*shear
 #if NDIM == 1
     !$omp simd simdlen(8) private(s1, s2, s3, mean)
@@ -247,19 +261,32 @@ contains
       stress(l, 2) = s2 + mean
       stress(l, 3) = s3 + mean
 #elif NDIM == 2
-    !$omp simd simdlen(8) private(s1, s2, s3, s4, xy, yx, w, mean)
+#ifdef AXISYMMETRIC
+    !$omp simd simdlen(8) private(s1, s2, s3, s4, xx, yy, zz, xy, yx, det, w, t1, t4, mean)
+#else
+    !$omp simd simdlen(8) private(s1, s2, s3, s4, xx, yy, xy, yx, det, w, t1, t4, mean)
+#endif
     do l = 1, lanes
+      xx = dt*grad(l, 1)
       xy = dt*grad(l, 2)
       yx = dt*grad(l, 3)
-      strain(l, 1) = dt*grad(l, 1)
-      strain(l, 2) = dt*grad(l, 4)
+      yy = dt*grad(l, 4)
+      det = xx*yy - xy*yx
+      strain(l, 1) = xx + half*det
+      strain(l, 2) = yy + half*det
       strain(l, 3) = xy + yx
-      trace(l) = strain(l, 1) + strain(l, 2)
-      jacobian(l) = (1.0_dp + strain(l, 1))*(1.0_dp + strain(l, 2)) - xy*yx
+      jacobian(l) = (1.0_dp + (xx + yy)) + side*det
 #ifdef AXISYMMETRIC
-      strain(l, NFLUX) = dt*grad(l, NGRAD)
+      zz = dt*grad(l, NGRAD)
+      strain(l, 1) = strain(l, 1) + half*(zz*xx)
+      strain(l, 2) = strain(l, 2) + half*(zz*yy)
+      strain(l, 3) = strain(l, 3) + half*(zz*(xy + yx))
+      strain(l, NFLUX) = zz + half*(zz*(xx + yy))
+      jacobian(l) = (jacobian(l) + zz) + zz*(side*(xx + yy) + det)
+#endif
+      trace(l) = strain(l, 1) + strain(l, 2)
+#ifdef AXISYMMETRIC
       trace(l) = trace(l) + strain(l, NFLUX)
-      jacobian(l) = jacobian(l)*(1.0_dp + strain(l, NFLUX))
 #endif
       s1 = stress(l, 1)
       s2 = stress(l, 2)
@@ -271,16 +298,18 @@ contains
 #endif
       mean = lame*trace(l)
       w = turn*(grad(l, 2) - grad(l, 3))
-      stress(l, 1) = (s1 + 2.0_dp*w*s4) + (mean + shear2*strain(l, 1))
-      stress(l, 2) = (s2 - 2.0_dp*w*s4) + (mean + shear2*strain(l, 2))
+      t1 = 2.0_dp*w*s4
+      t4 = w*(s2 - s1)
+      stress(l, 1) = (s1 + (t1 + w*t4)) + (mean + shear2*strain(l, 1))
+      stress(l, 2) = (s2 - (t1 + w*t4)) + (mean + shear2*strain(l, 2))
       stress(l, 3) = s3 + mean
 #ifdef AXISYMMETRIC
       stress(l, 3) = stress(l, 3) + shear2*strain(l, NFLUX)
 #endif
-      stress(l, 4) = (s4 + w*(s2 - s1)) + shear*strain(l, 3)
+      stress(l, 4) = (s4 + (t4 - w*t1)) + shear*strain(l, 3)
 #else
     !$omp simd simdlen(8) private(s1, s2, s3, s4, s5, s6, mean, wxy, wyz, wxz) &
-    !$omp& private(xx, yy, zz, xy, yx, xz, zx, yz, zy)
+    !$omp& private(xx, yy, zz, xy, yx, xz, zx, yz, zy, axx, ayy, azz, t1, t2, t3, t4, t5, t6)
     do l = 1, lanes
       xx = dt*grad(l, 1)
       xy = dt*grad(l, 2)
@@ -291,33 +320,42 @@ contains
       zx = dt*grad(l, 7)
       zy = dt*grad(l, 8)
       zz = dt*grad(l, 9)
-      strain(l, 1) = xx
-      strain(l, 2) = yy
-      strain(l, 3) = zz
-      strain(l, 4) = xy + yx
-      strain(l, 5) = yz + zy
-      strain(l, 6) = xz + zx
-      trace(l) = (xx + yy) + zz
-      jacobian(l) = (1.0_dp + xx)*((1.0_dp + yy)*(1.0_dp + zz) - yz*zy) &
-                    - xy*(yx*(1.0_dp + zz) - yz*zx) + xz*(yx*zy - (1.0_dp + yy)*zx)
+      axx = yy*zz - yz*zy
+      ayy = xx*zz - xz*zx
+      azz = xx*yy - xy*yx
+      strain(l, 1) = xx + half*(ayy + azz)
+      strain(l, 2) = yy + half*(azz + axx)
+      strain(l, 3) = zz + half*(axx + ayy)
+      strain(l, 4) = (xy + yx) + half*((xy + yx)*zz - (xz*zy + yz*zx))
+      strain(l, 5) = (yz + zy) + half*((yz + zy)*xx - (xz*yx + xy*zx))
+      strain(l, 6) = (xz + zx) + half*((xz + zx)*yy - (xy*yz + yx*zy))
+      trace(l) = (strain(l, 1) + strain(l, 2)) + strain(l, 3)
+      jacobian(l) = (1.0_dp + ((xx + yy) + zz)) + side*((axx + ayy) + azz) &
+                    + (xx*axx - xy*(yx*zz - yz*zx) + xz*(yx*zy - yy*zx))
       s1 = stress(l, 1)
       s2 = stress(l, 2)
       s3 = stress(l, 3)
       s4 = stress(l, 4)
       s5 = stress(l, 5)
       s6 = stress(l, 6)
-      work(l) = 0.5_dp*((s1*xx + s2*yy + s3*zz) &
+      work(l) = 0.5_dp*((s1*strain(l, 1) + s2*strain(l, 2) + s3*strain(l, 3)) &
                         + (s4*strain(l, 4) + s5*strain(l, 5) + s6*strain(l, 6)))
       mean = lame*trace(l)
       wxy = turn*(grad(l, 2) - grad(l, 4))
       wyz = turn*(grad(l, 6) - grad(l, 8))
       wxz = turn*(grad(l, 3) - grad(l, 7))
-      stress(l, 1) = (s1 + 2.0_dp*(wxy*s4 + wxz*s6)) + (mean + shear2*xx)
-      stress(l, 2) = (s2 + 2.0_dp*(wyz*s5 - wxy*s4)) + (mean + shear2*yy)
-      stress(l, 3) = (s3 - 2.0_dp*(wxz*s6 + wyz*s5)) + (mean + shear2*zz)
-      stress(l, 4) = (s4 + (wxy*(s2 - s1) + wxz*s5 + wyz*s6)) + shear*strain(l, 4)
-      stress(l, 5) = (s5 + (wyz*(s3 - s2) - wxy*s6 - wxz*s4)) + shear*strain(l, 5)
-      stress(l, 6) = (s6 + (wxz*(s3 - s1) + wxy*s5 - wyz*s4)) + shear*strain(l, 6)
+      t1 = 2.0_dp*(wxy*s4 + wxz*s6)
+      t2 = 2.0_dp*(wyz*s5 - wxy*s4)
+      t3 = -2.0_dp*(wxz*s6 + wyz*s5)
+      t4 = wxy*(s2 - s1) + wxz*s5 + wyz*s6
+      t5 = wyz*(s3 - s2) - wxy*s6 - wxz*s4
+      t6 = wxz*(s3 - s1) + wxy*s5 - wyz*s4
+      stress(l, 1) = (s1 + (t1 + (wxy*t4 + wxz*t6))) + (mean + shear2*strain(l, 1))
+      stress(l, 2) = (s2 + (t2 + (wyz*t5 - wxy*t4))) + (mean + shear2*strain(l, 2))
+      stress(l, 3) = (s3 + (t3 - (wxz*t6 + wyz*t5))) + (mean + shear2*strain(l, 3))
+      stress(l, 4) = (s4 + (t4 + 0.5_dp*(wxy*(t2 - t1) + wxz*t5 + wyz*t6))) + shear*strain(l, 4)
+      stress(l, 5) = (s5 + (t5 + 0.5_dp*(wyz*(t3 - t2) - wxy*t6 - wxz*t4))) + shear*strain(l, 5)
+      stress(l, 6) = (s6 + (t6 + 0.5_dp*(wxz*(t3 - t1) + wxy*t5 - wyz*t4))) + shear*strain(l, 6)
 #endif
       old_volume(l) = volume(l)
       volume(l) = volume(l)*(keep + (1.0_dp - keep)*jacobian(l))
@@ -517,28 +555,33 @@ contains
   end subroutine add_half_work
 
   !> Rubbers, whose stress follows from b = F F^T.
-  pure subroutine hyperelastic(law, dt, mass, grad, strain, trace, volume, stress, f, speed2, q, &
-                               work)
+  pure subroutine hyperelastic(law, dt, side, mass, grad, strain, trace, volume, stress, f, &
+                               speed2, q, work)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), &
+    real(dp), intent(in) :: dt, side, mass(lanes), grad(lanes, NGRAD), strain(lanes, NFLUX), &
         trace(lanes), volume(lanes)
     real(dp), intent(inout) :: stress(lanes, NSTRESS), f(lanes, NDIM, NDIM)  !! f(:, b, a) = F_ab
     real(dp), intent(out) :: speed2(lanes), q(lanes)
     real(dp), intent(inout) :: work(lanes)
     real(dp) :: new(lanes, NDIM, NDIM), bij(lanes, NSTRESS), j(lanes), log_j(lanes)
+#if NDIM > 1
+    real(dp) :: ahead(lanes, NDIM, NDIM)
+#endif
     integer :: l, a, b, c
     integer, parameter :: row(6) = voigt_axes(1, :), col(6) = voigt_axes(2, :)
     real(dp), parameter :: collapsed = 1.0e-100_dp  !! stands for a volume without a logarithm
-    do a = 1, NDIM
-      do b = 1, NDIM
-        new(:, b, a) = f(:, b, a)
-        do c = 1, NDIM
-          do l = 1, lanes
-            new(l, b, a) = new(l, b, a) + dt*grad(l, (a - 1)*NDIM + c)*f(l, b, c)
-          end do
+    call deform(dt, grad, f, f, new)
+#if NDIM > 1
+    if (side < 0.0_dp) then  ! f + dt L f + dt^2 (L - tr L) L f
+      call volume_rate(grad, log_j)
+      do a = 1, NDIM
+        do b = 1, NDIM
+          ahead(:, b, a) = new(:, b, a) - dt*log_j*f(:, b, a)
         end do
       end do
-    end do
+      call deform(dt, grad, f, ahead, new)
+    end if
+#endif
     f = new
     do c = 1, NSTRESS
       if (row(c) > NDIM .or. col(c) > NDIM) then
@@ -567,6 +610,23 @@ contains
     call add_half_work(stress, strain, work)
     call viscosity(law, dt, mass, volume, trace, speed2, q)
   end subroutine hyperelastic
+
+  !> f + dt L g.
+  pure subroutine deform(dt, grad, f, g, new)
+    real(dp), intent(in) :: dt, grad(lanes, NGRAD), f(lanes, NDIM, NDIM), g(lanes, NDIM, NDIM)
+    real(dp), intent(out) :: new(lanes, NDIM, NDIM)
+    integer :: l, a, b, c
+    do a = 1, NDIM
+      do b = 1, NDIM
+        new(:, b, a) = f(:, b, a)
+        do c = 1, NDIM
+          do l = 1, lanes
+            new(l, b, a) = new(l, b, a) + dt*grad(l, (a - 1)*NDIM + c)*g(l, b, c)
+          end do
+        end do
+      end do
+    end do
+  end subroutine deform
 
   !> Product of two rows of tensors.
   pure subroutine row_product(x, y, product)
@@ -606,9 +666,9 @@ contains
 
   !> Plasticity of metals by radial return, with linear bulk response or an equation of state.
   ! allow(S902)
-  subroutine plastic(law, dt, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
+  subroutine plastic(law, dt, side, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, mass(lanes), grad(lanes, NGRAD)
+    real(dp), intent(in) :: dt, side, mass(lanes), grad(lanes, NGRAD)
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: trace(lanes), jacobian(lanes), old_volume(lanes)
@@ -624,12 +684,12 @@ contains
     if (law%fails) call judge(law, grad, nb, b, failed)
     if (law%softens) call softening_regain(NSTRESS, b(1, law%slots%damage), b(1, s), left)
     if (law%kind == material_steinberg_guinan) then
-      call predict(law, 0.0_dp, 0.0_dp, dt, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
+      call predict(law, 0.0_dp, 0.0_dp, dt, side, grad, b(1, 1), b(1, s), strain, trace, jacobian, &
                    old_volume, work)
       call stiffen(law, mass, old_volume, strain, trace, nb, b, shear)
     else
-      call predict(law, law%elastic%shear, -2.0_dp/3.0_dp*law%elastic%shear, dt, grad, b(1, 1), &
-                   b(1, s), strain, trace, jacobian, old_volume, work)
+      call predict(law, law%elastic%shear, -2.0_dp/3.0_dp*law%elastic%shear, dt, side, grad, &
+                   b(1, 1), b(1, s), strain, trace, jacobian, old_volume, work)
     end if
     call von_mises(b(1, s), mean, norm)
     if (law%softens) late = work - 0.5_dp*(mean*trace)

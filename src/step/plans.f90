@@ -71,6 +71,7 @@ contains
     plan%momentum = plan%mass
     plan%stress = .true.
     plan%dt_strain = max(model%clock%dt_before, tiny(1.0_dp)**0.25_dp)
+    plan%behind = .true.
     plan%time = model%clock%time
     allocate (plan%vectors(0))
     plan%gradient = node_velocity(model%mesh%ndim)

@@ -121,6 +121,23 @@ def dyads(values, axes):
     return [[sum(v*a[i]*a[j] for v, a in zip(values, axes)) for j in range(3)] for i in range(3)]
 
 
+def straining(strain, spin):
+    """The velocity gradient L with this spin whose strain in the middle of a step, dt D + dt^2/2 (I2 I - sym adj L), is
+    this one."""
+    extra = [[0.0]*3 for _ in range(3)]
+    for _ in range(6):
+        gradient = [[(strain[i][j] - extra[i][j])/DT for j in range(3)] for i in range(3)]
+        for i, j, w in ((0, 1, spin[0]), (1, 2, spin[1]), (0, 2, spin[2])):
+            gradient[i][j] += w
+            gradient[j][i] -= w
+        # adj L = L^2 - L tr L + I2 I
+        trace = sum(gradient[i][i] for i in range(3))
+        square = [[sum(gradient[i][m]*gradient[m][j] for m in range(3)) for j in range(3)] for i in range(3)]
+        extra = [[-DT**2/4*(square[i][j] + square[j][i] - trace*(gradient[i][j] + gradient[j][i])) for j in range(3)]
+                 for i in range(3)]
+    return gradient
+
+
 def step(report, name, dimension, cards, bodies):
     """Stress and plastic strain of the middle of blocks after one step: (material, velocity gradient) of each."""
     deck = [f"dimension {dimension}", "grid cell=1", "method mpm", f"time dt={DT} steps=1", *cards]
@@ -177,11 +194,10 @@ def soils(report, dimension, count):
         if where in regions and len(regions) < len(REGIONS) and luck.random() < 0.7:
             continue  # places seldom met must be met, too
         regions.add(where)
-        gradient, spin = dyads([e/DT for e in strain], axes), [luck.gauss(0, 0.05) for _ in range(3)]
-        for i, j, w in ((0, 1, spin[0]), (1, 2, spin[1]), (0, 2, spin[2])):
-            gradient[i][j] += w
-            gradient[j][i] -= w
-        bodies.append((f"soil{k}", gradient))
+        spin = [luck.gauss(0, 0.05) for _ in range(3)]
+        if dimension == 2:
+            spin[1:] = 0.0, 0.0
+        bodies.append((f"soil{k}", straining(dyads(strain, axes), spin)))
         wanted.append((where, dyads(stress, axes), plastic))
     name = f"mohr_coulomb_{dimension}"
     for i, (row, (where, stress, plastic)) in enumerate(zip(step(report, name, dimension, cards, bodies), wanted)):

@@ -61,10 +61,11 @@ contains
 
   !> Stress update with swirl, and the stresses that the grid wants.
   ! allow(S902)
-  subroutine swirl_strain(law, dt, time, inverse_h, radius, mass, live, grad, slope, nb, state, &
-                          flux, speed2, jacobian, internal, viscous)
+  subroutine swirl_strain(law, dt, behind, time, inverse_h, radius, mass, live, grad, slope, nb, &
+                          state, flux, speed2, jacobian, internal, viscous)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: dt, time, inverse_h
+    logical, intent(in) :: behind              !! as of the stress update
     real(dp), intent(in) :: radius(lanes), mass(lanes), live(lanes)
     real(dp), intent(in) :: grad(lanes, grad_plane)  !! rr rz zr zz, hoop strain rate
     real(dp), intent(in) :: slope(lanes, 2)    !! of v_theta/X along r and z
@@ -82,7 +83,7 @@ contains
     in_space(:, 8) = radius*slope(:, 2)
     in_space(:, 9) = grad(:, 5)
     call stress_update(law, dt, time, mass, live, in_space, nb, state, all, speed2, jacobian, &
-                       internal, viscous)
+                       internal, viscous, behind)
     call arrange(law, inverse_h, radius, mass, live, nb, state, all, flux)
   end subroutine swirl_strain
 
