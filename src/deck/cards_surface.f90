@@ -8,7 +8,7 @@ module sgmp_cards_surface
   use sgmp_kinds, only: dp
   use sgmp_load, only: load_blast, load_force, load_pressure, load_traction
   use sgmp_registry, only: registry_t
-  use sgmp_scene, only: body_card_t, layout_lattice, load_card_t
+  use sgmp_scene, only: body_card_t, layout_graded, layout_lattice, load_card_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_space, only: axis_names, space_axisymmetric
   use sgmp_spelling, only: words_joined
@@ -193,10 +193,10 @@ contains
     b = draft%body_of(card, 'body')
     if (b <= 0) return
     associate (body => draft%scene%bodies(b))
-      if (body%layout /= layout_lattice .or. body%jitter > 0.0_dp) then
+      if (all(body%layout /= [layout_lattice, layout_graded]) .or. body%jitter > 0.0_dp) then
         call draft%errors%add(card%place('body'), "the particles of body '"//card%word('body')// &
                               "' have no known faces", &
-                              'faces are those of a lattice: layout=uniform, no jitter, no file')
+                              'faces are those of a lattice: no layout=gauss, no jitter, no file')
       end if
     end associate
   end subroutine check_faces

@@ -200,9 +200,9 @@ module sgmp_combinations
     refusal_t('graded', 'split', '', &
               'not worked out: places of halves in unequal cells', &
               'remove split from the card method'), &
-    refusal_t('graded', 'faces absorbing', '', &
-              'not worked out: forces on faces of particles in unequal cells', &
-              'remove that card, or the fine intervals'), &
+    refusal_t('graded', 'absorbing', '', &
+              'not worked out: what an edge lets out of unequal cells', &
+              'remove that wall, or the fine intervals'), &
     refusal_t('graded', 'self', '', &
               'not worked out: how near parts of a body are in unequal cells', &
               'remove self=yes, or the fine intervals'), &

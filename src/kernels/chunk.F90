@@ -22,6 +22,7 @@ module DIM(sgmp_chunk)
   use sgmp_drive, only: most_drives
   use CARTESIAN(sgmp_driven_particles), only: driven_masses, driven_read
   use sgmp_features, only: sum_split
+  use DIM(sgmp_graded_loads), only: graded_loads_factor, graded_loads_sides, graded_loads_slopes
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_absorbing, load_force, load_t
@@ -1039,25 +1040,28 @@ contains
       else
         call linear_scatter(NDIM, xi + way, cell, force, task%nq, stencil(1, plan%faces + 1, 1))
         if (task%centred) call scatter_levers(task, plan%faces + NDIM, xi + way, &
-                                              loads_levers(task%h, xi + way, way, &
+                                              loads_levers(mesh, motion, xi + way, way, &
                                                            plan%corrected), cell, force, stencil)
-        if (plan%corrected) call scatter_twists(task, plan%faces + NDIM + NDIM**2, xi + way, &
-                                                cell, force, stencil)
+        if (plan%corrected) call scatter_twists(mesh, task, plan%faces + NDIM + NDIM**2, motion, &
+                                                xi + way, cell, force, stencil)
       end if
-      if (body%loads(i)%kind == load_absorbing) call scatter_impedance(body%loads(i), plan, task, &
-                                        id, nb, state, xi, cell, axes, way, stencil)
+      if (body%loads(i)%kind == load_absorbing) call scatter_impedance(mesh, body%loads(i), plan, &
+                                        task, id, nb, motion, state, xi, cell, axes, way, stencil)
     end do
   end subroutine scatter_faces
 
   !> Adds the impedance of faces at an absorbing edge where they are, but not beyond the cell of
   !! their particle: weights that are continued further are negative.
-  pure subroutine scatter_impedance(load, plan, task, id, nb, state, xi, cell, axes, way, stencil)
+  pure subroutine scatter_impedance(mesh, load, plan, task, id, nb, motion, state, xi, cell, axes, &
+                                    way, stencil)
+    type(mesh_t), intent(in) :: mesh
     type(load_t), intent(in) :: load
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
     integer(i4), intent(in) :: id(lanes)
     integer, intent(in) :: nb, cell(lanes)
-    real(dp), intent(in) :: state(lanes, nb), xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
     real(dp), intent(in) :: way(lanes, NDIM)     !! from the centres to the faces
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     real(dp) :: impedance(lanes, NDIM), place(lanes, NDIM)
@@ -1073,7 +1077,7 @@ contains
     place = min(1.0_dp, max(0.0_dp, xi + way))
     call linear_scatter(NDIM, place, cell, impedance, task%nq, stencil(1, before + 1, 1))
     if (task%centred) call scatter_levers(task, before + NDIM, place, &
-                                          loads_levers(task%h, place, way, .false.), cell, &
+                                          loads_levers(mesh, motion, place, way, .false.), cell, &
                                           impedance, stencil)
   end subroutine scatter_impedance
 
@@ -1100,18 +1104,25 @@ contains
 
   !> Adds force times two and three levers to the centres, for the products of the functions that
   !! stresses see along the axes (sgmp_loads): the derivatives along all axes of a twist, as above.
-  pure subroutine scatter_twists(task, before, place, cell, force, stencil)
+  pure subroutine scatter_twists(mesh, task, before, motion, place, cell, force, stencil)
+    type(mesh_t), intent(in) :: mesh
     type(task_t), intent(in) :: task
     integer, intent(in) :: before, cell(lanes)   !! before: columns
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
     real(dp), intent(in) :: place(lanes, NDIM), force(lanes, NDIM)
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
-    real(dp) :: ends(lanes, NDIM), lever(lanes)
+    real(dp) :: ends(lanes, NDIM), sides(lanes, NDIM), slopes(lanes, NDIM, 2), lever(lanes)
     integer :: a, q, corner, sign
+    if (mesh%graded) then
+      sides = graded_loads_sides(mesh, motion)
+      slopes = graded_loads_slopes(mesh, motion)
+    end if
     do q = 1, twists(NDIM)
-      lever = loads_twist(q, place)
       do corner = 0, NCORNER - 1
         call twist_ends(q, corner, place, ends, sign)
         if (sign == 0) cycle
+        lever = loads_twist(q, place)
+        if (mesh%graded) lever = lever*graded_loads_factor(q, corner, sides, slopes)
         do a = 1, NDIM
           call linear_scatter(1, ends, cell, sign*force(:, a)*lever, task%nq, &
                               stencil(1, before + (q - 1)*NDIM + a, 1))

@@ -18,7 +18,7 @@ module DIM(sgmp_nodes)
                           node_swirl, node_total, node_velocity
   use sgmp_driven_nodes, only: driven_nodes_solve, driven_nodes_velocity
   use sgmp_field, only: field_t
-  use CARTESIAN(sgmp_graded_rows), only: graded_divergence
+  use CARTESIAN(sgmp_graded_rows), only: graded_divergence, graded_spread
   use sgmp_kernels, only: kernel_centred, kernel_mpm
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_kick, wall_speed
@@ -451,9 +451,27 @@ contains
     real(dp) :: t(tile)
     integer :: a, i
     do a = 1, NDIM
-      call spread_force(field, s, first, n, field%columns%faces + a - 1, f(:, a))
+      if (mesh%graded) then
+        call graded_spread(mesh, graded_row(field, s), first, n, &
+                           field%moment(1, field%columns%faces + a - 1), &
+                           centre_rows(field, s, first), f(1, a))
+      else
+        call spread_force(field, s, first, n, field%columns%faces + a - 1, f(:, a))
+      end if
       if (field%columns%lever == 0) cycle
       i = field%columns%lever + (a - 1)*NDIM
+      if (mesh%graded) then
+        call graded_divergence(mesh, graded_row(field, s), first, n, field%moment(1, i), &
+#if NDIM > 1
+                               field%moment(1, i + 1), &
+#endif
+#if NDIM > 2
+                               field%moment(1, i + 2), &
+#endif
+                               centre_rows(field, s, first), t)
+        f(:n, a) = f(:n, a) + t(:n)
+        cycle
+      end if
       call divergence_row(n, mesh%inverse_h*0.5_dp**(NDIM - 1), field%moment(1, i), &
 #if NDIM > 1
                           field%moment(1, i + 1), &
@@ -466,7 +484,7 @@ contains
     end do
 #if NDIM > 1
     if (field%columns%twist > 0) then
-      call surfaces_push_twists(field, centre_rows(field, s, first), n, f)
+      call surfaces_push_twists(field, mesh, s, first, centre_rows(field, s, first), n, f)
     end if
 #endif
   end subroutine face_forces

@@ -8,6 +8,7 @@ module DIM(sgmp_sweep_movers)
                              task_t, twist_ends
   use sgmp_columns, only: twists
   use sgmp_field, only: field_t
+  use DIM(sgmp_graded_loads), only: graded_loads_factor, graded_loads_sides, graded_loads_slopes
   use sgmp_kinds, only: dp, lanes
   use sgmp_load, only: load_force
   use DIM(sgmp_loads), only: loads_levers, loads_on_faces, loads_twist
@@ -167,26 +168,34 @@ contains
       else
         call linear_weights(xi + way, corners)
         w(:, :NCORNER, i) = corners
-        levers(:, :, i) = loads_levers(task%h, xi + way, way, plan%corrected)
+        levers(:, :, i) = loads_levers(mesh, motion, xi + way, way, plan%corrected)
         call linear_gradients(xi + way, 1.0_dp, g(:, :, :NDIM, i))
-        if (plan%corrected) call twist_weights(xi + way, g(:, :, NDIM + 1:, i))
+        if (plan%corrected) call twist_weights(mesh, motion, xi + way, g(:, :, NDIM + 1:, i))
       end if
     end do
   end subroutine mover_faces
 
   !> Derivatives of the corners' weights along the axes of each twist, times their levers.
-  pure subroutine twist_weights(place, g)
-    real(dp), intent(in) :: place(lanes, NDIM)
+  pure subroutine twist_weights(mesh, motion, place, g)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), place(lanes, NDIM)
     real(dp), intent(out) :: g(lanes, NCORNER, twists(NDIM))
-    real(dp) :: ends(lanes, NDIM), w(lanes, NCORNER)
+    real(dp) :: ends(lanes, NDIM), w(lanes, NCORNER), lever(lanes)
+    real(dp) :: sides(lanes, NDIM), slopes(lanes, NDIM, 2)
     integer :: q, corner, sign
     g = 0.0_dp
+    if (mesh%graded) then
+      sides = graded_loads_sides(mesh, motion)
+      slopes = graded_loads_slopes(mesh, motion)
+    end if
     do q = 1, twists(NDIM)
       do corner = 0, NCORNER - 1
         call twist_ends(q, corner, place, ends, sign)
         if (sign == 0) cycle
+        lever = loads_twist(q, place)
+        if (mesh%graded) lever = lever*graded_loads_factor(q, corner, sides, slopes)
         call linear_weights(ends, w)
-        g(:, :, q) = g(:, :, q) + sign*spread(loads_twist(q, place), 2, NCORNER)*w
+        g(:, :, q) = g(:, :, q) + sign*spread(lever, 2, NCORNER)*w
       end do
     end do
   end subroutine twist_weights

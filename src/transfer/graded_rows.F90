@@ -6,13 +6,17 @@
 !! The derivative along an axis is the difference of the nodes over their distance h_c; across it
 !! the nodes have the weights by which what is linear between them is read at the centre, so that
 !! the gradient is that of products of quadratic B-splines with knots at the centres.
+!!
+!! Compiled without fused multiply-adds (CMakeLists.txt): which of two products is fused with their
+!! sum would depend on where a row begins and ends, and with that on the ranks.
 module DIM(sgmp_graded_rows)
   use sgmp_graded_axis, only: graded_tables
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   implicit none
   private
-  public :: graded_divergence, graded_nodes, graded_points, graded_slopes, graded_weights_t
+  public :: graded_divergence, graded_nodes, graded_points, graded_slopes, graded_spread, &
+            graded_weights_t
 #if NDIM > 1
   public :: graded_push, graded_twist_factors, graded_twists
 #endif
@@ -100,6 +104,23 @@ contains
 #endif
     end do
   end subroutine graded_slopes
+
+  !> What the nodes of a row get of a column of centres by what is linear between them.
+  pure subroutine graded_spread(mesh, row, first, n, column, b, f)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: row(2), first, n      !! of the nodes
+    real(dp), intent(in) :: column(*)
+    integer, intent(in) :: b(NROW)               !! records of centre first - 1 in the rows
+    real(dp), intent(inout) :: f(n)
+    type(graded_weights_t) :: w
+    integer :: i
+    call graded_nodes(mesh, row, first, n, w)
+    !$omp simd
+    do i = 1, n
+      f(i) = w%low(i)*sum_rows(column, b, i, w%row) + &
+             w%high(i - 1)*sum_rows(column, b, i - 1, w%row)
+    end do
+  end subroutine graded_spread
 
   !> Component of the force on the nodes of a row: the transpose, of its fluxes along the axes.
 #if NDIM == 1

@@ -101,6 +101,20 @@ velocity a x=-500
 history steps=20
 output csv at=end fields=stress
 """
+# A block under pressure on its faces.
+PRESSED = """
+dimension {dimension}
+grid cell=0.5 {axes} ratio=1.2 largest=2
+method sgmp {words}
+time steps={steps} cfl=0.4
+material m elastic density=1 young=1 poisson=0.3
+body b block material=m lower={size} ppc=2 layout=graded
+{loads}
+{stress}
+history steps=10
+checkpoint every=100
+output csv at=end fields=stress
+"""
 # A ball goes into a plate: contact, plasticity, failure, viscosity.
 IMPACT = """
 parameter h = 1
@@ -238,6 +252,51 @@ def impact(report):
     report.check(max(abs(p/along[0] - 1) for p in along) < 0.2, f"impact: momentum along z {along[0]} to {along[-1]}")
 
 
+def pressed(report):
+    """A block under a pressure on all its faces that began in equilibrium rests, to round-off; without the stress that
+    is normalised, whose weights differ where the last cells are part full. What one face bears is pressure times area,
+    and it moves as in equal cells."""
+    for dimension, size in ((1, "(-8) upper=(12)"), (2, "(-5,-4) upper=(8,7)"), (3, "(-3,-2,-2) upper=(6,5,5)")):
+        faces = [f"{axis}{side}" for axis in "xyz"[:dimension] for side in "-+"]
+        for words in ("stress=plain", "stress=plain surfaces=plain rotation=plain"):
+            name = f"pressed_{dimension}_{len(words)}"
+            result = run(name, PRESSED.format(
+                dimension=dimension, words=words, size=size, steps=60,
+                axes=" ".join(f"{axis}=open fine_{axis}=(1,3)" for axis in "xyz"[:dimension]),
+                loads="\n".join(f"pressure b p=0.01 face={face}" for face in faces),
+                stress="initial_stress b xx=-0.01 yy=-0.01 zz=-0.01",
+            ))
+            if report.finished(result, name):
+                off = max(abs(row[key] + 0.01) for row in result.table("particles_end.csv")
+                          for key in ("stress_xx", "stress_yy", "stress_zz"))
+                report.check(off < 1e-14, f"{name}: stress is off by {off}")
+    push = PRESSED.format(
+        dimension=3, words="", size="(-3,-2,-2) upper=(6,5,5)", steps=200, stress="",
+        axes=" ".join(f"{axis}=open fine_{axis}=(1,3)" for axis in "xyz"),
+        loads='pressure b p=0.02 face=x-\ntraction b z="0.01*(x>0)" face=y+',
+    )
+    first = straight(report, "pushed", push)
+    if not first.summary:
+        return
+    row = first.table("history.csv")[1]
+    for axis, force in (("x", 0.02*7*7), ("z", 0.01*6*7)):  # velocities are those of half a step before
+        found = row[f"momentum_{axis}"]/(force*(row["time"] - row["dt"]/2))
+        report.check(abs(found - 1) < (2e-3 if axis == "x" else 0.06), f"pushed: momentum along {axis} {found}")
+    for name, threads, launcher in (("pushed_threads", 2, ()), ("pushed_ranks", 1, mpirun(2))):
+        other = straight(report, name, push, threads, launcher)
+        report.check(other.summary and other["checksum"] == first["checksum"], f"{name}: other bits")
+    goes_on(report, first, "pushed_restart", push, 100)
+    extra = [f" fine_{axis}=(1,3)" for axis in "xyz"] + [" ratio=1.2 largest=2", " layout=graded"]
+    equal = run("pushed_equal", changed(push, *((words, "") for words in extra)))
+    if report.finished(equal, "pushed with equal cells"):
+        for axis, most in (("x", 0.01), ("z", 0.06)):
+            one, two = (result.table("history.csv")[-1][f"momentum_{axis}"] for result in (first, equal))
+            report.check(abs(one/two - 1) < most, f"pushed: momentum along {axis} {one}, with equal cells {two}")
+        one, two = (result["energy.external_work"] for result in (first, equal))
+        report.check(abs(one/two - 1) < 0.03, f"pushed: work {one}, with equal cells {two}")
+    report.check(abs(first["energy.drift"]) < 0.02, f"pushed: energy drifts by {first['energy.drift']}")
+
+
 def seen(report):
     """The viewer draws large particles as the small ones that they stand for: no gaps, the mass that there was."""
     sys.path.insert(0, f"{SOURCE}/python")
@@ -269,7 +328,7 @@ def told(report):
 def main():
     """All checks."""
     report = Report()
-    for check in (flights, rest, spin, bar, pulled, shock, impact, seen, told):
+    for check in (flights, rest, spin, bar, pulled, shock, impact, pressed, seen, told):
         check(report)
     report.end()
 

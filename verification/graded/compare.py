@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Grids with unequal cells beside equal ones of the smallest side (doc/grids.md): what comes out, and user CPU seconds.
 
-usage: compare.py SGMP SCRATCH_DIR [SCENE[:H] …]      scenes: plate target taylor block; H: side of the smallest cell
+usage: compare.py SGMP SCRATCH_DIR [SCENE[:H] …]      scenes: plate target taylor blast block; H: side of the smallest cell
 """
 import csv
 import json
@@ -71,6 +71,15 @@ def taylor(folder):
                                if float(row["z0"]) > 24.5) + 25.4, "radius of the foot (mm)": max(foot)}
 
 
+def blast(folder):
+    """Sag of the middle and half way to the rim at the end, and momentum that the blast has left."""
+    rows = table(folder, "gauges.csv")
+    middle, half = ([row for row in rows if row["name"].strip() == name] for name in ("middle", "half"))
+    return {"sag of the middle (mm)": float(middle[0]["z"]) - float(middle[-1]["z"]),
+            "sag half way (mm)": float(half[0]["z"]) - float(half[-1]["z"]),
+            "largest sag (mm)": float(middle[0]["z"]) - min(float(row["z"]) for row in middle)}
+
+
 def block(folder):
     """Height of its centre: the same motion in both."""
     return {"height of the centre (mm)": float(of_body(folder, "block")["z"])}
@@ -80,7 +89,7 @@ def main():
     """All scenes, a table of each."""
     sgmp, scratch = (os.path.abspath(path) for path in sys.argv[1:3])
     os.makedirs(scratch, exist_ok=True)
-    for chosen in sys.argv[3:] or ("plate", "target", "taylor"):
+    for chosen in sys.argv[3:] or ("plate", "target", "taylor", "blast"):
         scene, _, cell = chosen.partition(":")
         found = {}
         for graded in (True, False):

@@ -18,6 +18,7 @@ module DIM(sgmp_loads)
   use sgmp_body, only: body_t
   use sgmp_columns, only: twist_takes
   use sgmp_expression, only: expression_places, expression_t, expression_time
+  use DIM(sgmp_graded_loads), only: graded_loads_aside, graded_loads_sides
   use sgmp_kinds, only: dp, lanes
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_pressure, load_t
   use sgmp_mesh, only: mesh_place, mesh_t
@@ -79,6 +80,7 @@ contains
     way = spread(merge(weight, 0.0_dp, square > 0.0_dp), 2, NDIM)*area
     call take_places(mesh, body, time, nb, motion, state, places)
     places(:, :NDIM) = places(:, :NDIM) + mesh%h*way
+    if (mesh%graded) way = way/graded_loads_sides(mesh, motion)
     select case (load%kind)
     case (load_absorbing)
       call edge_force(load, nb, state, sqrt(square), force)
@@ -199,6 +201,7 @@ contains
       call loads_on_faces(mesh, body, body%loads(i), time, live, nb, motion, state, force, way, &
                           some)
       if (.not. some) cycle
+      if (mesh%graded) way = way*graded_loads_sides(mesh, motion) + graded_loads_aside(mesh, motion)
       do a = 1, NDIM
         do b = 1, NDIM
           sums(:, sum_applied) = sums(:, sum_applied) + dt*mesh%h*force(:, a)*way(:, b)* &
@@ -210,18 +213,22 @@ contains
 
   !> Levers of forces on faces along each axis (length), the gradients of the centres' weights per
   !! cell left out.
-  pure function loads_levers(h, place, way, corrected) result(levers)
-    real(dp), intent(in) :: h
+  pure function loads_levers(mesh, motion, place, way, corrected) result(levers)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
     real(dp), intent(in) :: place(lanes, NDIM)     !! of the force, from the centre below (cells)
     real(dp), intent(in) :: way(lanes, NDIM)       !! to there from the particle
     logical, intent(in) :: corrected               !! strains are (doc/surfaces.md)
     real(dp) :: levers(lanes, NDIM)
-    real(dp) :: square(lanes)
+    real(dp) :: square(lanes), sides(lanes, NDIM)
     integer :: d
-    square = max(sum(way**2, dim=2), tiny(1.0_dp))
+    sides = 1.0_dp
+    if (mesh%graded) sides = graded_loads_sides(mesh, motion)
+    square = max(sum((sides*way)**2, dim=2), tiny(1.0_dp))
     do d = 1, NDIM
-      levers(:, d) = 0.5_dp*h*place(:, d)*(1.0_dp - place(:, d))
-      if (.not. corrected) levers(:, d) = levers(:, d)*(way(:, d)**2/square)
+      levers(:, d) = 0.5_dp*mesh%h*place(:, d)*(1.0_dp - place(:, d))
+      if (.not. corrected) levers(:, d) = levers(:, d)*((sides(:, d)*way(:, d))**2/square)
+      if (mesh%graded) levers(:, d) = sides(:, d)*levers(:, d)
     end do
   end function loads_levers
 

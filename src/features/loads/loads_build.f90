@@ -6,16 +6,16 @@ module sgmp_loads_build
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_expression, only: expression_t
   use sgmp_kinds, only: dp, lanes
-  use sgmp_lattice, only: lattice_tolerance
+  use sgmp_lattice, only: lattice_graded, lattice_t, lattice_tolerance
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_t
   use sgmp_material_history, only: slots_ask
-  use sgmp_mesh, only: mesh_places, mesh_position, mesh_t, wall_free
+  use sgmp_mesh, only: mesh_place, mesh_places, mesh_position, mesh_t, wall_free
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums, parallel_min
-  use sgmp_scene, only: body_card_t, load_card_t, scene_t
-  use sgmp_shapes, only: shapes_inside
+  use sgmp_scene, only: body_card_t, layout_graded, load_card_t, scene_t
+  use sgmp_shapes, only: shapes_anchor, shapes_box, shapes_inside
   use sgmp_text, only: integer_text, real_text_about
-  use sgmp_turn, only: turn_back, turn_forth
+  use sgmp_turn, only: turn_back, turn_box, turn_forth
   use sgmp_units, only: units_sizes
   implicit none
   private
@@ -131,10 +131,12 @@ contains
     type(body_t), intent(inout) :: body
     real(dp), intent(out) :: total(sums)         !! of the mass or the area, and of particles
     real(dp), allocatable :: terms(:, :)
+    type(lattice_t) :: lattice
     real(dp) :: x(3), faces(3)
     integer :: c, l, n
     n = mesh%ndim
     x = 0.0_dp
+    if (owner%layout == layout_graded) call lay_graded(owner, n, lattice)
     associate (particles => body%particles)
       allocate (terms(sums, particles%chunks), source=0.0_dp)
       do c = 1, particles%chunks
@@ -142,8 +144,13 @@ contains
           if (particles%id(l, c) == 0) cycle
           x(:n) = mesh_places(mesh, particles%motion(l, :n, c))
           if (card%kind /= load_force) then
-            call faces_of(card, owner, mesh, body%spacing, x, particles%state(l, 1, c), faces, &
-                          terms(:, c))
+            associate (volume => particles%state(l, 1, c), counts => terms(:, c))
+              if (owner%layout == layout_graded) then
+                call faces_graded(card, owner, mesh, lattice, x, volume, faces, counts)
+              else
+                call faces_of(card, owner, mesh, body%spacing, x, volume, faces, counts)
+              end if
+            end associate
             particles%state(l, column:column + n - 1, c) = faces(:n)
           else if (chosen(card%where, x, terms(unclear, c))) then
             particles%state(l, column, c) = 1.0_dp
@@ -251,9 +258,70 @@ contains
         shown(axis) = shown(axis) + 1
       end do
     end do
+    call count_faces(area, shown, counts)
+  end subroutine faces_of
+
+  !> Notes the faces of a particle, and whether they are opposite ones only.
+  pure subroutine count_faces(area, shown, counts)
+    real(dp), intent(in) :: area(3)
+    integer, intent(in) :: shown(3)              !! faces along each axis
+    real(dp), intent(inout) :: counts(sums)
     counts(borne) = counts(borne) + norm2(area)
     if (any(shown == 2) .and. all(shown /= 1)) counts(squeezed) = counts(squeezed) + 1.0_dp
-  end subroutine faces_of
+  end subroutine count_faces
+
+  !> The lattice of a body between the centres of unequal cells, as seeding lays it: it does not
+  !! turn with the body.
+  subroutine lay_graded(owner, ndim, lattice)
+    type(body_card_t), intent(in) :: owner
+    integer, intent(in) :: ndim
+    type(lattice_t), intent(out) :: lattice
+    real(dp) :: lower(3), upper(3)
+    integer :: status
+    call shapes_box(owner%shapes, lower, upper)
+    if (ndim > 1) call turn_box(owner%turn, lower, upper)
+    call lattice_graded(lower, upper, shapes_anchor(owner%shapes), owner%axes(:ndim), owner%cell, &
+                        owner%ppc, lattice, status)
+  end subroutine lay_graded
+
+  !> The same as faces_of on such a lattice, whose particles differ in size.
+  subroutine faces_graded(card, owner, mesh, lattice, x, volume, area, counts)
+    type(load_card_t), intent(in) :: card
+    type(body_card_t), intent(in) :: owner
+    type(mesh_t), intent(in) :: mesh
+    type(lattice_t), intent(in) :: lattice
+    real(dp), intent(in) :: x(3)                 !! of the particle
+    real(dp), intent(in) :: volume
+    real(dp), intent(out) :: area(3)
+    real(dp), intent(inout) :: counts(sums)
+    real(dp) :: next(3), face(3), length
+    integer :: axis, side, shown(3), at, beside
+    area = 0.0_dp
+    shown = 0
+    do axis = 1, mesh%ndim
+      associate (places => lattice%coordinate(:lattice%count(axis), axis))
+        at = minloc(abs(places - x(axis)), dim=1)
+        length = lattice%length(at, axis)
+        do side = 1, 2
+          if (card%axis > 0 .and. (card%axis /= axis .or. card%side /= side)) cycle
+          beside = at + 2*side - 3
+          if (beside >= 1 .and. beside <= size(places)) then
+            next = x
+            next(axis) = places(beside)
+            call turn_back(owner%turn, next)
+            if (shapes_inside(owner%shapes, next, mesh%ndim, lattice%margin)) cycle
+          end if
+          face = x
+          face(axis) = x(axis) + (side - 1.5_dp)*length
+          if (borne_by_wall(mesh, length, face)) cycle
+          if (.not. chosen(card%where, face, counts(unclear))) cycle
+          area(axis) = area(axis) + (2*side - 3)*volume/length
+          shown(axis) = shown(axis) + 1
+        end do
+      end associate
+    end do
+    call count_faces(area, shown, counts)
+  end subroutine faces_graded
 
   !> Whether a face lies on a wall of the grid, or on an edge that lets waves out.
   pure function borne_by_wall(mesh, spacing, face) result(yes)
@@ -264,8 +332,7 @@ contains
     integer :: axis
     yes = .false.
     do axis = 1, mesh%ndim
-      walls = mesh_position(mesh%origin(axis), mesh%h, &
-                            real([mesh%lower(axis), mesh%upper(axis)], dp))
+      walls = mesh_place(mesh, axis, real([mesh%lower(axis), mesh%upper(axis)], dp))
       yes = yes .or. any(mesh%wall(:, axis) /= wall_free .and. &
                          abs(face(axis) - walls) < on_wall*spacing)
       edges = mesh_position(mesh%origin(axis), mesh%h, real(mesh%edge(:, axis), dp))

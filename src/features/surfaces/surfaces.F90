@@ -567,15 +567,23 @@ contains
   end subroutine surfaces_push
 
   !> Adds to external forces on a tile of nodes those that act on second and third differences.
-  pure subroutine surfaces_push_twists(field, b, n, f)
+  pure subroutine surfaces_push_twists(field, mesh, s, first, b, n, f)
     type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first              !! interval, first node
     integer, intent(in) :: b(NROW)               !! rows of centres around the nodes
     integer, intent(in) :: n
     real(dp), intent(inout) :: f(:, :)           !! (n in whole vectors or more, ndim)
     integer :: a
     do a = 1, NDIM
-      call push(n, b, size(field%moment, 1), field%moment(1, field%columns%twist + a - 1), &
-                f(:, a))
+      associate (column => field%columns%twist + a - 1)
+        if (mesh%graded) then  ! the slopes' factors are in the column
+          call graded_push(mesh, graded_row(field, s), first, n, b, size(field%moment, 1), &
+                           field%moment(1, column), f(:, a))
+        else
+          call push(n, b, size(field%moment, 1), field%moment(1, column), f(:, a))
+        end if
+      end associate
     end do
   end subroutine surfaces_push_twists
 
