@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Grids with unequal cells beside equal ones of the smallest side (doc/grids.md): what comes out, and user CPU seconds.
 
-usage: compare.py SGMP SCRATCH_DIR [SCENE[:H] …]      scenes: plate target taylor blast block; H: side of the smallest cell
+usage: compare.py SGMP SCRATCH_DIR [SCENE[:H] …]      scenes: plate target taylor blast block; H: smallest cell
 """
 import csv
 import json
