@@ -56,6 +56,7 @@ module sgmp_energy
     real(dp) :: slowed = 1.0_dp              !! what damping left of the velocities before a kick
     real(dp) :: damped_share = 0.0_dp        !! interpolation error over the energy supplied when
                                              !! damping last acted
+    real(dp) :: stress_time = 0.0_dp         !! root of internal energy, over time
     type(energy_terms_t) :: terms            !! of features
   end type ledger_t
 
@@ -113,6 +114,7 @@ contains
     ledger%kinetic_before = ledger%kinetic
     ledger%kinetic = sums%kinetic
     ledger%internal = ledger%internal + sums%internal
+    ledger%stress_time = ledger%stress_time + dt_kick*sqrt(max(ledger%internal, 0.0_dp))
     ledger%viscous_dissipation = ledger%viscous_dissipation + sums%viscous
     ledger%momentum = sums%momentum
     ledger%largest_kinetic = max(ledger%largest_kinetic, sums%kinetic)

@@ -98,6 +98,7 @@ contains
     call archive%pass(ledger%lost_impulse)
     call archive%pass(ledger%slowed)
     call archive%pass(ledger%damped_share)
+    call archive%pass(ledger%stress_time)
     do t = 1, ledger%terms%n
       call archive%pass(ledger%terms%term(t)%value)
     end do

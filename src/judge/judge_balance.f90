@@ -1,17 +1,19 @@
 !> What the balances of energy, mass and momentum say about a run (doc/verdict.md).
 module sgmp_judge_balance
   use sgmp_angular_momentum, only: angular_momentum_of, angular_momentum_t
-  use sgmp_constitutive, only: eos_none
+  use sgmp_constitutive, only: eos_none, law_is_springy
   use sgmp_energy, only: ledger_drift
   use sgmp_energy_terms, only: terms_value
+  use sgmp_kernels, only: kernel_centred, kernel_mpm
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_opinion, only: opinion_t
   use sgmp_scene, only: scene_t
   use sgmp_text, only: percent_text, real_text
+  use sgmp_update, only: update_usl
   implicit none
   private
-  public :: judge_energy, judge_erosion, judge_impulse, judge_noise, judge_turning
+  public :: judge_energy, judge_erosion, judge_impulse, judge_noise, judge_stressed, judge_turning
 
   ! What a sound run stays within.
   real(dp), parameter :: largest_gain = 0.1_dp         !! drift of the energy upwards
@@ -30,6 +32,8 @@ module sgmp_judge_balance
   real(dp), parameter :: largest_unfelt = 10.0_dp      !! work of forces that particles do not feel
   real(dp), parameter :: coarse_unfelt = 3.0_dp        !! beyond which bodies are too soft
   real(dp), parameter :: unfelt_error = 0.15_dp        !! by so much
+  ! Strain times time, over that of a wave through a cell, after which stress is noise.
+  real(dp), parameter :: stressed_sgmp = 50.0_dp, stressed_mpm = 40.0_dp, stressed_other = 15.0_dp
 
 contains
 
@@ -86,6 +90,42 @@ contains
       call opinion%expect(unfelt_error, reason)
     end if
   end subroutine judge_noise
+
+  !> Elastic bodies that have been under stress for long, where particles move with another velocity
+  !! than the one that strains them: their stress turns into noise (doc/surfaces.md, 7).
+  subroutine judge_stressed(opinion, model, stressed)
+    type(opinion_t), intent(inout) :: opinion
+    type(model_t), intent(in) :: model
+    real(dp), intent(out) :: stressed  !! strain times time over that of a wave through a cell;
+                                       !! -1: no such bodies
+    real(dp) :: young, stiffness, fastest, bound
+    integer :: b
+    stressed = -1.0_dp
+    if (model%method%update == update_usl .or. all(model%fields%columns%remapped)) return
+    stiffness = 0.0_dp
+    fastest = 0.0_dp
+    do b = 1, size(model%bodies)
+      if (model%bodies(b)%rigid .or. model%bodies(b)%twin_of > 0) cycle
+      if (.not. law_is_springy(model%bodies(b)%law)) return
+      associate (law => model%bodies(b)%law, elastic => model%bodies(b)%law%elastic)
+        young = 9.0_dp*elastic%bulk*elastic%shear/(3.0_dp*elastic%bulk + elastic%shear)
+        stiffness = stiffness + model%totals%bodies(b)%mass*young/law%density
+        fastest = max(fastest, sqrt(young/law%density))
+      end associate
+    end do
+    if (stiffness <= 0.0_dp) return
+    stressed = sqrt(2.0_dp/stiffness)*fastest/model%mesh%h*model%ledger%stress_time
+    if (kernel_centred(model%fields(1)%kernel)) then
+      bound = stressed_sgmp
+    else
+      bound = merge(stressed_mpm, stressed_other, model%fields(1)%kernel == kernel_mpm)
+    end if
+    if (stressed <= bound) return
+    call opinion%object('elastic bodies have been under stress for so long, strain times time '// &
+                        real_text(stressed)//' over that of a wave through a cell (at most '// &
+                        real_text(bound)//'), that much of it has become noise: use '// &
+                        'drift=remapped with update=musl, best of all method sgmp, which takes it')
+  end subroutine judge_stressed
 
   !> Mass and energy that erosion has taken away from what would have been hit or held by them, and
   !! bodies of which it has left nothing.

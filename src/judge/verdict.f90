@@ -10,7 +10,7 @@ module sgmp_verdict
   use sgmp_energy, only: ledger_drift
   use sgmp_errors, only: error_t, exit_stopped
   use sgmp_judge_balance, only: judge_energy, judge_erosion, judge_impulse, judge_noise, &
-                                judge_turning
+                                judge_stressed, judge_turning
   use sgmp_judge_collisions, only: judge_collisions, judge_projectiles
   use sgmp_judge_failure, only: judge_failure
   use sgmp_judge_heat, only: judge_heat
@@ -48,6 +48,7 @@ module sgmp_verdict
     real(dp) :: projection = 0.0_dp        !! energy that projection loses, over the same
     real(dp) :: failure = -1.0_dp  !! work of what failed by strain over the same; -1: none can
     real(dp) :: heat = -1.0_dp     !! the same of what heat has softened; -1: softens nothing
+    real(dp) :: stressed = -1.0_dp         !! strain times time of elastic bodies; -1: none
     real(dp) :: turn = -1.0_dp             !! largest change of angular momentum; -1: none is judged
     real(dp) :: impulse = 0.0_dp           !! of forces on nodes without mass
     real(dp) :: steps(2) = 0.0_dp          !! shortest and longest
@@ -94,6 +95,7 @@ contains
     self%impulse = model%ledger%lost_impulse
     call judge_energy(self%opinion, model)
     call judge_noise(self%opinion, model)
+    call judge_stressed(self%opinion, model, self%stressed)
     call judge_erosion(self%opinion, model)
     call judge_impulse(self%opinion, model)
     call judge_turning(self%opinion, scene, model, self%turn)
@@ -224,6 +226,7 @@ contains
     call summary%set('end_state.lost_impulse', self%impulse)
     if (self%failure >= 0.0_dp) call summary%set('end_state.failure_share', self%failure)
     if (self%heat >= 0.0_dp) call summary%set('end_state.softened_share', self%heat)
+    if (self%stressed >= 0.0_dp) call summary%set('end_state.strain_time', self%stressed)
     if (self%turn >= 0.0_dp) call summary%set('end_state.angular_momentum_change', self%turn)
     associate (found => self%state)
       call summary%set('end_state.largest_compression', found%compression)

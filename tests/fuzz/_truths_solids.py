@@ -358,4 +358,38 @@ history steps=5
         return vibration(results[0], self.period)
 
 
-CLASSES = (Segments, Weight, Drop, Bounce, Rebound, Hoop, Torsion, Press, Twin, Sector, Disc)
+class Held(Truth):
+    """A strip at an angle whose ends are held under tension stays as it is: its stress is that of the start."""
+
+    def make(self):
+        self.cells = self.luck.choice((3, 4, 6))
+        self.stress = self.luck.choice((0.02, 0.05, 0.1))
+        angle, self.x, self.y = (self.luck.uniform(0, width) for width in (90, 1, 1))
+        ways = self.luck.choice((10, 30, 100, 200))
+        half, grip = 3.5*self.cells, 2.5*self.cells
+        c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+        self.turn = (c, s)
+        self.decks = [f"""dimension 2
+grid cell=1 x=open y=open
+METHOD
+time end={ways/self.stress} cfl=0.4
+material m elastic density=1 young=1 poisson=0
+body m block material=m lower=({self.x - half},{self.y - self.cells/2}) layout=uniform spacing=0.5 &
+  upper=({self.x + half},{self.y + self.cells/2}) rotation={angle} pivot=({self.x},{self.y}) &
+  jitter={self.luck.choice((0.001, 0.03, 0.1))}
+motion m where="abs((x0-{self.x})*{c} + (y0-{self.y})*{s}) > {grip}" x=0 y=0
+initial_stress m xx={self.stress*c*c} yy={self.stress*s*s} xy={self.stress*s*c}
+history steps=100
+output csv at=end fields=stress
+"""]
+
+    def errors(self, results):
+        """The mean stress along the strip between its grips, and the elastic energy."""
+        c, s = self.turn
+        rows = [row for row in results[0].rows if abs((row["x"] - self.x)*c + (row["y"] - self.y)*s) < 2*self.cells]
+        along = [row["stress_xx"]*c*c + row["stress_yy"]*s*s + 2*row["stress_xy"]*s*c for row in rows]
+        energy = [row["internal_energy"] for row in results[0].history]
+        return [("stress", sum(along)/len(along)/self.stress - 1, 0.05), ("energy", energy[-1]/energy[0] - 1, 0.1)]
+
+
+CLASSES = (Segments, Weight, Drop, Bounce, Rebound, Hoop, Torsion, Press, Twin, Sector, Disc, Held)

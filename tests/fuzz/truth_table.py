@@ -3,10 +3,11 @@
 sound, coarse or doubted.
 
 usage: truth_table.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S] [--default] [--jobs J] [--again]
-       truth_table.py SGMP SOURCE_DIR SCRATCH_DIR --show S
+           [--only CLASS]
+       truth_table.py SGMP SOURCE_DIR SCRATCH_DIR --show S [--only CLASS]
 
 Scenes of the seeds S, S+1, …; half of them with `method sgmp` alone, with --default all. Without --inputs one scene of
-each class. A coarse run keeps its promise if no error is larger than what it says is to be expected (or than what its
+each class, with --only all of one class. A coarse run keeps its promise if no error is larger than what it says is to be expected (or than what its
 class allows). Writes table.md, the rows of all runs so far in that folder as rows.jsonl, and the ten worst of what is
 sound and wrong as decks into SCRATCH_DIR; --again adds to the rows of earlier calls, whose seeds are not run once more:
 a long table that was stopped goes on. The exit code is 1 if more than 3 of 100 sound runs are wrong, more than 1 of 100
@@ -125,7 +126,9 @@ def judge(chosen, seed):
 
 
 def drawn(chosen, seed):
-    """The class of a seed where each has one scene; else it is drawn, too."""
+    """The class of a seed where each has one scene, or all are of one; else it is drawn, too."""
+    if chosen.only:
+        return chosen.only
     return None if chosen.inputs else sorted(CLASSES)[seed - chosen.seed]
 
 
@@ -181,9 +184,10 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--default", action="store_true")
     parser.add_argument("--again", action="store_true")
+    parser.add_argument("--only", choices=sorted(CLASSES))
     chosen = parser.parse_args()
     if chosen.show is not None:
-        name, truth, card = scene(chosen.show)
+        name, truth, card = scene(chosen.show, chosen.only)
         print(f"! {name}")
         sys.exit(
             print(

@@ -28,6 +28,18 @@ material rubber neo_hookean density=1 young=1e-3 poisson=0
 body bar block material=rubber lower=(0,0) upper=(1,1) ppc=2
 velocity bar x=x
 """
+# A strip at rest under the tension of its held ends: it must stay so.
+HELD = """
+parameter t_end = 600
+dimension 2
+grid cell=1 x=open y=open
+method sgmp
+time end=t_end cfl=0.4
+material m elastic density=1 young=1 poisson=0
+body strip block material=m lower=(-14,-2.2) upper=(14,1.8) spacing=0.5 layout=uniform jitter=0.1
+motion strip where="abs(x0)>10" x=0 y=0
+initial_stress strip xx=0.1
+"""
 GAS = """
 parameter method = sgmp
 parameter stress = plain
@@ -468,6 +480,7 @@ def criteria(report):
         report, "inclined_let_go", plain.replace("rate=0.1", "rate=0.1 until=790"), "forces that no particle feels",
         0.15, method="sgmp",
     )
+    held(report)
     gone = doubts(report, "gone", GONE, "no particle is left")
     report.check(gone["particles_lost"] == 16, f"gone: {gone.text}")
     leaving(report)
@@ -484,6 +497,22 @@ def criteria(report):
     failing(report)
     doubts(report, "ringing_usl", RINGING, "is gone", update="usl")
     sound(report, "ringing", RINGING)
+
+
+def held(report):
+    """Stress that becomes noise, where particles move with another velocity than the one that strains them."""
+    sound(report, "held", HELD)
+    words = "under stress for so long"
+    for method in ("gimp", "bspline", "mpm update=usavg", "sgmp update=usf"):
+        deck = HELD.replace("method sgmp", f"method {method}")
+        result = doubts(report, "held_" + method.replace(" ", "_").replace("=", "_"), deck, words)
+        # 60 as long as no stress is lost
+        report.check(40 < result["end_state.strain_time"] < 60.01, f"{method}: {result['end_state.strain_time']}")
+    for name, method, settings in (("cured", "gimp drift=remapped", {}), ("short", "gimp", {"t_end": 100}),
+                                   ("one_velocity", "sgmp update=usl", {})):
+        result = run(f"held_{name}", HELD.replace("method sgmp", f"method {method}"), **settings)
+        if report.finished(result, name):
+            report.check(words not in result.text, f"held_{name}: {result['verdict_reasons']}")
 
 
 def failing(report):
