@@ -10,7 +10,8 @@ module sgmp_sums
   public :: removed_sums, removed_count, removed_mass, removed_momentum, removed_moment, &
             removed_kinetic, removed_internal
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_edge_push, &
-            nodes_edge_taken, nodes_features, nodes_lost, nodes_taken, nodes_walls, wall_entry
+            nodes_edge_taken, nodes_features, feature_sums, nodes_lost, nodes_taken, nodes_walls, &
+            wall_entry
 
   integer, parameter :: sweep_sums = 21    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
@@ -43,7 +44,7 @@ module sgmp_sums
   integer, parameter :: removed_kinetic = 9
   integer, parameter :: removed_internal = 10
 
-  integer, parameter :: nodes_sums = 29    !! entries of a plane's sums over nodes
+  integer, parameter :: nodes_sums = 39    !! entries of a plane's sums over nodes
   integer, parameter :: nodes_mass_aa = 1  !! sum m_I |a_I|^2
   integer, parameter :: nodes_mass_av = 2  !! sum m_I a_I . v_I at the velocity before the kick
   integer, parameter :: nodes_external = 3  !! power of gravity, body forces, and absorbing edges
@@ -51,10 +52,11 @@ module sgmp_sums
   !> Forces on nodes below the mass cut-off, which move nothing: sum |f_x| + |f_y| + |f_z|.
   integer, parameter :: nodes_lost = 4
   integer, parameter :: nodes_taken = 5  !! power that walls take from nodes for good
-  integer, parameter :: nodes_features = 6  !! first of those of features (sgmp_features), 2 entries
-  integer, parameter :: nodes_edge_taken = 8  !! power that absorbing edges take from waves
-  integer, parameter :: nodes_edge_push = 9  !! first of their force against waves (3 components)
-  integer, parameter :: nodes_walls = 12  !! first of the forces of walls (wall_entry)
+  integer, parameter :: nodes_features = 6  !! first of those of features (sgmp_features)
+  integer, parameter :: feature_sums = 12   !! and how many they have
+  integer, parameter :: nodes_edge_taken = 18  !! power that absorbing edges take from waves
+  integer, parameter :: nodes_edge_push = 19  !! first of their force against waves (3 components)
+  integer, parameter :: nodes_walls = 22  !! first of the forces of walls (wall_entry)
 
 contains
 

@@ -42,7 +42,9 @@ contains
     call archive%pass(model%findings%moved)
     call archive%pass(particle_steps)
     call pass_ledger(archive, model%ledger)
-    if (model%mesh%walls_act) call wall_state_pass(archive, model%mesh)
+    if (model%mesh%walls_act) then
+      call wall_state_pass(archive, model%mesh, model%method%features%wall_friction)
+    end if
     do f = 1, size(model%turning)
       call archive%pass(model%turning(f)%vector)
       call archive%pass(model%turning(f)%largest)

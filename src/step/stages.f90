@@ -60,7 +60,7 @@ module sgmp_stages
   use sgmp_timers, only: phase_grid, phase_kick, timers_stop
   use sgmp_update, only: update_musl, update_strains_before, update_usavg, update_usl
   use sgmp_volumes_account, only: volumes_account
-  use sgmp_wall_friction_account, only: wall_friction_account
+  use sgmp_wall_friction_account, only: wall_friction_account, wall_friction_book
   use sgmp_wall_friction_stages, only: wall_friction_objection, wall_velocity_rubbed
   use sgmp_wall_motion, only: wall_motion_choose
   use sgmp_wall_reaction, only: phase_wall_reaction, reaction_account
@@ -293,6 +293,10 @@ contains
     type(model_t), intent(inout) :: model
     real(dp), intent(in) :: dt_kick              !! velocity step
     call rigid_advance(model%bodies, model%clock%dt)
+    if (model%method%features%wall_friction%rubs) then
+      call wall_friction_book(model%method%features%wall_friction, model%totals%features, &
+                              dt_kick, model%ledger%terms)
+    end if
     if (driven_any(model%fields)) call driven_book(model%bodies, model%fields, model%clock%dt, &
                                                    dt_kick, model%totals%drives)
     if (free_any(model%bodies)) call free_close(model%bodies, model%contact, model%mesh%space, &

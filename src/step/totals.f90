@@ -14,8 +14,9 @@ module sgmp_totals
   use sgmp_parallel, only: parallel_agree, parallel_max_place
   use sgmp_partition, only: partition_t
   use sgmp_rigid_motion, only: freedoms
-  use sgmp_sums, only: nodes_external, nodes_lost, nodes_mass_aa, nodes_taken, &
-                       nodes_mass_av, nodes_sums, removed_internal, removed_kinetic, &
+  use sgmp_sums, only: feature_sums, nodes_external, nodes_features, nodes_lost, &
+                       nodes_mass_aa, nodes_mass_av, nodes_sums, nodes_taken, &
+                       removed_internal, removed_kinetic, &
                        removed_mass, removed_moment, removed_momentum, removed_sums, &
                        sum_applied, sum_internal, sum_kinetic, sum_loose, sum_mass_aa, &
                        sum_moment, sum_momentum, sum_viscous, sweep_sums
@@ -41,6 +42,7 @@ module sgmp_totals
     type(body_sums_t), allocatable :: bodies(:)      !! (bodies)
     type(step_sums_t) :: sums                        !! of the step at hand
     real(dp), allocatable :: drives(:, :)            !! (drive_sums, prescribed motions) of the step
+    real(dp) :: features(feature_sums) = 0.0_dp      !! over nodes, of features in the step
     real(dp), allocatable :: impulses(:, :)          !! (freedoms, pairs) of contact before the step
   end type totals_t
 
@@ -112,6 +114,8 @@ contains
                     totals%bodies(b), totals%sums)
     end do
     call add_nodes(sums(n*sweep_sums + 1:n*sweep_sums + nodes_sums), totals%sums)
+    first = n*sweep_sums + nodes_features
+    totals%features = sums(first:first + feature_sums - 1)
     call terms_take(terms, from_nodes, sums(n*sweep_sums + 1:n*sweep_sums + nodes_sums))
     do b = 1, merge(n, 0, removed > 0)
       first = n*sweep_sums + nodes_sums + (b - 1)*removed

@@ -107,7 +107,7 @@ def slopes(report):
                 continue
             last, (first, second) = ledger(report, name, result), ramp(1.3)
             near(report, f"{name}: way", way(result), (SIN - mu*COS)*second, 0.003)
-            near(report, f"{name}: friction", last["contact_dissipation"], mu*COS*(SIN - mu*COS)*first**2/2, 0.01)
+            near(report, f"{name}: friction", last["contact_dissipation"], mu*COS*(SIN - mu*COS)*first**2/2, 0.0125)
             walls = result["friction_walls"]
             near(report, f"{name}: weight", walls["pressed_impulse"] - walls["pulled_impulse"], COS*first, 0.005)
             report.check(abs(result["energy.drift"]) < 2e-3, f"{name}: drift {result['energy.drift']}")
@@ -200,12 +200,42 @@ history every=0.1
         last = ledger(report, f"pipe_{method}", result)
         mass = math.pi*(4**2 - 3.5**2)*2
         walls = result["friction_walls"]
-        near(report, f"pipe {method}: momentum", last["momentum_z"], mass - 0.2*walls["pressed_impulse"], 1e-10)
+        borne = walls["pressed_impulse"] - walls["pulled_impulse"]
+        near(report, f"pipe {method}: momentum", last["momentum_z"], mass - 0.2*borne, 1e-5)
         # What presses is mass times force less what the hoop stress of the stretched ring bears.
-        near(
-            report, f"pipe {method}: pressed", walls["pressed_impulse"] - walls["pulled_impulse"], mass * ramp(1.0)[0],
-            0.02,
-        )
+        near(report, f"pipe {method}: pressed", borne, mass*ramp(1.0)[0], 0.02)
+
+
+def borne(report):
+    """A stiff block flutters as it slides: the wall holds back what would leave it and is pressed all the more
+    elsewhere. What rubs is what it bears on the whole, so that the block gets as far as a rigid one."""
+    text = """
+parameter method = sgmp
+parameter n = 4
+dimension 2
+grid cell=1/n y=0:open
+wall y-=slip
+wallfriction y- friction=0.2
+method $method
+time end=2 cfl=0.5
+gravity (0.5,-sqrt(0.75))
+material m elastic density=1 young=1e4 poisson=0.3
+initial_stress m surface=1
+body m block material=m lower=(0,0) upper=(2,1) ppc=2
+history steps=50
+"""
+    way_of_rigid = 0.5*(0.5 - 0.2*math.sqrt(0.75))*4
+    for method, n, most in (("sgmp", 4, 0.01), ("sgmp", 6, 0.01), ("sgmp", 11, 0.01), ("gimp", 4, 0.02)):
+        name = f"borne_{method}_{n}"
+        result = run(name, text, method=method, n=n)
+        if not report.finished(result, name):
+            continue
+        walls = result["friction_walls"]
+        report.check(walls["pulled_impulse"] > 0.1*walls["pressed_impulse"], f"{name}: nothing pulls: {walls}")
+        rows = result.table("bodies.csv")
+        near(report, f"{name}: way", rows[-1]["x"] - rows[0]["x"], way_of_rigid, most)
+        net = walls["pressed_impulse"] - walls["pulled_impulse"]
+        near(report, f"{name}: momentum", result.table("history.csv")[-1]["momentum_x"], 2*0.5*2 - 0.2*net, 0.005)
 
 
 def flutter(report):
@@ -232,6 +262,7 @@ def main():
     stopped(report)
     faces(report)
     pipe(report)
+    borne(report)
     flutter(report)
     report.end()
 

@@ -10,11 +10,12 @@ from scenes import METHODS, SCENES  # noqa: E402
 PAGE = ROOT / "doc/speed-and-accuracy.md"
 NAMES = {
     "sgmp": "SGMP",
-    "normalised": "SGMP, normalised",
+    "plain": "plain SGMP",
     "mpm": "MPM",
     "gimp": "GIMP",
     "cpgimp": "cpGIMP",
     "bspline": "B-spline",
+    "sgmp normalised": "SGMP, normalised",
     "sgmp usf": "SGMP USF",
     "sgmp usl": "SGMP USL",
     "sgmp usavg": "SGMP USAVG",
@@ -22,11 +23,12 @@ NAMES = {
 # Okabe and Ito's colours, which people with any kind of colour blindness tell apart; line and marker differ as well.
 LOOKS = {
     "sgmp": ("#0072B2", "s", "-"),
-    "normalised": ("#56B4E9", "D", "-"),
+    "plain": ("#56B4E9", "D", "-"),
     "mpm": ("#D55E00", "o", "-"),
     "gimp": ("#E69F00", "^", "-"),
     "cpgimp": ("#CC79A7", "v", "-"),
     "bspline": ("#009E73", "P", "-"),
+    "sgmp normalised": ("#0072B2", "x", ":"),
     "sgmp usf": ("#000000", "1", "--"),
     "sgmp usl": ("#000000", "2", ":"),
     "sgmp usavg": ("#000000", "3", "-."),
@@ -80,7 +82,7 @@ def cheapest(rows, goal):
 def summary(found):
     """CPU seconds for an error, by methods; the least is bold."""
     lines = [
-        "| scene | error | " + " | ".join(NAMES[method] for method in METHODS) + " | SGMP, other updates |",
+        "| scene | error | " + " | ".join(NAMES[method] for method in METHODS) + " | SGMP, other words |",
         "|" + "---|" * (len(METHODS) + 3),
     ]
     for name, curves in found.items():

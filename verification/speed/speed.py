@@ -43,8 +43,8 @@ class Ledger:
 
     def run(self, scene, curve, size, courant, make):
         """The row of a run: from the file, or made now unless `make` is false (then None)."""
-        text = timed_deck(scene)
-        parameters = {**scene.curves[curve], **scene.size(size, courant)}
+        text = timed_deck(scene, scene.curves[curve])
+        parameters = {**scene.extra.get(curve, {}), **scene.size(size, courant)}
         key = hashlib.sha256(
             "\n".join([self.digest, text, json.dumps(parameters, sort_keys=True)]).encode()
         ).hexdigest()[:20]
@@ -101,9 +101,14 @@ class Ledger:
         return best
 
 
-def timed_deck(scene):
-    """The scene's deck without files that the error does not need."""
-    return re.sub(r"^(output (vtu|vtkhdf|tecplot)|gauge)\b.*\n", "", (ROOT / scene.deck).read_text(), flags=re.M)
+def timed_deck(scene, words):
+    """The scene's deck without files that the error does not need, with a card method of these words."""
+    text = (ROOT / scene.deck).read_text()
+    for card in ("output vtu", "output vtkhdf", "output tecplot", "gauge"):
+        if card != scene.keeps:
+            text = re.sub(rf"^{card}\b.*\n", "", text, flags=re.M)
+    text = re.sub(r"^parameter (method|update|stress|rotation|surfaces) *=.*\n", "", text, flags=re.M)
+    return re.sub(r"^method .*$", f"method {words}", text, flags=re.M)
 
 
 def best_courant(rows):

@@ -24,8 +24,8 @@ module sgmp_features
   integer, parameter :: sum_split = sum_features   !! kinetic energy of halves apart
 
   ! Entries of the sums over nodes that features have.
-  integer, parameter :: nodes_pressed = nodes_features  !! forces that press on walls that rub
-  integer, parameter :: nodes_pulled = nodes_features + 1  !! those by which such walls hold back
+  !> First of six faces: forces that press on walls that rub, those by which such walls hold back.
+  integer, parameter :: nodes_pressed = nodes_features, nodes_pulled = nodes_features + 6
 
 contains
 

@@ -7,7 +7,10 @@
 !! with V the velocity of the wall and f_n the force on the node out of the wall by stresses,
 !! gravity and body forces: what the wall bears at this node. Where functions reach behind the wall
 !! a part of it was given to the node there; what it gave came back with its sign turned, so it
-!! counts twice (sgmp_wall_work). A wall that pulls does not rub.
+!! counts twice (sgmp_wall_work). A wall that pulls does not rub. What it pulls at one node presses
+!! on others, which would press less without: mu is that of the deck times a share,
+!! so that over time a wall rubs with what presses on it less what it pulls
+!! (sgmp_wall_friction_account).
 !!
 !! The power of T is that at the velocity in the middle of the step, as that of other external
 !! forces: T . V of it is the work of the wall, T . (v - V) goes into friction. Where a node sticks
@@ -53,8 +56,8 @@ contains
         call nodes_there(field, mesh, s, first, n, axis, side, nodes, point)
         do i = nodes(1), nodes(2)
           point(1) = first + i - 1
-          call rub_node(field, mesh, friction%coefficient(side, axis), s, point, axis, side, &
-                        m(i), external(i, :), dt, sums)
+          call rub_node(field, mesh, friction%share(side, axis)*friction%coefficient(side, axis), &
+                        s, point, axis, side, m(i), external(i, :), dt, sums)
         end do
       end do
     end do
@@ -135,13 +138,13 @@ contains
   pure subroutine rub_node(field, mesh, coefficient, s, point, axis, side, m, external, dt, sums)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: coefficient          !! of friction
+    real(dp), intent(in) :: coefficient          !! of friction, of what presses here
     integer, intent(in) :: s, point(3), axis, side
     real(dp), intent(in) :: m, external(:), dt
     real(dp), intent(inout) :: sums(nodes_sums)
     real(dp) :: mass(3), slip(3), force(3), pressing, middle, wall_middle
     logical :: free(3), sticks
-    integer :: record, a
+    integer :: record, face, a
     record = field%neighbour(0, 0, s) + point(1)
     if (.not. field%node(record, node_inverse_mass(field%ndim)) > 0.0_dp) return
     mass = m
@@ -149,8 +152,9 @@ contains
     pressing = mass(axis)*field%node(record, node_acceleration + axis - 1) + &
                force_behind(field, mesh, point, axis, side)
     if (side == 1) pressing = -pressing
-    sums(nodes_pressed) = sums(nodes_pressed) + max(0.0_dp, pressing)
-    sums(nodes_pulled) = sums(nodes_pulled) + max(0.0_dp, -pressing)
+    face = 2*(axis - 1) + side - 1
+    sums(nodes_pressed + face) = sums(nodes_pressed + face) + max(0.0_dp, pressing)
+    sums(nodes_pulled + face) = sums(nodes_pulled + face) + max(0.0_dp, -pressing)
     free = free_components(mesh, point)
     slip = 0.0_dp
     do a = 1, field%ndim

@@ -20,9 +20,12 @@ module sgmp_wall_friction_stages
   private
   public :: wall_friction_objection, wall_velocity_rubbed
 
-  real(dp), parameter :: largest_pull = 0.1_dp   !! over what presses
+  character(*), parameter :: uncertain = ': they rub with the difference, but where and when is '// &
+                                         'uncertain (doc/loads.md); take a rigid body and a '// &
+                                         'card contact'
+  real(dp), parameter :: largest_pull = 0.4_dp   !! over what presses
   real(dp), parameter :: coarse_pull = 0.05_dp   !! beyond which numbers are inexact
-  real(dp), parameter :: pull_error = 0.1_dp     !! of them
+  real(dp), parameter :: least_error = 0.1_dp    !! of them; else that part
 
 contains
 
@@ -53,8 +56,8 @@ contains
     end do
   end subroutine wall_velocity_rubbed
 
-  !> Walls that pull hold what would leave them: what pulls elsewhere presses here all the more, and
-  !! friction knows of that alone. By which part numbers are inexact, and why; 1: a doubt.
+  !> Walls that pull hold what would leave them: what they pull here presses elsewhere all the more.
+  !! Friction is that of the difference, but at other places and times. By which part numbers are inexact, and why; 1: a doubt.
   pure subroutine wall_friction_objection(terms, inexact, reason)
     type(energy_terms_t), intent(in) :: terms
     real(dp), intent(out) :: inexact
@@ -66,14 +69,12 @@ contains
       if (pulled > largest_pull*pressed) then
         inexact = 1.0_dp
         reason = 'walls with friction have held back by '// &
-                 real_text(pulled)//' what would leave them, and bear '//real_text(pressed)// &
-                 ' (impulses): they rub too much (doc/loads.md); take a rigid body and a '// &
-                 'card contact'
+                 real_text(pulled)//' what would leave them, and '//real_text(pressed)// &
+                 ' has pressed on them (impulses)'//uncertain
       else if (pulled > coarse_pull*pressed) then
-        inexact = pull_error
+        inexact = max(least_error, pulled/pressed)
         reason = 'walls with friction have held back '//percent_text(pulled/pressed)// &
-                 ' of what they bear: they rub too much (doc/loads.md); take a rigid body '// &
-                 'and a card contact'
+                 ' of what presses on them'//uncertain
       end if
     end associate
   end subroutine wall_friction_objection
