@@ -34,6 +34,7 @@ module sgmp_judge_collisions
   real(dp), parameter :: round_weight = 0.75_dp   !! disks of 8 to 32 cells across: 0.6 to 0.75
   real(dp), parameter :: ring_spacing = 0.4_dp    !! cells; of two particles per cell it is 0.5
   real(dp), parameter :: ring_error = 0.15_dp     !! rings of 3 to 10 cells: 4 to 13 %
+  real(dp), parameter :: ring_cells = 4.5_dp      !! thickness; of 3 cells they lack 3 to 9 %
   real(dp), parameter :: ring_slender = 5.5_dp    !! radius over thickness: at 6.7 they lack 6 %
   real(dp), parameter :: bounce_cells = 16.0_dp   !! from here on the error is below 0.05 or so
   real(dp), parameter :: least_error = 0.1_dp     !! of what is coarse
@@ -137,15 +138,17 @@ contains
     type(model_t), intent(in) :: model
     integer, intent(in) :: pair(2)       !! numbers of the bodies
     character(:), allocatable :: meet
-    real(dp) :: slender
+    real(dp) :: slender, thick
     logical :: sparse
     integer :: b
     slender = 0.0_dp
+    thick = huge(1.0_dp)
     sparse = .false.
     do b = 1, 2
       associate (card => scene%bodies(pair(b)), shapes => scene%bodies(pair(b))%shapes)
         if (model%bodies(pair(b))%rigid .or. .not. any(shapes%kind == shape_ring)) cycle
         sparse = sparse .or. card%spacing > ring_spacing*scene%grid%cell
+        thick = min(thick, body_thickness(card%shapes, model%mesh))
         slender = max(slender, maxval(shapes%radius/max(shapes%radius - shapes%radius2, &
                                                         tiny(1.0_dp)), &
                                       mask=shapes%kind == shape_ring))
@@ -161,6 +164,9 @@ contains
     else if (sparse) then
       call opinion%expect(ring_error, meet//' with few particles per cell: rings want three '// &
                           'along each axis, ppc=3')
+    else if (thick < ring_cells) then
+      call opinion%expect(least_error, meet//', rings '//real_text_about(thick)// &
+                          ' cells thick: their rebound wants smaller cells')
     else if (slender > ring_slender) then
       call opinion%expect(ring_error*slender/10.0_dp, meet//': thin rings, their rebound lacks '// &
                           'some of their energy')

@@ -596,11 +596,12 @@ def shots(report):
 def rebounds(report):
     """Elastic rings and disks that bounce off each other: how much they lose (verification/surfaces/bounce.json)."""
     sparse = ROUND.replace("inner=0.7", "inner=0.7 ppc=2")
-    with_three = sound(report, "rings", ROUND)
-    many = with_three["particles"]*(0.1/3)**2/(2*math.pi*(1 - 0.7**2))
+    with_three = sound(report, "rings", ROUND, h=0.06)
+    many = with_three["particles"]*(0.06/3)**2/(2*math.pi*(1 - 0.7**2))
     report.check(abs(many - 1) < 0.02, f"rings: {many} of three particles per cell and axis")
     coarse(report, "rings_sparse", sparse, "ppc=3", 0.15)
     coarse(report, "rings_thin", ROUND.replace("0.7", "0.85"), "thin rings", 0.099, h=0.05)
+    coarse(report, "rings_few", ROUND, "3 cells thick", 0.1, h=0.1)
     coarse(report, "rings_gimp", ROUND, "with method sgmp", 0.3, method="gimp")
     dense = ROUND.replace("inner=0.7", "inner=0.7 ppc=3")
     coarse(report, "rings_bspline", dense, "with method sgmp", 0.15, method="bspline")

@@ -20,9 +20,9 @@ module sgmp_wall_friction_stages
   private
   public :: wall_friction_objection, wall_velocity_rubbed
 
-  character(*), parameter :: uncertain = ': they rub with the difference, but where and when is '// &
-                                         'uncertain (doc/loads.md); take a rigid body and a '// &
-                                         'card contact'
+  character(*), parameter :: uncertain = &
+    ': they rub with the difference, but where and when is uncertain (doc/loads.md); take a '// &
+    'rigid body and a card contact'
   real(dp), parameter :: largest_pull = 0.4_dp   !! over what presses
   real(dp), parameter :: coarse_pull = 0.05_dp   !! beyond which numbers are inexact
   real(dp), parameter :: least_error = 0.1_dp    !! of them; else that part
@@ -57,7 +57,8 @@ contains
   end subroutine wall_velocity_rubbed
 
   !> Walls that pull hold what would leave them: what they pull here presses elsewhere all the more.
-  !! Friction is that of the difference, but at other places and times. By which part numbers are inexact, and why; 1: a doubt.
+  !! Friction is that of the difference, but at other places and times. By which part numbers are
+  !! inexact, and why; 1: a doubt.
   pure subroutine wall_friction_objection(terms, inexact, reason)
     type(energy_terms_t), intent(in) :: terms
     real(dp), intent(out) :: inexact
