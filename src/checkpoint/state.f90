@@ -11,6 +11,7 @@ module sgmp_state
   use sgmp_driven_part, only: driven_totals
   use sgmp_driven_state, only: driven_state_pass
   use sgmp_energy, only: ledger_t
+  use sgmp_features, only: feature_memory, features_memory, features_recall, features_t
   use sgmp_kinds, only: dp, i8
   use sgmp_model, only: model_t
   use sgmp_outputs, only: outputs_t
@@ -42,9 +43,8 @@ contains
     call archive%pass(model%findings%moved)
     call archive%pass(particle_steps)
     call pass_ledger(archive, model%ledger)
-    if (model%mesh%walls_act) then
-      call wall_state_pass(archive, model%mesh, model%method%features%wall_friction)
-    end if
+    if (model%mesh%walls_act) call wall_state_pass(archive, model%mesh)
+    call pass_features(archive, model%method%features)
     do f = 1, size(model%turning)
       call archive%pass(model%turning(f)%vector)
       call archive%pass(model%turning(f)%largest)
@@ -78,6 +78,15 @@ contains
     call archive%pass(clock%next_probe)
     call archive%pass(clock%limit)
   end subroutine pass_clock
+
+  subroutine pass_features(archive, features)
+    type(archive_t), intent(inout) :: archive
+    type(features_t), intent(inout) :: features
+    real(dp) :: memory(feature_memory)
+    memory = features_memory(features)
+    call archive%pass(memory)
+    call features_recall(features, memory)
+  end subroutine pass_features
 
   subroutine pass_ledger(archive, ledger)
     type(archive_t), intent(inout) :: archive

@@ -45,7 +45,8 @@ contains
                       'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
     call registry%key('volumes', kind_word, 'kept: the volumes of the particles stay those of '// &
                       'the space they fill, for gases and explosives that walls enclose '// &
-                      '(sgmp; musl, usavg)', choices='plain kept', default='plain', &
+                      '(sgmp; musl, usavg); auto: kept where nothing else moves in a box of '// &
+                      'walls', choices='auto plain kept', default='auto', &
                       source='doc/volumes.md')
     call registry%key('hoop', kind_real, 'axisymmetric: correction C of the hoop strain next '// &
                       'to the axis; the default is that of particles anywhere, 1/8 that of a '// &
@@ -126,6 +127,7 @@ contains
       method%surfaces_auto = card%word('surfaces') == 'auto'
       method%interior = card%number('interior')
       method%volumes_kept = card%word('volumes') == 'kept'
+      method%volumes_auto = card%word('volumes') == 'auto' .and. card%word('stress') /= 'plain'
       if (method%volumes_kept) method%normalised = .true.
       if (method%volumes_kept) method%normalised_auto = .false.
       method%hoop = card%number('hoop', absent=method%hoop)

@@ -11,7 +11,7 @@ module sgmp_combinations
   use sgmp_spelling, only: string_t, word_in_list, word_items
   implicit none
   private
-  public :: feature_t, refusal_t, combinations_check, combinations_choose, &
+  public :: feature_t, refusal_t, combinations_check, combinations_choose, combinations_parts, &
             combinations_features, combinations_refusals, feature_label, feature_of_card
 
   !> How the value of a key shows that a card asks for the feature.
@@ -224,6 +224,7 @@ module sgmp_combinations
   type(caution_t), parameter :: cautions(*) = [ &
     caution_t('surfaces', 'axisymmetric'), &
     caution_t('drift', 'kept'), &
+    caution_t('kept', 'cfl=auto usavg'), &
     caution_t('rotation', 'friction absorbing kept wallfriction'), &
     caution_t('normalised', 'absorbing self')]
 
@@ -267,6 +268,13 @@ contains
       if (cautions(q)%feature == name) yes = yes .and. .not. asks_any(asked, cautions(q)%with)
     end do
   end function combinations_choose
+
+  !> Whether particles that grow too large may be parted.
+  function combinations_parts(cards) result(yes)
+    type(deck_card_t), intent(in) :: cards(:)      !! of the deck, defaults among them
+    logical :: yes
+    yes = combinations_choose(cards, 'split')
+  end function combinations_parts
 
   !> Whether one of some features is asked for.
   function asks_any(asked, names) result(yes)

@@ -1,11 +1,13 @@
 !> Reads a deck: text -> statements -> cards -> scene, with every error of the deck found in one go.
 module sgmp_deck
   use sgmp_card_parse, only: card_default, card_parse
-  use sgmp_combinations, only: combinations_check, combinations_choose
+  use sgmp_combinations, only: combinations_check, combinations_choose, combinations_parts
   use sgmp_deck_card, only: card_free, deck_card_t, value_t
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
+  use sgmp_enclosed_gas, only: gas_alone
+  use sgmp_features, only: features_split_gas
   use sgmp_file_units, only: convert_files
   use sgmp_graded_bodies, only: graded_bodies_settle
   use sgmp_keys, only: key_t, kind_expression, kind_interval, kind_vector
@@ -15,7 +17,7 @@ module sgmp_deck
   use sgmp_parameters, only: parameters_t
   use sgmp_particle_number, only: particle_number_settle
   use sgmp_registry, only: read_first, read_last, read_second, read_third, registry_t
-  use sgmp_scene, only: alternatives_t, method_card_t, scene_t
+  use sgmp_scene, only: alternatives_t, scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
   use sgmp_tables, only: table_define
@@ -72,7 +74,7 @@ contains
     call add_default_cards(registry, deck, parameters, cards, draft%errors)
     call read_cards(registry, cards, draft)
     call combinations_check(cards, draft%errors)
-    call settle_method(cards, draft%scene%method)
+    call settle_method(cards, draft%scene)
     call particle_number_settle(draft%scene)
     draft%scene%allows = alternatives(cards)
     call check_cards(registry, cards, draft)
@@ -112,15 +114,30 @@ contains
 
   !> What the method leaves to the program: the best there is, where it goes with the rest of the
   !! deck (doc/surfaces.md, 1).
-  subroutine settle_method(cards, method)
+  subroutine settle_method(cards, scene)
     type(deck_card_t), intent(in) :: cards(:)
-    type(method_card_t), intent(inout) :: method
-    if (method%surfaces_auto) method%surfaces = combinations_choose(cards, 'surfaces')
-    if (method%rotation_auto) method%rotation = combinations_choose(cards, 'rotation')
-    if (method%normalised_auto) method%normalised = combinations_choose(cards, 'normalised')
-    if (method%drift_auto) then
-      method%drift_remapped = method%normalised .and. combinations_choose(cards, 'drift')
-    end if
+    type(scene_t), intent(inout) :: scene
+    associate (method => scene%method)
+      if (method%surfaces_auto) method%surfaces = combinations_choose(cards, 'surfaces')
+      if (method%rotation_auto) method%rotation = combinations_choose(cards, 'rotation')
+      if (method%normalised_auto) method%normalised = combinations_choose(cards, 'normalised')
+      if (method%drift_auto) then
+        method%drift_remapped = method%normalised .and. combinations_choose(cards, 'drift')
+      end if
+      if (method%volumes_auto) method%volumes_kept = gas_alone(scene)
+      if (method%volumes_kept .and. method%volumes_auto) then
+        method%volumes_kept = combinations_choose(cards, 'kept')
+        ! On a line halves of particles make noise (doc/volumes.md, 6).
+        if (method%volumes_kept .and. scene%dimension > 1 .and. &
+            combinations_parts(cards)) then
+          call features_split_gas(scene%features, scene%bodies%spacing/scene%grid%cell)
+        end if
+      end if
+      if (method%volumes_kept) then
+        method%normalised = .true.
+        method%normalised_auto = .false.
+      end if
+    end associate
   end subroutine settle_method
 
   !> What else would go with the deck.

@@ -80,7 +80,7 @@ module sgmp_scene
     logical :: surfaces = .false.     !! strains are corrected at surfaces (sgmp only)
     !> The program chooses (sgmp_deck).
     logical :: normalised_auto = .false., rotation_auto = .false., surfaces_auto = .false.
-    logical :: drift_auto = .false.
+    logical :: drift_auto = .false., volumes_auto = .false.
     logical :: drift_remapped = .false.  !! particles move with the velocity that strains them
     real(dp) :: hoop = axis_correction  !! correction of the hoop strain (axisymmetric)
     real(dp) :: interior = 0.25_dp    !! filling beyond which a cell counts as interior

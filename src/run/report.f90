@@ -301,6 +301,7 @@ contains
                                             any(model%fields%columns%turns))))
     call summary%set('surfaces', trim(merge('corrected', 'plain    ', &
                                             any(model%fields%columns%corrected))))
+    call summary%set('volumes', trim(merge('kept ', 'plain', model%method%relaxed)))
     call summary%set('drift', trim(merge('remapped', 'plain   ', &
                                          any(model%fields%columns%remapped))))
     if (scene%axisymmetric) then

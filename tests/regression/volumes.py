@@ -65,7 +65,7 @@ def settles(report):
 def plain(report):
     """Without it the same gas is called doubtful for its volumes, and the option is named; nothing is stored or
     written."""
-    deck = KEPT_PLANE.replace(" volumes=kept", "").replace("steps=80", "end=200")
+    deck = KEPT_PLANE.replace(" volumes=kept", " volumes=plain").replace("steps=80", "end=200")
     result = run("plain", deck)
     if report.finished(result, "plain"):
         report.check(any("volumes" in reason and "volumes=kept" in reason for reason in result["verdict_reasons"]),
@@ -76,11 +76,48 @@ def plain(report):
         )
 
 
+def by_itself(report):
+    """A deck without the word gets it where nothing but gas moves in a box of walls, and where it goes with the rest of
+    the deck; particles are split then, but on a line. Gas that expands 1:4 fills its box with the pressure that its
+    energy has, which it has kept."""
+    alone = KEPT_PLANE.replace(" volumes=kept", "")
+    expands = run("expands", alone.replace("steps=80", "end=300").replace("y=0:20", "y=0:40")
+                  + "output csv at=end fields=pressure,volume\n")
+    if report.finished(expands, "expands"):
+        rows = expands.table("particles_end.csv")
+        volume = sum(row["volume"] for row in rows)
+        pressure = sum(row["pressure"]*row["volume"] for row in rows)/volume
+        room = volume/expands["end_state.volume_over_box"]
+        report.check(abs(volume/room - 1) < 0.02, f"expands: volumes {volume/room}")
+        exact = 0.4*expands["energy.internal"]/room
+        report.check(abs(pressure/exact - 1) < 0.02, f"expands: pressure {pressure/exact}")
+        report.check(abs(expands["energy.drift"]) < 0.03, f"expands: drift {expands['energy.drift']}")
+        report.check(expands["verdict"] == "sound", f"expands: {expands['verdict_reasons']}")
+        report.check(len(rows) > 1.5*expands.table("bodies.csv")[0]["particles"], "expands: nothing was split")
+    words = run("by_word", alone.replace("update=$update", "update=$update volumes=kept split=1"))
+    solid = "material s elastic density=1 young=10 poisson=0\nbody s block material=s lower=(0,15) upper=(6,20) ppc=2\n"
+    for name, deck, kept, same in (
+        ("alone", alone, "kept", True),
+        ("usl", alone.replace("update = musl", "update = usl"), "plain", False),
+        ("usavg", alone.replace("update = musl", "update = usavg"), "plain", False),
+        ("stress_plain", alone.replace("update=$update", "update=$update stress=plain"), "plain", False),
+        ("auto_step", alone.replace("cfl=0.4", "cfl=auto"), "plain", False),
+        ("open", alone.replace("y+=slip", "y+=free").replace("y=0:20", "y=0:open"), "plain", False),
+        ("solid", alone + solid, "plain", False),
+        ("line", KEPT_LINE.replace(" volumes=kept", ""), "kept", False),
+    ):
+        result = run(f"itself_{name}", deck)
+        if report.finished(result, f"itself_{name}"):
+            report.check(result["volumes"] == kept, f"itself_{name}: volumes are {result['volumes']}")
+            report.check((result["checksum"] == words["checksum"]) == same, f"itself_{name}: bits")
+
+
 def main():
     """All of them."""
     report = Report()
     settles(report)
     plain(report)
+    by_itself(report)
     report.end()
 
 

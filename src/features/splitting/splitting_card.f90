@@ -20,8 +20,9 @@ contains
     call registry%extend('method', read_splitting, check_splitting)
     call registry%key('split', kind_real, 'particles whose longest side is stretched beyond so '// &
                       'many cells are split in two along it, fluids by their volume; 0.75 '// &
-                      'leaves no gaps', range='[0.25,2]', choices='none', &
-                      default='none', source='doc/volumes.md, 5')
+                      'leaves no gaps; auto: 1 where the program keeps volumes by itself', &
+                      range='[0.25,2]', choices='auto none', &
+                      default='auto', source='doc/volumes.md, 5')
     call registry%key('split_most', kind_integer, 'more particles than these after splitting '// &
                       'end the run; default: 1e7', range='[1,inf)')
   end subroutine register_splitting
@@ -30,7 +31,8 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     associate (splitting => draft%scene%features%splitting)
-      if (card%word('split') /= 'none') splitting%limit = card%number('split')
+      splitting%automatic = card%word('split') == 'auto'
+      if (all(card%word('split') /= ['auto', 'none'])) splitting%limit = card%number('split')
       splitting%most = card%whole('split_most', absent=10000000)
     end associate
   end subroutine read_splitting

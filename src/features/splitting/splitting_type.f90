@@ -8,6 +8,7 @@ module sgmp_splitting_type
   !> Particles that are stretched too far are split (doc/volumes.md, 5).
   type :: splitting_t
     real(dp) :: limit = 0.0_dp    !! longest side (cells) of a particle that stays whole; 0: all do
+    logical :: automatic = .false.  !! the program chooses (sgmp_deck)
     integer :: most = 0           !! particles that splitting may lead to
   end type splitting_t
 

@@ -7,12 +7,14 @@ module sgmp_features
   use sgmp_wall_friction_type, only: wall_friction_t
   implicit none
   private
-  public :: features_t, features_drag, features_drag_words, features_remedy_stretched, &
-            features_walls_act
+  public :: features_t, feature_memory, features_drag, features_drag_words, features_memory, &
+            features_recall, features_remedy_stretched, features_split_gas, features_walls_act
   public :: nodes_pressed, nodes_pulled, sum_split
 
   !> Cards of those slip walls that drag along what touches them, as errors name them.
   character(*), parameter :: features_drag_words = ', or a card wallfriction'
+
+  integer, parameter :: feature_memory = 18  !! numbers that a checkpoint keeps of them
 
   !> Features; by default there is none of them.
   type :: features_t
@@ -41,6 +43,35 @@ contains
     type(features_t), intent(in) :: features
     yes = features%wall_friction%rubs
   end function features_walls_act
+
+  !> What a checkpoint keeps of features.
+  pure function features_memory(features) result(memory)
+    type(features_t), intent(in) :: features
+    real(dp) :: memory(feature_memory)
+    associate (friction => features%wall_friction)
+      memory = [friction%share, friction%credit, friction%usual]
+    end associate
+  end function features_memory
+
+  !> Takes it from a checkpoint.
+  pure subroutine features_recall(features, memory)
+    type(features_t), intent(inout) :: features
+    real(dp), intent(in) :: memory(feature_memory)
+    associate (friction => features%wall_friction)
+      friction%share = reshape(memory(:6), [2, 3])
+      friction%credit = reshape(memory(7:12), [2, 3])
+      friction%usual = reshape(memory(13:), [2, 3])
+    end associate
+  end subroutine features_recall
+
+  !> Gas that fills a box comes to be thin in places: where the deck leaves it open no particle
+  !! outgrows its cell.
+  pure subroutine features_split_gas(features, sides)
+    type(features_t), intent(inout) :: features
+    real(dp), intent(in) :: sides(:)             !! of the particles of each body (cells)
+    real(dp), parameter :: whole = 1.0_dp        !! cells
+    if (features%splitting%automatic .and. all(sides <= whole)) features%splitting%limit = whole
+  end subroutine features_split_gas
 
   !> What else could be done where particles have come apart; '': nothing.
   pure function features_remedy_stretched(features) result(remedy)
