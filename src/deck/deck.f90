@@ -6,7 +6,7 @@ module sgmp_deck
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
-  use sgmp_enclosed_gas, only: gas_alone
+  use sgmp_enclosed_gas, only: gas_alone, gas_may_part
   use sgmp_features, only: features_split_gas
   use sgmp_file_units, only: convert_files
   use sgmp_graded_bodies, only: graded_bodies_settle
@@ -127,9 +127,7 @@ contains
       if (method%volumes_auto) method%volumes_kept = gas_alone(scene)
       if (method%volumes_kept .and. method%volumes_auto) then
         method%volumes_kept = combinations_choose(cards, 'kept')
-        ! On a line halves of particles make noise (doc/volumes.md, 6).
-        if (method%volumes_kept .and. scene%dimension > 1 .and. &
-            combinations_parts(cards)) then
+        if (method%volumes_kept .and. gas_may_part(scene) .and. combinations_parts(cards)) then
           call features_split_gas(scene%features, scene%bodies%spacing/scene%grid%cell)
         end if
       end if

@@ -2,11 +2,13 @@
 !! and the program keeps them where the deck leaves it the choice (doc/volumes.md).
 module sgmp_enclosed_gas
   use sgmp_constitutive, only: law_gaseous
+  use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_fixed, wall_slip
   use sgmp_scene, only: scene_t
+  use sgmp_shapes, only: combine_union, shape_block
   implicit none
   private
-  public :: gas_alone
+  public :: gas_alone, gas_may_part
 
 contains
 
@@ -29,5 +31,26 @@ contains
       if (yes) yes = law_gaseous(scene%materials(scene%bodies(b)%material)%law)
     end do
   end function gas_alone
+
+  !> Whether particles of gas that outgrow their cells are better parted: but on a line, if it has
+  !! more to expand into than another gas, where halves make noise (doc/volumes.md, 6).
+  pure function gas_may_part(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    real(dp), parameter :: nearly = 1.0e-6_dp
+    real(dp) :: filled
+    integer :: b
+    yes = scene%dimension > 1
+    if (yes) return
+    filled = 0.0_dp
+    do b = 1, size(scene%bodies)
+      if (.not. allocated(scene%bodies(b)%shapes)) return
+      associate (shapes => scene%bodies(b)%shapes)
+        if (any(shapes%kind /= shape_block) .or. any(shapes%combine /= combine_union)) return
+        filled = filled + sum(shapes%upper(1) - shapes%lower(1))
+      end associate
+    end do
+    yes = filled >= (1.0_dp - nearly)*(scene%grid%upper(1) - scene%grid%lower(1))
+  end function gas_may_part
 
 end module sgmp_enclosed_gas

@@ -426,7 +426,8 @@ def criteria(report):
     doubts(report, "gas_half", GAS, "no room in the cells", fill=6, t_end=0.2)
     doubts(report, "gas_mpm", GAS, "times the closed box", method="mpm", t_end=0.2)
     sound(
-        report, "gas_kept", GAS.replace("stress=$stress volumes=plain", "volumes=kept").replace("ppc=2", "ppc=3"), fill=6, t_end=0.2
+        report, "gas_kept", GAS.replace("stress=$stress volumes=plain", "volumes=kept").replace("ppc=2", "ppc=3"),
+        fill=6, t_end=0.2,
     )
     result = doubts(report, "gas_normalised", GAS, "energy has grown", fill=6, stress="normalised", t_end=0.2)
     report.check(
