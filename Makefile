@@ -22,7 +22,7 @@ export OMP_WAIT_POLICY ?= passive
 
 GALLERY = $(wildcard input/gallery/*.inp) input/taylor_bar_axisymmetric.inp
 
-.PHONY: gallery help setup setup-test setup-dev build build-all run verify verify-full hard test test-full test-slurm test-serial sanitize fuzz truth mutate debug test-debug bench speed wrap lint format coverage doc install clean
+.PHONY: gallery help setup setup-test setup-dev build build-all run verify verify-full hard test test-long test-full test-slurm test-serial sanitize fuzz truth mutate debug test-debug bench speed wrap lint format coverage doc install clean
 .PRECIOUS: build/%/.configured
 
 help: ## List the targets
@@ -71,8 +71,11 @@ hard: build ## Run the hard cases by four methods (minutes): build/hard/results.
 	$(PYTHON) verification/hard/hard.py --publish
 	$(PYTHON) scripts/dev/wrap.py doc/hard-cases.md
 
-test: build-all ## Build and run all tests
-	ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
+test: build-all ## Build and run the tests that take less than ten seconds each: three minutes on two cores
+	ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error -LE long
+
+test-long: build-all ## Run the others: layouts, restarts, random decks and scenes, every page's commands (ten minutes)
+	ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error -L long
 
 test-full: build-all ## The same with all layouts, more kills and random scenes, sanitizers, a sample of small faults (half an hour)
 	SGMP_TEST_FULL=1 ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error -LE fuzz
