@@ -173,9 +173,6 @@ module sgmp_combinations
     refusal_t('wallmotion', 'damping damping-kinetic', '', &
               'damping slows everything down to rest', &
               'remove one of them'), &
-    refusal_t('motion', 'wallmotion wallfriction', '', &
-              'not worked out: nodes that a wall and a part move', &
-              'remove one of them'), &
     refusal_t('erode-step', 'usf', '', &
               'particles go in the sweep that moves and strains them, which usf has not', &
               'remove time_step or use update=musl, usl or usavg'), &

@@ -238,6 +238,55 @@ history steps=50
         near(report, f"{name}: momentum", result.table("history.csv")[-1]["momentum_x"], 2*0.5*2 - 0.2*net, 0.005)
 
 
+def gripped(report):
+    """A grip drags a block along a wall that rubs, or that moves, too: what it gives is what the block gains and the
+    wall takes: friction times the weight beyond the grip."""
+    text = """
+parameter method = sgmp
+parameter update = musl
+dimension 2
+grid cell=0.125 x=-1:4 y=0:open
+wall y-=slip reactions=yes
+wallfriction y- friction=0.3
+method $method update=$update
+time end=2 cfl=0.4
+gravity (0,-1)
+material m elastic density=1 young=250 poisson=0
+initial_stress b surface=0.5
+body b block material=m lower=(0,0) upper=(2,0.5) ppc=2
+motion b where="x0<0.25" x="0.1*sin(pi/2*min(t/0.5,1))^2"
+history steps=1
+"""
+    fixed = text.replace("wall y-=slip", "wall y-=fixed").replace("wallfriction y- friction=0.3\n", "")
+    moves = 'wallmotion y- x="-0.2*sin(pi/2*min(t/0.5,1))^2"\n'
+    held = fixed + 'wallmotion y- x="0.1*sin(pi/2*min(t/0.5,1))^2"\n'
+    for method, update in (("sgmp", "musl"), ("sgmp", "usl"), ("sgmp", "usf"), ("sgmp", "usavg"), ("mpm", "musl"),
+                           ("gimp", "usavg"), ("bspline", "musl")):
+        for name, deck in (("gripped", text), ("gripped_moves", text + moves), ("gripped_held", held)):
+            name = f"{name}_{method}_{update}"
+            result = run(name, deck, method=method, update=update)
+            if not report.finished(result, name):
+                continue
+            last, given, before = ledger(report, name, result), 0.0, 0.0
+            for row in result.table("motion.csv"):
+                given += row["force_x"]*(row["time"] - before)
+                before = row["time"]
+            taken = last["wall_y-_impulse_x"]
+            report.check(
+                abs(last["momentum_x"] - given - taken) < 1e-9, f"{name}: momentum {last['momentum_x']}, of the grip "
+                f"{given}, of the wall {taken}",
+            )
+            report.check(abs(result["energy.drift"]) < 0.03, f"{name}: drift {result['energy.drift']}")
+            if "held" in name:  # nothing slips
+                near(report, f"{name}: momentum", last["momentum_x"], 0.1, 0.02)
+            else:  # all slips until it flutters; the grip ends between two nodes
+                first, second = (
+                    min(result.table("history.csv"), key=lambda row: abs(row["time"] - when)) for when in (0.5, 1.5)
+                )
+                force = (first["wall_y-_impulse_x"] - second["wall_y-_impulse_x"])/(second["time"] - first["time"])
+                report.check(0.70 < force/0.3 < 0.89, f"{name}: the wall rubs with {force}")
+
+
 def flutter(report):
     """Sliding of an elastic body on a rigid plane is unstable: where that makes the wall pull the run is doubted."""
     for method, update, mu, sound in (
@@ -263,6 +312,7 @@ def main():
     faces(report)
     pipe(report)
     borne(report)
+    gripped(report)
     flutter(report)
     report.end()
 

@@ -20,6 +20,7 @@
 module sgmp_wall_friction
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, &
                           node_remapped, node_velocity
+  use sgmp_driven_nodes, only: driven_nodes_pin
   use sgmp_features, only: nodes_pressed, nodes_pulled
   use sgmp_field, only: field_base, field_t
   use sgmp_images, only: vector_parity
@@ -102,16 +103,21 @@ contains
     end if
   end subroutine nodes_there
 
-  !> Whether a wall leaves the components of a node free; the others are held by it or by others.
-  pure function free_components(mesh, point) result(free)
+  !> Whether a wall leaves the components of a node free; the others are held by it or by others, or
+  !! prescribed with a part of a body.
+  pure function free_components(field, mesh, s, point) result(free)
+    type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: point(3)
+    integer, intent(in) :: s, point(3)           !! work interval, place of the node
     logical :: free(3)
     integer :: a, held_side, held_axis
     free = .false.
+    if (field%columns%driven > 0) then
+      call driven_nodes_pin(field, s, point(1), field%neighbour(0, 0, s) + point(1), free)
+    end if
     do a = 1, mesh%ndim
       call holding_wall(mesh, point, a, held_side, held_axis)
-      free(a) = held_axis == 0
+      free(a) = held_axis == 0 .and. .not. free(a)
     end do
   end function free_components
 
@@ -125,7 +131,7 @@ contains
     integer :: record, nd
     nd = field%ndim
     record = field%neighbour(0, 0, s) + point(1)
-    free = free_components(mesh, point)
+    free = free_components(field, mesh, s, point)
     associate (velocity => field%node(record, node_velocity(nd):node_velocity(nd) + nd - 1), &
                wall => mesh%wall_motion(:nd, side, axis, wall_speed), &
                remapped => field%node(record, node_remapped:node_remapped + nd - 1))
@@ -147,6 +153,8 @@ contains
     integer :: record, face, a
     record = field%neighbour(0, 0, s) + point(1)
     if (.not. field%node(record, node_inverse_mass(field%ndim)) > 0.0_dp) return
+    free = free_components(field, mesh, s, point)
+    if (.not. any(free(:field%ndim))) return
     mass = m
     if (field%space == space_axisymmetric) mass(1) = m*field%node(record, node_inertia)
     pressing = mass(axis)*field%node(record, node_acceleration + axis - 1) + &
@@ -155,7 +163,6 @@ contains
     face = 2*(axis - 1) + side - 1
     sums(nodes_pressed + face) = sums(nodes_pressed + face) + max(0.0_dp, pressing)
     sums(nodes_pulled + face) = sums(nodes_pulled + face) + max(0.0_dp, -pressing)
-    free = free_components(mesh, point)
     slip = 0.0_dp
     do a = 1, field%ndim
       if (free(a)) slip(a) = field%node(record, node_velocity(field%ndim) + a - 1) - &

@@ -3,6 +3,7 @@
 module sgmp_wall_friction_stages
   use sgmp_body, only: body_t
   use sgmp_columns, only: node_remapped, node_velocity
+  use sgmp_drive, only: drive_sums
   use sgmp_energy_terms, only: energy_terms_t, terms_value
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
@@ -41,7 +42,8 @@ contains
     type(partition_t), intent(in) :: partition
     type(tally_t) :: unused
     integer :: f, a, b
-    call tally_reset(unused, size(bodies)*sweep_sums + nodes_sums)
+    call tally_reset(unused, size(bodies)*(sweep_sums + method%removed) + nodes_sums + &
+                     sum(fields%columns%driven)*drive_sums)
     call phase_solve(method, dt, mesh, fields, bodies, team, partition, unused)
     call phase_remap(method, mesh, fields, bodies, team, partition)
     do f = 1, size(fields)
