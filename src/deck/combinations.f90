@@ -207,7 +207,7 @@ module sgmp_combinations
               'Gauss points are those of equal cells', &
               'write layout=graded, which a body at rest has by itself'), &
     refusal_t('graded', 'detonation', '', &
-              'the front of a burn would have the width of the smallest cell in all', &
+              'a front that has crossed unequal cells leaves pressures worse than in coarse cells', &
               'remove that card, or the fine intervals'), &
     refusal_t('graded', 'crack-width toughness average', '', &
               'a crack has the width of one cell, and cells are unequal', &
