@@ -116,7 +116,7 @@ test-debug: debug setup-test ## Run all tests on the debug build
 bench: build-all ## Measure nanoseconds per particle and step beside targets and what the machine can do (minutes)
 	$(PYTHON) scripts/bench/bench.py build/release/sgmp
 
-speed: build ## Error against CPU seconds of all methods on seven scenes (ten minutes, may be stopped and started again): doc/speed-and-accuracy.md
+speed: build ## Error against CPU seconds of all methods on thirteen scenes (half an hour, may be stopped and started again): doc/speed-and-accuracy.md
 	$(PYTHON) verification/speed/speed.py
 	$(PYTHON) scripts/dev/wrap.py doc/speed-and-accuracy.md
 

@@ -110,6 +110,33 @@ def summary(found):
     return lines
 
 
+def counts(found):
+    """Of the rows of the summary, how many each method reaches, and in how many it is within a tenth of the least, and
+    within a factor of two."""
+    reached, near, factor, rows = ({method: 0 for method in METHODS} for _ in range(4))
+    for name, curves in found.items():
+        for goal in SCENES[name].goals:
+            runs = {curve: cheapest(of[1], goal) for curve, of in curves.items()}
+            least = min((run["process"] for run in runs.values() if run), default=None)
+            for method in METHODS:
+                run = runs.get(method)
+                rows[method] += 1
+                reached[method] += run is not None
+                near[method] += run is not None and run["process"] <= 1.1*least
+                factor[method] += run is not None and run["process"] <= 2*least
+    return [
+        "| | " + " | ".join(NAMES[method] for method in METHODS) + " |",
+        "|" + "---|"*(len(METHODS) + 1),
+        *(
+            f"| {text} | " + " | ".join(f"{of[method]} of {rows[method]}" for method in METHODS) + " |"
+            for text, of in (
+                ("reaches the error", reached), ("within a tenth of the least time", near),
+                ("within twice the least time", factor),
+            )
+        ),
+    ]
+
+
 def curves_table(scene, curves):
     """Each curve's best Courant number and what it reaches at the finest size."""
     lines = [
@@ -133,7 +160,8 @@ def curves_table(scene, curves):
 def write(found, table):
     """Page, figures and a table of all runs."""
     found = {name: curves for name, curves in found.items() if any(chosen(*curve) for curve in curves.values())}
-    text = (Path(__file__).with_name("head.md")).read_text().replace("@SUMMARY@", "\n".join(summary(found)))
+    text = (Path(__file__).with_name("head.md")).read_text()
+    text = text.replace("@SUMMARY@", "\n".join(summary(found))).replace("@COUNTS@", "\n".join(counts(found)))
     for name, curves in found.items():
         scene = SCENES[name]
         draw(name, scene, curves)
