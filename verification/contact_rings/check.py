@@ -44,7 +44,7 @@ def check(book, full):
         if update == "musl":
             book.at_most(name, "energy lost over the whole collision (%)", 100*loss, 2.0,
                          "" if full else "the ring is five cells thick, and each closing of a contact takes energy",
-                         known=None if full else {"sgmp": 3.096, "mpm": 3.01}.get(method))
+                         known=None if full else {"sgmp": 2.856}.get(method))
             book.at_most(name, "last contact (ms)", touched[-1], 4.0)
     book.table(
         "contact_rings", ["case", "momentum", "energy lost (%)", "rebound over speed", "contact"], rows,
