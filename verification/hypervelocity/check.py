@@ -383,7 +383,7 @@ NOTES = {
 }
 KNOWN = {
     ("fragment", 0.16): 0.65,
-    "contact": 1082.9,
+    "no card contact": 1057.2,
     ("crater", 3000, 0.5): 6.945,
     ("crater", 6000, 0.5): 11.97,
     ("crater", 7000, 0.5): 13.16,
