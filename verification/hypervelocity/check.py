@@ -382,11 +382,11 @@ NOTES = {
     "slow": "at 3 km/s the ball comes apart even so: the end of the equation's range",
 }
 KNOWN = {
-    ("fragment", 0.16): 0.65,
+    ("fragment", 0.16): 0.75,
     "no card contact": 1057.2,
     ("crater", 3000, 0.5): 6.945,
     ("crater", 6000, 0.5): 11.97,
-    ("crater", 7000, 0.5): 13.16,
+    ("crater", 7000, 0.5): 14.39,
     ("shot", 4.765, 0.64): 0.0,
     ("shot", 4.765, 0.32): 0.0,  # 1: perforated
     ("limit", 3000, 1.2): 0.0,

@@ -144,7 +144,7 @@ def collapse(book, full):
              ("round", "mohr_coulomb", 36.9, 0.5, 0.62)]
     # Lube et al.: half of a plane column ends at its height up to 1.15, above at L0 a^0.4, a round one up to 1 at its
     # height.
-    heights = {("collapse", 2): (2**0.4, 1.18), ("collapse", 1): (1.0, 0.87), ("round", 1): (1.0, 0.72),
+    heights = {("collapse", 2): (2**0.4, 1.18), ("collapse", 1): (1.0, 0.87), ("round", 1): (1.0, 0.768),
                ("round", 0.5): (0.5, None)}
     note = ("sand of one angle of friction that neither dilates nor hardens: a second implementation finds the same "
             "(heaps)")
