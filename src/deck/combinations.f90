@@ -207,7 +207,7 @@ module sgmp_combinations
               'Gauss points are those of equal cells', &
               'write layout=graded, which a body at rest has by itself'), &
     refusal_t('graded', 'detonation', '', &
-              'a front that has crossed unequal cells leaves pressures worse than in coarse cells', &
+              'a front that has crossed unequal cells leaves pressures worse than coarse cells', &
               'remove that card, or the fine intervals'), &
     refusal_t('graded', 'crack-width toughness average', '', &
               'a crack has the width of one cell, and cells are unequal', &
@@ -252,15 +252,17 @@ contains
 
   !> Whether `auto` takes a feature: it goes with all that a deck asks for, and nothing of that is
   !! among the cautions.
-  function combinations_choose(cards, name) result(yes)
+  function combinations_choose(cards, name, beside) result(yes)
     type(deck_card_t), intent(in) :: cards(:)      !! of the deck, defaults among them
     character(*), intent(in) :: name               !! of the feature
+    character(*), intent(in), optional :: beside   !! a feature of which no caution is needed
     logical :: yes
     logical :: asked(size(features))
     integer :: q
     asked = askers(cards) > 0
     asked(feature_number(name)) = .true.
     yes = allowed(asked, name)
+    if (present(beside)) asked(feature_number(beside)) = .false.
     do q = 1, size(cautions)
       if (cautions(q)%feature == name) yes = yes .and. .not. asks_any(asked, cautions(q)%with)
     end do

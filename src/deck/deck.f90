@@ -17,6 +17,7 @@ module sgmp_deck
   use sgmp_parameters, only: parameters_t
   use sgmp_particle_number, only: particle_number_settle
   use sgmp_registry, only: read_first, read_last, read_second, read_third, registry_t
+  use sgmp_rolling, only: scene_rolls
   use sgmp_scene, only: alternatives_t, scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
@@ -119,7 +120,12 @@ contains
     type(scene_t), intent(inout) :: scene
     associate (method => scene%method)
       if (method%surfaces_auto) method%surfaces = combinations_choose(cards, 'surfaces')
-      if (method%rotation_auto) method%rotation = combinations_choose(cards, 'rotation')
+      if (method%rotation_auto) then
+        method%rotation = combinations_choose(cards, 'rotation')
+        if (scene_rolls(scene)) then
+          method%rotation = combinations_choose(cards, 'rotation', beside='friction')
+        end if
+      end if
       if (method%normalised_auto) method%normalised = combinations_choose(cards, 'normalised')
       if (method%drift_auto) then
         method%drift_remapped = method%normalised .and. combinations_choose(cards, 'drift')

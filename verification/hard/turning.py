@@ -40,8 +40,8 @@ def spin(table):
         """
 Plane strain, E = 1.24e9 Pa, nu = 0.35, density 8000 kg/m^3, no load: a disk of radius 1.6 m (8 cells, centre at
 (0.03, 0.04) m) turns at 3 rad/s for 1 s, a ring of radii 2 and 3 m (five cells) for three turns; h = 0.2 m, Courant
-number 1. Angular momentum about the origin must stay what it is. The last row of each is SGMP with
-`rotation=exact`, whose rotation strains nothing.""",
+number 1. Angular momentum about the origin must stay what it is. The first row of each is the scheme of the paper
+(`rotation=plain`), the last SGMP with `rotation=exact`, whose rotation strains nothing: the default for solids.""",
     )
     for deck, words in (("contact_rolling/spin", "disk, three radians"), ("rotation/ring", "ring, three turns")):
         runs = run_methods(deck)
