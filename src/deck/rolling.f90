@@ -17,6 +17,7 @@ contains
     integer :: b
     yes = .false.
     if (scene%axisymmetric .or. scene%dimension == 1) return
+    if (size(scene%motions) > 0) return  ! parts that are moved and rubbed at their surface: refused
     if (.not. any(abs(scene%gravity) > 0.0_dp)) return
     do b = 1, size(scene%bodies)
       if (scene%bodies(b)%rigid .or. .not. allocated(scene%bodies(b)%shapes)) cycle

@@ -432,8 +432,6 @@ def mistakes(report):
              ("no such time", "until=5", "until=0", "'until' = 0 is out of range"),
              ("friction at the surface", "load ball", "contact all friction=0.1\nmethod sgmp rotation=exact\nload ball",
               "is rubbed by others"),
-             ("walls that move", "method $method", "wall y-=fixed\nwallmotion y- x=1\nmethod $method",
-              "motion does not go with wallmotion"),
              ("too many", "load ball", "".join(f'motion ball where="y>-3+0.5*{k} && y<-3+0.5*{k + 1}" x={k}\n'
                                                for k in range(8)) + "load ball", "more than 8 cards motion"))
     for title, before, after, message in cases:
