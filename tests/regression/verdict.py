@@ -40,6 +40,21 @@ body strip block material=m lower=(-14,-2.2) upper=(14,1.8) spacing=0.5 layout=u
 motion strip where="abs(x0)>10" x=0 y=0
 initial_stress strip xx=0.1
 """
+# A block that stands on a rigid body for as long, which has a field of its own.
+STANDS = """
+dimension 2
+grid cell=1 x=open y=open
+method sgmp
+time end=9000 cfl=0.4
+gravity (0,-0.002)
+material m elastic density=1 young=1 poisson=0
+initial_stress b surface=8
+body b block material=m lower=(-4,0) upper=(4,8) ppc=2
+body f block material=m lower=(-8,-4) upper=(8,0) ppc=2
+rigid f
+contact b f
+history steps=100
+"""
 GAS = """
 parameter method = sgmp
 parameter stress = plain
@@ -506,6 +521,8 @@ def criteria(report):
 def held(report):
     """Stress that becomes noise, where particles move with another velocity than the one that strains them."""
     sound(report, "held", HELD)
+    stands = sound(report, "stands", STANDS)
+    report.check(stands["end_state.strain_time"] > 60, f"stands: {stands['end_state.strain_time']}")
     words = "under stress for so long"
     for method in ("gimp", "bspline", "mpm update=usavg", "sgmp update=usf"):
         deck = HELD.replace("method sgmp", f"method {method}")
