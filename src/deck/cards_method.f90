@@ -44,9 +44,9 @@ contains
     call registry%key('interior', kind_real, 'a cell is normalised where it and its '// &
                       'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
     call registry%key('volumes', kind_word, 'kept: the volumes of the particles stay those of '// &
-                      'the space they fill, for gases and explosives that walls enclose '// &
-                      '(sgmp; musl, usavg); auto: kept where nothing else moves in a box of '// &
-                      'walls', choices='auto plain kept', default='auto', &
+                      'the space they fill, for explosives, and for gases that walls enclose '// &
+                      '(sgmp; musl, usavg); auto: kept where something burns beside other '// &
+                      'matter, or nothing but gas moves in a box of walls', choices='auto plain kept', default='auto', &
                       source='doc/volumes.md')
     call registry%key('hoop', kind_real, 'axisymmetric: correction C of the hoop strain next '// &
                       'to the axis; the default is that of particles anywhere, 1/8 that of a '// &

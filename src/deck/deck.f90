@@ -6,7 +6,7 @@ module sgmp_deck
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
-  use sgmp_enclosed_gas, only: gas_alone, gas_may_part
+  use sgmp_enclosed_gas, only: gas_alone, gas_burns, gas_may_part, gas_sides
   use sgmp_features, only: features_split_gas
   use sgmp_file_units, only: convert_files
   use sgmp_graded_bodies, only: graded_bodies_settle
@@ -130,12 +130,13 @@ contains
       if (method%drift_auto) then
         method%drift_remapped = method%normalised .and. combinations_choose(cards, 'drift')
       end if
-      if (method%volumes_auto) method%volumes_kept = gas_alone(scene)
-      if (method%volumes_kept .and. method%volumes_auto) then
+      if (method%volumes_auto) then
         method%volumes_kept = combinations_choose(cards, 'kept')
         if (method%volumes_kept .and. gas_may_part(scene) .and. combinations_parts(cards)) then
-          call features_split_gas(scene%features, scene%bodies%spacing/scene%grid%cell)
+          call features_split_gas(scene%features, scene%dimension, gas_sides(scene), &
+                                  gas_alone(scene))
         end if
+        method%volumes_kept = method%volumes_kept .and. (gas_alone(scene) .or. gas_burns(scene))
       end if
       if (method%volumes_kept) then
         method%normalised = .true.

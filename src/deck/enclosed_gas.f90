@@ -1,14 +1,16 @@
-!> Scenes of nothing but gas that walls enclose: the volumes of its particles are those of the box,
-!! and the program keeps them where the deck leaves it the choice (doc/volumes.md).
+!> Scenes with gas: where nothing else moves and walls enclose it, the volumes of its particles are
+!! those of the box; products of explosives fill what room they find. There the program keeps
+!! volumes where the deck leaves it the choice, and particles that grow too large it parts
+!! (doc/volumes.md, 6).
 module sgmp_enclosed_gas
-  use sgmp_constitutive, only: law_gaseous
+  use sgmp_constitutive, only: law_gaseous, material_explosive
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_fixed, wall_slip
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: combine_union, shape_block
   implicit none
   private
-  public :: gas_alone, gas_may_part
+  public :: gas_alone, gas_burns, gas_may_part, gas_sides
 
 contains
 
@@ -17,7 +19,7 @@ contains
   pure function gas_alone(scene) result(yes)
     type(scene_t), intent(in) :: scene
     logical :: yes
-    integer :: side, axis, b
+    integer :: side, axis
     yes = size(scene%bodies) > 0 .and. size(scene%contacts) == 0
     do axis = 1, merge(2, scene%dimension, scene%axisymmetric)
       do side = 1, 2
@@ -25,23 +27,34 @@ contains
         yes = yes .and. any(scene%grid%wall(side, axis) == [wall_slip, wall_fixed])
       end do
     end do
-    do b = 1, size(scene%bodies)
-      if (.not. yes) return
-      yes = .not. scene%bodies(b)%rigid .and. scene%bodies(b)%material > 0
-      if (yes) yes = law_gaseous(scene%materials(scene%bodies(b)%material)%law)
-    end do
+    yes = yes .and. all(gaseous(scene))
   end function gas_alone
 
-  !> Whether particles of gas that outgrow their cells are better parted: but on a line, if it has
-  !! more to expand into than another gas, where halves make noise (doc/volumes.md, 6).
+  !> Whether something burns beside other matter.
+  pure function gas_burns(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes, gas(size(scene%bodies)), burns(size(scene%bodies))
+    integer :: b
+    gas = gaseous(scene)
+    burns = .false.
+    do b = 1, size(scene%bodies)
+      if (gas(b)) burns(b) = scene%materials(scene%bodies(b)%material)%law%kind == &
+                             material_explosive
+    end do
+    yes = any(burns) .and. .not. all(burns)
+  end function gas_burns
+
+  !> Whether particles of gas that outgrow their cells are better parted: but on a line, if there is
+  !! nothing but gas with more to expand into than another gas, where halves make noise.
   pure function gas_may_part(scene) result(yes)
     type(scene_t), intent(in) :: scene
-    logical :: yes
+    logical :: yes, gas(size(scene%bodies))
     real(dp), parameter :: nearly = 1.0e-6_dp
     real(dp) :: filled
     integer :: b
-    yes = scene%dimension > 1
-    if (yes) return
+    gas = gaseous(scene)
+    yes = any(gas) .and. (scene%dimension > 1 .or. .not. all(gas))
+    if (yes .or. .not. any(gas)) return
     filled = 0.0_dp
     do b = 1, size(scene%bodies)
       if (.not. allocated(scene%bodies(b)%shapes)) return
@@ -52,5 +65,23 @@ contains
     end do
     yes = filled >= (1.0_dp - nearly)*(scene%grid%upper(1) - scene%grid%lower(1))
   end function gas_may_part
+
+  !> Sides of the particles of bodies of gas, in cells.
+  pure function gas_sides(scene) result(sides)
+    type(scene_t), intent(in) :: scene
+    real(dp), allocatable :: sides(:)
+    sides = pack(scene%bodies%spacing/scene%grid%cell, gaseous(scene))
+  end function gas_sides
+
+  !> Which bodies are gas, or become it.
+  pure function gaseous(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes(size(scene%bodies))
+    integer :: b
+    do b = 1, size(scene%bodies)
+      yes(b) = .not. scene%bodies(b)%rigid .and. scene%bodies(b)%material > 0
+      if (yes(b)) yes(b) = law_gaseous(scene%materials(scene%bodies(b)%material)%law)
+    end do
+  end function gaseous
 
 end module sgmp_enclosed_gas

@@ -13,6 +13,7 @@ module sgmp_verdict
                                 judge_stressed, judge_turning
   use sgmp_judge_collisions, only: judge_collisions, judge_projectiles
   use sgmp_judge_failure, only: judge_failure
+  use sgmp_judge_gases, only: judge_charges, judge_cushions
   use sgmp_judge_heat, only: judge_heat
   use sgmp_judge_state, only: judge_ball, judge_particles, judge_pressed, judge_resolution, &
                               judge_thin, judge_volumes
@@ -101,6 +102,8 @@ contains
     call judge_turning(self%opinion, scene, model, self%turn)
     call judge_collisions(self%opinion, scene, model)
     call judge_projectiles(self%opinion, scene, model)
+    call judge_charges(self%opinion, scene, model)
+    call judge_cushions(self%opinion, scene, model, self%state%compression)
     call judge_failure(self%opinion, model, self%failure)
     call judge_heat(self%opinion, model, self%heat)
     call stage_objection(model, inexact, reason)

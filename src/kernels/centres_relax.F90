@@ -15,7 +15,7 @@ module DIM(sgmp_centres_relax)
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_method, only: method_t
-  use DIM(sgmp_nodes_normalise), only: cell_volume, filled_volumes, least_volume
+  use DIM(sgmp_nodes_normalise), only: cell_volume, filled_volumes, least_volume, normalise_factor
   implicit none
   private
   public :: centres_relax
@@ -96,7 +96,9 @@ contains
                                                                     pressure(i)**2]
         end if
         field%relax(c, relax_filling) = filling_change(volume/filled(i), interior)
-        if (interior) field%relax(c, relax_dilation) = filled(i)/volume - 1.0_dp
+        if (interior) then
+          field%relax(c, relax_dilation) = normalise_factor(volume, filled(i), field%gaps) - 1.0_dp
+        end if
       end do
     end associate
   end subroutine relax_row

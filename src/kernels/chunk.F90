@@ -392,7 +392,7 @@ contains
                                            values(1, task%swirl))
 #endif
     if (task%square > 0) then
-      call relaxation_square(task%live(1, nl), motion, values(1, task%square))
+      call relaxation_square(body%law, task%live(1, nl), motion, values(1, task%square))
     end if
     if (task%stiffness > 0) then
       if (task%relax == 0) got(:, 1) = 0.0_dp  ! nothing is known of the neighbours
@@ -1182,8 +1182,8 @@ contains
     real(dp) :: offset(lanes), live(lanes), share(lanes), half(lanes, most_columns + NFLUX)
     real(dp) :: half_motion(lanes, motion_total(NDIM)), half_state(lanes, nb)
     integer :: axis(lanes), side, l
-    call splitting_choose(body%law, mesh, plan%features%splitting%limit, body%half_size(:NDIM), &
-                          extent, nl, xi, nb, motion, state, axis, offset)
+    call splitting_choose(body%law, mesh, plan%features%splitting, body%half_size(:NDIM), extent, &
+                          nl, xi, nb, motion, state, axis, offset)
     if (all(axis == 0)) return
     live = merge(1.0_dp, 0.0_dp, axis > 0)
     do side = -1, 1, 2
@@ -1193,7 +1193,9 @@ contains
                            half_state, share, lane_sums(1, sum_split))
       half = spread(share, 2, size(values, 2))*values
       call collect(plan%mass, plan%momentum, task%masses, live, half_motion, half)
-      if (task%square > 0) call relaxation_square(live, half_motion, half(1, task%square))
+      if (task%square > 0) then
+        call relaxation_square(body%law, live, half_motion, half(1, task%square))
+      end if
 #ifdef AXISYMMETRIC
       if (task%swirl > 0) call swirl_collect(live, half_motion, half_motion(1, mass_at), &
                                              half_state(1, body%law%slots%swirl), &

@@ -13,7 +13,7 @@ module DIM(sgmp_nodes_normalise)
   implicit none
   private
   public :: nodes_normalise
-  public :: cell_volume, filled_volumes, least_volume
+  public :: cell_volume, filled_volumes, least_volume, normalise_factor
 
   integer, parameter :: tile = 128
   !> Of solids, a centre less full than this is none of a body's inside, but a gap that closes or a
@@ -35,7 +35,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane
     real(dp), intent(in) :: interior
-    real(dp) :: least(0:tile + 1), factor(tile), filled(tile), cell, around, volume, part
+    real(dp) :: least(0:tile + 1), factor(tile), filled(tile), cell, around, volume
     integer :: s, first, n, i, q, idx, last      !! last: column of a stress
     cell = cell_volume(mesh%h)
     last = field%columns%normalised
@@ -49,14 +49,12 @@ contains
           call grade_volumes(mesh, key_j(field%work%key(s)), key_k(field%work%key(s)), first, n, &
                              filled)
         end if
-        !$omp simd private(around, volume, part)
+        !$omp simd private(around, volume)
         do i = 1, n
           around = min(least(i - 1), least(i), least(i + 1))
           volume = merge(field%moment(idx + i, field%columns%volume), filled(i), &
                          around > interior*cell)
-          part = merge(min(1.0_dp, max(0.0_dp, (volume/filled(i) - empty)/(full - empty))), &
-                       1.0_dp, field%gaps)
-          factor(i) = 1.0_dp + part*(filled(i)/volume - 1.0_dp)
+          factor(i) = normalise_factor(volume, filled(i), field%gaps)
         end do
         if (field%columns%room > 0) call keep_debris(field, idx, n, factor)
         do q = field%columns%force, last
@@ -68,6 +66,16 @@ contains
       end do
     end do
   end subroutine nodes_normalise
+
+  !> What the stress of an interior centre is multiplied by: of solids none where a gap closes or
+  !! opens.
+  elemental function normalise_factor(volume, filled, gaps) result(factor)
+    real(dp), intent(in) :: volume, filled       !! of the particles, of a full cell
+    logical, intent(in) :: gaps                  !! of a field with solids
+    real(dp) :: factor, part
+    part = merge(min(1.0_dp, max(0.0_dp, (volume/filled - empty)/(full - empty))), 1.0_dp, gaps)
+    factor = 1.0_dp + part*(filled/volume - 1.0_dp)
+  end function normalise_factor
 
   !> Debris is not normalised: factors by the part of the volume that has not come apart.
   pure subroutine keep_debris(field, before, n, factor)

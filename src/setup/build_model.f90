@@ -388,7 +388,7 @@ contains
         call slots_ask(slots, 'yield_factor', one)
       end if
       call ask_flaws(law%failure%flaws%number, law%rigid, slots)
-      if (scene%method%volumes_kept .and. law%eos /= eos_none .and. .not. law%rigid) then
+      if (scene%method%volumes_kept .and. law%eos /= eos_none .and. law_is_spherical(law)) then
         call slots_ask(slots, 'compliance', none(:1))
       end if
       if (settles(scene, law)) then
@@ -666,7 +666,7 @@ contains
                       columns_build(model, kernel, solid, crumbles, &
                                     any(moves .and. model%bodies%law%history%averaged), parts(f)))
       model%fields(f)%drive_terms = terms(f)
-      model%fields(f)%gaps = solid .and. .not. model%method%relaxed
+      model%fields(f)%gaps = solid
     end do
     call team_make(model%team, threads, model%mesh%space, size(model%fields), size(model%bodies))
     allocate (model%ranks%below(size(model%fields)), model%ranks%above(size(model%fields)))

@@ -3,9 +3,11 @@ import random
 
 import _truths
 import _truths_flows
+import _truths_layers
 import _truths_solids
 
-CLASSES = {one.__name__.lower(): one for one in (*_truths.CLASSES, *_truths_solids.CLASSES, *_truths_flows.CLASSES)}
+MODULES = (_truths, _truths_solids, _truths_flows, _truths_layers)
+CLASSES = {one.__name__.lower(): one for module in MODULES for one in module.CLASSES}
 
 
 def scene(seed, only=None):

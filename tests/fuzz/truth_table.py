@@ -2,17 +2,18 @@
 """The verdict against the truth, by class of scenes (tests/fuzz/_truth_scenes.py) and method: right or wrong, and
 sound, coarse or doubted.
 
-usage: truth_table.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S] [--default] [--jobs J] [--again]
-           [--only CLASS]
+usage: truth_table.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S] [--default | --method WORDS] [--jobs J]
+           [--again] [--only CLASS]
        truth_table.py SGMP SOURCE_DIR SCRATCH_DIR --show S [--only CLASS]
 
-Scenes of the seeds S, S+1, …; half of them with `method sgmp` alone, with --default all. Without --inputs one scene of
-each class, with --only all of one class. A coarse run keeps its promise if no error is larger than what it says is to
-be expected (or than what its class allows). Writes table.md, the rows of all runs so far in that folder as rows.jsonl,
-and the ten worst of what is sound and wrong as decks into SCRATCH_DIR; --again adds to the rows of earlier calls, whose
-seeds are not run once more: a long table that was stopped goes on. The exit code is 1 if more than 3 of 100 sound runs
-are wrong, more than 1 of 100 of those with `method sgmp` and bodies of four cells and more, more than 5 of 100 right
-ones are doubted, fewer than 95 of 100 coarse ones keep their promise, or fewer than a half of all are right and sound.
+Scenes of the seeds S, S+1, …; half of them with `method sgmp` alone, with --default all, with --method all with those
+words of the card. Without --inputs one scene of each class, with --only all of one class. A coarse run keeps its
+promise if no error is larger than what it says is to be expected (or than what its class allows). Writes table.md,
+the rows of all runs so far in that folder as rows.jsonl, and the ten worst of what is sound and wrong as decks into
+SCRATCH_DIR; --again adds to the rows of earlier calls, whose seeds are not run once more: a long table that was
+stopped goes on. The exit code is 1 if more than 3 of 100 sound runs are wrong, more than 1 of 100 of those with
+`method sgmp` and bodies of four cells and more, more than 5 of 100 right ones are doubted, fewer than 95 of 100
+coarse ones keep their promise, or fewer than a half of all are right and sound.
 """
 import argparse
 import concurrent.futures
@@ -97,8 +98,8 @@ def judge(chosen, seed):
     a promised error was kept, wall time."""
     started = time.monotonic()
     name, truth, card = scene(seed, drawn(chosen, seed))
-    if chosen.default:
-        card = "method sgmp"
+    if chosen.default or chosen.method:
+        card = f"method {chosen.method or 'sgmp'}"
     folder = os.path.join(chosen.scratch, f"run_{seed}")
     os.makedirs(folder, exist_ok=True)
     texts = [deck.replace("METHOD", card) for deck in truth.decks]
@@ -183,6 +184,7 @@ def main():
     parser.add_argument("--show", type=int)
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--default", action="store_true")
+    parser.add_argument("--method")
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--only", choices=sorted(CLASSES))
     chosen = parser.parse_args()

@@ -12,8 +12,9 @@ import math
 import os
 import re
 import subprocess
+import sys
 
-from _runs import ENVIRONMENT, INCLINED, SCRATCH, SGMP, Report, Run, changed, run
+from _runs import ENVIRONMENT, INCLINED, SCRATCH, SGMP, SOURCE, Report, Run, changed, run
 
 # Stretches to 1 + strain times its length, nearly without force.
 STRETCH = """
@@ -505,6 +506,7 @@ def criteria(report):
     rebounds(report)
     near_walls(report)
     foam(report)
+    plates(report)
     tubes = [("sgmp", sound(report, "sod_sgmp", SOD, method="sgmp"), 0.05)]  # which splits what grows too large
     for method in ("gimp", "bspline"):  # the fan leaves gaps; between it and the shock by Riemann's solution
         tubes.append((method, coarse(report, f"sod_{method}", SOD, "larger than a cell", 0.1, method=method), 0.1))
@@ -678,6 +680,79 @@ def near_walls(report):
     pair = floor.replace("rigid b\n", "velocity b y=speed\n")
     pair = pair.replace("lower=(-2,-0.8) upper=(2,0)", "lower=(-1,-2) upper=(1,0)")
     coarse(report, "square_pair", pair, "bounce off each other", 0.14, t_end=30)  # 0.86
+
+
+# Plates of metal that meet, a gas between plates, a charge in a gas in a ring of metal.
+PLATES = """
+units mm g ms
+dimension 1
+grid cell=1/8 x=open
+method sgmp
+time end=0.003 cfl=0.4
+material a johnson_cook density=2.7e-3 young=70000 poisson=0.33 yield=300
+eos a gruneisen c0=5328 s=1.34 gamma0=2
+material b johnson_cook density=7.83e-3 young=207000 poisson=0.29 yield=500
+eos b gruneisen c0=4569 s=1.49 gamma0=1.93
+viscosity all
+body a block material=a lower=0 upper=1 ppc=2
+velocity a x=500
+body b block material=b lower=1.4 upper=3.4 ppc=2
+contact all
+history steps=50
+"""
+CUSHION = PLATES.replace("grid cell=1/8", "grid cell=1/4").replace("time end=0.003", "time end=0.006").replace(
+    "lower=1.4 upper=3.4", "lower=3 upper=4").replace("velocity a x=500", "velocity a x=300").replace(
+    "contact all\n", """material g fluid density=0.5e-3
+eos g ideal_gas gamma=1.4 pressure0=20
+body g block material=g lower=1 upper=3 ppc=2
+""")
+CHARGE = """
+parameter h = 0.125
+units mm g ms
+dimension 2
+grid cell=h x=0:open y=0:open
+wall x-=slip y-=slip
+method sgmp
+time end=0.0012 cfl=0.4
+material tnt explosive density=1.63e-3 detonation_speed=6930
+eos tnt jwl a=371200 b=3210 r1=4.15 r2=0.95 omega=0.30 energy0=6993
+material air fluid density=5e-5
+eos air ideal_gas gamma=1.4 pressure0=0.1
+material steel johnson_cook density=7.83e-3 young=207000 poisson=0.29 yield=500
+eos steel gruneisen c0=4569 s=1.49 gamma0=1.93
+viscosity all
+body tnt sphere material=tnt radius=1 ppc=2
+intersect tnt block lower=(0,0) upper=(9,9)
+body air sphere material=air radius=2 ppc=2
+subtract air sphere radius=1
+intersect air block lower=(0,0) upper=(9,9)
+body shell sphere material=steel radius=3 ppc=2
+subtract shell sphere radius=2
+intersect shell block lower=(0,0) upper=(9,9)
+detonation point=(0,0)
+history steps=50
+"""
+
+
+def plates(report):
+    """Plates of metal that bounce lack less of their velocity than is told, beside a code in one dimension; fine ones
+    are not judged. Gas between plates, a charge in gas."""
+    sys.path.insert(0, f"{SOURCE}/tests/fuzz")
+    from _lagrange import Gas, Layer, Metal, Row
+    aluminium = Metal(2.7e-3, 5328, 1.34, 2, 70000/2.66, 300)
+    steel = Metal(7.83e-3, 4569, 1.49, 1.93, 207000/2.58, 500)
+    exact = Row([Layer(aluminium, 0, 1, 60, 500.0), Layer(steel, 1.4, 3.4, 120)]).run(0.003).velocity(0)
+    few = coarse(report, "plates", PLATES, "bounce off each other", 0.1)
+    error = abs(few.table("bodies.csv")[-2]["velocity_x"]/exact - 1)
+    report.check(0.05 < error < few["verdict_error"] <= 0.35, f"plates: {error}, {few['verdict_error']}")
+    sound(report, "plates_fine", PLATES.replace("1/8", "1/64"))
+    pressed = coarse(report, "cushion", CUSHION, "was pressed into", 0.15)
+    layers = [Layer(aluminium, 0, 1, 40, 300.0), Layer(Gas(0.5e-3, 1.4, 20), 1, 3, 80), Layer(steel, 3, 4, 40)]
+    row = Row(layers).run(0.006)
+    errors = [(end["velocity_x"] - row.velocity(i))/300 for i, end in zip((0, 2, 1), pressed.table("bodies.csv")[-3:])]
+    report.check(max(map(abs, errors[:2])) < 0.15, f"cushion: {errors}")
+    sound(report, "cushion_fine", CUSHION.replace("1/4", "1/32"))
+    coarse(report, "charge", CHARGE, "burns in a gas", 0.15)
 
 
 def foam(report):

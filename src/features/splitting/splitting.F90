@@ -12,12 +12,12 @@ module DIM(sgmp_splitting)
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_occupied, mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
+  use sgmp_splitting_type, only: splitting_t
   implicit none
   private
   public :: splitting_choose, splitting_halve
 
   integer, parameter :: before_v = motion_velocity(NDIM) - 1, mass_at = motion_mass(NDIM)
-  real(dp), parameter :: longest_path = 2.0_dp**50     !! which a real number holds exactly
   real(dp), parameter :: widest_ratio = sqrt(3.0_dp)   !! of a fluid's side to the mean side
 
 contains
@@ -28,11 +28,11 @@ contains
   !!
   !! Solids are judged by their longest side. A fluid shears without end, its sides are taken from
   !! what happened to it lately and it is judged by the mean side, so that splitting ends.
-  pure subroutine splitting_choose(law, mesh, limit, half_size, extent, nl, xi, nb, motion, state, &
-                                   axis, offset)
+  pure subroutine splitting_choose(law, mesh, splitting, half_size, extent, nl, xi, nb, motion, &
+                                   state, axis, offset)
     type(constitutive_t), intent(in) :: law
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: limit                      !! cells
+    type(splitting_t), intent(in) :: splitting
     real(dp), intent(in) :: half_size(NDIM)            !! of the particles at the start (cells)
     real(dp), intent(in) :: extent(2, NDIM)            !! of the bin (cells)
     integer, intent(in) :: nl                          !! particles in the chunk
@@ -42,10 +42,11 @@ contains
     real(dp), intent(inout) :: state(lanes, nb)        !! a fluid's stretches are renewed
     integer, intent(out) :: axis(lanes)
     real(dp), intent(out) :: offset(lanes)
-    real(dp) :: side(NDIM), mean
+    real(dp) :: side(NDIM), mean, longest_path
     logical :: fluid
     integer :: l
     fluid = law_is_spherical(law)
+    longest_path = 2.0_dp**splitting%halvings
     axis = 0
     offset = 0.0_dp
     do l = 1, nl
@@ -57,7 +58,7 @@ contains
           side = side*(mean/product(side)**(1.0_dp/NDIM))
           stretch = side/(2.0_dp*half_size)
         end if
-        if (merge(mean, maxval(side), fluid) <= limit) cycle
+        if (merge(mean, maxval(side), fluid) <= splitting%limit) cycle
         if (state(l, law%slots%path) >= longest_path) cycle
         if (law%slots%damage > 0) then
           if (state(l, law%slots%damage) >= 1.0_dp) cycle

@@ -20,7 +20,8 @@ contains
     call registry%extend('method', read_splitting, check_splitting)
     call registry%key('split', kind_real, 'particles whose longest side is stretched beyond so '// &
                       'many cells are split in two along it, fluids by their volume; 0.75 '// &
-                      'leaves no gaps; auto: 1 where the program keeps volumes by itself', &
+                      'leaves no gaps; auto: gas, 0.75 beside other matter and for a few '// &
+                      'halvings, 1 alone in a box; with method sgmp update=musl', &
                       range='[0.25,2]', choices='auto none', &
                       default='auto', source='doc/volumes.md, 5')
     call registry%key('split_most', kind_integer, 'more particles than these after splitting '// &
@@ -41,8 +42,10 @@ contains
   subroutine check_splitting(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
-    associate (limit => draft%scene%features%splitting%limit, errors => draft%errors)
-      if (limit > 0.0_dp .and. draft%scene%grid%cell > 0.0_dp) then
+    associate (splitting => draft%scene%features%splitting, &
+               limit => draft%scene%features%splitting%limit, errors => draft%errors)
+      if (limit > 0.0_dp .and. .not. splitting%automatic .and. &
+          draft%scene%grid%cell > 0.0_dp) then
         call check_sides(card, draft%scene, limit, errors)
       end if
       if (card%has('split_most') .and. .not. limit > 0.0_dp) then

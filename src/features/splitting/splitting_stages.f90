@@ -1,6 +1,7 @@
 !> What splitting does before and during a run, beside what a sweep does (sgmp_splitting).
 module sgmp_splitting_stages
   use sgmp_body, only: body_t
+  use sgmp_constitutive, only: law_gaseous
   use sgmp_errors, only: error_make, exit_numerical
   use sgmp_kinds, only: dp
   use sgmp_material_history, only: slots_ask
@@ -20,6 +21,7 @@ contains
     integer, intent(in) :: ndim
     type(body_t), intent(inout) :: body
     if (.not. splitting%limit > 0.0_dp .or. body%rigid) return
+    if (splitting%gases_only .and. .not. law_gaseous(body%law)) return
     ! The stress update of swirl is that of space, and stretches three axes.
     call slots_ask(body%law%slots, 'stretch', &
                    spread(1.0_dp, 1, merge(3, ndim, body%law%slots%swirl > 0)))

@@ -10,6 +10,8 @@ module sgmp_splitting_type
     real(dp) :: limit = 0.0_dp    !! longest side (cells) of a particle that stays whole; 0: all do
     logical :: automatic = .false.  !! the program chooses (sgmp_deck)
     integer :: most = 0           !! particles that splitting may lead to
+    logical :: gases_only = .false.  !! what bears tension stays whole
+    integer :: halvings = 50      !! of one particle: the path from it is a number below 2**this
   end type splitting_t
 
 end module sgmp_splitting_type

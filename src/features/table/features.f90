@@ -64,13 +64,21 @@ contains
     end associate
   end subroutine features_recall
 
-  !> Gas that fills a box comes to be thin in places: where the deck leaves it open no particle
-  !! outgrows its cell.
-  pure subroutine features_split_gas(features, sides)
+  !> Gas that expands comes to be thin in places: where the deck leaves it open its particles do not
+  !! outgrow their cells, alone in a box without end, beside other matter for a few halvings.
+  pure subroutine features_split_gas(features, ndim, sides, alone)
     type(features_t), intent(inout) :: features
-    real(dp), intent(in) :: sides(:)             !! of the particles of each body (cells)
-    real(dp), parameter :: whole = 1.0_dp        !! cells
-    if (features%splitting%automatic .and. all(sides <= whole)) features%splitting%limit = whole
+    integer, intent(in) :: ndim
+    real(dp), intent(in) :: sides(:)             !! of the particles of each body of gas (cells)
+    logical, intent(in) :: alone                 !! nothing else moves in a box
+    real(dp), parameter :: whole = 1.0_dp, beside = 0.75_dp  !! cells
+    integer, parameter :: few(3) = [8, 4, 3]     !! so that no particle becomes more than 256, 16, 8
+    real(dp) :: limit
+    limit = merge(whole, beside, alone)
+    if (.not. features%splitting%automatic .or. any(sides > limit)) return
+    features%splitting%limit = limit
+    features%splitting%gases_only = .true.
+    if (.not. alone) features%splitting%halvings = few(ndim)
   end subroutine features_split_gas
 
   !> What else could be done where particles have come apart; '': nothing.

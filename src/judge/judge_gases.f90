@@ -1,0 +1,97 @@
+!> What gases that solids press, and charges that burn in them, say about a run (doc/verdict.md).
+!!
+!! Behind the shock of a round charge the gas is a thin layer, and its boundary with the products,
+!! heavy against light, is unstable: on the grid it breaks into fingers which reach what the charge
+!! stands before early and hit it in spots. Charges of 4, 8, 16 and 32 cells to the radius in dense
+!! gas in a hollow ball of metal give it 40, 30, 20 and 20 % too large an impulse, in a tube up to
+!! 6 % (class Shell of the random scenes, whose truth has one dimension and no fingers); of a charge
+!! of 10 cells in air far from everything impulses lack and exceed 10 %.
+!!
+!! Gas between plates that fly at each other is pressed into few cells, and what it passes on of
+!! their velocities is 5 to 13 % off where these are fewer than four (class Stack).
+module sgmp_judge_gases
+  use sgmp_constitutive, only: law_gaseous, material_explosive
+  use sgmp_kinds, only: dp
+  use sgmp_model, only: model_t
+  use sgmp_opinion, only: opinion_t
+  use sgmp_scene, only: scene_t
+  use sgmp_shapes, only: combine_union, shape_block
+  use sgmp_text, only: real_text_about
+  use sgmp_thickness, only: body_thickness
+  implicit none
+  private
+  public :: judge_charges, judge_cushions
+
+  real(dp), parameter :: ball_weight = 4.0_dp, tube_weight = 1.2_dp  !! cells of the radius
+  real(dp), parameter :: least_told = 0.06_dp
+  real(dp), parameter :: cushion_cells = 4.0_dp, cushion_error = 0.15_dp
+  real(dp), parameter :: least_error = 0.1_dp, most_error = 0.5_dp
+
+contains
+
+  !> Round charges with few cells that burn in a gas.
+  subroutine judge_charges(opinion, scene, model)
+    type(opinion_t), intent(inout) :: opinion
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    real(dp) :: cells, lost
+    integer :: b
+    if (model%mesh%ndim == 1) return
+    if (.not. any(is_gas(model))) return
+    do b = 1, size(scene%bodies)
+      if (.not. is_round_charge(scene, model, b)) cycle
+      cells = 0.5_dp*body_thickness(scene%bodies(b)%shapes, model%mesh)
+      lost = merge(ball_weight, tube_weight, scene%axisymmetric .or. model%mesh%ndim == 3)/cells
+      if (lost < least_told) cycle
+      call opinion%expect(min(most_error, max(least_error, lost)), &
+                          "charge '"//trim(model%bodies(b)%name)//"' of "// &
+                          real_text_about(cells)//' cells to its radius burns in a gas, where '// &
+                          'its products break into fingers: impulses on what they hit want '// &
+                          'smaller cells')
+      return
+    end do
+  end subroutine judge_charges
+
+  !> Gas that solids have pressed into few cells, where nothing burns.
+  subroutine judge_cushions(opinion, scene, model, compression)
+    type(opinion_t), intent(inout) :: opinion
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    real(dp), intent(in) :: compression  !! largest of all gas, density over that of the start
+    real(dp) :: cells
+    logical :: gas(size(model%bodies))
+    integer :: b
+    gas = is_gas(model)
+    if (any(model%bodies%law%kind == material_explosive)) return
+    if (all(gas .or. model%bodies%rigid)) return
+    do b = 1, size(scene%bodies)
+      if (.not. gas(b)) cycle
+      cells = body_thickness(scene%bodies(b)%shapes, model%mesh)/max(1.0_dp, compression)
+      if (cells >= cushion_cells) cycle
+      call opinion%expect(cushion_error, "gas '"//trim(model%bodies(b)%name)//"' was pressed "// &
+                          'into '//real_text_about(cells)//' cells: what it passes on wants '// &
+                          'smaller cells')
+      return
+    end do
+  end subroutine judge_cushions
+
+  !> Which bodies are gas from the start.
+  pure function is_gas(model) result(yes)
+    type(model_t), intent(in) :: model
+    logical :: yes(size(model%bodies))
+    yes = law_gaseous(model%bodies%law) .and. model%bodies%law%kind /= material_explosive .and. &
+          .not. model%bodies%rigid
+  end function is_gas
+
+  !> Whether a body burns and is none of blocks.
+  pure logical function is_round_charge(scene, model, b) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    yes = model%bodies(b)%law%kind == material_explosive .and. .not. model%bodies(b)%rigid
+    if (yes) yes = allocated(scene%bodies(b)%shapes)
+    if (yes) yes = any(scene%bodies(b)%shapes%kind /= shape_block .and. &
+                       scene%bodies(b)%shapes%combine == combine_union)
+  end function is_round_charge
+
+end module sgmp_judge_gases
