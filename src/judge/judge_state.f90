@@ -131,8 +131,9 @@ contains
         call opinion%expect(merge(mpm_gap_error, gap_error, mpm), reason)
       end if
     end if
-    if (found%compression > merge(kept_compression, largest_compression, &
-                                  scene%method%volumes_kept) .or. found%condensed > largest_condensed) then
+    if (found%condensed > largest_condensed .or. &
+        found%compression > merge(kept_compression, largest_compression, &
+                                  scene%method%volumes_kept)) then
       call opinion%object('material is '//real_text(found%compression)// &
                          ' times as dense as at the start: it has collapsed, or is pressed '// &
                          'into fewer cells than resolve it')

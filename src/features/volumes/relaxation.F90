@@ -137,8 +137,8 @@ contains
     end associate
   end subroutine relaxation_collect
 
-  !> m |v|^2 of a chunk. Gas slides along a solid: the difference of their velocities is no noise, so
-  !! where a solid is the variance is made negative, and nothing is filtered.
+  !> m |v|^2 of a chunk. Gas slides along a solid, and the difference of their velocities is no
+  !! noise: where a solid is the variance is made negative, and nothing is filtered.
   pure subroutine relaxation_square(law, live, motion, square)
     type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM))
