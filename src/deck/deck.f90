@@ -118,6 +118,7 @@ contains
   subroutine settle_method(cards, scene)
     type(deck_card_t), intent(in) :: cards(:)
     type(scene_t), intent(inout) :: scene
+    logical :: gas_free                            !! the deck leaves open what becomes of gas
     associate (method => scene%method)
       if (method%surfaces_auto) method%surfaces = combinations_choose(cards, 'surfaces')
       if (method%rotation_auto) then
@@ -131,12 +132,12 @@ contains
         method%drift_remapped = method%normalised .and. combinations_choose(cards, 'drift')
       end if
       if (method%volumes_auto) then
-        method%volumes_kept = combinations_choose(cards, 'kept')
-        if (method%volumes_kept .and. gas_may_part(scene) .and. combinations_parts(cards)) then
+        gas_free = combinations_choose(cards, 'kept')
+        if (gas_free .and. gas_may_part(scene) .and. combinations_parts(cards)) then
           call features_split_gas(scene%features, scene%dimension, gas_sides(scene), &
                                   gas_alone(scene))
         end if
-        method%volumes_kept = method%volumes_kept .and. (gas_alone(scene) .or. gas_burns(scene))
+        method%volumes_kept = gas_free .and. (gas_alone(scene) .or. gas_burns(scene))
       end if
       if (method%volumes_kept) then
         method%normalised = .true.

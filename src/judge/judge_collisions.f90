@@ -8,7 +8,7 @@
 !! face that does would leave the wall early, and are held for a cell.
 !!
 !! Plates of metal lose more where cells are few, for their viscosity widens fronts, too: of n cells
-!! 0.35 to 0.7 parts of 1/n of the impulse that they should hand on (class Stack of the random
+!! up to 0.7 parts of 1/n of the impulse that they should hand on (class Stack of the random
 !! scenes). What a body keeps of its own velocity is uncertain by that over its mass.
 module sgmp_judge_collisions
   use sgmp_constitutive, only: law_is_spherical, law_is_springy
@@ -99,21 +99,29 @@ contains
     type(model_t), intent(in) :: model
     integer, intent(in) :: pair(2)       !! numbers of the bodies
     real(dp) :: cells, lost, weight
-    integer :: b
-    cells = huge(1.0_dp)
+    cells = cells_across(scene, model, pair)
     weight = merge(line_weight, bounce_weight, model%mesh%ndim == 1)
-    do b = 1, 2
-      if (model%bodies(pair(b))%rigid) weight = rigid_weight
-      if (.not. model%bodies(pair(b))%rigid) then
-        cells = min(cells, body_thickness(scene%bodies(pair(b))%shapes, model%mesh))
-      end if
-    end do
+    if (any(model%bodies(pair)%rigid)) weight = rigid_weight
     lost = weight*cells**(-2.0_dp/3.0_dp)
     if (lost < least_loss) return
     call opinion%expect(max(least_error, lost), bodies_text(model, pair)//', '// &
                         real_text_about(cells)//' cells thick, bounce off each other: their '// &
                         'velocities after it want smaller cells')
   end subroutine expect_flat
+
+  !> Cells across the thinner of two bodies; rigid ones are not counted.
+  function cells_across(scene, model, pair) result(cells)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: pair(2)       !! numbers of the bodies
+    real(dp) :: cells
+    integer :: b
+    cells = huge(1.0_dp)
+    do b = 1, 2
+      if (model%bodies(pair(b))%rigid) cycle
+      cells = min(cells, body_thickness(scene%bodies(pair(b))%shapes, model%mesh))
+    end do
+  end function cells_across
 
   !> Two bodies with flat faces, not both elastic, that have met and part.
   subroutine expect_plates(opinion, scene, model, pair)
@@ -122,15 +130,11 @@ contains
     type(model_t), intent(in) :: model
     type(contact_pair_t), intent(in) :: pair
     real(dp) :: cells, lost, parting, push
-    integer :: b
     associate (bodies => model%totals%bodies(pair%body))
       push = norm2(pair%impulse)
       parting = norm2(bodies(2)%momentum/bodies(2)%mass - bodies(1)%momentum/bodies(1)%mass)
       if (parting < least_parting*push*sum(1.0_dp/bodies%mass)) return
-      cells = huge(1.0_dp)
-      do b = 1, 2
-        cells = min(cells, body_thickness(scene%bodies(pair%body(b))%shapes, model%mesh))
-      end do
+      cells = cells_across(scene, model, pair%body)
       lost = plate_weight/cells*push/minval(bodies%mass)/ &
              max(norm2(bodies(1)%momentum)/bodies(1)%mass, norm2(bodies(2)%momentum)/bodies(2)%mass)
     end associate

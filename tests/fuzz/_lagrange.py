@@ -4,8 +4,6 @@ layers of gas, explosive and metal in a row, in cylinders or in spheres. It give
 Nodes have places and velocities, zones between them density, energy and stress. Layers have nodes of their own at
 their ends: they hit each other without bouncing, and part without holding. Any consistent units.
 """
-import math
-
 import numpy as np
 
 
@@ -74,9 +72,9 @@ class Layer:
 class Row:
     """The state of a row of layers; `order` 0: plane, 1: about an axis, 2: about a point."""
 
-    def __init__(self, layers, order=0, left=None, right=None):
+    def __init__(self, layers, order=0, left=None):
         self.layers, self.order = layers, order
-        self.left, self.right = left, right  # walls
+        self.left = left  # a wall
         self.parts, node, zone = [], 0, 0
         x, v, density, lit, energy = [], [], [], [], []
         for layer in layers:
@@ -171,7 +169,7 @@ class Row:
             t = t0 + 2*matter.shear*dt*(hoop[zones] - spread[zones]/3)  # order 0: -spread/3 each
             third = -r - t
             size = np.sqrt(1.5*(r**2 + t**2 + third**2))
-            back = np.minimum(1.0, matter.strength/np.maximum(size, 1e-300))
+            back = np.minimum(1.0, matter.strength/np.maximum(size, 1e-30))
             self.radial[zones], self.around[zones] = r*back, t*back
             mr, mt = 0.5*(r0 + self.radial[zones]), 0.5*(t0 + self.around[zones])
             along = spread[zones] - stretch[zones] - hoop[zones] if self.order < 2 else hoop[zones]
@@ -204,13 +202,11 @@ class Row:
         return out
 
     def meet(self, dt):
-        """Walls, the middle, and layers that touch."""
+        """A wall, the middle, and layers that touch."""
         if self.left is not None or self.order:
             wall = self.left if self.left is not None else 0.0
             if self.x[0] + dt*self.v[0] < wall or self.x[0] <= wall:
                 self.v[0] = max(self.v[0], 0.0) if self.x[0] > wall else 0.0
-        if self.right is not None and self.x[-1] + dt*self.v[-1] > self.right:
-            self.v[-1] = 0.0
         for (a, _), (b, _) in zip(self.parts, self.parts[1:]):
             i, j = a.stop - 1, b.start
             if self.x[i] + dt*self.v[i] > self.x[j] + dt*self.v[j]:
@@ -234,8 +230,3 @@ class Row:
     def energies(self):
         """Kinetic and internal energy."""
         return float(0.5*np.sum(self.node_mass*self.v**2)), float(np.sum(self.mass*self.energy))
-
-
-def total(row):
-    """Kinetic and internal energy, summed."""
-    return math.fsum(row.energies())

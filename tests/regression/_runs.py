@@ -364,6 +364,15 @@ contact all friction=0.1
 history steps=50
 output csv at=end
 """
+# A charge, dense air and a metal.
+BURNS = """material tnt explosive density=1.63e-3 detonation_speed=6930
+eos tnt jwl a=371200 b=3210 r1=4.15 r2=0.95 omega=0.30 energy0=6993
+material air fluid density=5e-5
+eos air ideal_gas gamma=1.4 pressure0=0.1
+material steel johnson_cook density=7.83e-3 young=207000 poisson=0.29 yield=500
+eos steel gruneisen c0=4569 s=1.49 gamma0=1.93
+viscosity all
+"""
 
 
 class Run:

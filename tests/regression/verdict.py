@@ -14,7 +14,7 @@ import re
 import subprocess
 import sys
 
-from _runs import ENVIRONMENT, INCLINED, SCRATCH, SGMP, SOURCE, Report, Run, changed, run
+from _runs import BURNS, ENVIRONMENT, INCLINED, SCRATCH, SGMP, SOURCE, Report, Run, changed, run
 
 # Stretches to 1 + strain times its length, nearly without force.
 STRETCH = """
@@ -714,14 +714,7 @@ grid cell=h x=0:open y=0:open
 wall x-=slip y-=slip
 method sgmp
 time end=0.0012 cfl=0.4
-material tnt explosive density=1.63e-3 detonation_speed=6930
-eos tnt jwl a=371200 b=3210 r1=4.15 r2=0.95 omega=0.30 energy0=6993
-material air fluid density=5e-5
-eos air ideal_gas gamma=1.4 pressure0=0.1
-material steel johnson_cook density=7.83e-3 young=207000 poisson=0.29 yield=500
-eos steel gruneisen c0=4569 s=1.49 gamma0=1.93
-viscosity all
-body tnt sphere material=tnt radius=1 ppc=2
+""" + BURNS + """body tnt sphere material=tnt radius=1 ppc=2
 intersect tnt block lower=(0,0) upper=(9,9)
 body air sphere material=air radius=2 ppc=2
 subtract air sphere radius=1

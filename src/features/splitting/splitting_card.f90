@@ -20,12 +20,14 @@ contains
     call registry%extend('method', read_splitting, check_splitting)
     call registry%key('split', kind_real, 'particles whose longest side is stretched beyond so '// &
                       'many cells are split in two along it, fluids by their volume; 0.75 '// &
-                      'leaves no gaps; auto: gas, 0.75 beside other matter and for a few '// &
-                      'halvings, 1 alone in a box; with method sgmp update=musl', &
+                      'leaves no gaps; auto: those of gas and explosives alone, 1 where '// &
+                      'nothing else moves in a box of walls, else 0.75 and a few times '// &
+                      'only; with method sgmp update=musl', &
                       range='[0.25,2]', choices='auto none', &
                       default='auto', source='doc/volumes.md, 5')
     call registry%key('split_most', kind_integer, 'more particles than these after splitting '// &
-                      'end the run; default: 1e7', range='[1,inf)')
+                      'end the run; default: 1e7, none where auto splits a few times only', &
+                      range='[1,inf)')
   end subroutine register_splitting
 
   subroutine read_splitting(card, draft)
@@ -34,7 +36,7 @@ contains
     associate (splitting => draft%scene%features%splitting)
       splitting%automatic = card%word('split') == 'auto'
       if (all(card%word('split') /= ['auto', 'none'])) splitting%limit = card%number('split')
-      splitting%most = card%whole('split_most', absent=10000000)
+      splitting%most = card%whole('split_most', absent=0)
     end associate
   end subroutine read_splitting
 

@@ -31,11 +31,15 @@ contains
   !> More particles than the deck allows are a failure.
   subroutine splitting_guard(model)
     type(model_t), intent(inout) :: model
+    integer, parameter :: most = 10000000        !! where the deck does not say
+    integer :: bound
     associate (splitting => model%method%features%splitting, n => sum(model%totals%particles))
-      if (n <= splitting%most) return
+      if (splitting%most == 0 .and. splitting%gases_only) return  ! the halvings are bounded
+      bound = merge(splitting%most, most, splitting%most > 0)
+      if (n <= bound) return
       call error_make(model%findings%failure, exit_numerical, 'splitting has led to '// &
                       integer_text(n)//' particles in step '//integer_text(model%clock%step)// &
-                      ', more than split_most='//integer_text(splitting%most), &
+                      ', more than split_most='//integer_text(bound), &
                       'raise split: particles stay larger; or raise split_most')
     end associate
   end subroutine splitting_guard

@@ -9,7 +9,7 @@ module sgmp_splitting_type
   type :: splitting_t
     real(dp) :: limit = 0.0_dp    !! longest side (cells) of a particle that stays whole; 0: all do
     logical :: automatic = .false.  !! the program chooses (sgmp_deck)
-    integer :: most = 0           !! particles that splitting may lead to
+    integer :: most = 0           !! particles that splitting may lead to; 0: not said
     logical :: gases_only = .false.  !! what bears tension stays whole
     integer :: halvings = 50      !! of one particle: the path from it is a number below 2**this
   end type splitting_t

@@ -77,7 +77,7 @@ contains
     limit = merge(whole, beside, alone)
     if (.not. features%splitting%automatic .or. any(sides > limit)) return
     features%splitting%limit = limit
-    features%splitting%gases_only = .true.
+    features%splitting%gases_only = .not. alone
     if (.not. alone) features%splitting%halvings = few(ndim)
   end subroutine features_split_gas
 
@@ -86,7 +86,7 @@ contains
     type(features_t), intent(in) :: features
     character(:), allocatable :: remedy
     remedy = ''
-    if (.not. features%splitting%limit > 0.0_dp) then
+    if (.not. features%splitting%limit > 0.0_dp .or. features%splitting%gases_only) then
       remedy = '; method … split=0.75 splits what is stretched'
     end if
   end function features_remedy_stretched
