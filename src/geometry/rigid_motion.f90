@@ -33,6 +33,7 @@ module sgmp_rigid_motion
     real(dp) :: turn(4) = rotor_identity         !! R of this step
     ! of free bodies
     real(dp) :: mass = 0.0_dp
+    real(dp) :: heavier = 1.0_dp                 !! that mass over the one of its matter
     real(dp) :: inertia(3, 3) = 0.0_dp, inverse(3, 3) = 0.0_dp
       !! about the centre of mass, as the body lay at the start
     real(dp) :: momentum(freedoms) = 0.0_dp      !! linear, and angular about the centre of mass

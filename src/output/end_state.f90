@@ -1,7 +1,7 @@
 !> What the particles look like at the end of a run, as far as it tells a sound result from one that
 !! is not: extremes, particles apart from their bodies, volumes without room.
 module sgmp_end_state
-  use sgmp_body, only: body_t
+  use sgmp_body, only: body_density, body_t
   use sgmp_constitutive, only: law_gaseous, material_crushable_foam, material_explosive, &
                                material_fluid
   use sgmp_debris, only: debris_possible
@@ -248,7 +248,7 @@ contains
           if (particles%id(l, c) == 0) cycle
           if (filled_around(model%fields(body%field), model%mesh, &
                             particles%motion(l, :model%mesh%ndim, c), &
-                            body%law%density) >= full) inside = inside + 1_i8
+                            body_density(body)) >= full) inside = inside + 1_i8
         end do
       end do
     end associate

@@ -14,8 +14,8 @@ module sgmp_body
   use sgmp_text, only: integer_text
   implicit none
   private
-  public :: body_t, body_place, body_forced, body_given_id, body_group, body_number, &
-            body_particle, body_parts
+  public :: body_t, body_density, body_place, body_forced, body_given_id, body_group, &
+            body_number, body_particle, body_parts
 
   !> One body of the model; behind all of them come twins, which hold the particles of one that
   !! touches itself as they get other labels (sgmp_self_contact).
@@ -57,6 +57,14 @@ module sgmp_body
   integer, parameter :: few_rows = 512       !! that are not worth a meeting of threads
 
 contains
+
+  !> Density of a body as its particles have it at the start: that of its material, but for a free
+  !! rigid body whose mass the deck gives.
+  pure elemental function body_density(body) result(density)
+    type(body_t), intent(in) :: body
+    real(dp) :: density
+    density = body%law%density*body%rigid_motion%heavier
+  end function body_density
 
   !> Whether any body of a field feels a body force or a load.
   pure function body_forced(bodies, field) result(forced)

@@ -51,7 +51,7 @@ module sgmp_stages
   use sgmp_removal_account, only: removal_account
   use sgmp_removal_stages, only: removal_open
   use sgmp_rigid_bodies, only: rigid_advance, rigid_choose_speed
-  use sgmp_rigid_stages, only: free_any, free_close, free_open, free_settle
+  use sgmp_rigid_stages, only: free_any, free_close, free_open, free_settle, free_strain
   use sgmp_self_contact, only: self_look
   use sgmp_splitting_account, only: splitting_account
   use sgmp_splitting_stages, only: splitting_columns, splitting_guard
@@ -232,6 +232,11 @@ contains
   subroutine stage_strain_velocity(model, before_kick)
     type(model_t), intent(inout) :: model
     logical, intent(in) :: before_kick
+    if (free_any(model%bodies)) then
+      call free_strain(model%mesh, model%fields, model%bodies, model%contact, &
+                       merge(node_velocity(model%mesh%ndim), node_remapped, before_kick), &
+                       model%ranks)
+    end if
     call phase_contact_velocity(contact_step(model), before_kick, model%mesh, model%fields, &
                                 model%bodies, model%contact, model%team%threads, model%ranks, &
                                 model%findings, model%timers)

@@ -3,10 +3,11 @@ import random
 
 import _truths
 import _truths_flows
+import _truths_impacts
 import _truths_layers
 import _truths_solids
 
-MODULES = (_truths, _truths_solids, _truths_flows, _truths_layers)
+MODULES = (_truths, _truths_solids, _truths_flows, _truths_layers, _truths_impacts)
 CLASSES = {one.__name__.lower(): one for module in MODULES for one in module.CLASSES}
 
 

@@ -51,6 +51,21 @@ rigid ball free=yes
 contact ball floor friction=0.3
 history every=0.01
 """
+# A light hammer strikes a bar, two cells away, so that only a corner of the bar's first cell is there to stop it.
+HAMMER = """
+parameter mass = 0.3
+dimension 1
+grid cell=1/16
+time end=14 cfl=0.3
+material m elastic density=1 young=1 poisson=0
+body hammer block material=m lower=-0.625 upper=-0.125 ppc=2
+rigid hammer free=yes mass=mass
+velocity hammer x=0.01
+body bar block material=m lower=0 upper=1 ppc=2
+contact all
+stop energy_growth=10
+history steps=1
+"""
 # A disk or a sphere on a slope, gravity and not the grid being inclined; the ground does not feel it.
 ROLL = """
 parameter angle = 30*pi/180
@@ -233,6 +248,26 @@ def impact(report):
         )
 
 
+def hammer(report):
+    """A light body gives a bar no more energy than it has, and is stopped by exp(-t rho c A/M); a heavy one is not taken
+    to be inside what it touches."""
+    for mass in (0.1, 0.3, 1.0):
+        result = run(f"hammer_{mass}", HAMMER, mass=mass)
+        if not report.finished(result, f"hammer, {mass}"):
+            continue
+        history = result.table("history.csv")
+        gained = max(row["total_energy"] + row["contact_dissipation"] for row in history)/history[0]["total_energy"] - 1
+        report.check(gained < 0.1, f"hammer, {mass}: {gained} of the energy is of unknown origin")
+        last = [row for row in result.table("bodies.csv") if row["name"] == "hammer"][-1]
+        speed, exact = last["velocity_x"]/0.01, math.exp(-1.5/mass)
+        report.check(abs(speed - exact) < 0.06 + 0.02/mass**2, f"hammer, {mass}: {speed} of the speed, not {exact}")
+    result = run("hammer_heavy", HAMMER, mass=3)
+    report.check(
+        result["end_state.particles_inside_other_bodies"] == 0,
+        f"hammer: {result['end_state.particles_inside_other_bodies']} particles inside a heavy one",
+    )
+
+
 def rolls(report):
     """A disk that rolls down a slope is as far as 2/3 g sin(angle) takes it, a box that slides as g (sin - mu cos)."""
     result = run("disk", DISK)
@@ -308,6 +343,7 @@ if __name__ == "__main__":
     tools(REPORT)
     drop(REPORT)
     impact(REPORT)
+    hammer(REPORT)
     rolls(REPORT)
     face(REPORT)
     bits(REPORT)

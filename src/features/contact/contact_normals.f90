@@ -1,7 +1,7 @@
 !> Normals from the gradients of the bodies' volumes (Eqs. 76, 87, 88).
 module sgmp_contact_normals
   use sgmp_axis, only: axis_radius_filled
-  use sgmp_body, only: body_t
+  use sgmp_body, only: body_density, body_t
   use sgmp_contact_pairs, only: normal_first, normal_second
   use sgmp_field, only: field_t
   use sgmp_graded_axis, only: graded_spacing, graded_width
@@ -61,7 +61,7 @@ contains
     integer :: part, b
     if (kernel_centred(field%kernel)) then
       gradient = centre_gradient(mesh, field, shared%interval(m), point)/ &
-                 bodies(shared%body(m))%law%density
+                 body_density(bodies(shared%body(m)))
       return
     end if
     gradient = 0.0_dp
@@ -69,7 +69,7 @@ contains
       b = shared_body(shared, m, part)
       gradient = gradient + particle_gradient(mesh, field%kernel, bodies(b), shared%surface(b), &
                                               shared%bins(:, :, shared%bins_start(m) + part - 1), &
-                                              point)/bodies(b)%law%density
+                                              point)/body_density(bodies(b))
     end do
   end function volume_gradient
 

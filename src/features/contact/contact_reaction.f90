@@ -21,7 +21,7 @@ module sgmp_contact_reaction
   use sgmp_vectors, only: cross
   implicit none
   private
-  public :: reaction_t, reaction_find
+  public :: reaction_t, reaction_find, reaction_find_strain
 
   !> On one body.
   type :: reaction_t
@@ -63,6 +63,34 @@ contains
       deallocate (table)
     end do
   end subroutine reaction_find
+
+  !> What the straining velocity takes from free bodies to obey contact: the momentum that no
+  !! particle receives. All ranks must call it.
+  subroutine reaction_find_strain(contact, mesh, own, fields, bodies, column, reactions)
+    type(contact_t), intent(in) :: contact
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: own(2)          !! first and last plane of this rank
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: column          !! of the nodes, where the velocity begins
+    type(reaction_t), intent(out) :: reactions(:)  !! (bodies)
+    real(dp), allocatable :: table(:, :)
+    real(dp) :: sums(terms)
+    integer, allocatable :: nodes(:)
+    integer :: b, i
+    do b = 1, size(bodies)
+      if (.not. bodies(b)%rigid_motion%free) cycle
+      nodes = nodes_of(contact%shared, own, b)
+      allocate (table(terms, size(nodes)))
+      do i = 1, size(nodes)
+        table(:, i) = node_strain(contact%shared, nodes(i), b, mesh, fields, bodies, column)
+      end do
+      call parallel_exact_sums(table, sums)
+      reactions(b)%impulse = sums(:freedoms)
+      reactions(b)%carried = reshape(sums(freedoms + 1:), [freedoms, freedoms])
+      deallocate (table)
+    end do
+  end subroutine reaction_find_strain
 
   !> Nodes of the own planes where a body may touch another.
   pure function nodes_of(shared, own, b) result(nodes)
@@ -140,6 +168,38 @@ contains
     row = [sum_of%impulse, reshape(sum_of%carried, [freedoms**2])]
   end function node_reaction
 
+  !> The same of the straining velocity.
+  pure function node_strain(shared, n, b, mesh, fields, bodies, column) result(row)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: n, b
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(in) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: column
+    real(dp) :: row(terms)
+    real(dp), dimension(3, shared%member_start(n + 1) - shared%member_start(n)) :: velocity, &
+      inverse_mass
+    logical :: moving(size(velocity, 2))
+    type(reaction_t) :: sum_of
+    real(dp) :: answer(3, 3), sign
+    integer :: l, side
+    call contact_gather(shared, n, bodies, fields, column, velocity, inverse_mass, moving)
+    do l = shared%link_start(n), shared%link_start(n + 1) - 1
+      associate (link => shared%link(l))
+        side = side_of(shared, n, link, b)
+        if (side == 0 .or. .not. shared%meets(l)) cycle
+        if (.not. (moving(link%first) .and. moving(link%second))) cycle
+        sign = merge(-1.0_dp, 1.0_dp, side == 1)
+        answer = link_answer(link, link%held_normal, &
+                             inverse_mass(:, link%first) + inverse_mass(:, link%second))
+        call add(shared_place(shared, n, mesh) - bodies(b)%rigid_motion%centre, &
+                 sign*matmul(answer, velocity(:, link%first) - velocity(:, link%second)), answer, &
+                 sum_of)
+      end associate
+    end do
+    row = [sum_of%impulse, reshape(sum_of%carried, [freedoms**2])]
+  end function node_strain
+
   !> Adds friction at the surface, which is found later in the step: that of the step before, and
   !! where bodies stuck then, what it answers to a motion that has changed since.
   pure subroutine add_friction(contact, n, l, sign, mesh, body, dt, sum_of)
@@ -177,26 +237,33 @@ contains
     real(dp), intent(in) :: weight(3)      !! inverse mass of each component
     real(dp), intent(in) :: arm(3)         !! from the body's centre
     type(reaction_t), intent(inout) :: sum_of
-    real(dp) :: impulse(3), answer(3, 3), normal_weight, slip_weight
-    integer :: d
-    impulse = sign*(link%impulse + pic*link%correction)
-    answer = 0.0_dp
-    normal_weight = weight(3) + dot_product(link%normal**2, weight - weight(3))
-    if (link%state > link_closed .and. normal_weight > 0.0_dp) then
-      answer = spread(link%normal, 2, 3)*spread(link%normal, 1, 3)
-      if ((link%state == link_sticking .and. .not. link%at_surface) .or. &
-          link%state == link_sharing) then
-        slip_weight = max(weight(1) + weight(2) - normal_weight, tiny(1.0_dp))
-        answer = answer*(1.0_dp/normal_weight - 1.0_dp/slip_weight)
-        do d = 1, 3
-          answer(d, d) = answer(d, d) + 1.0_dp/slip_weight
-        end do
-      else
-        answer = answer/normal_weight
-      end if
-    end if
-    call add(arm, impulse, answer, sum_of)
+    call add(arm, sign*(link%impulse + pic*link%correction), &
+             link_answer(link, link%normal, weight), sum_of)
   end subroutine add_link
+
+  !> How the impulse of a pressed link answers to a change of the velocity between its bodies.
+  pure function link_answer(link, normal, weight) result(answer)
+    type(contact_link_t), intent(in) :: link
+    real(dp), intent(in) :: normal(3)
+    real(dp), intent(in) :: weight(3)      !! inverse mass of each component
+    real(dp) :: answer(3, 3)
+    real(dp) :: normal_weight, slip_weight
+    integer :: d
+    answer = 0.0_dp
+    normal_weight = weight(3) + dot_product(normal**2, weight - weight(3))
+    if (link%state <= link_closed .or. normal_weight <= 0.0_dp) return
+    answer = spread(normal, 2, 3)*spread(normal, 1, 3)
+    if ((link%state == link_sticking .and. .not. link%at_surface) .or. &
+        link%state == link_sharing) then
+      slip_weight = max(weight(1) + weight(2) - normal_weight, tiny(1.0_dp))
+      answer = answer*(1.0_dp/normal_weight - 1.0_dp/slip_weight)
+      do d = 1, 3
+        answer(d, d) = answer(d, d) + 1.0_dp/slip_weight
+      end do
+    else
+      answer = answer/normal_weight
+    end if
+  end function link_answer
 
   !> Adds an impulse at a place, and how it answers to a change of velocity there.
   pure subroutine add(arm, impulse, answer, sum_of)

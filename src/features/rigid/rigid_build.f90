@@ -54,7 +54,8 @@ contains
       call rigid_centre(mesh, body, mass, motion%centre)
       if (motion%free) then
         if (card%mass > 0.0_dp) then
-          call scale_masses(card%mass/mass, body)
+          motion%heavier = card%mass/mass
+          call scale_masses(motion%heavier, body)
           mass = card%mass
         end if
         call rigid_moments(mesh, motion%centre, body, moments, own, momentum)

@@ -9,20 +9,22 @@
 module sgmp_rigid_stages
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_step_t, contact_t
-  use sgmp_contact_reaction, only: reaction_find, reaction_t
+  use sgmp_contact_reaction, only: reaction_find, reaction_find_strain, reaction_t
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_ranks, only: ranks_t
   use sgmp_rigid_bodies, only: rigid_solve
-  use sgmp_rigid_motion, only: freedoms, motion_advance, motion_axes, motion_energy, motion_plan
+  use sgmp_rigid_motion, only: freedoms, motion_advance, motion_axes, motion_energy, motion_plan, &
+                               rigid_motion_t
   use sgmp_rotor, only: rotor_matrix
   use sgmp_space, only: axes_in_output
+  use sgmp_shared_nodes, only: shared_nodes_t, shared_place
   use sgmp_totals, only: totals_t
   use sgmp_vectors, only: cross
   implicit none
   private
-  public :: free_any, free_open, free_settle, free_close
+  public :: free_any, free_open, free_settle, free_strain, free_close
 
   integer, parameter :: most_rounds = 20
   real(dp), parameter :: settled = 1.0e-13_dp    !! change of a momentum over what acts on it
@@ -99,32 +101,96 @@ contains
     end do
   end subroutine free_settle
 
+  !> The velocity with which free bodies strain the others. What contact takes from the bodies' nodes
+  !! to make that velocity obey, and no particle receives, is taken from a free body as a whole: else
+  !! contact would do work on what comes up to a light one (doc/loads.md).
+  subroutine free_strain(mesh, fields, bodies, contact, column, ranks)
+    type(mesh_t), intent(in) :: mesh
+    type(field_t), intent(inout) :: fields(:)
+    type(body_t), intent(in) :: bodies(:)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: column                !! of the nodes, where the velocity begins
+    type(ranks_t), intent(in) :: ranks
+    type(reaction_t) :: reactions(size(bodies))
+    real(dp) :: matrix(freedoms, freedoms), change(freedoms)
+    integer :: b
+    if (size(contact%pairs) == 0) return
+    call reaction_find_strain(contact, mesh, ranks%partition%own, fields, bodies, column, reactions)
+    do b = 1, size(bodies)
+      if (.not. bodies(b)%rigid_motion%free) cycle
+      matrix = motion_mass_matrix(bodies(b)%rigid_motion) + reactions(b)%carried
+      change = merge(reactions(b)%impulse, 0.0_dp, motion_axes(mesh%space))
+      call hold(motion_axes(mesh%space), matrix)
+      call add_motion(contact%shared, b, mesh, bodies(b), solution(matrix, change), column, fields)
+    end do
+  end subroutine free_strain
+
+  !> Adds a small motion of a body to its velocity at the nodes that it shares.
+  pure subroutine add_motion(shared, b, mesh, body, change, column, fields)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: b                     !! its number
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: change(freedoms)     !! linear, and angular about its centre
+    integer, intent(in) :: column
+    type(field_t), intent(inout) :: fields(:)
+    real(dp) :: velocity(3)
+    integer :: n, m, last
+    last = column + mesh%ndim - 1
+    do n = 1, shared%nodes
+      do m = shared%member_start(n), shared%member_start(n + 1) - 1
+        if (shared%body(m) /= b) cycle
+        velocity = change(:3) + cross(change(4:), shared_place(shared, n, mesh) - &
+                                      body%rigid_motion%centre)
+        associate (node => fields(shared%field(m))%node, i => shared%record(m))
+          node(i, column:last) = node(i, column:last) + velocity(:mesh%ndim)
+        end associate
+      end do
+    end do
+  end subroutine add_motion
+
+  !> Mass and, as the body lies now, moments of inertia.
+  pure function motion_mass_matrix(motion) result(mass)
+    type(rigid_motion_t), intent(in) :: motion
+    real(dp) :: mass(freedoms, freedoms), r(3, 3)
+    integer :: d
+    r = rotor_matrix(motion%attitude)
+    mass = 0.0_dp
+    mass(4:, 4:) = matmul(r, matmul(motion%inertia, transpose(r)))
+    do d = 1, 3
+      mass(d, d) = motion%mass
+    end do
+  end function motion_mass_matrix
+
+  !> Takes the directions in which a body cannot move out of a system of equations.
+  pure subroutine hold(axes, matrix)
+    logical, intent(in) :: axes(freedoms)
+    real(dp), intent(inout) :: matrix(freedoms, freedoms)
+    integer :: d
+    do d = 1, freedoms
+      if (axes(d)) cycle
+      matrix(d, :) = 0.0_dp
+      matrix(:, d) = 0.0_dp
+      matrix(d, d) = 1.0_dp
+    end do
+  end subroutine hold
+
   !> One step of Newton's method; after a few, where bodies open and close in turns, half of one.
   pure subroutine improve(reaction, space, round, body, change)
     type(reaction_t), intent(in) :: reaction
     integer, intent(in) :: space, round
     type(body_t), intent(inout) :: body
     real(dp), intent(out) :: change              !! relative
-    real(dp) :: matrix(freedoms, freedoms), mass(freedoms, freedoms), r(3, 3), scale
+    real(dp) :: matrix(freedoms, freedoms), mass(freedoms, freedoms), scale
     real(dp) :: missing(freedoms), response(freedoms)
     logical :: axes(freedoms)
     integer :: d
     axes = motion_axes(space)
     associate (motion => body%rigid_motion)
-      r = rotor_matrix(motion%attitude)
-      mass = 0.0_dp
-      mass(4:, 4:) = matmul(r, matmul(motion%inertia, transpose(r)))
-      do d = 1, 3
-        mass(d, d) = motion%mass
-      end do
+      mass = motion_mass_matrix(motion)
       missing = merge(motion%momentum + motion%push + reaction%impulse - motion%trial, 0.0_dp, axes)
       matrix = mass + reaction%carried
-      do d = 1, freedoms
-        if (axes(d)) cycle
-        matrix(d, :) = 0.0_dp
-        matrix(:, d) = 0.0_dp
-        matrix(d, d) = 1.0_dp
-      end do
+      call hold(axes, matrix)
       response = matmul(mass, solution(matrix, missing))
       response = merge(response, 0.0_dp, axes)
       if (round > most_rounds/2) response = 0.5_dp*response

@@ -17,6 +17,7 @@ contains
     call archive%pass(motion%spin)
     call archive%pass(motion%gradient_before)
     call archive%pass(motion%mass)
+    call archive%pass(motion%heavier)
     call archive%pass(motion%inertia)
     call archive%pass(motion%inverse)
     call archive%pass(motion%momentum)
