@@ -255,14 +255,20 @@ contains
   function combinations_choose(cards, name, beside) result(yes)
     type(deck_card_t), intent(in) :: cards(:)      !! of the deck, defaults among them
     character(*), intent(in) :: name               !! of the feature
-    character(*), intent(in), optional :: beside   !! a feature of which no caution is needed
+    character(*), intent(in), optional :: beside   !! features of which no caution is needed
     logical :: yes
     logical :: asked(size(features))
-    integer :: q
+    type(string_t), allocatable :: others(:)
+    integer :: q, i
     asked = askers(cards) > 0
     asked(feature_number(name)) = .true.
     yes = allowed(asked, name)
-    if (present(beside)) asked(feature_number(beside)) = .false.
+    if (present(beside)) then
+      others = word_items(beside)
+      do i = 1, size(others)
+        asked(feature_number(others(i)%text)) = .false.
+      end do
+    end if
     do q = 1, size(cautions)
       if (cautions(q)%feature == name) yes = yes .and. .not. asks_any(asked, cautions(q)%with)
     end do

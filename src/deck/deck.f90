@@ -124,7 +124,8 @@ contains
       if (method%rotation_auto) then
         method%rotation = combinations_choose(cards, 'rotation')
         if (scene_rolls(scene)) then
-          method%rotation = combinations_choose(cards, 'rotation', beside='friction')
+          method%rotation = combinations_choose(cards, 'rotation', &
+                                                beside='friction wallfriction')
         end if
       end if
       if (method%normalised_auto) method%normalised = combinations_choose(cards, 'normalised')

@@ -13,6 +13,7 @@
 module sgmp_judge_collisions
   use sgmp_constitutive, only: law_is_spherical, law_is_springy
   use sgmp_contact_pairs, only: contact_pair_t
+  use sgmp_contact_patch, only: patch_cells
   use sgmp_failure, only: failure_none
   use sgmp_kernels, only: kernel_centred, method_mpm, method_sgmp
   use sgmp_kinds, only: dp
@@ -40,6 +41,8 @@ module sgmp_judge_collisions
   real(dp), parameter :: held_error = 0.3_dp      !! 0.45: 0.26, 0.29, 0.19; gimp 0.33, 0.20, 0.08
   real(dp), parameter :: wall_weight = 0.8_dp     !! sgmp, bars of 10 to 40 cells: 0.65 to 0.8
   real(dp), parameter :: round_weight = 0.75_dp   !! disks of 8 to 32 cells across: 0.6 to 0.75
+  real(dp), parameter :: ball_patch = 0.2_dp      !! cells of the patch: 0.07 to 0.19
+  real(dp), parameter :: disk_patch = 0.12_dp     !! 0.04 to 0.12
   real(dp), parameter :: ring_spacing = 0.4_dp    !! cells; of two particles per cell it is 0.5
   real(dp), parameter :: ring_error = 0.15_dp     !! rings of 3 to 10 cells: 4 to 13 %
   real(dp), parameter :: ring_cells = 4.5_dp      !! thickness; of 3 cells they lack 3 to 9 %
@@ -64,6 +67,7 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     real(dp) :: mass, speed2
+    logical :: flat(2), round(2)
     integer :: b, p, before
     call judge_crowd(opinion, model)
     call judge_near_walls(opinion, scene, model)
@@ -78,12 +82,12 @@ contains
         if (all(model%bodies(pair%body)%rigid)) cycle
         mass = minval(model%totals%bodies(pair%body)%mass, mask=.not. model%bodies(pair%body)%rigid)
         if (sum(pair%impulse**2) < least_blow**2*mass**2*speed2) cycle
-        if (all([(bounces(scene, model, pair%body(b)) .or. model%bodies(pair%body(b))%rigid, &
-                  b=1, 2)])) then
+        flat = [(bounces(scene, model, pair%body(b)), b=1, 2)]
+        round = [(rebounds(scene, model, pair%body(b)), b=1, 2)]
+        if (all(flat .or. model%bodies(pair%body)%rigid)) then
           call expect_flat(opinion, scene, model, pair%body)
-        else if (all([(rebounds(scene, model, pair%body(b)) .or. model%bodies(pair%body(b))%rigid, &
-                       b=1, 2)])) then
-          call expect_round(opinion, scene, model, pair%body)
+        else if (all(flat .or. round .or. model%bodies(pair%body)%rigid)) then
+          call expect_round(opinion, scene, model, pair)
         else if (all([(is_plate(scene, model, pair%body(b)), b=1, 2)])) then
           call expect_plates(opinion, scene, model, pair)
         end if
@@ -144,30 +148,38 @@ contains
                         'their velocities after it want smaller cells')
   end subroutine expect_plates
 
-  !> Two elastic disks or rings in the plane that have met: disks of few cells lose some energy in
-  !! contact, rings to stresses within cells, the more the fewer particles these have.
+  !> Two elastic bodies that have met, one of them at least not flat. Disks and balls of few cells
+  !! lose energy to vibrations, and turn, for they touch in less than a cell or in a few; rings lose
+  !! it to stresses within cells, the more the fewer particles these have.
   subroutine expect_round(opinion, scene, model, pair)
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    integer, intent(in) :: pair(2)       !! numbers of the bodies
-    real(dp) :: cells
+    type(contact_pair_t), intent(in) :: pair
+    real(dp) :: cells, patch, lost
+    logical :: flat
     integer :: b
-    if (model%mesh%ndim /= 2 .or. scene%axisymmetric) return
+    flat = model%mesh%ndim == 2 .and. .not. scene%axisymmetric
     cells = huge(1.0_dp)
     do b = 1, 2
-      if (model%bodies(pair(b))%rigid) cycle
-      if (any(scene%bodies(pair(b))%shapes%kind == shape_ring)) then
-        call expect_rings(opinion, scene, model, pair)
+      if (.not. rebounds(scene, model, pair%body(b))) cycle
+      if (flat .and. any(scene%bodies(pair%body(b))%shapes%kind == shape_ring)) then
+        call expect_rings(opinion, scene, model, pair%body)
         return
       end if
-      cells = min(cells, body_thickness(scene%bodies(pair(b))%shapes, model%mesh))
+      cells = min(cells, body_thickness(scene%bodies(pair%body(b))%shapes, model%mesh))
     end do
-    if (cells >= bounce_cells) return
-    call opinion%expect(max(least_error, round_weight/cells), &
-                        bodies_text(model, pair)//', '//real_text_about(cells)// &
-                        ' cells across, bounce off each other: their velocities after it want '// &
-                        'smaller cells')
+    patch = patch_cells(scene, model, pair)
+    lost = merge(disk_patch, ball_patch, flat .and. pair%friction <= 0.0_dp)/patch
+    if (lost < least_loss) then
+      if (.not. flat .or. cells >= bounce_cells) return
+      lost = round_weight/cells
+    end if
+    call opinion%expect(min(most_error, max(least_error, lost)), &
+                        bodies_text(model, pair%body)//', '//real_text_about(cells)// &
+                        ' cells across, bounce off each other and touch in a patch of '// &
+                        real_text_about(2.0_dp*patch)//' cells: their velocities and spins '// &
+                        'after it want smaller cells')
   end subroutine expect_round
 
   !> Rings among two bodies that have met.

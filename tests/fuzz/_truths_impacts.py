@@ -62,35 +62,43 @@ history steps=20
 
 
 class Glance(Truth):
-    """Two balls that meet aside of their middles without friction: no spin, and next to no loss of the velocity
-    between them."""
+    """Two balls that meet without friction, aside of their middles or about the axis: no spin, and next to no loss of
+    the velocity between them."""
 
     def make(self):
         luck = self.luck
-        radius = luck.choice((4, 5, 6))
+        self.flat = luck.random() < 0.3
+        radius = luck.choice((4, 5, 6, 8)) if not self.flat else luck.choice((6, 8, 12, 18))
         self.cells, h = 2*radius, 1/radius
-        aside, self.v = luck.uniform(0.3, 1.4), luck.choice((0.02, 0.05))
+        aside, self.v = luck.uniform(0.3, 1.4), luck.choice((0.01, 0.02, 0.05))
         gap, angle = luck.uniform(0.3, 2.0)*h, luck.uniform(0, 2*math.pi)
+        if self.flat:
+            aside, angle = 0.0, 0.5*math.pi
         away = math.sqrt(4 - aside**2) + gap
         place = turned(angle, away, aside)
         one, two = turned(angle, 0.5*self.v, 0), turned(angle, -0.5*self.v, 0)
-        heavy = luck.choice((1, 1, 3))
-        self.decks = [f"""dimension 3
-grid cell={h}
+        heavy, lift = luck.choice((1, 1, 3)), luck.uniform(0, h)
+        axes, start = ("xy", f"({lift},0,0)") if not self.flat else ("rz", f"(0,{lift})")
+        end = f"({place[0]},{place[1]},{luck.uniform(0, h)})" if not self.flat else f"(0,{place[1] + lift})"
+        self.decks = [f"""dimension {'axisymmetric' if self.flat else 3}
+grid cell={h}{' r=0:open' if self.flat else ''}
 METHOD
 time end={gap/self.v + 6/self.v**0.2 + 0.5/self.v} cfl=0.5
 material a elastic density=1 young=1 poisson=0.3
 material b elastic density={heavy} young={heavy} poisson=0.3
-body a sphere material=a centre=({luck.uniform(0, h)},0,0) radius=1 ppc=2
-body b sphere material=b centre=({place[0]},{place[1]},{luck.uniform(0, h)}) radius=1 ppc=2
-velocity a x={one[0]} y={one[1]}
-velocity b x={two[0]} y={two[1]}
+body a sphere material=a centre={start} radius=1 ppc=2
+body b sphere material=b centre={end} radius=1 ppc=2
+velocity a {axes[0]}={one[0] if not self.flat else 0} {axes[1]}={one[1]}
+velocity b {axes[0]}={two[0] if not self.flat else 0} {axes[1]}={two[1]}
 contact all
 history steps=50
 output csv at=end fields=velocity,mass,body
 """]
 
     def errors(self, results):
+        if self.flat:
+            u, w = (body_end(results[0], name, "velocity_z") for name in "ab")
+            return [("velocity between the balls", abs(u - w)/self.v - 1, 0.05)]
         (_, u, spin), (_, w, turn) = (moments(results[0].rows, i + 1, name) for i, name in enumerate("ab"))
         return [("velocity between the balls", math.dist(u, w)/self.v - 1, 0.05), ("spin", spin/self.v, 0.05),
                 ("spin of the other", turn/self.v, 0.05)]
@@ -105,12 +113,12 @@ class Rub(Truth):
         radius, space = luck.choice((6, 8, 12)), luck.choice(("2", "2", "3"))
         radius = min(radius, 6) if space == "3" else radius
         self.cells, h, self.mu = 2*radius, 1/radius, luck.choice((0.1, 0.3))
-        self.v, self.fall = 0.0, luck.choice((0.02, 0.05))
+        self.fall = luck.choice((0.003, 0.01))
         self.part = 2.0 if space == "2" else 2.5
         slide = luck.uniform(1.2, 1.6)*2*self.mu*self.fall*(1 + self.part)
-        gap, self.angle = luck.uniform(0.3, 2.0)*h, luck.choice((0, luck.uniform(0, 2*math.pi)))
-        self.angle = self.angle if luck.random() < 0.7 else 0.0
-        self.slide, walls = slide, self.angle == 0.0 and luck.random() < 0.5
+        gap, self.angle = luck.uniform(0.3, 2.0)*h, luck.choice((0.0, luck.uniform(0, 2*math.pi)))
+        self.slide, walls = slide, self.angle == 0.0 and luck.random() < 0.6
+        gap += 1.5*h if walls else 0.0
         wait = gap/self.fall + 6/self.fall**0.2
         if walls:
             floor, ground = f" y={-1 - gap}:open", f"wall y-=slip\nwallfriction y- friction={self.mu}"
