@@ -1,5 +1,5 @@
 !> Scenes with gas: where nothing else moves and walls enclose it, the volumes of its particles are
-!! those of the box; products of explosives fill what room they find. There the program keeps
+!! those of the box, and gas that bursts in gas fills what room there is; products of explosives fill what room they find. There the program keeps
 !! volumes where the deck leaves it the choice, and particles that grow too large it parts
 !! (doc/volumes.md, 6).
 module sgmp_enclosed_gas
@@ -10,7 +10,7 @@ module sgmp_enclosed_gas
   use sgmp_shapes, only: combine_union, shape_block
   implicit none
   private
-  public :: gas_alone, gas_burns, gas_may_part, gas_sides
+  public :: gas_alone, gas_burns, gas_in_gas, gas_may_part, gas_sides
 
 contains
 
@@ -43,6 +43,16 @@ contains
     end do
     yes = any(burns) .and. .not. all(burns)
   end function gas_burns
+
+  !> Whether all that moves are gases, more than one, in more than one dimension: where
+  !! one bursts in another, volumes drift at their boundary.
+  pure function gas_in_gas(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    yes = size(scene%bodies) > 1 .and. scene%dimension > 1
+    if (yes) yes = all(gaseous(scene)) .and. &
+                   any(scene%bodies%material /= scene%bodies(1)%material)
+  end function gas_in_gas
 
   !> Whether particles of gas that outgrow their cells are better parted: but on a line, if there is
   !! nothing but gas with more to expand into than another gas, where halves make noise.

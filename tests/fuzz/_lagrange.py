@@ -72,9 +72,9 @@ class Layer:
 class Row:
     """The state of a row of layers; `order` 0: plane, 1: about an axis, 2: about a point."""
 
-    def __init__(self, layers, order=0, left=None):
+    def __init__(self, layers, order=0, left=None, right=None):
         self.layers, self.order = layers, order
-        self.left = left  # a wall
+        self.left, self.right = left, right  # walls
         self.parts, node, zone = [], 0, 0
         x, v, density, lit, energy = [], [], [], [], []
         for layer in layers:
@@ -207,6 +207,8 @@ class Row:
             wall = self.left if self.left is not None else 0.0
             if self.x[0] + dt*self.v[0] < wall or self.x[0] <= wall:
                 self.v[0] = max(self.v[0], 0.0) if self.x[0] > wall else 0.0
+        if self.right is not None and self.x[-1] + dt*self.v[-1] >= self.right:
+            self.v[-1] = min(self.v[-1], 0.0)
         for (a, _), (b, _) in zip(self.parts, self.parts[1:]):
             i, j = a.stop - 1, b.start
             if self.x[i] + dt*self.v[i] > self.x[j] + dt*self.v[j]:

@@ -217,10 +217,48 @@ class Burst(Shell):
             True, [(hot, 0, inner, 0.0), (cold, inner, 4*inner, 0.0)], luck.uniform(0.7, 1.5)*inner/hot.loud,
         )
 
+    def deck(self, space):
+        """A quarter or an eighth of the scene; every other one fills a box."""
+        text = super().deck(space)
+        if self.luck.random() < 0.5:
+            return text
+        wide = 4*self.layers[0][2]
+        corner, axes = {"2": (f"({wide},{wide})", "xy"), "axisymmetric": (f"({wide},{wide})", "rz"),
+                        "3": (f"({wide},{wide},{wide})", "xyz")}[self.space]
+        zero = corner.replace(f"{wide}", "0")
+        lines = []
+        for line in text.splitlines():
+            if line.startswith("body b1 sphere"):
+                line = f"body b1 block material=cold lower={zero} upper={corner} ppc=2"
+            if line.startswith("grid"):
+                line = line.replace(":open", f":{wide}")
+            if line.startswith("wall"):
+                line += "".join(f" {axis}+=slip" for axis in axes)
+            lines.append(line)
+        return "\n".join(line for line in lines if not (line.startswith("intersect b1") or line == "contact all")) + "\n"
+
+    def boxed(self):
+        """Whether the outer gas is a block."""
+        return "body b1 block" in self.decks[0]
+
+    def found(self, result):
+        """Mean radial velocity of the outer gas; of a block's, that within the ball."""
+        if not self.boxed():
+            return super().found(result)
+        axes = {"2": "xy", "axisymmetric": "rz", "3": "xyz"}[self.space]
+        keys = axes if axes[0] in result.rows[0] else "xz"
+        push = sum(row["mass"]*sum(row[key]*row[f"velocity_{key}"] for key in keys)/math.hypot(*(row[key] for key in keys))
+                   for row in result.rows if row["body"] in (2, "b1"))
+        _, low, high, _ = self.layers[1]
+        part = {"2": math.pi/4*(high**2 - low**2), "axisymmetric": 2*math.pi/3*(high**3 - low**3),
+                "3": math.pi/6*(high**3 - low**3)}[self.space]
+        return [push/part]
+
     def row(self):
         return Row(
-            [Layer(matter.law, low, high, max(100, math.ceil((high - low)*6*self.cells))) for matter, low, high, _ in
-             self.layers], order=2 if self.space != "2" else 1,
+            [Layer(matter.law, low, high, max(100, math.ceil((high - low)*6*self.cells)))
+             for matter, low, high, _ in self.layers], order=2 if self.space != "2" else 1,
+            right=self.layers[1][2] if self.boxed() else None,
         )
 
     def truth(self):
