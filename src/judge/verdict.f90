@@ -17,6 +17,7 @@ module sgmp_verdict
   use sgmp_judge_heat, only: judge_heat
   use sgmp_judge_state, only: judge_ball, judge_particles, judge_pressed, judge_resolution, &
                               judge_thin, judge_volumes
+  use sgmp_judge_waves, only: judge_waves
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
@@ -104,6 +105,7 @@ contains
     call judge_projectiles(self%opinion, scene, model)
     call judge_charges(self%opinion, scene, model)
     call judge_cushions(self%opinion, scene, model, self%state%compression)
+    call judge_waves(self%opinion, scene, model)
     call judge_failure(self%opinion, model, self%failure)
     call judge_heat(self%opinion, model, self%heat)
     call stage_objection(model, inexact, reason)

@@ -117,15 +117,50 @@ def rolls(report):
         report.check(abs(way - 1) < 0.02, f"rolls: {way} of a rigid wheel's way")
         report.check(result["rotation"] == "exact", f"rolls: rotation {result['rotation']}")
     block = ROLLS.replace("sphere material=m centre=(0,1) radius=1", "block material=m lower=(-1,0) upper=(1,1)")
-    for name, deck in (("block", block), ("flies", ROLLS.replace("gravity (5,-8.660254)\n", ""))):
+    flies = ROLLS.replace("gravity (5,-8.660254)\n", "")
+    metal = flies.replace("elastic density=1", "j2 yield=1e3 density=1")
+    for name, deck, rotation in (("block", block, "plain"), ("flies", flies, "exact"), ("metal", metal, "plain")):
         result = run(f"rolls_{name}", deck.replace("end=1", "end=0.01"))
         if report.finished(result, f"rolls_{name}"):
-            report.check(result["rotation"] == "plain", f"rolls_{name}: rotation {result['rotation']}")
+            report.check(result["rotation"] == rotation, f"rolls_{name}: rotation {result['rotation']}")
+
+
+RUBS = """
+dimension 2
+grid cell=1/8{floor}
+method sgmp
+time end=90 cfl=0.5
+material m elastic density=1 young=1 poisson=0.3
+body ball sphere material=m radius=1 ppc=2
+velocity ball x=0.03 y=-0.01
+{ground}
+history steps=50
+output csv at=end fields=velocity,mass
+"""
+
+
+def rubs(report):
+    """A disk that bounces off a plate or a wall with friction and slides throughout: what it loses along the plate is
+    the friction times what it gets across it, and its spin is twice that over its radius."""
+    plate = "body plate block material=m lower=(-2,-1.5) upper=(5,-1.1) ppc=2\nrigid plate\n"
+    for name, floor, ground in (("plate", "", plate + "contact ball plate friction=0.3"),
+                                ("wall", " y=-1.3:open", "wall y-=slip\nwallfriction y- friction=0.3")):
+        result = run(f"rubs_{name}", RUBS.format(floor=floor, ground=ground))
+        if not report.finished(result, f"rubs_{name}"):
+            continue
+        rows = [row for row in result.table("particles_end.csv") if row["body"] == 1]
+        mass = sum(row["mass"] for row in rows)
+        x, y, u, v = (sum(row["mass"]*row[key] for row in rows)/mass for key in ("x", "y", "velocity_x", "velocity_y"))
+        turn = sum(row["mass"]*((row["x"] - x)*(row["velocity_y"] - v) - (row["y"] - y)*(row["velocity_x"] - u))
+                   for row in rows)/sum(row["mass"]*((row["x"] - x)**2 + (row["y"] - y)**2) for row in rows)
+        kick = 0.3*(v + 0.01)
+        report.check(abs((0.03 - u)/kick - 1) < 0.02, f"rubs_{name}: lost {0.03 - u}, not {kick}")
+        report.check(abs(-turn/(2*kick) - 1) < 0.05, f"rubs_{name}: spin {turn}, not {-2*kick}")
 
 
 def main():
     report = Report()
-    for check in (rest, pulled, chosen, rolls):
+    for check in (rest, pulled, chosen, rolls, rubs):
         check(report)
     report.end()
 

@@ -507,6 +507,8 @@ def criteria(report):
     near_walls(report)
     foam(report)
     plates(report)
+    balls(report)
+    waves(report)
     tubes = [("sgmp", sound(report, "sod_sgmp", SOD, method="sgmp"), 0.05)]  # which splits what grows too large
     for method in ("gimp", "bspline"):  # the fan leaves gaps; between it and the shock by Riemann's solution
         tubes.append((method, coarse(report, f"sod_{method}", SOD, "larger than a cell", 0.1, method=method), 0.1))
@@ -746,6 +748,70 @@ def plates(report):
     report.check(max(map(abs, errors[:2])) < 0.15, f"cushion: {errors}")
     sound(report, "cushion_fine", CUSHION.replace("1/4", "1/32"))
     coarse(report, "charge", CHARGE, "burns in a gas", 0.15)
+
+
+# Two elastic balls that meet on the axis: what they lose to vibrations is below 2 % of their velocity (Hertz, Hunter).
+BALLS = """
+parameter speed = 0.01
+parameter h = 1/6
+dimension axisymmetric
+grid cell=h r=0:open
+method sgmp
+time end=0.1/speed+6/speed^0.2+0.5/speed cfl=0.5
+material m elastic density=1 young=1 poisson=0.3
+body a sphere material=m centre=(0,0) radius=1 ppc=2
+body b sphere material=m centre=(0,2.1) radius=1 ppc=2
+velocity a z=speed/2
+velocity b z=-speed/2
+contact all
+history steps=50
+"""
+# A standing wave of water in a box: omega^2 = g k tanh(k H).
+WAVES = """
+parameter n = 8
+parameter long = 1
+parameter k = pi/long
+parameter omega = sqrt(k*tanh(k))
+parameter size = 0.02*omega/sinh(k)
+dimension 2
+grid cell=1/n x=0:long y=0:open
+wall x-=slip x+=slip y-=slip
+method sgmp
+time end=3.5*pi/omega cfl=0.4
+gravity (0,-1)
+material m fluid density=1
+eos m tait c0=15
+initial_stress m surface=1
+body m block material=m lower=(0,0) upper=(long,1) ppc=2
+velocity m x="-size*sin(k*x)*cosh(k*y)" y="size*cos(k*x)*sinh(k*y)"
+history steps=10
+"""
+
+
+def balls(report):
+    """Elastic balls lose less than is told, which follows the patch in which they touch."""
+    told = []
+    for speed in (0.01, 0.05):
+        result = coarse(report, f"balls_{speed}", BALLS, "touch in a patch of", 0.1, speed=speed)
+        ends = [row["velocity_z"]/speed for row in result.table("bodies.csv")[-2:]]
+        report.check(0.02 < 1 - (ends[1] - ends[0]) < result["verdict_error"], f"balls_{speed}: {ends}")
+        told.append(result["verdict_error"])
+    report.check(0.25 > told[0] > 1.5*told[1], f"balls: {told}")
+    sound(report, "balls_fine", BALLS, speed=0.05, h="1/24")
+
+
+def waves(report):
+    """Water waves of few cells are slower by what is told; long ones and water at rest are not judged."""
+    short = coarse(report, "waves", WAVES, "waves of the liquid are about", 0.1)
+    sys.path.insert(0, f"{SOURCE}/tests/fuzz")
+    from _truths import minima
+    rows = short.table("history.csv")
+    least = min(row["kinetic_energy"] for row in rows)
+    times = minima([{**row, "kinetic_energy": row["kinetic_energy"] - least} for row in rows], "kinetic_energy")
+    lost = 1 - math.pi/math.sqrt(math.pi*math.tanh(math.pi))/(times[1] - times[0])
+    report.check(0.06 < lost < short["verdict_error"] < 0.35, f"waves: {lost}, {short['verdict_error']}")
+    sound(report, "waves_long", WAVES, long=4)
+    sound(report, "waves_none", WAVES.replace("0.02*omega", "0*omega"))
 
 
 def foam(report):
