@@ -61,6 +61,17 @@ class Metal:
         return p, np.maximum(rise + self.gamma0*np.maximum(p, 0.0)*v**2, 0.1*c1) + 4/3*self.shear
 
 
+class Water(Metal):
+    """The same without strength: pulled, it boils and keeps no tension."""
+
+    def __init__(self, density, c0, s, gamma0):
+        super().__init__(density, c0, s, gamma0, 0.0, 0.0)
+
+    def pressure(self, v, energy, burnt):
+        p, stiff = super().pressure(v, energy, burnt)
+        return np.maximum(p, 0.0), stiff
+
+
 class Layer:
     """Matter between two places, with a velocity; `lit`: the place from which it burns."""
 

@@ -54,6 +54,7 @@ class Stack(Truth):
     metals."""
 
     kinds = ("gun", "drive", "sandwich", "blast", "plates", "cushion")
+    parting = ("plates",)  # bounces
     allowed = 0.05
 
     def make(self):
@@ -64,7 +65,7 @@ class Stack(Truth):
         walls, layers, wait = getattr(self, self.kind)()
         self.layers, self.lower_wall = layers, walls
         self.end = wait
-        self.metals = [i for i, layer in enumerate(layers) if isinstance(layer[0].law, Metal)]
+        self.metals = [i for i, layer in enumerate(layers) if layer[0].name in METALS]
         self.decks = [self.deck(luck.choice(("1", "1", "2", "axisymmetric", "3")))]
 
     def gun(self):
@@ -152,8 +153,7 @@ class Stack(Truth):
                 place = self.light(low, high)
                 at = {"1": "{}", "2": "({},0)", "axisymmetric": "(0,{})", "3": "({},0,0)"}[space].format(place)
                 bodies += f"detonation point={at}\n" if space == "1" else f"detonation {self.plane(space, place)}\n"
-        contact = "contact all\n" if len(self.metals) > 1 and self.kind == "plates" else luck.choice(
-            ("", "contact all\n"))
+        contact = "contact all\n" if self.kind in self.parting else luck.choice(("", "contact all\n"))
         return f"""units mm g ms
 dimension {space}
 grid cell={h} {grid}
@@ -199,7 +199,7 @@ time end={self.end} cfl={luck.choice((0.2, 0.4))}
 
     def errors(self, results):
         truth = self.truth()
-        scale = max(abs(v) for pair in truth for v in pair)
+        scale = max([abs(v) for pair in truth for v in pair] + [abs(v) for *_, v in self.layers])
         return [
             (f"{self.kind}: velocity of {self.layers[i][0].name}", (v - min(max(v, low), high))/scale,
              self.allowed)

@@ -1,0 +1,64 @@
+"""More classes of tests/fuzz/_truths.py: water between explosives and metals. The truth is the Lagrangian code of
+_lagrange.py."""
+from _lagrange import Water
+from _truths_layers import METALS, Matter, Shell, Stack, metal, tnt
+
+
+def water():
+    """Water that boils where it is pulled."""
+    return Matter(
+        "water",
+        "material water fluid density=1e-3\neos water gruneisen c0=1480 s=1.92 gamma0=0.1\nfailure water pmin=0\n",
+        Water(1e-3, 1480, 1.92, 0.1), 1480,
+    )
+
+
+class Sea(Stack):
+    """Layers of water, metal and explosive in a row: velocities of the metals."""
+
+    kinds = ("mine", "slug", "slam")
+    parting = ("slug", "slam")
+
+    def mine(self):
+        """Explosive, water, a plate."""
+        plate, long, gap = metal(self.luck.choice(list(METALS))), self.luck.choice((1, 2)), self.luck.choice((2, 4, 8))
+        return (
+            True, [(tnt(), 0, long, 0.0), (water(), long, long + gap, 0.0), (plate, long + gap, long + gap + 1, 0.0)],
+            long/6930 + gap/2500 + self.luck.uniform(2, 5)/4500,
+        )
+
+    def slug(self):
+        """Water that flies at a plate."""
+        plate, long = metal(self.luck.choice(list(METALS))), self.luck.choice((2, 4))
+        v, gap = self.luck.choice((100.0, 300.0, 1000.0)), self.luck.choice((0.0, 0.4, 1.3))
+        return (
+            False, [(water(), 0, long, v), (plate, long + gap, long + gap + 1, 0.0)],
+            gap/v + self.luck.uniform(0.5, 2)*long/1480,
+        )
+
+    def slam(self):
+        """A plate that flies onto water at a wall."""
+        plate, long = metal(self.luck.choice(list(METALS))), self.luck.choice((4, 8))
+        v, gap = self.luck.choice((30.0, 100.0, 300.0)), self.luck.choice((0.0, 0.4))
+        return (
+            True, [(water(), 0, long, 0.0), (plate, long + gap, long + gap + 1, -v)],
+            gap/v + self.luck.uniform(0.5, 1.5)*long/1480,
+        )
+
+
+class Well(Shell):
+    """The same about an axis or a point: explosive, water, a tube or a hollow ball of metal."""
+
+    kinds = ("mine",)
+
+    def mine(self):
+        """Explosive in water in metal."""
+        shell, inner, gap = metal(self.luck.choice(list(METALS))), self.luck.choice((1, 2)), self.luck.choice((1, 2))
+        return (
+            True,
+            [(tnt(), 0, inner, 0.0), (water(), inner, inner + gap, 0.0), (shell, inner + gap, inner + gap + 1, 0.0)],
+            inner/6930 + gap/3000 + self.luck.uniform(3, 6)/4500,
+        )
+
+
+CLASSES = (Sea, Well)
