@@ -9,7 +9,7 @@ module sgmp_cards_contact
                        kind_vector, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: read_third, registry_t
-  use sgmp_scene, only: contact_card_t
+  use sgmp_scene, only: contact_card_t, scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_space, only: axis_names, omega_names, space_axisymmetric
   use sgmp_spelling, only: string_t, suggestion, word_items, word_position, words_joined
@@ -30,7 +30,8 @@ contains
                       required=.true.)
     call registry%key('bodies', kind_list, 'its bodies, two or more', slot=2, required=.true.)
     call registry%card('contact', 'Lets bodies touch, slide and separate; without it they '// &
-                       'stick together where they meet. Names two bodies or groups, one '// &
+                       'stick together where they meet, and rigid ones, which it does not name, '// &
+                       'touch all others without friction. Names two bodies or groups, one '// &
                        '(with all others) or all; the card that names more counts.', &
                        'contact ball plate friction=0.4', read_contact, check_contact)
     call registry%key('first', kind_name_word, 'a body, a group or all', default='all', slot=1)
@@ -370,21 +371,38 @@ contains
     end do
   end subroutine check_freedom
 
-  !> A rigid body is there to be touched.
+  !> A rigid body is there to be touched: one for which no card contact is touches all others without
+  !! friction.
   subroutine check_rigid(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
-    integer :: b, c
+    integer :: b
     if (card%flag('free') .and. size(draft%scene%bodies) == 1) return  ! it flies
     if (lonely(card, draft)) return
     b = word_position(card%word('body'), draft%scene%bodies%name)
     if (b == 0) return
-    do c = 1, size(draft%scene%contacts)
-      if (any(draft%scene%contacts(c)%body == b) .or. &
-          any(draft%scene%contacts(c)%body == 0)) return
-    end do
-    call draft%errors%warn(card%position, "nothing touches the rigid body '"// &
-                           card%word('body')//"'", 'add a card contact')
+    if (is_touched(draft%scene, b) .or. all(draft%scene%bodies%rigid)) return
+    draft%scene%contacts = [draft%scene%contacts, contact_card_t(body=[b, 0])]
+    call draft%errors%warn(card%position, "no card contact is for the rigid body '"// &
+                           card%word('body')//"': it touches all others without friction", &
+                           'add the card contact that is meant')
   end subroutine check_rigid
+
+  !> Whether a card contact is for a rigid body: it names it or its group, or others, or all.
+  pure function is_touched(scene, b) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: b
+    logical :: yes
+    integer :: c, i, leader
+    yes = .false.
+    leader = merge(scene%bodies(b)%leader, b, scene%bodies(b)%leader > 0)
+    do c = 1, size(scene%contacts)
+      associate (named => scene%contacts(c)%body)
+        yes = yes .or. any(named == b) .or. any(named == leader)
+        if (yes .or. all(named > 0)) cycle
+        yes = .not. any([(scene%bodies(max(1, named(i)))%rigid .and. named(i) > 0, i=1, 2)])
+      end associate
+    end do
+  end function is_touched
 
 end module sgmp_cards_contact

@@ -6,7 +6,8 @@ module sgmp_deck
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
-  use sgmp_enclosed_gas, only: gas_alone, gas_burns, gas_in_gas, gas_may_part, gas_sides
+  use sgmp_enclosed_gas, only: gas_alone, gas_burns, gas_in_gas, gas_may_part, &
+                               gas_on_rigid, gas_sides
   use sgmp_features, only: features_split_gas
   use sgmp_file_units, only: convert_files
   use sgmp_graded_bodies, only: graded_bodies_settle
@@ -139,7 +140,7 @@ contains
                                   gas_alone(scene))
         end if
         method%volumes_kept = gas_free .and. (gas_alone(scene) .or. gas_burns(scene) .or. &
-                                           gas_in_gas(scene))
+                                           gas_in_gas(scene) .or. gas_on_rigid(scene))
       end if
       if (method%volumes_kept) then
         method%normalised = .true.

@@ -1,7 +1,7 @@
 !> Scenes with gas: where nothing else moves and walls enclose it, the volumes of its particles are
-!! those of the box, and gas that bursts in gas fills what room there is; products of explosives fill what room they find. There the program keeps
-!! volumes where the deck leaves it the choice, and particles that grow too large it parts
-!! (doc/volumes.md, 6).
+!! those of the box; gas that bursts in gas or pushes rigid bodies, and products of explosives, fill
+!! what room they find. There the program keeps volumes where the deck leaves it the choice, and
+!! particles that grow too large it parts (doc/volumes.md, 6).
 module sgmp_enclosed_gas
   use sgmp_constitutive, only: law_gaseous, material_explosive
   use sgmp_kinds, only: dp
@@ -10,7 +10,8 @@ module sgmp_enclosed_gas
   use sgmp_shapes, only: combine_union, shape_block
   implicit none
   private
-  public :: gas_alone, gas_burns, gas_in_gas, gas_may_part, gas_sides
+  public :: gas_alone, gas_burns, gas_in_gas, gas_may_part, gas_on_rigid, &
+            gas_sides
 
 contains
 
@@ -53,6 +54,14 @@ contains
     if (yes) yes = all(gaseous(scene)) .and. &
                    any(scene%bodies%material /= scene%bodies(1)%material)
   end function gas_in_gas
+
+  !> Whether all that deforms is gas, and rigid bodies are in it.
+  pure function gas_on_rigid(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes, gas(size(scene%bodies))
+    gas = gaseous(scene)
+    yes = any(gas) .and. any(scene%bodies%rigid) .and. all(gas .or. scene%bodies%rigid)
+  end function gas_on_rigid
 
   !> Whether particles of gas that outgrow their cells are better parted: but on a line, if there is
   !! nothing but gas with more to expand into than another gas, where halves make noise.

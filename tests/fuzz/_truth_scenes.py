@@ -5,10 +5,11 @@ import _truths
 import _truths_flows
 import _truths_impacts
 import _truths_layers
+import _truths_rigid
 import _truths_solids
 import _truths_water
 
-MODULES = (_truths, _truths_solids, _truths_flows, _truths_layers, _truths_impacts, _truths_water)
+MODULES = (_truths, _truths_solids, _truths_flows, _truths_layers, _truths_impacts, _truths_water, _truths_rigid)
 CLASSES = {one.__name__.lower(): one for module in MODULES for one in module.CLASSES}
 
 

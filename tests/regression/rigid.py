@@ -6,9 +6,10 @@ usage: rigid.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import math
 import os
+import subprocess
 
 from _restarts import checkpoints, goes_on, mpirun, straight
-from _runs import SCRATCH, SOURCE, Report, changed, run
+from _runs import ENVIRONMENT, SCRATCH, SGMP, SOURCE, Report, changed, run
 
 # Three different moments, 5, 10 and 13, turned about the one between.
 TUMBLING = """
@@ -65,6 +66,23 @@ body bar block material=m lower=0 upper=1 ppc=2
 contact all
 stop energy_growth=10
 history steps=1
+"""
+# A piston moves into gas between walls.
+PISTON = """
+parameter speed = 1
+dimension 2
+grid cell=1/40 x=open:1 y=0:0.1
+wall x+=slip y-=slip y+=slip
+method sgmp
+time end=0.4 cfl=0.3
+material g fluid density=1
+eos g ideal_gas gamma=1.4 pressure0=1
+viscosity g
+material s elastic density=10 young=1e4 poisson=0.3
+body gas block material=g lower=(0,0) upper=(1,0.1) ppc=2
+body piston block material=s lower=(-0.2,0) upper=(0,0.1) ppc=2
+rigid piston x=speed
+history steps=50
 """
 # A disk or a sphere on a slope, gravity and not the grid being inclined; the ground does not feel it.
 ROLL = """
@@ -268,6 +286,25 @@ def hammer(report):
     )
 
 
+def piston(report):
+    """A rigid body for which there is no card contact pushes gas all the same: momentum of the gas by Rankine and
+    Hugoniot's pressure. It says so; with a card, nothing is said, and the bits are the same."""
+    speed = 0.5*math.sqrt(1.4)
+    front = 0.6*speed + math.sqrt((0.6*speed)**2 + 1.4)
+    silent = run("piston", PISTON, speed=speed)
+    spoken = run("piston_card", PISTON + "contact all\n", speed=speed)
+    for name, result in (("piston", silent), ("piston_card", spoken)):
+        if not report.finished(result, name):
+            return
+        moved = [row for row in result.table("bodies.csv") if row["name"] == "gas"][-1]["velocity_x"]/(front*speed*0.4)
+        report.check(abs(moved - 1) < 0.02, f"{name}: {moved} of the momentum")
+        path = os.path.join(SCRATCH, f"{name}.inp")
+        told = subprocess.run([SGMP, path, "--check"], capture_output=True, env=ENVIRONMENT, check=False, text=True)
+        words = "no card contact is for the rigid body 'piston'"
+        report.check((words in told.stderr) == (name == "piston"), f"{name}: {told.stderr}")
+    report.check(silent["checksum"] == spoken["checksum"], "piston: other bits with a card")
+
+
 def rolls(report):
     """A disk that rolls down a slope is as far as 2/3 g sin(angle) takes it, a box that slides as g (sin - mu cos)."""
     result = run("disk", DISK)
@@ -344,6 +381,7 @@ if __name__ == "__main__":
     drop(REPORT)
     impact(REPORT)
     hammer(REPORT)
+    piston(REPORT)
     rolls(REPORT)
     face(REPORT)
     bits(REPORT)

@@ -508,6 +508,7 @@ def criteria(report):
     foam(report)
     plates(report)
     balls(report)
+    row(report)
     waves(report)
     tubes = [("sgmp", sound(report, "sod_sgmp", SOD, method="sgmp"), 0.05)]  # which splits what grows too large
     for method in ("gimp", "bspline"):  # the fan leaves gaps; between it and the shock by Riemann's solution
@@ -798,6 +799,33 @@ def balls(report):
         told.append(result["verdict_error"])
     report.check(0.25 > told[0] > 1.5*told[1], f"balls: {told}")
     sound(report, "balls_fine", BALLS, speed=0.05, h="1/24")
+
+
+ROW = """
+dimension 1
+grid cell=1/16
+method sgmp
+time end=50 cfl=0.4
+material m elastic density=1 young=1 poisson=0
+body a block material=m lower=0 upper=1 ppc=2
+body b block material=m lower=1.05 upper=2.05 ppc=2
+body c block material=m lower=2.1 upper=3.1 ppc=2
+body d block material=m lower=3.15 upper=4.15 ppc=2
+velocity a x=0.01
+contact all
+history steps=50
+"""
+
+
+def row(report):
+    """Bars in a row: the last takes the velocity of the first, but for what each meeting keeps."""
+    lacks = []
+    for name, deck in (("row", ROW), ("row_of_two", "".join(
+            line for line in ROW.splitlines(True) if "body c" not in line and "body d" not in line))):
+        result = coarse(report, name, deck, "bounce off each other", 0.1)
+        lacks.append(1 - result.table("bodies.csv")[-1]["velocity_x"]/0.01)
+        report.check(lacks[-1] < result["verdict_error"] <= 0.35, f"{name}: {lacks[-1]}, {result['verdict_error']}")
+    report.check(lacks[0] > 1.5*lacks[1], f"row: {lacks}")
 
 
 def waves(report):

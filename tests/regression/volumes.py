@@ -276,6 +276,40 @@ def bursts(report):
         report.check(plain_one["verdict"] == "doubtful", f"bursts_plain: {plain_one['verdict']}")
 
 
+GUN = """
+dimension 2
+grid cell=1/20 x=0:open y=0:0.2
+wall x-=slip y-=slip y+=slip
+method sgmp
+time end=4 cfl=0.3
+material g fluid density=1
+eos g ideal_gas gamma=1.4 pressure0=1
+viscosity g
+material s elastic density=10 young=1e4 poisson=0.3
+body gas block material=g lower=(0,0) upper=(1,0.2) ppc=2
+body shot block material=s lower=(1,0) upper=(1.3,0.2) ppc=2
+rigid shot free=yes mass=0.1
+contact all
+history steps=50
+"""
+
+
+def guns(report):
+    """Gas behind a rigid shot keeps volumes without a word, and is split; behind one that deforms it does not."""
+    from _lagrange import Gas, Layer, Row
+    row = Row([Layer(Gas(1, 1.4, 1), 0, 1, 200)], left=0.0)
+    row.node_mass[-1] += 0.5
+    exact = float(row.run(4).v[-1])
+    result = run("guns", GUN)
+    if report.finished(result, "guns"):
+        end = result.table("bodies.csv")[-1]
+        report.check(result["volumes"] == "kept" and result["verdict"] == "sound", f"guns: {result.text}")
+        report.check(abs(end["velocity_x"]/exact - 1) < 0.01, f"guns: {end['velocity_x']}, not {exact}")
+    soft = run("guns_soft", GUN.replace("rigid shot free=yes mass=0.1\n", "").replace("end=4", "end=0.1"))
+    if report.finished(soft, "guns_soft"):
+        report.check(soft["volumes"] == "plain", f"guns_soft: volumes are {soft['volumes']}")
+
+
 def main():
     """All of them."""
     report = Report()
@@ -287,6 +321,7 @@ def main():
     burns(report)
     solids_stay_whole(report)
     bursts(report)
+    guns(report)
     report.end()
 
 
