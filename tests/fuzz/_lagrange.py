@@ -110,6 +110,7 @@ class Row:
         np.add.at(self.node_mass, self.first + 1, 0.5*self.mass)
         self.radial, self.around = np.zeros_like(self.mass), np.zeros_like(self.mass)  # deviatoric stress
         self.viscous = np.zeros_like(self.mass)
+        self.failed = np.zeros(len(self.mass), dtype=bool)
         self.time = 0.0
         self.update_pressure()
 
@@ -134,6 +135,10 @@ class Row:
         for layer, (_, zones) in zip(self.layers, self.parts):
             energy = self.energy[zones]*layer.matter.density
             p, stiff = layer.matter.pressure(v[zones], energy, burnt[zones])
+            limit = getattr(layer.matter, "spall", None)
+            if limit is not None:  # what was pulled so far bears pressure alone from then on
+                self.failed[zones] |= p < limit
+                p = np.where(self.failed[zones], np.maximum(p, 0.0), p)
             self.p[zones], self.c[zones] = p, np.sqrt(stiff/layer.matter.density)
 
     def step(self, limit):
@@ -180,7 +185,7 @@ class Row:
             t = t0 + 2*matter.shear*dt*(hoop[zones] - spread[zones]/3)  # order 0: -spread/3 each
             third = -r - t
             size = np.sqrt(1.5*(r**2 + t**2 + third**2))
-            back = np.minimum(1.0, matter.strength/np.maximum(size, 1e-30))
+            back = np.minimum(1.0, matter.strength/np.maximum(size, 1e-30))*~self.failed[zones]
             self.radial[zones], self.around[zones] = r*back, t*back
             mr, mt = 0.5*(r0 + self.radial[zones]), 0.5*(t0 + self.around[zones])
             along = spread[zones] - stretch[zones] - hoop[zones] if self.order < 2 else hoop[zones]
@@ -239,6 +244,13 @@ class Row:
         nodes, zones = self.parts[layer]
         v, m = self.v[nodes], self.mass[zones]
         return float(np.sum(0.5*(v[1:] + v[:-1])*m)/np.sum(m))
+
+    def outer(self, layer, part):
+        """Mean velocity of the outer part of a layer as it lay at the start."""
+        nodes, _ = self.parts[layer]
+        v = self.v[nodes]
+        n = round((1 - part)*(len(v) - 1))
+        return float(np.mean(0.5*(v[n + 1:] + v[n:-1])))
 
     def energies(self):
         """Kinetic and internal energy."""

@@ -1,0 +1,117 @@
+"""More classes of tests/fuzz/_truths.py: bodies that are dragged, stand on inclines, collide aside of their middles."""
+import math
+
+from _truths import Truth, body_end
+from _truths_impacts import turned
+
+
+class Drag(Truth):
+    """A block on a rigid plate that begins to move: it slides at friction times gravity, until it has its velocity."""
+
+    def make(self):
+        luck = self.luck
+        self.cells, space = luck.choice((4, 6, 8)), luck.choice(("2", "2", "3"))
+        h, mu, self.v = 1/self.cells, luck.choice((0.1, 0.3)), luck.uniform(0.2, 1.0)
+        self.end = luck.uniform(0.5, 1.5)*self.v/mu
+        self.truth = min(self.v, mu*self.end)
+        angle = luck.choice((0.0, luck.uniform(0, 2*math.pi)))
+        self.way = turned(angle, 1, 0)
+        down, fast = turned(angle, 0, -1), turned(angle, self.v, 0)
+        deep = "" if space == "2" else ",{}"
+        low, high = deep.format(0), deep.format(1)
+        walls = "" if space == "2" else " z=0:1"
+        self.decks = [f"""dimension {space}
+grid cell={h}{walls}
+{'wall z-=slip z+=slip' if walls else ''}
+METHOD
+time end={self.end} cfl=0.5
+gravity ({down[0]},{down[1]}{deep.format(0)})
+material m elastic density=1 young=1e3 poisson=0.3
+body plate block material=m lower=(-1,-0.5{low}) upper=({3 + self.v*self.end},0{high}) ppc=2 rotation={math.degrees(angle)}
+body block block material=m lower=(0,0{low}) upper=(2,1{high}) ppc=2 rotation={math.degrees(angle)}
+rigid plate x={fast[0]} y={fast[1]}
+contact block plate friction={mu}
+history steps=50
+"""]
+
+    def errors(self, results):
+        v = [body_end(results[0], "block", f"velocity_{axis}") for axis in "xy"]
+        return [("velocity", (v[0]*self.way[0] + v[1]*self.way[1] - self.truth)/self.v, 0.05)]
+
+
+class Sit(Truth):
+    """A block on a rigid incline with friction, damped to rest: it stays where it is, its weight on the incline."""
+
+    def make(self):
+        luck = self.luck
+        self.cells = luck.choice((4, 6, 8))
+        h, slope, mu = 1/self.cells, math.radians(luck.choice((0, 10, 20))), 0.6
+        angle = luck.choice((0.0, luck.uniform(0, 2*math.pi)))
+        self.way = turned(angle, 1, 0)
+        down = turned(angle, math.sin(slope), -math.cos(slope))
+        self.start = turned(angle, 1, 0.5)
+        self.cos = math.cos(slope)
+        self.decks = [f"""dimension 2
+grid cell={h}
+METHOD
+time end=12 cfl=0.5
+damping rate=1
+gravity ({down[0]},{down[1]})
+material m elastic density=1 young=1e3 poisson=0.3
+body plate block material=m lower=(-1,-0.5) upper=(3,0) ppc=2 rotation={math.degrees(angle)}
+body block block material=m lower=(0,0) upper=(2,1) ppc=2 rotation={math.degrees(angle)}
+rigid plate
+contact block plate friction={mu}
+history steps=50
+output csv at=end fields=pressure,stress,body
+"""]
+
+    def errors(self, results):
+        first, last = results[0].bodies[1], results[0].bodies[-1]
+        rows = [row for row in results[0].rows if row["body"] in (2, "block")]
+        c, s = self.way
+        across = sum(row["stress_xx"]*s*s - 2*row["stress_xy"]*s*c + row["stress_yy"]*c*c for row in rows)/len(rows)
+        return [("way", math.hypot(last["x"] - first["x"], last["y"] - first["y"]), 0.02),
+                ("stress", -across/(0.5*self.cos) - 1, 0.05)]
+
+
+class Tumble(Truth):
+    """Two free bodies collide aside of their middles, with or without friction: momentum and angular momentum of both
+    together stay."""
+
+    def make(self):
+        luck = self.luck
+        self.cells = luck.choice((8, 12, 16))
+        h, v, mu = 1/self.cells, luck.choice((0.01, 0.05)), luck.choice((0.0, 0.3))
+        aside, angle, gap = luck.uniform(0.2, 0.7), luck.uniform(0, 2*math.pi), luck.uniform(0.4, 2)*h
+        kinds = [luck.choice(("block", "sphere")) for _ in range(2)]
+        places = [(0.0, 0.0), turned(angle, 1 + gap + (0.5 if "block" in kinds else 0.0), aside)]
+        speeds = [turned(angle, 0.5*v, 0), turned(angle, -0.5*v, 0)]
+        self.v, bodies = v, ""
+        for name, kind, place, speed in zip("ab", kinds, places, speeds):
+            x, y = place
+            shape = (f"block lower=({x - 0.5},{y - 0.5}) upper=({x + 0.5},{y + 0.5}) "
+                     f"rotation={luck.uniform(0, 360)} pivot=({x},{y})"
+                     if kind == "block" else f"sphere centre=({x},{y}) radius=0.5")
+            bodies += f"body {name} {shape} material=m ppc=2\nvelocity {name} x={speed[0]} y={speed[1]}\n"
+        self.decks = [f"""dimension 2
+grid cell={h}
+METHOD
+time end={(gap + 1.0)/v + 10} cfl=0.5
+material m elastic density=1 young=1 poisson=0.3
+{bodies}contact all friction={mu}
+history steps=50
+output csv at=end fields=velocity,mass,body
+"""]
+
+    def errors(self, results):
+        rows, first = results[0].rows, results[0].bodies[:2]
+        before = sum(row["mass"]*(row["x"]*row["velocity_y"] - row["y"]*row["velocity_x"]) for row in first)
+        after = sum(row["mass"]*(row["x"]*row["velocity_y"] - row["y"]*row["velocity_x"]) for row in rows)
+        scale = 0.5*max(row["mass"] for row in first)*self.v
+        push = [sum(row["mass"]*row[f"velocity_{axis}"] for row in rows) -
+                sum(row["mass"]*row[f"velocity_{axis}"] for row in first) for axis in "xy"]
+        return [("angular momentum", (after - before)/scale, 0.05), ("momentum", math.hypot(*push)/scale, 0.01)]
+
+
+CLASSES = (Drag, Sit, Tumble)
