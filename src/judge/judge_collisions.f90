@@ -33,7 +33,7 @@ module sgmp_judge_collisions
   real(dp), parameter :: row_power = 1.3_dp       !! of the meetings in a row: 2 and 3 bars after one
   real(dp), parameter :: least_flat = 0.05_dp     !! as least_loss, of elastic blocks
   real(dp), parameter :: bounce_weight = 0.65_dp  !! squares of 10 to 40 cells: 0.58 to 0.65
-  real(dp), parameter :: rigid_weight = 1.4_dp    !! on a rigid body, 5 to 40 cells: 0.93 to 1.37
+  real(dp), parameter :: rigid_weight = 0.9_dp    !! on a rigid body, 8 to 32 cells: 0.5 to 0.87
   real(dp), parameter :: plate_weight = 0.6_dp    !! metals, 4 to 40 cells: 0.1 to 0.7
   real(dp), parameter :: most_error = 0.35_dp     !! of what is coarse: 0.33 found
   real(dp), parameter :: least_parting = 0.02_dp  !! of the velocity with which bodies met

@@ -367,6 +367,7 @@ contains
     if (size(model%contact%pairs) > 0) step%gap_speed = model%mesh%h/model%clock%dt
     step%pic = 1.0_dp - model%method%flip
     step%gravity = model%method%gravity
+    step%work_part = 1.0_dp - model%method%work_lag
     step%strains_with_trial = model%method%update == update_usl
     if (step%strains_with_trial .or. strains_before) step%before = 1.0_dp
     if (model%method%update == update_usavg .and. strains_before) step%before = 0.5_dp

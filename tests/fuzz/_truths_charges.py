@@ -1,10 +1,12 @@
 """More classes of tests/fuzz/_truths.py: explosives of the library that drive metals, and plates that spall. The truth is
 the Lagrangian code of _lagrange.py."""
 import math
+from pathlib import Path
 
 from _lagrange import Jwl, Layer, Metal, Row
 from _truths_layers import METALS, Matter, Stack, metal
 
+LIBRARY = Path(__file__).resolve().parents[2]/"input/materials"
 EXPLOSIVES = {  # Dobratz and Crawford 1985, as in input/materials: density, detonation speed, A, B, R1, R2, omega, energy
     "anfo": (931, 4160, 49.46e9, 1.891e9, 3.907, 1.118, 0.333, 2.484e9),
     "c4": (1601, 8193, 609.77e9, 12.95e9, 4.5, 1.4, 0.25, 9.0e9),
@@ -18,7 +20,7 @@ def explosive(name):
     """One of them, from the library; mm g ms."""
     density, speed, a, b, r1, r2, omega, energy = EXPLOSIVES[name]
     return Matter(
-        name, f'include "materials/{name}.inp"\n',
+        name, f'include "{LIBRARY}/{name}.inp"\n',
         Jwl(density*1e-6, speed, a*1e-6, b*1e-6, r1, r2, omega, energy*1e-6), speed,
     )
 

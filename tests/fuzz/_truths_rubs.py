@@ -27,7 +27,7 @@ METHOD
 time end={self.end} cfl=0.5
 gravity ({down[0]},{down[1]}{deep.format(0)})
 material m elastic density=1 young=1e3 poisson=0.3
-body plate block material=m lower=(-1,-0.5{low}) upper=({3 + self.v*self.end},0{high}) ppc=2 rotation={math.degrees(angle)}
+body plate block material=m lower=({-1 - self.v*self.end},-0.5{low}) upper=(3,0{high}) ppc=2 rotation={math.degrees(angle)}
 body block block material=m lower=(0,0{low}) upper=(2,1{high}) ppc=2 rotation={math.degrees(angle)}
 rigid plate x={fast[0]} y={fast[1]}
 contact block plate friction={mu}
@@ -72,7 +72,7 @@ output csv at=end fields=pressure,stress,body
         c, s = self.way
         across = sum(row["stress_xx"]*s*s - 2*row["stress_xy"]*s*c + row["stress_yy"]*c*c for row in rows)/len(rows)
         return [("way", math.hypot(last["x"] - first["x"], last["y"] - first["y"]), 0.02),
-                ("stress", -across/(0.5*self.cos) - 1, 0.05)]
+                ("stress", -across/(0.5*self.cos) - 1, 0.1)]
 
 
 class Tumble(Truth):

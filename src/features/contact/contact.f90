@@ -54,6 +54,7 @@ module sgmp_contact
     real(dp) :: gap_speed = 0.0_dp         !! that closes a gap of one cell in the position step
     real(dp) :: pic = 0.0_dp               !! share of the grid's velocity in particles' (1 - flip)
     real(dp) :: gravity(3) = 0.0_dp
+    real(dp) :: work_part = 0.5_dp         !! of a kick's change of velocity, on whose way forces work
     logical :: strains_with_trial = .false.  !! the trial velocity also strains the particles (USL)
     real(dp) :: before = 0.0_dp, after = 0.0_dp
       !! parts of the strain that come from velocities before and after the kick
@@ -277,7 +278,7 @@ contains
     end do
     if (shared%driven) call push_driven(shared, n, fields, inverse_mass)
     call ledger_kick(shared, n, fields, inverse_mass, trial, kick, gained, step%dt_kick, &
-                     step%gravity)
+                     step%gravity, step%work_part)
     if (step%strains_with_trial .and. shared%at_surface) return  ! friction is yet to come
     if (step%strains_with_trial) then
       do k = 1, size(inverse_mass, 2)

@@ -10,7 +10,7 @@ module sgmp_contact_build
   use sgmp_model, only: model_t
   use sgmp_patches, only: patch_of
   use sgmp_scene, only: body_card_t, contact_card_t, layout_file, layout_graded, scene_t
-  use sgmp_shapes, only: surface_depth
+  use sgmp_shapes, only: shape_block, shape_polygon, surface_depth
   use sgmp_surface_particles, only: surface_covered
   use sgmp_turn, only: turn_back
   implicit none
@@ -22,6 +22,10 @@ module sgmp_contact_build
   real(dp), parameter :: contact_no_surface = -2.0e3_dp
   real(dp), parameter :: outside = 0.05_dp   !! part of the spacing by which a particle may lie out
   real(dp), parameter :: interior = 0.95_dp  !! particles with a larger offset are covered by others
+  !> How far outside of a rigid body (cells) contact acts at nodes, where faces are flat. Farther ones
+  !! would hold a layer of the other body, which then bears no stress; round bodies want them, for
+  !! they touch in a patch of few cells, which would give way (doc/contact.md).
+  real(dp), parameter :: rigid_reach = 0.5_dp
 
 contains
 
@@ -56,6 +60,7 @@ contains
         pair%kind = merge(model%bodies(pair%body)%family, pair%field, &
                           model%bodies(pair%body)%family > 0)
         if (is_listed(model%contact%pairs, pair%field)) cycle
+        if (all(is_flat(scene, model%bodies, pair%field))) pair%reach = rigid_reach
         pair%fills = pair%normal == normal_separating .and. &
                      any(law_gaseous(model%bodies%law) .and. &
                          (model%bodies%field == pair%field(1) .or. &
@@ -310,6 +315,23 @@ contains
                           stiffness(model, pair%body(1)) >= stiffness(model, pair%body(2)))
     end if
   end function make_pair
+
+  !> Whether all bodies of some fields are made of blocks and polygons.
+  pure function is_flat(scene, bodies, fields) result(flat)
+    type(scene_t), intent(in) :: scene
+    type(body_t), intent(in) :: bodies(:)
+    integer, intent(in) :: fields(:)
+    logical :: flat(size(fields))
+    logical :: body_flat
+    integer :: b
+    flat = .true.
+    do b = 1, size(scene%bodies)
+      body_flat = allocated(scene%bodies(b)%shapes)
+      if (body_flat) body_flat = all(scene%bodies(b)%shapes%kind == shape_block .or. &
+                                     scene%bodies(b)%shapes%kind == shape_polygon)
+      where (fields == bodies(b)%field) flat = flat .and. body_flat
+    end do
+  end function is_flat
 
   !> Stiffness that the option normal=stiffer compares.
   pure function stiffness(model, b) result(k)

@@ -125,9 +125,23 @@ contains
       shared%middle(l) = 0.5_dp*above + 0.5_dp*below
       if (pair%fills .and. abs(shared%middle(l)) > far*sides(1)) shared%middle(l) = 0.0_dp
       shared%near(l) = (pair%fills .or. above - below < pair%lambda + margin) .and. &
-                       abs(shared%middle(l)) <= sides(1)*pair%depth + edge
+                       abs(shared%middle(l)) <= sides(1)*pair%depth + edge .and. &
+                       outside(shared, at, bodies, shared%middle(l)) <= sides(1)*pair%reach + edge
     end associate
   end subroutine measure
+
+  !> How far a node lies outside of a rigid body, from where bodies touch; minus a lot if both give
+  !! way.
+  pure function outside(shared, at, bodies, middle) result(way)
+    type(shared_nodes_t), intent(in) :: shared
+    integer, intent(in) :: at(2)                 !! members
+    type(body_t), intent(in) :: bodies(:)
+    real(dp), intent(in) :: middle               !! along the normal, from the node
+    real(dp) :: way
+    way = nowhere
+    if (bodies(shared%body(at(2)))%rigid) way = middle
+    if (bodies(shared%body(at(1)))%rigid) way = -middle
+  end function outside
 
   !> Outward direction of a member at a node, and of all that are one matter with it there.
   pure function whole_gradient(mesh, fields, shared, n, m, bodies) result(gradient)

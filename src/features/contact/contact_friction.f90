@@ -160,7 +160,8 @@ contains
 
   !> After the trial: books friction at a node. Where a velocity from before the end of the trial
   !! strains the particles, it is that before the kick or, `with_trial`, what particles receive.
-  pure subroutine friction_close(levers, shared, n, fields, bodies, dt, part, with_trial)
+  pure subroutine friction_close(levers, shared, n, fields, bodies, dt, part, with_trial, &
+                                 work_part)
     type(levers_t), intent(inout) :: levers
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n
@@ -169,6 +170,7 @@ contains
     real(dp), intent(in) :: dt
     real(dp), intent(in) :: part               !! of the strain that comes from such a velocity
     logical, intent(in) :: with_trial
+    real(dp), intent(in) :: work_part          !! see contact_step_t
     real(dp) :: kick(3, parts_of)
     integer :: l
     do l = shared%link_start(n), shared%link_start(n + 1) - 1
@@ -181,7 +183,7 @@ contains
                          dot_product(link%rub, levers%pressed(:, 1, l) + kick(:, 1))/dt**2
         terms%power_before = terms%power_before - dot_product(link%rub, levers%before(:, 1, l))/dt
         terms%external_power = terms%external_power - &
-                               0.5_dp*dot_product(link%rub, levers%booked(:, l))
+                               work_part*dot_product(link%rub, levers%booked(:, l))
         if (part <= 0.0_dp) cycle
         levers%apart(:, :, l) = levers%before(:, :, l)
         if (with_trial) levers%apart(:, :, l) = levers%apart(:, :, l) + kick

@@ -47,7 +47,8 @@ module sgmp_contact_ledger
 contains
 
   !> What the impulses at a node change in the sums that were taken before contact.
-  pure subroutine ledger_kick(shared, n, fields, inverse_mass, trial, kick, gained, dt, gravity)
+  pure subroutine ledger_kick(shared, n, fields, inverse_mass, trial, kick, gained, dt, gravity, &
+                              work_part)
     type(shared_nodes_t), intent(inout) :: shared
     integer, intent(in) :: n
     type(field_t), intent(in) :: fields(:)
@@ -56,6 +57,7 @@ contains
     real(dp), intent(in) :: kick(:, :)           !! (3, members) the part of it by forces
     real(dp), intent(in) :: gained(:, :)         !! (3, members) impulses on the members
     real(dp), intent(in) :: dt, gravity(3)
+    real(dp), intent(in) :: work_part            !! see contact_step_t
     real(dp) :: got(3)
     integer :: k
     associate (terms => shared%terms(n))
@@ -67,7 +69,7 @@ contains
           dot_product(got, 2.0_dp*kick(:, k) + inverse_mass(:, k)*got)/dt**2
         terms%power_before = terms%power_before + &
                              dot_product(got, trial(:, k) - kick(:, k))/dt
-        terms%external_power = terms%external_power + 0.5_dp*dot_product(got, &
+        terms%external_power = terms%external_power + work_part*dot_product(got, &
           external(shared, n, k, fields, inverse_mass(:, k), gravity, .false.))
       end do
     end associate

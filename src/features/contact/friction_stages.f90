@@ -112,7 +112,7 @@ contains
     !$omp& shared(contact, fields, bodies, step) private(n)
     do n = 1, contact%shared%nodes
       call friction_close(contact%levers, contact%shared, n, fields, bodies, step%dt_kick, &
-                          step%before, step%strains_with_trial)
+                          step%before, step%strains_with_trial, step%work_part)
     end do
     !$omp end parallel do
   end subroutine friction_after_trial
