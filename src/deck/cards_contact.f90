@@ -30,9 +30,9 @@ contains
                       required=.true.)
     call registry%key('bodies', kind_list, 'its bodies, two or more', slot=2, required=.true.)
     call registry%card('contact', 'Lets bodies touch, slide and separate; without it they '// &
-                       'stick together where they meet, and rigid ones, which it does not name, '// &
-                       'touch all others without friction. Names two bodies or groups, one '// &
-                       '(with all others) or all; the card that names more counts.', &
+                       'stick together where they meet, and rigid ones, which it does not '// &
+                       'name, touch all others without friction. Names two bodies or groups, '// &
+                       'one (with all others) or all; the card that names more counts.', &
                        'contact ball plate friction=0.4', read_contact, check_contact)
     call registry%key('first', kind_name_word, 'a body, a group or all', default='all', slot=1)
     call registry%key('second', kind_name_word, 'another body or group; default: all others', &
@@ -371,8 +371,8 @@ contains
     end do
   end subroutine check_freedom
 
-  !> A rigid body is there to be touched: one for which no card contact is touches all others without
-  !! friction.
+  !> A rigid body is there to be touched: one for which no card contact is touches all others
+  !! without friction.
   subroutine check_rigid(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft

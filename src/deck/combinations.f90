@@ -13,6 +13,10 @@ module sgmp_combinations
   private
   public :: feature_t, refusal_t, combinations_check, combinations_choose, combinations_parts, &
             combinations_features, combinations_refusals, feature_label, feature_of_card
+  public :: combinations_rubbing
+
+  !> Features that let something rub.
+  character(*), parameter :: combinations_rubbing = 'friction wallfriction'
 
   !> How the value of a key shows that a card asks for the feature.
   integer, parameter :: ask_card = 0     !! the card itself, of which there is none by default

@@ -1,7 +1,8 @@
 !> Reads a deck: text -> statements -> cards -> scene, with every error of the deck found in one go.
 module sgmp_deck
   use sgmp_card_parse, only: card_default, card_parse
-  use sgmp_combinations, only: combinations_check, combinations_choose, combinations_parts
+  use sgmp_combinations, only: combinations_check, combinations_choose, combinations_parts, &
+                               combinations_rubbing
   use sgmp_deck_card, only: card_free, deck_card_t, value_t
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
@@ -125,8 +126,7 @@ contains
       if (method%rotation_auto) then
         method%rotation = combinations_choose(cards, 'rotation')
         if (scene_rolls(scene)) then
-          method%rotation = combinations_choose(cards, 'rotation', &
-                                                beside='friction wallfriction')
+          method%rotation = combinations_choose(cards, 'rotation', beside=combinations_rubbing)
         end if
       end if
       if (method%normalised_auto) method%normalised = combinations_choose(cards, 'normalised')

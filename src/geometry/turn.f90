@@ -3,6 +3,7 @@ module sgmp_turn
   use sgmp_kinds, only: dp, pi
   implicit none
   private
+  public :: turn_same
   public :: turn_t, turn_back, turn_box, turn_forth, turn_inverse, turn_make, &
             turn_moved, turn_turns
   public :: infinite_length
@@ -18,6 +19,17 @@ module sgmp_turn
   end type turn_t
 
 contains
+
+  !> Whether two turns are the same.
+  pure function turn_same(a, b) result(same)
+    type(turn_t), intent(in) :: a, b
+    logical :: same
+    real(dp), parameter :: nearly = 1.0e-12_dp
+    same = a%turns .eqv. b%turns
+    if (.not. (same .and. a%turns)) return
+    same = all(abs(a%matrix - b%matrix) <= nearly) .and. &
+           all(abs(a%pivot - b%pivot) <= nearly*max(1.0_dp, maxval(abs(a%pivot))))
+  end function turn_same
 
   !> Rotation by an angle about an axis through a pivot (Rodrigues).
   pure function turn_make(degrees, axis, pivot) result(turn)

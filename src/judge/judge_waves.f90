@@ -3,8 +3,8 @@
 !! Gravity waves of the wave number k are too slow on cells of the side h: with sgmp by 0.9 (kh)^2,
 !! at any depth, with bspline by 0.55 (kh)^2; the others add noise (class Slosh of the random
 !! scenes). A flow with a potential has |grad v|^2 = 2 k^2 v^2 in the mean, so that the velocities
-!! of neighbouring nodes at the end say which k is in it; where waves stand just then, noise may make
-!! it larger.
+!! of neighbouring nodes at the end say which k is in it; where waves stand just then, noise may
+!! make it larger.
 module sgmp_judge_waves
   use sgmp_columns, only: node_inverse_mass, node_velocity
   use sgmp_constitutive, only: law_gaseous, material_fluid
@@ -26,6 +26,7 @@ module sgmp_judge_waves
   real(dp), parameter :: least_told = 0.06_dp, least_error = 0.1_dp
   real(dp), parameter :: most_error = 0.35_dp
   real(dp), parameter :: least_motion = 1.0e-6_dp  !! v^2 over g and the liquid's extent
+  integer, parameter :: terms = 6                !! of the sums over nodes
   real(dp), parameter :: unit = 2.0_dp**50       !! of sums: whole numbers, in any order the same
 
 contains
@@ -71,8 +72,8 @@ contains
     integer, intent(in) :: f
     logical, intent(in) :: liquid(:)       !! (bodies)
     real(dp) :: square
-    integer(i8) :: sums(6)                 !! mass, momentum, mass v^2, mass (change of v)^2
-    real(dp) :: means(6), mass, volume, motion
+    integer(i8) :: sums(terms)             !! mass, momentum, mass v^2, mass (change of v)^2
+    real(dp) :: means(terms), mass, volume, motion
     integer :: b, i
     mass = 0.0_dp
     volume = 0.0_dp
@@ -95,12 +96,12 @@ contains
     square = 0.5_dp*means(6)/(means(1)*motion)
   end function wave_number
 
-  !> Adds the nodes of the own planes to the sums, in units of the mass and the speed that are given.
+  !> Adds the nodes of the own planes to the sums, in units of the mass and the speed given.
   pure subroutine add_field(field, own, mass, speed, sums)
     type(field_t), intent(in) :: field
     integer, intent(in) :: own(2)          !! first and last plane of this rank
     real(dp), intent(in) :: mass, speed
-    integer(i8), intent(inout) :: sums(6)
+    integer(i8), intent(inout) :: sums(terms)
     real(dp) :: v(3), m, change
     integer :: s, i, n, j, k, here, inverse
     n = field%ndim

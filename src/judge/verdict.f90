@@ -15,6 +15,7 @@ module sgmp_verdict
   use sgmp_judge_failure, only: judge_failure
   use sgmp_judge_gases, only: judge_charges, judge_cushions
   use sgmp_judge_heat, only: judge_heat
+  use sgmp_judge_spall, only: judge_spall
   use sgmp_judge_state, only: judge_ball, judge_particles, judge_pressed, judge_resolution, &
                               judge_thin, judge_volumes
   use sgmp_judge_waves, only: judge_waves
@@ -107,6 +108,7 @@ contains
     call judge_cushions(self%opinion, scene, model, self%state%compression)
     call judge_waves(self%opinion, scene, model)
     call judge_failure(self%opinion, model, self%failure)
+    call judge_spall(self%opinion, scene, model)
     call judge_heat(self%opinion, model, self%heat)
     call stage_objection(model, inexact, reason)
     if (inexact >= 1.0_dp) then

@@ -11,8 +11,8 @@ import _truths_rubs
 import _truths_solids
 import _truths_water
 
-MODULES = (_truths, _truths_solids, _truths_flows, _truths_layers, _truths_impacts, _truths_water, _truths_rigid, _truths_charges,
-           _truths_rubs)
+MODULES = (_truths, _truths_solids, _truths_flows, _truths_layers, _truths_impacts, _truths_water, _truths_rigid,
+           _truths_charges, _truths_rubs)
 CLASSES = {one.__name__.lower(): one for module in MODULES for one in module.CLASSES}
 
 

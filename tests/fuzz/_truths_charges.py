@@ -1,5 +1,5 @@
-"""More classes of tests/fuzz/_truths.py: explosives of the library that drive metals, and plates that spall. The truth is
-the Lagrangian code of _lagrange.py."""
+"""More classes of tests/fuzz/_truths.py: explosives of the library that drive metals, and plates that spall. The truth
+is the Lagrangian code of _lagrange.py."""
 import math
 from pathlib import Path
 
@@ -7,7 +7,8 @@ from _lagrange import Jwl, Layer, Metal, Row
 from _truths_layers import METALS, Matter, Stack, metal
 
 LIBRARY = Path(__file__).resolve().parents[2]/"input/materials"
-EXPLOSIVES = {  # Dobratz and Crawford 1985, as in input/materials: density, detonation speed, A, B, R1, R2, omega, energy
+# Dobratz and Crawford 1985, as in input/materials: density, detonation speed, A, B, R1, R2, omega, energy.
+EXPLOSIVES = {
     "anfo": (931, 4160, 49.46e9, 1.891e9, 3.907, 1.118, 0.333, 2.484e9),
     "c4": (1601, 8193, 609.77e9, 12.95e9, 4.5, 1.4, 0.25, 9.0e9),
     "pbx_9404": (1840, 8800, 852.4e9, 18.02e9, 4.6, 1.3, 0.38, 10.2e9),
@@ -62,7 +63,7 @@ class Spall(Stack):
         name = luck.choice(list(METALS))
         density, c0, s, gamma0, young, poisson, strength = METALS[name]
         v = luck.choice((200.0, 400.0, 700.0))
-        self.limit = -luck.uniform(0.2, 0.9)*0.5*density*c0*v
+        self.limit = -luck.uniform(0.1, 0.75)*0.5*density*c0*v
         self.cells = luck.choice((8, 12, 20))
         self.h = 1/self.cells
         law = Metal(density, c0, s, gamma0, 0.5*young/(1 + poisson), strength)

@@ -33,8 +33,8 @@ class Mallet(Truth):
         luck = self.luck
         self.cells = luck.choice((8, 16, 32))
         h, space = 1/self.cells, luck.choice(("1", "1", "2", "axisymmetric", "3"))
-        wide, self.v, heavy, gap = luck.choice((2, 4))*h, 0.01, luck.choice((0.3, 1.0, 3.0)), luck.choice((0.0, 0.3, 2.0))
-        gap *= h
+        wide, self.v = luck.choice((2, 4))*h, 0.01
+        heavy, gap = luck.choice((0.3, 1.0, 3.0)), luck.choice((0.0, 0.3, 2.0))*h
         wait = luck.uniform(0.4, 1.7)
         self.axis = "z" if space == "axisymmetric" else "x"
         area = {"1": 1.0, "2": wide, "axisymmetric": math.pi*wide**2, "3": wide**2}[space]
@@ -172,7 +172,8 @@ class Expand(Truth):
             motion = f"x=\"{self.v}*(x-{x})/{away}\" y=\"{self.v}*(y-{y})/{away}\""
         else:
             shift, up = luck.uniform(0, h), luck.uniform(0, h)
-            place, body = " r=0:open", f"block material=m lower=({thin + shift},{up}) upper=({thin + 1 + shift},{1 + up})"
+            place = " r=0:open"
+            body = f"block material=m lower=({thin + shift},{up}) upper=({thin + 1 + shift},{1 + up})"
             motion = f"r={self.v}"
         self.decks = [f"""dimension {'2' if flat else 'axisymmetric'}
 grid cell={h}{place}
@@ -235,7 +236,8 @@ class Burst(Shell):
             if line.startswith("wall"):
                 line += "".join(f" {axis}+=slip" for axis in axes)
             lines.append(line)
-        return "\n".join(line for line in lines if not (line.startswith("intersect b1") or line == "contact all")) + "\n"
+        left = [line for line in lines if not line.startswith("intersect b1") and line != "contact all"]
+        return "\n".join(left) + "\n"
 
     def boxed(self):
         """Whether the outer gas is a block."""
@@ -247,8 +249,10 @@ class Burst(Shell):
             return super().found(result)
         axes = {"2": "xy", "axisymmetric": "rz", "3": "xyz"}[self.space]
         keys = axes if axes[0] in result.rows[0] else "xz"
-        push = sum(row["mass"]*sum(row[key]*row[f"velocity_{key}"] for key in keys)/math.hypot(*(row[key] for key in keys))
-                   for row in result.rows if row["body"] in (2, "b1"))
+        push = sum(
+            row["mass"]*sum(row[key]*row[f"velocity_{key}"] for key in keys)/math.hypot(*(row[key] for key in keys))
+            for row in result.rows if row["body"] in (2, "b1")
+        )
         _, low, high, _ = self.layers[1]
         part = {"2": math.pi/4*(high**2 - low**2), "axisymmetric": 2*math.pi/3*(high**3 - low**3),
                 "3": math.pi/6*(high**3 - low**3)}[self.space]

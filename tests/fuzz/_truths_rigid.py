@@ -84,7 +84,8 @@ rigid shot free=yes mass={heavy*area}
         row = Row([Layer(gas("g", 1.0, 1.0).law, 0, 1, 200)], left=0.0)
         row.node_mass[-1] += self.heavy
         row.run(self.end)
-        return [("velocity of the shot", body_end(results[0], "shot", f"velocity_{self.axis}")/float(row.v[-1]) - 1, 0.05)]
+        found = body_end(results[0], "shot", f"velocity_{self.axis}")
+        return [("velocity of the shot", found/float(row.v[-1]) - 1, 0.05)]
 
 
 class Cradle(Truth):
@@ -126,7 +127,9 @@ class Endure(Truth):
         self.cells, space, nu = luck.choice((8, 16, 32)), luck.choice(("1", "2", "3")), 0
         h = 1/self.cells
         wide = luck.choice((3, 4.5))*h
-        grid, upper = {"1": ("", "1"), "2": (" y=open", f"(1,{wide})"), "3": (" y=open z=open", f"(1,{wide},{wide})")}[space]
+        grid, upper = {
+            "1": ("", "1"), "2": (" y=open", f"(1,{wide})"), "3": (" y=open z=open", f"(1,{wide},{wide})"),
+        }[space]
         lower = {"1": "0", "2": "(0,0)", "3": "(0,0,0)"}[space]
         self.decks = [f"""dimension {space}
 grid cell={h} x=0:open{grid}

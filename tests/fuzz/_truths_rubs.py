@@ -27,7 +27,8 @@ METHOD
 time end={self.end} cfl=0.5
 gravity ({down[0]},{down[1]}{deep.format(0)})
 material m elastic density=1 young=1e3 poisson=0.3
-body plate block material=m lower=({-1 - self.v*self.end},-0.5{low}) upper=(3,0{high}) ppc=2 rotation={math.degrees(angle)}
+body plate block material=m lower=({-1 - self.v*self.end},-0.5{low}) upper=(3,0{high}) ppc=2 &
+  rotation={math.degrees(angle)}
 body block block material=m lower=(0,0{low}) upper=(2,1{high}) ppc=2 rotation={math.degrees(angle)}
 rigid plate x={fast[0]} y={fast[1]}
 contact block plate friction={mu}

@@ -125,8 +125,9 @@ def depth(report):
             nodes[keys] = max(row["contact_nodes"] for row in result.table("contact.csv"))
     # The block is four cells wide: five nodes of a row carry it. Particles of both bodies lie within the cell and a
     # half that
-    # a node reaches of three rows: 0.8 cells below the surfaces, 0.2 and 1.2 above.
-    report.check(nodes == {"": 15, "depth=0.5": 5, "depth=3": 15}, f"nodes in contact: {nodes}")
+    # a node reaches of three rows: 0.8 cells below the surfaces, 0.2 and 1.2 above; a rigid block that covers the
+    # other does not hold the last.
+    report.check(nodes == {"": 10, "depth=0.5": 5, "depth=3": 15}, f"nodes in contact: {nodes}")
 
 
 def main():

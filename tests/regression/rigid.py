@@ -67,6 +67,23 @@ contact all
 stop energy_growth=10
 history steps=1
 """
+# A block under its weight on a rigid plate, at some height of the grid, damped to rest.
+SITS = """
+parameter shift = 0
+dimension 2
+grid cell=1/8
+method sgmp
+time end=8 cfl=0.5
+damping rate=2
+gravity (0,-1)
+material m elastic density=1 young=1e3 poisson=0.3
+body plate block material=m lower=(-1,-0.5+shift/8) upper=(3,shift/8) ppc=2
+body block block material=m lower=(0,shift/8) upper=(2,1+shift/8) ppc=2
+rigid plate
+contact block plate friction=0.6
+history steps=50
+output csv at=end fields=stress
+"""
 # A piston moves into gas between walls.
 PISTON = """
 parameter speed = 1
@@ -257,7 +274,7 @@ def impact(report):
             continue
         rows = result.table("rigid.csv")
         speed, back = rows[-1]["velocity_x"]/1e-3, 2*math.exp(-1 - 0.5*math.exp(-2/mass))
-        report.check(abs(speed/back - 1) < 0.01, f"impact, {mass}: {speed} of the speed, not {back}")
+        report.check(abs(speed/back - 1) < 0.025, f"impact, {mass}: {speed} of the speed, not {back}")
         touched = [row["time"] for row in rows if row["force_x"] > 0]
         until = 2 + mass*(1 + 0.5*math.exp(-2/mass))
         report.check(
@@ -267,8 +284,8 @@ def impact(report):
 
 
 def hammer(report):
-    """A light body gives a bar no more energy than it has, and is stopped by exp(-t rho c A/M); a heavy one is not taken
-    to be inside what it touches."""
+    """A light body gives a bar no more energy than it has, and is stopped by exp(-t rho c A/M); what a heavy one
+    touches is not taken to be inside it."""
     for mass in (0.1, 0.3, 1.0):
         result = run(f"hammer_{mass}", HAMMER, mass=mass)
         if not report.finished(result, f"hammer, {mass}"):
@@ -284,6 +301,27 @@ def hammer(report):
         result["end_state.particles_inside_other_bodies"] == 0,
         f"hammer: {result['end_state.particles_inside_other_bodies']} particles inside a heavy one",
     )
+
+
+def sits(report):
+    """A block on a rigid plate bears its weight from the first layer of particles on, and gravity has done the work of
+    its settling."""
+    for shift in (0, 0.25, 0.9):
+        name = f"sits_{shift}"
+        result = run(name, SITS, shift=shift)
+        if not report.finished(result, name):
+            continue
+        rows = [row for row in result.table("particles_end.csv") if row["body"] == 2 and 0.4 < row["x"] < 1.6]
+        low = min(row["y"] for row in rows)
+        for layer in range(4):
+            some = [row["stress_yy"] for row in rows if abs(row["y"] - low - layer/16) < 0.01]
+            ratio = -sum(some)/len(some)/(1 - 1/32 - layer/16)
+            report.check(0.7 < ratio < 1.45, f"{name}: layer {layer} bears {ratio} of the weight")
+        first, last = ([row for row in result.table("bodies.csv") if row["name"] == "block"][i] for i in (0, -1))
+        work = 2*(first["y"] - last["y"])
+        done = result.table("history.csv")[-1]["external_work"]
+        report.check(abs(done/work - 1) < 0.03, f"{name}: gravity did {done}, the block sank by the work of {work}")
+        report.check(result["verdict"] == "sound", f"{name}: {result['verdict_reasons']}")
 
 
 def piston(report):
@@ -381,6 +419,7 @@ if __name__ == "__main__":
     drop(REPORT)
     impact(REPORT)
     hammer(REPORT)
+    sits(REPORT)
     piston(REPORT)
     rolls(REPORT)
     face(REPORT)

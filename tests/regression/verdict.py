@@ -510,6 +510,7 @@ def criteria(report):
     balls(report)
     row(report)
     waves(report)
+    spall(report)
     tubes = [("sgmp", sound(report, "sod_sgmp", SOD, method="sgmp"), 0.05)]  # which splits what grows too large
     for method in ("gimp", "bspline"):  # the fan leaves gaps; between it and the shock by Riemann's solution
         tubes.append((method, coarse(report, f"sod_{method}", SOD, "larger than a cell", 0.1, method=method), 0.1))
@@ -674,7 +675,7 @@ def near_walls(report):
     report.check(narrow["verdict_error"] == 0.1 and 0.9 < back < 1, f"wall_narrow: {back}, {narrow['verdict_reasons']}")
     floor = DROPPED.replace("wall y-=slip", "").replace("y=0:open", "y=open").replace("poisson=0.3", "poisson=0")
     floor += "body b block material=m lower=(-2,-0.8) upper=(2,0)\nrigid b\ncontact a b\n"
-    hard = coarse(report, "floor", floor, "bounce off each other", 0.3, t_end=30)  # 0.74, finite elements: 0.998
+    hard = coarse(report, "floor", floor, "bounce off each other", 0.15, t_end=30)  # 0.86, finite elements: 0.998
     back = hard.table("bodies.csv")[-2]["velocity_y"]/0.03
     report.check(1 - hard["verdict_error"] < back < 0.9, f"floor: {back}")
     block = "block material=m lower=(-1,gap/5) upper=(1,2+gap/5)"
@@ -826,6 +827,42 @@ def row(report):
         lacks.append(1 - result.table("bodies.csv")[-1]["velocity_x"]/0.01)
         report.check(lacks[-1] < result["verdict_error"] <= 0.35, f"{name}: {lacks[-1]}, {result['verdict_error']}")
     report.check(lacks[0] > 1.5*lacks[1], f"row: {lacks}")
+
+
+SPALL = """
+units mm g ms
+dimension 1
+grid cell=1/12
+method sgmp
+time end=1.7e-3 cfl=0.3
+material steel johnson_cook density=7.83e-3 young=207000 poisson=0.29 yield=500
+eos steel gruneisen c0=4569 s=1.49 gamma0=1.93
+failure steel pmin=-2484
+viscosity all
+body flyer block material=steel lower=0 upper=1 ppc=2
+velocity flyer x=200
+body plate block material=steel lower=1 upper=3 ppc=2
+contact all
+history steps=50
+output csv at=end fields=velocity,mass,initial_position
+"""
+
+
+def spall(report):
+    """What flies off a plate lacks velocity, beside a code in one dimension, by less than is told; with a tension that
+    is small beside the pressure, and without, nothing is told."""
+    sys.path.insert(0, f"{SOURCE}/tests/fuzz")
+    from _lagrange import Layer, Metal, Row
+    steel = Metal(7.83e-3, 4569, 1.49, 1.93, 207000/2.58, 500)
+    steel.spall = -2484
+    exact = Row([Layer(steel, 0, 1, 96, 200.0), Layer(steel, 1, 3, 192)]).run(1.7e-3).outer(1, 0.2)
+    result = coarse(report, "spall", SPALL, "has spalled", 0.1)
+    rows = [row for row in result.table("particles_end.csv") if row["body"] == 2 and row["x0"] > 2.6]
+    lack = 1 - sum(row["velocity_x"] for row in rows)/len(rows)/exact
+    report.check(0.1 < lack < result["verdict_error"], f"spall: lacks {lack} of {exact}, {result['verdict_error']}")
+    for name, words in (("spall_weak", "failure steel pmin=-300"), ("spall_none", "")):
+        other = run(name, SPALL.replace("failure steel pmin=-2484", words))
+        report.check(not any("spalled" in why for why in other["verdict_reasons"]), f"{name}: {other.text}")
 
 
 def waves(report):

@@ -91,7 +91,7 @@ def rest(book, scene, run):
     identity at each node, but for the first step of a contact)."""
     momentum(book, scene, run)
     if scene.friction == 0:
-        book.at_most(scene.name, "falls of the energy taken by contact", excess(run.history(), scene.update)[2], 1e-10)
+        book.at_most(scene.name, "falls of the energy taken by contact", excess(run.history(), scene.update)[2], 1e-9)
     times, push, lift = reaction(scene, run)
     late = times > 0.8*times[-1]
     weight = scene.gravity*sum(block.mass for block in scene.soft())

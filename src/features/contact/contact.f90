@@ -54,7 +54,7 @@ module sgmp_contact
     real(dp) :: gap_speed = 0.0_dp         !! that closes a gap of one cell in the position step
     real(dp) :: pic = 0.0_dp               !! share of the grid's velocity in particles' (1 - flip)
     real(dp) :: gravity(3) = 0.0_dp
-    real(dp) :: work_part = 0.5_dp         !! of a kick's change of velocity, on whose way forces work
+    real(dp) :: work_part = 0.5_dp         !! of a kick's change of velocity, where forces work
     logical :: strains_with_trial = .false.  !! the trial velocity also strains the particles (USL)
     real(dp) :: before = 0.0_dp, after = 0.0_dp
       !! parts of the strain that come from velocities before and after the kick

@@ -10,9 +10,9 @@ module sgmp_contact_build
   use sgmp_model, only: model_t
   use sgmp_patches, only: patch_of
   use sgmp_scene, only: body_card_t, contact_card_t, layout_file, layout_graded, scene_t
-  use sgmp_shapes, only: shape_block, shape_polygon, surface_depth
+  use sgmp_shapes, only: shape_block, surface_depth
   use sgmp_surface_particles, only: surface_covered
-  use sgmp_turn, only: turn_back
+  use sgmp_turn, only: turn_back, turn_same
   implicit none
   private
   public :: contact_pairs, contact_fields, contact_add_slot, contact_fill_slot, &
@@ -22,10 +22,11 @@ module sgmp_contact_build
   real(dp), parameter :: contact_no_surface = -2.0e3_dp
   real(dp), parameter :: outside = 0.05_dp   !! part of the spacing by which a particle may lie out
   real(dp), parameter :: interior = 0.95_dp  !! particles with a larger offset are covered by others
-  !> How far outside of a rigid body (cells) contact acts at nodes, where faces are flat. Farther ones
-  !! would hold a layer of the other body, which then bears no stress; round bodies want them, for
-  !! they touch in a patch of few cells, which would give way (doc/contact.md).
-  real(dp), parameter :: rigid_reach = 0.5_dp
+  !> How far outside of a body that is held (cells) contact acts at nodes, between blocks. Farther
+  !! ones would hold a layer of the other body, which then bears no stress; round bodies want them,
+  !! for they touch in a patch of few cells, which would give way, and sharp ones, which would cut
+  !! in (doc/contact.md).
+  real(dp), parameter :: held_reach = 0.5_dp
 
 contains
 
@@ -34,7 +35,7 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(inout) :: model
     type(contact_pair_t) :: pair
-    integer :: a, b, first, n, card(size(model%bodies), size(model%bodies))
+    integer :: a, b, first, n, side, card(size(model%bodies), size(model%bodies))
     integer :: leader(size(model%bodies)), of(size(model%bodies))
     n = size(scene%bodies)
     of = [(merge(model%bodies(b)%twin_of, b, model%bodies(b)%twin_of > 0), b=1, size(of))]
@@ -60,7 +61,8 @@ contains
         pair%kind = merge(model%bodies(pair%body)%family, pair%field, &
                           model%bodies(pair%body)%family > 0)
         if (is_listed(model%contact%pairs, pair%field)) cycle
-        if (all(is_flat(scene, model%bodies, pair%field))) pair%reach = rigid_reach
+        pair%held = [(is_held(scene, model, pair%body(side)), side=1, 2)]
+        if (any(pair%held)) pair%reach = reach_of(scene, model, pair)
         pair%fills = pair%normal == normal_separating .and. &
                      any(law_gaseous(model%bodies%law) .and. &
                          (model%bodies%field == pair%field(1) .or. &
@@ -316,22 +318,62 @@ contains
     end if
   end function make_pair
 
-  !> Whether all bodies of some fields are made of blocks and polygons.
-  pure function is_flat(scene, bodies, fields) result(flat)
+  !> How far outside of a body that is held nodes are in contact: where it is a block, and covers
+  !! the other, a block, too, which has no body beside it in its field.
+  pure function reach_of(scene, model, pair) result(reach)
     type(scene_t), intent(in) :: scene
-    type(body_t), intent(in) :: bodies(:)
-    integer, intent(in) :: fields(:)
-    logical :: flat(size(fields))
-    logical :: body_flat
-    integer :: b
-    flat = .true.
-    do b = 1, size(scene%bodies)
-      body_flat = allocated(scene%bodies(b)%shapes)
-      if (body_flat) body_flat = all(scene%bodies(b)%shapes%kind == shape_block .or. &
-                                     scene%bodies(b)%shapes%kind == shape_polygon)
-      where (fields == bodies(b)%field) flat = flat .and. body_flat
+    type(model_t), intent(in) :: model
+    type(contact_pair_t), intent(in) :: pair
+    real(dp) :: reach
+    integer :: side, b
+    reach = pair%depth
+    if (reach < huge(1.0_dp) .or. any(law_is_spherical(model%bodies(pair%body)%law))) return
+    if (any(pair%body > size(scene%bodies))) return
+    do side = 1, 2
+      associate (card => scene%bodies(pair%body(side)))
+        if (count(model%bodies%field == pair%field(side)) /= 1) return
+        if (.not. allocated(card%shapes)) return
+        if (size(card%shapes) /= 1) return
+        if (card%shapes(1)%kind /= shape_block) return
+      end associate
     end do
-  end function is_flat
+    b = findloc(pair%held, .true., dim=1)
+    if (covers(scene%bodies(pair%body(b)), scene%bodies(pair%body(3 - b)), model%mesh)) then
+      reach = held_reach
+    end if
+  end function reach_of
+
+  !> Whether the face of a block that looks at another at the start covers that.
+  pure function covers(card, other, mesh) result(yes)
+    type(body_card_t), intent(in) :: card, other
+    type(mesh_t), intent(in) :: mesh
+    logical :: yes
+    logical, dimension(mesh%ndim) :: apart, within
+    real(dp) :: slack
+    slack = 0.01_dp*mesh%h
+    associate (own => card%shapes(1), its => other%shapes(1), n => mesh%ndim)
+      apart = own%lower(:n) > its%upper(:n) - slack .or. own%upper(:n) < its%lower(:n) + slack
+      within = own%lower(:n) < its%lower(:n) + slack .and. own%upper(:n) > its%upper(:n) - slack
+    end associate
+    yes = turn_same(card%turn, other%turn) .and. count(apart) == 1 .and. all(apart .or. within)
+  end function covers
+
+  !> Whether a body moves as prescribed, as a whole.
+  pure function is_held(scene, model, b) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    logical :: yes
+    integer :: m
+    yes = model%bodies(b)%rigid
+    do m = 1, size(scene%motions)
+      associate (motion => scene%motions(m))
+        if (motion%body /= b .or. .not. all(motion%axes(:model%mesh%ndim))) cycle
+        yes = yes .or. (motion%where%is_constant .and. abs(motion%where%value) > 0.0_dp .and. &
+                        motion%until >= huge(1.0_dp))
+      end associate
+    end do
+  end function is_held
 
   !> Stiffness that the option normal=stiffer compares.
   pure function stiffness(model, b) result(k)

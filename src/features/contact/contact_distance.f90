@@ -126,21 +126,19 @@ contains
       if (pair%fills .and. abs(shared%middle(l)) > far*sides(1)) shared%middle(l) = 0.0_dp
       shared%near(l) = (pair%fills .or. above - below < pair%lambda + margin) .and. &
                        abs(shared%middle(l)) <= sides(1)*pair%depth + edge .and. &
-                       outside(shared, at, bodies, shared%middle(l)) <= sides(1)*pair%reach + edge
+                       outside(pair, shared%middle(l)) <= sides(1)*pair%reach + edge
     end associate
   end subroutine measure
 
-  !> How far a node lies outside of a rigid body, from where bodies touch; minus a lot if both give
-  !! way.
-  pure function outside(shared, at, bodies, middle) result(way)
-    type(shared_nodes_t), intent(in) :: shared
-    integer, intent(in) :: at(2)                 !! members
-    type(body_t), intent(in) :: bodies(:)
+  !> How far a node lies outside of a body that is held, from where bodies touch; minus a lot if
+  !! both give way.
+  elemental function outside(pair, middle) result(way)
+    type(contact_pair_t), intent(in) :: pair
     real(dp), intent(in) :: middle               !! along the normal, from the node
     real(dp) :: way
     way = nowhere
-    if (bodies(shared%body(at(2)))%rigid) way = middle
-    if (bodies(shared%body(at(1)))%rigid) way = -middle
+    if (pair%held(2)) way = middle
+    if (pair%held(1)) way = -middle
   end function outside
 
   !> Outward direction of a member at a node, and of all that are one matter with it there.

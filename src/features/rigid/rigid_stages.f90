@@ -18,8 +18,8 @@ module sgmp_rigid_stages
   use sgmp_rigid_motion, only: freedoms, motion_advance, motion_axes, motion_energy, motion_plan, &
                                rigid_motion_t
   use sgmp_rotor, only: rotor_matrix
-  use sgmp_space, only: axes_in_output
   use sgmp_shared_nodes, only: shared_nodes_t, shared_place
+  use sgmp_space, only: axes_in_output
   use sgmp_totals, only: totals_t
   use sgmp_vectors, only: cross
   implicit none
@@ -101,8 +101,8 @@ contains
     end do
   end subroutine free_settle
 
-  !> The velocity with which free bodies strain the others. What contact takes from the bodies' nodes
-  !! to make that velocity obey, and no particle receives, is taken from a free body as a whole: else
+  !> The velocity with which free bodies strain the others. What contact takes from the nodes to
+  !! make that velocity obey, and no particle receives, is taken from a free body as a whole: else
   !! contact would do work on what comes up to a light one (doc/loads.md).
   subroutine free_strain(mesh, fields, bodies, contact, column, ranks)
     type(mesh_t), intent(in) :: mesh
