@@ -5,6 +5,7 @@ module sgmp_end_state
   use sgmp_constitutive, only: law_gaseous, material_crushable_foam, material_explosive, &
                                material_fluid
   use sgmp_debris, only: debris_possible
+  use sgmp_failure, only: failure_none
   use sgmp_filling, only: filling_measure
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp, i8, lanes
@@ -132,7 +133,7 @@ contains
       state%expansion = max(state%expansion, ratio)
       cells = mesh_occupied(mesh, body%particles%motion(l, :nd, c), volume)
       state%per_cell = min(state%per_cell, 1.0_dp/cells)
-      if (cells > 1.0_dp .and. .not. is_debris(body, l, c)) then
+      if (cells > 1.0_dp .and. .not. (is_debris(body, l, c) .or. is_spray(body, pressure))) then
         state%stretched = state%stretched + 1
         if (law_gaseous(body%law)) state%thinned = state%thinned + 1
       end if
@@ -152,6 +153,15 @@ contains
     yes = debris_possible(body%law)
     if (yes) yes = body%particles%state(l, body%law%slots%damage, c) >= 1.0_dp
   end function is_debris
+
+  !> Whether a liquid has been pulled apart as far as it bears: it has no more to say.
+  pure function is_spray(body, pressure) result(yes)
+    type(body_t), intent(in) :: body
+    real(dp), intent(in) :: pressure
+    logical :: yes
+    yes = body%law%kind == material_fluid .and. body%law%failure%tension < failure_none
+    if (yes) yes = pressure <= -body%law%failure%tension
+  end function is_spray
 
   !> Whether a body is meant to stay in one piece: no fluid, and its material does not fail.
   pure function holds_together(body) result(yes)

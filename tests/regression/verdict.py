@@ -511,6 +511,7 @@ def criteria(report):
     row(report)
     waves(report)
     spall(report)
+    spray(report)
     tubes = [("sgmp", sound(report, "sod_sgmp", SOD, method="sgmp"), 0.05)]  # which splits what grows too large
     for method in ("gimp", "bspline"):  # the fan leaves gaps; between it and the shock by Riemann's solution
         tubes.append((method, coarse(report, f"sod_{method}", SOD, "larger than a cell", 0.1, method=method), 0.1))
@@ -863,6 +864,35 @@ def spall(report):
     for name, words in (("spall_weak", "failure steel pmin=-300"), ("spall_none", "")):
         other = run(name, SPALL.replace("failure steel pmin=-2484", words))
         report.check(not any("spalled" in why for why in other["verdict_reasons"]), f"{name}: {other.text}")
+
+
+SLUG = """
+units mm g ms
+dimension 1
+grid cell=1/8
+method sgmp
+time end=4e-3 cfl=0.3
+material water fluid density=1e-3
+eos water gruneisen c0=1480 s=1.92 gamma0=0.1
+failure water pmin=0
+material steel johnson_cook density=7.83e-3 young=207000 poisson=0.29 yield=500
+eos steel gruneisen c0=4569 s=1.49 gamma0=1.93
+viscosity all
+body slug block material=water lower=0 upper=2 ppc=2
+velocity slug x="300*(1-0.9*(x<1))"
+body plate block material=steel lower=2 upper=3 ppc=2
+contact all
+history steps=50
+"""
+
+
+def spray(report):
+    """Water that has come apart is no gap in what bears something."""
+    result = run("spray", SLUG)
+    if not report.finished(result, "spray"):
+        return
+    report.check(result["end_state.least_particles_per_cell"] < 0.9, "spray: nothing was pulled apart")
+    report.check(not any("larger than a cell" in why for why in result["verdict_reasons"]), f"spray: {result.text}")
 
 
 def waves(report):
